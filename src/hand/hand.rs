@@ -1,0 +1,89 @@
+//! The seam between the hand program and whatever moves: a simulated rig, a recording, real drives.
+
+use glam::DVec3;
+
+/// What the encoders of one finger say.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JointState {
+    /// Joint angles theta1..theta3, rad.
+    pub position: DVec3,
+    /// Joint velocities, rad/s.
+    pub velocity: DVec3,
+}
+
+/// What the encoders of all fingers say at one time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HandState {
+    /// Time of the reading, s.
+    pub stamp: f64,
+    /// One entry per finger.
+    pub joints: Vec<JointState>,
+}
+
+impl HandState {
+    /// `fingers` fingers at joint angles zero and at rest, at time 0.
+    pub fn zero(fingers: usize) -> Self {
+        let joint = JointState {
+            position: DVec3::ZERO,
+            velocity: DVec3::ZERO,
+        };
+        Self {
+            stamp: 0.0,
+            joints: vec![joint; fingers],
+        }
+    }
+}
+
+/// What the drives of all fingers are to do until the next command.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HandCommand {
+    /// Joint velocities theta1..theta3 of each finger, rad/s.
+    pub joint_velocity: Vec<DVec3>,
+}
+
+impl HandCommand {
+    /// All `fingers` fingers stop.
+    pub fn stop(fingers: usize) -> Self {
+        Self {
+            joint_velocity: vec![DVec3::ZERO; fingers],
+        }
+    }
+}
+
+/// Why a hand could not be read or moved.
+#[derive(Debug, thiserror::Error)]
+pub enum HandError {
+    /// The state or the command is for another number of fingers.
+    #[error("the hand has {expected} fingers, the state or command has {actual}")]
+    FingerCount {
+        /// Fingers of the hand.
+        expected: usize,
+        /// Fingers of the state or command.
+        actual: usize,
+    },
+    /// There is no further state (the end of a recording).
+    #[error("no hand state after the {count} on record")]
+    Ended {
+        /// How many there were.
+        count: u64,
+    },
+}
+
+/// A hand of velocity-controlled fingers.
+pub trait Hand {
+    /// Number of fingers.
+    fn finger_count(&self) -> usize;
+
+    /// Fills `state` with the newest encoder readings.
+    ///
+    /// # Errors
+    /// When `state` is for another number of fingers, or nothing could be read.
+    fn read(&mut self, state: &mut HandState) -> Result<(), HandError>;
+
+    /// Sends joint velocities to the drives. They hold for one control period; a simulated hand
+    /// advances its world by that period.
+    ///
+    /// # Errors
+    /// When `command` is for another number of fingers, or the drives did not take it.
+    fn command(&mut self, command: &HandCommand) -> Result<(), HandError>;
+}

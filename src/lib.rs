@@ -1,0 +1,4 @@
+//! Feeler turns what a soft robotic fingertip feels into how the finger moves.
+
+pub mod hand;
+pub mod sensor;

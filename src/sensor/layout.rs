@@ -1,0 +1,92 @@
+//! Where the sensing elements sit on the dome.
+
+use glam::{DMat3, DVec3};
+use serde::{Deserialize, Serialize};
+
+/// The concentric arrangement of sensing elements on a hemispherical dome (paper, section II).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LayoutConfig {
+    /// Radius of the sphere on which the tips of the unloaded columnar feelers lie, m.
+    pub dome_radius: f64,
+    /// The rings, from the apex outward.
+    pub rings: Vec<RingConfig>,
+}
+
+/// One ring of equally spaced sensing elements.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RingConfig {
+    /// Number of elements on the ring, at least 1.
+    pub elements: usize,
+    /// Angle between the dome's axis and the ring's elements, degrees; 0 is the apex.
+    pub polar_angle_deg: f64,
+}
+
+/// One sensing element: a columnar feeler standing on eight conical feelers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SensingElement {
+    /// Ring that the element belongs to, 0 at the apex.
+    pub ring: usize,
+    /// Rotation of the element's frame `E_i` in the fingertip frame `T`: columns are x and y,
+    /// tangent to the dome (y along its parallel, x away from the apex along its meridian), and z,
+    /// the outward normal.
+    pub rotation: DMat3,
+}
+
+impl SensingElement {
+    /// The outward normal of the dome at the element, a unit vector in `T`.
+    pub fn normal(&self) -> DVec3 {
+        self.rotation.z_axis
+    }
+}
+
+/// The sensing elements of one fingertip, ring by ring from the apex.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ElementLayout {
+    /// Radius of the sphere on which the unloaded tips lie, m.
+    pub dome_radius: f64,
+    /// The elements.
+    pub elements: Vec<SensingElement>,
+}
+
+impl ElementLayout {
+    /// Places the elements of `config`.
+    ///
+    /// Within a ring, element j of n stands at azimuth `2 pi j / n` about the dome's axis (x of
+    /// `T`), counted from y of `T` towards z of `T`.
+    pub fn new(config: &LayoutConfig) -> Self {
+        let elements = config
+            .rings
+            .iter()
+            .enumerate()
+            .flat_map(|(ring, r)| {
+                (0..r.elements).map(move |j| {
+                    let azimuth = std::f64::consts::TAU * j as f64 / r.elements as f64;
+                    SensingElement {
+                        ring,
+                        rotation: element_rotation(r.polar_angle_deg.to_radians(), azimuth),
+                    }
+                })
+            })
+            .collect();
+        Self {
+            dome_radius: config.dome_radius,
+            elements,
+        }
+    }
+
+    /// Tip of the unloaded element `index`, m, in the fingertip frame `T` (origin: dome centre).
+    pub fn tip(&self, index: usize) -> DVec3 {
+        self.dome_radius * self.elements[index].normal()
+    }
+}
+
+/// Frame of the element at `polar` from x of `T` and `azimuth` from y of `T` towards z of `T`, rad.
+fn element_rotation(polar: f64, azimuth: f64) -> DMat3 {
+    let (sin_polar, cos_polar) = polar.sin_cos();
+    let (sin_azimuth, cos_azimuth) = azimuth.sin_cos();
+    let normal = DVec3::new(cos_polar, sin_polar * cos_azimuth, sin_polar * sin_azimuth);
+    let meridian = DVec3::new(-sin_polar, cos_polar * cos_azimuth, cos_polar * sin_azimuth);
+    DMat3::from_cols(meridian, normal.cross(meridian), normal)
+}

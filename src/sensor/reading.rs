@@ -1,0 +1,64 @@
+//! What a tactile sensor says: one tri-axial force for every sensing element.
+
+use super::camera::CameraError;
+use glam::DVec3;
+
+/// The forces on all sensing elements of one fingertip at one time.
+///
+/// Allocated once with [`TactileFrame::unloaded`] and filled again and again.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TactileFrame {
+    /// Sequence number of the picture that the forces come from.
+    pub sequence: u64,
+    /// Time of that picture, s.
+    pub stamp: f64,
+    /// Force at each element in its own frame `E_i`, N: `x`, `y` are the tangential force on the
+    /// feeler by the object along the element's x, y; `z` is the compression, the force on the
+    /// feeler by the object along -z, positive when pressed.
+    pub forces: Vec<DVec3>,
+}
+
+impl TactileFrame {
+    /// A frame of `elements` elements without load, at time 0.
+    pub fn unloaded(elements: usize) -> Self {
+        Self {
+            sequence: 0,
+            stamp: 0.0,
+            forces: vec![DVec3::ZERO; elements],
+        }
+    }
+}
+
+/// Why a tactile sensor delivered no forces.
+#[derive(Debug, thiserror::Error)]
+pub enum SensorError {
+    /// The camera delivered no frame.
+    #[error(transparent)]
+    Camera(#[from] CameraError),
+    /// The tactile frame to fill is for another number of elements.
+    #[error("the sensor has {expected} elements, the tactile frame to fill has {actual}")]
+    ElementCount {
+        /// Elements of the sensor.
+        expected: usize,
+        /// Elements of the frame to fill.
+        actual: usize,
+    },
+    /// There is no further reading (the end of a recording).
+    #[error("no tactile frame after the {count} on record")]
+    Ended {
+        /// How many there were.
+        count: u64,
+    },
+}
+
+/// Something that measures the tri-axial forces on one fingertip's sensing elements.
+pub trait TactileSensor {
+    /// Number of sensing elements.
+    fn element_count(&self) -> usize;
+
+    /// Fills `reading` with the newest forces.
+    ///
+    /// # Errors
+    /// When `reading` is for another number of elements, or nothing could be measured.
+    fn read(&mut self, reading: &mut TactileFrame) -> Result<(), SensorError>;
+}
