@@ -1,4 +1,6 @@
 //! Feeler turns what a soft robotic fingertip feels into how the finger moves.
 
 pub mod hand;
+pub mod record;
+pub mod report;
 pub mod sensor;
