@@ -15,6 +15,7 @@
 //! r = base + a1 (l2 + l3 c2 + l4 c23) + a3 (l3 s2 + l4 s23)
 //! J = dr/dtheta = [ -R3 (l2 + l3 c2 + l4 c23) | l3 (R1 s3 + R2 c3) + l4 R2 | l4 R2 ]     (2)
 //! theta_dot = J^-1 r_dot                                                                 (1)
+//! theta <- theta + J^-1 (r_d - r)                                                       (10)
 //! ```
 //!
 //! r is the origin of the fingertip frame `T`, the dome's centre; R takes a vector in `T` to `W`.
@@ -29,5 +30,6 @@
 pub mod finger;
 #[allow(clippy::module_inception)]
 pub mod hand;
+pub mod inverse_kinematics;
 pub mod kinematics;
 pub mod resolved_rate;
