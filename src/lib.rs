@@ -4,5 +4,7 @@ pub mod config;
 pub mod control;
 pub mod experiment;
 pub mod hand;
+pub mod record;
+pub mod report;
 pub mod sensor;
 pub mod sim;

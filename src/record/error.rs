@@ -1,0 +1,66 @@
+//! What can go wrong with a recording.
+
+use std::path::PathBuf;
+
+/// Why a recording could not be written or read.
+#[derive(Debug, thiserror::Error)]
+pub enum RecordError {
+    /// The file could not be created, written or read.
+    #[error("recording {path}: {source}")]
+    File {
+        /// The recording.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The container could not be written.
+    #[error("recording {path}: {source}")]
+    Mcap {
+        /// The recording.
+        path: PathBuf,
+        /// What the MCAP library said.
+        source: ::mcap::McapError,
+    },
+    /// A run's facts make no sense.
+    #[error("run facts: {field}: {expected} expected, {actual} found")]
+    Facts {
+        /// Field of [`super::RunFacts`].
+        field: &'static str,
+        /// What was expected.
+        expected: String,
+        /// What arrived.
+        actual: String,
+    },
+    /// A message for a finger that the run does not have.
+    #[error("the recording is of {fingers} fingers, the message is for finger {actual} (from 0)")]
+    Finger {
+        /// Fingers of the run.
+        fingers: usize,
+        /// Finger of the message.
+        actual: usize,
+    },
+    /// A stamp that is no time of a run.
+    #[error("{topic}: a stamp of 0 s or later expected, {stamp} found")]
+    Stamp {
+        /// Topic of the message.
+        topic: String,
+        /// Its stamp, s.
+        stamp: f64,
+    },
+    /// A message could not be put into the wire format.
+    #[error("{schema}: {reason}")]
+    Encode {
+        /// Name of the message's schema.
+        schema: &'static str,
+        /// What was wrong.
+        reason: String,
+    },
+    /// Nothing of the file is of use.
+    #[error("recording {path}: nothing readable: {reason}")]
+    NothingReadable {
+        /// The file.
+        path: PathBuf,
+        /// What was expected and what was found.
+        reason: String,
+    },
+}

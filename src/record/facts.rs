@@ -1,0 +1,146 @@
+//! What a run was: the constants that a report needs beside the messages.
+
+use super::error::RecordError;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use std::collections::BTreeMap;
+
+/// Most fingers that a recording may have; a guard against damaged files.
+pub const MAX_FINGERS: usize = 16;
+
+/// Facts whose value is a text, written as it stands; all others are written as JSON.
+const TEXT_FIELDS: [&str; 3] = ["experiment", "version", "sensing"];
+
+/// The constants of a run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RunFacts {
+    /// Name of the experiment.
+    pub experiment: String,
+    /// Seed of every random quantity.
+    pub seed: u64,
+    /// Version of the program that ran it.
+    pub version: String,
+    /// How forces were obtained: `image` (through camera pictures) or `direct`.
+    pub sensing: String,
+    /// Period of the control loop, s.
+    pub control_period: f64,
+    /// Number of fingers.
+    pub fingers: usize,
+    /// Radius of the cap, m.
+    pub cap_radius: f64,
+    /// Radius of a feeler's tip, m.
+    pub feeler_tip_radius: f64,
+    /// F1: an element pressed harder than this touches, N.
+    pub touch_force_threshold: f64,
+    /// F2: an element pressed harder than this forbids re-compression, N.
+    pub over_force_threshold: f64,
+    /// dr: an element whose shear rate exceeds this slips, N/s.
+    pub slip_threshold: f64,
+    /// Grasp force of a finger at which SEARCH ends, N.
+    pub grasp_force_threshold: f64,
+    /// Direction in which each finger approaches the object, unit vector in `W`.
+    pub approach: Vec<[f64; 3]>,
+    /// Planned direction of each finger's stroke, unit vector in `W`.
+    pub stroke_direction: Vec<[f64; 3]>,
+    /// Number of strokes to make.
+    pub stroke_count: u32,
+}
+
+impl RunFacts {
+    /// Checks what the report relies on.
+    ///
+    /// # Errors
+    /// The first field that is out of its range.
+    pub fn validate(&self) -> Result<(), RecordError> {
+        if !(1..=MAX_FINGERS).contains(&self.fingers) {
+            let expected = format!("1 to {MAX_FINGERS}");
+            return Err(facts_error("fingers", &expected, self.fingers));
+        }
+        let positive = [
+            ("control_period", self.control_period),
+            ("cap_radius", self.cap_radius),
+        ];
+        for (field, value) in positive {
+            if !(value.is_finite() && value > 0.0) {
+                return Err(facts_error(field, "a positive number", value));
+            }
+        }
+        let finite = [
+            ("feeler_tip_radius", self.feeler_tip_radius),
+            ("touch_force_threshold", self.touch_force_threshold),
+            ("over_force_threshold", self.over_force_threshold),
+            ("slip_threshold", self.slip_threshold),
+            ("grasp_force_threshold", self.grasp_force_threshold),
+        ];
+        for (field, value) in finite {
+            if !(value.is_finite() && value >= 0.0) {
+                return Err(facts_error(field, "a number from 0", value));
+            }
+        }
+        self.validate_directions("approach", &self.approach)?;
+        self.validate_directions("stroke_direction", &self.stroke_direction)
+    }
+
+    fn validate_directions(
+        &self,
+        field: &'static str,
+        directions: &[[f64; 3]],
+    ) -> Result<(), RecordError> {
+        if directions.len() != self.fingers {
+            let expected = format!("one direction for each of {} fingers", self.fingers);
+            return Err(facts_error(field, &expected, directions.len()));
+        }
+        for d in directions {
+            let length = d.iter().map(|x| x * x).sum::<f64>().sqrt();
+            // A NaN fails this comparison too.
+            if !((length - 1.0).abs() < 1e-3) {
+                return Err(facts_error(field, "unit vectors", format!("{d:?}")));
+            }
+        }
+        Ok(())
+    }
+
+    /// The facts as names and texts, as they stand in the recording.
+    pub(super) fn to_map(&self) -> Result<BTreeMap<String, String>, RecordError> {
+        let value = serde_json::to_value(self).map_err(|e| RecordError::Encode {
+            schema: "run facts",
+            reason: e.to_string(),
+        })?;
+        let Value::Object(object) = value else {
+            return Ok(BTreeMap::new());
+        };
+        let text = |value: Value| match value {
+            Value::String(text) => text,
+            other => other.to_string(),
+        };
+        Ok(object.into_iter().map(|(k, v)| (k, text(v))).collect())
+    }
+
+    /// Reads the facts back.
+    ///
+    /// # Errors
+    /// What is missing or wrong, in words.
+    pub(super) fn from_map(map: &BTreeMap<String, String>) -> Result<Self, String> {
+        let value = |(key, text): (&String, &String)| {
+            let value = if TEXT_FIELDS.contains(&key.as_str()) {
+                Value::String(text.clone())
+            } else {
+                serde_json::from_str(text).map_err(|e| format!("run fact {key}: {e}"))?
+            };
+            Ok((key.clone(), value))
+        };
+        let object: Result<serde_json::Map<_, _>, String> = map.iter().map(value).collect();
+        let facts: Self = serde_json::from_value(Value::Object(object?))
+            .map_err(|e| format!("run facts: {e}"))?;
+        facts.validate().map_err(|e| e.to_string())?;
+        Ok(facts)
+    }
+}
+
+fn facts_error(field: &'static str, expected: &str, actual: impl ToString) -> RecordError {
+    RecordError::Facts {
+        field,
+        expected: expected.into(),
+        actual: actual.to_string(),
+    }
+}

@@ -1,0 +1,23 @@
+//! The recording of a run: one MCAP file, written as the run goes, readable by any MCAP tool.
+//!
+//! Messages are ROS 2 messages (`ros2msg` schemas, `cdr` encoding), so PlotJuggler, Foxglove and
+//! Python's `mcap-ros2-support` show them without anything of ours.
+
+pub mod cdr;
+pub mod channels;
+pub mod digest;
+pub mod error;
+pub mod facts;
+pub mod recorder;
+pub mod recording;
+pub mod scan;
+
+pub use channels::{
+    Cap, Command, Fingertip, Flags, Joints, Message, NO_ELEMENT, Quaternion, Tactile, Task,
+    TaskPhase, Topic, TorqueSensor, Vector3,
+};
+pub use digest::Digest;
+pub use error::RecordError;
+pub use facts::RunFacts;
+pub use recorder::Recorder;
+pub use recording::{FingerRecord, Recording};

@@ -1,0 +1,219 @@
+//! Reads a recording back, whole or as far as it goes.
+
+use super::cdr;
+use super::channels::{
+    Cap, Command, Fingertip, Flags, Joints, Message, Tactile, Task, Topic, TorqueSensor,
+};
+use super::digest::{Digest, Digester};
+use super::error::RecordError;
+use super::facts::RunFacts;
+use super::recorder::{END, EXPERIMENT, FACTS, digest_facts};
+use super::scan::scan;
+use ::mcap::records::Record;
+use std::collections::{BTreeMap, HashMap};
+use std::path::Path;
+
+/// What one finger recorded, each list in the order of time.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct FingerRecord {
+    /// Tactile frames.
+    pub tactile: Vec<Tactile>,
+    /// Flags.
+    pub flags: Vec<Flags>,
+    /// Encoder readings.
+    pub joints: Vec<Joints>,
+    /// Commands.
+    pub command: Vec<Command>,
+    /// Fingertip poses.
+    pub fingertip: Vec<Fingertip>,
+}
+
+/// A recording in memory.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Recording {
+    /// The run's constants.
+    pub facts: RunFacts,
+    /// The experiment as run (TOML).
+    pub experiment: String,
+    /// Wall time of the run, s, if it was written.
+    pub wall_time: Option<f64>,
+    /// Digest of what was read.
+    pub digest: Digest,
+    /// Whether the recording is whole and its digest is the one it was closed with.
+    pub complete: bool,
+    /// Time of the latest message that was read, s; 0 if none.
+    pub readable_until: f64,
+    /// What is wrong with it, if it is not complete.
+    pub problem: Option<String>,
+    /// One entry per finger.
+    pub fingers: Vec<FingerRecord>,
+    /// Samples of the torque sensor.
+    pub torque_sensor: Vec<TorqueSensor>,
+    /// States of the cap.
+    pub cap: Vec<Cap>,
+    /// Where the task stood.
+    pub task: Vec<Task>,
+}
+
+impl Recording {
+    /// Reads a recording. What is readable of a damaged one is returned, with
+    /// [`complete`](Self::complete) false and [`problem`](Self::problem) saying why.
+    ///
+    /// # Errors
+    /// When the file cannot be read or not even the run's facts are in it.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, RecordError> {
+        let path = path.as_ref();
+        let file = std::fs::read(path).map_err(|source| RecordError::File {
+            path: path.to_path_buf(),
+            source,
+        })?;
+        Self::from_bytes(&file).map_err(|reason| RecordError::NothingReadable {
+            path: path.to_path_buf(),
+            reason,
+        })
+    }
+
+    /// Reads a recording from memory.
+    ///
+    /// # Errors
+    /// When not even the run's facts are readable: why, in words.
+    pub fn from_bytes(file: &[u8]) -> Result<Self, String> {
+        let mut collector = Collector::default();
+        let scanned = scan(file, &mut |record| collector.take(record));
+        collector.finish(scanned.err())
+    }
+
+    fn empty(facts: RunFacts) -> Self {
+        Self {
+            fingers: vec![FingerRecord::default(); facts.fingers],
+            facts,
+            experiment: String::new(),
+            wall_time: None,
+            digest: Digester::default().finish(),
+            complete: false,
+            readable_until: 0.0,
+            problem: None,
+            torque_sensor: Vec::new(),
+            cap: Vec::new(),
+            task: Vec::new(),
+        }
+    }
+
+    /// Stores one message.
+    fn push(&mut self, topic: Topic, bytes: &[u8]) -> Result<(), String> {
+        match topic {
+            Topic::Tactile(f) => push(&mut self.fingers[f].tactile, bytes),
+            Topic::Flags(f) => push(&mut self.fingers[f].flags, bytes),
+            Topic::Joints(f) => push(&mut self.fingers[f].joints, bytes),
+            Topic::Command(f) => push(&mut self.fingers[f].command, bytes),
+            Topic::Fingertip(f) => push(&mut self.fingers[f].fingertip, bytes),
+            Topic::TorqueSensor => push(&mut self.torque_sensor, bytes),
+            Topic::Cap => push(&mut self.cap, bytes),
+            Topic::Task => push(&mut self.task, bytes),
+        }
+    }
+}
+
+fn push<M: Message>(messages: &mut Vec<M>, bytes: &[u8]) -> Result<(), String> {
+    let message: M = cdr::decode(bytes)?;
+    if !message.stamp().is_finite() {
+        return Err(format!(
+            "a finite stamp expected, {} found",
+            message.stamp()
+        ));
+    }
+    messages.push(message);
+    Ok(())
+}
+
+/// Takes the records in and makes a [`Recording`] of them.
+#[derive(Default)]
+struct Collector {
+    recording: Option<Recording>,
+    facts: BTreeMap<String, String>,
+    digester: Option<Digester>,
+    channels: HashMap<u16, (Topic, String)>,
+    end: Option<BTreeMap<String, String>>,
+    has_experiment: bool,
+}
+
+impl Collector {
+    fn take(&mut self, record: Record<'_>) -> Result<(), String> {
+        match record {
+            Record::Metadata(m) if m.name == FACTS && self.recording.is_none() => {
+                self.recording = Some(Recording::empty(RunFacts::from_map(&m.metadata)?));
+                self.facts = m.metadata;
+            }
+            Record::Metadata(m) if m.name == END => self.end = Some(m.metadata),
+            Record::Attachment { header, data, .. } if header.name == EXPERIMENT => {
+                let text = String::from_utf8(data.into_owned());
+                let text = text.map_err(|_| format!("{EXPERIMENT} is not UTF-8 text"))?;
+                self.recording()?.experiment = text;
+                self.has_experiment = true;
+            }
+            Record::Channel(channel) => {
+                let topics = Topic::all(self.recording()?.facts.fingers);
+                if let Some(topic) = topics.into_iter().find(|t| t.name() == channel.topic) {
+                    self.channels.insert(channel.id, (topic, channel.topic));
+                }
+            }
+            Record::Message { header, data } => {
+                self.message(header.channel_id, header.log_time, &data)?;
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn recording(&mut self) -> Result<&mut Recording, String> {
+        (self.recording.as_mut()).ok_or_else(|| format!("no metadata {FACTS:?} before the data"))
+    }
+
+    fn message(&mut self, channel: u16, log_time: u64, bytes: &[u8]) -> Result<(), String> {
+        let recording = (self.recording.as_mut())
+            .ok_or_else(|| format!("no metadata {FACTS:?} before the data"))?;
+        let Some((topic, name)) = self.channels.get(&channel) else {
+            return Ok(()); // a channel of someone else's
+        };
+        recording
+            .push(*topic, bytes)
+            .map_err(|e| format!("message on {name}: {e}"))?;
+        let digester = self.digester.get_or_insert_with(|| {
+            let mut digester = Digester::default();
+            digest_facts(&mut digester, &self.facts, &recording.experiment);
+            digester
+        });
+        digester.message(name, log_time, bytes);
+        recording.readable_until = recording.readable_until.max(log_time as f64 * 1e-9);
+        Ok(())
+    }
+
+    /// Makes the recording, given why scanning stopped early.
+    fn finish(self, stopped: Option<String>) -> Result<Recording, String> {
+        let Some(mut recording) = self.recording else {
+            return Err(stopped.unwrap_or_else(|| format!("no metadata {FACTS:?} in it")));
+        };
+        let digester = self.digester.unwrap_or_else(|| {
+            let mut digester = Digester::default();
+            digest_facts(&mut digester, &self.facts, &recording.experiment);
+            digester
+        });
+        recording.digest = digester.finish();
+        recording.wall_time = (self.end.as_ref())
+            .and_then(|end| end.get("wall_time")?.parse().ok())
+            .filter(|seconds: &f64| seconds.is_finite());
+        let written = self.end.as_ref().and_then(|end| end.get("digest"));
+        recording.problem = match (stopped, written) {
+            (Some(reason), _) => Some(reason),
+            (None, _) if !self.has_experiment => Some(format!("no attachment {EXPERIMENT:?}")),
+            (None, None) => Some("the run was not closed".into()),
+            (None, Some(written)) if written != recording.digest.as_str() => Some(format!(
+                "its content has digest {}, it was closed with {written}",
+                recording.digest
+            )),
+            (None, Some(_)) => None,
+        };
+        recording.complete = recording.problem.is_none();
+        Ok(recording)
+    }
+}

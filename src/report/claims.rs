@@ -1,0 +1,420 @@
+//! The paper's claims, measured on a run.
+//!
+//! A claim holds if all its parts hold. A part whose value the recording does not define (a
+//! stroke that was not made, too few samples) does not hold, and the claim's text says so.
+
+use super::measures::{LaggedCorrelation, distance_between_paths, lagged_correlation};
+use super::run_data::{RunData, Stroke};
+use super::series::{absolute_rate, count_heaps, longest_stretch, mean, moving_mean};
+use super::strokes::StrokeMeasures;
+use serde::{Serialize, Serializer};
+
+/// Strokes that the paper's experiment makes.
+const STROKES: u32 = 4;
+/// A heap rises above this share of the run's peak…
+const HEAP_RISES_ABOVE: f64 = 0.25;
+/// …and ends when it falls below this share.
+const HEAP_ENDS_BELOW: f64 = 0.10;
+/// Length of the moving mean that goes over series before heaps are counted and before torque
+/// rate and shear rate are compared, s.
+pub const SMOOTHING: f64 = 0.05;
+/// Largest lag at which torque rate and shear rate are compared, s.
+const MAX_LAG: f64 = 0.05;
+/// Share of F2 above which an element might be damaged…
+const DAMAGE_FORCE: f64 = 1.25;
+/// …if it stays there for longer than this, s.
+const DAMAGE_TIME: f64 = 0.05;
+
+/// How a value is compared with its bound.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Relation {
+    /// value >= bound.
+    AtLeast,
+    /// value <= bound.
+    AtMost,
+    /// value < bound.
+    Below,
+    /// value == bound.
+    Equals,
+    /// |value| <= bound.
+    Within,
+}
+
+impl Relation {
+    /// Its sign, to stand between value and bound.
+    pub fn sign(self) -> &'static str {
+        match self {
+            Self::AtLeast => ">=",
+            Self::AtMost => "<=",
+            Self::Below => "<",
+            Self::Equals => "=",
+            Self::Within => "+-",
+        }
+    }
+
+    fn holds(self, value: f64, bound: f64) -> bool {
+        match self {
+            Self::AtLeast => value >= bound,
+            Self::AtMost => value <= bound,
+            Self::Below => value < bound,
+            Self::Equals => value == bound,
+            Self::Within => value.abs() <= bound,
+        }
+    }
+}
+
+impl Serialize for Relation {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.sign())
+    }
+}
+
+/// One comparison of a claim.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ClaimPart {
+    /// What is compared.
+    pub name: &'static str,
+    /// Its value, in `unit`; `None` (JSON null) where the recording does not define it.
+    pub value: Option<f64>,
+    /// How it is compared.
+    pub relation: Relation,
+    /// With what, in `unit`.
+    pub bound: f64,
+    /// Unit of value and bound; empty for ratios and counts.
+    pub unit: &'static str,
+    /// Whether it holds.
+    pub holds: bool,
+}
+
+/// One claim of the paper.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Claim {
+    /// Stable name.
+    pub id: &'static str,
+    /// The claim in words, and what was not defined, if anything.
+    pub text: String,
+    /// Value of the first part (JSON number or null).
+    pub value: Option<f64>,
+    /// All bounds, as text.
+    pub bound: String,
+    /// Whether all parts hold.
+    pub holds: bool,
+    /// Every comparison of the claim.
+    pub parts: Vec<ClaimPart>,
+}
+
+impl Claim {
+    fn new(id: &'static str, text: &str, parts: Vec<ClaimPart>) -> Self {
+        let undefined: Vec<_> = (parts.iter())
+            .filter(|part| part.value.is_none())
+            .map(|part| part.name)
+            .collect();
+        let mut text = text.to_string();
+        if !undefined.is_empty() {
+            text += &format!(" (not defined in this recording: {})", undefined.join(", "));
+        }
+        let bounds: Vec<_> = parts.iter().map(ClaimPart::bound_text).collect();
+        Self {
+            id,
+            text,
+            value: parts.first().and_then(|part| part.value),
+            bound: bounds.join("; "),
+            holds: parts.iter().all(|part| part.holds),
+            parts,
+        }
+    }
+}
+
+impl ClaimPart {
+    fn new(name: &'static str, value: Option<f64>, relation: Relation, bound: f64) -> Self {
+        let value = value.filter(|value| value.is_finite());
+        Self {
+            name,
+            value,
+            relation,
+            bound,
+            unit: "",
+            holds: value.is_some_and(|value| relation.holds(value, bound)),
+        }
+    }
+
+    fn in_unit(self, unit: &'static str) -> Self {
+        Self { unit, ..self }
+    }
+
+    fn bound_text(&self) -> String {
+        let text = format!(
+            "{} {} {} {}",
+            self.name,
+            self.relation.sign(),
+            self.bound,
+            self.unit
+        );
+        text.trim_end().to_string()
+    }
+}
+
+/// The claims, in the order of the paper.
+pub fn claims(data: &RunData) -> Vec<Claim> {
+    vec![
+        four_heaps(data),
+        first_stroke_torque_rises(data),
+        closed_after_third(data),
+        shear_rate_marks_closing(data),
+        bumps_in_step(data),
+        path_follows_contour(data),
+        path_saturates(data),
+        no_damage(data),
+    ]
+}
+
+fn four_heaps(data: &RunData) -> Claim {
+    let window = samples(data, SMOOTHING);
+    let heaps = |values: Vec<f64>| {
+        let count = count_heaps(
+            &moving_mean(&values, window),
+            HEAP_RISES_ABOVE,
+            HEAP_ENDS_BELOW,
+        );
+        count.map(|count| count as f64)
+    };
+    let rows = 0..data.time.len();
+    let grasp_force = heaps(rows.map(|row| data.grasp_force(row)).collect());
+    let torque = heaps(data.torque.clone());
+    let bound = f64::from(STROKES);
+    Claim::new(
+        "four-heaps",
+        "Grasp force and torque each show four heaps.",
+        vec![
+            ClaimPart::new("heaps of grasp force", grasp_force, Relation::Equals, bound),
+            ClaimPart::new("heaps of torque", torque, Relation::Equals, bound),
+        ],
+    )
+}
+
+fn first_stroke_torque_rises(data: &RunData) -> Claim {
+    let thirds = data.whole_stroke(1).map(|stroke| {
+        let moving = stroke.moving.clone();
+        let third = moving.len() / 3;
+        (
+            moving.start..moving.start + third,
+            moving.end - third..moving.end,
+        )
+    });
+    let first_and_last = |value: &dyn Fn(usize) -> f64| {
+        let (first, last) = thirds.clone()?;
+        Some((mean(first.map(value))?, mean(last.map(value))?))
+    };
+    let torque = first_and_last(&|row| data.torque[row]).and_then(|(a, b)| ratio(b, a));
+    let grasp_force = first_and_last(&|row| data.grasp_force(row)).and_then(|(a, b)| change(a, b));
+    Claim::new(
+        "first-stroke-torque-rises",
+        "In stroke 1 torque rises while grasp force stays level.",
+        vec![
+            ClaimPart::new(
+                "torque, last third of MOVE to first third",
+                torque,
+                Relation::AtLeast,
+                2.0,
+            ),
+            ClaimPart::new(
+                "change of mean grasp force from first third to last",
+                grasp_force,
+                Relation::Within,
+                0.30,
+            ),
+        ],
+    )
+}
+
+fn closed_after_third(data: &RunData) -> Claim {
+    let peak_torque = compare(data, 3, 4, |m| m.peak_torque, change);
+    let peak_grasp = compare(data, 3, 4, |m| m.peak_grasp_force, change);
+    let cap_turn = compare(
+        data,
+        1,
+        4,
+        |m| m.cap_turn,
+        |first, fourth| ratio(fourth, first),
+    );
+    Claim::new(
+        "closed-after-third",
+        "Strokes 3 and 4 are alike: the cap is closed after the third.",
+        vec![
+            ClaimPart::new(
+                "change of peak torque from stroke 3 to 4",
+                peak_torque,
+                Relation::Within,
+                0.15,
+            ),
+            ClaimPart::new(
+                "change of peak grasp force from stroke 3 to 4",
+                peak_grasp,
+                Relation::Within,
+                0.15,
+            ),
+            ClaimPart::new(
+                "cap turn, stroke 4 to stroke 1",
+                cap_turn,
+                Relation::AtMost,
+                0.05,
+            ),
+        ],
+    )
+}
+
+fn shear_rate_marks_closing(data: &RunData) -> Claim {
+    let marked = compare(data, 1, 4, |m| m.peak_shear_rate, |a, b| ratio(b, a));
+    Claim::new(
+        "shear-rate-marks-closing",
+        "The shear rate is marked in stroke 4, not in stroke 1.",
+        vec![ClaimPart::new(
+            "99th percentile of the largest element's shear rate over MOVE, stroke 4 to stroke 1",
+            marked,
+            Relation::AtLeast,
+            2.0,
+        )],
+    )
+}
+
+fn bumps_in_step(data: &RunData) -> Claim {
+    let stretches: Option<Vec<_>> = [3, 4]
+        .map(|index| data.whole_stroke(index).map(|stroke| rates(data, stroke)))
+        .into_iter()
+        .collect();
+    let max_lag = (MAX_LAG / data.facts.control_period).round() as usize;
+    let best: Option<LaggedCorrelation> =
+        stretches.and_then(|stretches| lagged_correlation(&stretches, max_lag));
+    let lag = best.map(|best| f64::from(best.lag) * data.facts.control_period);
+    Claim::new(
+        "bumps-in-step",
+        "Bumps of shear rate and of torque are in step (MOVE of strokes 3 and 4).",
+        vec![
+            ClaimPart::new(
+                "correlation of |d torque/dt| with the shear rate",
+                best.map(|best| best.correlation),
+                Relation::AtLeast,
+                0.4,
+            ),
+            ClaimPart::new("lag of torque", lag, Relation::Within, MAX_LAG).in_unit("s"),
+        ],
+    )
+}
+
+/// Shear rate and absolute torque rate over MOVE, treated alike: each is the absolute difference
+/// of one control step to the next (the shear rate is so by its definition), then goes through
+/// the same centred moving mean of [`SMOOTHING`], which takes out the noise of the A/D converter
+/// that a difference brings up. The torque sensor's own delay is left to the lag.
+pub fn rates(data: &RunData, stroke: &Stroke) -> (Vec<f64>, Vec<f64>) {
+    let first = stroke.moving.start.max(1);
+    let rows = first..stroke.moving.end.max(first);
+    let window = samples(data, SMOOTHING);
+    let shear: Vec<f64> = rows.clone().map(|row| data.shear_rate(row)).collect();
+    let torque = absolute_rate(&data.torque[first - 1..rows.end], data.facts.control_period);
+    (moving_mean(&shear, window), moving_mean(&torque, window))
+}
+
+fn path_follows_contour(data: &RunData) -> Claim {
+    let bend = compare(data, 1, 4, |m| m.path_inward_bend, |a, b| ratio(b, a));
+    let distance = compare(data, 1, 4, |m| m.path_rms_to_contour, |a, b| ratio(b, a));
+    Claim::new(
+        "path-follows-contour",
+        "The straight segment becomes curved towards the cap.",
+        vec![
+            ClaimPart::new(
+                "inward bend, stroke 4 to stroke 1",
+                bend,
+                Relation::AtLeast,
+                2.0,
+            ),
+            ClaimPart::new(
+                "RMS distance to the contour, stroke 4 to stroke 1",
+                distance,
+                Relation::Below,
+                1.0,
+            ),
+        ],
+    )
+}
+
+fn path_saturates(data: &RunData) -> Claim {
+    let paths = |index, finger: usize| {
+        let stroke = data.whole_stroke(index)?;
+        Some(&data.fingers[finger].position[stroke.moving.clone()])
+    };
+    let distances: Option<Vec<f64>> = (0..data.fingers.len())
+        .map(|finger| distance_between_paths(paths(3, finger)?, paths(4, finger)?))
+        .collect();
+    let distance = distances.and_then(mean);
+    let bend = measures(data, 4).and_then(|m| m.path_inward_bend);
+    let share = distance.zip(bend).and_then(|(d, bend)| ratio(d, bend));
+    Claim::new(
+        "path-saturates",
+        "The path's modification saturates after closing.",
+        vec![ClaimPart::new(
+            "RMS distance between the paths of strokes 3 and 4, to stroke 4's bend",
+            share,
+            Relation::AtMost,
+            0.15,
+        )],
+    )
+}
+
+fn no_damage(data: &RunData) -> Claim {
+    let limit = DAMAGE_FORCE * data.facts.over_force_threshold;
+    let longest = (data.fingers.iter())
+        .flat_map(|finger| {
+            let elements = finger.compression.iter().map(Vec::len).max().unwrap_or(0);
+            (0..elements).map(move |element| {
+                let force = |row: &Vec<f64>| row.get(element).copied().unwrap_or(0.0);
+                longest_stretch(finger.compression.iter().map(|row| force(row) > limit))
+            })
+        })
+        .max();
+    let longest = longest.map(|rows| rows as f64 * data.facts.control_period);
+    Claim::new(
+        "no-damage",
+        "OVER protects the elements.",
+        vec![
+            ClaimPart::new(
+                "longest time of an element above 1.25 F2",
+                longest,
+                Relation::AtMost,
+                DAMAGE_TIME,
+            )
+            .in_unit("s"),
+        ],
+    )
+}
+
+fn measures(data: &RunData, index: u32) -> Option<StrokeMeasures> {
+    let stroke = data.whole_stroke(index)?;
+    Some(StrokeMeasures::new(data, stroke))
+}
+
+/// A measure of one stroke against that of another.
+fn compare(
+    data: &RunData,
+    a: u32,
+    b: u32,
+    measure: impl Fn(&StrokeMeasures) -> Option<f64>,
+    comparison: impl Fn(f64, f64) -> Option<f64>,
+) -> Option<f64> {
+    comparison(measure(&measures(data, a)?)?, measure(&measures(data, b)?)?)
+}
+
+/// `value / reference`; none unless the reference is above 0.
+fn ratio(value: f64, reference: f64) -> Option<f64> {
+    (reference > 0.0).then(|| value / reference)
+}
+
+/// `(to - from) / from`; none unless `from` is above 0.
+fn change(from: f64, to: f64) -> Option<f64> {
+    ratio(to - from, from)
+}
+
+/// The odd number of samples nearest to a time, at least 1.
+fn samples(data: &RunData, time: f64) -> usize {
+    let samples = (time / data.facts.control_period).round().clamp(1.0, 1e6) as usize;
+    samples | 1
+}

@@ -1,0 +1,98 @@
+//! Makes a run's report from its recording.
+
+use super::claims::Claim;
+use super::run_data::RunData;
+use super::summary::Summary;
+use crate::record::{RecordError, Recording};
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Name of the recording in a run's directory.
+pub const RECORDING: &str = "recording.mcap";
+/// Name of the summary in a run's directory.
+pub const SUMMARY: &str = "summary.json";
+
+/// Why a report could not be made.
+#[derive(Debug, thiserror::Error)]
+pub enum ReportError {
+    /// There is no recording of which anything is readable.
+    #[error(transparent)]
+    Recording(#[from] RecordError),
+    /// A file of the report could not be written.
+    #[error("report {path}: {source}")]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+}
+
+/// What [`make`] made.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReportOutcome {
+    /// `summary.json`.
+    pub summary_path: PathBuf,
+    /// Whether the recording is whole.
+    pub complete: bool,
+    /// What is wrong with the recording, if it is not whole.
+    pub problem: Option<String>,
+    /// Time up to which the recording is readable, s.
+    pub readable_until: f64,
+    /// What stands in `summary.json`.
+    pub summary: Summary,
+}
+
+impl ReportOutcome {
+    /// The paper's claims.
+    pub fn claims(&self) -> &[Claim] {
+        &self.summary.claims
+    }
+}
+
+/// Reads `recording.mcap` in `run_dir` and writes the report beside it. A damaged recording
+/// gives a report of what is readable, marked as incomplete.
+///
+/// # Errors
+/// When nothing of the recording is readable or a file cannot be written.
+pub fn make(run_dir: impl AsRef<Path>) -> Result<ReportOutcome, ReportError> {
+    let run_dir = run_dir.as_ref();
+    let recording = Recording::read(run_dir.join(RECORDING))?;
+    let data = RunData::new(&recording);
+    let summary = Summary::new(&recording, &data);
+    let summary_path = run_dir.join(SUMMARY);
+    let json = summary.to_json().map_err(|e| ReportError::Write {
+        path: summary_path.clone(),
+        source: e.into(),
+    })?;
+    write_whole(&summary_path, json.as_bytes())?;
+    Ok(ReportOutcome {
+        summary_path,
+        complete: recording.complete,
+        problem: recording.problem,
+        readable_until: recording.readable_until,
+        summary,
+    })
+}
+
+/// Writes a file so that it is there whole or not at all.
+fn write_whole(path: &Path, content: &[u8]) -> Result<(), ReportError> {
+    let mut name = path.file_name().unwrap_or_default().to_os_string();
+    name.push(".part");
+    let part = path.with_file_name(name);
+    let written = fs::File::create(&part)
+        .and_then(|mut file| {
+            file.write_all(content)?;
+            file.sync_all()
+        })
+        .and_then(|()| fs::rename(&part, path));
+    written.map_err(|source| {
+        // The part is of no use to anyone; that it may not exist does not matter.
+        let _ = fs::remove_file(&part);
+        ReportError::Write {
+            path: path.to_path_buf(),
+            source,
+        }
+    })
+}

@@ -1,0 +1,155 @@
+//! Measures of paths and series that the claims are about; each a pure function.
+
+use super::series::{correlation, finite, maximum, rms};
+use glam::{DVec2, DVec3};
+
+/// Largest inward deviation of a path from a straight line, m: the largest component along
+/// `approach` of the path's offset from the line through its first point along `direction`.
+///
+/// At least 0, since the first point lies on the line. `approach` and `direction` are unit
+/// vectors in the frame of the path.
+pub fn inward_bend(path: &[DVec3], direction: DVec3, approach: DVec3) -> Option<f64> {
+    let start = *path.first()?;
+    maximum(path.iter().map(|point| {
+        let along = *point - start;
+        let offset = along - along.dot(direction) * direction;
+        offset.dot(approach)
+    }))
+}
+
+/// Signed horizontal distance of a feeler's undeformed tip centre from the circle it would run
+/// on if it touched a cap of `cap_radius` about `centre` without being deformed, m; negative =
+/// inside, i.e. pressed in.
+pub fn distance_to_contour(tip: DVec3, centre: DVec3, cap_radius: f64, tip_radius: f64) -> f64 {
+    (tip - centre).truncate().length() - (cap_radius + tip_radius)
+}
+
+/// RMS distance between two paths as curves in the horizontal plane, m: of every point of each
+/// from the nearest point of the other, whatever the time it was there.
+pub fn distance_between_paths(a: &[DVec3], b: &[DVec3]) -> Option<f64> {
+    if a.is_empty() || b.is_empty() {
+        return None;
+    }
+    let [a, b] = [a, b].map(|path| path.iter().map(|p| p.truncate()).collect::<Vec<_>>());
+    let there = a.iter().map(|&point| distance_to_path(point, &b));
+    let back = b.iter().map(|&point| distance_to_path(point, &a));
+    rms(there.chain(back))
+}
+
+/// Distance of a point from a path of straight pieces.
+fn distance_to_path(point: DVec2, path: &[DVec2]) -> f64 {
+    let to_piece = |piece: &[DVec2]| {
+        let (start, along) = (piece[0], piece[1] - piece[0]);
+        let length_squared = along.length_squared();
+        let share = if length_squared > 0.0 {
+            ((point - start).dot(along) / length_squared).clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
+        point.distance(start + share * along)
+    };
+    let first = path
+        .first()
+        .map_or(f64::NAN, |first| point.distance(*first));
+    path.windows(2).map(to_piece).fold(first, f64::min)
+}
+
+/// The best correlation of two series within a lag, and that lag.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LaggedCorrelation {
+    /// Pearson's correlation.
+    pub correlation: f64,
+    /// Samples by which the second series is later than the first.
+    pub lag: i32,
+}
+
+/// The best correlation of `x` with `y` over stretches of samples (no pair spans two stretches),
+/// with `y` later than `x` by any lag within `-max_lag..=max_lag` samples.
+pub fn lagged_correlation(
+    stretches: &[(Vec<f64>, Vec<f64>)],
+    max_lag: usize,
+) -> Option<LaggedCorrelation> {
+    let max_lag = i32::try_from(max_lag).ok()?;
+    (-max_lag..=max_lag)
+        .filter_map(|lag| {
+            let pairs: Vec<_> = (stretches.iter())
+                .flat_map(|(x, y)| lagged_pairs(x, y, lag))
+                .collect();
+            Some(LaggedCorrelation {
+                correlation: finite(correlation(&pairs)?)?,
+                lag,
+            })
+        })
+        .max_by(|a, b| a.correlation.total_cmp(&b.correlation))
+}
+
+fn lagged_pairs<'a>(x: &'a [f64], y: &'a [f64], lag: i32) -> impl Iterator<Item = (f64, f64)> + 'a {
+    let shift = lag.unsigned_abs() as usize;
+    let (x_skip, y_skip) = if lag >= 0 { (0, shift) } else { (shift, 0) };
+    (x.iter().skip(x_skip).copied()).zip(y.iter().skip(y_skip).copied())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn close(actual: Option<f64>, expected: f64) {
+        let actual = actual.expect("a value");
+        assert!((actual - expected).abs() < 1e-12, "{actual} != {expected}");
+    }
+
+    #[test]
+    fn the_bend_is_the_largest_inward_offset_from_the_line() {
+        let path = [
+            DVec3::new(0.020, 0.0, 0.0),
+            DVec3::new(0.019, 0.004, 0.0),
+            DVec3::new(0.021, 0.008, 0.0),
+        ];
+        close(inward_bend(&path, DVec3::Y, DVec3::NEG_X), 0.001);
+        close(inward_bend(&path[..1], DVec3::Y, DVec3::NEG_X), 0.0);
+        assert_eq!(inward_bend(&[], DVec3::Y, DVec3::NEG_X), None);
+    }
+
+    #[test]
+    fn motion_along_a_slanted_stroke_is_no_bend() {
+        let direction = DVec3::new(0.6, 0.8, 0.0);
+        let path: Vec<_> = (0..5).map(|i| 0.001 * f64::from(i) * direction).collect();
+        close(inward_bend(&path, direction, DVec3::NEG_X), 0.0);
+    }
+
+    #[test]
+    fn the_contour_is_a_circle_whatever_the_height() {
+        let centre = DVec3::new(0.001, 0.0, 0.05);
+        let tip = DVec3::new(0.001, 0.0155, 0.0);
+        close(Some(distance_to_contour(tip, centre, 0.014, 0.0015)), 0.0);
+        let inside = tip - 0.0002 * DVec3::Y;
+        close(
+            Some(distance_to_contour(inside, centre, 0.014, 0.0015)),
+            -0.0002,
+        );
+    }
+
+    #[test]
+    fn parallel_paths_are_their_distance_apart_at_any_pace() {
+        let a: Vec<_> = (0..11)
+            .map(|i| DVec3::new(0.0, f64::from(i), 0.0))
+            .collect();
+        let b = [DVec3::new(0.5, 0.0, 3.0), DVec3::new(0.5, 10.0, 3.0)];
+        close(distance_between_paths(&a, &b), 0.5);
+        close(distance_between_paths(&a, &a), 0.0);
+        assert_eq!(distance_between_paths(&a, &[]), None);
+    }
+
+    #[test]
+    fn a_delayed_copy_is_found_at_its_delay() {
+        let wave = |i: i32| (f64::from(i) * 0.7).sin() + 0.3 * (f64::from(i) * 1.9).cos();
+        let x: Vec<_> = (0..80).map(wave).collect();
+        let later: Vec<_> = (0..80).map(|i| 2.0 * wave(i - 3) + 1.0).collect();
+        let best = lagged_correlation(&[(x.clone(), later.clone())], 5).unwrap();
+        assert_eq!(best.lag, 3);
+        assert!((best.correlation - 1.0).abs() < 1e-12);
+        let out_of_reach = lagged_correlation(&[(x, later)], 2).unwrap();
+        assert!(out_of_reach.correlation < 0.99);
+        assert_eq!(lagged_correlation(&[], 5), None);
+    }
+}

@@ -1,0 +1,15 @@
+//! The report of a run: measures, claims, figures and page, all from its recording alone.
+
+pub mod claims;
+pub mod make;
+pub mod measures;
+pub mod run_data;
+pub mod series;
+pub mod strokes;
+pub mod summary;
+
+pub use claims::{Claim, ClaimPart};
+pub use make::{ReportError, ReportOutcome, make};
+pub use run_data::{FingerColumns, RunData, Stroke};
+pub use strokes::StrokeMeasures;
+pub use summary::Summary;

@@ -1,0 +1,69 @@
+//! `summary.json`: a run in numbers, with stable keys.
+
+use super::claims::{Claim, claims};
+use super::run_data::RunData;
+use super::series::finite;
+use super::strokes::StrokeMeasures;
+use crate::record::Recording;
+use serde::Serialize;
+
+/// A run in numbers. The field names are the keys of `summary.json`; what is not known is null.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Summary {
+    /// Name of the experiment.
+    pub experiment: String,
+    /// Seed of every random quantity.
+    pub seed: u64,
+    /// Version of the program that ran it.
+    pub version: String,
+    /// How forces were obtained: `image` or `direct`.
+    pub sensing: String,
+    /// Whether the recording is whole.
+    pub complete: bool,
+    /// Time of the run that is on record, s.
+    pub sim_time: f64,
+    /// Wall time that the run took, s.
+    pub wall_time: Option<f64>,
+    /// `sim_time / wall_time`.
+    pub real_time_factor: Option<f64>,
+    /// The strokes, in the order of time.
+    pub strokes: Vec<StrokeMeasures>,
+    /// The paper's claims.
+    pub claims: Vec<Claim>,
+    /// Angle the cap has turned at the end, rad, positive = closing.
+    pub cap_angle: Option<f64>,
+    /// Digest of the recording's content.
+    pub digest: String,
+}
+
+impl Summary {
+    /// Summarises a recording.
+    pub fn new(recording: &Recording, data: &RunData) -> Self {
+        let facts = &recording.facts;
+        let factor = |seconds| finite(recording.readable_until / seconds);
+        Self {
+            experiment: facts.experiment.clone(),
+            seed: facts.seed,
+            version: facts.version.clone(),
+            sensing: facts.sensing.clone(),
+            complete: recording.complete,
+            sim_time: recording.readable_until,
+            wall_time: recording.wall_time,
+            real_time_factor: recording.wall_time.and_then(factor),
+            strokes: (data.strokes.iter())
+                .map(|stroke| StrokeMeasures::new(data, stroke))
+                .collect(),
+            claims: claims(data),
+            cap_angle: (recording.cap.last()).and_then(|cap| finite(cap.angle)),
+            digest: recording.digest.to_string(),
+        }
+    }
+
+    /// The text of `summary.json`.
+    ///
+    /// # Errors
+    /// None that a summary can cause; serde's signature has one.
+    pub fn to_json(&self) -> Result<String, serde_json::Error> {
+        serde_json::to_string_pretty(self).map(|json| json + "\n")
+    }
+}

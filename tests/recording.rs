@@ -1,0 +1,218 @@
+//! A recording reads back as it was written, and says what is left when it is damaged.
+
+mod support;
+
+use feeler::record::{RecordError, Recorder, Recording, Tactile, TaskPhase, Vector3};
+use proptest::prelude::*;
+use std::path::PathBuf;
+use std::sync::OnceLock;
+
+/// A directory of this test's own, made anew.
+fn directory(name: &str) -> PathBuf {
+    let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = std::fs::remove_dir_all(&path);
+    std::fs::create_dir_all(&path).expect("the test's directory");
+    path
+}
+
+/// The bytes of a short run's recording.
+fn short_run() -> &'static [u8] {
+    static BYTES: OnceLock<Vec<u8>> = OnceLock::new();
+    BYTES.get_or_init(|| {
+        let path = directory("short-run").join("recording.mcap");
+        support::write_run(&path, 1).expect("a recording");
+        std::fs::read(path).expect("its bytes")
+    })
+}
+
+#[test]
+fn a_recording_reads_back_as_written() {
+    let path = directory("round-trip").join("recording.mcap");
+    let digest = support::write_run(&path, 4).unwrap();
+    let recording = Recording::read(&path).unwrap();
+    assert_eq!(recording.problem, None);
+    assert!(recording.complete);
+    assert_eq!(recording.digest, digest);
+    assert_eq!(recording.facts, support::facts());
+    assert_eq!(recording.experiment, support::EXPERIMENT);
+    assert_eq!(recording.wall_time, Some(0.25));
+    assert_eq!(recording.fingers.len(), 2);
+    let steps = recording.task.len();
+    assert_eq!(steps, 4 * 300 + 20);
+    for finger in &recording.fingers {
+        assert_eq!(finger.tactile.len(), steps);
+        assert_eq!(finger.flags.len(), steps);
+        assert_eq!(finger.joints.len(), steps);
+        assert_eq!(finger.command.len(), steps);
+        assert_eq!(finger.fingertip.len(), steps);
+    }
+    assert_eq!(recording.torque_sensor.len(), steps);
+    assert_eq!(recording.cap.len(), steps);
+    assert_eq!(recording.task[100].phase, TaskPhase::Move);
+    assert_eq!(recording.task[100].reason, "Move");
+    assert_eq!(
+        recording.fingers[1].flags[150].shear_rate.len(),
+        support::ELEMENTS
+    );
+    assert_eq!(recording.fingers[1].joints[95].velocity, [0.0, 0.1, -0.1]);
+}
+
+#[test]
+fn the_digest_is_of_the_content_and_not_of_the_wall_time() {
+    let directory = directory("digest");
+    let run = |name: &str, experiment: &str, wall_time, force| {
+        let path = directory.join(name);
+        let mut recorder = Recorder::create(path, &support::facts(), experiment).unwrap();
+        let z = force;
+        let forces = vec![Vector3 {
+            z,
+            ..Vector3::default()
+        }];
+        let frame = Tactile {
+            forces,
+            ..Tactile::default()
+        };
+        recorder.tactile(0, &frame).unwrap();
+        recorder.finish(wall_time).unwrap()
+    };
+    let reference = run("a", "x = 1", Some(1.0), 0.5);
+    assert_eq!(reference.as_str().len(), 64);
+    assert_eq!(reference, run("b", "x = 1", Some(2.0), 0.5));
+    assert_eq!(reference, run("c", "x = 1", None, 0.5));
+    assert_ne!(reference, run("d", "x = 2", Some(1.0), 0.5));
+    assert_ne!(reference, run("e", "x = 1", Some(1.0), 0.6));
+}
+
+#[test]
+fn what_cannot_be_written_is_refused_with_what_was_expected() {
+    let directory = directory("refused");
+    let mut facts = support::facts();
+    facts.approach[1] = [2.0, 0.0, 0.0];
+    let error = Recorder::create(directory.join("a"), &facts, "")
+        .err()
+        .unwrap();
+    assert!(
+        error
+            .to_string()
+            .contains("approach: unit vectors expected"),
+        "{error}"
+    );
+    facts = support::facts();
+    facts.slip_threshold = f64::NAN;
+    assert!(matches!(
+        Recorder::create(directory.join("b"), &facts, ""),
+        Err(RecordError::Facts {
+            field: "slip_threshold",
+            ..
+        })
+    ));
+    let missing = directory.join("missing").join("c");
+    let error = Recorder::create(missing, &support::facts(), "")
+        .err()
+        .unwrap();
+    assert!(error.to_string().contains("missing"), "{error}");
+    let path = directory.join("d");
+    let mut recorder = Recorder::create(path, &support::facts(), "").unwrap();
+    let error = recorder.tactile(2, &Tactile::default()).unwrap_err();
+    assert!(error.to_string().contains("finger 2"), "{error}");
+    let stamp = f64::NAN;
+    let error = recorder.tactile(
+        0,
+        &Tactile {
+            stamp,
+            ..Tactile::default()
+        },
+    );
+    assert!(matches!(error, Err(RecordError::Stamp { .. })));
+}
+
+#[test]
+fn an_interrupted_run_is_readable_up_to_its_last_chunk() {
+    let path = directory("interrupted").join("recording.mcap");
+    let mut recorder = Recorder::create(&path, &support::facts(), support::EXPERIMENT).unwrap();
+    support::write_strokes(&mut recorder, 1).unwrap();
+    // As after a kill: nothing is closed or flushed, the file is as the system has it.
+    let bytes = std::fs::read(&path).unwrap();
+    drop(recorder);
+    let recording = Recording::from_bytes(&bytes).unwrap();
+    assert!(!recording.complete);
+    assert!(recording.problem.unwrap().contains("end mark"));
+    // 3 s were written, at 0.5 s per chunk.
+    assert!(
+        recording.readable_until > 2.4,
+        "{}",
+        recording.readable_until
+    );
+    assert!(!recording.task.is_empty());
+}
+
+#[test]
+fn files_that_are_no_recording_are_refused_with_a_reason() {
+    for bytes in [&b""[..], b"hello", &[0x89; 100_000]] {
+        let reason = Recording::from_bytes(bytes).unwrap_err();
+        assert!(reason.contains("MCAP magic"), "{reason}");
+    }
+    let reason = Recording::from_bytes(&short_run()[..60]).unwrap_err();
+    assert!(reason.contains("ends"), "{reason}");
+    let path = directory("nothing").join("recording.mcap");
+    let error = Recording::read(path).unwrap_err();
+    assert!(matches!(error, RecordError::File { .. }), "{error}");
+}
+
+/// A record that claims to be longer than memory.
+#[test]
+fn lengths_are_not_taken_at_their_word() {
+    for opcode in [0x01u8, 0x06, 0x09, 0x0c, 0x0f] {
+        let start = 8 + 9 + 4;
+        let mut bytes = short_run()[..start].to_vec();
+        bytes.truncate(8);
+        bytes.push(opcode);
+        bytes.extend_from_slice(&(u64::MAX - 3).to_le_bytes());
+        bytes.extend_from_slice(&[0xff; 64]);
+        assert!(Recording::from_bytes(&bytes).is_err());
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 48, ..ProptestConfig::default() })]
+
+    #[test]
+    fn cut_anywhere_it_is_incomplete_and_what_is_left_is_the_beginning(share in 0.0..1.0f64) {
+        let whole = Recording::from_bytes(short_run()).unwrap();
+        let length = (share * short_run().len() as f64) as usize;
+        match Recording::from_bytes(&short_run()[..length]) {
+            // Nothing of worth stands behind the end of the data.
+            Ok(cut) if cut.complete => prop_assert_eq!(cut.digest, whole.digest),
+            Ok(cut) => {
+                prop_assert!(cut.problem.is_some());
+                prop_assert!(cut.readable_until <= whole.readable_until);
+                prop_assert_eq!(&cut.task[..], &whole.task[..cut.task.len()]);
+            }
+            Err(reason) => prop_assert!(!reason.is_empty()),
+        }
+    }
+
+    #[test]
+    fn a_flipped_bit_is_noticed_or_does_no_harm(place in 0.0..1.0f64, bit in 0..8u32) {
+        let mut bytes = short_run().to_vec();
+        let place = (place * bytes.len() as f64) as usize;
+        bytes[place] ^= 1 << bit;
+        if let Ok(recording) = Recording::from_bytes(&bytes) && recording.complete {
+            // Wall time and the container's own book-keeping are outside the digest.
+            prop_assert_eq!(recording.digest, Recording::from_bytes(short_run()).unwrap().digest);
+        }
+    }
+
+    #[test]
+    fn random_bytes_behind_a_good_start_do_no_harm(
+        share in 0.0..1.0f64,
+        noise in prop::collection::vec(any::<u8>(), 0..400),
+    ) {
+        let start = (share * 3000.0) as usize;
+        let mut bytes = short_run()[..start.min(short_run().len())].to_vec();
+        bytes.extend(noise);
+        if let Ok(recording) = Recording::from_bytes(&bytes) {
+            prop_assert!(!recording.complete);
+        }
+    }
+}
