@@ -1,4 +1,35 @@
 //! The finger as a mechanism: geometry, kinematics, and the seam to its drives.
+//!
+//! A finger has three joints (paper, section III). Joint 1 turns the finger's plane about the z
+//! axis of the base `B`; joints 2 and 3 move links l3 and l4 in that plane, from a shoulder that
+//! stands l2 away from the axis of joint 1. Angles are in rad, lengths in m, and positions and
+//! velocities of the fingertip are in the world `W`.
+//!
+//! With `c2 = cos(theta2)`, `s23 = sin(theta2 + theta3)` and so on, and a1, a2, a3 the columns of a:
+//!
+//! ```text
+//! a = Ry(phi1) Rx(phi2) Rz(theta1)                                                       (3)
+//! R = a [ c23 -s23  0 ]
+//!       [  0    0  -1 ]                                                                  (3)
+//!       [ s23  c23  0 ]
+//! r = base + a1 (l2 + l3 c2 + l4 c23) + a3 (l3 s2 + l4 s23)
+//! J = dr/dtheta = [ -R3 (l2 + l3 c2 + l4 c23) | l3 (R1 s3 + R2 c3) + l4 R2 | l4 R2 ]     (2)
+//! theta_dot = J^-1 r_dot                                                                 (1)
+//! theta <- theta + J^-1 (r_d - r)                                                       (10)
+//! ```
+//!
+//! r is the origin of the fingertip frame `T`, the dome's centre; R takes a vector in `T` to `W`.
+//! x of `T` (R1) is along the last link, which is the dome's outward axis; y of `T` (R2) lies in
+//! the finger's plane, where theta2 and theta3 grow; z of `T` (R3) is normal to that plane, and
+//! theta1 moves the fingertip along -R3. The matrix a of eq. (3) and the sign of eq. (10) are
+//! misprinted in the paper; here they are right.
+//!
+//! `J` is singular where the finger is straight or folded (`sin(theta3) = 0`) and where its tip is
+//! on the axis of joint 1.
 
+pub mod finger;
 #[allow(clippy::module_inception)]
 pub mod hand;
+pub mod inverse_kinematics;
+pub mod kinematics;
+pub mod resolved_rate;

@@ -62,3 +62,13 @@ pub trait TactileSensor {
     /// When `reading` is for another number of elements, or nothing could be measured.
     fn read(&mut self, reading: &mut TactileFrame) -> Result<(), SensorError>;
 }
+
+impl<T: TactileSensor + ?Sized> TactileSensor for Box<T> {
+    fn element_count(&self) -> usize {
+        (**self).element_count()
+    }
+
+    fn read(&mut self, reading: &mut TactileFrame) -> Result<(), SensorError> {
+        (**self).read(reading)
+    }
+}

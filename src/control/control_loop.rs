@@ -1,0 +1,94 @@
+//! The loop: feel, decide, move.
+
+use super::controller::Controller;
+use crate::hand::hand::{Hand, HandCommand, HandError, HandState};
+use crate::sensor::reading::{SensorError, TactileFrame, TactileSensor};
+
+/// Why the loop could not go round.
+#[derive(Debug, thiserror::Error)]
+pub enum ControlError {
+    /// A tactile sensor delivered no forces.
+    #[error("finger {finger}: {source}")]
+    Sensor {
+        /// The finger.
+        finger: usize,
+        /// What the sensor said.
+        source: SensorError,
+    },
+    /// The hand could not be read or moved.
+    #[error(transparent)]
+    Hand(#[from] HandError),
+}
+
+/// Sensors, hand and controller, wired up. Time is that of the data; the loop knows no clock.
+pub struct ControlLoop<S, H> {
+    sensors: Vec<S>,
+    hand: H,
+    controller: Controller,
+    tactile: Vec<TactileFrame>,
+    state: HandState,
+    command: HandCommand,
+}
+
+impl<S: TactileSensor, H: Hand> ControlLoop<S, H> {
+    /// A loop over one sensor per finger of `hand`.
+    pub fn new(sensors: Vec<S>, hand: H, controller: Controller) -> Self {
+        let fingers = hand.finger_count();
+        let frame = |s: &S| TactileFrame::unloaded(s.element_count());
+        Self {
+            tactile: sensors.iter().map(frame).collect(),
+            state: HandState::zero(fingers),
+            command: HandCommand::stop(fingers),
+            sensors,
+            hand,
+            controller,
+        }
+    }
+
+    /// Goes round once: reads the hand and the sensors, decides, commands the hand.
+    ///
+    /// # Errors
+    /// When a sensor or the hand fails. The hand is then told to stop first.
+    pub fn step(&mut self) -> Result<(), ControlError> {
+        if let Err(error) = self.sense() {
+            // The error that is reported is the first one, not what stopping may add to it.
+            let stop = HandCommand::stop(self.hand.finger_count());
+            let _ = self.hand.command(&stop);
+            return Err(error);
+        }
+        self.controller
+            .decide(&self.tactile, &self.state, &mut self.command);
+        Ok(self.hand.command(&self.command)?)
+    }
+
+    fn sense(&mut self) -> Result<(), ControlError> {
+        self.hand.read(&mut self.state)?;
+        for (finger, (sensor, frame)) in self.sensors.iter_mut().zip(&mut self.tactile).enumerate()
+        {
+            sensor
+                .read(frame)
+                .map_err(|source| ControlError::Sensor { finger, source })?;
+        }
+        Ok(())
+    }
+
+    /// The newest forces, one frame per finger.
+    pub fn tactile(&self) -> &[TactileFrame] {
+        &self.tactile
+    }
+
+    /// The newest joint state.
+    pub fn state(&self) -> &HandState {
+        &self.state
+    }
+
+    /// The newest command.
+    pub fn command(&self) -> &HandCommand {
+        &self.command
+    }
+
+    /// The controller, as of the newest step.
+    pub fn controller(&self) -> &Controller {
+        &self.controller
+    }
+}

@@ -1,0 +1,222 @@
+//! The hand program's decision: from tactile frames and joint angles to joint velocities.
+
+use super::flags::{FingerFlags, FlagAnalyzer, FlagConfig};
+use super::limits::{Admitted, LimitsConfig, Request};
+use super::speed::{FingerSpeedEstimator, ReflexConfig};
+use super::task::{FingerSense, ScrewTask, StopReason, TaskConfig};
+use crate::hand::finger::FingerGeometry;
+use crate::hand::hand::{HandCommand, HandState, JointState};
+use crate::hand::kinematics::fingertip_pose;
+use crate::sensor::layout::ElementLayout;
+use crate::sensor::reading::TactileFrame;
+use glam::{DMat3, DVec3};
+use serde::{Deserialize, Serialize};
+
+/// Everything that the control law can be tuned by.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ControlConfig {
+    /// Time from one command to the next, s.
+    pub period: f64,
+    /// Forces older than this many control periods stop the hand.
+    pub stale_periods: f64,
+    /// When an element touches, slips, is over its limit.
+    pub flags: FlagConfig,
+    /// What a finger does about slip.
+    pub reflex: ReflexConfig,
+    /// What no command may exceed.
+    pub limits: LimitsConfig,
+}
+
+/// One finger as the controller sees it.
+#[derive(Debug, Clone)]
+pub struct FingerControl {
+    geometry: FingerGeometry,
+    analyzer: FlagAnalyzer,
+    estimator: FingerSpeedEstimator,
+    /// What it feels.
+    pub flags: FingerFlags,
+    /// Where its dome's centre is by the encoders, m, in W.
+    pub position: DVec3,
+    /// Rotation from its fingertip frame `T` to W, by the encoders.
+    pub rotation: DMat3,
+    /// The velocity that the control law wants of it, m/s, in W.
+    pub velocity: DVec3,
+    /// What the limits made of that.
+    pub admitted: Admitted,
+}
+
+/// The whole control law with its memory.
+#[derive(Debug, Clone)]
+pub struct Controller {
+    config: ControlConfig,
+    normals: Vec<DVec3>,
+    fingers: Vec<FingerControl>,
+    senses: Vec<FingerSense>,
+    task: ScrewTask,
+    stop_reason: Option<StopReason>,
+}
+
+impl Controller {
+    /// A controller for a hand of `fingers`, each with the elements of `layout`.
+    pub fn new(
+        config: ControlConfig,
+        task: TaskConfig,
+        fingers: &[FingerGeometry],
+        layout: &ElementLayout,
+    ) -> Self {
+        let elements = layout.elements.len();
+        let sense = FingerSense {
+            flags: FingerFlags::default(),
+            position: DVec3::ZERO,
+        };
+        Self {
+            normals: layout.elements.iter().map(|e| e.normal()).collect(),
+            fingers: fingers
+                .iter()
+                .map(|geometry| FingerControl {
+                    geometry: geometry.clone(),
+                    analyzer: FlagAnalyzer::new(config.flags.clone(), elements),
+                    estimator: FingerSpeedEstimator::new(config.reflex.clone()),
+                    flags: FingerFlags::default(),
+                    position: DVec3::ZERO,
+                    rotation: DMat3::IDENTITY,
+                    velocity: DVec3::ZERO,
+                    admitted: Admitted::default(),
+                })
+                .collect(),
+            senses: vec![sense; fingers.len()],
+            task: ScrewTask::new(task),
+            stop_reason: None,
+            config,
+        }
+    }
+
+    /// The fingers as of the newest decision.
+    pub fn fingers(&self) -> &[FingerControl] {
+        &self.fingers
+    }
+
+    /// The task as of the newest decision.
+    pub fn task(&self) -> &ScrewTask {
+        &self.task
+    }
+
+    /// Why the hand was stopped, if it was.
+    pub fn stop_reason(&self) -> Option<&StopReason> {
+        self.stop_reason.as_ref()
+    }
+
+    /// Decides what all fingers do for the next control period: the newest tactile frame of each
+    /// finger and the joint state in, joint velocities out. Allocates nothing; a fault in the
+    /// input stops all fingers with a [`StopReason`].
+    pub fn decide(
+        &mut self,
+        tactile: &[TactileFrame],
+        state: &HandState,
+        command: &mut HandCommand,
+    ) {
+        let decided = self.feel(tactile, state).and_then(|()| {
+            self.task.advance(&self.senses)?;
+            self.plan(state)
+        });
+        if let Err(reason) = decided {
+            self.stop(reason);
+        }
+        for (finger, velocity) in self.fingers.iter().zip(&mut command.joint_velocity) {
+            *velocity = finger.admitted.joint_velocity;
+        }
+    }
+
+    /// Stops all fingers at once, for good.
+    pub fn stop(&mut self, reason: StopReason) {
+        self.task.stop();
+        self.stop_reason.get_or_insert(reason);
+        for finger in &mut self.fingers {
+            finger.velocity = DVec3::ZERO;
+            finger.admitted = Admitted::default();
+        }
+    }
+
+    /// Where each finger is and what it feels.
+    fn feel(&mut self, tactile: &[TactileFrame], state: &HandState) -> Result<(), StopReason> {
+        let limit = self.config.stale_periods * self.config.period;
+        let inputs = tactile.iter().zip(&state.joints);
+        let outputs = self.fingers.iter_mut().zip(&mut self.senses);
+        for (index, ((frame, joints), (finger, sense))) in inputs.zip(outputs).enumerate() {
+            let age = state.stamp - frame.stamp;
+            // Also refuses an age that is not a number.
+            if age.is_nan() || age > limit {
+                return Err(StopReason::StaleForces {
+                    finger: index,
+                    age,
+                    limit,
+                });
+            }
+            check_finite(index, frame, joints)?;
+            finger.flags = finger.analyzer.analyze(frame);
+            (finger.position, finger.rotation) = fingertip_pose(&finger.geometry, joints.position);
+            *sense = FingerSense {
+                flags: finger.flags,
+                position: finger.position,
+            };
+        }
+        Ok(())
+    }
+
+    /// What each finger is to do about it.
+    fn plan(&mut self, state: &HandState) -> Result<(), StopReason> {
+        let inputs = self.senses.iter().zip(&state.joints);
+        for (index, (finger, (sense, joints))) in self.fingers.iter_mut().zip(inputs).enumerate() {
+            let plan = self.task.plan(index, sense);
+            let normal = sense
+                .flags
+                .largest_element
+                .and_then(|e| self.normals.get(e));
+            let pressing = normal.map(|&normal| finger.rotation * normal);
+            finger.velocity = finger.estimator.estimate(&plan, &sense.flags, pressing);
+            let request = Request {
+                velocity: finger.velocity,
+                position: finger.position,
+                theta: joints.position,
+                previous: finger.admitted.joint_velocity,
+            };
+            finger.admitted = self
+                .config
+                .limits
+                .admit(&finger.geometry, &request, self.config.period)
+                .ok_or(StopReason::NotFinite {
+                    finger: index,
+                    what: "command",
+                })?;
+        }
+        Ok(())
+    }
+}
+
+impl FingerControl {
+    /// The shear rate |d(F_x, F_y)/dt| of each element, N/s.
+    pub fn shear_rate(&self) -> &[f64] {
+        self.analyzer.shear_rate()
+    }
+}
+
+fn check_finite(
+    finger: usize,
+    frame: &TactileFrame,
+    joints: &JointState,
+) -> Result<(), StopReason> {
+    if !frame.forces.iter().all(|f| f.is_finite()) {
+        return Err(StopReason::NotFinite {
+            finger,
+            what: "force",
+        });
+    }
+    if !(joints.position.is_finite() && joints.velocity.is_finite()) {
+        return Err(StopReason::NotFinite {
+            finger,
+            what: "joint state",
+        });
+    }
+    Ok(())
+}

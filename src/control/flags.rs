@@ -1,0 +1,123 @@
+//! The flag analyzer (paper, Fig. 4): from tri-axial forces to TOUCH, SLIP and OVER.
+
+use crate::sensor::reading::TactileFrame;
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+/// The thresholds of the flag analyzer.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FlagConfig {
+    /// F1: an element pressed harder than this touches, N.
+    pub touch_force: f64,
+    /// F2: an element pressed harder than this may not be pressed further, N.
+    pub over_force: f64,
+    /// dr: an element whose shear force changes faster than this slips, N/s.
+    pub slip_threshold: f64,
+}
+
+/// What one finger feels, in the words of the paper.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct FingerFlags {
+    /// An element is pressed harder than F1, or slips.
+    pub touch: bool,
+    /// An element's shear force changes faster than dr.
+    pub slip: bool,
+    /// An element is pressed harder than F2.
+    pub over: bool,
+    /// The touching element (F_z > F1) of largest F_z.
+    pub largest_element: Option<usize>,
+    /// Grasp force: sum of the elements' compressions F_z > 0, N.
+    pub grasp_force: f64,
+}
+
+/// Turns one finger's tactile frames into flags.
+#[derive(Debug, Clone)]
+pub struct FlagAnalyzer {
+    config: FlagConfig,
+    previous: Option<Previous>,
+    flags: FingerFlags,
+    /// |d(F_x, F_y)/dt| of each element, N/s.
+    shear_rate: Vec<f64>,
+    /// (F_x, F_y, 0) of each element at the previous frame, N.
+    previous_shear: Vec<DVec3>,
+}
+
+/// The frame that shear rates are taken against.
+#[derive(Debug, Clone, Copy)]
+struct Previous {
+    sequence: u64,
+    stamp: f64,
+}
+
+impl FlagAnalyzer {
+    /// An analyzer for a finger of `elements` sensing elements that has felt nothing yet.
+    pub fn new(config: FlagConfig, elements: usize) -> Self {
+        Self {
+            config,
+            previous: None,
+            flags: FingerFlags::default(),
+            shear_rate: vec![0.0; elements],
+            previous_shear: vec![DVec3::ZERO; elements],
+        }
+    }
+
+    /// The shear rate |d(F_x, F_y)/dt| of each element at the newest frame, N/s.
+    pub fn shear_rate(&self) -> &[f64] {
+        &self.shear_rate
+    }
+
+    /// The flags at `frame`. A frame that was analysed already changes nothing; the first frame
+    /// has no shear rate.
+    pub fn analyze(&mut self, frame: &TactileFrame) -> FingerFlags {
+        let seen = self.previous.is_some_and(|p| p.sequence == frame.sequence);
+        if !seen {
+            self.measure_shear_rate(frame);
+            self.flags = self.raise_flags(frame);
+        }
+        self.flags
+    }
+
+    fn measure_shear_rate(&mut self, frame: &TactileFrame) {
+        let interval = self.previous.map_or(0.0, |p| frame.stamp - p.stamp);
+        let elements = self.shear_rate.iter_mut().zip(&mut self.previous_shear);
+        for ((rate, previous), force) in elements.zip(&frame.forces) {
+            let shear = force.with_z(0.0);
+            *rate = if interval > 0.0 {
+                (shear - *previous).length() / interval
+            } else {
+                0.0
+            };
+            *previous = shear;
+        }
+        self.previous = Some(Previous {
+            sequence: frame.sequence,
+            stamp: frame.stamp,
+        });
+    }
+
+    fn raise_flags(&self, frame: &TactileFrame) -> FingerFlags {
+        let FlagConfig {
+            touch_force,
+            over_force,
+            slip_threshold,
+        } = self.config;
+        let (mut largest_element, mut largest_force) = (None, touch_force);
+        let (mut over, mut grasp_force) = (false, 0.0);
+        for (element, force) in frame.forces.iter().enumerate() {
+            if force.z > largest_force {
+                (largest_element, largest_force) = (Some(element), force.z);
+            }
+            over |= force.z > over_force;
+            grasp_force += force.z.max(0.0);
+        }
+        let slip = self.shear_rate.iter().any(|&rate| rate > slip_threshold);
+        FingerFlags {
+            touch: largest_element.is_some() || slip,
+            slip,
+            over,
+            largest_element,
+            grasp_force,
+        }
+    }
+}

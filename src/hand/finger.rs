@@ -1,0 +1,224 @@
+//! What never changes of a finger: where its base is, how long its links are, what its joints allow.
+
+use glam::{DMat3, DVec3};
+use serde::{Deserialize, Serialize};
+
+/// Range of a link length that is accepted, m; the first link may also be 0.
+const LINK_RANGE: std::ops::RangeInclusive<f64> = 1e-3..=1.0;
+
+/// Largest coordinate of a finger base, m.
+const BASE_RANGE: f64 = 100.0;
+
+/// Largest angle in a configuration, degrees.
+const ANGLE_RANGE_DEG: f64 = 360.0;
+
+/// One finger with three joints, as it stands in the experiment file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FingerConfig {
+    /// Origin of the finger base `B`, on the axis of joint 1, in the world `W`, m; each coordinate
+    /// within -100..100.
+    pub base_position: [f64; 3],
+    /// Rotation of the base about its y axis, phi1, degrees. The base stands at `Ry(phi1) Rx(phi2)`.
+    pub phi1_deg: f64,
+    /// Rotation of the base about its x axis, phi2, degrees.
+    pub phi2_deg: f64,
+    /// Link lengths l2 (from the axis of joint 1 to that of joint 2; 0 allowed), l3 (joint 2 to 3)
+    /// and l4 (joint 3 to the dome's centre), m; 0.001..1.
+    pub links: [f64; 3],
+    /// Smallest joint angles theta1..theta3, degrees.
+    pub joint_lower_deg: [f64; 3],
+    /// Largest joint angles theta1..theta3, degrees; each above its `joint_lower_deg`.
+    pub joint_upper_deg: [f64; 3],
+    /// Largest joint speeds of theta1..theta3 in either direction, rad/s; above 0.
+    pub joint_speed_limit: [f64; 3],
+}
+
+/// Why a [`FingerConfig`] describes no finger.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum FingerError {
+    /// A value is not finite or outside of its range.
+    #[error("{field} of a finger is {value}, expected {expected}")]
+    OutOfRange {
+        /// Field of the configuration.
+        field: &'static str,
+        /// The value that arrived.
+        value: f64,
+        /// What was expected.
+        expected: &'static str,
+    },
+    /// A joint has no room between its limits.
+    #[error(
+        "joint {joint} of a finger has limits {lower_deg}..{upper_deg} deg, expected lower < upper"
+    )]
+    JointLimits {
+        /// Number of the joint, 1..3.
+        joint: usize,
+        /// Its lower limit, degrees.
+        lower_deg: f64,
+        /// Its upper limit, degrees.
+        upper_deg: f64,
+    },
+}
+
+/// A finger ready for computing: [`FingerConfig`] checked, in radians, base rotation multiplied out.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FingerGeometry {
+    base_position: DVec3,
+    base_rotation: DMat3,
+    links: [f64; 3],
+    joint_lower: DVec3,
+    joint_upper: DVec3,
+    joint_speed_limit: DVec3,
+}
+
+impl FingerGeometry {
+    /// Checks `config` and precomputes what the kinematics needs of it.
+    ///
+    /// # Errors
+    /// When a value is not finite or outside of the range that its field documents.
+    pub fn new(config: &FingerConfig) -> Result<Self, FingerError> {
+        check(config)?;
+        let base_rotation = DMat3::from_rotation_y(config.phi1_deg.to_radians())
+            * DMat3::from_rotation_x(config.phi2_deg.to_radians());
+        Ok(Self {
+            base_position: DVec3::from_array(config.base_position),
+            base_rotation,
+            links: config.links,
+            joint_lower: DVec3::from_array(config.joint_lower_deg.map(f64::to_radians)),
+            joint_upper: DVec3::from_array(config.joint_upper_deg.map(f64::to_radians)),
+            joint_speed_limit: DVec3::from_array(config.joint_speed_limit),
+        })
+    }
+
+    /// Origin of the finger base `B` in the world `W`, m.
+    pub fn base_position(&self) -> DVec3 {
+        self.base_position
+    }
+
+    /// Rotation of the finger base, `Ry(phi1) Rx(phi2)`: takes a vector in `B` to `W`.
+    pub fn base_rotation(&self) -> DMat3 {
+        self.base_rotation
+    }
+
+    /// Link lengths l2, l3, l4, m.
+    pub fn links(&self) -> [f64; 3] {
+        self.links
+    }
+
+    /// Smallest joint angles theta1..theta3, rad.
+    pub fn joint_lower(&self) -> DVec3 {
+        self.joint_lower
+    }
+
+    /// Largest joint angles theta1..theta3, rad.
+    pub fn joint_upper(&self) -> DVec3 {
+        self.joint_upper
+    }
+
+    /// Largest joint speeds of theta1..theta3 in either direction, rad/s.
+    pub fn joint_speed_limit(&self) -> DVec3 {
+        self.joint_speed_limit
+    }
+}
+
+fn check(config: &FingerConfig) -> Result<(), FingerError> {
+    let in_range = |field, value, good: bool, expected| {
+        if good {
+            return Ok(());
+        }
+        Err(FingerError::OutOfRange {
+            field,
+            value,
+            expected,
+        })
+    };
+    let angle = |field, value: f64| {
+        let good = value.abs() <= ANGLE_RANGE_DEG;
+        in_range(field, value, good, "-360..360 deg")
+    };
+
+    for value in config.base_position {
+        let good = value.abs() <= BASE_RANGE;
+        in_range("base_position", value, good, "-100..100 m")?;
+    }
+    angle("phi1_deg", config.phi1_deg)?;
+    angle("phi2_deg", config.phi2_deg)?;
+    let [l2, l3, l4] = config.links;
+    let good = l2 == 0.0 || LINK_RANGE.contains(&l2);
+    in_range("links[0]", l2, good, "0 or 0.001..1 m")?;
+    let good = LINK_RANGE.contains(&l3);
+    in_range("links[1]", l3, good, "0.001..1 m")?;
+    let good = LINK_RANGE.contains(&l4);
+    in_range("links[2]", l4, good, "0.001..1 m")?;
+
+    for joint in 0..3 {
+        let lower_deg = config.joint_lower_deg[joint];
+        let upper_deg = config.joint_upper_deg[joint];
+        angle("joint_lower_deg", lower_deg)?;
+        angle("joint_upper_deg", upper_deg)?;
+        if lower_deg >= upper_deg {
+            return Err(FingerError::JointLimits {
+                joint: joint + 1,
+                lower_deg,
+                upper_deg,
+            });
+        }
+        let speed = config.joint_speed_limit[joint];
+        let good = speed > 0.0 && speed.is_finite();
+        in_range("joint_speed_limit", speed, good, "above 0 rad/s")?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn config() -> FingerConfig {
+        FingerConfig {
+            base_position: [-0.144, 0.0, 0.06],
+            phi1_deg: 0.0,
+            phi2_deg: 0.0,
+            links: [0.025, 0.05, 0.055],
+            joint_lower_deg: [-45.0, -30.0, -120.0],
+            joint_upper_deg: [45.0, 120.0, -10.0],
+            joint_speed_limit: [3.0; 3],
+        }
+    }
+
+    #[test]
+    fn limits_are_in_radians() {
+        let geometry = FingerGeometry::new(&config()).unwrap();
+        assert_eq!(geometry.joint_lower().x, -std::f64::consts::FRAC_PI_4);
+        assert_eq!(geometry.joint_upper().x, std::f64::consts::FRAC_PI_4);
+    }
+
+    #[test]
+    fn bad_values_are_named() {
+        let mut bad = config();
+        bad.links[2] = -0.055;
+        let message = FingerGeometry::new(&bad).unwrap_err().to_string();
+        assert_eq!(
+            message,
+            "links[2] of a finger is -0.055, expected 0.001..1 m"
+        );
+
+        let mut bad = config();
+        bad.phi1_deg = f64::NAN;
+        assert!(FingerGeometry::new(&bad).is_err());
+
+        let mut bad = config();
+        bad.joint_upper_deg[1] = -30.0;
+        let message = FingerGeometry::new(&bad).unwrap_err().to_string();
+        assert!(message.contains("joint 2"), "{message}");
+    }
+
+    #[test]
+    fn unknown_keys_are_refused() {
+        let mut text = toml::to_string(&config()).unwrap();
+        assert_eq!(toml::from_str::<FingerConfig>(&text).unwrap(), config());
+        text.push_str("phi3_deg = 1.0\n");
+        assert!(toml::from_str::<FingerConfig>(&text).is_err());
+    }
+}

@@ -1,0 +1,86 @@
+//! Forward kinematics and Jacobian of a finger, eqs. (2) and (3).
+
+use glam::{DMat3, DVec3};
+
+use super::finger::FingerGeometry;
+
+/// Where the fingertip is and how it is turned, at joint angles `theta` (theta1..theta3, rad).
+///
+/// Returns the fingertip position `r` in the world `W`, m (the dome's centre, origin of the
+/// fingertip frame `T`), and the rotation `R` of eq. (3), which takes a vector in `T` to `W`. The
+/// first column of `R`, x of `T`, is the direction of the last link and the dome's outward axis.
+pub fn fingertip_pose(geometry: &FingerGeometry, theta: DVec3) -> (DVec3, DMat3) {
+    let chain = Chain::at(geometry, theta);
+    (chain.position(geometry), chain.rotation)
+}
+
+/// The Jacobian of eq. (2) at joint angles `theta` (rad): `r_dot = J theta_dot`.
+///
+/// Column i is the fingertip velocity in `W` per unit velocity of joint i, m/rad. The first column
+/// is orthogonal to the other two, at every `theta`.
+pub fn jacobian(geometry: &FingerGeometry, theta: DVec3) -> DMat3 {
+    Chain::at(geometry, theta).jacobian(geometry)
+}
+
+/// The finger at one set of joint angles: what pose and Jacobian have in common.
+pub(super) struct Chain {
+    /// Column 1 of the matrix a of eq. (3): the finger plane's horizontal direction, in `W`.
+    radial: DVec3,
+    /// Column 3 of a: the finger plane's other direction, the axis of joint 1, in `W`.
+    axial: DVec3,
+    /// Fingertip along `radial` from the axis of joint 1, `l2 + l3 c2 + l4 c23`, m.
+    radius: f64,
+    /// Fingertip along `axial` from the base, `l3 s2 + l4 s23`, m.
+    height: f64,
+    sin_theta3: f64,
+    cos_theta3: f64,
+    /// R of eq. (3).
+    rotation: DMat3,
+}
+
+impl Chain {
+    pub(super) fn at(geometry: &FingerGeometry, theta: DVec3) -> Self {
+        let (s1, c1) = theta.x.sin_cos();
+        let (s2, c2) = theta.y.sin_cos();
+        let (s3, c3) = theta.z.sin_cos();
+        // By the sum formulas, so that a finite theta2 + theta3 cannot overflow.
+        let (s23, c23) = (s2 * c3 + c2 * s3, c2 * c3 - s2 * s3);
+        let [l2, l3, l4] = geometry.links();
+
+        // The columns of a = Ry(phi1) Rx(phi2) Rz(theta1).
+        let base = geometry.base_rotation();
+        let radial = base.x_axis * c1 + base.y_axis * s1;
+        let sideways = base.y_axis * c1 - base.x_axis * s1;
+        let axial = base.z_axis;
+
+        Self {
+            radial,
+            axial,
+            radius: l2 + l3 * c2 + l4 * c23,
+            height: l3 * s2 + l4 * s23,
+            sin_theta3: s3,
+            cos_theta3: c3,
+            rotation: DMat3::from_cols(
+                radial * c23 + axial * s23,
+                axial * c23 - radial * s23,
+                -sideways,
+            ),
+        }
+    }
+
+    /// Fingertip position in `W`, m.
+    pub(super) fn position(&self, geometry: &FingerGeometry) -> DVec3 {
+        geometry.base_position() + self.radial * self.radius + self.axial * self.height
+    }
+
+    /// Eq. (2), m/rad.
+    pub(super) fn jacobian(&self, geometry: &FingerGeometry) -> DMat3 {
+        let [_, l3, l4] = geometry.links();
+        let r = &self.rotation;
+        DMat3::from_cols(
+            -r.z_axis * self.radius,
+            (r.x_axis * self.sin_theta3 + r.y_axis * self.cos_theta3) * l3 + r.y_axis * l4,
+            r.y_axis * l4,
+        )
+    }
+}

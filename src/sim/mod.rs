@@ -1,0 +1,13 @@
+//! The simulated rig: feelers, an object to touch, a torque sensor, servos, and the camera's picture.
+
+pub mod cap;
+pub mod feeler;
+pub mod model;
+pub mod object;
+pub mod random;
+pub mod rig;
+pub mod servo;
+pub mod state;
+pub mod step;
+pub mod torque_sensor;
+pub mod world;

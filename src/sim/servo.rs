@@ -1,0 +1,69 @@
+//! The joints' drives: velocity controlled, with a first-order lag and an incremental encoder.
+
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+/// The drives of a finger's three joints; all alike.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ServoConfig {
+    /// Time constant with which a joint's velocity follows its command, s.
+    pub lag: f64,
+    /// Angle of one encoder count, rad.
+    pub encoder_resolution: f64,
+}
+
+/// The true motion of a finger's three joints.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Joints {
+    /// Joint angles, rad.
+    pub position: DVec3,
+    /// Joint velocities, rad/s.
+    pub velocity: DVec3,
+    /// Commanded joint velocities, rad/s.
+    pub command: DVec3,
+}
+
+impl Joints {
+    /// Joints at rest at `position`, rad.
+    pub fn at_rest(position: DVec3) -> Self {
+        Self {
+            position,
+            velocity: DVec3::ZERO,
+            command: DVec3::ZERO,
+        }
+    }
+}
+
+impl ServoConfig {
+    /// The part of a velocity error that is left after `step` seconds.
+    pub fn remaining_error(&self, step: f64) -> f64 {
+        if self.lag > 0.0 {
+            (-step / self.lag).exp()
+        } else {
+            0.0
+        }
+    }
+
+    /// Moves `joints` over `step` seconds, exactly for a constant command; `remaining` is
+    /// [`Self::remaining_error`] of that step. The joints stop dead at `lower` and `upper`, rad.
+    pub fn advance(
+        &self,
+        joints: &mut Joints,
+        step: f64,
+        remaining: f64,
+        (lower, upper): (DVec3, DVec3),
+    ) {
+        let error = joints.velocity - joints.command;
+        let free = joints.position + step * joints.command + self.lag * (1.0 - remaining) * error;
+        joints.velocity = joints.command + remaining * error;
+        joints.position = free.clamp(lower, upper);
+        let stopped = free.cmpne(joints.position);
+        joints.velocity = DVec3::select(stopped, DVec3::ZERO, joints.velocity);
+    }
+
+    /// What the encoders count at the joint angles `position`, as an angle, rad.
+    pub fn encode(&self, position: DVec3) -> DVec3 {
+        (position / self.encoder_resolution).round() * self.encoder_resolution
+    }
+}

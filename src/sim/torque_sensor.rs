@@ -1,0 +1,73 @@
+//! The torque sensor under the bottle: four strain gauges in a bridge, an amplifier, an A/D
+//! converter (paper, section V.A).
+
+use super::random::{Generator, normal};
+use serde::{Deserialize, Serialize};
+
+/// The sensor and its electronics.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TorqueSensorConfig {
+    /// Torsional stiffness, N·m/rad: the bottle turns by torque / stiffness.
+    pub stiffness: f64,
+    /// Torque at which the gauges show `rated_strain`, N·m.
+    pub rated_torque: f64,
+    /// Strain of each gauge at the rated torque.
+    pub rated_strain: f64,
+    /// Relative change of a gauge's resistance per strain.
+    pub gauge_factor: f64,
+    /// Voltage over the bridge, V.
+    pub bridge_voltage: f64,
+    /// Gain of the amplifier behind the bridge.
+    pub amplifier_gain: f64,
+    /// Frequency at which the amplifier's low-pass has fallen by 3 dB, Hz.
+    pub cutoff_frequency: f64,
+    /// Standard deviation of the noise at the converter's input, V.
+    pub noise: f64,
+    /// Largest voltage that the converter takes, of either sign, V.
+    pub converter_range: f64,
+    /// Bits of the converter.
+    pub converter_bits: u32,
+}
+
+/// One reading of the sensor.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct TorqueReading {
+    /// Torque about W's z on the bottle by the cap, N·m, as the electronics tell it.
+    pub torque: f64,
+    /// Voltage at the converter's input, V.
+    pub voltage: f64,
+    /// What the converter counts.
+    pub counts: i32,
+}
+
+impl TorqueSensorConfig {
+    /// The part of the distance to a new value that the low-pass goes in `step` seconds.
+    pub fn low_pass_gain(&self, step: f64) -> f64 {
+        1.0 - (-std::f64::consts::TAU * self.cutoff_frequency * step).exp()
+    }
+
+    /// Voltage of the unbalanced bridge at `torque` (N·m): gauges 1 and 3 are stretched, 2 and 4
+    /// pressed together.
+    fn bridge_output(&self, torque: f64) -> f64 {
+        let change = self.gauge_factor * self.rated_strain * torque / self.rated_torque;
+        let (stretched, pressed) = (1.0 + change, 1.0 - change);
+        self.bridge_voltage * (stretched / (stretched + pressed) - pressed / (pressed + stretched))
+    }
+
+    /// Reads the sensor: `filtered_torque` (N·m) is the torque behind the low-pass.
+    pub fn read(&self, filtered_torque: f64, random: &mut Generator) -> TorqueReading {
+        let voltage =
+            self.amplifier_gain * self.bridge_output(filtered_torque) + normal(random, self.noise);
+        let volts_per_count = 2.0 * self.converter_range / f64::from(1_u32 << self.converter_bits);
+        let most = (1_i64 << (self.converter_bits - 1)) as f64;
+        let counts = (voltage / volts_per_count).round().clamp(-most, most - 1.0);
+        let volts_per_torque =
+            self.amplifier_gain * self.bridge_output(self.rated_torque) / self.rated_torque;
+        TorqueReading {
+            torque: counts * volts_per_count / volts_per_torque,
+            voltage,
+            counts: counts as i32,
+        }
+    }
+}
