@@ -168,8 +168,8 @@ fn strokes_table(strokes: &[StrokeMeasures]) -> Markup {
             table {
                 thead {
                     tr {
-                        th { "Measure" }
-                        @for stroke in strokes { th.number { "Stroke " (stroke.index) } }
+                        th { "Stroke" }
+                        @for stroke in strokes { th.number { (stroke.index) } }
                     }
                 }
                 tbody {

@@ -19,11 +19,11 @@ pub fn before_closing(data: &RunData) -> Figure {
     Figure {
         number: 12,
         title: "Tips of the touching elements in stroke 1, before closing".into(),
-        caption: "From above; the lower panels are close-ups of each finger's side. The tips run \
-            almost along the planned straight segment (dashed) and only pass by the contour, as in \
-            the paper's Fig. 12. Drawn are the undeformed tips' centres, boldest that of the element \
-            pressed hardest; the grey dashed circle is where a centre would be if the tip touched \
-            the cap without being pressed."
+        caption: "From above, with close-ups of each finger's side below. In the paper's Fig. 12 \
+            the tips keep to the planned straight segment (dashed) and only pass by the cap. Drawn \
+            are the centres of the undeformed tips, boldest that of the element pressed hardest, \
+            which changes as the finger passes; the grey dashed circle is where a centre would be \
+            if its tip touched the cap without being pressed."
             .into(),
         svg: tips_from_above(data, 12, 1),
     }
@@ -34,11 +34,11 @@ pub fn after_closing(data: &RunData) -> Figure {
     Figure {
         number: 13,
         title: "Tips of the touching elements in stroke 4, after closing".into(),
-        caption:
-            "The same views and axes as in stroke 1. Each slip has pressed the finger further \
-            inward, so the straight segment has become a curve that follows the cap's contour, as \
-            in the paper's Fig. 13."
-                .into(),
+        caption: "The same views and axes as for stroke 1. In the paper's Fig. 13 every slip has \
+            pressed the finger further inward, so that the straight segment has become a curve \
+            closer to the cap's contour. Claims path-follows-contour and path-saturates measure \
+            that here."
+            .into(),
         svg: tips_from_above(data, 13, 4),
     }
 }

@@ -28,10 +28,11 @@ pub fn grasp_force_and_torque(data: &RunData) -> Figure {
     Figure {
         number: 8,
         title: title.into(),
-        caption: "Each touch-and-release stroke makes one heap of grasp force and one of torque; \
-            the shaded spans are the strokes' MOVE phases. In the paper's Fig. 8, too, four heaps \
-            are found; in stroke 1 torque rises while grasp force stays level, and strokes 3 and 4 \
-            are almost the same, because the cap is closed."
+        caption: "Each touch-and-release stroke makes a heap of grasp force and a heap of torque. In \
+            the paper's Fig. 8 there are four of each; in stroke 1 torque rises while grasp force \
+            stays level, and strokes 3 and 4 are almost the same, because the cap is closed. Claims \
+            four-heaps, first-stroke-torque-rises and closed-after-third say how far this run \
+            agrees."
             .into(),
         svg: two_panels(data, 8, title, &upper, 0..data.time.len()),
     }
@@ -44,10 +45,11 @@ pub fn shear_rate_and_torque(data: &RunData) -> Figure {
         number: 9,
         title: title.into(),
         caption: "The shear rate is the absolute time derivative of the shearing force on the \
-            element that is pressed hardest. Once the cap is tight its bumps come in step with the \
-            torque's, as in the paper's Fig. 9: the slipping element trembles. Where it exceeds \
-            the slip threshold (dashed), the finger is pressed further inward. The axis is scaled to \
-            MOVE; peaks where the fingers detach may leave it."
+            element that is pressed hardest. In the paper's Fig. 9 its bumps come in step with the \
+            torque's, because the slipping element trembles; claim bumps-in-step measures that \
+            here. Where the rate of any element exceeds the slip threshold (dashed), the finger is \
+            pressed further inward. The axis is scaled to MOVE; peaks where the fingers detach may \
+            leave it."
             .into(),
         svg: two_panels(data, 9, title, &shear_rate(data), 0..data.time.len()),
     }
@@ -57,11 +59,11 @@ pub fn shear_rate_and_torque(data: &RunData) -> Figure {
 pub fn stroke_in_detail(data: &RunData, number: u32, stroke: u32) -> Figure {
     let title = format!("Shear rate and torque in stroke {stroke}");
     let caption = if stroke == 1 {
-        "The cap is still loose: torque rises slowly and the shear rate stays low, as in the \
-         paper's Fig. 10."
+        "In the paper's Fig. 10 the cap is still loose, and no marked shear rate occurs. Compare \
+         with the figure of stroke 4, which has the same vertical axes."
     } else {
-        "The cap is locked: every slip shows as a bump of the shear rate and a drop of the torque, \
-         as in the paper's Fig. 11. Compare with stroke 1, on the same axes."
+        "In the paper's Fig. 11 the cap is locked, and the shear rate is marked: the elements slip \
+         in bumps. Claim shear-rate-marks-closing compares this stroke with stroke 1."
     };
     let rows = data.whole_stroke(stroke).map(|s| s.rows.clone());
     Figure {
@@ -159,6 +161,7 @@ fn legend(data: &RunData, upper: &Upper) -> Vec<(&'static str, Pen)> {
         .collect();
     legend.push(("torque", Pen::solid(CAP, LINE)));
     legend.push((upper.threshold_name, Pen::dashed("#555555", THRESHOLD)));
+    legend.push(("MOVE of stroke n", Pen::solid(SHADE, 14.0)));
     legend
 }
 
@@ -174,10 +177,10 @@ fn with_strokes(layout: Layout, data: &RunData, time: (f64, f64), top: Option<f6
         let shade = ShadedRegion::vertical(start, end);
         layout = layout.with_shaded_region(shade.with_color(SHADE).with_opacity(0.55));
         if let Some(top) = top {
-            let text = format!("stroke {}", stroke.index);
+            let text = stroke.index.to_string();
             let middle = 0.5 * (start + end);
             layout = layout
-                .with_annotation(TextAnnotation::new(text, middle, 0.88 * top).with_font_size(13));
+                .with_annotation(TextAnnotation::new(text, middle, 0.88 * top).with_font_size(15));
         }
     }
     layout
