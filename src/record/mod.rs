@@ -11,6 +11,7 @@ pub mod facts;
 pub mod recorder;
 pub mod recording;
 pub mod scan;
+mod sink;
 
 pub use channels::{
     Cap, Command, Fingertip, Flags, Joints, Message, NO_ELEMENT, Quaternion, Tactile, Task,
