@@ -1,5 +1,7 @@
 //! One run in one process: the simulated rig, its sensors and the control loop, wired up.
 
+pub mod log;
+
 use crate::config::{ExperimentConfig, Sensing};
 use crate::control::control_loop::{ControlError, ControlLoop};
 use crate::control::controller::Controller;
