@@ -2,3 +2,4 @@
 
 pub mod hand;
 pub mod sensor;
+pub mod sim;
