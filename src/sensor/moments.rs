@@ -1,0 +1,344 @@
+//! Integrated gray value and centroid of every element's sub-region, straight from the picture.
+//!
+//! For each element, over the pixels nearer to it than to any other element and within
+//! `subregion_radius` of its axis (paper, section II):
+//!
+//! ```text
+//! g = max(pixel - dark_level, 0)      G = sum g w      c = sum g w p / G
+//! ```
+//!
+//! with `p` the pixel in the element's tangent plane and `w` the area it covers there. Both are
+//! computed once, so that dewarping costs nothing per frame. A symmetric linear smoothing filter
+//! would change neither `G` nor `c`, which is why there is none.
+
+use super::{dome::DomeProjection, frame::Picture, layout::ElementLayout};
+use glam::DVec2;
+use serde::{Deserialize, Serialize};
+use std::{f64::consts::TAU, ops::Range};
+
+/// How the moments of a sub-region are taken.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct MomentsConfig {
+    /// Grey level up to which a pixel counts as dark; a little above the background, so that its
+    /// noise does not reach the sums (assumed).
+    pub dark_level: u8,
+    /// Radius of an element's sub-region about the element's axis, m (assumed: half the pitch of
+    /// the outermost ring, so that sub-regions just do not overlap).
+    pub subregion_radius: f64,
+}
+
+impl Default for MomentsConfig {
+    fn default() -> Self {
+        Self {
+            dark_level: 24,
+            subregion_radius: 2.6e-3,
+        }
+    }
+}
+
+/// What the picture says about one element.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ElementMoments {
+    /// Integrated gray value G, grey levels times m².
+    pub integrated_gray: f64,
+    /// Centroid of the gray values in x, y of the element's frame `E_i`, m; zero in the dark.
+    pub centroid: DVec2,
+}
+
+/// Why moments cannot be taken.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum MomentsError {
+    /// The sub-region's radius is useless.
+    #[error(
+        "subregion_radius must lie between 0 and the dome's radius {dome_radius} m, got {radius} m"
+    )]
+    Radius {
+        /// What it was, m.
+        radius: f64,
+        /// Radius of the dome, m.
+        dome_radius: f64,
+    },
+    /// An element's sub-region reaches beyond the picture.
+    #[error(
+        "the sub-region of element {element} reaches {seen_at}, beyond the {width}x{height} px of the picture"
+    )]
+    OutOfPicture {
+        /// Index of the element.
+        element: usize,
+        /// Column and row, px, or that it is not seen at all.
+        seen_at: String,
+        /// Columns of the picture, px.
+        width: usize,
+        /// Rows of the picture, px.
+        height: usize,
+    },
+    /// The picture is too small to hold anything.
+    #[error("the picture must have at least {LANES} px, got {pixels} px")]
+    TooFewPixels {
+        /// Pixels of the picture.
+        pixels: usize,
+    },
+    /// A picture has another size than the kernel was built for.
+    #[error(
+        "moments are taken of {expected_width}x{expected_height} px, the picture has {width}x{height} px in {pixels} values"
+    )]
+    PictureSize {
+        /// Columns that the kernel was built for, px.
+        expected_width: usize,
+        /// Rows that the kernel was built for, px.
+        expected_height: usize,
+        /// Columns of the picture, px.
+        width: usize,
+        /// Rows of the picture, px.
+        height: usize,
+        /// Gray values in the picture.
+        pixels: usize,
+    },
+    /// The place for the moments is for another number of elements.
+    #[error("the kernel has {expected} elements, the moments to fill have {actual}")]
+    ElementCount {
+        /// Elements of the kernel.
+        expected: usize,
+        /// Elements of the moments to fill.
+        actual: usize,
+    },
+}
+
+/// Pixels that are summed side by side. It is part of the result: sums are taken lane by lane, in
+/// the same order on every machine.
+const LANES: usize = 8;
+
+/// [`LANES`] neighbouring pixels of one sub-region and their weights.
+#[derive(Debug, Clone, PartialEq)]
+struct PixelGroup {
+    /// Where in the picture the first one is.
+    offset: usize,
+    /// Area `w`, m²; zero for a pixel outside the sub-region.
+    area: [f32; LANES],
+    /// `w` times x of the pixel in `E_i`, m³.
+    area_x: [f32; LANES],
+    /// `w` times y of the pixel in `E_i`, m³.
+    area_y: [f32; LANES],
+}
+
+/// Everything about taking moments that does not change from frame to frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MomentsKernel {
+    width: usize,
+    height: usize,
+    dark_level: f32,
+    groups: Vec<PixelGroup>,
+    /// The groups of each element.
+    elements: Vec<Range<usize>>,
+}
+
+impl MomentsKernel {
+    /// Finds each element's pixels and their weights.
+    ///
+    /// # Errors
+    /// When a sub-region is not wholly in the picture, or its radius makes no sense.
+    pub fn new(
+        layout: &ElementLayout,
+        projection: &DomeProjection,
+        config: &MomentsConfig,
+    ) -> Result<Self, MomentsError> {
+        let (width, height) = (projection.width(), projection.height());
+        let radius = config.subregion_radius;
+        if !(radius > 0.0 && radius < layout.dome_radius) {
+            return Err(MomentsError::Radius {
+                radius,
+                dome_radius: layout.dome_radius,
+            });
+        }
+        if width * height < LANES {
+            return Err(MomentsError::TooFewPixels {
+                pixels: width * height,
+            });
+        }
+        let mut kernel = Self {
+            width,
+            height,
+            dark_level: f32::from(config.dark_level),
+            groups: Vec::new(),
+            elements: Vec::with_capacity(layout.elements.len()),
+        };
+        for element in 0..layout.elements.len() {
+            let first = kernel.groups.len();
+            let (columns, rows) = bounding_box(layout, projection, element, radius)?;
+            for row in rows {
+                kernel.add_row(layout, projection, element, radius, columns.clone(), row);
+            }
+            kernel.elements.push(first..kernel.groups.len());
+        }
+        Ok(kernel)
+    }
+
+    /// Number of elements.
+    pub fn element_count(&self) -> usize {
+        self.elements.len()
+    }
+
+    /// Takes the moments of all elements in `picture`. Neither allocates nor panics.
+    ///
+    /// # Errors
+    /// When the picture or `moments` has another size than the kernel.
+    pub fn measure(
+        &self,
+        picture: &Picture,
+        moments: &mut [ElementMoments],
+    ) -> Result<(), MomentsError> {
+        if moments.len() != self.elements.len() {
+            return Err(MomentsError::ElementCount {
+                expected: self.elements.len(),
+                actual: moments.len(),
+            });
+        }
+        let (width, height) = (picture.width, picture.height);
+        let pixels = picture.pixels.len();
+        if (width, height, pixels) != (self.width, self.height, self.width * self.height) {
+            return Err(MomentsError::PictureSize {
+                expected_width: self.width,
+                expected_height: self.height,
+                width,
+                height,
+                pixels,
+            });
+        }
+        for (moments, range) in moments.iter_mut().zip(&self.elements) {
+            let groups = self.groups.get(range.clone()).unwrap_or(&[]);
+            *moments = element_moments(groups, &picture.pixels, self.dark_level);
+        }
+        Ok(())
+    }
+
+    /// Adds the pixels of one row that belong to `element`.
+    fn add_row(
+        &mut self,
+        layout: &ElementLayout,
+        projection: &DomeProjection,
+        element: usize,
+        radius: f64,
+        columns: Range<usize>,
+        row: usize,
+    ) {
+        let last_offset = self.width * self.height - LANES;
+        let mut next_column = columns.start;
+        for column in columns {
+            let pixel = DVec2::new(column as f64, row as f64);
+            let Some((area, point)) = own_pixel(layout, projection, element, radius, pixel) else {
+                continue;
+            };
+            let offset = row * self.width + column;
+            if column >= next_column {
+                self.groups.push(PixelGroup {
+                    offset: offset.min(last_offset),
+                    area: [0.0; LANES],
+                    area_x: [0.0; LANES],
+                    area_y: [0.0; LANES],
+                });
+                next_column = column + LANES;
+            }
+            if let Some(group) = self.groups.last_mut() {
+                let lane = offset - group.offset;
+                group.area[lane] = area as f32;
+                group.area_x[lane] = (area * point.x) as f32;
+                group.area_y[lane] = (area * point.y) as f32;
+            }
+        }
+    }
+}
+
+/// Sums one element's groups: lane by lane in `f32`, then the lanes in `f64`.
+fn element_moments(groups: &[PixelGroup], pixels: &[u8], dark_level: f32) -> ElementMoments {
+    let mut gray = [0.0_f32; LANES];
+    let mut gray_x = [0.0_f32; LANES];
+    let mut gray_y = [0.0_f32; LANES];
+    for group in groups {
+        let Some(pixels) = pixels
+            .get(group.offset..)
+            .and_then(|p| p.first_chunk::<LANES>())
+        else {
+            continue;
+        };
+        for lane in 0..LANES {
+            let above = f32::from(pixels[lane]) - dark_level;
+            let g = if above > 0.0 { above } else { 0.0 };
+            gray[lane] += g * group.area[lane];
+            gray_x[lane] += g * group.area_x[lane];
+            gray_y[lane] += g * group.area_y[lane];
+        }
+    }
+    let sum = |lanes: [f32; LANES]| lanes.iter().map(|&v| f64::from(v)).sum::<f64>();
+    let integrated_gray = sum(gray);
+    let first_moment = DVec2::new(sum(gray_x), sum(gray_y));
+    ElementMoments {
+        integrated_gray,
+        centroid: if integrated_gray > 0.0 {
+            first_moment / integrated_gray
+        } else {
+            DVec2::ZERO
+        },
+    }
+}
+
+/// Area and position in the tangent plane of `element` if the pixel belongs to it.
+fn own_pixel(
+    layout: &ElementLayout,
+    projection: &DomeProjection,
+    element: usize,
+    radius: f64,
+    pixel: DVec2,
+) -> Option<(f64, DVec2)> {
+    let own = &layout.elements[element];
+    let point = projection.point_at(pixel)?;
+    let nearness = point.dot(own.normal());
+    let nearer = |(other, e): (usize, &super::layout::SensingElement)| {
+        let nearness_of_other = point.dot(e.normal());
+        nearness_of_other > nearness || (nearness_of_other == nearness && other < element)
+    };
+    if nearness <= 0.0 || layout.elements.iter().enumerate().any(nearer) {
+        return None;
+    }
+    let dewarped = projection.dewarp(pixel, own)?;
+    (dewarped.point.length() <= radius).then_some((dewarped.area, dewarped.point))
+}
+
+/// Columns and rows that hold the sub-region of `element`, from where its rim is seen.
+fn bounding_box(
+    layout: &ElementLayout,
+    projection: &DomeProjection,
+    element: usize,
+    radius: f64,
+) -> Result<(Range<usize>, Range<usize>), MomentsError> {
+    let (width, height) = (projection.width(), projection.height());
+    let out_of_picture = |seen_at: String| MomentsError::OutOfPicture {
+        element,
+        seen_at,
+        width,
+        height,
+    };
+    let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+    for step in 0..64 {
+        let rim = radius * DVec2::from_angle(TAU * f64::from(step) / 64.0);
+        let pixel = projection
+            .lift(rim, &layout.elements[element])
+            .and_then(|point| projection.project(point))
+            .ok_or_else(|| out_of_picture("where the camera sees nothing".into()))?;
+        let inside = pixel.x >= 0.0
+            && pixel.y >= 0.0
+            && pixel.x <= (width - 1) as f64
+            && pixel.y <= (height - 1) as f64;
+        if !inside {
+            let (column, row) = (pixel.x, pixel.y);
+            return Err(out_of_picture(format!("column {column:.1}, row {row:.1}")));
+        }
+        low = low.min(pixel);
+        high = high.max(pixel);
+    }
+    // One pixel to spare for the arc between two points of the rim.
+    let range = |low: f64, high: f64, end: usize| {
+        (low.floor() as usize).saturating_sub(1)..(high.ceil() as usize + 2).min(end)
+    };
+    Ok((range(low.x, high.x, width), range(low.y, high.y, height)))
+}
