@@ -92,8 +92,9 @@ impl RunFacts {
         }
         for d in directions {
             let length = d.iter().map(|x| x * x).sum::<f64>().sqrt();
-            // A NaN fails this comparison too.
-            if !((length - 1.0).abs() < 1e-3) {
+            // Written so that a NaN is no unit vector either.
+            let is_unit = (length - 1.0).abs() < 1e-3;
+            if !is_unit {
                 return Err(facts_error(field, "unit vectors", format!("{d:?}")));
             }
         }
