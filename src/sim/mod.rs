@@ -11,6 +11,7 @@ pub mod optics_config;
 pub mod random;
 pub mod rig;
 pub mod servo;
+pub mod sim_camera;
 pub mod state;
 pub mod step;
 pub mod torque_sensor;
