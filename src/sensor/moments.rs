@@ -249,11 +249,15 @@ impl MomentsKernel {
     }
 }
 
-/// Sums one element's groups: lane by lane in `f32`, then the lanes in `f64`.
-fn element_moments(groups: &[PixelGroup], pixels: &[u8], dark_level: f32) -> ElementMoments {
-    let mut gray = [0.0_f32; LANES];
-    let mut gray_x = [0.0_f32; LANES];
-    let mut gray_y = [0.0_f32; LANES];
+/// Sums one element's groups lane by lane: gray, gray times x, gray times y.
+///
+/// Kept apart from what is made of the sums, which would tempt the compiler to pair x with y instead
+/// of lane with lane.
+#[inline(never)]
+fn sum_groups(groups: &[PixelGroup], pixels: &[u8], dark_level: f32) -> [[f32; LANES]; 3] {
+    let mut gray = [0.0; LANES];
+    let mut gray_x = [0.0; LANES];
+    let mut gray_y = [0.0; LANES];
     for group in groups {
         let Some(pixels) = pixels
             .get(group.offset..)
@@ -261,21 +265,33 @@ fn element_moments(groups: &[PixelGroup], pixels: &[u8], dark_level: f32) -> Ele
         else {
             continue;
         };
-        for lane in 0..LANES {
-            let above = f32::from(pixels[lane]) - dark_level;
-            let g = if above > 0.0 { above } else { 0.0 };
-            gray[lane] += g * group.area[lane];
-            gray_x[lane] += g * group.area_x[lane];
-            gray_y[lane] += g * group.area_y[lane];
-        }
+        let bright = pixels.map(|pixel| {
+            let above = f32::from(pixel) - dark_level;
+            if above > 0.0 { above } else { 0.0 }
+        });
+        add_products(&mut gray, &bright, &group.area);
+        add_products(&mut gray_x, &bright, &group.area_x);
+        add_products(&mut gray_y, &bright, &group.area_y);
     }
-    let sum = |lanes: [f32; LANES]| lanes.iter().map(|&v| f64::from(v)).sum::<f64>();
-    let integrated_gray = sum(gray);
-    let first_moment = DVec2::new(sum(gray_x), sum(gray_y));
+    [gray, gray_x, gray_y]
+}
+
+#[inline(always)]
+fn add_products(sums: &mut [f32; LANES], a: &[f32; LANES], b: &[f32; LANES]) {
+    for lane in 0..LANES {
+        sums[lane] += a[lane] * b[lane];
+    }
+}
+
+/// Moments of one element's groups; the lanes are added up in `f64`.
+fn element_moments(groups: &[PixelGroup], pixels: &[u8], dark_level: f32) -> ElementMoments {
+    let lanes = sum_groups(groups, pixels, dark_level);
+    let [integrated_gray, x, y] =
+        lanes.map(|lanes| lanes.iter().map(|&v| f64::from(v)).sum::<f64>());
     ElementMoments {
         integrated_gray,
         centroid: if integrated_gray > 0.0 {
-            first_moment / integrated_gray
+            DVec2::new(x, y) / integrated_gray
         } else {
             DVec2::ZERO
         },

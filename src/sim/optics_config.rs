@@ -46,9 +46,9 @@ impl Default for OpticsConfig {
         Self {
             youngs_modulus: 0.7e6,
             poisson_ratio: 0.49,
-            cone_flank_deg: 60.0,
+            cone_flank_deg: 65.0,
             cone_base_radius: 0.7e-3,
-            cone_circle_radius: 2.0e-3,
+            cone_circle_radius: 1.8e-3,
             lever_height: 0.8e-3,
             preload: 0.05,
             shear_stiffness: 8.0e3,
