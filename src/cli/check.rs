@@ -8,7 +8,7 @@ use crate::experiment::Session;
 pub struct Arguments {
     /// An experiment file, or the name of a built-in experiment.
     experiment: String,
-    /// Check it with this value set, as in control.flags.slip_threshold=2.5.
+    /// Check it with this value set, as in control.slip_threshold=2.5.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     settings: Vec<String>,
 }

@@ -24,7 +24,7 @@ pub struct Arguments {
     /// Where forces come from: rendered camera pictures, or the feelers themselves plus noise.
     #[arg(long, value_parser = ["image", "direct"])]
     sensing: Option<String>,
-    /// Set any value of the experiment, as in control.flags.slip_threshold=2.5.
+    /// Set any value of the experiment, as in control.slip_threshold=2.5.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     settings: Vec<String>,
     /// The run's folder, which must not hold a run yet [default: runs/NAME-SENSING-seedN]

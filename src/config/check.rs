@@ -75,27 +75,19 @@ fn check_fingers(config: &ExperimentConfig, checker: &mut Checker) {
 fn check_control(control: &ControlConfig, checker: &mut Checker) {
     checker.between("control.period", control.period, 1e-4, 1.0);
     checker.between("control.stale_periods", control.stale_periods, 0.5, 1e3);
-    let flags = &control.flags;
-    checker.positive("control.flags.touch_force", flags.touch_force);
-    checker.positive("control.flags.slip_threshold", flags.slip_threshold);
+    checker.positive("control.touch_force", control.touch_force);
+    checker.positive("control.slip_threshold", control.slip_threshold);
     checker.require(
-        "control.flags.over_force",
-        flags.over_force.to_string(),
-        flags.over_force.is_finite() && flags.over_force > flags.touch_force,
+        "control.over_force",
+        control.over_force.to_string(),
+        control.over_force.is_finite() && control.over_force > control.touch_force,
         &format!(
-            "more than control.flags.touch_force (F1) = {}",
-            flags.touch_force
+            "more than control.touch_force (F1) = {}",
+            control.touch_force
         ),
     );
-    let reflex = &control.reflex;
-    checker.not_negative(
-        "control.reflex.recompression_speed",
-        reflex.recompression_speed,
-    );
-    checker.not_negative(
-        "control.reflex.minimum_grasp_force",
-        reflex.minimum_grasp_force,
-    );
+    checker.not_negative("control.recompression_speed", control.recompression_speed);
+    checker.not_negative("control.minimum_grasp_force", control.minimum_grasp_force);
     let limits = &control.limits;
     checker.positive("control.limits.fingertip_speed", limits.fingertip_speed);
     checker.positive(

@@ -99,7 +99,7 @@ pub struct Experiment {
 
 impl Experiment {
     /// The experiment called `name`, a built-in one or a file, with `settings` of the form
-    /// `control.flags.slip_threshold=2.5` put in.
+    /// `control.slip_threshold=2.5` put in.
     ///
     /// # Errors
     /// When there is none, its text makes no sense, or a value is out of its range.
@@ -187,9 +187,9 @@ fn put(document: &mut DocumentMut, setting: &str) -> Result<(), ConfigError> {
         setting: setting.to_string(),
         message,
     };
-    let (key, value) = setting.split_once('=').ok_or_else(|| {
-        error("expected key=value, as in control.flags.slip_threshold=2.5".into())
-    })?;
+    let (key, value) = setting
+        .split_once('=')
+        .ok_or_else(|| error("expected key=value, as in control.slip_threshold=2.5".into()))?;
     let mut item = document.as_item_mut();
     for part in key.trim().split('.') {
         item = step_into(item, part)
