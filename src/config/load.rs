@@ -117,7 +117,12 @@ impl Experiment {
         Self::parse(&text, name, settings, Some(folder))
     }
 
-    fn parse(
+    /// The experiment that `text` says, which came from `origin` (for messages). File names in it
+    /// are relative to `folder`; without one, they name built-in files.
+    ///
+    /// # Errors
+    /// As [`Self::load`].
+    pub fn parse(
         text: &str,
         origin: &str,
         settings: &[String],

@@ -92,8 +92,7 @@ impl Session {
         let fingertip = Fingertip::new(&config.sensor.fingertip)?;
         let layout = fingertip.layout.clone();
         let (fingers, joints) = fingers_at_home(config)?;
-        let (control, task) = (config.control.clone(), config.task.clone());
-        let controller = Controller::new(control, task, &fingers, &layout);
+        let controller = controller(config, &fingers, &layout);
         let model = Model::new(&config.sim, fingers, layout.clone(), config.seed);
         let rig = Rig::new(World::new(model, &joints, config.seed));
         let calibration = experiment.calibration()?;
@@ -155,8 +154,20 @@ impl Session {
     }
 }
 
+/// The controller of `config` for `fingers` with the elements of `layout`.
+pub fn controller(
+    config: &ExperimentConfig,
+    fingers: &[FingerGeometry],
+    layout: &ElementLayout,
+) -> Controller {
+    Controller::new(config.control.clone(), config.task.clone(), fingers, layout)
+}
+
 /// The fingers and the joint angles, rad, that bring them home.
-fn fingers_at_home(
+///
+/// # Errors
+/// When a finger makes no sense or cannot reach its home.
+pub fn fingers_at_home(
     config: &ExperimentConfig,
 ) -> Result<(Vec<FingerGeometry>, Vec<DVec3>), ExperimentError> {
     let fingers = config.hand.finger.iter().zip(&config.task.finger);

@@ -10,6 +10,7 @@ pub mod error;
 pub mod facts;
 pub mod recorder;
 pub mod recording;
+pub mod replay;
 pub mod scan;
 
 pub use channels::{
@@ -21,3 +22,4 @@ pub use error::RecordError;
 pub use facts::RunFacts;
 pub use recorder::Recorder;
 pub use recording::{FingerRecord, Recording};
+pub use replay::{RecordedHand, RecordedSensor};
