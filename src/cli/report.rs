@@ -33,5 +33,5 @@ pub fn print_claims(made: &ReportOutcome) {
     for claim in claims.iter().filter(|claim| !claim.holds) {
         println!("  does not hold: {} ({})", claim.id, claim.bound);
     }
-    println!("{}", made.summary_path.display());
+    println!("{}", made.report_path.display());
 }

@@ -1,6 +1,8 @@
 //! Makes a run's report from its recording.
 
 use super::claims::Claim;
+use super::figures::figures;
+use super::page::page;
 use super::run_data::RunData;
 use super::summary::Summary;
 use crate::record::{RecordError, Recording};
@@ -10,6 +12,10 @@ use std::path::{Path, PathBuf};
 
 /// Name of the recording in a run's directory.
 pub const RECORDING: &str = "recording.mcap";
+/// Name of the page in a run's directory.
+pub const REPORT: &str = "report.html";
+/// Name of the directory of single figures in a run's directory.
+pub const FIGURES: &str = "figures";
 /// Name of the summary in a run's directory.
 pub const SUMMARY: &str = "summary.json";
 
@@ -32,6 +38,8 @@ pub enum ReportError {
 /// What [`make`] made.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReportOutcome {
+    /// `report.html`.
+    pub report_path: PathBuf,
     /// `summary.json`.
     pub summary_path: PathBuf,
     /// Whether the recording is whole.
@@ -51,7 +59,8 @@ impl ReportOutcome {
     }
 }
 
-/// Reads `recording.mcap` in `run_dir` and writes the report beside it. A damaged recording
+/// Reads `recording.mcap` in `run_dir` and writes `report.html`, `summary.json` and the figures,
+/// one file each, beside it. A damaged recording
 /// gives a report of what is readable, marked as incomplete.
 ///
 /// # Errors
@@ -61,19 +70,47 @@ pub fn make(run_dir: impl AsRef<Path>) -> Result<ReportOutcome, ReportError> {
     let recording = Recording::read(run_dir.join(RECORDING))?;
     let data = RunData::new(&recording);
     let summary = Summary::new(&recording, &data);
+    let figures = figures(&data);
+    let directory = run_dir.join(FIGURES);
+    fs::create_dir_all(&directory).map_err(|source| ReportError::Write {
+        path: directory.clone(),
+        source,
+    })?;
+    for figure in &figures {
+        let path = directory.join(figure.file_name());
+        match &figure.svg {
+            Some(svg) => write_whole(&path, svg.as_bytes())?,
+            None => remove(&path)?,
+        }
+    }
     let summary_path = run_dir.join(SUMMARY);
     let json = summary.to_json().map_err(|e| ReportError::Write {
         path: summary_path.clone(),
         source: e.into(),
     })?;
     write_whole(&summary_path, json.as_bytes())?;
+    let report_path = run_dir.join(REPORT);
+    let html = page(&recording, &summary, &figures);
+    write_whole(&report_path, html.as_bytes())?;
     Ok(ReportOutcome {
+        report_path,
         summary_path,
         complete: recording.complete,
         problem: recording.problem,
         readable_until: recording.readable_until,
         summary,
     })
+}
+
+/// Removes a figure of an earlier report that this recording does not hold.
+fn remove(path: &Path) -> Result<(), ReportError> {
+    match fs::remove_file(path) {
+        Err(source) if source.kind() != std::io::ErrorKind::NotFound => Err(ReportError::Write {
+            path: path.to_path_buf(),
+            source,
+        }),
+        _ => Ok(()),
+    }
 }
 
 /// Writes a file so that it is there whole or not at all.

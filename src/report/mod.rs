@@ -1,8 +1,10 @@
 //! The report of a run: measures, claims, figures and page, all from its recording alone.
 
 pub mod claims;
+pub mod figures;
 pub mod make;
 pub mod measures;
+pub mod page;
 pub mod run_data;
 pub mod series;
 pub mod strokes;

@@ -1,0 +1,259 @@
+//! What all figures share: colours, lines, panels, and the frame around them.
+//!
+//! A figure is 480 units wide with 14-unit letters, so that it reads at a phone's width and at a
+//! page's column. The frame is ours (title for screen readers, `viewBox`, legend in a row above the
+//! panels, where it covers nothing); the panels are kuva's.
+
+use super::super::series::finite;
+use kuva::backend::svg::SvgBackend;
+use kuva::plot::LinePlot;
+use kuva::render::figure::Figure as Panels;
+use kuva::render::layout::{Layout, TickFormat};
+use kuva::render::plots::Plot;
+use maud::{PreEscaped, html};
+use std::sync::Arc;
+
+/// Width of a figure.
+pub const WIDTH: f64 = 480.0;
+/// Black, of what belongs to the cap.
+pub const CAP: &str = "#000000";
+/// Colours of the fingers (Okabe and Ito's, safe for the colour-blind).
+const FINGERS: [&str; 4] = ["#0072B2", "#D55E00", "#009E73", "#CC79A7"];
+/// Grey of grids and shades.
+pub const SHADE: &str = "#d9d9d9";
+
+const LEGEND_HEIGHT: f64 = 30.0;
+const LEGEND_LINE: f64 = 22.0;
+const FONT: &str = "DejaVu Sans, Verdana, Liberation Sans, Arial, sans-serif";
+
+/// Colour of a finger.
+pub fn finger_colour(finger: usize) -> &'static str {
+    FINGERS[finger % FINGERS.len()]
+}
+
+/// How a line is drawn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pen {
+    /// Colour, as in CSS.
+    pub colour: &'static str,
+    /// Width.
+    pub width: f64,
+    /// Whether it is dashed.
+    pub dashed: bool,
+}
+
+impl Pen {
+    /// A solid line.
+    pub fn solid(colour: &'static str, width: f64) -> Self {
+        Self {
+            colour,
+            width,
+            dashed: false,
+        }
+    }
+
+    /// A dashed line.
+    pub fn dashed(colour: &'static str, width: f64) -> Self {
+        let dashed = true;
+        Self {
+            dashed,
+            ..Self::solid(colour, width)
+        }
+    }
+}
+
+/// A line through points, without those that are no numbers.
+pub fn line(points: impl IntoIterator<Item = (f64, f64)>, pen: Pen) -> Plot {
+    let known = |(x, y): &(f64, f64)| x.is_finite() && y.is_finite();
+    let points: Vec<_> = points.into_iter().filter(known).collect();
+    let line = LinePlot::new()
+        .with_data(points)
+        .with_color(pen.colour)
+        .with_stroke_width(pen.width);
+    Plot::Line(if pen.dashed { line.with_dashed() } else { line })
+}
+
+/// An empty panel over the given ranges. A range that is none is widened to one.
+pub fn panel(x: (f64, f64), y: (f64, f64), x_label: &str, y_label: &str) -> Layout {
+    let layout = Layout::new(widen(x), widen(y))
+        .with_label_size(14)
+        .with_tick_size(13)
+        .with_body_size(13)
+        .with_grid_line_width(0.6)
+        .with_tick_format(TickFormat::Custom(Arc::new(tick)))
+        .with_y_label(y_label);
+    if x_label.is_empty() {
+        layout
+    } else {
+        layout.with_x_label(x_label)
+    }
+}
+
+/// A tick's label: as short as tells it from its neighbours, with a true minus sign.
+fn tick(value: f64) -> String {
+    let rounded = (value * 1e4).round() / 1e4;
+    let text = rounded.abs().to_string();
+    if rounded < 0.0 {
+        format!("\u{2212}{text}")
+    } else {
+        text
+    }
+}
+
+/// The range as it is, or one around it when it has no width or is no number.
+fn widen((low, high): (f64, f64)) -> (f64, f64) {
+    match (finite(low), finite(high)) {
+        (Some(low), Some(high)) if high - low > 1e-9 => (low, high),
+        (Some(low), _) => (low, low + 1.0),
+        _ => (0.0, 1.0),
+    }
+}
+
+/// Smallest and largest of the values that are numbers.
+pub fn range(values: impl IntoIterator<Item = f64>) -> Option<(f64, f64)> {
+    (values.into_iter().filter(|v| v.is_finite())).fold(None, |range, v| match range {
+        None => Some((v, v)),
+        Some((low, high)) => Some((v.min(low), v.max(high))),
+    })
+}
+
+/// Thins a series to at most `buckets` pairs of a smallest and a largest value, in their order,
+/// so that no peak is lost.
+pub fn thin(points: &[(f64, f64)], buckets: usize) -> Vec<(f64, f64)> {
+    if points.len() <= 2 * buckets {
+        return points.to_vec();
+    }
+    let size = points.len().div_ceil(buckets);
+    let mut thinned = Vec::with_capacity(2 * buckets);
+    for bucket in points.chunks(size) {
+        let ends = (bucket.iter().enumerate()).fold((0, 0), |(low, high), (i, point)| {
+            let low = if point.1 < bucket[low].1 { i } else { low };
+            let high = if point.1 > bucket[high].1 { i } else { high };
+            (low, high)
+        });
+        let (first, second) = (ends.0.min(ends.1), ends.0.max(ends.1));
+        thinned.push(bucket[first]);
+        if second != first {
+            thinned.push(bucket[second]);
+        }
+    }
+    thinned
+}
+
+/// Puts panels into a frame with a legend.
+pub fn frame(
+    number: u32,
+    title: &str,
+    legend: &[(&str, Pen)],
+    panels: Panels,
+    height: f64,
+) -> String {
+    let scene = panels.with_figure_size(WIDTH, height).render();
+    let panels = own_ids(&SvgBackend.render_scene(&scene), number);
+    let rows = legend_rows(legend);
+    let legend_height = rows.len() as f64 * LEGEND_HEIGHT;
+    let total = height + legend_height;
+    let heading = format!("fig-{number:02}-title");
+    html! {
+        svg xmlns="http://www.w3.org/2000/svg" width=(WIDTH) height=(total)
+            viewBox=(format!("0 0 {WIDTH} {total}")) role="img" aria-labelledby=(heading) {
+            title id=(heading) { (title) }
+            rect width=(WIDTH) height=(total) fill="white" {}
+            g font-family=(FONT) font-size="14" {
+                @for (row, entries) in rows.iter().enumerate() {
+                    @let y = LEGEND_HEIGHT * (row as f64 + 0.5);
+                    @for (x, text, pen) in entries {
+                        line x1=(x) x2=(x + LEGEND_LINE) y1=(y) y2=(y) stroke=(pen.colour)
+                            stroke-width=(pen.width.max(2.0))
+                            stroke-dasharray=[pen.dashed.then_some("6 4")] {}
+                        text x=(x + LEGEND_LINE + 6.0) y=(y + 5.0) { (text) }
+                    }
+                }
+            }
+            g transform=(format!("translate(0,{legend_height})")) { (PreEscaped(panels)) }
+        }
+    }
+    .into_string()
+}
+
+/// The legend's entries in rows, each with its left end.
+fn legend_rows<'a>(legend: &[(&'a str, Pen)]) -> Vec<Vec<(f64, &'a str, Pen)>> {
+    /// Width of a letter of the legend, on average, with room to spare.
+    const LETTER: f64 = 8.0;
+    const START: f64 = 16.0;
+    let mut rows = vec![Vec::new()];
+    let mut x = START;
+    for &(text, pen) in legend {
+        let width = LEGEND_LINE + 6.0 + LETTER * text.chars().count() as f64 + 14.0;
+        if x + width > WIDTH && x > START {
+            rows.push(Vec::new());
+            x = START;
+        }
+        if let Some(row) = rows.last_mut() {
+            row.push((x, text, pen));
+        }
+        x += width;
+    }
+    rows
+}
+
+/// Gives a figure's clip paths names that no other figure in the page has.
+fn own_ids(svg: &str, number: u32) -> String {
+    const THEIRS: &str = "kuva-clip-";
+    let mut names: Vec<&str> = Vec::new();
+    let mut out = String::with_capacity(svg.len());
+    let mut rest = svg;
+    while let Some(at) = rest.find(THEIRS) {
+        let (before, named) = rest.split_at(at);
+        let end = THEIRS.len()
+            + named[THEIRS.len()..]
+                .find(|c: char| !c.is_ascii_digit())
+                .unwrap_or(named.len() - THEIRS.len());
+        let (name, after) = named.split_at(end);
+        let place = names.iter().position(|n| *n == name).unwrap_or_else(|| {
+            names.push(name);
+            names.len() - 1
+        });
+        out += before;
+        out += &format!("fig-{number:02}-clip-{place}");
+        rest = after;
+    }
+    out + rest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thinning_keeps_every_peak() {
+        let mut points: Vec<_> = (0..10_000).map(|i| (f64::from(i), 0.0)).collect();
+        points[4321].1 = 5.0;
+        points[8765].1 = -3.0;
+        let thinned = thin(&points, 300);
+        assert!(thinned.len() <= 600);
+        assert!(thinned.contains(&(4321.0, 5.0)) && thinned.contains(&(8765.0, -3.0)));
+        assert!(thinned.windows(2).all(|pair| pair[0].0 < pair[1].0));
+        assert_eq!(thin(&points[..100], 300), points[..100]);
+    }
+
+    #[test]
+    fn clip_paths_get_the_figures_own_names() {
+        let svg = r##"<clipPath id="kuva-clip-12"/><g clip-path="url(#kuva-clip-12)"/><a b="kuva-clip-7"/>"##;
+        assert_eq!(
+            own_ids(svg, 8),
+            r##"<clipPath id="fig-08-clip-0"/><g clip-path="url(#fig-08-clip-0)"/><a b="fig-08-clip-1"/>"##
+        );
+    }
+
+    #[test]
+    fn a_legend_that_is_too_wide_takes_another_row() {
+        let pen = Pen::solid(CAP, 1.0);
+        let long = "a legend entry of forty letters, or more";
+        assert_eq!(legend_rows(&[(long, pen), (long, pen)]).len(), 2);
+        assert_eq!(
+            legend_rows(&[("finger 0", pen), ("finger 1", pen)]).len(),
+            1
+        );
+    }
+}
