@@ -159,10 +159,10 @@ impl ElementCalibration {
             if !(low.is_finite() && high.is_finite() && low < high) {
                 return unusable(format!("{name}.range must rise, got {low} to {high}"));
             }
-            if !curve.coefficients.iter().all(|c| c.is_finite()) {
+            if !(curve.force(low).is_finite() && curve.mean_slope().is_finite()) {
                 let coefficients = curve.coefficients;
                 return unusable(format!(
-                    "{name}.coefficients must be finite, got {coefficients:?}"
+                    "{name}.coefficients must give finite forces, got {coefficients:?}"
                 ));
             }
         }

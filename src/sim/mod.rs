@@ -4,3 +4,4 @@ pub mod calibration_bench;
 pub mod camera_noise;
 pub mod optics;
 pub mod optics_config;
+pub mod optics_model;
