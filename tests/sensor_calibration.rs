@@ -135,6 +135,13 @@ fn forces_are_recovered_on_loads_not_seen() {
 
 #[test]
 fn no_load_reads_zero_but_for_noise() {
+    for element in &CALIBRATION.elements {
+        let unloaded = ElementMoments {
+            integrated_gray: element.unloaded_gray,
+            centroid: element.unloaded_centroid,
+        };
+        assert_eq!(element.force(&unloaded), DVec3::ZERO);
+    }
     for (element, (mean, noise)) in readings(DVec3::ZERO, 30).into_iter().enumerate() {
         // Measured over 400 pictures: 0.8 mN in z and 3.7 mN in shear at the apex, half of it on the
         // outer ring. Over 30 pictures a standard deviation is right to 13 %, here three times over.
@@ -266,8 +273,11 @@ fn files_that_cannot_be_used_are_refused() {
         message.starts_with("element 3: shear_x.coefficients must give finite"),
         "{message}"
     );
-    let message = changed(|c| c.elements[3].normal.range = [1.0, 1.0]);
-    assert_eq!(message, "element 3: normal.range must rise, got 1 to 1");
+    let message = changed(|c| c.elements[3].normal.range = [1.0, 2.0]);
+    assert_eq!(
+        message,
+        "element 3: normal.range must rise and hold 0, got 1 to 2"
+    );
     let message = changed(|c| c.elements.truncate(40));
     assert_eq!(message, "calibrations for 41 elements expected, got 40");
 }
