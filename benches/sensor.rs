@@ -8,8 +8,9 @@ use feeler::{
         moments::ElementMoments,
     },
     sim::{
-        optics::{OpticsModel, render},
+        optics::{OpticsScratch, render},
         optics_config::OpticsConfig,
+        optics_model::OpticsModel,
     },
 };
 use glam::DVec3;
@@ -48,7 +49,7 @@ fn moments_of_a_frame(bencher: Bencher) {
     let mut rng = Pcg64::seed_from_u64(1);
     render(
         &model,
-        &mut model.scratch(),
+        &mut OpticsScratch::new(&model),
         &forces(5),
         &mut rng,
         &mut picture,
@@ -66,7 +67,7 @@ fn moments_of_a_frame(bencher: Bencher) {
 fn picture_with_loaded_elements(bencher: Bencher, loaded: usize) {
     let fingertip = fingertip();
     let model = model(&fingertip);
-    let mut scratch = model.scratch();
+    let mut scratch = OpticsScratch::new(&model);
     let mut picture = Picture::black(640, 480);
     let mut rng = Pcg64::seed_from_u64(1);
     let forces = forces(loaded);

@@ -6,6 +6,7 @@
 
 use feeler::{
     sensor::{
+        calibration_report::CalibrationReport,
         camera::{Camera, CameraError},
         fingertip::{Fingertip, FingertipConfig},
         frame::Frame,
@@ -13,9 +14,10 @@ use feeler::{
         reading::{TactileFrame, TactileSensor},
     },
     sim::{
-        calibration_bench::{CalibrationBenchConfig, CalibrationReport, calibrate_simulated},
-        optics::{OpticsModel, OpticsScratch, render},
+        calibration_bench::{CalibrationBenchConfig, calibrate_simulated},
+        optics::{OpticsScratch, render},
         optics_config::OpticsConfig,
+        optics_model::OpticsModel,
     },
 };
 use glam::DVec3;
@@ -63,7 +65,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     forces[3] = DVec3::new(0.4, 0.0, 1.0);
     forces[26] = DVec3::new(0.0, 0.8, 1.9);
     let camera = StillCamera {
-        scratch: model.scratch(),
+        scratch: OpticsScratch::new(&model),
         model,
         rng: Pcg64::seed_from_u64(2),
         forces: forces.clone(),

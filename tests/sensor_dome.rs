@@ -113,7 +113,7 @@ fn geometry_that_cannot_be_is_refused() {
     );
     assert!(matches!(
         refused(|c| c.width = 0),
-        DomeError::EmptyPicture { .. }
+        DomeError::PictureSize { .. }
     ));
     assert!(matches!(
         refused(|c| c.focal_length_px = -1.0),

@@ -66,11 +66,11 @@ pub enum CalibrationError {
 ///
 /// Inside the range of inputs it was fitted on, `F(s) = c_1 s + c_2 s^2 + c_3 s^3`. Outside, the
 /// polynomial may do anything, so the curve goes on from the range's end as a straight line with the
-/// mean slope of the whole curve: a stronger picture reads as a stronger force, without limit.
+/// mean slope of the whole curve: where the picture keeps growing stronger, so does the force.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ForceCurve {
-    /// Least and greatest input among the loads.
+    /// Least and greatest input among the loads, no load included: 0 lies within.
     pub range: [f64; 2],
     /// `c_1, c_2, c_3`, N per power of the input.
     pub coefficients: [f64; CURVE_TERMS],
@@ -127,7 +127,8 @@ pub struct ElementCalibration {
 
 impl ElementCalibration {
     /// The force at the element in its frame `E_i`, N (sign: see
-    /// [`TactileFrame`](super::reading::TactileFrame)). Finite for all finite moments.
+    /// [`TactileFrame`](super::reading::TactileFrame)). Finite for all finite moments; `F_z` is below
+    /// zero where the picture is darker than without load.
     pub fn force(&self, moments: &ElementMoments) -> DVec3 {
         let displacement = moments.centroid - self.unloaded_centroid;
         let growth = moments.integrated_gray / self.unloaded_gray - 1.0;
@@ -156,13 +157,15 @@ impl ElementCalibration {
         ];
         for (name, curve) in curves {
             let [low, high] = curve.range;
-            if !(low.is_finite() && high.is_finite() && low < high) {
-                return unusable(format!("{name}.range must rise, got {low} to {high}"));
+            if !(low.is_finite() && high.is_finite() && low < high && low <= 0.0 && high >= 0.0) {
+                return unusable(format!(
+                    "{name}.range must rise and hold 0, got {low} to {high}"
+                ));
             }
-            if !curve.coefficients.iter().all(|c| c.is_finite()) {
+            if !(curve.force(low).is_finite() && curve.mean_slope().is_finite()) {
                 let coefficients = curve.coefficients;
                 return unusable(format!(
-                    "{name}.coefficients must be finite, got {coefficients:?}"
+                    "{name}.coefficients must give finite forces, got {coefficients:?}"
                 ));
             }
         }

@@ -125,8 +125,9 @@ fn fit_curve(inputs: &[f64], forces: &[f64]) -> Result<ForceCurve, String> {
             "more than {CURVE_TERMS} loads expected, got {loads}"
         ));
     }
-    let low = inputs.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = inputs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    // No load is a known load too: the range reaches to 0, where the curve is exactly 0.
+    let low = inputs.iter().copied().fold(0.0, f64::min);
+    let high = inputs.iter().copied().fold(0.0, f64::max);
     let scale = low.abs().max(high.abs());
     let all_finite = inputs.iter().chain(forces).all(|v| v.is_finite());
     if !(all_finite && low < high) {

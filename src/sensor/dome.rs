@@ -13,7 +13,7 @@
 //! and not known, so bright spots are taken to lie on the sphere of the tips, `dome_radius`. The
 //! calibration absorbs the constant scale that this puts on lengths in an element's plane.
 
-use super::layout::SensingElement;
+use super::{layout::SensingElement, radial_distortion::RadialDistortion};
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
@@ -52,12 +52,17 @@ impl Default for CameraConfig {
     }
 }
 
+/// Most pixels to a side of a picture.
+pub const MAX_PICTURE_SIDE: usize = 16_384;
+
 /// Why a camera cannot look at a dome.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum DomeError {
-    /// The picture has no pixels.
-    #[error("the picture must have at least 1x1 px, got {width}x{height} px")]
-    EmptyPicture {
+    /// The picture has no pixels, or more than any camera.
+    #[error(
+        "the picture must have 1 to {MAX_PICTURE_SIDE} px to each side, got {width}x{height} px"
+    )]
+    PictureSize {
         /// Columns, px.
         width: usize,
         /// Rows, px.
@@ -116,12 +121,13 @@ impl DomeProjection {
     /// The map for `camera` in a dome of radius `dome_radius`, m.
     ///
     /// # Errors
-    /// When the picture is empty, a value is not finite or has the wrong sign, or the pinhole lies
+    /// When the picture is empty or huge, a value is not finite or has the wrong sign, or the pinhole lies
     /// outside the dome.
     pub fn new(camera: &CameraConfig, dome_radius: f64) -> Result<Self, DomeError> {
         let CameraConfig { width, height, .. } = *camera;
-        if width == 0 || height == 0 {
-            return Err(DomeError::EmptyPicture { width, height });
+        let sides = 1..=MAX_PICTURE_SIDE;
+        if !(sides.contains(&width) && sides.contains(&height)) {
+            return Err(DomeError::PictureSize { width, height });
         }
         let centre = camera
             .centre_px
@@ -218,77 +224,6 @@ impl DomeProjection {
             point: plane(DVec2::ZERO)?,
             area: along_column.perp_dot(along_row).abs(),
         })
-    }
-}
-
-/// `r -> r (1 + k1 r^2 + k2 r^4)`, used as far as it grows.
-#[derive(Debug, Clone, PartialEq)]
-struct RadialDistortion {
-    k1: f64,
-    k2: f64,
-    /// Slope up to which the distorted radius grows, infinite if it always does.
-    fold: f64,
-}
-
-impl RadialDistortion {
-    fn new(k1: f64, k2: f64) -> Self {
-        // The smallest positive root s = r^2 of 1 + 3 k1 s + 5 k2 s^2, as 2c / (-b + sqrt(..)).
-        let discriminant = 9.0 * k1 * k1 - 20.0 * k2;
-        let divisor = -3.0 * k1 + discriminant.max(0.0).sqrt();
-        let folds = discriminant >= 0.0 && divisor > 0.0;
-        let fold = if folds {
-            (2.0 / divisor).sqrt()
-        } else {
-            f64::INFINITY
-        };
-        Self { k1, k2, fold }
-    }
-
-    /// Distorted over undistorted radius at slope `r`.
-    fn scale(&self, r: f64) -> Option<f64> {
-        let s = r * r;
-        (r < self.fold).then_some(1.0 + s * (self.k1 + s * self.k2))
-    }
-
-    /// Distorted over undistorted radius where the distorted radius is `distorted`.
-    fn inverse_scale(&self, distorted: f64) -> Option<f64> {
-        if (self.k1 == 0.0 && self.k2 == 0.0) || distorted == 0.0 {
-            return Some(1.0);
-        }
-        let (mut low, mut high) = (0.0, self.bracket(distorted)?);
-        let mut r = distorted.min(high);
-        // Newton's steps, halving where a step leaves the bracket; 60 halvings exhaust an f64.
-        for _ in 0..60 {
-            let s = r * r;
-            let error = r * (1.0 + s * (self.k1 + s * self.k2)) - distorted;
-            if error > 0.0 {
-                high = r;
-            } else {
-                low = r;
-            }
-            let newton = r - error / (1.0 + s * (3.0 * self.k1 + s * 5.0 * self.k2));
-            let next = if newton > low && newton < high {
-                newton
-            } else {
-                0.5 * (low + high)
-            };
-            if (next - r).abs() <= 1e-15 * r {
-                break;
-            }
-            r = next;
-        }
-        Some(distorted / r)
-    }
-
-    /// A slope that is seen no nearer to the centre than `distorted`.
-    fn bracket(&self, distorted: f64) -> Option<f64> {
-        let radius = |r: f64| r * (1.0 + r * r * (self.k1 + r * r * self.k2));
-        if self.fold.is_finite() {
-            return (radius(self.fold) > distorted).then_some(self.fold);
-        }
-        (0..64)
-            .map(|doubling| distorted * f64::powi(2.0, doubling))
-            .find(|&r| radius(r) >= distorted)
     }
 }
 

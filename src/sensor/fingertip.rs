@@ -19,9 +19,18 @@ pub struct FingertipConfig {
     pub moments: MomentsConfig,
 }
 
+/// Most elements on a fingertip.
+pub const MAX_ELEMENTS: usize = 4096;
+
 /// Why a fingertip cannot be built.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum FingertipError {
+    /// There are no elements, or more than fit on a fingertip.
+    #[error("a fingertip must have 1 to {MAX_ELEMENTS} elements, got {actual}")]
+    ElementCount {
+        /// How many the rings have.
+        actual: usize,
+    },
     /// The camera cannot look at the dome.
     #[error(transparent)]
     Dome(#[from] DomeError),
@@ -47,6 +56,10 @@ impl Fingertip {
     /// # Errors
     /// When the camera does not see all sub-regions, or a value makes no sense.
     pub fn new(config: &FingertipConfig) -> Result<Self, FingertipError> {
+        let actual = config.layout.element_count();
+        if !(1..=MAX_ELEMENTS).contains(&actual) {
+            return Err(FingertipError::ElementCount { actual });
+        }
         let layout = ElementLayout::new(&config.layout);
         let projection = DomeProjection::new(&config.camera, config.layout.dome_radius)?;
         let kernel = MomentsKernel::new(&layout, &projection, &config.moments)?;

@@ -33,7 +33,9 @@ impl Default for LayoutConfig {
 impl LayoutConfig {
     /// Number of elements on all rings.
     pub fn element_count(&self) -> usize {
-        self.rings.iter().map(|ring| ring.elements).sum()
+        self.rings
+            .iter()
+            .fold(0, |sum, ring| sum.saturating_add(ring.elements))
     }
 }
 

@@ -6,6 +6,7 @@
 
 pub mod calibration;
 pub mod calibration_fit;
+pub mod calibration_report;
 pub mod camera;
 pub mod dome;
 pub mod fingertip;
@@ -13,4 +14,6 @@ pub mod frame;
 pub mod layout;
 pub mod moments;
 pub mod optical;
+mod radial_distortion;
 pub mod reading;
+mod subregion;

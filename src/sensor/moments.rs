@@ -11,10 +11,15 @@
 //! computed once, so that dewarping costs nothing per frame. A symmetric linear smoothing filter
 //! would change neither `G` nor `c`, which is why there is none.
 
-use super::{dome::DomeProjection, frame::Picture, layout::ElementLayout};
+use super::{
+    dome::DomeProjection,
+    frame::Picture,
+    layout::ElementLayout,
+    subregion::{bounding_box, own_pixel},
+};
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
-use std::{f64::consts::TAU, ops::Range};
+use std::ops::Range;
 
 /// How the moments of a sub-region are taken.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -296,65 +301,4 @@ fn element_moments(groups: &[PixelGroup], pixels: &[u8], dark_level: f32) -> Ele
             DVec2::ZERO
         },
     }
-}
-
-/// Area and position in the tangent plane of `element` if the pixel belongs to it.
-fn own_pixel(
-    layout: &ElementLayout,
-    projection: &DomeProjection,
-    element: usize,
-    radius: f64,
-    pixel: DVec2,
-) -> Option<(f64, DVec2)> {
-    let own = &layout.elements[element];
-    let point = projection.point_at(pixel)?;
-    let nearness = point.dot(own.normal());
-    let nearer = |(other, e): (usize, &super::layout::SensingElement)| {
-        let nearness_of_other = point.dot(e.normal());
-        nearness_of_other > nearness || (nearness_of_other == nearness && other < element)
-    };
-    if nearness <= 0.0 || layout.elements.iter().enumerate().any(nearer) {
-        return None;
-    }
-    let dewarped = projection.dewarp(pixel, own)?;
-    (dewarped.point.length() <= radius).then_some((dewarped.area, dewarped.point))
-}
-
-/// Columns and rows that hold the sub-region of `element`, from where its rim is seen.
-fn bounding_box(
-    layout: &ElementLayout,
-    projection: &DomeProjection,
-    element: usize,
-    radius: f64,
-) -> Result<(Range<usize>, Range<usize>), MomentsError> {
-    let (width, height) = (projection.width(), projection.height());
-    let out_of_picture = |seen_at: String| MomentsError::OutOfPicture {
-        element,
-        seen_at,
-        width,
-        height,
-    };
-    let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
-    for step in 0..64 {
-        let rim = radius * DVec2::from_angle(TAU * f64::from(step) / 64.0);
-        let pixel = projection
-            .lift(rim, &layout.elements[element])
-            .and_then(|point| projection.project(point))
-            .ok_or_else(|| out_of_picture("where the camera sees nothing".into()))?;
-        let inside = pixel.x >= 0.0
-            && pixel.y >= 0.0
-            && pixel.x <= (width - 1) as f64
-            && pixel.y <= (height - 1) as f64;
-        if !inside {
-            let (column, row) = (pixel.x, pixel.y);
-            return Err(out_of_picture(format!("column {column:.1}, row {row:.1}")));
-        }
-        low = low.min(pixel);
-        high = high.max(pixel);
-    }
-    // One pixel to spare for the arc between two points of the rim.
-    let range = |low: f64, high: f64, end: usize| {
-        (low.floor() as usize).saturating_sub(1)..(high.ceil() as usize + 2).min(end)
-    };
-    Ok((range(low.x, high.x, width), range(low.y, high.y, height)))
 }

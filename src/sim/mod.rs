@@ -8,6 +8,7 @@ pub mod model;
 pub mod object;
 pub mod optics;
 pub mod optics_config;
+pub mod optics_model;
 pub mod random;
 pub mod rig;
 pub mod servo;

@@ -12,12 +12,13 @@ pub struct OpticsConfig {
     pub youngs_modulus: f64,
     /// Poisson's ratio of the rubber (assumed, nearly incompressible).
     pub poisson_ratio: f64,
-    /// Angle between a cone's flank and the dome before they touch, degrees (assumed: a flatter
-    /// cone's spot would reach into the neighbour's sub-region at full load).
+    /// Angle between a cone's flank and the dome before they touch, degrees (assumed: the spots of
+    /// flatter cones would run into each other at full load).
     pub cone_flank_deg: f64,
     /// Radius of a cone's base, m; its contact cannot grow beyond (assumed).
     pub cone_base_radius: f64,
-    /// Radius of the circle about the element's axis on which its eight cones stand, m (assumed).
+    /// Radius of the circle about the element's axis on which its eight cones stand, m (assumed: up to
+    /// 2 N of compression and 1.8 N of shear, all spots but their rims stay in a sub-region of 2.6 mm).
     pub cone_circle_radius: f64,
     /// Height over the cones' tips at which a shear force acts on the feeler, m (assumed).
     pub lever_height: f64,
@@ -56,8 +57,8 @@ impl Default for OpticsConfig {
             spot_gray: 190.0,
             vignetting: 0.2,
             blur_px: 1.2,
-            read_noise: 1.5,
-            shot_noise: 0.1,
+            read_noise: 1.0,
+            shot_noise: 0.07,
         }
     }
 }
