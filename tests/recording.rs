@@ -130,20 +130,29 @@ fn what_cannot_be_written_is_refused_with_what_was_expected() {
 fn an_interrupted_run_is_readable_up_to_its_last_chunk() {
     let path = directory("interrupted").join("recording.mcap");
     let mut recorder = Recorder::create(&path, &support::facts(), support::EXPERIMENT).unwrap();
-    support::write_strokes(&mut recorder, 1).unwrap();
-    // As after a kill: nothing is closed or flushed, the file is as the system has it.
+    support::write_strokes(&mut recorder, 4).unwrap();
+    // As after a kill: nothing is closed, the file is as the system has it at this moment.
     let bytes = std::fs::read(&path).unwrap();
+    let killed = Recording::from_bytes(&bytes).unwrap();
     drop(recorder);
-    let recording = Recording::from_bytes(&bytes).unwrap();
-    assert!(!recording.complete);
-    assert!(recording.problem.unwrap().contains("end mark"));
-    // 3 s were written, at 0.5 s per chunk.
-    assert!(
-        recording.readable_until > 2.4,
-        "{}",
-        recording.readable_until
-    );
-    assert!(!recording.task.is_empty());
+    let dropped = Recording::read(&path).unwrap();
+    assert!(!killed.complete && !dropped.complete);
+    assert!(dropped.problem.unwrap().contains("not closed"));
+    assert_eq!(dropped.task.len(), 4 * 300 + 20);
+    // 12.2 s were written in chunks of about 0.5 s, of which at most 4 wait, one is being written
+    // and one being filled.
+    assert!(killed.readable_until > 8.0, "{}", killed.readable_until);
+    assert_eq!(killed.task[..], dropped.task[..killed.task.len()]);
+}
+
+/// The device takes the file's opening and refuses its content.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_is_an_error_and_no_panic() {
+    let error = Recorder::create("/dev/full", &support::facts(), "")
+        .err()
+        .unwrap();
+    assert!(error.to_string().contains("/dev/full"), "{error}");
 }
 
 #[test]

@@ -7,14 +7,15 @@ use byteorder::LittleEndian;
 /// Plain CDR, little endian, no options.
 const ENCAPSULATION: [u8; 4] = [0, 1, 0, 0];
 
-/// Writes `message` into `buffer`, replacing what it held.
+/// Writes `message` behind what `buffer` holds.
 ///
 /// # Errors
 /// When a value has no form in CDR (no message of [`super::channels`] has such a value).
 pub fn encode<M: Message>(message: &M, buffer: &mut Vec<u8>) -> Result<(), RecordError> {
-    buffer.clear();
+    let start = buffer.len();
     buffer.extend_from_slice(&ENCAPSULATION);
-    cdr_encoding::to_writer::<M, LittleEndian, _>(buffer, message).map_err(|e| {
+    cdr_encoding::to_writer::<M, LittleEndian, _>(&mut *buffer, message).map_err(|e| {
+        buffer.truncate(start);
         RecordError::Encode {
             schema: M::SCHEMA_NAME,
             reason: e.to_string(),

@@ -55,6 +55,12 @@ pub enum RecordError {
         /// What was wrong.
         reason: String,
     },
+    /// An earlier write failed, and said why; nothing more can be written.
+    #[error("recording {path}: closed after an earlier error")]
+    Closed {
+        /// The recording.
+        path: PathBuf,
+    },
     /// Nothing of the file is of use.
     #[error("recording {path}: nothing readable: {reason}")]
     NothingReadable {

@@ -12,6 +12,7 @@ pub mod recorder;
 pub mod recording;
 pub mod replay;
 pub mod scan;
+mod sink;
 
 pub use channels::{
     Cap, Command, Fingertip, Flags, Joints, Message, NO_ELEMENT, Quaternion, Tactile, Task,

@@ -4,49 +4,52 @@ use super::cdr;
 use super::channels::{
     Cap, Command, Fingertip, Flags, Joints, Message, Tactile, Task, Topic, TorqueSensor,
 };
-use super::digest::{Digest, Digester};
+use super::digest::Digest;
 use super::error::RecordError;
 use super::facts::RunFacts;
-use ::mcap::records::{MessageHeader, Metadata};
-use ::mcap::write::NoSeek;
-use ::mcap::{Attachment, Compression, McapError, WriteOptions, Writer};
-use std::borrow::Cow;
-use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::BufWriter;
+use super::sink::{Batch, Entry, Sink};
 use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, SyncSender, channel, sync_channel};
+use std::thread::{self, JoinHandle};
 
-/// Name of the metadata record that holds the run's facts, at the file's start.
-pub const FACTS: &str = "feeler.run";
-/// Name of the metadata record at the file's end: wall time and digest.
-pub const END: &str = "feeler.end";
-/// Name of the attachment that holds the experiment as run.
-pub const EXPERIMENT: &str = "experiment.toml";
-
-/// Uncompressed bytes of messages after which a chunk is closed and handed to the system.
+/// Bytes of messages that make a chunk.
 const CHUNK_BYTES: usize = 256 * 1024;
+
+/// Chunks that may wait for the file before a write waits, too.
+const WAITING_CHUNKS: usize = 4;
 
 /// Channels of one finger, in the order of [`Topic::all`].
 const FINGER_CHANNELS: usize = 5;
 
 /// Writes one run's recording.
 ///
-/// Chunks reach the file as they fill (256 KiB), each whole, so an interrupted run leaves a file
-/// that is readable up to its last chunk.
+/// A write only encodes the message; compression, digest and the file itself are a thread's work,
+/// so that the control loop waits for none of them. Chunks reach the file as they fill (256 KiB),
+/// each whole, so an interrupted run leaves a file that is readable up to its last chunk. A
+/// recorder that is dropped without [`finish`](Self::finish) leaves a file with every message,
+/// marked as not closed.
 pub struct Recorder {
     path: PathBuf,
-    writer: Writer<NoSeek<BufWriter<File>>>,
-    channels: Vec<Channel>,
+    topics: Vec<String>,
     fingers: usize,
-    digester: Digester,
-    buffer: Vec<u8>,
-    chunk_bytes: usize,
+    batch: Batch,
+    /// Batches that have been written and can be filled again.
+    spare: Receiver<Batch>,
+    thread: Option<WriterThread>,
 }
 
-struct Channel {
-    id: u16,
-    topic: String,
-    sequence: u32,
+struct WriterThread {
+    batches: SyncSender<Batch>,
+    handle: JoinHandle<Result<Sink, RecordError>>,
+}
+
+impl WriterThread {
+    /// Waits until everything is written; the file, or why it could not be written.
+    fn join(self, path: &Path) -> Result<Sink, RecordError> {
+        drop(self.batches);
+        let path = path.to_path_buf();
+        (self.handle.join()).unwrap_or(Err(RecordError::Closed { path }))
+    }
 }
 
 impl Recorder {
@@ -60,70 +63,43 @@ impl Recorder {
         experiment_toml: &str,
     ) -> Result<Self, RecordError> {
         let path = path.as_ref().to_path_buf();
-        facts.validate()?;
-        let file = File::create(&path).map_err(|source| RecordError::File {
-            path: path.clone(),
-            source,
-        })?;
-        let options = WriteOptions::new()
-            .profile("ros2")
-            .library(concat!("feeler ", env!("CARGO_PKG_VERSION")))
-            .compression(Some(Compression::Lz4))
-            .chunk_size(None)
-            .disable_seeking(true);
-        let writer = options.create(NoSeek::new(BufWriter::new(file)));
-        let mut recorder = Self {
-            writer: writer.map_err(|source| mcap_error(&path, source))?,
-            path,
-            channels: Vec::new(),
-            fingers: facts.fingers,
-            digester: Digester::default(),
-            buffer: Vec::new(),
-            chunk_bytes: 0,
+        let mut sink = Sink::create(&path, facts, experiment_toml)?;
+        let (batches, receiver) = sync_channel::<Batch>(WAITING_CHUNKS);
+        let (give_back, spare) = channel();
+        let write_all = move || {
+            for mut batch in receiver {
+                sink.write(&batch)?;
+                batch.clear();
+                // The recorder may be gone already; then nobody needs the memory.
+                let _ = give_back.send(batch);
+            }
+            Ok(sink)
         };
-        let facts = facts.to_map()?;
-        digest_facts(&mut recorder.digester, &facts, experiment_toml);
-        recorder
-            .start(facts, experiment_toml)
-            .map_err(|source| mcap_error(&recorder.path, source))?;
-        Ok(recorder)
-    }
-
-    /// Writes facts, experiment and channels.
-    fn start(
-        &mut self,
-        facts: BTreeMap<String, String>,
-        experiment_toml: &str,
-    ) -> Result<(), McapError> {
-        self.writer.write_metadata(&Metadata {
-            name: FACTS.into(),
-            metadata: facts,
-        })?;
-        self.writer.attach(&Attachment {
-            log_time: 0,
-            create_time: 0,
-            name: EXPERIMENT.into(),
-            media_type: "application/toml".into(),
-            data: Cow::Borrowed(experiment_toml.as_bytes()),
-        })?;
-        for topic in Topic::all(self.fingers) {
-            let (name, text) = topic.schema();
-            let schema = self.writer.add_schema(name, "ros2msg", text.as_bytes())?;
-            let topic = topic.name();
-            let id = (self.writer).add_channel(schema, &topic, "cdr", &BTreeMap::new())?;
-            self.channels.push(Channel {
-                id,
-                topic,
-                sequence: 0,
-            });
-        }
-        self.writer.flush()
+        let thread = thread::Builder::new().name("recorder".into());
+        let handle = thread
+            .spawn(write_all)
+            .map_err(|source| RecordError::File {
+                path: path.clone(),
+                source,
+            })?;
+        Ok(Self {
+            path,
+            topics: Topic::all(facts.fingers)
+                .into_iter()
+                .map(Topic::name)
+                .collect(),
+            fingers: facts.fingers,
+            batch: Batch::default(),
+            spare,
+            thread: Some(WriterThread { batches, handle }),
+        })
     }
 
     /// Writes a finger's tactile frame.
     ///
     /// # Errors
-    /// As all writes: unknown finger, a stamp that is no time, or the file cannot be written.
+    /// As all writes: unknown finger, a stamp that is no time, or an earlier chunk could not be
+    /// written to the file.
     pub fn tactile(&mut self, finger: usize, message: &Tactile) -> Result<(), RecordError> {
         self.write(self.finger_channel(finger, 0)?, message)
     }
@@ -189,24 +165,11 @@ impl Recorder {
     /// # Errors
     /// When the file cannot be written.
     pub fn finish(mut self, wall_time: Option<f64>) -> Result<Digest, RecordError> {
-        let digest = std::mem::take(&mut self.digester).finish();
-        let mut metadata = BTreeMap::from([("digest".to_string(), digest.to_string())]);
-        if let Some(seconds) = wall_time {
-            metadata.insert("wall_time".into(), seconds.to_string());
+        self.send()?;
+        match self.thread.take() {
+            Some(thread) => thread.join(&self.path)?.close(wall_time),
+            None => Err(self.closed()),
         }
-        let end = Metadata {
-            name: END.into(),
-            metadata,
-        };
-        (self.writer.write_metadata(&end))
-            .and_then(|()| self.writer.finish())
-            .map_err(|source| mcap_error(&self.path, source))?;
-        let mut buffered = self.writer.into_inner().into_inner();
-        std::io::Write::flush(&mut buffered).map_err(|source| RecordError::File {
-            path: self.path,
-            source,
-        })?;
-        Ok(digest)
     }
 
     fn finger_channel(&self, finger: usize, channel: usize) -> Result<usize, RecordError> {
@@ -221,57 +184,57 @@ impl Recorder {
     }
 
     fn write<M: Message>(&mut self, channel: usize, message: &M) -> Result<(), RecordError> {
-        let channel = &mut self.channels[channel];
         let stamp = message.stamp();
         let log_time = nanoseconds(stamp).ok_or_else(|| RecordError::Stamp {
-            topic: channel.topic.clone(),
+            topic: self.topics[channel].clone(),
             stamp,
         })?;
-        cdr::encode(message, &mut self.buffer)?;
-        self.digester
-            .message(&channel.topic, log_time, &self.buffer);
-        let header = MessageHeader {
-            channel_id: channel.id,
-            sequence: channel.sequence,
+        cdr::encode(message, &mut self.batch.bytes)?;
+        self.batch.messages.push(Entry {
+            channel,
             log_time,
-            publish_time: log_time,
+            end: self.batch.bytes.len(),
+        });
+        if self.batch.bytes.len() < CHUNK_BYTES {
+            return Ok(());
+        }
+        self.send()
+    }
+
+    /// Hands the batch to the thread; if that has stopped, says why.
+    fn send(&mut self) -> Result<(), RecordError> {
+        let next = self.spare.try_recv().unwrap_or_default();
+        let batch = std::mem::replace(&mut self.batch, next);
+        let Some(thread) = &self.thread else {
+            return Err(self.closed());
         };
-        channel.sequence = channel.sequence.wrapping_add(1);
-        self.chunk_bytes += self.buffer.len();
-        (self.writer.write_to_known_channel(&header, &self.buffer))
-            .and_then(|()| {
-                if self.chunk_bytes < CHUNK_BYTES {
-                    return Ok(());
-                }
-                self.chunk_bytes = 0;
-                self.writer.flush()
-            })
-            .map_err(|source| mcap_error(&self.path, source))
+        if thread.batches.send(batch).is_ok() {
+            return Ok(());
+        }
+        let stopped = self.thread.take().map(|thread| thread.join(&self.path));
+        match stopped {
+            Some(Err(error)) => Err(error),
+            _ => Err(self.closed()),
+        }
+    }
+
+    fn closed(&self) -> RecordError {
+        RecordError::Closed {
+            path: self.path.clone(),
+        }
     }
 }
 
-/// Takes in the facts and the experiment, as they stand before all messages.
-pub(super) fn digest_facts(
-    digester: &mut Digester,
-    facts: &BTreeMap<String, String>,
-    experiment_toml: &str,
-) {
-    for (key, value) in facts {
-        digester.block(key.as_bytes());
-        digester.block(value.as_bytes());
+impl Drop for Recorder {
+    fn drop(&mut self) {
+        // Without `finish` nobody asks what became of the rest; reading says it was not closed.
+        let _ = self.send();
+        let _ = self.thread.take().map(|thread| thread.join(&self.path));
     }
-    digester.block(experiment_toml.as_bytes());
 }
 
 /// A stamp in whole nanoseconds; none if it is no time of a run.
 fn nanoseconds(stamp: f64) -> Option<u64> {
     let ns = (stamp * 1e9).round();
     (ns >= 0.0 && ns < u64::MAX as f64).then_some(ns as u64)
-}
-
-fn mcap_error(path: &Path, source: McapError) -> RecordError {
-    RecordError::Mcap {
-        path: path.to_path_buf(),
-        source,
-    }
 }

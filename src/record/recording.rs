@@ -7,8 +7,8 @@ use super::channels::{
 use super::digest::{Digest, Digester};
 use super::error::RecordError;
 use super::facts::RunFacts;
-use super::recorder::{END, EXPERIMENT, FACTS, digest_facts};
 use super::scan::scan;
+use super::sink::{END, EXPERIMENT, FACTS, digest_facts};
 use ::mcap::records::Record;
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;

@@ -44,7 +44,7 @@ pub fn page(recording: &Recording, summary: &Summary, figures: &[Figure]) -> Str
                     pre { (recording.experiment) }
                 }
                 p { "Digest of the recording's content (SHA-256):" br; span.digest { (summary.digest) } }
-                p.unit {
+                p.note {
                     "Claims and figures refer to M. Ohka, N. Morisawa and H. B. Yussof, “Trajectory "
                     "Generation of Robotic Fingers Based on Tri-axial Tactile Data for Cap Screwing "
                     "Task”, 2009. Everything on this page is computed from the recording."
