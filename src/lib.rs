@@ -1,5 +1,6 @@
 //! Feeler turns what a soft robotic fingertip feels into how the finger moves.
 
+pub mod cli;
 pub mod config;
 pub mod control;
 pub mod experiment;

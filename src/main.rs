@@ -1,1 +1,5 @@
-fn main() {}
+//! The `feeler` program: arguments in, exit code out.
+
+fn main() -> std::process::ExitCode {
+    feeler::cli::main()
+}

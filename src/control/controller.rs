@@ -1,8 +1,8 @@
 //! The hand program's decision: from tactile frames and joint angles to joint velocities.
 
-use super::flags::{FingerFlags, FlagAnalyzer, FlagConfig};
+use super::flags::{FingerFlags, FlagAnalyzer, FlagThresholds};
 use super::limits::{Admitted, LimitsConfig, Request};
-use super::speed::{FingerSpeedEstimator, ReflexConfig};
+use super::speed::{FingerSpeedEstimator, Reflex};
 use super::task::{FingerSense, ScrewTask, StopReason, TaskConfig};
 use crate::hand::finger::FingerGeometry;
 use crate::hand::hand::{HandCommand, HandState, JointState};
@@ -20,12 +20,35 @@ pub struct ControlConfig {
     pub period: f64,
     /// Forces older than this many control periods stop the hand.
     pub stale_periods: f64,
-    /// When an element touches, slips, is over its limit.
-    pub flags: FlagConfig,
-    /// What a finger does about slip.
-    pub reflex: ReflexConfig,
+    /// F1: an element pressed harder than this touches, N.
+    pub touch_force: f64,
+    /// F2: an element pressed harder than this may not be pressed further, N.
+    pub over_force: f64,
+    /// dr: an element whose shear force changes faster than this slips, N/s.
+    pub slip_threshold: f64,
+    /// v_r: speed of re-compression, m/s.
+    pub recompression_speed: f64,
+    /// A moving finger whose grasp force is below this is re-compressed, too, N.
+    pub minimum_grasp_force: f64,
     /// What no command may exceed.
     pub limits: LimitsConfig,
+}
+
+impl ControlConfig {
+    fn thresholds(&self) -> FlagThresholds {
+        FlagThresholds {
+            touch_force: self.touch_force,
+            over_force: self.over_force,
+            slip_threshold: self.slip_threshold,
+        }
+    }
+
+    fn reflex(&self) -> Reflex {
+        Reflex {
+            recompression_speed: self.recompression_speed,
+            minimum_grasp_force: self.minimum_grasp_force,
+        }
+    }
 }
 
 /// One finger as the controller sees it.
@@ -76,8 +99,8 @@ impl Controller {
                 .iter()
                 .map(|geometry| FingerControl {
                     geometry: geometry.clone(),
-                    analyzer: FlagAnalyzer::new(config.flags.clone(), elements),
-                    estimator: FingerSpeedEstimator::new(config.reflex.clone()),
+                    analyzer: FlagAnalyzer::new(config.thresholds(), elements),
+                    estimator: FingerSpeedEstimator::new(config.reflex()),
                     flags: FingerFlags::default(),
                     position: DVec3::ZERO,
                     rotation: DMat3::IDENTITY,

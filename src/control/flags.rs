@@ -2,12 +2,10 @@
 
 use crate::sensor::reading::TactileFrame;
 use glam::DVec3;
-use serde::{Deserialize, Serialize};
 
 /// The thresholds of the flag analyzer.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct FlagConfig {
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FlagThresholds {
     /// F1: an element pressed harder than this touches, N.
     pub touch_force: f64,
     /// F2: an element pressed harder than this may not be pressed further, N.
@@ -34,7 +32,7 @@ pub struct FingerFlags {
 /// Turns one finger's tactile frames into flags.
 #[derive(Debug, Clone)]
 pub struct FlagAnalyzer {
-    config: FlagConfig,
+    thresholds: FlagThresholds,
     previous: Option<Previous>,
     flags: FingerFlags,
     /// |d(F_x, F_y)/dt| of each element, N/s.
@@ -52,9 +50,9 @@ struct Previous {
 
 impl FlagAnalyzer {
     /// An analyzer for a finger of `elements` sensing elements that has felt nothing yet.
-    pub fn new(config: FlagConfig, elements: usize) -> Self {
+    pub fn new(thresholds: FlagThresholds, elements: usize) -> Self {
         Self {
-            config,
+            thresholds,
             previous: None,
             flags: FingerFlags::default(),
             shear_rate: vec![0.0; elements],
@@ -97,11 +95,11 @@ impl FlagAnalyzer {
     }
 
     fn raise_flags(&self, frame: &TactileFrame) -> FingerFlags {
-        let FlagConfig {
+        let FlagThresholds {
             touch_force,
             over_force,
             slip_threshold,
-        } = self.config;
+        } = self.thresholds;
         let (mut largest_element, mut largest_force) = (None, touch_force);
         let (mut over, mut grasp_force) = (false, 0.0);
         for (element, force) in frame.forces.iter().enumerate() {

@@ -2,12 +2,10 @@
 
 use super::flags::FingerFlags;
 use glam::DVec3;
-use serde::{Deserialize, Serialize};
 
 /// The reflex that presses a slipping or weakly grasping finger into the object.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ReflexConfig {
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reflex {
     /// v_r: speed of re-compression, m/s.
     pub recompression_speed: f64,
     /// A moving finger whose grasp force is below this is re-compressed, too, N.
@@ -30,7 +28,7 @@ pub struct Plan {
 /// Estimates one finger's velocity and keeps it while neither plan nor flags change.
 #[derive(Debug, Clone)]
 pub struct FingerSpeedEstimator {
-    config: ReflexConfig,
+    reflex: Reflex,
     situation: Option<Situation>,
     velocity: DVec3,
 }
@@ -47,9 +45,9 @@ struct Situation {
 
 impl FingerSpeedEstimator {
     /// An estimator for a finger at rest.
-    pub fn new(config: ReflexConfig) -> Self {
+    pub fn new(reflex: Reflex) -> Self {
         Self {
-            config,
+            reflex,
             situation: None,
             velocity: DVec3::ZERO,
         }
@@ -64,7 +62,7 @@ impl FingerSpeedEstimator {
             touch: flags.touch,
             slip: flags.slip,
             over: flags.over,
-            weak: plan.keep_grasp && flags.grasp_force < self.config.minimum_grasp_force,
+            weak: plan.keep_grasp && flags.grasp_force < self.reflex.minimum_grasp_force,
         };
         if self.situation != Some(situation) {
             self.situation = Some(situation);
@@ -82,6 +80,6 @@ impl FingerSpeedEstimator {
             None if situation.weak => situation.plan.towards_object,
             _ => DVec3::ZERO,
         };
-        self.config.recompression_speed * direction
+        self.reflex.recompression_speed * direction
     }
 }

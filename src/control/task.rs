@@ -4,6 +4,7 @@ use super::flags::FingerFlags;
 use super::speed::Plan;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
+use std::fmt;
 
 /// The roughly planned rectangle that each finger goes round.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -42,8 +43,7 @@ pub struct FingerPathConfig {
 }
 
 /// Where the task stands.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "SCREAMING-KEBAB-CASE")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Phase {
     /// The fingers approach the object.
     Search,
@@ -57,6 +57,19 @@ pub enum Phase {
     Done,
     /// The task was given up.
     Stopped,
+}
+
+impl fmt::Display for Phase {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Search => "SEARCH",
+            Self::Move => "MOVE",
+            Self::Release => "RELEASE",
+            Self::Return => "RETURN",
+            Self::Done => "DONE",
+            Self::Stopped => "STOPPED",
+        })
+    }
 }
 
 /// Why the hand was stopped before the task was done.

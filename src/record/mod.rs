@@ -10,6 +10,7 @@ pub mod error;
 pub mod facts;
 pub mod recorder;
 pub mod recording;
+pub mod replay;
 pub mod scan;
 mod sink;
 
@@ -22,3 +23,4 @@ pub use error::RecordError;
 pub use facts::RunFacts;
 pub use recorder::Recorder;
 pub use recording::{FingerRecord, Recording};
+pub use replay::{RecordedHand, RecordedSensor};

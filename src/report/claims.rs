@@ -12,9 +12,9 @@ use serde::{Serialize, Serializer};
 /// Strokes that the paper's experiment makes.
 const STROKES: u32 = 4;
 /// A heap rises above this share of the run's peak…
-const HEAP_RISES_ABOVE: f64 = 0.25;
+const HEAP_RISES_ABOVE: f64 = 0.10;
 /// …and ends when it falls below this share.
-const HEAP_ENDS_BELOW: f64 = 0.10;
+const HEAP_ENDS_BELOW: f64 = 0.05;
 /// Length of the moving mean that goes over series before heaps are counted and before torque
 /// rate and shear rate are compared, s.
 pub const SMOOTHING: f64 = 0.05;

@@ -27,10 +27,13 @@ pub struct FingerColumns {
 }
 
 impl FingerColumns {
-    /// Undeformed tip of the touching element of largest F_z at a row, m in `W`.
-    pub fn largest_tip(&self, row: usize) -> Option<DVec3> {
-        let element = (*self.largest_element.get(row)?)?;
-        self.element_tips.get(row)?.get(element).copied()
+    /// Path over MOVE of the undeformed tip of the element that leads the stroke, m in `W`: the
+    /// touching element of largest F_z when MOVE begins.
+    pub fn leading_path(&self, stroke: &Stroke) -> Option<Vec<DVec3>> {
+        let moving = stroke.moving.clone();
+        let leading = moving.clone().find_map(|row| self.largest_element[row])?;
+        let tips = moving.map(|row| self.element_tips[row].get(leading).copied());
+        tips.collect()
     }
 
     fn push(&mut self, tactile: &Tactile, flags: &Flags, fingertip: &Fingertip) {

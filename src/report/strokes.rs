@@ -27,8 +27,9 @@ pub struct StrokeMeasures {
     /// Largest inward deviation of the fingertip's path over MOVE from the planned straight
     /// line, mean over fingers, m. See [`inward_bend`].
     pub path_inward_bend: Option<f64>,
-    /// RMS over MOVE and fingers of the distance of the undeformed tip of the element of largest
-    /// F_z from the cap's contour, m. See [`distance_to_contour`].
+    /// RMS over MOVE and fingers of the distance of the leading element's undeformed tip from the
+    /// cap's contour, m; the element that leads is that of largest F_z when MOVE begins. See
+    /// [`distance_to_contour`].
     pub path_rms_to_contour: Option<f64>,
     /// Largest F_z of any element during the stroke, N.
     pub peak_element_force: Option<f64>,
@@ -87,13 +88,14 @@ fn path_inward_bend(data: &RunData, stroke: &Stroke) -> Option<f64> {
 }
 
 fn path_rms_to_contour(data: &RunData, stroke: &Stroke) -> Option<f64> {
-    let facts = &data.facts;
-    rms(data.fingers.iter().flat_map(|finger| {
-        stroke.moving.clone().filter_map(|row| {
-            let tip = finger.largest_tip(row)?;
-            let centre = data.cap_centre[row];
-            let (cap, tip_radius) = (facts.cap_radius, facts.feeler_tip_radius);
-            Some(distance_to_contour(tip, centre, cap, tip_radius))
+    let (cap, tip_radius) = (data.facts.cap_radius, data.facts.feeler_tip_radius);
+    let squares: Option<Vec<f64>> = (data.fingers.iter())
+        .map(|finger| {
+            let path = finger.leading_path(stroke)?;
+            let centres = &data.cap_centre[stroke.moving.clone()];
+            let steps = path.iter().zip(centres);
+            rms(steps.map(|(&tip, &centre)| distance_to_contour(tip, centre, cap, tip_radius)))
         })
-    }))
+        .collect();
+    rms(squares?)
 }

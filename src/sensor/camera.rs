@@ -19,6 +19,9 @@ pub enum CameraError {
         /// Rows of the frame to fill, px.
         height: usize,
     },
+    /// The camera could not take a picture.
+    #[error("no picture: {0}")]
+    Failed(String),
     /// There is no further picture (the end of a recording).
     #[error("no picture after the {count} that were taken")]
     Ended {

@@ -13,6 +13,32 @@ pub struct LayoutConfig {
     pub rings: Vec<RingConfig>,
 }
 
+impl Default for LayoutConfig {
+    /// The reference fingertip: 41 elements in rings of 1, 8, 12 and 20 (the paper gives only their
+    /// number; the arrangement and the radius are assumed).
+    fn default() -> Self {
+        let rings = [(1, 0.0), (8, 22.5), (12, 45.0), (20, 67.5)];
+        Self {
+            dome_radius: 0.018,
+            rings: rings
+                .map(|(elements, polar_angle_deg)| RingConfig {
+                    elements,
+                    polar_angle_deg,
+                })
+                .into(),
+        }
+    }
+}
+
+impl LayoutConfig {
+    /// Number of elements on all rings.
+    pub fn element_count(&self) -> usize {
+        self.rings
+            .iter()
+            .fold(0, |sum, ring| sum.saturating_add(ring.elements))
+    }
+}
+
 /// One ring of equally spaced sensing elements.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

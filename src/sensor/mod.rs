@@ -1,6 +1,19 @@
 //! The sensor program: from a picture of the dome's inside to tri-axial forces on its elements.
+//!
+//! Picture ([`camera`], [`frame`]) → integrated gray value and centroid per element ([`moments`],
+//! through the dewarp of [`dome`]) → forces ([`calibration`]) → [`reading`]. [`optical`] is the
+//! whole chain.
 
+pub mod calibration;
+pub mod calibration_fit;
+pub mod calibration_report;
 pub mod camera;
+pub mod dome;
+pub mod fingertip;
 pub mod frame;
 pub mod layout;
+pub mod moments;
+pub mod optical;
+mod radial_distortion;
 pub mod reading;
+mod subregion;

@@ -1,6 +1,6 @@
 //! What a tactile sensor says: one tri-axial force for every sensing element.
 
-use super::camera::CameraError;
+use super::{camera::CameraError, moments::MomentsError};
 use glam::DVec3;
 
 /// The forces on all sensing elements of one fingertip at one time.
@@ -35,6 +35,9 @@ pub enum SensorError {
     /// The camera delivered no frame.
     #[error(transparent)]
     Camera(#[from] CameraError),
+    /// The camera's picture could not be evaluated.
+    #[error(transparent)]
+    Moments(#[from] MomentsError),
     /// The tactile frame to fill is for another number of elements.
     #[error("the sensor has {expected} elements, the tactile frame to fill has {actual}")]
     ElementCount {

@@ -3,6 +3,7 @@
 use super::cap::CapConfig;
 use super::feeler::FeelerConfig;
 use super::object::Object;
+use super::optics_config::OpticsConfig;
 use super::random::{Purpose, generator, uniform};
 use super::rig::DirectSensingConfig;
 use super::servo::ServoConfig;
@@ -43,6 +44,8 @@ pub struct SimConfig {
     pub servo: ServoConfig,
     /// What differs from run to run.
     pub variation: VariationConfig,
+    /// What the camera's picture is made of.
+    pub optics: OpticsConfig,
     /// Noise of forces that are sensed without pictures.
     pub direct_sensing: DirectSensingConfig,
 }

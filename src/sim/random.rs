@@ -2,10 +2,10 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_distr::StandardNormal;
-use rand_pcg::Pcg64Mcg;
+use rand_pcg::Pcg64;
 
 /// The generator behind every random quantity of a simulation.
-pub type Generator = Pcg64Mcg;
+pub type Generator = Pcg64;
 
 /// What a stream of random numbers is for. Streams of different purposes are independent, so that
 /// another draw in one of them changes nothing in the others.

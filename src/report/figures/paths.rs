@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 
 /// Metres to millimetres.
 const MM: f64 = 1e3;
-const HARDEST: f64 = 2.6;
+const LEADING: f64 = 2.6;
 const TOUCHING: f64 = 1.0;
 const PLANNED: f64 = 1.4;
 
@@ -97,7 +97,7 @@ fn legend(data: &RunData) -> Vec<(&'static str, Pen)> {
     const NAMES: [&str; 4] = ["finger 0", "finger 1", "finger 2", "finger 3"];
     let fingers = NAMES.iter().enumerate().take(data.fingers.len());
     let mut legend: Vec<_> = fingers
-        .map(|(f, name)| (*name, Pen::solid(finger_colour(f), HARDEST)))
+        .map(|(f, name)| (*name, Pen::solid(finger_colour(f), LEADING)))
         .collect();
     legend.extend([
         ("other touching elements", Pen::solid("#888888", TOUCHING)),
@@ -129,7 +129,7 @@ fn cap_outline(data: &RunData, centre: DVec2) -> Vec<Plot> {
 }
 
 /// A finger's paths over MOVE: the planned segment, every touching element, and, boldest, the
-/// element of largest F_z.
+/// element that leads.
 fn finger_paths(data: &RunData, stroke: &Stroke, finger: usize) -> Vec<Plot> {
     let columns = &data.fingers[finger];
     let mut plots = Vec::new();
@@ -144,30 +144,28 @@ fn finger_paths(data: &RunData, stroke: &Stroke, finger: usize) -> Vec<Plot> {
                 .then(|| columns.element_tips[row].get(element).copied())?
         };
         let pen = Pen::solid("#888888", TOUCHING);
-        plots.extend(stretches(stroke, touching, |_| 0).map(|path| draw(&path, pen)));
+        plots.extend(stretches(stroke, touching).map(|path| draw(&path, pen)));
     }
     if let Some(segment) = planned_segment(data, stroke, finger) {
         plots.push(draw(&segment, Pen::dashed("#555555", PLANNED)));
     }
-    let element = |row: usize| columns.largest_element[row].unwrap_or(0);
-    let pen = Pen::solid(finger_colour(finger), HARDEST);
-    let hardest = stretches(stroke, |row| columns.largest_tip(row), element);
-    plots.extend(hardest.map(|path| draw(&path, pen)));
+    let pen = Pen::solid(finger_colour(finger), LEADING);
+    let leading = columns.leading_path(stroke);
+    plots.extend(leading.map(|path| draw(&path, pen)));
     plots
 }
 
-/// The unbroken stretches of a path over MOVE: broken where it has no point or its key changes.
+/// The unbroken stretches of a path over MOVE: broken where it has no point.
 fn stretches<'a>(
     stroke: &'a Stroke,
     point: impl Fn(usize) -> Option<DVec3> + 'a,
-    key: impl Fn(usize) -> usize + 'a,
 ) -> impl Iterator<Item = Vec<DVec3>> + 'a {
     let mut rows = stroke.moving.clone().peekable();
     std::iter::from_fn(move || {
         while rows.next_if(|&row| point(row).is_none()).is_some() {}
-        let first = *rows.peek()?;
+        rows.peek()?;
         let mut path = Vec::new();
-        while let Some(row) = rows.next_if(|&row| key(row) == key(first) && point(row).is_some()) {
+        while let Some(row) = rows.next_if(|&row| point(row).is_some()) {
             path.extend(point(row));
         }
         Some(path)
@@ -175,18 +173,18 @@ fn stretches<'a>(
     .filter(|path| path.len() > 1)
 }
 
-/// Where the tip that was pressed hardest at the start of MOVE would have gone had the finger
-/// kept to the planned direction, over the distance that it went along that direction.
+/// Where the tip of the element that leads would have gone had the finger kept to the planned
+/// direction, over the distance that it went along that direction.
 fn planned_segment(data: &RunData, stroke: &Stroke, finger: usize) -> Option<[DVec3; 2]> {
     let columns = &data.fingers[finger];
     let direction = DVec3::from(*data.facts.stroke_direction.get(finger)?);
-    let start = (stroke.moving.clone()).find_map(|row| columns.largest_tip(row))?;
+    let start = *columns.leading_path(stroke)?.first()?;
     let path = columns.position.get(stroke.moving.clone())?;
     let travel = (*path.last()? - *path.first()?).dot(direction);
     Some([start, start + travel * direction])
 }
 
-/// Ranges of x and y (mm) around a finger's hardest-pressed tips in strokes 1 and 4, of one size
+/// Ranges of x and y (mm) around a finger's leading tips in strokes 1 and 4, of one size
 /// for all fingers.
 fn close_up_window(data: &RunData, finger: usize) -> Option<((f64, f64), (f64, f64))> {
     const MARGIN: f64 = 1.5;
@@ -205,12 +203,12 @@ fn close_up_window(data: &RunData, finger: usize) -> Option<((f64, f64), (f64, f
     Some((around(x, half_x), around(y, half_y)))
 }
 
-/// Ranges of x and y (m) of a finger's hardest-pressed tips and planned segments.
+/// Ranges of x and y (m) of a finger's leading tips and planned segments.
 fn tips_extent(data: &RunData, finger: usize) -> Option<((f64, f64), (f64, f64))> {
     let columns = data.fingers.get(finger)?;
     let mut points = Vec::new();
     for stroke in [1, 4].iter().filter_map(|&index| data.whole_stroke(index)) {
-        points.extend((stroke.moving.clone()).filter_map(|row| columns.largest_tip(row)));
+        points.extend(columns.leading_path(stroke).into_iter().flatten());
         points.extend(planned_segment(data, stroke, finger).into_iter().flatten());
     }
     Some((

@@ -1,9 +1,16 @@
-//! The experiment file: one documented struct, read from TOML, checked once.
+//! The experiment file: one documented struct, read from TOML, checked once, turned once into
+//! runtime objects.
+
+mod check;
+mod load;
+
+pub use check::Problem;
+pub use load::{BUILT_IN, BuiltIn, ConfigError, Experiment};
 
 use crate::control::controller::ControlConfig;
 use crate::control::task::TaskConfig;
 use crate::hand::finger::FingerConfig;
-use crate::sensor::layout::LayoutConfig;
+use crate::sensor::fingertip::FingertipConfig;
 use crate::sim::model::SimConfig;
 use serde::{Deserialize, Serialize};
 
@@ -11,7 +18,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ExperimentConfig {
-    /// Short name, used for the run's folder.
+    /// Short name, used for the run's folder: letters, digits and hyphens.
     pub name: String,
     /// What the experiment shows, in a sentence.
     pub description: String,
@@ -21,7 +28,7 @@ pub struct ExperimentConfig {
     pub sensing: Sensing,
     /// The run is stopped at this simulated time, s.
     pub time_limit: f64,
-    /// The fingertips' sensors; both alike.
+    /// The fingertips' sensors; all alike.
     pub sensor: SensorConfig,
     /// The hand's fingers.
     pub hand: HandConfig,
@@ -47,14 +54,16 @@ pub enum Sensing {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SensorConfig {
-    /// Where the sensing elements are.
-    pub layout: LayoutConfig,
+    /// File of the calibration, relative to the experiment's; made by `feeler calibrate`.
+    pub calibration: String,
+    /// The elements, the camera that looks at them, and how moments are taken of its picture.
+    pub fingertip: FingertipConfig,
 }
 
 /// The hand.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct HandConfig {
-    /// The fingers.
+    /// The fingers, in the order of the task's fingers.
     pub finger: Vec<FingerConfig>,
 }

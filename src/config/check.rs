@@ -1,0 +1,265 @@
+//! What every value of an experiment must be. Numbers that are not finite are never in range.
+
+use super::ExperimentConfig;
+use crate::control::controller::ControlConfig;
+use crate::control::task::TaskConfig;
+use crate::sim::model::SimConfig;
+use std::fmt;
+
+/// A value that is out of its range.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Problem {
+    /// The value's key in the experiment file.
+    pub field: String,
+    /// The value.
+    pub value: String,
+    /// What it must be.
+    pub expected: String,
+}
+
+impl fmt::Display for Problem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            field,
+            value,
+            expected,
+        } = self;
+        write!(f, "{field} = {value}: expected {expected}")
+    }
+}
+
+/// Every value of `config` that is out of its range.
+///
+/// What the sensor, the fingers and the optics are made of is checked where they are built.
+pub fn check(config: &ExperimentConfig) -> Vec<Problem> {
+    let mut checker = Checker::default();
+    let name = &config.name;
+    let plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
+    checker.require(
+        "name",
+        format!("{name:?}"),
+        !name.is_empty() && name.chars().all(plain),
+        "letters, digits, hyphens and underscores",
+    );
+    checker.between("time_limit", config.time_limit, 1e-3, 1e5);
+    check_fingers(config, &mut checker);
+    check_control(&config.control, &mut checker);
+    check_task(&config.task, &mut checker);
+    check_sim(&config.sim, &mut checker);
+    let steps = config.control.period / config.sim.step;
+    checker.require(
+        "control.period",
+        config.control.period.to_string(),
+        (steps - steps.round()).abs() < 1e-6 && steps >= 0.5,
+        &format!("a whole multiple of sim.step = {}", config.sim.step),
+    );
+    checker.problems
+}
+
+fn check_fingers(config: &ExperimentConfig, checker: &mut Checker) {
+    let (hand, task) = (config.hand.finger.len(), config.task.finger.len());
+    checker.require(
+        "hand.finger",
+        format!("{hand} fingers"),
+        (1..=5).contains(&hand),
+        "1 to 5 fingers",
+    );
+    checker.require(
+        "task.finger",
+        format!("{task} fingers"),
+        task == hand,
+        &format!("as many fingers as hand.finger has, {hand}"),
+    );
+}
+
+fn check_control(control: &ControlConfig, checker: &mut Checker) {
+    checker.between("control.period", control.period, 1e-4, 1.0);
+    checker.between("control.stale_periods", control.stale_periods, 0.5, 1e3);
+    checker.positive("control.touch_force", control.touch_force);
+    checker.positive("control.slip_threshold", control.slip_threshold);
+    checker.require(
+        "control.over_force",
+        control.over_force.to_string(),
+        control.over_force.is_finite() && control.over_force > control.touch_force,
+        &format!(
+            "more than control.touch_force (F1) = {}",
+            control.touch_force
+        ),
+    );
+    checker.not_negative("control.recompression_speed", control.recompression_speed);
+    checker.not_negative("control.minimum_grasp_force", control.minimum_grasp_force);
+    let limits = &control.limits;
+    checker.positive("control.limits.fingertip_speed", limits.fingertip_speed);
+    checker.positive(
+        "control.limits.joint_acceleration",
+        limits.joint_acceleration,
+    );
+    checker.vector("control.limits.workspace_lower", limits.workspace_lower);
+    let (lower, upper) = (limits.workspace_lower, limits.workspace_upper);
+    checker.require(
+        "control.limits.workspace_upper",
+        format!("{upper:?}"),
+        upper
+            .iter()
+            .zip(lower)
+            .all(|(&u, l)| u.is_finite() && u > l),
+        &format!("more than control.limits.workspace_lower = {lower:?}"),
+    );
+}
+
+fn check_task(task: &TaskConfig, checker: &mut Checker) {
+    checker.require(
+        "task.strokes",
+        task.strokes.to_string(),
+        (1..=1000).contains(&task.strokes),
+        "1 to 1000",
+    );
+    let positive = [
+        ("search_speed", task.search_speed),
+        ("grasp_force", task.grasp_force),
+        ("search_limit", task.search_limit),
+        ("move_speed", task.move_speed),
+        ("travel", task.travel),
+        ("return_speed", task.return_speed),
+        ("home_tolerance", task.home_tolerance),
+    ];
+    for (field, value) in positive {
+        checker.positive(&format!("task.{field}"), value);
+    }
+    for (index, finger) in task.finger.iter().enumerate() {
+        checker.vector(&format!("task.finger[{index}].home"), finger.home);
+        for (field, direction) in [("approach", finger.approach), ("stroke", finger.stroke)] {
+            checker.direction(&format!("task.finger[{index}].{field}"), direction);
+        }
+    }
+}
+
+fn check_sim(sim: &SimConfig, checker: &mut Checker) {
+    checker.between("sim.step", sim.step, 1e-6, 0.1);
+    let positive = [
+        ("feeler.normal_stiffness", sim.feeler.normal_stiffness),
+        ("feeler.shear_stiffness", sim.feeler.shear_stiffness),
+        ("feeler.tip_radius", sim.feeler.tip_radius),
+        ("cap.radius", sim.cap.radius),
+        ("cap.height", sim.cap.height),
+        ("torque_sensor.stiffness", sim.torque_sensor.stiffness),
+        ("torque_sensor.rated_torque", sim.torque_sensor.rated_torque),
+        ("torque_sensor.gauge_factor", sim.torque_sensor.gauge_factor),
+        (
+            "torque_sensor.bridge_voltage",
+            sim.torque_sensor.bridge_voltage,
+        ),
+        (
+            "torque_sensor.amplifier_gain",
+            sim.torque_sensor.amplifier_gain,
+        ),
+        (
+            "torque_sensor.cutoff_frequency",
+            sim.torque_sensor.cutoff_frequency,
+        ),
+        (
+            "torque_sensor.converter_range",
+            sim.torque_sensor.converter_range,
+        ),
+        ("servo.encoder_resolution", sim.servo.encoder_resolution),
+    ];
+    for (field, value) in positive {
+        checker.positive(&format!("sim.{field}"), value);
+    }
+    let not_negative = [
+        ("feeler.kinetic_friction", sim.feeler.kinetic_friction),
+        ("cap.running_torque", sim.cap.running_torque),
+        ("cap.seat_angle", sim.cap.seat_angle),
+        ("cap.seat_stiffness", sim.cap.seat_stiffness),
+        ("cap.lead", sim.cap.lead),
+        ("torque_sensor.noise", sim.torque_sensor.noise),
+        ("servo.lag", sim.servo.lag),
+        ("variation.bottle_position", sim.variation.bottle_position),
+        ("variation.cap_angle", sim.variation.cap_angle),
+        (
+            "direct_sensing.normal_noise",
+            sim.direct_sensing.normal_noise,
+        ),
+        ("direct_sensing.shear_noise", sim.direct_sensing.shear_noise),
+    ];
+    for (field, value) in not_negative {
+        checker.not_negative(&format!("sim.{field}"), value);
+    }
+    checker.vector("sim.cap.position", sim.cap.position);
+    checker.between("sim.cap.static_factor", sim.cap.static_factor, 1.0, 10.0);
+    checker.between("sim.variation.friction", sim.variation.friction, 0.0, 0.99);
+    checker.between(
+        "sim.variation.seat_angle",
+        sim.variation.seat_angle,
+        0.0,
+        0.99,
+    );
+    checker.between(
+        "sim.torque_sensor.rated_strain",
+        sim.torque_sensor.rated_strain,
+        1e-9,
+        0.1,
+    );
+    checker.require(
+        "sim.torque_sensor.converter_bits",
+        sim.torque_sensor.converter_bits.to_string(),
+        (1..=24).contains(&sim.torque_sensor.converter_bits),
+        "1 to 24",
+    );
+    let (kinetic, fixed) = (sim.feeler.kinetic_friction, sim.feeler.static_friction);
+    checker.require(
+        "sim.feeler.static_friction",
+        fixed.to_string(),
+        fixed.is_finite() && fixed >= kinetic,
+        &format!("at least sim.feeler.kinetic_friction = {kinetic}"),
+    );
+}
+
+/// Collects problems.
+#[derive(Default)]
+struct Checker {
+    problems: Vec<Problem>,
+}
+
+impl Checker {
+    fn require(&mut self, field: &str, value: String, good: bool, expected: &str) {
+        if !good {
+            self.problems.push(Problem {
+                field: field.to_string(),
+                value,
+                expected: expected.to_string(),
+            });
+        }
+    }
+
+    fn positive(&mut self, field: &str, value: f64) {
+        let good = value.is_finite() && value > 0.0;
+        self.require(field, value.to_string(), good, "more than 0");
+    }
+
+    fn not_negative(&mut self, field: &str, value: f64) {
+        let good = value.is_finite() && value >= 0.0;
+        self.require(field, value.to_string(), good, "0 or more");
+    }
+
+    fn between(&mut self, field: &str, value: f64, low: f64, high: f64) {
+        let good = (low..=high).contains(&value);
+        self.require(field, value.to_string(), good, &format!("{low} to {high}"));
+    }
+
+    fn vector(&mut self, field: &str, value: [f64; 3]) {
+        let good = value.iter().all(|c| c.is_finite() && c.abs() <= 10.0);
+        self.require(
+            field,
+            format!("{value:?}"),
+            good,
+            "three numbers from -10 to 10",
+        );
+    }
+
+    fn direction(&mut self, field: &str, value: [f64; 3]) {
+        let length = value.iter().map(|c| c * c).sum::<f64>().sqrt();
+        let good = length.is_finite() && length > 1e-6;
+        self.require(field, format!("{value:?}"), good, "a vector of some length");
+    }
+}

@@ -1,0 +1,213 @@
+//! One run in one process: the simulated rig, its sensors, the control loop and the recorder, wired up.
+
+pub mod log;
+
+use crate::config::{ConfigError, Experiment, ExperimentConfig};
+use crate::control::control_loop::{ControlError, ControlLoop};
+use crate::control::controller::Controller;
+use crate::control::task::Phase;
+use crate::hand::finger::{FingerError, FingerGeometry};
+use crate::hand::inverse_kinematics::{KinematicsError, inverse_kinematics};
+use crate::sensor::calibration::Calibration;
+use crate::sensor::fingertip::{Fingertip, FingertipError};
+use crate::sensor::layout::ElementLayout;
+use crate::sensor::optical::{OpticalSensor, OpticalSensorError};
+use crate::sensor::reading::TactileSensor;
+use crate::sim::cap::CapState;
+use crate::sim::model::Model;
+use crate::sim::optics_config::OpticsError;
+use crate::sim::rig::{DirectSensor, Rig, SimHand};
+use crate::sim::sim_camera::SimCamera;
+use crate::sim::torque_sensor::TorqueReading;
+use crate::sim::world::World;
+use glam::DVec3;
+
+/// Why a run could not be set up or go on.
+#[derive(Debug, thiserror::Error)]
+pub enum ExperimentError {
+    /// The experiment file or its calibration cannot be used.
+    #[error(transparent)]
+    Config(#[from] ConfigError),
+    /// A finger makes no sense.
+    #[error("hand.finger[{finger}].{source}")]
+    Finger {
+        /// The finger.
+        finger: usize,
+        /// What is wrong with it.
+        source: FingerError,
+    },
+    /// A finger cannot reach its home.
+    #[error("task.finger[{finger}].home = {home:?} cannot be reached: {source}")]
+    Home {
+        /// The finger.
+        finger: usize,
+        /// Where it should be, m, in W.
+        home: [f64; 3],
+        /// Why it cannot.
+        source: KinematicsError,
+    },
+    /// The fingertip makes no sense.
+    #[error("sensor.fingertip: {0}")]
+    Fingertip(#[from] FingertipError),
+    /// The optics make no sense.
+    #[error("sim.optics: {0}")]
+    Optics(#[from] OpticsError),
+    /// The sensor cannot be built.
+    #[error("sensor: {0}")]
+    Sensor(#[from] OpticalSensorError),
+    /// The loop could not go round.
+    #[error(transparent)]
+    Control(#[from] ControlError),
+}
+
+/// A fingertip's sensor, of whichever kind.
+type Sensor = Box<dyn TactileSensor + Send>;
+
+/// A run under way.
+pub struct Session {
+    rig: Rig,
+    control_loop: ControlLoop<Sensor, SimHand>,
+    layout: ElementLayout,
+    time_limit: f64,
+}
+
+/// What the rig's own instruments say at one time, beside what the hand feels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Instruments {
+    /// The torque sensor's reading.
+    pub torque: TorqueReading,
+    /// How the cap stands, in truth.
+    pub cap: CapState,
+    /// Where its centre is, m, in W.
+    pub cap_centre: DVec3,
+}
+
+impl Session {
+    /// Sets up a run of `experiment`: fingers at home, cap open.
+    ///
+    /// # Errors
+    /// When a part of the experiment makes no sense.
+    pub fn new(experiment: &Experiment) -> Result<Self, ExperimentError> {
+        let config = &experiment.config;
+        let fingertip = Fingertip::new(&config.sensor.fingertip)?;
+        let layout = fingertip.layout.clone();
+        let (fingers, joints) = fingers_at_home(config)?;
+        let controller = controller(config, &fingers, &layout);
+        let model = Model::new(&config.sim, fingers, layout.clone(), config.seed);
+        let rig = Rig::new(World::new(model, &joints, config.seed));
+        let calibration = experiment.calibration()?;
+        let sensors = (0..joints.len())
+            .map(|finger| match &calibration {
+                Some(calibration) => image_sensor(config, &rig, finger, &fingertip, calibration),
+                None => Ok(direct_sensor(config, &rig, finger)),
+            })
+            .collect::<Result<_, _>>()?;
+        let steps_per_command = (config.control.period / config.sim.step).round() as usize;
+        let hand = SimHand::new(rig.clone(), steps_per_command);
+        Ok(Self {
+            rig,
+            control_loop: ControlLoop::new(sensors, hand, controller),
+            layout,
+            time_limit: config.time_limit,
+        })
+    }
+
+    /// Goes round the control loop once; what the instruments said when it began.
+    ///
+    /// # Errors
+    /// When a sensor or the hand fails.
+    pub fn step(&mut self) -> Result<Instruments, ExperimentError> {
+        let instruments = self.read_instruments();
+        self.control_loop.step()?;
+        Ok(instruments)
+    }
+
+    fn read_instruments(&self) -> Instruments {
+        let mut world = self.rig.world();
+        Instruments {
+            torque: world.read_torque(),
+            cap: world.state().cap,
+            cap_centre: world.state().cap_pose.centre,
+        }
+    }
+
+    /// Whether the task is done or was given up, or the time is over.
+    pub fn finished(&self) -> bool {
+        let phase = self.control_loop.controller().task().phase();
+        matches!(phase, Phase::Done | Phase::Stopped)
+            || self.control_loop.state().stamp >= self.time_limit
+    }
+
+    /// The control loop, as of the newest step.
+    pub fn control_loop(&self) -> &ControlLoop<Sensor, SimHand> {
+        &self.control_loop
+    }
+
+    /// The fingertips' elements.
+    pub fn layout(&self) -> &ElementLayout {
+        &self.layout
+    }
+
+    /// The simulated rig.
+    pub fn rig(&self) -> &Rig {
+        &self.rig
+    }
+}
+
+/// The controller of `config` for `fingers` with the elements of `layout`.
+pub fn controller(
+    config: &ExperimentConfig,
+    fingers: &[FingerGeometry],
+    layout: &ElementLayout,
+) -> Controller {
+    Controller::new(config.control.clone(), config.task.clone(), fingers, layout)
+}
+
+/// The fingers and the joint angles, rad, that bring them home.
+///
+/// # Errors
+/// When a finger makes no sense or cannot reach its home.
+pub fn fingers_at_home(
+    config: &ExperimentConfig,
+) -> Result<(Vec<FingerGeometry>, Vec<DVec3>), ExperimentError> {
+    let fingers = config.hand.finger.iter().zip(&config.task.finger);
+    fingers
+        .enumerate()
+        .map(|(finger, (hand, path))| {
+            let geometry = FingerGeometry::new(hand)
+                .map_err(|source| ExperimentError::Finger { finger, source })?;
+            let middle = (geometry.joint_lower() + geometry.joint_upper()) / 2.0;
+            let home = path.home;
+            let joints = inverse_kinematics(&geometry, DVec3::from_array(home), middle).map_err(
+                |source| ExperimentError::Home {
+                    finger,
+                    home,
+                    source,
+                },
+            )?;
+            Ok((geometry, joints))
+        })
+        .collect()
+}
+
+fn image_sensor(
+    config: &ExperimentConfig,
+    rig: &Rig,
+    finger: usize,
+    fingertip: &Fingertip,
+    calibration: &Calibration,
+) -> Result<Sensor, ExperimentError> {
+    let (optics, seed) = (&config.sim.optics, config.seed);
+    let camera = SimCamera::new(rig.clone(), finger, fingertip, optics, seed)?;
+    let fingertip = &config.sensor.fingertip;
+    Ok(Box::new(OpticalSensor::new(
+        camera,
+        fingertip,
+        calibration.clone(),
+    )?))
+}
+
+fn direct_sensor(config: &ExperimentConfig, rig: &Rig, finger: usize) -> Sensor {
+    let noise = config.sim.direct_sensing.clone();
+    Box::new(DirectSensor::new(rig.clone(), finger, noise, config.seed))
+}

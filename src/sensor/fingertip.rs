@@ -1,0 +1,72 @@
+//! All that makes one fingertip's gray values what they are: what a calibration belongs to.
+
+use super::{
+    dome::{CameraConfig, DomeError, DomeProjection},
+    layout::{ElementLayout, LayoutConfig},
+    moments::{MomentsConfig, MomentsError, MomentsKernel},
+};
+use serde::{Deserialize, Serialize};
+
+/// One optical fingertip: its elements, its camera, and how moments are taken of the picture.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct FingertipConfig {
+    /// Where the sensing elements sit.
+    pub layout: LayoutConfig,
+    /// The camera inside the dome.
+    pub camera: CameraConfig,
+    /// How moments are taken.
+    pub moments: MomentsConfig,
+}
+
+/// Most elements on a fingertip.
+pub const MAX_ELEMENTS: usize = 4096;
+
+/// Why a fingertip cannot be built.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum FingertipError {
+    /// There are no elements, or more than fit on a fingertip.
+    #[error("a fingertip must have 1 to {MAX_ELEMENTS} elements, got {actual}")]
+    ElementCount {
+        /// How many the rings have.
+        actual: usize,
+    },
+    /// The camera cannot look at the dome.
+    #[error(transparent)]
+    Dome(#[from] DomeError),
+    /// Moments cannot be taken.
+    #[error(transparent)]
+    Moments(#[from] MomentsError),
+}
+
+/// A [`FingertipConfig`] turned into what sensing needs; it never changes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fingertip {
+    /// The sensing elements.
+    pub layout: ElementLayout,
+    /// Between the dome and the picture.
+    pub projection: DomeProjection,
+    /// From a picture to moments.
+    pub kernel: MomentsKernel,
+}
+
+impl Fingertip {
+    /// Builds the fingertip that `config` describes.
+    ///
+    /// # Errors
+    /// When the camera does not see all sub-regions, or a value makes no sense.
+    pub fn new(config: &FingertipConfig) -> Result<Self, FingertipError> {
+        let actual = config.layout.element_count();
+        if !(1..=MAX_ELEMENTS).contains(&actual) {
+            return Err(FingertipError::ElementCount { actual });
+        }
+        let layout = ElementLayout::new(&config.layout);
+        let projection = DomeProjection::new(&config.camera, config.layout.dome_radius)?;
+        let kernel = MomentsKernel::new(&layout, &projection, &config.moments)?;
+        Ok(Self {
+            layout,
+            projection,
+            kernel,
+        })
+    }
+}

@@ -1,0 +1,70 @@
+//! Which pixels belong to which element.
+
+use super::{
+    dome::DomeProjection,
+    layout::{ElementLayout, SensingElement},
+    moments::MomentsError,
+};
+use glam::DVec2;
+use std::{f64::consts::TAU, ops::Range};
+
+/// Area and position in the tangent plane of `element` if the pixel belongs to it.
+pub(super) fn own_pixel(
+    layout: &ElementLayout,
+    projection: &DomeProjection,
+    element: usize,
+    radius: f64,
+    pixel: DVec2,
+) -> Option<(f64, DVec2)> {
+    let own = &layout.elements[element];
+    let point = projection.point_at(pixel)?;
+    let nearness = point.dot(own.normal());
+    let nearer = |(other, e): (usize, &SensingElement)| {
+        let nearness_of_other = point.dot(e.normal());
+        nearness_of_other > nearness || (nearness_of_other == nearness && other < element)
+    };
+    if nearness <= 0.0 || layout.elements.iter().enumerate().any(nearer) {
+        return None;
+    }
+    let dewarped = projection.dewarp(pixel, own)?;
+    (dewarped.point.length() <= radius).then_some((dewarped.area, dewarped.point))
+}
+
+/// Columns and rows that hold the sub-region of `element`, from where its rim is seen.
+pub(super) fn bounding_box(
+    layout: &ElementLayout,
+    projection: &DomeProjection,
+    element: usize,
+    radius: f64,
+) -> Result<(Range<usize>, Range<usize>), MomentsError> {
+    let (width, height) = (projection.width(), projection.height());
+    let out_of_picture = |seen_at: String| MomentsError::OutOfPicture {
+        element,
+        seen_at,
+        width,
+        height,
+    };
+    let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+    for step in 0..64 {
+        let rim = radius * DVec2::from_angle(TAU * f64::from(step) / 64.0);
+        let pixel = projection
+            .lift(rim, &layout.elements[element])
+            .and_then(|point| projection.project(point))
+            .ok_or_else(|| out_of_picture("where the camera sees nothing".into()))?;
+        let inside = pixel.x >= 0.0
+            && pixel.y >= 0.0
+            && pixel.x <= (width - 1) as f64
+            && pixel.y <= (height - 1) as f64;
+        if !inside {
+            let (column, row) = (pixel.x, pixel.y);
+            return Err(out_of_picture(format!("column {column:.1}, row {row:.1}")));
+        }
+        low = low.min(pixel);
+        high = high.max(pixel);
+    }
+    // One pixel to spare for the arc between two points of the rim.
+    let range = |low: f64, high: f64, end: usize| {
+        (low.floor() as usize).saturating_sub(1)..(high.ceil() as usize + 2).min(end)
+    };
+    Ok((range(low.x, high.x, width), range(low.y, high.y, height)))
+}
