@@ -106,6 +106,17 @@ fn what_cannot_be_written_is_refused_with_what_was_expected() {
             ..
         })
     ));
+    facts = support::facts();
+    facts.control_period = 1e-9;
+    let error = Recorder::create(directory.join("b"), &facts, "")
+        .err()
+        .unwrap();
+    assert!(
+        error
+            .to_string()
+            .contains("control_period: 0.0001 to 1 s expected"),
+        "{error}"
+    );
     let missing = directory.join("missing").join("c");
     let error = Recorder::create(missing, &support::facts(), "")
         .err()
