@@ -1,6 +1,6 @@
 //! `report.html`: one self-contained page for phone, desk and print.
 
-use super::claims::{Claim, ClaimPart, Relation};
+use super::claim::{Claim, ClaimPart, Relation};
 use super::figures::Figure;
 use super::strokes::StrokeMeasures;
 use super::summary::Summary;
