@@ -60,7 +60,7 @@ fn banner(recording: &Recording) -> Markup {
     html! {
         @if let Some(problem) = &recording.problem {
             div.incomplete role="alert" {
-                "INCOMPLETE: readable up to t = " (significant(recording.readable_until)) " s. "
+                "INCOMPLETE: readable up to t = " (format!("{:.2}", recording.readable_until)) " s. "
                 "The recording is damaged or the run was interrupted (" (problem) "). "
                 "Numbers and figures below are of what is readable only."
             }
