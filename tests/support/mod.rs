@@ -166,7 +166,7 @@ impl MadeUp {
     ) -> Result<(), RecordError> {
         let side = if finger == 0 { 1.0 } else { -1.0 };
         let reach = DOME_RADIUS + CAP_RADIUS + TIP_RADIUS + 0.008 * (1.0 - press) - bend;
-        let position = side * DVec3::new(reach - 0.001 * press, 0.010 * travel - 0.005, 0.1 * side);
+        let position = side * DVec3::new(reach - 0.0002 * press, 0.010 * travel, 0.1 * side);
         // As the finger passes the cap, the element that faces it changes.
         let largest = if travel < 0.35 { 0 } else { 1 };
         let tips: Vec<_> = (0..ELEMENTS)
