@@ -2,7 +2,7 @@
 
 mod support;
 
-use feeler::record::{RecordError, Recorder, Recording, Tactile, TaskPhase, Vector3};
+use feeler::record::{Phase, RecordError, Recorder, Recording, Tactile, Vector3};
 use proptest::prelude::*;
 use std::path::PathBuf;
 use std::sync::OnceLock;
@@ -48,7 +48,7 @@ fn a_recording_reads_back_as_written() {
     }
     assert_eq!(recording.torque_sensor.len(), steps);
     assert_eq!(recording.cap.len(), steps);
-    assert_eq!(recording.task[100].phase, TaskPhase::Move);
+    assert_eq!(recording.task[100].phase, Phase::Move);
     assert_eq!(recording.task[100].reason, "Move");
     assert_eq!(
         recording.fingers[1].flags[150].shear_rate.len(),
