@@ -15,8 +15,7 @@ fn the_reference_calibration_can_be_made_again() {
     let config = &experiment.config;
     let committed = experiment.calibration().unwrap().unwrap();
     let bench = CalibrationBenchConfig::default();
-    let made =
-        calibrate_simulated(&config.sensor.fingertip, &config.sim.optics, &bench).unwrap();
+    let made = calibrate_simulated(&config.sensor.fingertip, &config.sim.optics, &bench).unwrap();
 
     assert_eq!(committed.fingertip, made.fingertip);
     assert_eq!(committed.elements.len(), made.elements.len());
