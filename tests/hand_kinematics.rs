@@ -1,6 +1,7 @@
 //! Finger kinematics against things that do not share its formulas: a Denavit-Hartenberg chain,
 //! finite differences, and a general linear solver.
 
+use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 use feeler::hand::finger::{FingerConfig, FingerGeometry};
 use feeler::hand::inverse_kinematics::{KinematicsError, POSITION_TOLERANCE, inverse_kinematics};
 use feeler::hand::kinematics::{fingertip_pose, jacobian};
@@ -10,6 +11,9 @@ use nalgebra::{Matrix3, Matrix4, Vector3};
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
+
+#[global_allocator]
+static ALLOCATOR: AllocDisabler = AllocDisabler;
 
 const POSES: usize = 1_000;
 
@@ -300,6 +304,23 @@ fn resolved_rate_is_bounded_at_singularities() {
         let bound = velocity.length() / damping_threshold(&geometry);
         assert!(rate.joint_velocity.length() <= bound * (1.0 + 1e-9));
     }
+}
+
+#[test]
+fn kinematics_does_not_allocate() {
+    let geometry = cap_finger();
+    let start = DVec3::new(0.1, 0.9, -1.0);
+    let (target, _) = fingertip_pose(&geometry, DVec3::new(-0.5, 0.2, -2.0));
+    let elbow_up = DVec3::new(0.0, 0.2, 1.0);
+    let far = DVec3::splat(1.0);
+    assert_no_alloc(|| {
+        let straight = DVec3::new(0.1, 0.9, 0.0);
+        std::hint::black_box(resolved_rate(&geometry, start, DVec3::X));
+        std::hint::black_box(resolved_rate(&geometry, straight, DVec3::X));
+        assert!(inverse_kinematics(&geometry, target, start).is_ok());
+        assert!(inverse_kinematics(&geometry, target, elbow_up).is_ok());
+        assert!(inverse_kinematics(&geometry, far, start).is_err());
+    });
 }
 
 proptest! {

@@ -2,7 +2,7 @@
 
 mod support;
 
-use feeler::record::{RecordError, Recorder, Recording, Tactile, TaskPhase, Vector3};
+use feeler::record::{Phase, RecordError, Recorder, Recording, Tactile, Vector3};
 use proptest::prelude::*;
 use std::path::PathBuf;
 use std::sync::OnceLock;
@@ -48,7 +48,7 @@ fn a_recording_reads_back_as_written() {
     }
     assert_eq!(recording.torque_sensor.len(), steps);
     assert_eq!(recording.cap.len(), steps);
-    assert_eq!(recording.task[100].phase, TaskPhase::Move);
+    assert_eq!(recording.task[100].phase, Phase::Move);
     assert_eq!(recording.task[100].reason, "Move");
     assert_eq!(
         recording.fingers[1].flags[150].shear_rate.len(),
@@ -106,6 +106,17 @@ fn what_cannot_be_written_is_refused_with_what_was_expected() {
             ..
         })
     ));
+    facts = support::facts();
+    facts.control_period = 1e-9;
+    let error = Recorder::create(directory.join("b"), &facts, "")
+        .err()
+        .unwrap();
+    assert!(
+        error
+            .to_string()
+            .contains("control_period: 0.0001 to 1 s expected"),
+        "{error}"
+    );
     let missing = directory.join("missing").join("c");
     let error = Recorder::create(missing, &support::facts(), "")
         .err()

@@ -2,9 +2,8 @@
 
 use super::{CommandError, Outcome};
 use crate::config::Experiment;
-use crate::sim::calibration_bench::{
-    CalibrationBenchConfig, CalibrationReport, calibrate_simulated,
-};
+use crate::sensor::calibration_report::CalibrationReport;
+use crate::sim::calibration_bench::{CalibrationBenchConfig, calibrate_simulated};
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]

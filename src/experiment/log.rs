@@ -8,7 +8,7 @@ use crate::control::task::Phase;
 use crate::hand::hand::{Hand, JointState};
 use crate::record::{
     Cap, Command, Fingertip, Flags, Joints, NO_ELEMENT, RecordError, Recorder, RunFacts, Tactile,
-    Task, TaskPhase, TorqueSensor, Vector3,
+    Task, TorqueSensor, Vector3,
 };
 use crate::sensor::layout::ElementLayout;
 use crate::sensor::reading::{TactileFrame, TactileSensor};
@@ -155,14 +155,7 @@ impl RunLog {
         };
         self.recorder.task(&Task {
             stamp,
-            phase: match phase {
-                Phase::Search => TaskPhase::Search,
-                Phase::Move => TaskPhase::Move,
-                Phase::Release => TaskPhase::Release,
-                Phase::Return => TaskPhase::Return,
-                Phase::Done => TaskPhase::Done,
-                Phase::Stopped => TaskPhase::Stopped,
-            },
+            phase,
             stroke: controller.task().stroke(),
             reason,
         })

@@ -44,7 +44,7 @@ pub enum ExperimentError {
         /// Where it should be, m, in W.
         home: [f64; 3],
         /// Why it cannot.
-        source: KinematicsError,
+        source: Box<KinematicsError>,
     },
     /// The fingertip makes no sense.
     #[error("sensor.fingertip: {0}")]
@@ -182,7 +182,7 @@ pub fn fingers_at_home(
                 |source| ExperimentError::Home {
                     finger,
                     home,
-                    source,
+                    source: Box::new(source),
                 },
             )?;
             Ok((geometry, joints))

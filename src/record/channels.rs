@@ -3,6 +3,7 @@
 //! The order of a struct's fields is the order of its schema's lines; both are the wire format.
 //! All stamps are seconds of the run's time (simulated or real), not of the wall clock.
 
+use crate::control::task::Phase;
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
@@ -269,60 +270,13 @@ message!(
     vector3_schema!(),
 );
 
-/// Phase of the screwing task. The numbers are the recording's.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(into = "u8", try_from = "u8")]
-#[repr(u8)]
-pub enum TaskPhase {
-    /// The fingers approach until each grasps.
-    #[default]
-    Search = 0,
-    /// The fingers move tangentially and turn the cap.
-    Move = 1,
-    /// The fingers detach.
-    Release = 2,
-    /// The fingers go home.
-    Return = 3,
-    /// All strokes are done.
-    Done = 4,
-    /// The run was stopped; [`Task::reason`] says why.
-    Stopped = 5,
-}
-
-impl TaskPhase {
-    /// Every phase, in the order of their numbers.
-    pub const ALL: [Self; 6] = [
-        Self::Search,
-        Self::Move,
-        Self::Release,
-        Self::Return,
-        Self::Done,
-        Self::Stopped,
-    ];
-}
-
-impl From<TaskPhase> for u8 {
-    fn from(phase: TaskPhase) -> Self {
-        phase as u8
-    }
-}
-
-impl TryFrom<u8> for TaskPhase {
-    type Error = String;
-
-    fn try_from(number: u8) -> Result<Self, Self::Error> {
-        (Self::ALL.get(usize::from(number)).copied())
-            .ok_or_else(|| format!("task phase 0..=5 expected, {number} found"))
-    }
-}
-
 /// Where the task stands.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Task {
     /// Time of the control step, s.
     pub stamp: f64,
     /// Phase that the step's command belongs to.
-    pub phase: TaskPhase,
+    pub phase: Phase,
     /// Number of the stroke from 1; 0 before the first.
     pub stroke: u32,
     /// Why the phase was entered, in words.

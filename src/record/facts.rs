@@ -8,6 +8,9 @@ use std::collections::BTreeMap;
 /// Most fingers that a recording may have; a guard against damaged files.
 pub const MAX_FINGERS: usize = 16;
 
+/// Control periods that a recording may have, s; a guard against damaged files, too.
+const PERIODS: std::ops::RangeInclusive<f64> = 1e-4..=1.0;
+
 /// Facts whose value is a text, written as it stands; all others are written as JSON.
 const TEXT_FIELDS: [&str; 3] = ["experiment", "version", "sensing"];
 
@@ -22,7 +25,7 @@ pub struct RunFacts {
     pub version: String,
     /// How forces were obtained: `image` (through camera pictures) or `direct`.
     pub sensing: String,
-    /// Period of the control loop, s.
+    /// Period of the control loop, s, 0.0001 to 1.
     pub control_period: f64,
     /// Number of fingers.
     pub fingers: usize,
@@ -56,14 +59,20 @@ impl RunFacts {
             let expected = format!("1 to {MAX_FINGERS}");
             return Err(facts_error("fingers", &expected, self.fingers));
         }
-        let positive = [
-            ("control_period", self.control_period),
-            ("cap_radius", self.cap_radius),
-        ];
-        for (field, value) in positive {
-            if !(value.is_finite() && value > 0.0) {
-                return Err(facts_error(field, "a positive number", value));
-            }
+        if !PERIODS.contains(&self.control_period) {
+            let expected = format!("{} to {} s", PERIODS.start(), PERIODS.end());
+            return Err(facts_error(
+                "control_period",
+                &expected,
+                self.control_period,
+            ));
+        }
+        if !(self.cap_radius.is_finite() && self.cap_radius > 0.0) {
+            return Err(facts_error(
+                "cap_radius",
+                "a positive number",
+                self.cap_radius,
+            ));
         }
         let finite = [
             ("feeler_tip_radius", self.feeler_tip_radius),

@@ -14,9 +14,10 @@ pub mod replay;
 pub mod scan;
 mod sink;
 
+pub use crate::control::task::Phase;
 pub use channels::{
-    Cap, Command, Fingertip, Flags, Joints, Message, NO_ELEMENT, Quaternion, Tactile, Task,
-    TaskPhase, Topic, TorqueSensor, Vector3,
+    Cap, Command, Fingertip, Flags, Joints, Message, NO_ELEMENT, Quaternion, Tactile, Task, Topic,
+    TorqueSensor, Vector3,
 };
 pub use digest::Digest;
 pub use error::RecordError;

@@ -15,6 +15,9 @@ use std::thread::{self, JoinHandle};
 /// Bytes of messages that make a chunk.
 const CHUNK_BYTES: usize = 256 * 1024;
 
+/// Room of a batch: a chunk and the message that filled it.
+const BATCH_ROOM: usize = CHUNK_BYTES + 16 * 1024;
+
 /// Chunks that may wait for the file before a write waits, too.
 const WAITING_CHUNKS: usize = 4;
 
@@ -89,7 +92,7 @@ impl Recorder {
                 .map(Topic::name)
                 .collect(),
             fingers: facts.fingers,
-            batch: Batch::default(),
+            batch: Batch::with_capacity(BATCH_ROOM),
             spare,
             thread: Some(WriterThread { batches, handle }),
         })
@@ -203,7 +206,8 @@ impl Recorder {
 
     /// Hands the batch to the thread; if that has stopped, says why.
     fn send(&mut self) -> Result<(), RecordError> {
-        let next = self.spare.try_recv().unwrap_or_default();
+        let next = self.spare.try_recv();
+        let next = next.unwrap_or_else(|_| Batch::with_capacity(BATCH_ROOM));
         let batch = std::mem::replace(&mut self.batch, next);
         let Some(thread) = &self.thread else {
             return Err(self.closed());

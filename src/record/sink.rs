@@ -21,7 +21,6 @@ pub const END: &str = "feeler.end";
 pub const EXPERIMENT: &str = "experiment.toml";
 
 /// Encoded messages on their way to the file.
-#[derive(Default)]
 pub struct Batch {
     /// The messages' bytes, one after the other.
     pub bytes: Vec<u8>,
@@ -40,6 +39,14 @@ pub struct Entry {
 }
 
 impl Batch {
+    /// An empty batch with room for so many bytes.
+    pub fn with_capacity(bytes: usize) -> Self {
+        Self {
+            bytes: Vec::with_capacity(bytes),
+            messages: Vec::new(),
+        }
+    }
+
     /// Empties the batch and keeps its memory.
     pub fn clear(&mut self) {
         self.bytes.clear();

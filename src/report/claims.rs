@@ -3,11 +3,11 @@
 //! A claim holds if all its parts hold. A part whose value the recording does not define (a
 //! stroke that was not made, too few samples) does not hold, and the claim's text says so.
 
+use super::claim::{Claim, ClaimPart, Relation};
 use super::measures::{LaggedCorrelation, distance_between_paths, lagged_correlation};
 use super::run_data::{RunData, Stroke};
 use super::series::{absolute_rate, count_heaps, longest_stretch, mean, moving_mean};
 use super::strokes::StrokeMeasures;
-use serde::{Serialize, Serializer};
 
 /// Strokes that the paper's experiment makes.
 const STROKES: u32 = 4;
@@ -24,135 +24,6 @@ const MAX_LAG: f64 = 0.05;
 const DAMAGE_FORCE: f64 = 1.25;
 /// …if it stays there for longer than this, s.
 const DAMAGE_TIME: f64 = 0.05;
-
-/// How a value is compared with its bound.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Relation {
-    /// value >= bound.
-    AtLeast,
-    /// value <= bound.
-    AtMost,
-    /// value < bound.
-    Below,
-    /// value == bound.
-    Equals,
-    /// |value| <= bound.
-    Within,
-}
-
-impl Relation {
-    /// Its sign, to stand between value and bound.
-    pub fn sign(self) -> &'static str {
-        match self {
-            Self::AtLeast => ">=",
-            Self::AtMost => "<=",
-            Self::Below => "<",
-            Self::Equals => "=",
-            Self::Within => "+-",
-        }
-    }
-
-    fn holds(self, value: f64, bound: f64) -> bool {
-        match self {
-            Self::AtLeast => value >= bound,
-            Self::AtMost => value <= bound,
-            Self::Below => value < bound,
-            Self::Equals => value == bound,
-            Self::Within => value.abs() <= bound,
-        }
-    }
-}
-
-impl Serialize for Relation {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(self.sign())
-    }
-}
-
-/// One comparison of a claim.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ClaimPart {
-    /// What is compared.
-    pub name: &'static str,
-    /// Its value, in `unit`; `None` (JSON null) where the recording does not define it.
-    pub value: Option<f64>,
-    /// How it is compared.
-    pub relation: Relation,
-    /// With what, in `unit`.
-    pub bound: f64,
-    /// Unit of value and bound; empty for ratios and counts.
-    pub unit: &'static str,
-    /// Whether it holds.
-    pub holds: bool,
-}
-
-/// One claim of the paper.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Claim {
-    /// Stable name.
-    pub id: &'static str,
-    /// The claim in words, and what was not defined, if anything.
-    pub text: String,
-    /// Value of the first part (JSON number or null).
-    pub value: Option<f64>,
-    /// All bounds, as text.
-    pub bound: String,
-    /// Whether all parts hold.
-    pub holds: bool,
-    /// Every comparison of the claim.
-    pub parts: Vec<ClaimPart>,
-}
-
-impl Claim {
-    fn new(id: &'static str, text: &str, parts: Vec<ClaimPart>) -> Self {
-        let undefined: Vec<_> = (parts.iter())
-            .filter(|part| part.value.is_none())
-            .map(|part| part.name)
-            .collect();
-        let mut text = text.to_string();
-        if !undefined.is_empty() {
-            text += &format!(" (not defined in this recording: {})", undefined.join(", "));
-        }
-        let bounds: Vec<_> = parts.iter().map(ClaimPart::bound_text).collect();
-        Self {
-            id,
-            text,
-            value: parts.first().and_then(|part| part.value),
-            bound: bounds.join("; "),
-            holds: parts.iter().all(|part| part.holds),
-            parts,
-        }
-    }
-}
-
-impl ClaimPart {
-    fn new(name: &'static str, value: Option<f64>, relation: Relation, bound: f64) -> Self {
-        let value = value.filter(|value| value.is_finite());
-        Self {
-            name,
-            value,
-            relation,
-            bound,
-            unit: "",
-            holds: value.is_some_and(|value| relation.holds(value, bound)),
-        }
-    }
-
-    fn in_unit(self, unit: &'static str) -> Self {
-        Self { unit, ..self }
-    }
-
-    fn bound_text(&self) -> String {
-        let text = format!(
-            "{} {} {} {}",
-            self.name,
-            self.relation.sign(),
-            self.bound,
-            self.unit
-        );
-        text.trim_end().to_string()
-    }
-}
 
 /// The claims, in the order of the paper.
 pub fn claims(data: &RunData) -> Vec<Claim> {

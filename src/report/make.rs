@@ -1,6 +1,6 @@
 //! Makes a run's report from its recording.
 
-use super::claims::Claim;
+use super::claim::Claim;
 use super::figures::figures;
 use super::page::page;
 use super::run_data::RunData;

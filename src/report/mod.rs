@@ -1,5 +1,6 @@
 //! The report of a run: measures, claims, figures and page, all from its recording alone.
 
+pub mod claim;
 pub mod claims;
 pub mod figures;
 pub mod make;
@@ -10,7 +11,7 @@ pub mod series;
 pub mod strokes;
 pub mod summary;
 
-pub use claims::{Claim, ClaimPart};
+pub use claim::{Claim, ClaimPart, Relation};
 pub use make::{ReportError, ReportOutcome, make};
 pub use run_data::{FingerColumns, RunData, Stroke};
 pub use strokes::StrokeMeasures;

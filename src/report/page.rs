@@ -1,6 +1,6 @@
 //! `report.html`: one self-contained page for phone, desk and print.
 
-use super::claims::{Claim, ClaimPart, Relation};
+use super::claim::{Claim, ClaimPart, Relation};
 use super::figures::Figure;
 use super::strokes::StrokeMeasures;
 use super::summary::Summary;
@@ -60,7 +60,7 @@ fn banner(recording: &Recording) -> Markup {
     html! {
         @if let Some(problem) = &recording.problem {
             div.incomplete role="alert" {
-                "INCOMPLETE: readable up to t = " (significant(recording.readable_until)) " s. "
+                "INCOMPLETE: readable up to t = " (format!("{:.2}", recording.readable_until)) " s. "
                 "The recording is damaged or the run was interrupted (" (problem) "). "
                 "Numbers and figures below are of what is readable only."
             }

@@ -1,8 +1,8 @@
 //! A recording as time-aligned columns: one row per control step, split into strokes.
 
 use crate::record::{
-    Cap, FingerRecord, Fingertip, Flags, Message, NO_ELEMENT, Recording, RunFacts, Tactile, Task,
-    TaskPhase, TorqueSensor,
+    Cap, FingerRecord, Fingertip, Flags, Message, NO_ELEMENT, Phase, Recording, RunFacts, Tactile,
+    Task, TorqueSensor,
 };
 use glam::DVec3;
 use std::ops::Range;
@@ -74,7 +74,7 @@ pub struct RunData {
     /// Time of each row, s.
     pub time: Vec<f64>,
     /// Phase of the task.
-    pub phase: Vec<TaskPhase>,
+    pub phase: Vec<Phase>,
     /// Measured torque, N·m, positive when the cap is turned in the closing direction.
     pub torque: Vec<f64>,
     /// Angle the cap has turned since the run's start, rad, positive = closing.
@@ -205,21 +205,19 @@ impl<'a> FingerNewest<'a> {
 
 /// Splits rows into strokes: a stroke is a run of rows with one number above 0, without the rows
 /// after the task ended; its MOVE is the longest run of MOVE rows in it.
-fn split_strokes(numbers: &[u32], phases: &[TaskPhase]) -> Vec<Stroke> {
-    let ended = |phase| matches!(phase, TaskPhase::Done | TaskPhase::Stopped);
+fn split_strokes(numbers: &[u32], phases: &[Phase]) -> Vec<Stroke> {
+    let ended = |phase| matches!(phase, Phase::Done | Phase::Stopped);
     let number = |row: usize| if ended(phases[row]) { 0 } else { numbers[row] };
     runs(numbers.len(), number)
         .filter(|(index, _)| *index > 0)
         .map(|(index, rows)| {
-            let moving = runs(rows.len(), |row| {
-                phases[rows.start + row] == TaskPhase::Move
-            })
-            .filter(|(moving, _)| *moving)
-            .map(|(_, run)| rows.start + run.start..rows.start + run.end)
-            .max_by_key(ExactSizeIterator::len)
-            .unwrap_or(rows.start..rows.start);
+            let moving = runs(rows.len(), |row| phases[rows.start + row] == Phase::Move)
+                .filter(|(moving, _)| *moving)
+                .map(|(_, run)| rows.start + run.start..rows.start + run.end)
+                .max_by_key(ExactSizeIterator::len)
+                .unwrap_or(rows.start..rows.start);
             let next = phases.get(moving.end);
-            let whole = next.is_some_and(|&phase| phase != TaskPhase::Stopped);
+            let whole = next.is_some_and(|&phase| phase != Phase::Stopped);
             Stroke {
                 index,
                 rows,
@@ -248,7 +246,7 @@ fn runs<K: PartialEq + Copy>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use TaskPhase::{Done, Move, Release, Return, Search, Stopped};
+    use Phase::{Done, Move, Release, Return, Search, Stopped};
 
     #[test]
     fn strokes_are_runs_of_one_number_and_end_with_the_task() {

@@ -1,6 +1,7 @@
 //! `summary.json`: a run in numbers, with stable keys.
 
-use super::claims::{Claim, claims};
+use super::claim::Claim;
+use super::claims::claims;
 use super::run_data::RunData;
 use super::series::finite;
 use super::strokes::StrokeMeasures;

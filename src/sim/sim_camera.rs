@@ -1,7 +1,8 @@
 //! The camera inside a simulated fingertip.
 
-use super::optics::{OpticsModel, OpticsScratch, render};
+use super::optics::{OpticsScratch, render};
 use super::optics_config::{OpticsConfig, OpticsError};
+use super::optics_model::OpticsModel;
 use super::random::{Generator, Purpose, generator};
 use super::rig::Rig;
 use crate::sensor::camera::{Camera, CameraError};
@@ -36,7 +37,7 @@ impl SimCamera {
         Ok(Self {
             rig,
             finger,
-            scratch: optics.scratch(),
+            scratch: OpticsScratch::new(&optics),
             optics,
             forces: vec![DVec3::ZERO; fingertip.layout.elements.len()],
             random: generator(seed, Purpose::SensorNoise(finger)),

@@ -1,8 +1,8 @@
 //! A made-up run, plausible enough to look at: two fingers close a cap in four strokes.
 
 use feeler::record::{
-    Cap, Command, Digest, Fingertip, Flags, Joints, NO_ELEMENT, Quaternion, RecordError, Recorder,
-    RunFacts, Tactile, Task, TaskPhase, TorqueSensor, Vector3,
+    Cap, Command, Digest, Fingertip, Flags, Joints, NO_ELEMENT, Phase, Quaternion, RecordError,
+    Recorder, RunFacts, Tactile, Task, TorqueSensor, Vector3,
 };
 use glam::DVec3;
 use std::f64::consts::TAU;
@@ -15,11 +15,11 @@ const CAP_RADIUS: f64 = 0.014;
 const TIP_RADIUS: f64 = 0.0015;
 const DOME_RADIUS: f64 = 0.018;
 /// Phases of a stroke and how many control steps each lasts.
-const PHASES: [(TaskPhase, usize); 4] = [
-    (TaskPhase::Search, 90),
-    (TaskPhase::Move, 100),
-    (TaskPhase::Release, 30),
-    (TaskPhase::Return, 80),
+const PHASES: [(Phase, usize); 4] = [
+    (Phase::Search, 90),
+    (Phase::Move, 100),
+    (Phase::Release, 30),
+    (Phase::Return, 80),
 ];
 
 pub const EXPERIMENT: &str = "# A made-up run.\nname = \"made up <&> \\\"quoted\\\"\"\n[control]\nslip_threshold = 3.0 # N/s\n";
@@ -63,7 +63,7 @@ pub fn write_strokes(recorder: &mut Recorder, strokes: u32) -> Result<(), Record
     }
     if strokes == facts().stroke_count {
         for _ in 0..20 {
-            run.step(recorder, strokes, TaskPhase::Done, 0.0)?;
+            run.step(recorder, strokes, Phase::Done, 0.0)?;
         }
     }
     Ok(())
@@ -90,7 +90,7 @@ impl MadeUp {
         &mut self,
         recorder: &mut Recorder,
         stroke: u32,
-        phase: TaskPhase,
+        phase: Phase,
         s: f64,
     ) -> Result<(), RecordError> {
         let stamp = self.step as f64 * PERIOD;
@@ -104,14 +104,14 @@ impl MadeUp {
         ][k];
         let tightness = [0.0, 0.7, 1.0, 1.0][k];
         let bump = tightness * (TAU * 7.0 * s).sin().max(0.0) * travel.min(0.3) / 0.3;
-        let moving = phase == TaskPhase::Move;
+        let moving = phase == Phase::Move;
         let torque = match phase {
-            TaskPhase::Move => {
+            Phase::Move => {
                 let rise =
                     closing[0] + (closing[1] - closing[0]) * ((s - 0.3) / 0.5).clamp(0.0, 1.0);
                 rise * (s / 0.15).min(1.0) * (1.0 - 0.2 * bump)
             }
-            TaskPhase::Release => 0.6 * closing[1] * (1.0 - s / 0.3).max(0.0),
+            Phase::Release => 0.6 * closing[1] * (1.0 - s / 0.3).max(0.0),
             _ => 0.0,
         };
         if moving {
@@ -166,7 +166,7 @@ impl MadeUp {
     ) -> Result<(), RecordError> {
         let side = if finger == 0 { 1.0 } else { -1.0 };
         let reach = DOME_RADIUS + CAP_RADIUS + TIP_RADIUS + 0.008 * (1.0 - press) - bend;
-        let position = side * DVec3::new(reach - 0.001 * press, 0.010 * travel - 0.005, 0.1 * side);
+        let position = side * DVec3::new(reach - 0.0002 * press, 0.010 * travel, 0.1 * side);
         // As the finger passes the cap, the element that faces it changes.
         let largest = if travel < 0.35 { 0 } else { 1 };
         let tips: Vec<_> = (0..ELEMENTS)
@@ -239,13 +239,13 @@ impl MadeUp {
 }
 
 /// How firmly the fingers press (0 away, 1 grasping) and how far along the stroke they are.
-fn motion(phase: TaskPhase, s: f64) -> (f64, f64) {
+fn motion(phase: Phase, s: f64) -> (f64, f64) {
     match phase {
-        TaskPhase::Search => (((s - 0.8) / 0.2).max(0.0), 0.0),
-        TaskPhase::Move => (1.0, s),
-        TaskPhase::Release => ((1.0 - s * 2.0).max(0.0), 1.0),
-        TaskPhase::Return => (0.0, 1.0 - s),
-        TaskPhase::Done | TaskPhase::Stopped => (0.0, 0.0),
+        Phase::Search => (((s - 0.8) / 0.2).max(0.0), 0.0),
+        Phase::Move => (1.0, s),
+        Phase::Release => ((1.0 - s * 2.0).max(0.0), 1.0),
+        Phase::Return => (0.0, 1.0 - s),
+        Phase::Done | Phase::Stopped => (0.0, 0.0),
     }
 }
 

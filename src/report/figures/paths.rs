@@ -21,9 +21,9 @@ pub fn before_closing(data: &RunData) -> Figure {
         title: "Tips of the touching elements in stroke 1, before closing".into(),
         caption: "From above, with close-ups of each finger's side below. In the paper's Fig. 12 \
             the tips keep to the planned straight segment (dashed) and only pass by the cap. Drawn \
-            are the centres of the undeformed tips, boldest that of the element pressed hardest, \
-            which changes as the finger passes; the grey dashed circle is where a centre would be \
-            if its tip touched the cap without being pressed."
+            are the centres of the undeformed tips, boldest that of the element pressed hardest \
+            when MOVE begins; the grey dashed circle is where a centre would be if its tip touched \
+            the cap without being pressed."
             .into(),
         svg: tips_from_above(data, 12, 1),
     }

@@ -11,6 +11,8 @@ use std::ops::Range;
 
 /// Pairs of points that a series is thinned to.
 const BUCKETS: usize = 480;
+/// Left and right of both panels, so that their times stand one above the other.
+const MARGINS: (f64, f64) = (64.0, 20.0);
 /// Width of a series' line.
 const LINE: f64 = 1.6;
 /// Width of a threshold's line.
@@ -167,7 +169,10 @@ fn legend(data: &RunData, upper: &Upper) -> Vec<(&'static str, Pen)> {
 
 /// Shades the MOVE phases within a span of time, and numbers the strokes at height `top`.
 fn with_strokes(layout: Layout, data: &RunData, time: (f64, f64), top: Option<f64>) -> Layout {
-    let mut layout = layout.with_x_axis_min(time.0).with_x_axis_max(time.1);
+    let mut layout = layout
+        .with_x_axis_min(time.0)
+        .with_x_axis_max(time.1)
+        .with_force_margins(MARGINS.0, MARGINS.1);
     for stroke in data.strokes.iter().filter(|s| !s.moving.is_empty()) {
         let start = data.time[stroke.moving.start].max(time.0);
         let end = data.time[stroke.moving.end - 1].min(time.1);

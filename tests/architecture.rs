@@ -1,0 +1,126 @@
+//! Rooms import only downwards: the table of ARCHITECTURE.md, held against the source.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Each room of `src/` and the rooms it may import.
+const MAY_IMPORT: [(&str, &[&str]); 9] = [
+    (
+        "cli",
+        &[
+            "config",
+            "control",
+            "experiment",
+            "hand",
+            "record",
+            "report",
+            "sensor",
+            "sim",
+        ],
+    ),
+    (
+        "experiment",
+        &["config", "control", "hand", "record", "sensor", "sim"],
+    ),
+    ("report", &["config", "record"]),
+    ("config", &["control", "hand", "sensor", "sim"]),
+    ("record", &["control", "hand", "sensor"]),
+    ("control", &["hand", "sensor"]),
+    ("sim", &["hand", "sensor"]),
+    ("sensor", &[]),
+    ("hand", &[]),
+];
+
+#[test]
+fn every_import_points_down() {
+    let table: BTreeMap<_, _> = MAY_IMPORT.into_iter().collect();
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut files = Vec::new();
+    collect(&source, &mut files);
+    assert!(files.len() > 40, "{} files found", files.len());
+    let mut wrong = Vec::new();
+    for file in files {
+        let inside = file.strip_prefix(&source).unwrap();
+        let room = room_of(inside);
+        let Some(room) = room else { continue };
+        let allowed = table
+            .get(room.as_str())
+            .unwrap_or_else(|| panic!("src/{room} is not in the table of rooms"));
+        for imported in imports(&fs::read_to_string(&file).unwrap()) {
+            if imported != room && !allowed.contains(&imported.as_str()) {
+                wrong.push(format!("src/{} imports {imported}", inside.display()));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn the_walker_sees_an_import() {
+    let text = "use crate::sim::rig::Rig;\n// crate::report\nlet a = crate::hand::finger::X;\n";
+    assert_eq!(imports(text), ["sim", "hand"]);
+    assert_eq!(
+        imports("use crate::{control, sim::rig};"),
+        ["control", "sim"]
+    );
+}
+
+fn collect(folder: &Path, files: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            collect(&path, files);
+        } else if path.extension().is_some_and(|e| e == "rs") {
+            files.push(path);
+        }
+    }
+}
+
+/// The room of a file below `src/`; none for `main.rs` and `lib.rs`, which only name rooms.
+fn room_of(inside: &Path) -> Option<String> {
+    let mut parts = inside.components();
+    let first = parts.next()?.as_os_str().to_str()?.to_string();
+    parts.next().is_some().then_some(first)
+}
+
+/// The rooms that a file names after `crate::`, comments and documentation aside.
+fn imports(text: &str) -> Vec<String> {
+    let code = text
+        .lines()
+        .filter(|line| !line.trim_start().starts_with("//"));
+    let code = code.collect::<Vec<_>>().join("\n");
+    let mut rooms = Vec::new();
+    for after in code.split("crate::").skip(1) {
+        match after.strip_prefix('{') {
+            Some(list) => rooms.extend(first_names(list)),
+            None => rooms.push(name(after)),
+        }
+    }
+    rooms
+}
+
+/// The first name of every path of a braced list, nested lists aside.
+fn first_names(list: &str) -> Vec<String> {
+    let (mut depth, mut names, mut start) = (0, Vec::new(), true);
+    for (index, c) in list.char_indices() {
+        match c {
+            '{' => depth += 1,
+            '}' if depth == 0 => break,
+            '}' => depth -= 1,
+            ',' if depth == 0 => start = true,
+            c if start && c.is_alphanumeric() => {
+                names.push(name(&list[index..]));
+                start = false;
+            }
+            _ => {}
+        }
+    }
+    names
+}
+
+fn name(text: &str) -> String {
+    text.chars()
+        .take_while(|c| c.is_alphanumeric() || *c == '_')
+        .collect()
+}
