@@ -3,6 +3,7 @@
 use super::controller::Controller;
 use crate::hand::hand::{Hand, HandCommand, HandError, HandState};
 use crate::sensor::reading::{SensorError, TactileFrame, TactileSensor};
+use glam::DVec3;
 
 /// Why the loop could not go round.
 #[derive(Debug, thiserror::Error)]
@@ -51,9 +52,9 @@ impl<S: TactileSensor, H: Hand> ControlLoop<S, H> {
     /// When a sensor or the hand fails. The hand is then told to stop first.
     pub fn step(&mut self) -> Result<(), ControlError> {
         if let Err(error) = self.sense() {
+            self.command.joint_velocity.fill(DVec3::ZERO);
             // The error that is reported is the first one, not what stopping may add to it.
-            let stop = HandCommand::stop(self.hand.finger_count());
-            let _ = self.hand.command(&stop);
+            let _ = self.hand.command(&self.command);
             return Err(error);
         }
         self.controller

@@ -139,6 +139,7 @@ impl Controller {
         state: &HandState,
         command: &mut HandCommand,
     ) {
+        command.joint_velocity.fill(DVec3::ZERO);
         let decided = self.feel(tactile, state).and_then(|()| {
             self.task.advance(&self.senses)?;
             self.plan(state)
@@ -163,25 +164,29 @@ impl Controller {
 
     /// Where each finger is and what it feels.
     fn feel(&mut self, tactile: &[TactileFrame], state: &HandState) -> Result<(), StopReason> {
-        let limit = self.config.stale_periods * self.config.period;
+        let expected = self.fingers.len();
+        check_count("tactile frames", expected, tactile.len())?;
+        check_count("joint states", expected, state.joints.len())?;
+        let (elements, limit) = (
+            self.normals.len(),
+            self.config.stale_periods * self.config.period,
+        );
         let inputs = tactile.iter().zip(&state.joints);
         let outputs = self.fingers.iter_mut().zip(&mut self.senses);
-        for (index, ((frame, joints), (finger, sense))) in inputs.zip(outputs).enumerate() {
-            let age = state.stamp - frame.stamp;
-            // Also refuses an age that is not a number.
-            if age.is_nan() || age > limit {
-                return Err(StopReason::StaleForces {
-                    finger: index,
-                    age,
-                    limit,
-                });
+        for (finger, ((frame, joints), (control, sense))) in inputs.zip(outputs).enumerate() {
+            check_input(finger, elements, frame, joints)?;
+            control.flags = control.analyzer.analyze(frame);
+            // Of the newest picture, not of its newest copy: a camera that is stuck goes stale.
+            let age = state.stamp - control.analyzer.stamp();
+            // Also refuses an age that is not a number, and forces from a time to come.
+            if age.is_nan() || age.abs() > limit {
+                return Err(StopReason::StaleForces { finger, age, limit });
             }
-            check_finite(index, frame, joints)?;
-            finger.flags = finger.analyzer.analyze(frame);
-            (finger.position, finger.rotation) = fingertip_pose(&finger.geometry, joints.position);
+            (control.position, control.rotation) =
+                fingertip_pose(&control.geometry, joints.position);
             *sense = FingerSense {
-                flags: finger.flags,
-                position: finger.position,
+                flags: control.flags,
+                position: control.position,
             };
         }
         Ok(())
@@ -224,22 +229,37 @@ impl FingerControl {
     }
 }
 
-fn check_finite(
+fn check_count(what: &'static str, expected: usize, actual: usize) -> Result<(), StopReason> {
+    if actual == expected {
+        Ok(())
+    } else {
+        Err(StopReason::FingerCount {
+            what,
+            expected,
+            actual,
+        })
+    }
+}
+
+fn check_input(
     finger: usize,
+    elements: usize,
     frame: &TactileFrame,
     joints: &JointState,
 ) -> Result<(), StopReason> {
-    if !frame.forces.iter().all(|f| f.is_finite()) {
-        return Err(StopReason::NotFinite {
+    if frame.forces.len() != elements {
+        return Err(StopReason::ElementCount {
             finger,
-            what: "force",
+            expected: elements,
+            actual: frame.forces.len(),
         });
     }
+    let not_finite = |what| Err(StopReason::NotFinite { finger, what });
+    if !frame.forces.iter().all(|f| f.is_finite()) {
+        return not_finite("force");
+    }
     if !(joints.position.is_finite() && joints.velocity.is_finite()) {
-        return Err(StopReason::NotFinite {
-            finger,
-            what: "joint state",
-        });
+        return not_finite("joint state");
     }
     Ok(())
 }

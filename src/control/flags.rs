@@ -65,6 +65,11 @@ impl FlagAnalyzer {
         &self.shear_rate
     }
 
+    /// Time of the newest frame that was analysed, s; not a number before the first.
+    pub fn stamp(&self) -> f64 {
+        self.previous.map_or(f64::NAN, |p| p.stamp)
+    }
+
     /// The flags at `frame`. A frame that was analysed already changes nothing; the first frame
     /// has no shear rate.
     pub fn analyze(&mut self, frame: &TactileFrame) -> FingerFlags {

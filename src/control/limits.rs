@@ -2,7 +2,7 @@
 //! the speed limits and the acceleration limit, in this order.
 
 use crate::hand::finger::FingerGeometry;
-use crate::hand::resolved_rate::resolved_rate;
+use crate::hand::resolved_rate::{damping_threshold, resolved_rate};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -45,9 +45,9 @@ pub struct Admitted {
 }
 
 impl LimitsConfig {
-    /// Turns a wanted fingertip velocity into joint velocities that stay within all limits over a
-    /// control period of `period` seconds. `None` when the request or what becomes of it is not
-    /// finite.
+    /// Turns a wanted fingertip velocity into joint velocities for a control period of `period`
+    /// seconds, from which the finger can always be braked before a limit. `None` when the request
+    /// or what becomes of it is not finite.
     pub fn admit(
         &self,
         geometry: &FingerGeometry,
@@ -63,13 +63,20 @@ impl LimitsConfig {
         if !numbers.iter().all(|n| n.is_finite()) {
             return None;
         }
-        let inside = self.keep_in_workspace(request.position, request.velocity, period);
+        let inside = self.keep_in_workspace(geometry, request, period);
         let slow = inside.clamp_length_max(self.fingertip_speed);
         let rate = resolved_rate(geometry, request.theta, slow);
-        let stopped = keep_off_joint_limits(geometry, request.theta, rate.joint_velocity, period);
-        let speed = scale_to(stopped, geometry.joint_speed_limit());
+        let joint_limits = (geometry.joint_lower(), geometry.joint_upper());
+        let braking = Braking {
+            deceleration: self.joint_acceleration,
+            period,
+        };
+        let within = braking.keep_within(request.theta, rate.joint_velocity, joint_limits);
+        let speed = scale_to(within, geometry.joint_speed_limit());
+        // Joint by joint: a joint that must brake must not wait for one that may speed up.
         let most_change = DVec3::splat(self.joint_acceleration * period);
-        let joint_velocity = request.previous + scale_to(speed - request.previous, most_change);
+        let change = (speed - request.previous).clamp(-most_change, most_change);
+        let joint_velocity = request.previous + change;
         joint_velocity.is_finite().then_some(Admitted {
             joint_velocity,
             limited: slow != request.velocity || joint_velocity != rate.joint_velocity,
@@ -77,36 +84,57 @@ impl LimitsConfig {
         })
     }
 
-    /// The velocity without the components that would lead out of the workspace.
-    fn keep_in_workspace(&self, position: DVec3, velocity: DVec3, period: f64) -> DVec3 {
+    /// The velocity, slowed down where it leads to the workspace's end.
+    ///
+    /// A fingertip brakes as fast as the joint accelerations allow where the finger is closest to
+    /// being singular; elsewhere it could brake harder. Closer still, where the inverse Jacobian is
+    /// damped, it does not go quite where it is told, and may leave the workspace a little.
+    fn keep_in_workspace(
+        &self,
+        geometry: &FingerGeometry,
+        request: &Request,
+        period: f64,
+    ) -> DVec3 {
         let lower = DVec3::from_array(self.workspace_lower);
         let upper = DVec3::from_array(self.workspace_upper);
-        without_leaving(position, velocity, (lower, upper), period)
+        let braking = Braking {
+            deceleration: self.joint_acceleration * damping_threshold(geometry),
+            period,
+        };
+        braking.keep_within(request.position, request.velocity, (lower, upper))
     }
 }
 
-fn keep_off_joint_limits(
-    geometry: &FingerGeometry,
-    theta: DVec3,
-    velocity: DVec3,
+/// How fast something that is commanded once per period can be stopped.
+struct Braking {
+    /// Greatest deceleration, per s².
+    deceleration: f64,
+    /// Time from one command to the next, s.
     period: f64,
-) -> DVec3 {
-    let limits = (geometry.joint_lower(), geometry.joint_upper());
-    without_leaving(theta, velocity, limits, period)
 }
 
-/// `velocity` with each component zero that would take `position` further out of `limits` within
-/// `period`.
-fn without_leaving(
-    position: DVec3,
-    velocity: DVec3,
-    (lower, upper): (DVec3, DVec3),
-    period: f64,
-) -> DVec3 {
-    let next = position + period * velocity;
-    let leaves = (next.cmplt(lower) & velocity.cmplt(DVec3::ZERO))
-        | (next.cmpgt(upper) & velocity.cmpgt(DVec3::ZERO));
-    DVec3::select(leaves, DVec3::ZERO, velocity)
+impl Braking {
+    /// `velocity`, each component slowed down until braking from it ends within `limits`. What is
+    /// outside of them may only come back.
+    fn keep_within(
+        &self,
+        position: DVec3,
+        velocity: DVec3,
+        (lower, upper): (DVec3, DVec3),
+    ) -> DVec3 {
+        let down = (position - lower).map(|room| self.greatest_speed(room));
+        let up = (upper - position).map(|room| self.greatest_speed(room));
+        velocity.max(-down).min(up)
+    }
+
+    /// Greatest speed that stops within `room`: at once, if that is within the deceleration; or
+    /// slower by `bT` each period, which from speed v goes on for `(v + bT/2)² / 2b` at most.
+    fn greatest_speed(&self, room: f64) -> f64 {
+        let (room, most_change) = (room.max(0.0), self.deceleration * self.period);
+        let at_once = (room / self.period).min(most_change);
+        let in_steps = (2.0 * self.deceleration * room).sqrt() - 0.5 * most_change;
+        at_once.max(in_steps)
+    }
 }
 
 /// `vector`, shortened without change of direction until no component exceeds that of `most`.

@@ -116,12 +116,32 @@ pub enum StopReason {
         /// How far it was to come at most, m.
         limit: f64,
     },
-    /// A finger's forces are too old to act on.
+    /// What arrived is for another number of fingers.
+    #[error("the hand has {expected} fingers, the {what} that arrived are of {actual}")]
+    FingerCount {
+        /// What arrived.
+        what: &'static str,
+        /// Fingers of the hand.
+        expected: usize,
+        /// Fingers that it was for.
+        actual: usize,
+    },
+    /// A tactile frame is for another number of elements.
+    #[error("finger {finger} has {expected} elements, its forces are of {actual}")]
+    ElementCount {
+        /// The finger.
+        finger: usize,
+        /// Its elements.
+        expected: usize,
+        /// Elements of the tactile frame.
+        actual: usize,
+    },
+    /// A finger's forces are too old to act on, or from a time to come.
     #[error("the forces of finger {finger} are {age:.4} s old (limit {limit} s)")]
     StaleForces {
         /// The finger.
         finger: usize,
-        /// Age of its newest tactile frame, s.
+        /// Age of its newest tactile frame, s; negative when that is from a time to come.
         age: f64,
         /// Greatest age allowed, s.
         limit: f64,

@@ -89,19 +89,12 @@ impl Session {
     /// When a part of the experiment makes no sense.
     pub fn new(experiment: &Experiment) -> Result<Self, ExperimentError> {
         let config = &experiment.config;
-        let fingertip = Fingertip::new(&config.sensor.fingertip)?;
-        let layout = fingertip.layout.clone();
+        let (layout, _) = Fingertip::layout_and_projection(&config.sensor.fingertip)?;
         let (fingers, joints) = fingers_at_home(config)?;
         let controller = controller(config, &fingers, &layout);
         let model = Model::new(&config.sim, fingers, layout.clone(), config.seed);
         let rig = Rig::new(World::new(model, &joints, config.seed));
-        let calibration = experiment.calibration()?;
-        let sensors = (0..joints.len())
-            .map(|finger| match &calibration {
-                Some(calibration) => image_sensor(config, &rig, finger, &fingertip, calibration),
-                None => Ok(direct_sensor(config, &rig, finger)),
-            })
-            .collect::<Result<_, _>>()?;
+        let sensors = sensors(experiment, &rig, joints.len())?;
         let steps_per_command = (config.control.period / config.sim.step).round() as usize;
         let hand = SimHand::new(rig.clone(), steps_per_command);
         Ok(Self {
@@ -187,6 +180,23 @@ pub fn fingers_at_home(
             )?;
             Ok((geometry, joints))
         })
+        .collect()
+}
+
+/// One sensor per finger. Only those that look at pictures need the whole fingertip.
+fn sensors(
+    experiment: &Experiment,
+    rig: &Rig,
+    fingers: usize,
+) -> Result<Vec<Sensor>, ExperimentError> {
+    let config = &experiment.config;
+    let Some(calibration) = experiment.calibration()? else {
+        let sensors = (0..fingers).map(|finger| direct_sensor(config, rig, finger));
+        return Ok(sensors.collect());
+    };
+    let fingertip = Fingertip::new(&config.sensor.fingertip)?;
+    (0..fingers)
+        .map(|finger| image_sensor(config, rig, finger, &fingertip, &calibration))
         .collect()
 }
 

@@ -56,17 +56,28 @@ impl Fingertip {
     /// # Errors
     /// When the camera does not see all sub-regions, or a value makes no sense.
     pub fn new(config: &FingertipConfig) -> Result<Self, FingertipError> {
-        let actual = config.layout.element_count();
-        if !(1..=MAX_ELEMENTS).contains(&actual) {
-            return Err(FingertipError::ElementCount { actual });
-        }
-        let layout = ElementLayout::new(&config.layout);
-        let projection = DomeProjection::new(&config.camera, config.layout.dome_radius)?;
+        let (layout, projection) = Self::layout_and_projection(config)?;
         let kernel = MomentsKernel::new(&layout, &projection, &config.moments)?;
         Ok(Self {
             layout,
             projection,
             kernel,
         })
+    }
+
+    /// The part of the fingertip that takes no time to build: all but the kernel.
+    ///
+    /// # Errors
+    /// As [`Self::new`], but for what the kernel finds.
+    pub fn layout_and_projection(
+        config: &FingertipConfig,
+    ) -> Result<(ElementLayout, DomeProjection), FingertipError> {
+        let actual = config.layout.element_count();
+        if !(1..=MAX_ELEMENTS).contains(&actual) {
+            return Err(FingertipError::ElementCount { actual });
+        }
+        let layout = ElementLayout::new(&config.layout);
+        let projection = DomeProjection::new(&config.camera, config.layout.dome_radius)?;
+        Ok((layout, projection))
     }
 }

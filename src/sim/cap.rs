@@ -94,27 +94,38 @@ impl CapConfig {
         } else {
             self.static_factor
         };
-        let breakaway = factor * self.resisting_torque(state.angle);
-        state.turning = false;
+        let (start, breakaway) = (state.angle, factor * self.resisting_torque(state.angle));
+        // Which way the cap turns, once it does.
+        let mut direction = None;
         for _ in 0..MAX_ITERATIONS {
             let Grip { torque, stiffness } = grip(state);
             state.torque = torque;
-            let resistance = self.resisting_torque(state.angle);
-            let limit = if state.turning { resistance } else { breakaway };
-            if torque.abs() > limit + TORQUE_TOLERANCE {
-                state.turning = true;
+            if direction.is_none() && torque.abs() > breakaway + TORQUE_TOLERANCE {
+                direction = Some(torque.signum());
+            }
+            let unbalance = if let Some(direction) = direction {
                 let slope = stiffness + self.resistance_slope(state.angle, torque);
-                let excess = torque.abs() - resistance;
-                state.angle += torque.signum() * excess / slope.max(f64::MIN_POSITIVE);
-                state.twist = torque.signum() * resistance / shaft_stiffness;
+                let excess = direction * torque - self.resisting_torque(state.angle);
+                // The thread holds; it never turns the cap back.
+                let turned =
+                    direction * (state.angle - start) + excess / slope.max(f64::MIN_POSITIVE);
+                state.angle = start + direction * turned.max(0.0);
+                let twist = direction * self.resisting_torque(state.angle) / shaft_stiffness;
+                let unbalance = excess
+                    .abs()
+                    .max(shaft_stiffness * (twist - state.twist).abs());
+                state.twist = twist;
+                unbalance
             } else {
                 let unbalance = torque - shaft_stiffness * state.twist;
-                if unbalance.abs() <= TORQUE_TOLERANCE {
-                    break;
-                }
                 state.twist += unbalance / (shaft_stiffness + stiffness);
+                unbalance.abs()
+            };
+            if unbalance <= TORQUE_TOLERANCE {
+                break;
             }
         }
+        state.turning = direction.is_some();
     }
 
     /// Rise of the resisting torque per angle in the direction of `torque`. A seated cap that comes

@@ -88,44 +88,74 @@ impl FeelerConfig {
     /// limit, and there the tip sticks again. (The drive is slow against the snap, so the tip is
     /// at rest whenever it is not snapping; the shear force makes a sawtooth between both limits.)
     pub fn settle(&self, object: &Object, tip: &Tip, anchor: Anchor) -> Option<(Anchor, DVec3)> {
-        let mut anchor = anchor;
+        self.slip(object, tip, anchor, |_| 0.0)
+    }
+
+    /// As [`Self::settle`], for an overload that grew steadily over the step: the slip snapped when
+    /// the static limit was reached, and what the shear force exceeds it by has built up since.
+    pub fn settle_driven(
+        &self,
+        object: &Object,
+        tip: &Tip,
+        anchor: Anchor,
+    ) -> Option<(Anchor, DVec3)> {
+        self.slip(object, tip, anchor, |excess| excess)
+    }
+
+    /// Lets an anchor slip until its shear force is the kinetic limit and what has been `rebuilt`
+    /// since, given how far the static limit is exceeded (N).
+    fn slip(
+        &self,
+        object: &Object,
+        tip: &Tip,
+        anchor: Anchor,
+        rebuilt: impl Fn(f64) -> f64,
+    ) -> Option<(Anchor, DVec3)> {
         let mut force = self.elastic_force(tip, anchor.position);
         let (mut normal_force, mut shear) = split(force, anchor.normal);
-        let mut limit = self.static_friction;
+        if normal_force <= 0.0 {
+            return None;
+        }
+        let excess = shear.length() - self.static_friction * normal_force;
+        if excess <= SLIP_TOLERANCE * normal_force {
+            return Some((anchor, force));
+        }
+        let mut anchor = anchor;
+        let most = self.static_friction - self.kinetic_friction;
         for _ in 0..MAX_SLIP_ITERATIONS {
-            if normal_force <= 0.0 {
-                return None;
-            }
-            let excess = shear.length() - limit * normal_force;
+            let end =
+                self.kinetic_friction * normal_force + rebuilt(excess).min(most * normal_force);
+            let excess = shear.length() - end;
             if excess <= SLIP_TOLERANCE * normal_force {
                 break;
             }
-            limit = self.kinetic_friction;
-            anchor = self.slide(object, tip.axis, anchor, normal_force, shear)?;
+            anchor = self.slide(object, tip.axis, anchor, excess, shear)?;
             force = self.elastic_force(tip, anchor.position);
             (normal_force, shear) = split(force, anchor.normal);
+            if normal_force <= 0.0 {
+                return None;
+            }
         }
         Some((anchor, force))
     }
 
-    /// The anchor moved along its shear force until, to first order, that force has fallen to the
-    /// kinetic limit, and put back on the surface.
+    /// The anchor moved along its `shear` force until, to first order, that has lost its `excess`
+    /// (N) over the kinetic limit, and put back on the surface.
     fn slide(
         &self,
         object: &Object,
         axis: DVec3,
         anchor: Anchor,
-        normal_force: f64,
+        excess: f64,
         shear: DVec3,
     ) -> Option<Anchor> {
-        let (direction, shear_force) = shear.normalize_and_length();
+        let direction = shear.normalize_or_zero();
         let relief = self.stiffness_times(axis, direction);
         // Sliding also changes the normal force where the feeler leans; never let that turn the
         // linear model's sign.
         let along = direction.dot(relief);
         let slope = along + self.kinetic_friction * anchor.normal.dot(relief);
-        let distance =
-            (shear_force - self.kinetic_friction * normal_force) / slope.max(0.1 * along);
+        let distance = excess / slope.max(0.1 * along);
         let surface = object.nearest(anchor.position + distance * direction)?;
         Some(Anchor {
             position: surface.position + self.tip_radius * surface.normal,

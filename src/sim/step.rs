@@ -1,8 +1,9 @@
 //! One step of the physics: joints move, feelers touch, the cap gives way, feelers slip.
 
 use super::cap::{CapPose, Grip};
-use super::feeler::Tip;
+use super::feeler::{Anchor, FeelerConfig, Tip};
 use super::model::Model;
+use super::object::Object;
 use super::state::{FingerState, State};
 use crate::hand::kinematics::fingertip_pose;
 use glam::{DMat3, DVec3};
@@ -72,10 +73,18 @@ fn touch(model: &Model, cap: &CapPose, finger: &mut FingerState) {
 
 /// Turns the cap and lets feelers slip until the torques on the cap balance and nothing slips.
 fn balance(model: &Model, state: &mut State) {
-    for _ in 0..MAX_BALANCE_ROUNDS {
+    for round in 0..MAX_BALANCE_ROUNDS {
         turn_cap(model, state);
         let cap = &state.cap_pose;
-        let slips = state.fingers.iter_mut().map(|f| settle(model, cap, f));
+        // The motion of this step overloads feelers steadily, and first; then one feeler's slip
+        // overloads another at a stroke.
+        let settle_one = if round == 0 {
+            FeelerConfig::settle_driven
+        } else {
+            FeelerConfig::settle
+        };
+        let fingers = state.fingers.iter_mut();
+        let slips = fingers.map(|finger| settle(model, cap, finger, settle_one));
         if slips.sum::<usize>() == 0 {
             break;
         }
@@ -115,8 +124,11 @@ fn finger_grip(model: &Model, pose: &CapPose, finger: &FingerState) -> Grip {
     grip
 }
 
+/// Lets one feeler slip or let go.
+type SettleOne = fn(&FeelerConfig, &Object, &Tip, Anchor) -> Option<(Anchor, DVec3)>;
+
 /// Feelers slip or let go, and their forces are known; how many slipped.
-fn settle(model: &Model, cap: &CapPose, finger: &mut FingerState) -> usize {
+fn settle(model: &Model, cap: &CapPose, finger: &mut FingerState, settle_one: SettleOne) -> usize {
     let mut slips = 0;
     let fingertip = FingertipInCap::new(model, cap, finger);
     for ((anchor, force), &normal) in finger
@@ -126,9 +138,8 @@ fn settle(model: &Model, cap: &CapPose, finger: &mut FingerState) -> usize {
         .zip(&model.normals)
     {
         let Some(held) = *anchor else { continue };
-        let settled = model
-            .feeler
-            .settle(&model.object, &fingertip.tip(normal), held);
+        let tip = fingertip.tip(normal);
+        let settled = settle_one(&model.feeler, &model.object, &tip, held);
         *anchor = settled.map(|(anchor, _)| anchor);
         *force = settled.map_or(DVec3::ZERO, |(_, force)| cap.rotation * force);
         slips += usize::from(*anchor != Some(held));

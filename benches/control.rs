@@ -1,0 +1,82 @@
+//! Time of the control law: the newest forces in, joint velocities out.
+
+use divan::{Bencher, black_box};
+use feeler::config::{Experiment, ExperimentConfig};
+use feeler::control::controller::Controller;
+use feeler::control::flags::{FlagAnalyzer, FlagThresholds};
+use feeler::hand::finger::FingerGeometry;
+use feeler::hand::hand::{HandCommand, HandState};
+use feeler::hand::inverse_kinematics::inverse_kinematics;
+use feeler::sensor::layout::ElementLayout;
+use feeler::sensor::reading::TactileFrame;
+use glam::DVec3;
+
+const ELEMENTS: usize = 41;
+
+fn main() {
+    divan::main();
+}
+
+fn config() -> ExperimentConfig {
+    let experiment = Experiment::load("cap-closing", &[]);
+    experiment.expect("the built-in experiment").config
+}
+
+/// Forces of a fingertip in contact: three elements pressed, all with some shear.
+fn in_contact() -> TactileFrame {
+    let mut frame = TactileFrame::unloaded(ELEMENTS);
+    for (element, force) in frame.forces.iter_mut().enumerate() {
+        *force = DVec3::new(0.001 * element as f64, -0.02, 0.0);
+    }
+    for force in &mut frame.forces[..3] {
+        force.z = 0.4;
+    }
+    frame
+}
+
+/// One decision for two fingers of 41 elements in contact.
+#[divan::bench]
+fn decide_in_contact(bencher: Bencher) {
+    let config = config();
+    let layout = ElementLayout::new(&config.sensor.fingertip.layout);
+    let fingers: Vec<_> = (config.hand.finger.iter())
+        .map(|finger| FingerGeometry::new(finger).expect("a finger"))
+        .collect();
+    let (control, task) = (config.control.clone(), config.task.clone());
+    let mut controller = Controller::new(control, task, &fingers, &layout);
+    let mut state = HandState::zero(fingers.len());
+    let homes = config.task.finger.iter().map(|path| path.home);
+    for ((joints, geometry), home) in state.joints.iter_mut().zip(&fingers).zip(homes) {
+        let middle = (geometry.joint_lower() + geometry.joint_upper()) / 2.0;
+        joints.position = inverse_kinematics(geometry, home.into(), middle).expect("home");
+    }
+    let mut frames = vec![in_contact(); fingers.len()];
+    let mut command = HandCommand::stop(fingers.len());
+    bencher.bench_local(|| {
+        state.stamp += config.control.period;
+        for frame in &mut frames {
+            frame.sequence += 1;
+            frame.stamp = state.stamp;
+        }
+        controller.decide(black_box(&frames), black_box(&state), &mut command);
+    });
+    assert_eq!(controller.stop_reason(), None);
+}
+
+/// The flags of one finger.
+#[divan::bench]
+fn analyze_flags(bencher: Bencher) {
+    let control = config().control;
+    let thresholds = FlagThresholds {
+        touch_force: control.touch_force,
+        over_force: control.over_force,
+        slip_threshold: control.slip_threshold,
+    };
+    let mut analyzer = FlagAnalyzer::new(thresholds, ELEMENTS);
+    let mut frame = in_contact();
+    bencher.bench_local(|| {
+        frame.sequence += 1;
+        frame.stamp += control.period;
+        analyzer.analyze(black_box(&frame))
+    });
+}

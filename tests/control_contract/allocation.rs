@@ -1,0 +1,93 @@
+//! The control path from a picture to a command does not allocate: over whole runs, so that every
+//! phase, flag and limit has its turn.
+
+use super::rig::{IdealHand, config, controller, pressed};
+use assert_no_alloc::assert_no_alloc;
+use feeler::control::control_loop::ControlLoop;
+use feeler::hand::hand::HandCommand;
+use feeler::sensor::calibration::Calibration;
+use feeler::sensor::camera::{Camera, CameraError};
+use feeler::sensor::frame::Frame;
+use feeler::sensor::optical::OpticalSensor;
+use feeler::sensor::reading::{SensorError, TactileFrame, TactileSensor};
+
+/// A camera whose pictures get brighter and darker.
+struct Flicker(u64);
+
+impl Camera for Flicker {
+    fn capture(&mut self, frame: &mut Frame) -> Result<(), CameraError> {
+        let gray = (self.0 * 16 % 256) as u8;
+        frame.picture.pixels.fill(gray);
+        frame.sequence = self.0;
+        frame.stamp = 0.01 * self.0 as f64;
+        self.0 += 1;
+        Ok(())
+    }
+}
+
+#[test]
+fn reading_a_picture_does_not_allocate() {
+    let config = config();
+    let file = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/experiments/reference-fingertip.calibration.toml"
+    );
+    let text = std::fs::read_to_string(file).expect("the calibration");
+    let calibration = Calibration::from_toml(&text).expect("a calibration");
+    let sensor = OpticalSensor::new(Flicker(0), &config.sensor.fingertip, calibration);
+    let mut sensor = sensor.expect("a sensor");
+    let mut frame = TactileFrame::unloaded(sensor.element_count());
+    for _ in 0..20 {
+        let read = assert_no_alloc(|| sensor.read(&mut frame));
+        assert!(read.is_ok());
+    }
+}
+
+#[test]
+fn deciding_does_not_allocate() {
+    let config = config();
+    let mut controller = controller(&config);
+    let mut hand = IdealHand::at_home(&config);
+    let mut command = HandCommand::stop(2);
+    for n in 0..2000 {
+        // Pressed, slipping, over its limit, and let go, again and again.
+        let force = 2.5 * (0.05 * n as f64).sin().max(0.0);
+        let mut frames = vec![pressed(n, hand.stamp, force); 2];
+        frames[0].forces[1].x = 0.1 * (n % 3) as f64;
+        let state = hand.state();
+        assert_no_alloc(|| controller.decide(&frames, &state, &mut command));
+        feeler::hand::hand::Hand::command(&mut hand, &command).expect("an ideal hand");
+    }
+    assert_eq!(controller.stop_reason(), None);
+    assert!(controller.task().stroke() > 1);
+}
+
+/// A sensor that presses harder from frame to frame, and fails in the end.
+struct Rising(u64);
+
+impl TactileSensor for Rising {
+    fn element_count(&self) -> usize {
+        41
+    }
+
+    fn read(&mut self, reading: &mut TactileFrame) -> Result<(), SensorError> {
+        if self.0 == 300 {
+            return Err(SensorError::Ended { count: self.0 });
+        }
+        reading.sequence = self.0;
+        reading.stamp = 0.01 * self.0 as f64;
+        reading.forces[0].z = 0.01 * self.0 as f64;
+        self.0 += 1;
+        Ok(())
+    }
+}
+
+#[test]
+fn going_round_the_loop_does_not_allocate_nor_does_failing() {
+    let config = config();
+    let hand = IdealHand::at_home(&config);
+    let quiet = super::loop_faults::Quiet(hand);
+    let mut control_loop = ControlLoop::new(vec![Rising(0), Rising(0)], quiet, controller(&config));
+    let failed = assert_no_alloc(|| (0..400).find_map(|_| control_loop.step().err()));
+    assert!(failed.is_some());
+}

@@ -1,0 +1,112 @@
+//! The flag analyzer against its definitions (paper, Fig. 4; design, section 7) on frames made by
+//! hand.
+
+use feeler::control::flags::{FingerFlags, FlagAnalyzer, FlagThresholds};
+use feeler::sensor::reading::TactileFrame;
+use glam::DVec3;
+
+/// F1 and F2 are sums of powers of two, so a force can equal them exactly.
+const THRESHOLDS: FlagThresholds = FlagThresholds {
+    touch_force: 0.125,
+    over_force: 1.5,
+    slip_threshold: 4.0,
+};
+
+fn frame(sequence: u64, stamp: f64, forces: &[DVec3]) -> TactileFrame {
+    TactileFrame {
+        sequence,
+        stamp,
+        forces: forces.to_vec(),
+    }
+}
+
+fn analyze(frames: &[(f64, &[DVec3])]) -> FingerFlags {
+    let mut analyzer = FlagAnalyzer::new(THRESHOLDS, frames[0].1.len());
+    let numbered = (0..).zip(frames);
+    let flags = numbered.map(|(n, (stamp, forces))| analyzer.analyze(&frame(n, *stamp, forces)));
+    flags.last().expect("a frame")
+}
+
+fn compression(force: f64) -> FingerFlags {
+    analyze(&[(0.0, &[DVec3::ZERO, DVec3::Z * force])])
+}
+
+#[test]
+fn nothing_is_felt_without_load() {
+    assert_eq!(compression(0.0), FingerFlags::default());
+}
+
+#[test]
+fn touch_and_over_are_above_their_thresholds_and_not_at_them() {
+    for (force, touch, over) in [
+        (0.125, false, false),
+        (0.125 + 1e-15, true, false),
+        (1.5, true, false),
+        (1.5 + 1e-15, true, true),
+        (-2.0, false, false),
+    ] {
+        let flags = compression(force);
+        assert_eq!(
+            (flags.touch, flags.over, flags.slip),
+            (touch, over, false),
+            "{force} N"
+        );
+        assert_eq!(flags.largest_element, touch.then_some(1));
+        assert_eq!(flags.grasp_force, force.max(0.0));
+    }
+}
+
+#[test]
+fn slip_is_a_shear_rate_above_its_threshold_and_touches() {
+    // In a quarter of a second, exactly representable; a 3-4-5 triangle: |(0.6, 0.8)| = 1.
+    for (change, slip) in [(1.0, false), (1.0 + 1e-12, true)] {
+        let moved = change * DVec3::new(0.6, 0.8, 0.0);
+        let flags = analyze(&[(1.0, &[DVec3::ZERO]), (1.25, &[moved])]);
+        assert_eq!((flags.slip, flags.touch), (slip, slip), "{change} N");
+        assert_eq!(flags.largest_element, None);
+    }
+    // Fast compression is no slip, nor is the first frame.
+    let pressed = analyze(&[(0.0, &[DVec3::ZERO]), (0.01, &[DVec3::Z])]);
+    assert!(pressed.touch && !pressed.slip);
+    assert!(!analyze(&[(0.0, &[DVec3::X * 9.0])]).slip);
+}
+
+#[test]
+fn shear_rates_are_per_element_and_per_time_of_the_data() {
+    let mut analyzer = FlagAnalyzer::new(THRESHOLDS, 2);
+    analyzer.analyze(&frame(0, 0.0, &[DVec3::ZERO; 2]));
+    // A dropped frame: the sequence skips, the stamp tells the time.
+    analyzer.analyze(&frame(3, 0.5, &[DVec3::X, DVec3::new(0.0, -2.0, 1.0)]));
+    assert_eq!(analyzer.shear_rate(), [2.0, 4.0]);
+    // Each rate is against the frame before, not against the first.
+    analyzer.analyze(&frame(4, 0.75, &[DVec3::X, DVec3::ZERO]));
+    assert_eq!(analyzer.shear_rate(), [0.0, 8.0]);
+}
+
+#[test]
+fn the_largest_element_is_the_hardest_pressed_and_the_grasp_is_their_sum() {
+    let forces = [0.1, 0.5, 0.7, -0.3, 0.7].map(|f| DVec3::new(1.0, -1.0, f));
+    let flags = analyze(&[(0.0, &forces)]);
+    // Of two alike, the first.
+    assert_eq!(flags.largest_element, Some(2));
+    assert!((flags.grasp_force - 2.0).abs() < 1e-15);
+}
+
+#[test]
+fn a_frame_seen_before_changes_nothing() {
+    let mut analyzer = FlagAnalyzer::new(THRESHOLDS, 1);
+    analyzer.analyze(&frame(0, 0.0, &[DVec3::ZERO]));
+    let flags = analyzer.analyze(&frame(1, 0.25, &[DVec3::X * 2.0]));
+    let rate = analyzer.shear_rate().to_vec();
+    assert!(flags.slip);
+    assert_eq!(analyzer.analyze(&frame(1, 0.25, &[DVec3::X * 2.0])), flags);
+    assert_eq!(analyzer.shear_rate(), rate);
+}
+
+#[test]
+fn time_that_stands_still_or_runs_back_makes_no_rate() {
+    for stamp in [0.5, 0.25] {
+        let flags = analyze(&[(0.5, &[DVec3::ZERO]), (stamp, &[DVec3::X * 100.0])]);
+        assert!(!flags.slip);
+    }
+}

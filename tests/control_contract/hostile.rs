@@ -1,0 +1,124 @@
+//! Whatever arrives, the controller does not panic, and what it commands is finite and allowed.
+
+use super::rig::{ELEMENTS, config, controller, geometries, home};
+use feeler::control::task::Phase;
+use feeler::hand::hand::{HandCommand, HandState, JointState};
+use feeler::sensor::reading::TactileFrame;
+use glam::DVec3;
+use proptest::prelude::*;
+
+/// Numbers as they should be, mostly; and the worst there are.
+fn number() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        40 => -2.0..2.0,
+        4 => Just(0.0),
+        1 => prop_oneof![
+            Just(f64::NAN),
+            Just(f64::INFINITY),
+            Just(f64::NEG_INFINITY),
+            Just(f64::MAX),
+            Just(f64::MIN),
+            Just(f64::MIN_POSITIVE),
+            any::<f64>(),
+        ],
+    ]
+}
+
+fn vector() -> impl Strategy<Value = DVec3> {
+    [number(), number(), number()].prop_map(DVec3::from_array)
+}
+
+/// A frame's forces: one value for all elements but one, so that most frames are sound.
+fn forces() -> impl Strategy<Value = Vec<DVec3>> {
+    let count = prop_oneof![30 => Just(ELEMENTS), 1 => 0..50_usize];
+    (count, -0.1..2.0_f64, vector()).prop_map(|(count, all, one)| {
+        let mut forces = vec![DVec3::Z * all; count];
+        if let Some(first) = forces.first_mut() {
+            *first = one;
+        }
+        forces
+    })
+}
+
+fn stamp() -> impl Strategy<Value = f64> {
+    prop_oneof![30 => -0.02..0.02, 1 => number()]
+}
+
+#[derive(Debug, Clone)]
+struct Input {
+    sequence: Vec<u64>,
+    forces: Vec<Vec<DVec3>>,
+    /// Off the time it should be, s.
+    stamps: Vec<f64>,
+    state_stamp: f64,
+    /// Off home, rad.
+    joints: Vec<DVec3>,
+}
+
+fn input() -> impl Strategy<Value = Input> {
+    let fingers = || prop_oneof![60 => Just(2), 1 => 0..4_usize];
+    (
+        prop::collection::vec(0..50_u64, 4),
+        fingers().prop_flat_map(|n| prop::collection::vec(forces(), n)),
+        prop::collection::vec(stamp(), 4),
+        stamp(),
+        fingers().prop_flat_map(|n| prop::collection::vec(vector(), n)),
+    )
+        .prop_map(|(sequence, forces, stamps, state_stamp, joints)| Input {
+            sequence,
+            forces,
+            stamps,
+            state_stamp,
+            joints,
+        })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..Default::default() })]
+
+    #[test]
+    fn commands_are_finite_and_within_limits_whatever_arrives(
+        inputs in prop::collection::vec(input(), 1..40)
+    ) {
+        let config = config();
+        let (mut controller, home) = (controller(&config), home(&config));
+        let limits: Vec<_> = geometries(&config).iter().map(|g| g.joint_speed_limit()).collect();
+        let most_change = config.control.limits.joint_acceleration * config.control.period;
+        let (mut command, mut before) = (HandCommand::stop(2), HandCommand::stop(2));
+        for (n, input) in inputs.iter().enumerate() {
+            let now = 0.01 * n as f64;
+            let frames = input.forces.iter().zip(&input.stamps).zip(&input.sequence);
+            let frames: Vec<_> = frames
+                .map(|((forces, stamp), &sequence)| TactileFrame {
+                    sequence,
+                    stamp: now + stamp,
+                    forces: forces.clone(),
+                })
+                .collect();
+            let joints = input.joints.iter().zip(home.iter().cycle());
+            let state = HandState {
+                stamp: now + input.state_stamp,
+                joints: joints
+                    .map(|(&off, &home)| JointState { position: home + off, velocity: off })
+                    .collect(),
+            };
+            controller.decide(&frames, &state, &mut command);
+            prop_assert_eq!(command.joint_velocity.len(), 2);
+            let stopped = controller.stop_reason().is_some();
+            prop_assert_eq!(stopped, controller.task().phase() == Phase::Stopped);
+            let velocities = command.joint_velocity.iter().zip(&before.joint_velocity);
+            for ((&velocity, &previous), limit) in velocities.zip(&limits) {
+                prop_assert!(velocity.is_finite());
+                if stopped {
+                    prop_assert_eq!(velocity, DVec3::ZERO);
+                    continue;
+                }
+                // Rounding of a sum of two numbers of at most 2 rad/s.
+                prop_assert!(velocity.abs().cmple(*limit + 1e-15).all(), "{}", velocity);
+                let change = (velocity - previous).abs().max_element();
+                prop_assert!(change <= most_change + 1e-15, "{} rad/s", change);
+            }
+            before.clone_from(&command);
+        }
+    }
+}

@@ -1,0 +1,196 @@
+//! The one door to the hand: each limit with numbers, by itself and over whole motions.
+
+use super::rig::{config, geometries, home};
+use feeler::control::limits::{Admitted, LimitsConfig, Request};
+use feeler::hand::finger::FingerGeometry;
+use feeler::hand::kinematics::{fingertip_pose, jacobian};
+use glam::DVec3;
+
+const PERIOD: f64 = 0.01;
+
+struct Finger {
+    limits: LimitsConfig,
+    geometry: FingerGeometry,
+    theta: DVec3,
+    previous: DVec3,
+}
+
+impl Finger {
+    fn at_home() -> Self {
+        let config = config();
+        Self {
+            limits: config.control.limits.clone(),
+            geometry: geometries(&config)[0].clone(),
+            theta: home(&config)[0],
+            previous: DVec3::ZERO,
+        }
+    }
+
+    fn position(&self) -> DVec3 {
+        fingertip_pose(&self.geometry, self.theta).0
+    }
+
+    fn admit(&self, velocity: DVec3) -> Option<Admitted> {
+        let request = Request {
+            velocity,
+            position: self.position(),
+            theta: self.theta,
+            previous: self.previous,
+        };
+        self.limits.admit(&self.geometry, &request, PERIOD)
+    }
+
+    /// Goes on for a period as an ideal drive does.
+    fn advance(&mut self, velocity: DVec3) -> Admitted {
+        let admitted = self.admit(velocity).expect("finite");
+        self.theta += PERIOD * admitted.joint_velocity;
+        self.previous = admitted.joint_velocity;
+        admitted
+    }
+}
+
+#[test]
+fn a_modest_velocity_passes_as_it_is() {
+    let finger = Finger::at_home();
+    let velocity = DVec3::new(0.002, -0.0015, 0.001);
+    let admitted = finger.admit(velocity).expect("finite");
+    assert!(!admitted.limited, "{admitted:?}");
+    let back = jacobian(&finger.geometry, finger.theta) * admitted.joint_velocity;
+    assert!((back - velocity).length() < 1e-15);
+}
+
+#[test]
+fn what_is_not_finite_does_not_pass() {
+    let finger = Finger::at_home();
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        assert_eq!(finger.admit(DVec3::new(0.0, bad, 0.0)), None);
+    }
+    let bad = Finger {
+        theta: DVec3::NAN,
+        ..Finger::at_home()
+    };
+    assert_eq!(bad.admit(DVec3::ZERO), None);
+    let bad = Finger {
+        previous: DVec3::INFINITY,
+        ..Finger::at_home()
+    };
+    assert_eq!(bad.admit(DVec3::ZERO), None);
+}
+
+#[test]
+fn the_fingertip_speed_is_cut_without_a_change_of_direction() {
+    let mut finger = Finger::at_home();
+    finger.limits.joint_acceleration = 1e6;
+    let wanted = DVec3::new(0.3, 0.0, -0.4);
+    let admitted = finger.admit(wanted).expect("finite");
+    let actual = jacobian(&finger.geometry, finger.theta) * admitted.joint_velocity;
+    // 50 mm/s along (0.6, 0, -0.8).
+    assert!(
+        (actual - DVec3::new(0.03, 0.0, -0.04)).length() < 1e-15,
+        "{actual}"
+    );
+    assert!(admitted.limited);
+}
+
+#[test]
+fn joint_speeds_are_cut_without_a_change_of_direction() {
+    let mut finger = Finger::at_home();
+    finger.limits.fingertip_speed = 10.0;
+    finger.limits.joint_acceleration = 1e6;
+    let wanted = DVec3::new(0.0, 0.5, 0.1);
+    let admitted = finger.admit(wanted).expect("finite");
+    let speed = admitted.joint_velocity.abs();
+    let limit = finger.geometry.joint_speed_limit();
+    assert!((speed / limit).max_element() <= 1.0 + 1e-15);
+    assert!((speed / limit).max_element() > 1.0 - 1e-15);
+    let actual = jacobian(&finger.geometry, finger.theta) * admitted.joint_velocity;
+    assert!(actual.cross(wanted).length() < 1e-15, "{actual}");
+}
+
+#[test]
+fn joints_accelerate_no_faster_than_allowed() {
+    let mut finger = Finger::at_home();
+    finger.limits.fingertip_speed = 10.0;
+    // 20 rad/s^2 for 10 ms.
+    let most = 0.2;
+    for n in 0..60 {
+        let sign = if (n / 7) % 2 == 0 { 1.0 } else { -1.0 };
+        let before = finger.previous;
+        let admitted = finger.advance(sign * DVec3::new(0.2, 0.3, -0.1));
+        let change = (admitted.joint_velocity - before).abs().max_element();
+        assert!(change <= most + 1e-15, "{change} rad/s");
+    }
+}
+
+#[test]
+fn no_joint_goes_past_its_limit_however_fast_it_comes() {
+    for direction in [
+        DVec3::Y,
+        -DVec3::Y,
+        DVec3::X,
+        -DVec3::X,
+        DVec3::Z,
+        DVec3::new(1.0, 1.0, -1.0),
+    ] {
+        let mut finger = Finger::at_home();
+        finger.limits.workspace_lower = [-10.0; 3];
+        finger.limits.workspace_upper = [10.0; 3];
+        finger.limits.fingertip_speed = 10.0;
+        let (lower, upper) = (finger.geometry.joint_lower(), finger.geometry.joint_upper());
+        let mut nearest = f64::INFINITY;
+        for _ in 0..2000 {
+            finger.advance(0.3 * direction);
+            let room = (finger.theta - lower)
+                .min(upper - finger.theta)
+                .min_element();
+            // Rounding of angles of about 1 rad, no more.
+            assert!(
+                room >= -1e-15,
+                "{room} rad past a limit going along {direction}"
+            );
+            nearest = nearest.min(room);
+        }
+        assert!(nearest < 1e-6, "{nearest} rad: it never came near");
+    }
+}
+
+#[test]
+fn no_fingertip_leaves_its_workspace_however_fast_it_comes() {
+    let directions = [DVec3::X, DVec3::Y, DVec3::Z]
+        .into_iter()
+        .flat_map(|d| [d, -d]);
+    for direction in directions.chain([DVec3::new(1.0, -1.0, 1.0), DVec3::new(-1.0, 1.0, -1.0)]) {
+        let mut finger = Finger::at_home();
+        let lower = DVec3::from(finger.limits.workspace_lower);
+        let upper = DVec3::from(finger.limits.workspace_upper);
+        let mut nearest = f64::INFINITY;
+        for _ in 0..1000 {
+            if finger.advance(direction).damping > 0.0 {
+                // Almost straight: the finger ends before the workspace does.
+                nearest = 0.0;
+                break;
+            }
+            let room = (finger.position() - lower).min(upper - finger.position());
+            // Joint velocities are right at the period's start; going 0.5 mm in a period along an
+            // arc with the shortest link, 55 mm, leads 0.5^2 / (2 * 55) mm aside.
+            assert!(
+                room.min_element() >= -2.3e-6,
+                "{room} m left going along {direction}"
+            );
+            nearest = nearest.min(room.min_element());
+        }
+        assert!(nearest < 1e-5, "{nearest} m: it never came near");
+    }
+}
+
+#[test]
+fn what_is_outside_may_come_back() {
+    let mut finger = Finger::at_home();
+    finger.limits.workspace_lower = [-0.030, -0.03, 0.07];
+    let out = finger.advance(DVec3::NEG_X * 0.01);
+    assert!(out.limited && out.joint_velocity == DVec3::ZERO);
+    for _ in 0..1000 {
+        finger.advance(DVec3::X * 0.02);
+    }
+    assert!(finger.position().x > -0.030);
+}

@@ -1,0 +1,243 @@
+//! Sensors that fail, stall or lie: the hand stops within one period, and says why.
+
+use super::rig::{ELEMENTS, IdealHand, config, controller, pressed};
+use feeler::control::control_loop::{ControlError, ControlLoop};
+use feeler::control::task::{Phase, StopReason};
+use feeler::hand::hand::{Hand, HandCommand, HandError, HandState};
+use feeler::sensor::reading::{SensorError, TactileFrame, TactileSensor};
+use glam::DVec3;
+
+/// An ideal hand that keeps no record of its commands, and so allocates nothing.
+pub struct Quiet(pub IdealHand);
+
+impl Hand for Quiet {
+    fn finger_count(&self) -> usize {
+        self.0.joints.len()
+    }
+
+    fn read(&mut self, state: &mut HandState) -> Result<(), HandError> {
+        state.stamp = self.0.stamp;
+        state.joints.copy_from_slice(&self.0.joints);
+        Ok(())
+    }
+
+    fn command(&mut self, command: &HandCommand) -> Result<(), HandError> {
+        for (joints, &velocity) in self.0.joints.iter_mut().zip(&command.joint_velocity) {
+            joints.position += self.0.period * velocity;
+            joints.velocity = velocity;
+        }
+        self.0.stamp += self.0.period;
+        Ok(())
+    }
+}
+
+#[derive(Clone, Copy)]
+enum Fault {
+    /// Reads fail from this frame on.
+    Fails(u64),
+    /// The same frame is read from this one on.
+    Stalls(u64),
+    /// The same picture is read from this frame on, with a new stamp each time.
+    Repeats(u64),
+    None,
+}
+
+struct Sensor {
+    fault: Fault,
+    frames: u64,
+}
+
+impl TactileSensor for Sensor {
+    fn element_count(&self) -> usize {
+        ELEMENTS
+    }
+
+    fn read(&mut self, reading: &mut TactileFrame) -> Result<(), SensorError> {
+        let now = self.frames;
+        self.frames += 1;
+        let (sequence, stamp) = match self.fault {
+            Fault::Fails(at) if now >= at => return Err(SensorError::Ended { count: now }),
+            Fault::Stalls(at) => (now.min(at), now.min(at)),
+            Fault::Repeats(at) => (now.min(at), now),
+            _ => (now, now),
+        };
+        reading.sequence = sequence;
+        reading.stamp = 0.01 * stamp as f64;
+        Ok(())
+    }
+}
+
+/// A searching hand whose finger 1 has `fault`, after `periods`.
+fn run(fault: Fault, periods: usize) -> (Result<(), ControlError>, ControlLoop<Sensor, Quiet>) {
+    let mut config = config();
+    // Between two periods, so that rounding does not decide.
+    config.control.stale_periods = 3.5;
+    let sensors = [Fault::None, fault].map(|fault| Sensor { fault, frames: 0 });
+    let hand = Quiet(IdealHand::at_home(&config));
+    let mut control_loop = ControlLoop::new(sensors.into(), hand, controller(&config));
+    let result = (0..periods).try_for_each(|_| control_loop.step());
+    (result, control_loop)
+}
+
+#[test]
+fn a_failing_sensor_stops_the_hand_and_is_reported() {
+    let (result, mut control_loop) = run(Fault::Fails(20), 20);
+    assert!(result.is_ok());
+    assert_ne!(*control_loop.command(), HandCommand::stop(2));
+    let error = control_loop.step();
+    assert!(
+        matches!(
+            error,
+            Err(ControlError::Sensor {
+                finger: 1,
+                source: SensorError::Ended { count: 20 }
+            })
+        ),
+        "{error:?}"
+    );
+    assert_eq!(*control_loop.command(), HandCommand::stop(2));
+    // The hand took that command: its joints stand still.
+    assert!(control_loop.step().is_err());
+    let joints = &control_loop.state().joints;
+    assert!(
+        joints.iter().all(|j| j.velocity == DVec3::ZERO),
+        "{joints:?}"
+    );
+}
+
+#[test]
+fn stale_forces_stop_both_fingers_within_one_period() {
+    for fault in [Fault::Stalls(20), Fault::Repeats(20)] {
+        // Frame 20 is 3 periods old at period 23 and 4 at period 24; 3.5 are allowed.
+        let (_, before) = run(fault, 24);
+        assert_eq!(before.controller().stop_reason(), None);
+        assert!(
+            before
+                .command()
+                .joint_velocity
+                .iter()
+                .all(|v| *v != DVec3::ZERO)
+        );
+        let (_, after) = run(fault, 25);
+        assert_eq!(*after.command(), HandCommand::stop(2));
+        assert_eq!(after.controller().task().phase(), Phase::Stopped);
+        let Some(&StopReason::StaleForces {
+            finger: 1,
+            age,
+            limit,
+        }) = after.controller().stop_reason()
+        else {
+            panic!("{:?}", after.controller().stop_reason())
+        };
+        assert!((age - 0.04).abs() < 1e-12 && (limit - 0.035).abs() < 1e-12);
+    }
+}
+
+/// The reason for which the reference controller stops at this input, and its command.
+fn decide(frames: &[TactileFrame], state: &HandState) -> (Option<StopReason>, HandCommand) {
+    let mut controller = controller(&config());
+    let mut command = HandCommand {
+        joint_velocity: vec![DVec3::ONE; 2],
+    };
+    controller.decide(frames, state, &mut command);
+    (controller.stop_reason().copied(), command)
+}
+
+fn at_home() -> HandState {
+    IdealHand::at_home(&config()).state()
+}
+
+#[test]
+fn every_fault_has_its_reason_and_stops_both_fingers() {
+    let good = || vec![pressed(0, 0.0, 0.0); 2];
+    let mut cases = vec![];
+    let mut broken = good();
+    broken[0].forces[7].y = f64::NAN;
+    cases.push((
+        broken,
+        at_home(),
+        StopReason::NotFinite {
+            finger: 0,
+            what: "force",
+        },
+    ));
+    let mut infinite = at_home();
+    infinite.joints[1].position.z = f64::INFINITY;
+    cases.push((
+        good(),
+        infinite,
+        StopReason::NotFinite {
+            finger: 1,
+            what: "joint state",
+        },
+    ));
+    let (what, expected) = ("tactile frames", 2);
+    cases.push((
+        vec![pressed(0, 0.0, 0.0)],
+        at_home(),
+        StopReason::FingerCount {
+            what,
+            expected,
+            actual: 1,
+        },
+    ));
+    let mut one = at_home();
+    one.joints.pop();
+    let what = "joint states";
+    cases.push((
+        good(),
+        one,
+        StopReason::FingerCount {
+            what,
+            expected,
+            actual: 1,
+        },
+    ));
+    let mut short = good();
+    short[1].forces.pop();
+    let reason = StopReason::ElementCount {
+        finger: 1,
+        expected: ELEMENTS,
+        actual: 40,
+    };
+    cases.push((short, at_home(), reason));
+    for stamp in [f64::NEG_INFINITY, -0.031, 0.031, f64::INFINITY] {
+        let mut late = good();
+        late[0].stamp = stamp;
+        let reason = StopReason::StaleForces {
+            finger: 0,
+            age: -stamp,
+            limit: 0.03,
+        };
+        cases.push((late, at_home(), reason));
+    }
+    for (frames, state, reason) in cases {
+        let (stopped, command) = decide(&frames, &state);
+        assert_eq!(stopped, Some(reason));
+        assert_eq!(command, HandCommand::stop(2), "{reason}");
+    }
+    let mut timeless = good();
+    timeless[1].stamp = f64::NAN;
+    let (stopped, command) = decide(&timeless, &at_home());
+    assert!(matches!(
+        stopped,
+        Some(StopReason::StaleForces { finger: 1, .. })
+    ));
+    assert_eq!(command, HandCommand::stop(2));
+    assert_eq!(decide(&good(), &at_home()).0, None);
+}
+
+#[test]
+fn the_first_reason_stays_and_the_hand_stays_stopped() {
+    let mut controller = controller(&config());
+    let mut command = HandCommand::stop(2);
+    controller.decide(&[], &at_home(), &mut command);
+    let reason = controller.stop_reason().copied();
+    for n in 0..10 {
+        let mut frames = vec![pressed(n, 0.0, 0.3); 2];
+        frames[0].forces[0].x = if n == 5 { f64::NAN } else { 0.5 * n as f64 };
+        controller.decide(&frames, &at_home(), &mut command);
+        assert_eq!(command, HandCommand::stop(2));
+        assert_eq!(controller.stop_reason().copied(), reason);
+    }
+}

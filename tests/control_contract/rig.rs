@@ -1,0 +1,106 @@
+//! The reference controller with hands and sensors to try it on.
+
+use feeler::config::{Experiment, ExperimentConfig};
+use feeler::control::controller::Controller;
+use feeler::hand::finger::FingerGeometry;
+use feeler::hand::hand::{Hand, HandCommand, HandError, HandState, JointState};
+use feeler::hand::inverse_kinematics::inverse_kinematics;
+use feeler::sensor::layout::ElementLayout;
+use feeler::sensor::reading::TactileFrame;
+use glam::DVec3;
+
+pub const ELEMENTS: usize = 41;
+
+pub fn config() -> ExperimentConfig {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/experiments/cap-closing.toml");
+    Experiment::load(file, &[])
+        .expect("the reference experiment")
+        .config
+}
+
+pub fn geometries(config: &ExperimentConfig) -> Vec<FingerGeometry> {
+    let fingers = config.hand.finger.iter();
+    fingers
+        .map(|f| FingerGeometry::new(f).expect("a finger"))
+        .collect()
+}
+
+pub fn controller(config: &ExperimentConfig) -> Controller {
+    let layout = ElementLayout::new(&config.sensor.fingertip.layout);
+    let (control, task) = (config.control.clone(), config.task.clone());
+    Controller::new(control, task, &geometries(config), &layout)
+}
+
+/// Joint angles, rad, with each finger at home.
+pub fn home(config: &ExperimentConfig) -> Vec<DVec3> {
+    let fingers = geometries(config).into_iter().zip(&config.task.finger);
+    fingers
+        .map(|(geometry, path)| {
+            let middle = (geometry.joint_lower() + geometry.joint_upper()) / 2.0;
+            inverse_kinematics(&geometry, path.home.into(), middle).expect("home")
+        })
+        .collect()
+}
+
+/// A hand that does exactly what it is told.
+pub struct IdealHand {
+    pub stamp: f64,
+    pub period: f64,
+    pub joints: Vec<JointState>,
+    /// Every command so far.
+    pub commands: Vec<HandCommand>,
+}
+
+impl IdealHand {
+    pub fn at_home(config: &ExperimentConfig) -> Self {
+        let at_rest = |position| JointState {
+            position,
+            velocity: DVec3::ZERO,
+        };
+        Self {
+            stamp: 0.0,
+            period: config.control.period,
+            joints: home(config).into_iter().map(at_rest).collect(),
+            commands: Vec::new(),
+        }
+    }
+
+    pub fn state(&self) -> HandState {
+        HandState {
+            stamp: self.stamp,
+            joints: self.joints.clone(),
+        }
+    }
+}
+
+impl Hand for IdealHand {
+    fn finger_count(&self) -> usize {
+        self.joints.len()
+    }
+
+    fn read(&mut self, state: &mut HandState) -> Result<(), HandError> {
+        state.clone_from(&self.state());
+        Ok(())
+    }
+
+    fn command(&mut self, command: &HandCommand) -> Result<(), HandError> {
+        for (joints, &velocity) in self.joints.iter_mut().zip(&command.joint_velocity) {
+            joints.position += self.period * velocity;
+            joints.velocity = velocity;
+        }
+        self.stamp += self.period;
+        self.commands.push(command.clone());
+        Ok(())
+    }
+}
+
+/// A frame in which element 0 is pressed with `force` (N).
+pub fn pressed(sequence: u64, stamp: f64, force: f64) -> TactileFrame {
+    let mut frame = TactileFrame {
+        sequence,
+        stamp,
+        ..TactileFrame::unloaded(ELEMENTS)
+    };
+    frame.forces[0].z = force;
+    frame
+}

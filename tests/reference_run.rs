@@ -1,0 +1,40 @@
+//! The paper's claims on the reference experiment, measured on its recordings.
+
+#[path = "support/runs.rs"]
+mod runs;
+
+use feeler::report::make::make;
+use runs::{folder, run};
+
+/// What does not hold of the run with `seed`.
+fn broken_claims(sensing: &str, seed: u64) -> Vec<String> {
+    let folder = folder(&format!("reference-{sensing}-{seed}"));
+    let settings = [format!("sensing={sensing}"), format!("seed={seed}")];
+    run(&settings, &folder);
+    let report = make(&folder).expect("a report");
+    assert!(report.complete, "{:?}", report.problem);
+    assert_eq!(report.claims().len(), 8);
+    let broken = report.claims().iter().filter(|claim| !claim.holds);
+    broken
+        .map(|claim| {
+            format!(
+                "seed {seed}: {}: {:?}, bound {:?}",
+                claim.id, claim.value, claim.bound
+            )
+        })
+        .collect()
+}
+
+#[test]
+fn all_claims_hold_for_seeds_0_to_19_sensed_directly() {
+    let broken: Vec<_> = (0..20)
+        .flat_map(|seed| broken_claims("direct", seed))
+        .collect();
+    assert!(broken.is_empty(), "{broken:#?}");
+}
+
+#[test]
+fn all_claims_hold_through_pictures() {
+    let broken = broken_claims("image", 0);
+    assert!(broken.is_empty(), "{broken:#?}");
+}

@@ -1,0 +1,148 @@
+//! What must hold at every physics step of the reference run.
+
+use super::reference::{commands, experiment, replay, world};
+use feeler::sim::state::FingerState;
+use feeler::sim::world::World;
+use glam::DVec3;
+
+/// Torque about the cap's axis by one finger's contacts, N·m, from forces and contact points in W.
+fn contact_torque(world: &World, finger: &FingerState) -> f64 {
+    let pose = world.state().cap_pose;
+    let contacts = finger.anchors.iter().zip(&finger.forces);
+    contacts
+        .filter_map(|(anchor, force)| {
+            let anchor = anchor.as_ref()?;
+            let point = anchor.position - world.model().feeler.tip_radius * anchor.normal;
+            Some((pose.rotation * point).cross(*force).z)
+        })
+        .sum()
+}
+
+/// Torques are solved for to 1e-9 N·m; two of them are compared, and summed over 82 feelers.
+const BALANCE: f64 = 3e-9;
+
+#[test]
+fn the_fingers_torque_is_the_shafts_and_obeys_the_thread() {
+    let experiment = experiment(&[]);
+    let commands = commands(&experiment);
+    let mut world = world(&experiment, &commands.start);
+    let (mut worst, mut turning_steps) = (0.0_f64, 0);
+    replay(&mut world, &commands, |world, _| {
+        let (state, cap) = (world.state(), world.state().cap);
+        let fingers = state.fingers.iter();
+        let torque: f64 = fingers.map(|f| contact_torque(world, f)).sum();
+        let shaft = world.model().torque_sensor.stiffness * cap.twist;
+        let imbalance = (torque - cap.torque).abs().max((torque - shaft).abs());
+        worst = worst.max(imbalance);
+        assert!(
+            imbalance < BALANCE,
+            "{imbalance:e} N m at {} s: fingers {torque}, cap {cap:?}, shaft {shaft}",
+            state.time
+        );
+        let resisting = world.model().cap.resisting_torque(cap.angle);
+        if cap.turning {
+            turning_steps += 1;
+            let excess = torque.abs() - resisting;
+            assert!(
+                excess.abs() < BALANCE,
+                "{excess:e} N m at {} s while turning",
+                state.time
+            );
+        } else {
+            let breakaway = world.model().cap.static_factor * resisting;
+            assert!(torque.abs() < breakaway + BALANCE);
+        }
+    });
+    println!("worst imbalance {worst:e} N m, {turning_steps} steps turning");
+    assert!(turning_steps > 100);
+}
+
+#[test]
+fn the_torque_sensor_tells_the_torque_within_noise_and_quantisation() {
+    let experiment = experiment(&[]);
+    let commands = commands(&experiment);
+    let mut world = world(&experiment, &commands.start);
+    let sensor = world.model().torque_sensor.clone();
+    let volts_per_torque =
+        sensor.amplifier_gain * sensor.bridge_voltage * sensor.gauge_factor * sensor.rated_strain
+            / sensor.rated_torque;
+    let count = 2.0 * sensor.converter_range / f64::from(1 << sensor.converter_bits);
+    // Six deviations: one reading in 5e8 is further off, and there are fewer than 2e4.
+    let tolerance = (6.0 * sensor.noise + count / 2.0) / volts_per_torque;
+    // The low-pass, run again beside the simulation, on the true torque.
+    let keep = (-std::f64::consts::TAU * sensor.cutoff_frequency * world.model().step).exp();
+    let (mut expected, mut sum_of_squares, mut readings) = (0.0, 0.0, 0.0);
+    replay(&mut world, &commands, |world, _| {
+        expected = keep * expected + (1.0 - keep) * world.state().cap.torque;
+        let error = world.read_torque().torque - expected;
+        assert!(error.abs() < tolerance, "{error} N m");
+        sum_of_squares += error * error;
+        readings += 1.0;
+    });
+    // Noise and the uniform error of rounding add in the square. Over 1e4 readings a deviation is
+    // estimated to 1 %.
+    let deviation = (sensor.noise.powi(2) + count * count / 12.0).sqrt() / volts_per_torque;
+    let measured = (sum_of_squares / readings).sqrt();
+    assert!(
+        (measured / deviation - 1.0).abs() < 0.03,
+        "{measured} {deviation}"
+    );
+}
+
+#[test]
+fn feelers_push_within_the_friction_cone_and_only_where_they_touch() {
+    let experiment = experiment(&[]);
+    let commands = commands(&experiment);
+    let mut world = world(&experiment, &commands.start);
+    let normals = world.model().normals.clone();
+    let (mut touching, mut worst) = (0_u64, 0.0_f64);
+    replay(&mut world, &commands, |world, _| {
+        let (model, pose) = (world.model(), world.state().cap_pose);
+        for finger in &world.state().fingers {
+            for (element, (anchor, &force)) in finger.anchors.iter().zip(&finger.forces).enumerate()
+            {
+                let Some(anchor) = anchor else {
+                    assert_eq!(force, DVec3::ZERO, "force without contact");
+                    let axis = finger.rotation * normals[element];
+                    let tip = finger.position + model.layout.dome_radius * axis - pose.centre;
+                    let above = distance(tip, model.cap.radius, model.cap.height);
+                    // A feeler that is let go of may be a step's motion (20 mm/s) inside.
+                    assert!(
+                        above > model.feeler.tip_radius - 2e-5,
+                        "{above} m and no contact"
+                    );
+                    continue;
+                };
+                touching += 1;
+                let normal = pose.rotation * anchor.normal;
+                let pressing = -force.dot(normal);
+                assert!(pressing >= 0.0, "element {element} pulls with {pressing} N");
+                let shear = (force + pressing * normal).length();
+                let use_of_cone = shear / (model.feeler.static_friction * pressing);
+                worst = worst.max(use_of_cone);
+                // Slips end within 1e-9; the cap's last adjustment moves a tip by rounding.
+                assert!(
+                    use_of_cone < 1.0 + 1e-6,
+                    "{use_of_cone} of the friction cone"
+                );
+                // The deformed tip's sphere rests on the cap: its centre is one radius above it.
+                let above = distance(
+                    pose.rotation * anchor.position,
+                    model.cap.radius,
+                    model.cap.height,
+                );
+                assert!((above - model.feeler.tip_radius).abs() < 1e-12, "{above} m");
+            }
+        }
+    });
+    println!("{touching} contacts, at most {worst} of the friction cone");
+    assert!(touching > 10_000);
+}
+
+/// Distance of `point` (m, from the centre of an upright cylinder) from its surface, negative
+/// inside; written out, not taken from the geometry library.
+fn distance(point: DVec3, radius: f64, height: f64) -> f64 {
+    let out = point.truncate().length() - radius;
+    let up = point.z.abs() - height / 2.0;
+    out.max(up).min(0.0) + out.max(0.0).hypot(up.max(0.0))
+}

@@ -1,0 +1,10 @@
+//! The simulated rig against physics derived by hand. Every tolerance has its reason beside it.
+
+mod cap;
+mod convergence;
+mod every_step;
+mod feeler;
+mod instruments;
+mod one_element;
+mod reference;
+mod rim;
