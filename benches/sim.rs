@@ -2,7 +2,7 @@
 
 use divan::Bencher;
 use feeler::config::Experiment;
-use feeler::control::task::Phase;
+use feeler::control::phase::Phase;
 use feeler::experiment::Session;
 use feeler::experiment::log::{RunLog, run_facts};
 use feeler::record::Recorder;

@@ -3,7 +3,7 @@
 use super::report::print_claims;
 use super::{CommandError, Outcome};
 use crate::config::Experiment;
-use crate::control::task::Phase;
+use crate::control::phase::Phase;
 use crate::experiment::Session;
 use crate::experiment::log::{RunLog, run_facts};
 use crate::record::Recorder;

@@ -3,7 +3,8 @@
 use super::flags::{FingerFlags, FlagAnalyzer, FlagThresholds};
 use super::limits::{Admitted, LimitsConfig, Request};
 use super::speed::{FingerSpeedEstimator, Reflex};
-use super::task::{FingerSense, ScrewTask, StopReason, TaskConfig};
+use super::stop_reason::StopReason;
+use super::task::{FingerSense, ScrewTask, TaskConfig};
 use crate::hand::finger::FingerGeometry;
 use crate::hand::hand::{HandCommand, HandState, JointState};
 use crate::hand::kinematics::fingertip_pose;

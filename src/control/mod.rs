@@ -4,5 +4,7 @@ pub mod control_loop;
 pub mod controller;
 pub mod flags;
 pub mod limits;
+pub mod phase;
 pub mod speed;
+pub mod stop_reason;
 pub mod task;

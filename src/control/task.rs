@@ -1,10 +1,11 @@
 //! The screw task: SEARCH, MOVE, RELEASE, RETURN, again and again (paper, section V.B).
 
 use super::flags::FingerFlags;
+use super::phase::Phase;
 use super::speed::Plan;
+use super::stop_reason::StopReason;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
-use std::fmt;
 
 /// The roughly planned rectangle that each finger goes round.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -40,120 +41,6 @@ pub struct FingerPathConfig {
     pub approach: [f64; 3],
     /// Direction of the stroke, in W; its length does not matter.
     pub stroke: [f64; 3],
-}
-
-/// Where the task stands.
-///
-/// The numbers are those of recordings.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(into = "u8", try_from = "u8")]
-pub enum Phase {
-    /// The fingers approach the object.
-    #[default]
-    Search = 0,
-    /// The fingers move the object.
-    Move = 1,
-    /// The fingers detach.
-    Release = 2,
-    /// The fingers go home.
-    Return = 3,
-    /// All strokes are done.
-    Done = 4,
-    /// The task was given up.
-    Stopped = 5,
-}
-
-impl Phase {
-    /// Every phase, in the order of their numbers.
-    pub const ALL: [Self; 6] = [
-        Self::Search,
-        Self::Move,
-        Self::Release,
-        Self::Return,
-        Self::Done,
-        Self::Stopped,
-    ];
-}
-
-impl From<Phase> for u8 {
-    fn from(phase: Phase) -> Self {
-        phase as u8
-    }
-}
-
-impl TryFrom<u8> for Phase {
-    type Error = String;
-
-    fn try_from(number: u8) -> Result<Self, Self::Error> {
-        let phase = Self::ALL.get(usize::from(number)).copied();
-        phase.ok_or_else(|| format!("task phase 0..=5 expected, {number} found"))
-    }
-}
-
-impl fmt::Display for Phase {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Search => "SEARCH",
-            Self::Move => "MOVE",
-            Self::Release => "RELEASE",
-            Self::Return => "RETURN",
-            Self::Done => "DONE",
-            Self::Stopped => "STOPPED",
-        })
-    }
-}
-
-/// Why the hand was stopped before the task was done.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-pub enum StopReason {
-    /// A finger found nothing to grasp.
-    #[error("finger {finger} came {travel:.4} m from home without a grasp (limit {limit} m)")]
-    NothingToGrasp {
-        /// The finger.
-        finger: usize,
-        /// How far it came, m.
-        travel: f64,
-        /// How far it was to come at most, m.
-        limit: f64,
-    },
-    /// What arrived is for another number of fingers.
-    #[error("the hand has {expected} fingers, the {what} that arrived are of {actual}")]
-    FingerCount {
-        /// What arrived.
-        what: &'static str,
-        /// Fingers of the hand.
-        expected: usize,
-        /// Fingers that it was for.
-        actual: usize,
-    },
-    /// A tactile frame is for another number of elements.
-    #[error("finger {finger} has {expected} elements, its forces are of {actual}")]
-    ElementCount {
-        /// The finger.
-        finger: usize,
-        /// Its elements.
-        expected: usize,
-        /// Elements of the tactile frame.
-        actual: usize,
-    },
-    /// A finger's forces are too old to act on, or from a time to come.
-    #[error("the forces of finger {finger} are {age:.4} s old (limit {limit} s)")]
-    StaleForces {
-        /// The finger.
-        finger: usize,
-        /// Age of its newest tactile frame, s; negative when that is from a time to come.
-        age: f64,
-        /// Greatest age allowed, s.
-        limit: f64,
-    },
-    /// A force, a joint angle or a command is not a finite number.
-    #[error("finger {finger} has a {what} that is not a finite number")]
-    NotFinite {
-        /// The finger.
-        finger: usize,
-        /// Which quantity.
-        what: &'static str,
-    },
 }
 
 /// What the task knows of one finger: flags from touch, position from its encoders.

@@ -4,7 +4,7 @@ use super::{Instruments, Session};
 use crate::config::{ExperimentConfig, Sensing};
 use crate::control::control_loop::ControlLoop;
 use crate::control::controller::FingerControl;
-use crate::control::task::Phase;
+use crate::control::phase::Phase;
 use crate::hand::hand::{Hand, JointState};
 use crate::record::{
     Cap, Command, Fingertip, Flags, Joints, NO_ELEMENT, RecordError, Recorder, RunFacts, Tactile,

@@ -5,7 +5,7 @@ pub mod log;
 use crate::config::{ConfigError, Experiment, ExperimentConfig};
 use crate::control::control_loop::{ControlError, ControlLoop};
 use crate::control::controller::Controller;
-use crate::control::task::Phase;
+use crate::control::phase::Phase;
 use crate::hand::finger::{FingerError, FingerGeometry};
 use crate::hand::inverse_kinematics::{KinematicsError, inverse_kinematics};
 use crate::sensor::calibration::Calibration;

@@ -3,7 +3,7 @@
 //! The order of a struct's fields is the order of its schema's lines; both are the wire format.
 //! All stamps are seconds of the run's time (simulated or real), not of the wall clock.
 
-use crate::control::task::Phase;
+use crate::control::phase::Phase;
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 

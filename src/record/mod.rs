@@ -14,7 +14,7 @@ pub mod replay;
 pub mod scan;
 mod sink;
 
-pub use crate::control::task::Phase;
+pub use crate::control::phase::Phase;
 pub use channels::{
     Cap, Command, Fingertip, Flags, Joints, Message, NO_ELEMENT, Quaternion, Tactile, Task, Topic,
     TorqueSensor, Vector3,

@@ -1,7 +1,7 @@
 //! Whatever arrives, the controller does not panic, and what it commands is finite and allowed.
 
 use super::rig::{ELEMENTS, config, controller, geometries, home};
-use feeler::control::task::Phase;
+use feeler::control::phase::Phase;
 use feeler::hand::hand::{HandCommand, HandState, JointState};
 use feeler::sensor::reading::TactileFrame;
 use glam::DVec3;

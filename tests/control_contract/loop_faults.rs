@@ -2,7 +2,8 @@
 
 use super::rig::{ELEMENTS, IdealHand, config, controller, pressed};
 use feeler::control::control_loop::{ControlError, ControlLoop};
-use feeler::control::task::{Phase, StopReason};
+use feeler::control::phase::Phase;
+use feeler::control::stop_reason::StopReason;
 use feeler::hand::hand::{Hand, HandCommand, HandError, HandState};
 use feeler::sensor::reading::{SensorError, TactileFrame, TactileSensor};
 use glam::DVec3;

@@ -3,7 +3,8 @@
 use super::rig::{IdealHand, config, controller, geometries, pressed};
 use feeler::config::ExperimentConfig;
 use feeler::control::controller::Controller;
-use feeler::control::task::{Phase, StopReason};
+use feeler::control::phase::Phase;
+use feeler::control::stop_reason::StopReason;
 use feeler::hand::hand::{Hand, HandCommand};
 use feeler::hand::kinematics::fingertip_pose;
 use glam::DVec3;

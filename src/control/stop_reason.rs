@@ -1,0 +1,54 @@
+//! Why a hand stops before its task is done.
+
+/// Why the hand was stopped before the task was done.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum StopReason {
+    /// A finger found nothing to grasp.
+    #[error("finger {finger} came {travel:.4} m from home without a grasp (limit {limit} m)")]
+    NothingToGrasp {
+        /// The finger.
+        finger: usize,
+        /// How far it came, m.
+        travel: f64,
+        /// How far it was to come at most, m.
+        limit: f64,
+    },
+    /// What arrived is for another number of fingers.
+    #[error("the hand has {expected} fingers, the {what} that arrived are of {actual}")]
+    FingerCount {
+        /// What arrived.
+        what: &'static str,
+        /// Fingers of the hand.
+        expected: usize,
+        /// Fingers that it was for.
+        actual: usize,
+    },
+    /// A tactile frame is for another number of elements.
+    #[error("finger {finger} has {expected} elements, its forces are of {actual}")]
+    ElementCount {
+        /// The finger.
+        finger: usize,
+        /// Its elements.
+        expected: usize,
+        /// Elements of the tactile frame.
+        actual: usize,
+    },
+    /// A finger's forces are too old to act on, or from a time to come.
+    #[error("the forces of finger {finger} are {age:.4} s old (limit {limit} s)")]
+    StaleForces {
+        /// The finger.
+        finger: usize,
+        /// Age of its newest tactile frame, s; negative when that is from a time to come.
+        age: f64,
+        /// Greatest age allowed, s.
+        limit: f64,
+    },
+    /// A force, a joint angle or a command is not a finite number.
+    #[error("finger {finger} has a {what} that is not a finite number")]
+    NotFinite {
+        /// The finger.
+        finger: usize,
+        /// Which quantity.
+        what: &'static str,
+    },
+}
