@@ -79,11 +79,11 @@ fn scan_chunk(
     visit: &mut dyn FnMut(Record<'_>) -> Result<(), String>,
 ) -> Result<(), String> {
     if let Record::Chunk { header, .. } = parse(CHUNK, body)?
-        && header.compression != "lz4"
+        && !matches!(&*header.compression, "" | "lz4")
     {
         let found = header.compression;
         return Err(format!(
-            "a chunk compressed by lz4 expected, {found:?} found"
+            "a chunk compressed by lz4 or not at all expected, {found:?} found"
         ));
     }
     let mut reader = LinearReader::new_with_options(
