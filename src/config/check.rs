@@ -3,7 +3,7 @@
 use super::ExperimentConfig;
 use crate::control::controller::ControlConfig;
 use crate::control::task::TaskConfig;
-use crate::sim::model::SimConfig;
+use crate::sim::config::SimConfig;
 use std::fmt;
 
 /// A value that is out of its range.

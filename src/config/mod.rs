@@ -11,7 +11,7 @@ use crate::control::controller::ControlConfig;
 use crate::control::task::TaskConfig;
 use crate::hand::finger::FingerConfig;
 use crate::sensor::fingertip::FingertipConfig;
-use crate::sim::model::SimConfig;
+use crate::sim::config::SimConfig;
 use serde::{Deserialize, Serialize};
 
 /// Everything that an experiment is made of.

@@ -1,6 +1,7 @@
 //! The loop: feel, decide, move.
 
 use super::controller::Controller;
+use super::stop_reason::StopReason;
 use crate::hand::hand::{Hand, HandCommand, HandError, HandState};
 use crate::sensor::reading::{SensorError, TactileFrame, TactileSensor};
 use glam::DVec3;
@@ -49,9 +50,14 @@ impl<S: TactileSensor, H: Hand> ControlLoop<S, H> {
     /// Goes round once: reads the hand and the sensors, decides, commands the hand.
     ///
     /// # Errors
-    /// When a sensor or the hand fails. The hand is then told to stop first.
+    /// When a sensor or the hand fails. The hand is then told to stop first, for good.
     pub fn step(&mut self) -> Result<(), ControlError> {
         if let Err(error) = self.sense() {
+            let what = match error {
+                ControlError::Sensor { .. } => "a tactile sensor",
+                ControlError::Hand(_) => "the hand's joint state",
+            };
+            self.controller.stop(StopReason::ReadFailed { what });
             self.command.joint_velocity.fill(DVec3::ZERO);
             // The error that is reported is the first one, not what stopping may add to it.
             let _ = self.hand.command(&self.command);

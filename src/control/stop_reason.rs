@@ -33,6 +33,12 @@ pub enum StopReason {
         /// Elements of the tactile frame.
         actual: usize,
     },
+    /// A finger's sensor or the hand's encoders could not be read.
+    #[error("{what} could not be read")]
+    ReadFailed {
+        /// What could not be read.
+        what: &'static str,
+    },
     /// A finger's forces are too old to act on, or from a time to come.
     #[error("the forces of finger {finger} are {age:.4} s old (limit {limit} s)")]
     StaleForces {

@@ -26,7 +26,7 @@ const FINGER_CHANNELS: usize = 5;
 
 /// Writes one run's recording.
 ///
-/// A write only encodes the message; compression, digest and the file itself are a thread's work,
+/// A write only encodes the message; digest and the file itself are a thread's work,
 /// so that the control loop waits for none of them. Chunks reach the file as they fill (256 KiB),
 /// each whole, so an interrupted run leaves a file that is readable up to its last chunk. A
 /// recorder that is dropped without [`finish`](Self::finish) leaves a file with every message,

@@ -3,6 +3,8 @@
 pub mod calibration_bench;
 pub mod camera_noise;
 pub mod cap;
+pub mod config;
+pub mod direct_sensor;
 pub mod feeler;
 pub mod model;
 pub mod object;

@@ -1,54 +1,16 @@
 //! What never changes in a run: the rig's geometry and material, as this run's seed made them.
 
 use super::cap::CapConfig;
+use super::config::SimConfig;
 use super::feeler::FeelerConfig;
 use super::object::Object;
-use super::optics_config::OpticsConfig;
 use super::random::{Purpose, generator, uniform};
-use super::rig::DirectSensingConfig;
 use super::servo::ServoConfig;
 use super::torque_sensor::TorqueSensorConfig;
 use crate::hand::finger::FingerGeometry;
 use crate::sensor::layout::ElementLayout;
 use glam::DVec3;
-use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
-
-/// How much runs of different seeds differ. Every quantity is drawn uniformly once per run.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct VariationConfig {
-    /// Greatest offset of the bottle from its place along W's x and y, m.
-    pub bottle_position: f64,
-    /// Greatest relative change of both friction coefficients.
-    pub friction: f64,
-    /// Greatest relative change of the seat angle.
-    pub seat_angle: f64,
-    /// Greatest rotation of the cap at the start, rad. A round cap shows none of it.
-    pub cap_angle: f64,
-}
-
-/// The simulated world.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SimConfig {
-    /// Time step of the physics, s.
-    pub step: f64,
-    /// The feelers on both fingertips.
-    pub feeler: FeelerConfig,
-    /// The cap.
-    pub cap: CapConfig,
-    /// The torque sensor under the bottle.
-    pub torque_sensor: TorqueSensorConfig,
-    /// The drives of the fingers.
-    pub servo: ServoConfig,
-    /// What differs from run to run.
-    pub variation: VariationConfig,
-    /// What the camera's picture is made of.
-    pub optics: OpticsConfig,
-    /// Noise of forces that are sensed without pictures.
-    pub direct_sensing: DirectSensingConfig,
-}
 
 /// The rig of one run.
 pub struct Model {

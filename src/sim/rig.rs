@@ -1,11 +1,8 @@
-//! The simulated rig behind the seams: its hand, and fingertips whose forces are sensed directly.
+//! The simulated rig behind the seams, and its hand.
 
-use super::random::{Generator, Purpose, generator, normal};
 use super::world::World;
 use crate::hand::hand::{Hand, HandCommand, HandError, HandState};
-use crate::sensor::reading::{SensorError, TactileFrame, TactileSensor};
 use glam::DVec3;
-use serde::{Deserialize, Serialize};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// A handle to a world that the simulated hand and sensors share.
@@ -97,65 +94,6 @@ impl Hand for SimHand {
         for _ in 0..self.steps_per_command {
             world.step();
         }
-        Ok(())
-    }
-}
-
-/// Noise of forces that are sensed without pictures.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct DirectSensingConfig {
-    /// Standard deviation of an element's normal force, N.
-    pub normal_noise: f64,
-    /// Standard deviation of either component of an element's shear force, N.
-    pub shear_noise: f64,
-}
-
-/// A fingertip whose true forces are read, with noise, and no picture is made: for speed.
-pub struct DirectSensor {
-    rig: Rig,
-    finger: usize,
-    elements: usize,
-    config: DirectSensingConfig,
-    random: Generator,
-    sequence: u64,
-}
-
-impl DirectSensor {
-    /// The fingertip of `finger`, its noise drawn from `seed`.
-    pub fn new(rig: Rig, finger: usize, config: DirectSensingConfig, seed: u64) -> Self {
-        let elements = rig.world().model().normals.len();
-        Self {
-            rig,
-            finger,
-            elements,
-            config,
-            random: generator(seed, Purpose::SensorNoise(finger)),
-            sequence: 0,
-        }
-    }
-}
-
-impl TactileSensor for DirectSensor {
-    fn element_count(&self) -> usize {
-        self.elements
-    }
-
-    fn read(&mut self, reading: &mut TactileFrame) -> Result<(), SensorError> {
-        let (expected, actual) = (self.elements, reading.forces.len());
-        if actual != expected {
-            return Err(SensorError::ElementCount { expected, actual });
-        }
-        let world = self.rig.world();
-        world.element_forces(self.finger, &mut reading.forces);
-        for force in &mut reading.forces {
-            force.x += normal(&mut self.random, self.config.shear_noise);
-            force.y += normal(&mut self.random, self.config.shear_noise);
-            force.z += normal(&mut self.random, self.config.normal_noise);
-        }
-        reading.stamp = world.state().time;
-        reading.sequence = self.sequence;
-        self.sequence += 1;
         Ok(())
     }
 }

@@ -202,13 +202,15 @@ fn every_fault_has_its_reason_and_stops_both_fingers() {
         actual: 40,
     };
     cases.push((short, at_home(), reason));
-    for stamp in [f64::NEG_INFINITY, -0.031, 0.031, f64::INFINITY] {
+    let limit = config().stale_periods * config().period;
+    let too_old = limit + 1e-3;
+    for stamp in [f64::NEG_INFINITY, -too_old, too_old, f64::INFINITY] {
         let mut late = good();
         late[0].stamp = stamp;
         let reason = StopReason::StaleForces {
             finger: 0,
             age: -stamp,
-            limit: 0.03,
+            limit,
         };
         cases.push((late, at_home(), reason));
     }
