@@ -202,7 +202,7 @@ fn every_fault_has_its_reason_and_stops_both_fingers() {
         actual: 40,
     };
     cases.push((short, at_home(), reason));
-    let limit = config().stale_periods * config().period;
+    let limit = config().control.stale_periods * config().control.period;
     let too_old = limit + 1e-3;
     for stamp in [f64::NEG_INFINITY, -too_old, too_old, f64::INFINITY] {
         let mut late = good();
