@@ -1,6 +1,6 @@
 //! The hand program's decision: from tactile frames and joint angles to joint velocities.
 
-use super::flags::{FingerFlags, FlagAnalyzer, FlagThresholds};
+use super::flags::{FlagAnalyzer, FlagThresholds};
 use super::limits::{Admitted, LimitsConfig, Request};
 use super::speed::{FingerSpeedEstimator, Reflex};
 use super::stop_reason::StopReason;
@@ -58,10 +58,6 @@ pub struct FingerControl {
     geometry: FingerGeometry,
     analyzer: FlagAnalyzer,
     estimator: FingerSpeedEstimator,
-    /// What it feels.
-    pub flags: FingerFlags,
-    /// Where its dome's centre is by the encoders, m, in W.
-    pub position: DVec3,
     /// Rotation from its fingertip frame `T` to W, by the encoders.
     pub rotation: DMat3,
     /// The velocity that the control law wants of it, m/s, in W.
@@ -90,10 +86,6 @@ impl Controller {
         layout: &ElementLayout,
     ) -> Self {
         let elements = layout.elements.len();
-        let sense = FingerSense {
-            flags: FingerFlags::default(),
-            position: DVec3::ZERO,
-        };
         Self {
             normals: layout.elements.iter().map(|e| e.normal()).collect(),
             fingers: fingers
@@ -102,14 +94,12 @@ impl Controller {
                     geometry: geometry.clone(),
                     analyzer: FlagAnalyzer::new(config.thresholds(), elements),
                     estimator: FingerSpeedEstimator::new(config.reflex()),
-                    flags: FingerFlags::default(),
-                    position: DVec3::ZERO,
                     rotation: DMat3::IDENTITY,
                     velocity: DVec3::ZERO,
                     admitted: Admitted::default(),
                 })
                 .collect(),
-            senses: vec![sense; fingers.len()],
+            senses: vec![FingerSense::default(); fingers.len()],
             task: ScrewTask::new(task),
             stop_reason: None,
             config,
@@ -119,6 +109,11 @@ impl Controller {
     /// The fingers as of the newest decision.
     pub fn fingers(&self) -> &[FingerControl] {
         &self.fingers
+    }
+
+    /// What each finger feels and where it is, as of the newest decision.
+    pub fn senses(&self) -> &[FingerSense] {
+        &self.senses
     }
 
     /// The task as of the newest decision.
@@ -176,19 +171,14 @@ impl Controller {
         let outputs = self.fingers.iter_mut().zip(&mut self.senses);
         for (finger, ((frame, joints), (control, sense))) in inputs.zip(outputs).enumerate() {
             check_input(finger, elements, frame, joints)?;
-            control.flags = control.analyzer.analyze(frame);
+            sense.flags = control.analyzer.analyze(frame);
             // Of the newest picture, not of its newest copy: a camera that is stuck goes stale.
             let age = state.stamp - control.analyzer.stamp();
             // Also refuses an age that is not a number, and forces from a time to come.
             if age.is_nan() || age.abs() > limit {
                 return Err(StopReason::StaleForces { finger, age, limit });
             }
-            (control.position, control.rotation) =
-                fingertip_pose(&control.geometry, joints.position);
-            *sense = FingerSense {
-                flags: control.flags,
-                position: control.position,
-            };
+            (sense.position, control.rotation) = fingertip_pose(&control.geometry, joints.position);
         }
         Ok(())
     }
@@ -206,7 +196,7 @@ impl Controller {
             finger.velocity = finger.estimator.estimate(&plan, &sense.flags, pressing);
             let request = Request {
                 velocity: finger.velocity,
-                position: finger.position,
+                position: sense.position,
                 theta: joints.position,
                 previous: finger.admitted.joint_velocity,
             };

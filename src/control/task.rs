@@ -44,7 +44,7 @@ pub struct FingerPathConfig {
 }
 
 /// What the task knows of one finger: flags from touch, position from its encoders.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct FingerSense {
     /// What it feels.
     pub flags: FingerFlags,

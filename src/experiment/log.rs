@@ -5,6 +5,7 @@ use crate::config::{ExperimentConfig, Sensing};
 use crate::control::control_loop::ControlLoop;
 use crate::control::controller::FingerControl;
 use crate::control::phase::Phase;
+use crate::control::task::FingerSense;
 use crate::hand::hand::{Hand, JointState};
 use crate::record::{
     Cap, Command, Fingertip, Flags, Joints, NO_ELEMENT, RecordError, Recorder, RunFacts, Tactile,
@@ -12,7 +13,7 @@ use crate::record::{
 };
 use crate::sensor::layout::ElementLayout;
 use crate::sensor::reading::{TactileFrame, TactileSensor};
-use glam::{DMat3, DQuat, DVec3};
+use glam::{DQuat, DVec3};
 
 /// Writes control steps to a recording. Messages with lists are kept and filled again.
 pub struct RunLog {
@@ -55,14 +56,13 @@ impl RunLog {
     pub fn write(&mut self, session: &Session, at: &Instruments) -> Result<(), RecordError> {
         let control_loop = session.control_loop();
         let stamp = control_loop.state().stamp;
-        let fingers = control_loop.controller().fingers().iter();
-        let inputs = control_loop
-            .tactile()
-            .iter()
-            .zip(&control_loop.state().joints);
-        for (index, (finger, (tactile, joints))) in fingers.zip(inputs).enumerate() {
-            self.write_felt(index, finger, tactile)?;
+        let controller = control_loop.controller();
+        let inputs = (control_loop.tactile().iter()).zip(&control_loop.state().joints);
+        let outputs = controller.fingers().iter().zip(controller.senses());
+        for (index, ((finger, sense), (tactile, joints))) in outputs.zip(inputs).enumerate() {
+            self.write_felt(index, finger, sense, tactile)?;
             self.write_motion(index, stamp, finger, joints)?;
+            self.write_fingertip(index, stamp, finger, sense)?;
         }
         self.recorder.torque_sensor(&TorqueSensor {
             stamp,
@@ -84,6 +84,7 @@ impl RunLog {
         &mut self,
         index: usize,
         finger: &FingerControl,
+        sense: &FingerSense,
         tactile: &TactileFrame,
     ) -> Result<(), RecordError> {
         self.tactile.sequence = tactile.sequence;
@@ -94,7 +95,7 @@ impl RunLog {
             .extend(tactile.forces.iter().map(|&f| Vector3::from(f)));
         self.recorder.tactile(index, &self.tactile)?;
 
-        let flags = finger.flags;
+        let flags = sense.flags;
         self.flags.stamp = tactile.stamp;
         self.flags.touch = flags.touch;
         self.flags.slip = flags.slip;
@@ -130,8 +131,17 @@ impl RunLog {
                 limited: finger.admitted.limited,
                 damping: finger.admitted.damping,
             },
-        )?;
-        let (position, rotation): (DVec3, DMat3) = (finger.position, finger.rotation);
+        )
+    }
+
+    fn write_fingertip(
+        &mut self,
+        index: usize,
+        stamp: f64,
+        finger: &FingerControl,
+        sense: &FingerSense,
+    ) -> Result<(), RecordError> {
+        let (position, rotation) = (sense.position, finger.rotation);
         self.fingertip.stamp = stamp;
         self.fingertip.position = position.into();
         self.fingertip.orientation = DQuat::from_mat3(&rotation).into();

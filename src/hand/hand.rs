@@ -69,6 +69,18 @@ pub enum HandError {
     },
 }
 
+/// Refuses a state or command for `actual` fingers where the hand has `expected`.
+///
+/// # Errors
+/// When they differ.
+pub fn check_finger_count(expected: usize, actual: usize) -> Result<(), HandError> {
+    if actual == expected {
+        Ok(())
+    } else {
+        Err(HandError::FingerCount { expected, actual })
+    }
+}
+
 /// A hand of velocity-controlled fingers.
 pub trait Hand {
     /// Number of fingers.

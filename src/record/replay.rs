@@ -2,7 +2,7 @@
 
 use super::channels::{Joints, Tactile};
 use super::recording::Recording;
-use crate::hand::hand::{Hand, HandCommand, HandError, HandState, JointState};
+use crate::hand::hand::{Hand, HandCommand, HandError, HandState, JointState, check_finger_count};
 use crate::sensor::reading::{SensorError, TactileFrame, TactileSensor};
 use glam::DVec3;
 
@@ -65,15 +65,6 @@ impl RecordedHand {
             count: 0,
         }
     }
-
-    fn check_fingers(&self, actual: usize) -> Result<(), HandError> {
-        let expected = self.fingers.len();
-        if actual == expected {
-            Ok(())
-        } else {
-            Err(HandError::FingerCount { expected, actual })
-        }
-    }
 }
 
 impl Hand for RecordedHand {
@@ -82,7 +73,7 @@ impl Hand for RecordedHand {
     }
 
     fn read(&mut self, state: &mut HandState) -> Result<(), HandError> {
-        self.check_fingers(state.joints.len())?;
+        check_finger_count(self.fingers.len(), state.joints.len())?;
         let count = self.count;
         for (joints, recorded) in state.joints.iter_mut().zip(&mut self.fingers) {
             let recorded = recorded.next().ok_or(HandError::Ended { count })?;
@@ -97,6 +88,6 @@ impl Hand for RecordedHand {
     }
 
     fn command(&mut self, command: &HandCommand) -> Result<(), HandError> {
-        self.check_fingers(command.joint_velocity.len())
+        check_finger_count(self.fingers.len(), command.joint_velocity.len())
     }
 }

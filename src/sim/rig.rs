@@ -1,7 +1,7 @@
 //! The simulated rig behind the seams, and its hand.
 
 use super::world::World;
-use crate::hand::hand::{Hand, HandCommand, HandError, HandState};
+use crate::hand::hand::{Hand, HandCommand, HandError, HandState, check_finger_count};
 use glam::DVec3;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -55,15 +55,6 @@ impl SimHand {
             encoded_before,
         }
     }
-
-    fn check_fingers(&self, actual: usize) -> Result<(), HandError> {
-        let expected = self.fingers;
-        if actual == expected {
-            Ok(())
-        } else {
-            Err(HandError::FingerCount { expected, actual })
-        }
-    }
 }
 
 impl Hand for SimHand {
@@ -72,7 +63,7 @@ impl Hand for SimHand {
     }
 
     fn read(&mut self, state: &mut HandState) -> Result<(), HandError> {
-        self.check_fingers(state.joints.len())?;
+        check_finger_count(self.fingers, state.joints.len())?;
         let world = self.rig.world();
         state.stamp = world.state().time;
         let fingers = world.state().fingers.iter().zip(&self.encoded_before);
@@ -84,7 +75,7 @@ impl Hand for SimHand {
     }
 
     fn command(&mut self, command: &HandCommand) -> Result<(), HandError> {
-        self.check_fingers(command.joint_velocity.len())?;
+        check_finger_count(self.fingers, command.joint_velocity.len())?;
         let mut world = self.rig.world();
         for (finger, &velocity) in command.joint_velocity.iter().enumerate() {
             let position = world.state().fingers[finger].joints.position;

@@ -68,7 +68,7 @@ fn four_strokes_go_through_the_phases_in_order_and_travel_as_configured() {
         phases.push(now);
         for (finger, start) in start.iter_mut().enumerate() {
             // Where the controller saw the finger when it decided.
-            let position = run.controller.fingers()[finger].position;
+            let position = run.controller.senses()[finger].position;
             let path = &run.config.task.finger[finger];
             match now.1 {
                 Phase::Move => *start = position,
@@ -108,7 +108,7 @@ fn four_strokes_go_through_the_phases_in_order_and_travel_as_configured() {
 #[test]
 fn each_finger_waits_at_its_own_grasp_for_the_other() {
     let mut run = Run::new(config());
-    while run.controller.fingers()[0].flags.grasp_force < run.config.task.grasp_force {
+    while run.controller.senses()[0].flags.grasp_force < run.config.task.grasp_force {
         run.step(WALL);
         assert!(run.periods < 1000);
     }
