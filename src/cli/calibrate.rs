@@ -4,6 +4,8 @@ use super::{CommandError, Outcome};
 use crate::config::Experiment;
 use crate::sensor::calibration_report::CalibrationReport;
 use crate::sim::calibration_bench::{CalibrationBenchConfig, calibrate_simulated};
+use std::fs::{self, File};
+use std::io::Write;
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
@@ -22,16 +24,33 @@ pub struct Arguments {
     seed: u64,
 }
 
-pub fn calibrate(arguments: &Arguments) -> Result<Outcome, CommandError> {
+pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     let config = Experiment::load(&arguments.experiment, &[])?.config;
     let bench = CalibrationBenchConfig {
         seed: arguments.seed,
         ..CalibrationBenchConfig::default()
     };
-    let calibration = calibrate_simulated(&config.sensor.fingertip, &config.sim.optics, &bench)?;
-    println!("{}", CalibrationReport::new(&calibration));
-    std::fs::write(&arguments.output, calibration.to_toml()?)
-        .map_err(|e| format!("{}: {e}", arguments.output.display()))?;
-    println!("{}", arguments.output.display());
+    // Written aside and moved when it is whole; opened first, for calibrating takes its time.
+    let output = &arguments.output;
+    let part = output.with_added_extension("part");
+    let failed = |e: std::io::Error| {
+        let output = output.display();
+        format!("--output {output}: {e}; expected a file in a folder that can be written to")
+    };
+    let mut file = File::create(&part).map_err(failed)?;
+    let made = calibrate_simulated(&config.sensor.fingertip, &config.sim.optics, &bench)
+        .map_err(CommandError::from)
+        .and_then(|calibration| {
+            let text = calibration.to_toml()?;
+            file.write_all(text.as_bytes()).map_err(failed)?;
+            fs::rename(&part, output).map_err(failed)?;
+            Ok(calibration)
+        });
+    let calibration = made.inspect_err(|_| {
+        // What is left of it is of no use to anyone.
+        let _ = fs::remove_file(&part);
+    })?;
+    writeln!(out, "{}", CalibrationReport::new(&calibration))?;
+    writeln!(out, "{}", output.display())?;
     Ok(Outcome::Done)
 }

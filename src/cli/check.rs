@@ -3,6 +3,7 @@
 use super::{CommandError, Outcome};
 use crate::config::Experiment;
 use crate::experiment::Session;
+use std::io::Write;
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
@@ -13,18 +14,19 @@ pub struct Arguments {
     settings: Vec<String>,
 }
 
-pub fn check(arguments: &Arguments) -> Result<Outcome, CommandError> {
+pub fn check(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     let experiment = Experiment::load(&arguments.experiment, &arguments.settings)?;
     // Building everything checks what only the whole can tell: reach, sight, calibration.
     let session = Session::new(&experiment)?;
     let config = &experiment.config;
-    println!(
+    writeln!(
+        out,
         "{}: good ({}; {} fingers of {} elements, {} strokes)",
         arguments.experiment,
         config.name,
         config.hand.finger.len(),
         session.layout().elements.len(),
         config.task.strokes,
-    );
+    )?;
     Ok(Outcome::Done)
 }

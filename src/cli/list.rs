@@ -2,11 +2,13 @@
 
 use super::{CommandError, Outcome};
 use crate::config::{BUILT_IN, Experiment};
+use std::io::Write;
 
-pub fn list() -> Result<Outcome, CommandError> {
+pub fn list(out: &mut dyn Write) -> Result<Outcome, CommandError> {
     for built_in in BUILT_IN {
         let experiment = Experiment::load(built_in.name, &[])?;
-        println!("{:16} {}", built_in.name, experiment.config.description);
+        let description = &experiment.config.description;
+        writeln!(out, "{:16} {description}", built_in.name)?;
     }
     Ok(Outcome::Done)
 }

@@ -3,17 +3,30 @@
 mod calibrate;
 mod check;
 mod list;
+mod output;
+mod progress;
 mod report;
 mod run;
 
 use clap::{Parser, Subcommand};
+use output::Output;
+use std::io::{Write, stderr, stdout};
 use std::process::ExitCode;
+
+const EXAMPLES: &str = "\
+Examples:
+  feeler run cap-closing                      simulate the reference experiment, with pictures
+  feeler run cap-closing --sensing direct --seed 7 --out runs/seven
+  feeler run my.toml --set control.slip_threshold=2.5 --set task.strokes=3
+  feeler check my.toml                        say what is wrong with an experiment file
+  feeler report runs/seven                    make a run's report again from its recording
+  feeler calibrate --simulated my.toml -o my.calibration.toml";
 
 /// Tri-axial touch to finger motion, and a simulated hand to try it on.
 ///
 /// Exit status: 0 done; 1 the task was given up or interrupted; 2 bad input.
 #[derive(Debug, Parser)]
-#[command(name = "feeler", version)]
+#[command(name = "feeler", version, after_help = EXAMPLES)]
 struct Arguments {
     #[command(subcommand)]
     command: Command,
@@ -43,19 +56,27 @@ type CommandError = Box<dyn std::error::Error>;
 
 /// Runs the program on the process's arguments.
 pub fn main() -> ExitCode {
-    let result = match Arguments::parse().command {
-        Command::Run(arguments) => run::run(&arguments),
-        Command::List => list::list(),
-        Command::Check(arguments) => check::check(&arguments),
-        Command::Report(arguments) => report::report(&arguments),
-        Command::Calibrate(arguments) => calibrate::calibrate(&arguments),
-    };
+    let arguments = Arguments::parse();
+    let mut out = Output::new(stdout().lock());
+    let result = run_command(arguments.command, &mut out)
+        .and_then(|outcome| Ok(out.flush().map(|()| outcome)?));
     match result {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::GivenUp) => ExitCode::from(1),
         Err(error) => {
-            eprintln!("feeler: {error}");
+            // Where nobody listens, the exit status says it.
+            let _ = writeln!(stderr(), "feeler: {error}");
             ExitCode::from(2)
         }
+    }
+}
+
+fn run_command(command: Command, out: &mut dyn Write) -> Result<Outcome, CommandError> {
+    match command {
+        Command::Run(arguments) => run::run(&arguments, out),
+        Command::List => list::list(out),
+        Command::Check(arguments) => check::check(&arguments, out),
+        Command::Report(arguments) => report::report(&arguments, out),
+        Command::Calibrate(arguments) => calibrate::calibrate(&arguments, out),
     }
 }

@@ -1,37 +1,58 @@
 //! `feeler report`
 
 use super::{CommandError, Outcome};
-use crate::report::make::{ReportOutcome, make};
-use std::path::PathBuf;
+use crate::report::make::{RECORDING, ReportOutcome, make};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// The run's folder.
+    /// The run's folder, or the recording in it.
     run: PathBuf,
 }
 
-pub fn report(arguments: &Arguments) -> Result<Outcome, CommandError> {
-    let made = make(&arguments.run)?;
-    print_claims(&made);
+pub fn report(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
+    let folder = folder(&arguments.run)?;
+    let made = make(folder)?;
+    print_claims(&made, out)?;
     if let Some(problem) = &made.problem {
         let readable_until = made.readable_until;
         return Err(format!(
             "{}: the recording is incomplete ({problem}); the report shows the run up to \
              {readable_until:.2} s and says so",
-            arguments.run.display()
+            folder.display()
         )
         .into());
     }
     Ok(Outcome::Done)
 }
 
+/// The folder of the run that is meant by `path`.
+fn folder(path: &Path) -> Result<&Path, CommandError> {
+    if path.join(RECORDING).exists() {
+        return Ok(path);
+    }
+    match path.parent() {
+        Some(folder) if path.is_file() && path.ends_with(RECORDING) => Ok(folder),
+        _ => Err(format!(
+            "{}: there is no recording; expected the folder of a run, with {RECORDING} in it",
+            path.display()
+        )
+        .into()),
+    }
+}
+
 /// Prints the verdict and where to read more.
-pub fn print_claims(made: &ReportOutcome) {
+pub fn print_claims(made: &ReportOutcome, out: &mut dyn Write) -> io::Result<()> {
     let claims = made.claims();
     let holding = claims.iter().filter(|claim| claim.holds).count();
-    println!("{holding} of {} of the paper's claims hold", claims.len());
+    writeln!(
+        out,
+        "{holding} of {} of the paper's claims hold",
+        claims.len()
+    )?;
     for claim in claims.iter().filter(|claim| !claim.holds) {
-        println!("  does not hold: {} ({})", claim.id, claim.bound);
+        writeln!(out, "  does not hold: {} ({})", claim.id, claim.bound)?;
     }
-    println!("{}", made.report_path.display());
+    writeln!(out, "{}", made.report_path.display())
 }

@@ -1,5 +1,6 @@
 //! `feeler run`
 
+use super::progress::Progress;
 use super::report::print_claims;
 use super::{CommandError, Outcome};
 use crate::config::Experiment;
@@ -7,19 +8,19 @@ use crate::control::phase::Phase;
 use crate::experiment::Session;
 use crate::experiment::log::{RunLog, run_facts};
 use crate::record::Recorder;
-use crate::report::make::{RECORDING, make};
-use indicatif::{ProgressBar, ProgressStyle};
+use crate::report::make::{RECORDING, REPORT, SUMMARY, make};
+use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// An experiment file, or the name of a built-in experiment (see `feeler list`).
     experiment: String,
     /// Drives every random quantity of the run.
-    #[arg(long)]
+    #[arg(long, value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     seed: Option<u64>,
     /// Where forces come from: rendered camera pictures, or the feelers themselves plus noise.
     #[arg(long, value_parser = ["image", "direct"])]
@@ -32,7 +33,7 @@ pub struct Arguments {
     out: Option<PathBuf>,
 }
 
-pub fn run(arguments: &Arguments) -> Result<Outcome, CommandError> {
+pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     let experiment = Experiment::load(&arguments.experiment, &settings(arguments))?;
     let mut session = Session::new(&experiment)?;
     let folder = make_folder(arguments, &experiment)?;
@@ -42,23 +43,47 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, CommandError> {
 
     let interrupted = watch_for_interrupt()?;
     let start = Instant::now();
-    let mut progress = Progress::new(&experiment);
-    while !session.finished() && !interrupted.load(Ordering::Relaxed) {
-        let instruments = session.step()?;
-        log.write(&session, &instruments)?;
-        progress.show(&session, start);
-    }
+    let ended = simulate(&experiment, &mut session, &mut log, &interrupted);
     let wall_time = start.elapsed().as_secs_f64();
-    progress.bar.finish_and_clear();
-    log.into_recorder().finish(Some(wall_time))?;
+    // However it ended: what was recorded is kept and reported before anything is said.
+    let made = log
+        .into_recorder()
+        .finish(Some(wall_time))
+        .map_err(CommandError::from)
+        .and_then(|_| Ok(make(&folder)?));
+    ended?;
+    let made = made?;
 
     let sim_time = session.control_loop().state().stamp;
-    println!(
-        "{sim_time:.2} s simulated in {wall_time:.2} s, {:.0} x real time",
-        sim_time / wall_time
-    );
-    print_claims(&make(&folder)?);
-    Ok(outcome(&session, interrupted.load(Ordering::Relaxed)))
+    let factor = sim_time / wall_time;
+    writeln!(
+        out,
+        "{sim_time:.2} s simulated in {wall_time:.2} s, {factor:.0} x real time"
+    )?;
+    print_claims(&made, out)?;
+    let (outcome, reason) = outcome(&session, interrupted.load(Ordering::Relaxed));
+    if let Some(reason) = reason {
+        writeln!(out, "{reason}")?;
+    }
+    Ok(outcome)
+}
+
+/// Goes round the control loop until the task or the time is over, or Ctrl-C.
+fn simulate(
+    experiment: &Experiment,
+    session: &mut Session,
+    log: &mut RunLog,
+    interrupted: &AtomicBool,
+) -> Result<(), CommandError> {
+    let start = Instant::now();
+    let mut progress = Progress::new(experiment);
+    while !session.finished() && !interrupted.load(Ordering::Relaxed) {
+        let instruments = session.step()?;
+        log.write(session, &instruments)?;
+        progress.show(session, start);
+    }
+    progress.clear();
+    Ok(())
 }
 
 /// What the command line sets, the named flags last.
@@ -70,100 +95,63 @@ fn settings(arguments: &Arguments) -> Vec<String> {
     settings
 }
 
-fn outcome(session: &Session, interrupted: bool) -> Outcome {
+/// How the run ended, and why the task is not done, if it is not.
+fn outcome(session: &Session, interrupted: bool) -> (Outcome, Option<String>) {
     let controller = session.control_loop().controller();
-    if let Some(reason) = controller.stop_reason() {
-        println!("the hand was stopped: {reason}");
+    let reason = if let Some(reason) = controller.stop_reason() {
+        format!("the hand was stopped: {reason}")
+    } else if controller.task().phase() == Phase::Done {
+        return (Outcome::Done, None);
     } else if interrupted {
-        println!("interrupted: the report shows the run so far");
-    } else if controller.task().phase() != Phase::Done {
-        println!("the task was not done when the experiment's time limit was over");
+        "interrupted: the report shows the run so far".into()
     } else {
-        return Outcome::Done;
-    }
-    Outcome::GivenUp
+        "the task was not done when the experiment's time limit was over".into()
+    };
+    (Outcome::GivenUp, Some(reason))
 }
 
 /// Makes the run's folder. Without a name given, one that does not exist yet.
 fn make_folder(arguments: &Arguments, experiment: &Experiment) -> Result<PathBuf, CommandError> {
-    let create =
-        |path: &Path| std::fs::create_dir_all(path).map_err(|e| format!("{}: {e}", path.display()));
     if let Some(out) = &arguments.out {
-        if out.join(RECORDING).exists() {
+        if let Some(old) = [RECORDING, REPORT, SUMMARY]
+            .into_iter()
+            .find(|name| out.join(name).exists())
+        {
             let out = out.display();
-            return Err(
-                format!("--out {out}: there is a run already; expected a new folder").into(),
-            );
+            return Err(format!(
+                "--out {out}: there is a run already ({old}); expected a new folder"
+            )
+            .into());
         }
-        create(out)?;
+        let failed = |e| format!("--out {}: {e}; expected a new folder", out.display());
+        std::fs::create_dir_all(out).map_err(failed)?;
         return Ok(out.clone());
     }
     let facts = run_facts(&experiment.config);
     let stem = format!("{}-{}-seed{}", facts.experiment, facts.sensing, facts.seed);
-    let numbered = (2..).map(|n| format!("{stem}-{n}"));
-    let names = std::iter::once(stem.clone()).chain(numbered);
-    for folder in names.map(|name| Path::new("runs").join(name)) {
-        if !folder.exists() {
-            create(&folder)?;
-            return Ok(folder);
+    new_folder(Path::new("runs"), &stem)
+        .map_err(|e| format!("runs/{stem}: {e}; name a folder that can be made with --out").into())
+}
+
+/// Makes a folder of its own in `parent`, called `stem` or `stem-2`, `stem-3`, …
+fn new_folder(parent: &Path, stem: &str) -> io::Result<PathBuf> {
+    std::fs::create_dir_all(parent)?;
+    let mut folder = parent.join(stem);
+    for number in 2.. {
+        match std::fs::create_dir(&folder) {
+            Err(error) if error.kind() == ErrorKind::AlreadyExists => {
+                folder = parent.join(format!("{stem}-{number}"));
+            }
+            made => return made.map(|()| folder),
         }
     }
     unreachable!("the numbers do not end")
 }
 
-/// A flag that Ctrl-C raises, so that the recording is closed and the report made.
+/// A flag that Ctrl-C raises (or the system, ending the program), so that the recording is closed and the report made.
 fn watch_for_interrupt() -> Result<Arc<AtomicBool>, ctrlc::Error> {
     let interrupted = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&interrupted);
     ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed))?;
     Ok(interrupted)
-}
-
-/// A progress bar over the run's strokes.
-struct Progress {
-    bar: ProgressBar,
-    shown: Instant,
-}
-
-impl Progress {
-    /// Redrawn this often at most.
-    const INTERVAL: Duration = Duration::from_millis(50);
-    const PHASES_PER_STROKE: u64 = 4;
-
-    fn new(experiment: &Experiment) -> Self {
-        let strokes = u64::from(experiment.config.task.strokes);
-        let bar = ProgressBar::new(strokes * Self::PHASES_PER_STROKE);
-        let style = ProgressStyle::with_template("{bar:32} {msg}");
-        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-        Self {
-            bar,
-            shown: Instant::now(),
-        }
-    }
-
-    fn show(&mut self, session: &Session, start: Instant) {
-        let now = Instant::now();
-        if now - self.shown < Self::INTERVAL {
-            return;
-        }
-        self.shown = now;
-        let task = session.control_loop().controller().task();
-        let sim_time = session.control_loop().state().stamp;
-        let strokes_done = u64::from(task.stroke().saturating_sub(1));
-        let phases_done = match task.phase() {
-            Phase::Search => 0,
-            Phase::Move => 1,
-            Phase::Release => 2,
-            Phase::Return => 3,
-            Phase::Done | Phase::Stopped => 4,
-        };
-        self.bar
-            .set_position(strokes_done * Self::PHASES_PER_STROKE + phases_done);
-        self.bar.set_message(format!(
-            "{sim_time:5.1} s simulated, stroke {} {}, {:.0} x real time",
-            task.stroke(),
-            task.phase(),
-            sim_time / (now - start).as_secs_f64()
-        ));
-    }
 }

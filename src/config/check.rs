@@ -1,36 +1,22 @@
 //! What every value of an experiment must be. Numbers that are not finite are never in range.
 
 use super::ExperimentConfig;
+use super::checker::{Checker, MAX, Problem};
 use crate::control::controller::ControlConfig;
 use crate::control::task::TaskConfig;
+use crate::sensor::fingertip::{FingertipConfig, MAX_ELEMENTS};
 use crate::sim::config::SimConfig;
-use std::fmt;
+use crate::sim::optics_config::OpticsError;
 
-/// A value that is out of its range.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Problem {
-    /// The value's key in the experiment file.
-    pub field: String,
-    /// The value.
-    pub value: String,
-    /// What it must be.
-    pub expected: String,
-}
+/// Physics steps in one control period at most: beyond, a run would seem to hang.
+const MAX_STEPS_PER_PERIOD: f64 = 1000.0;
 
-impl fmt::Display for Problem {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self {
-            field,
-            value,
-            expected,
-        } = self;
-        write!(f, "{field} = {value}: expected {expected}")
-    }
-}
+/// Longest name, bytes: it becomes part of a folder's name.
+const MAX_NAME: usize = 64;
 
 /// Every value of `config` that is out of its range.
 ///
-/// What the sensor, the fingers and the optics are made of is checked where they are built.
+/// What the camera, the fingers and the optics are made of is checked where they are built.
 pub fn check(config: &ExperimentConfig) -> Vec<Problem> {
     let mut checker = Checker::default();
     let name = &config.name;
@@ -38,10 +24,11 @@ pub fn check(config: &ExperimentConfig) -> Vec<Problem> {
     checker.require(
         "name",
         format!("{name:?}"),
-        !name.is_empty() && name.chars().all(plain),
-        "letters, digits, hyphens and underscores",
+        (1..=MAX_NAME).contains(&name.len()) && name.chars().all(plain),
+        &format!("1 to {MAX_NAME} letters, digits, hyphens and underscores"),
     );
     checker.between("time_limit", config.time_limit, 1e-3, 1e5);
+    check_fingertip(&config.sensor.fingertip, &mut checker);
     check_fingers(config, &mut checker);
     check_control(&config.control, &mut checker);
     check_task(&config.task, &mut checker);
@@ -50,10 +37,50 @@ pub fn check(config: &ExperimentConfig) -> Vec<Problem> {
     checker.require(
         "control.period",
         config.control.period.to_string(),
-        (steps - steps.round()).abs() < 1e-6 && steps >= 0.5,
-        &format!("a whole multiple of sim.step = {}", config.sim.step),
+        (steps - steps.round()).abs() < 1e-6 && (0.5..=MAX_STEPS_PER_PERIOD).contains(&steps),
+        &format!(
+            "1 to {MAX_STEPS_PER_PERIOD} times sim.step = {}, a whole number",
+            config.sim.step
+        ),
     );
     checker.problems
+}
+
+fn check_fingertip(fingertip: &FingertipConfig, checker: &mut Checker) {
+    let layout = &fingertip.layout;
+    checker.between(
+        "sensor.fingertip.layout.dome_radius",
+        layout.dome_radius,
+        1e-3,
+        1.0,
+    );
+    checker.between(
+        "sensor.fingertip.moments.subregion_radius",
+        fingertip.moments.subregion_radius,
+        1e-6,
+        layout.dome_radius,
+    );
+    checker.require(
+        "sensor.fingertip.layout.rings",
+        format!("{} rings", layout.rings.len()),
+        !layout.rings.is_empty(),
+        "at least one ring, as in [{ elements = 8, polar_angle_deg = 22.5 }]",
+    );
+    for (index, ring) in layout.rings.iter().enumerate() {
+        let ring_key = format!("sensor.fingertip.layout.rings[{index}]");
+        checker.require(
+            &format!("{ring_key}.elements"),
+            ring.elements.to_string(),
+            (1..=MAX_ELEMENTS).contains(&ring.elements),
+            &format!("1 to {MAX_ELEMENTS}"),
+        );
+        checker.between(
+            &format!("{ring_key}.polar_angle_deg"),
+            ring.polar_angle_deg,
+            0.0,
+            180.0,
+        );
+    }
 }
 
 fn check_fingers(config: &ExperimentConfig, checker: &mut Checker) {
@@ -80,9 +107,9 @@ fn check_control(control: &ControlConfig, checker: &mut Checker) {
     checker.require(
         "control.over_force",
         control.over_force.to_string(),
-        control.over_force.is_finite() && control.over_force > control.touch_force,
+        control.over_force <= MAX && control.over_force > control.touch_force,
         &format!(
-            "more than control.touch_force (F1) = {}",
+            "more than control.touch_force (F1) = {}, at most {MAX:e}",
             control.touch_force
         ),
     );
@@ -99,11 +126,8 @@ fn check_control(control: &ControlConfig, checker: &mut Checker) {
     checker.require(
         "control.limits.workspace_upper",
         format!("{upper:?}"),
-        upper
-            .iter()
-            .zip(lower)
-            .all(|(&u, l)| u.is_finite() && u > l),
-        &format!("more than control.limits.workspace_lower = {lower:?}"),
+        upper.iter().zip(lower).all(|(&u, l)| u <= 10.0 && u > l),
+        &format!("more than control.limits.workspace_lower = {lower:?}, at most 10"),
     );
 }
 
@@ -185,6 +209,15 @@ fn check_sim(sim: &SimConfig, checker: &mut Checker) {
     for (field, value) in not_negative {
         checker.not_negative(&format!("sim.{field}"), value);
     }
+    if let Err(OpticsError::OutOfRange {
+        name,
+        low,
+        high,
+        value,
+    }) = sim.optics.check()
+    {
+        checker.between(&format!("sim.optics.{name}"), value, low, high);
+    }
     checker.vector("sim.cap.position", sim.cap.position);
     checker.between("sim.cap.static_factor", sim.cap.static_factor, 1.0, 10.0);
     checker.between("sim.variation.friction", sim.variation.friction, 0.0, 0.99);
@@ -210,56 +243,7 @@ fn check_sim(sim: &SimConfig, checker: &mut Checker) {
     checker.require(
         "sim.feeler.static_friction",
         fixed.to_string(),
-        fixed.is_finite() && fixed >= kinetic,
-        &format!("at least sim.feeler.kinetic_friction = {kinetic}"),
+        fixed <= MAX && fixed >= kinetic,
+        &format!("at least sim.feeler.kinetic_friction = {kinetic}, at most {MAX:e}"),
     );
-}
-
-/// Collects problems.
-#[derive(Default)]
-struct Checker {
-    problems: Vec<Problem>,
-}
-
-impl Checker {
-    fn require(&mut self, field: &str, value: String, good: bool, expected: &str) {
-        if !good {
-            self.problems.push(Problem {
-                field: field.to_string(),
-                value,
-                expected: expected.to_string(),
-            });
-        }
-    }
-
-    fn positive(&mut self, field: &str, value: f64) {
-        let good = value.is_finite() && value > 0.0;
-        self.require(field, value.to_string(), good, "more than 0");
-    }
-
-    fn not_negative(&mut self, field: &str, value: f64) {
-        let good = value.is_finite() && value >= 0.0;
-        self.require(field, value.to_string(), good, "0 or more");
-    }
-
-    fn between(&mut self, field: &str, value: f64, low: f64, high: f64) {
-        let good = (low..=high).contains(&value);
-        self.require(field, value.to_string(), good, &format!("{low} to {high}"));
-    }
-
-    fn vector(&mut self, field: &str, value: [f64; 3]) {
-        let good = value.iter().all(|c| c.is_finite() && c.abs() <= 10.0);
-        self.require(
-            field,
-            format!("{value:?}"),
-            good,
-            "three numbers from -10 to 10",
-        );
-    }
-
-    fn direction(&mut self, field: &str, value: [f64; 3]) {
-        let length = value.iter().map(|c| c * c).sum::<f64>().sqrt();
-        let good = length.is_finite() && length > 1e-6;
-        self.require(field, format!("{value:?}"), good, "a vector of some length");
-    }
 }

@@ -1,10 +1,14 @@
 //! From a name or a file, and what the command line sets, to an experiment.
 
-use super::check::{Problem, check};
+use super::check::check;
+use super::checker::Problem;
+use super::settings::put;
 use super::{ExperimentConfig, Sensing};
 use crate::sensor::calibration::{Calibration, CalibrationError};
+use std::fs::File;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
-use toml_edit::{DocumentMut, Item, TableLike, Value};
+use toml_edit::DocumentMut;
 
 /// An experiment that comes with the program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -27,6 +31,9 @@ const BUILT_IN_CALIBRATIONS: [(&str, &str); 1] = [(
     include_str!("../../experiments/reference-fingertip.calibration.toml"),
 )];
 
+/// Longest experiment or calibration file, bytes.
+const MAX_TEXT: u64 = 16 << 20;
+
 /// Why an experiment cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum ConfigError {
@@ -40,12 +47,25 @@ pub enum ConfigError {
         name: String,
     },
     /// A file could not be read.
-    #[error("{}: {source}", path.display())]
+    #[error("{}: {source}; expected {expected}", path.display())]
     Read {
         /// The file.
         path: PathBuf,
+        /// What it should be.
+        expected: &'static str,
         /// What the system said.
         source: std::io::Error,
+    },
+    /// The calibration file could not be read.
+    #[error(
+        "sensor.calibration = {file:?}: {source}; expected a calibration file, as \
+         `feeler calibrate` makes it"
+    )]
+    CalibrationFile {
+        /// The file, as the experiment names it.
+        file: String,
+        /// Where it was looked for, and what the system said.
+        source: Box<ConfigError>,
     },
     /// The text is not TOML, or a key is unknown, missing or of the wrong type.
     #[error("{origin}: {message}")]
@@ -112,7 +132,7 @@ impl Experiment {
             let name = name.to_string();
             return Err(ConfigError::Unknown { name });
         }
-        let text = read(path)?;
+        let text = read(path, "the text of an experiment (TOML)")?;
         let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
         Self::parse(&text, name, settings, Some(folder))
     }
@@ -130,7 +150,7 @@ impl Experiment {
     ) -> Result<Self, ConfigError> {
         let syntax = |message: String| ConfigError::Syntax {
             origin: origin.to_string(),
-            message,
+            message: message.trim_end().to_string(),
         };
         let mut document: DocumentMut = text
             .parse()
@@ -139,7 +159,8 @@ impl Experiment {
             put(&mut document, setting)?;
         }
         let toml = document.to_string();
-        let config: ExperimentConfig = toml::from_str(&toml).map_err(|e| syntax(e.to_string()))?;
+        let config: ExperimentConfig = toml::from_str(&toml)
+            .map_err(|e| to_blame(text, settings).unwrap_or_else(|| syntax(e.to_string())))?;
         let problems = check(&config);
         if !problems.is_empty() {
             let origin = origin.to_string();
@@ -166,7 +187,10 @@ impl Experiment {
             (None, Some((_, text))) => (*text).to_string(),
             (folder, _) => {
                 let folder = folder.as_deref().unwrap_or(Path::new(""));
-                read(&folder.join(file))?
+                read(&folder.join(file), "text").map_err(|source| ConfigError::CalibrationFile {
+                    file: file.clone(),
+                    source: Box::new(source),
+                })?
             }
         };
         let calibration = Calibration::from_toml(&text);
@@ -179,53 +203,37 @@ impl Experiment {
     }
 }
 
-fn read(path: &Path) -> Result<String, ConfigError> {
-    std::fs::read_to_string(path).map_err(|source| ConfigError::Read {
-        path: path.to_path_buf(),
-        source,
+/// The first of `settings` with which a good `text` is good no more.
+fn to_blame(text: &str, settings: &[String]) -> Option<ConfigError> {
+    toml::from_str::<ExperimentConfig>(text).ok()?;
+    let mut document: DocumentMut = text.parse().ok()?;
+    settings.iter().find_map(|setting| {
+        if let Err(error) = put(&mut document, setting) {
+            return Some(error);
+        }
+        let read = toml::from_str::<ExperimentConfig>(&document.to_string());
+        read.err().map(|e| ConfigError::Setting {
+            setting: setting.clone(),
+            message: e.message().to_string(),
+        })
     })
 }
 
-/// Puts `key.path=value` into a document; numbers in the path index arrays. The key must be there.
-fn put(document: &mut DocumentMut, setting: &str) -> Result<(), ConfigError> {
-    let error = |message: String| ConfigError::Setting {
-        setting: setting.to_string(),
-        message,
+/// The text of a file, unless it is far longer than any that makes sense (a device, a recording).
+fn read(path: &Path, expected: &'static str) -> Result<String, ConfigError> {
+    let whole = || {
+        let mut text = String::new();
+        let mut file = File::open(path)?.take(MAX_TEXT + 1);
+        file.read_to_string(&mut text)?;
+        if text.len() as u64 > MAX_TEXT {
+            let reason = format!("longer than {} MiB", MAX_TEXT >> 20);
+            return Err(io::Error::new(io::ErrorKind::FileTooLarge, reason));
+        }
+        Ok(text)
     };
-    let (key, value) = setting
-        .split_once('=')
-        .ok_or_else(|| error("expected key=value, as in control.slip_threshold=2.5".into()))?;
-    let mut item = document.as_item_mut();
-    for part in key.trim().split('.') {
-        item = step_into(item, part)
-            .map_err(|known| error(format!("there is no {part:?}; expected one of {known}")))?;
-    }
-    let value = value.trim();
-    // A word that is no TOML value is a string: --set sensing=direct needs no quotes.
-    let parsed = value.parse().unwrap_or_else(|_| Value::from(value));
-    let comment = item.as_value().map(|old| old.decor().clone());
-    *item = Item::Value(parsed);
-    if let (Some(value), Some(decor)) = (item.as_value_mut(), comment) {
-        *value.decor_mut() = decor;
-    }
-    Ok(())
-}
-
-/// The item called `part` in a table, or at index `part` in an array of tables; otherwise what
-/// there is.
-fn step_into<'a>(item: &'a mut Item, part: &str) -> Result<&'a mut Item, String> {
-    let known = match &*item {
-        Item::ArrayOfTables(tables) => format!("0 to {}", tables.len().saturating_sub(1)),
-        other => other.as_table_like().map_or("no keys".into(), keys),
-    };
-    let found = match part.parse::<usize>() {
-        Ok(index) => item.get_mut(index),
-        Err(_) => item.get_mut(part),
-    };
-    found.ok_or(known)
-}
-
-fn keys(table: &dyn TableLike) -> String {
-    let keys: Vec<_> = table.iter().map(|(key, _)| key).collect();
-    keys.join(", ")
+    whole().map_err(|source| ConfigError::Read {
+        path: path.to_path_buf(),
+        expected,
+        source,
+    })
 }

@@ -2,9 +2,11 @@
 //! runtime objects.
 
 mod check;
+mod checker;
 mod load;
+mod settings;
 
-pub use check::Problem;
+pub use checker::Problem;
 pub use load::{BUILT_IN, BuiltIn, ConfigError, Experiment};
 
 use crate::control::controller::ControlConfig;

@@ -18,6 +18,8 @@ pub const REPORT: &str = "report.html";
 pub const FIGURES: &str = "figures";
 /// Name of the summary in a run's directory.
 pub const SUMMARY: &str = "summary.json";
+/// What is added to the names of an earlier report's files when their recording is of no use.
+const STALE: &str = ".stale";
 
 /// Why a report could not be made.
 #[derive(Debug, thiserror::Error)]
@@ -25,6 +27,16 @@ pub enum ReportError {
     /// There is no recording of which anything is readable.
     #[error(transparent)]
     Recording(#[from] RecordError),
+    /// Nothing of the recording is readable, and there was an earlier report.
+    #[error(
+        "{error}; the earlier report cannot be held against it any more and is now called {files}"
+    )]
+    SetAside {
+        /// What is wrong with the recording.
+        error: RecordError,
+        /// What the earlier report's files are called now.
+        files: String,
+    },
     /// A file of the report could not be written.
     #[error("report {path}: {source}")]
     Write {
@@ -61,16 +73,21 @@ impl ReportOutcome {
 
 /// Reads `recording.mcap` in `run_dir` and writes `report.html`, `summary.json` and the figures,
 /// one file each, beside it. A damaged recording
-/// gives a report of what is readable, marked as incomplete.
+/// gives a report of what is readable, marked as incomplete. Of one of which nothing is readable, an
+/// earlier report is set aside, so that it does not look as if it were the recording's.
 ///
 /// # Errors
 /// When nothing of the recording is readable or a file cannot be written.
 pub fn make(run_dir: impl AsRef<Path>) -> Result<ReportOutcome, ReportError> {
     let run_dir = run_dir.as_ref();
-    let recording = Recording::read(run_dir.join(RECORDING))?;
+    let recording = read(run_dir)?;
     let data = RunData::new(&recording);
     let summary = Summary::new(&recording, &data);
     let figures = figures(&data);
+    let html = page(&recording, &summary, &figures);
+    // Should anything go wrong from here on, no earlier report is left beside half of a new one.
+    remove(&run_dir.join(REPORT))?;
+    remove(&run_dir.join(SUMMARY))?;
     let directory = run_dir.join(FIGURES);
     fs::create_dir_all(&directory).map_err(|source| ReportError::Write {
         path: directory.clone(),
@@ -90,7 +107,6 @@ pub fn make(run_dir: impl AsRef<Path>) -> Result<ReportOutcome, ReportError> {
     })?;
     write_whole(&summary_path, json.as_bytes())?;
     let report_path = run_dir.join(REPORT);
-    let html = page(&recording, &summary, &figures);
     write_whole(&report_path, html.as_bytes())?;
     Ok(ReportOutcome {
         report_path,
@@ -102,7 +118,33 @@ pub fn make(run_dir: impl AsRef<Path>) -> Result<ReportOutcome, ReportError> {
     })
 }
 
-/// Removes a figure of an earlier report that this recording does not hold.
+/// Reads the recording, or sets aside the report that it cannot back any more.
+fn read(run_dir: &Path) -> Result<Recording, ReportError> {
+    let error = match Recording::read(run_dir.join(RECORDING)) {
+        Ok(recording) => return Ok(recording),
+        Err(error) => error,
+    };
+    // Without a recording this may be no run's folder at all, and its files are not ours.
+    if !matches!(error, RecordError::NothingReadable { .. }) {
+        return Err(error.into());
+    }
+    let mut set_aside = Vec::new();
+    for name in [REPORT, SUMMARY] {
+        let (path, stale) = (run_dir.join(name), format!("{name}{STALE}"));
+        if path.exists() {
+            fs::rename(&path, run_dir.join(&stale))
+                .map_err(|source| ReportError::Write { path, source })?;
+            set_aside.push(stale);
+        }
+    }
+    if set_aside.is_empty() {
+        return Err(error.into());
+    }
+    let files = set_aside.join(", ");
+    Err(ReportError::SetAside { error, files })
+}
+
+/// Removes a file of an earlier report, if there is one.
 fn remove(path: &Path) -> Result<(), ReportError> {
     match fs::remove_file(path) {
         Err(source) if source.kind() != std::io::ErrorKind::NotFound => Err(ReportError::Write {

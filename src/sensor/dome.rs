@@ -52,15 +52,18 @@ impl Default for CameraConfig {
     }
 }
 
+/// Most pixels of a picture: what is computed once for each takes some twenty bytes.
+pub const MAX_PICTURE_PIXELS: usize = 1 << 22;
+
 /// Most pixels to a side of a picture.
-pub const MAX_PICTURE_SIDE: usize = 16_384;
+pub const MAX_PICTURE_SIDE: usize = 4096;
 
 /// Why a camera cannot look at a dome.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum DomeError {
     /// The picture has no pixels, or more than any camera.
     #[error(
-        "the picture must have 1 to {MAX_PICTURE_SIDE} px to each side, got {width}x{height} px"
+        "camera: width x height must be 1 to {MAX_PICTURE_SIDE} px each and {MAX_PICTURE_PIXELS} px in all, got {width}x{height} px"
     )]
     PictureSize {
         /// Columns, px.
@@ -126,7 +129,8 @@ impl DomeProjection {
     pub fn new(camera: &CameraConfig, dome_radius: f64) -> Result<Self, DomeError> {
         let CameraConfig { width, height, .. } = *camera;
         let sides = 1..=MAX_PICTURE_SIDE;
-        if !(sides.contains(&width) && sides.contains(&height)) {
+        let fits = sides.contains(&width) && sides.contains(&height);
+        if !(fits && width * height <= MAX_PICTURE_PIXELS) {
             return Err(DomeError::PictureSize { width, height });
         }
         let centre = camera

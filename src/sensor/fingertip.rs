@@ -20,7 +20,7 @@ pub struct FingertipConfig {
 }
 
 /// Most elements on a fingertip.
-pub const MAX_ELEMENTS: usize = 4096;
+pub const MAX_ELEMENTS: usize = 512;
 
 /// Why a fingertip cannot be built.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

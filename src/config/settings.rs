@@ -1,0 +1,53 @@
+//! What the command line sets: `control.slip_threshold=2.5` put into an experiment's text.
+
+use super::load::ConfigError;
+use toml_edit::{DocumentMut, Item, Value};
+
+/// Puts `key.path=value` into a document; numbers in the path index arrays.
+/// That an experiment knows the key shows when the text is read.
+pub(super) fn put(document: &mut DocumentMut, setting: &str) -> Result<(), ConfigError> {
+    let error = |message: String| ConfigError::Setting {
+        setting: setting.to_string(),
+        message,
+    };
+    let (key, value) = setting
+        .split_once('=')
+        .ok_or_else(|| error("expected key=value, as in control.slip_threshold=2.5".into()))?;
+    let mut item = document.as_item_mut();
+    let mut path = String::new();
+    for part in key.trim().split('.').map(str::trim) {
+        item = step_into(item, part).map_err(|problem| error(format!("{path}{problem}")))?;
+        path = format!("{path}{part}.");
+    }
+    let value = value.trim();
+    // A word that is no TOML value is a string: --set sensing=direct needs no quotes.
+    let parsed = value.parse().unwrap_or_else(|_| Value::from(value));
+    let comment = item.as_value().map(|old| old.decor().clone());
+    *item = Item::Value(parsed);
+    if let (Some(value), Some(decor)) = (item.as_value_mut(), comment) {
+        *value.decor_mut() = decor;
+    }
+    Ok(())
+}
+
+/// The item called `part` in a table, or at index `part` in an array; otherwise what there is.
+fn step_into<'a>(item: &'a mut Item, part: &str) -> Result<&'a mut Item, String> {
+    let count = match &*item {
+        Item::ArrayOfTables(tables) => Some(tables.len()),
+        other => other.as_array().map(toml_edit::Array::len),
+    };
+    if let Some(count) = count {
+        let found = part.parse::<usize>().ok().and_then(|i| item.get_mut(i));
+        let last = count.saturating_sub(1);
+        return found
+            .ok_or_else(|| format!("{part}: there is no such entry; expected 0 to {last}"));
+    }
+    // A key that is not there may be one that has a default.
+    if item.is_none() {
+        *item = Item::Table(toml_edit::Table::new());
+    }
+    let table = item.as_table_like_mut();
+    let entry = table.map(|table| table.entry(part).or_insert(Item::None));
+    entry
+        .ok_or_else(|| format!("{part}: there is no such key; it would stand under a single value"))
+}
