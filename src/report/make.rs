@@ -28,7 +28,9 @@ pub enum ReportError {
     #[error(transparent)]
     Recording(#[from] RecordError),
     /// Nothing of the recording is readable, and there was an earlier report.
-    #[error("{error}; the earlier report cannot be held against it any more and is now called {files}")]
+    #[error(
+        "{error}; the earlier report cannot be held against it any more and is now called {files}"
+    )]
     SetAside {
         /// What is wrong with the recording.
         error: RecordError,
