@@ -32,7 +32,9 @@ pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, 
     };
     // Written aside and moved when it is whole; opened first, for calibrating takes its time.
     let output = &arguments.output;
-    let part = output.with_added_extension("part");
+    let mut part = output.clone().into_os_string();
+    part.push(".part");
+    let part = PathBuf::from(part);
     let failed = |e: std::io::Error| {
         let output = output.display();
         format!("--output {output}: {e}; expected a file in a folder that can be written to")

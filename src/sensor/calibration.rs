@@ -5,7 +5,11 @@
 //! its unloaded place. It knows nothing of how a normal force changes the displacement that a shear
 //! force causes; the error that this leaves is on record in [`ElementCalibration::held_out`].
 
-use super::{fingertip::FingertipConfig, moments::ElementMoments};
+use super::{
+    difference::{Difference, first_difference},
+    fingertip::FingertipConfig,
+    moments::ElementMoments,
+};
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
@@ -32,11 +36,14 @@ pub enum CalibrationError {
     },
     /// The calibration was made for another fingertip.
     #[error(
-        "the calibration is for another fingertip: {part} is {expected} here, {actual} in the calibration"
+        "the calibration is for another fingertip: {part} has {key} = {expected} here, \
+         {actual} in the calibration; `feeler calibrate` makes one for the fingertip here"
     )]
     OtherFingertip {
         /// What differs: the layout, the camera or the moments.
         part: &'static str,
+        /// The first value of it that differs.
+        key: String,
         /// As configured.
         expected: String,
         /// As calibrated.
@@ -258,14 +265,11 @@ fn same<T: PartialEq + Serialize>(
     if expected == actual {
         return Ok(());
     }
-    // Both as one line of TOML-like text, which names the fields.
-    let text = |value: &T| match toml::Value::try_from(value) {
-        Ok(value) => value.to_string(),
-        Err(error) => error.to_string(),
-    };
+    let Difference { key, left, right } = first_difference(expected, actual);
     Err(CalibrationError::OtherFingertip {
         part,
-        expected: text(expected),
-        actual: text(actual),
+        key,
+        expected: left,
+        actual: right,
     })
 }

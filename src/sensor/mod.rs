@@ -8,6 +8,7 @@ pub mod calibration;
 pub mod calibration_fit;
 pub mod calibration_report;
 pub mod camera;
+mod difference;
 pub mod dome;
 pub mod fingertip;
 pub mod frame;

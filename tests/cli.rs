@@ -1,0 +1,161 @@
+//! What the program does for a user, through the program itself.
+
+#[path = "support/program.rs"]
+mod program;
+
+use program::{Ended, experiment, feeler, folder, run, whole_run};
+use std::fs;
+use std::process::Stdio;
+
+#[test]
+fn without_arguments_it_says_how_to_go_on() {
+    let folder = folder("help");
+    run(&folder, &[]).refused(&["Usage: feeler", "Examples:", "feeler run cap-closing"]);
+    let help = run(&folder, &["--help"]).done();
+    for word in ["Examples:", "Exit status", "calibrate", "report"] {
+        assert!(help.contains(word), "{help}");
+    }
+    for command in ["run", "list", "check", "report", "calibrate"] {
+        let help = run(&folder, &[command, "--help"]).done();
+        assert!(help.contains("Usage: feeler"), "{help}");
+    }
+}
+
+#[test]
+fn it_lists_and_checks_experiments() {
+    let folder = folder("check");
+    let list = run(&folder, &["list"]).done();
+    assert!(
+        list.starts_with("cap-closing ") && list.contains("bottle cap"),
+        "{list}"
+    );
+    let good = run(&folder, &["check", "cap-closing"]).done();
+    assert!(
+        good.contains("good") && good.contains("41 elements"),
+        "{good}"
+    );
+    experiment(&folder, "strokes = 4", "strokes = 3");
+    let good = run(&folder, &["check", "my.toml"]).done();
+    assert!(good.contains("3 strokes"), "{good}");
+    let set = ["check", "my.toml", "--set", "task.strokes=2"];
+    assert!(run(&folder, &set).done().contains("2 strokes"));
+}
+
+#[test]
+fn a_run_leaves_recording_report_and_summary() {
+    let folder = folder("run");
+    let run_folder = whole_run(&folder);
+    let page = fs::read_to_string(run_folder.join("report.html")).unwrap();
+    assert!(page.ends_with("</html>\n") || page.ends_with("</html>"));
+    assert!(!page.contains("INCOMPLETE"));
+    let summary = || -> serde_json::Value {
+        let text = fs::read_to_string(run_folder.join("summary.json")).unwrap();
+        serde_json::from_str(&text).unwrap()
+    };
+    let first = summary();
+    assert_eq!(first["seed"], 0);
+    assert_eq!(first["strokes"].as_array().unwrap().len(), 4);
+
+    // The report again, from the recording alone.
+    for file in ["report.html", "summary.json"] {
+        fs::remove_file(run_folder.join(file)).unwrap();
+    }
+    let said = run(&folder, &["report", "run"]).done();
+    assert!(said.contains("run/report.html"), "{said}");
+    assert_eq!(summary(), first);
+    assert_eq!(
+        fs::read_to_string(run_folder.join("report.html")).unwrap(),
+        page
+    );
+    let by_file = run(&folder, &["report", "run/recording.mcap"]).done();
+    assert_eq!(by_file, said);
+}
+
+#[test]
+fn a_run_is_varied_from_the_command_line() {
+    let folder = folder("varied");
+    let arguments = [
+        "run",
+        "cap-closing",
+        "--sensing=direct",
+        "--seed=7",
+        "--set=task.strokes=1",
+        "--set=sensor.fingertip.camera.centre_px=[319.0, 240.0]",
+        "--set=hand.finger.1.joint_speed_limit.0=1.5",
+    ];
+    // Without --out, every run gets a folder of its own.
+    for name in ["", "-2", "-3"] {
+        let said = run(&folder, &arguments).done();
+        let path = format!("runs/cap-closing-direct-seed7{name}");
+        assert!(said.contains(&format!("{path}/report.html")), "{said}");
+        let summary = fs::read_to_string(folder.join(path).join("summary.json")).unwrap();
+        let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+        assert_eq!(summary["seed"], 7);
+        assert_eq!(summary["strokes"].as_array().unwrap().len(), 1);
+    }
+}
+
+#[test]
+fn a_task_that_is_not_done_ends_with_status_1_and_says_why() {
+    let folder = folder("not-done");
+    let start = ["run", "cap-closing", "--sensing=direct", "--out"];
+    let ended = run(
+        &folder,
+        &[&start[..], &["a", "--set=time_limit=1"]].concat(),
+    );
+    assert_eq!(ended.status, Some(1), "{ended:?}");
+    assert!(ended.stdout.contains("time limit"), "{ended:?}");
+    let limit = "--set=task.search_limit=0.001";
+    let ended = run(&folder, &[&start[..], &["b", limit]].concat());
+    assert_eq!(ended.status, Some(1), "{ended:?}");
+    assert!(ended.stdout.contains("stopped"), "{ended:?}");
+    assert!(folder.join("b/report.html").exists());
+}
+
+#[test]
+fn a_calibration_can_be_made_and_used() {
+    let folder = folder("calibrate");
+    experiment(&folder, "elements = 12", "elements = 11");
+    let calibration = ["-o", "reference-fingertip.calibration.toml"];
+    run(&folder, &["check", "my.toml"]).refused(&["elements", "11 here, 12"]);
+    let arguments = [&["calibrate", "--simulated", "my.toml"][..], &calibration].concat();
+    let said = run(&folder, &arguments).done();
+    assert!(said.contains("reference-fingertip"), "{said}");
+    assert!(
+        run(&folder, &["check", "my.toml"])
+            .done()
+            .contains("40 elements")
+    );
+}
+
+/// The reader of a pipe leaves before anything is written.
+#[test]
+fn a_closed_pipe_loses_nothing() {
+    let folder = folder("pipe");
+    let run = ["run", "cap-closing", "--sensing=direct", "--out=run"];
+    let commands: [&[&str]; 5] = [
+        &run,
+        &["report", "run"],
+        &["list"],
+        &["check", "cap-closing"],
+        &["--help"],
+    ];
+    for arguments in commands {
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        let mut command = feeler(&folder, arguments);
+        let output = command.stdout(writer).stderr(Stdio::piped()).output();
+        Ended::of(output.unwrap()).done();
+    }
+    assert!(folder.join("run/report.html").exists());
+    assert!(folder.join("run/summary.json").exists());
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn output_that_cannot_be_written_is_an_error() {
+    let folder = folder("full");
+    let full = fs::File::options().write(true).open("/dev/full").unwrap();
+    let output = feeler(&folder, &["list"]).stdout(full).output().unwrap();
+    Ended::of(output).refused(&["No space left"]);
+}

@@ -1,0 +1,72 @@
+//! A run that is interrupted or killed leaves what it recorded.
+
+#![cfg(unix)]
+
+#[path = "support/program.rs"]
+mod program;
+
+use program::{Ended, experiment, feeler, folder, run};
+use std::fs;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::thread::yield_now;
+
+/// Starts a run that goes on for hours and waits until so much of it is on the disk.
+fn start_long_run(folder: &Path, bytes: u64) -> Child {
+    // Strokes go on for ever: the cap never meets its seat.
+    experiment(folder, "seat_angle = 0.46", "seat_angle = 1e6");
+    let arguments = [
+        "run",
+        "my.toml",
+        "--sensing=direct",
+        "--set=task.strokes=1000",
+        "--set=time_limit=90000",
+        "--out=run",
+    ];
+    let mut command = feeler(folder, &arguments);
+    let command = command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn().expect("the program");
+    let recording = folder.join("run/recording.mcap");
+    let written = || fs::metadata(&recording).map_or(0, |m| m.len());
+    while written() < bytes {
+        let ended = child.try_wait().expect("its state");
+        assert!(ended.is_none(), "it ended by itself: {ended:?}");
+        yield_now();
+    }
+    child
+}
+
+fn send(signal: &str, child: &Child) {
+    let id = child.id().to_string();
+    let sent = Command::new("kill").args([signal, &id]).status();
+    assert!(sent.expect("the kill command").success());
+}
+
+#[test]
+fn an_interrupted_run_is_closed_and_reported() {
+    for signal in ["-INT", "-TERM"] {
+        let folder = folder(&format!("interrupted{signal}"));
+        let child = start_long_run(&folder, 300_000);
+        send(signal, &child);
+        let ended = Ended::of(child.wait_with_output().unwrap());
+        assert_eq!(ended.status, Some(1), "{ended:?}");
+        assert!(ended.stdout.contains("interrupted"), "{ended:?}");
+        assert!(folder.join("run/report.html").exists());
+        assert!(folder.join("run/summary.json").exists());
+        // The recording is whole: the same report can be made of it again.
+        run(&folder, &["report", "run"]).done();
+    }
+}
+
+#[test]
+fn a_killed_run_is_readable_up_to_its_last_chunk() {
+    let folder = folder("killed");
+    let mut child = start_long_run(&folder, 1_000_000);
+    send("-KILL", &child);
+    child.wait().unwrap();
+    assert!(!folder.join("run/report.html").exists());
+    let ended = run(&folder, &["report", "run"]);
+    ended.refused(&["incomplete", "up to", " s and says so"]);
+    let page = fs::read_to_string(folder.join("run/report.html")).unwrap();
+    assert!(page.contains("INCOMPLETE: readable up to"));
+}
