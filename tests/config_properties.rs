@@ -138,6 +138,7 @@ fn any_number_replaced_is_refused_or_runs() {
         .map(|text| text.parse().expect("a value"))
         .collect();
     let folder = folder("any-number");
+    let (mut ran, mut refused) = (0, 0);
     for sensing in ["direct", "image"] {
         let text = reference(sensing);
         assert_eq!(try_to_run(&text, &folder), Ok(()));
@@ -153,6 +154,11 @@ fn any_number_replaced_is_refused_or_runs() {
         {
             for value in &values {
                 let outcome = try_to_run(&replaced(&document, key, value), &folder);
+                *(if outcome.is_ok() {
+                    &mut ran
+                } else {
+                    &mut refused
+                }) += 1;
                 let what = format!("{} = {value}", key.join("."));
                 let is_number = value.is_float() || value.is_integer();
                 let finite = value.as_float().is_none_or(f64::is_finite);
@@ -160,6 +166,8 @@ fn any_number_replaced_is_refused_or_runs() {
             }
         }
     }
+    println!("{ran} ran, {refused} were refused");
+    assert!(ran > 100 && refused > 1000, "{ran} ran, {refused} refused");
 }
 
 proptest! {
