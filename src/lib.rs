@@ -23,6 +23,8 @@
 //! into forces; [`control::control_loop::ControlLoop`] closes the loop over any
 //! [`TactileSensor`](sensor::reading::TactileSensor) and [`Hand`](hand::hand::Hand).
 
+#![warn(missing_docs)]
+
 pub mod cli;
 pub mod config;
 pub mod control;
