@@ -3,7 +3,8 @@
 use feeler::sensor::{
     fingertip::{Fingertip, FingertipConfig},
     frame::Picture,
-    moments::{ElementMoments, MomentsError},
+    moments::ElementMoments,
+    moments_config::MomentsError,
 };
 use glam::DVec2;
 use rand::{Rng, SeedableRng};

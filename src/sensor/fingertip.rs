@@ -3,7 +3,8 @@
 use super::{
     dome::{CameraConfig, DomeError, DomeProjection},
     layout::{ElementLayout, LayoutConfig},
-    moments::{MomentsConfig, MomentsError, MomentsKernel},
+    moments::MomentsKernel,
+    moments_config::{MomentsConfig, MomentsError},
 };
 use serde::{Deserialize, Serialize};
 

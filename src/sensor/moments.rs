@@ -15,32 +15,11 @@ use super::{
     dome::DomeProjection,
     frame::Picture,
     layout::ElementLayout,
-    subregion::{bounding_box, own_pixel},
+    moments_config::{MomentsConfig, MomentsError},
+    subregion::{WeightedPixel, subregion},
 };
 use glam::DVec2;
-use serde::{Deserialize, Serialize};
 use std::ops::Range;
-
-/// How the moments of a sub-region are taken.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct MomentsConfig {
-    /// Grey level up to which a pixel counts as dark; a little above the background, so that its
-    /// noise does not reach the sums (assumed).
-    pub dark_level: u8,
-    /// Radius of an element's sub-region about the element's axis, m (assumed: half the pitch of
-    /// the outermost ring, so that sub-regions just do not overlap).
-    pub subregion_radius: f64,
-}
-
-impl Default for MomentsConfig {
-    fn default() -> Self {
-        Self {
-            dark_level: 24,
-            subregion_radius: 2.6e-3,
-        }
-    }
-}
 
 /// What the picture says about one element.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -49,65 +28,6 @@ pub struct ElementMoments {
     pub integrated_gray: f64,
     /// Centroid of the gray values in x, y of the element's frame `E_i`, m; zero in the dark.
     pub centroid: DVec2,
-}
-
-/// Why moments cannot be taken.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum MomentsError {
-    /// The sub-region's radius is useless.
-    #[error(
-        "subregion_radius must lie between 0 and the dome's radius {dome_radius} m, got {radius} m"
-    )]
-    Radius {
-        /// What it was, m.
-        radius: f64,
-        /// Radius of the dome, m.
-        dome_radius: f64,
-    },
-    /// An element's sub-region reaches beyond the picture.
-    #[error(
-        "the sub-region of element {element} reaches {seen_at}, beyond the {width}x{height} px of the picture"
-    )]
-    OutOfPicture {
-        /// Index of the element.
-        element: usize,
-        /// Column and row, px, or that it is not seen at all.
-        seen_at: String,
-        /// Columns of the picture, px.
-        width: usize,
-        /// Rows of the picture, px.
-        height: usize,
-    },
-    /// The picture is too small to hold anything.
-    #[error("the picture must have at least {LANES} px, got {pixels} px")]
-    TooFewPixels {
-        /// Pixels of the picture.
-        pixels: usize,
-    },
-    /// A picture has another size than the kernel was built for.
-    #[error(
-        "moments are taken of {expected_width}x{expected_height} px, the picture has {width}x{height} px in {pixels} values"
-    )]
-    PictureSize {
-        /// Columns that the kernel was built for, px.
-        expected_width: usize,
-        /// Rows that the kernel was built for, px.
-        expected_height: usize,
-        /// Columns of the picture, px.
-        width: usize,
-        /// Rows of the picture, px.
-        height: usize,
-        /// Gray values in the picture.
-        pixels: usize,
-    },
-    /// The place for the moments is for another number of elements.
-    #[error("the kernel has {expected} elements, the moments to fill have {actual}")]
-    ElementCount {
-        /// Elements of the kernel.
-        expected: usize,
-        /// Elements of the moments to fill.
-        actual: usize,
-    },
 }
 
 /// Pixels that are summed side by side. It is part of the result: sums are taken lane by lane, in
@@ -139,7 +59,7 @@ pub struct MomentsKernel {
 }
 
 impl MomentsKernel {
-    /// Finds each element's pixels and their weights.
+    /// The kernel of the elements of `layout` as `projection` sees them, dewarped.
     ///
     /// # Errors
     /// When a sub-region is not wholly in the picture, or its radius makes no sense.
@@ -148,7 +68,6 @@ impl MomentsKernel {
         projection: &DomeProjection,
         config: &MomentsConfig,
     ) -> Result<Self, MomentsError> {
-        let (width, height) = (projection.width(), projection.height());
         let radius = config.subregion_radius;
         if !(radius > 0.0 && radius < layout.dome_radius) {
             return Err(MomentsError::Radius {
@@ -156,6 +75,23 @@ impl MomentsKernel {
                 dome_radius: layout.dome_radius,
             });
         }
+        let regions = (0..layout.elements.len())
+            .map(|element| subregion(layout, projection, element, radius))
+            .collect::<Result<Vec<_>, _>>()?;
+        let size = (projection.width(), projection.height());
+        Self::from_subregions(size, config.dark_level, &regions)
+    }
+
+    /// The kernel of sub-regions given pixel by pixel, one list for each element, each sorted by
+    /// row and then by column, for pictures of `(width, height)` px.
+    ///
+    /// # Errors
+    /// When the picture is too small to hold anything, or a pixel lies outside of it.
+    pub fn from_subregions(
+        (width, height): (usize, usize),
+        dark_level: u8,
+        regions: &[Vec<WeightedPixel>],
+    ) -> Result<Self, MomentsError> {
         if width * height < LANES {
             return Err(MomentsError::TooFewPixels {
                 pixels: width * height,
@@ -164,19 +100,51 @@ impl MomentsKernel {
         let mut kernel = Self {
             width,
             height,
-            dark_level: f32::from(config.dark_level),
+            dark_level: f32::from(dark_level),
             groups: Vec::new(),
-            elements: Vec::with_capacity(layout.elements.len()),
+            elements: Vec::with_capacity(regions.len()),
         };
-        for element in 0..layout.elements.len() {
+        for (element, region) in regions.iter().enumerate() {
             let first = kernel.groups.len();
-            let (columns, rows) = bounding_box(layout, projection, element, radius)?;
-            for row in rows {
-                kernel.add_row(layout, projection, element, radius, columns.clone(), row);
+            for pixel in region {
+                let (column, row) = (pixel.column, pixel.row);
+                if column >= width || row >= height {
+                    let seen_at = format!("column {column}, row {row}");
+                    return Err(MomentsError::OutOfPicture {
+                        element,
+                        seen_at,
+                        width,
+                        height,
+                    });
+                }
+                kernel.add(first, pixel);
             }
             kernel.elements.push(first..kernel.groups.len());
         }
         Ok(kernel)
+    }
+
+    /// Adds a pixel to the last group, or to a new one if that does not reach to it or belongs to
+    /// an element before, whose groups end at `first`.
+    fn add(&mut self, first: usize, pixel: &WeightedPixel) {
+        let offset = pixel.row * self.width + pixel.column;
+        let reached = self.groups[first..]
+            .last()
+            .is_some_and(|group| (group.offset..group.offset + LANES).contains(&offset));
+        if !reached {
+            self.groups.push(PixelGroup {
+                offset: offset.min(self.width * self.height - LANES),
+                area: [0.0; LANES],
+                area_x: [0.0; LANES],
+                area_y: [0.0; LANES],
+            });
+        }
+        if let Some(group) = self.groups.last_mut() {
+            let lane = offset - group.offset;
+            group.area[lane] = pixel.area as f32;
+            group.area_x[lane] = (pixel.area * pixel.point.x) as f32;
+            group.area_y[lane] = (pixel.area * pixel.point.y) as f32;
+        }
     }
 
     /// Number of elements.
@@ -215,42 +183,6 @@ impl MomentsKernel {
             *moments = element_moments(groups, &picture.pixels, self.dark_level);
         }
         Ok(())
-    }
-
-    /// Adds the pixels of one row that belong to `element`.
-    fn add_row(
-        &mut self,
-        layout: &ElementLayout,
-        projection: &DomeProjection,
-        element: usize,
-        radius: f64,
-        columns: Range<usize>,
-        row: usize,
-    ) {
-        let last_offset = self.width * self.height - LANES;
-        let mut next_column = columns.start;
-        for column in columns {
-            let pixel = DVec2::new(column as f64, row as f64);
-            let Some((area, point)) = own_pixel(layout, projection, element, radius, pixel) else {
-                continue;
-            };
-            let offset = row * self.width + column;
-            if column >= next_column {
-                self.groups.push(PixelGroup {
-                    offset: offset.min(last_offset),
-                    area: [0.0; LANES],
-                    area_x: [0.0; LANES],
-                    area_y: [0.0; LANES],
-                });
-                next_column = column + LANES;
-            }
-            if let Some(group) = self.groups.last_mut() {
-                let lane = offset - group.offset;
-                group.area[lane] = area as f32;
-                group.area_x[lane] = (area * point.x) as f32;
-                group.area_y[lane] = (area * point.y) as f32;
-            }
-        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! What a tactile sensor says: one tri-axial force for every sensing element.
 
-use super::{camera::CameraError, moments::MomentsError};
+use super::{camera::CameraError, moments_config::MomentsError};
 use glam::DVec3;
 
 /// The forces on all sensing elements of one fingertip at one time.

@@ -3,13 +3,53 @@
 use super::{
     dome::DomeProjection,
     layout::{ElementLayout, SensingElement},
-    moments::MomentsError,
+    moments_config::MomentsError,
 };
 use glam::DVec2;
 use std::{f64::consts::TAU, ops::Range};
 
+/// A pixel of a sub-region and what it counts for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WeightedPixel {
+    /// Column in the picture.
+    pub column: usize,
+    /// Row in the picture.
+    pub row: usize,
+    /// Area `w` that the pixel covers in the element's tangent plane, m² (or px² in the picture's
+    /// plane).
+    pub area: f64,
+    /// Its place in that plane, m (or px).
+    pub point: DVec2,
+}
+
+/// The pixels within `radius` (m) of the axis of `element` and nearer to it than to any other
+/// element, dewarped, sorted by row and then by column.
+///
+/// # Errors
+/// When the sub-region is not wholly in the picture.
+pub fn subregion(
+    layout: &ElementLayout,
+    projection: &DomeProjection,
+    element: usize,
+    radius: f64,
+) -> Result<Vec<WeightedPixel>, MomentsError> {
+    let (columns, rows) = bounding_box(layout, projection, element, radius)?;
+    let pixels = rows.flat_map(|row| columns.clone().map(move |column| (column, row)));
+    let own = pixels.filter_map(|(column, row)| {
+        let pixel = DVec2::new(column as f64, row as f64);
+        let (area, point) = own_pixel(layout, projection, element, radius, pixel)?;
+        Some(WeightedPixel {
+            column,
+            row,
+            area,
+            point,
+        })
+    });
+    Ok(own.collect())
+}
+
 /// Area and position in the tangent plane of `element` if the pixel belongs to it.
-pub(super) fn own_pixel(
+fn own_pixel(
     layout: &ElementLayout,
     projection: &DomeProjection,
     element: usize,
@@ -31,7 +71,7 @@ pub(super) fn own_pixel(
 }
 
 /// Columns and rows that hold the sub-region of `element`, from where its rim is seen.
-pub(super) fn bounding_box(
+fn bounding_box(
     layout: &ElementLayout,
     projection: &DomeProjection,
     element: usize,

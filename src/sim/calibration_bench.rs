@@ -10,7 +10,8 @@ use crate::sensor::{
     calibration_fit::{ElementRecord, LoadSample, fit},
     fingertip::{Fingertip, FingertipConfig, FingertipError},
     frame::Picture,
-    moments::{ElementMoments, MomentsError},
+    moments::ElementMoments,
+    moments_config::MomentsError,
 };
 use glam::{DVec2, DVec3};
 use rand::{RngExt, SeedableRng, seq::SliceRandom};
