@@ -32,6 +32,11 @@ pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, 
     };
     // Written aside and moved when it is whole; opened first, for calibrating takes its time.
     let output = &arguments.output;
+    if fs::symlink_metadata(output).is_ok_and(|there| !there.is_file()) {
+        let output = output.display();
+        let message = format!("--output {output}: not a file; expected a file, new or to replace");
+        return Err(message.into());
+    }
     let mut part = output.clone().into_os_string();
     part.push(".part");
     let part = PathBuf::from(part);

@@ -52,7 +52,12 @@ pub fn print_claims(made: &ReportOutcome, out: &mut dyn Write) -> io::Result<()>
         claims.len()
     )?;
     for claim in claims.iter().filter(|claim| !claim.holds) {
-        writeln!(out, "  does not hold: {} ({})", claim.id, claim.bound)?;
+        let why = if claim.is_measured() {
+            "does not hold"
+        } else {
+            "not measured"
+        };
+        writeln!(out, "  {why}: {} ({})", claim.id, claim.bound)?;
     }
     writeln!(out, "{}", made.report_path.display())
 }

@@ -58,8 +58,8 @@ pub enum ConfigError {
     },
     /// The calibration file could not be read.
     #[error(
-        "sensor.calibration = {file:?}: {source}; expected a calibration file, as \
-         `feeler calibrate` makes it"
+        "sensor.calibration = {file:?}: {source}: copy it there, or make one with \
+         `feeler calibrate`"
     )]
     CalibrationFile {
         /// The file, as the experiment names it.
@@ -187,9 +187,11 @@ impl Experiment {
             (None, Some((_, text))) => (*text).to_string(),
             (folder, _) => {
                 let folder = folder.as_deref().unwrap_or(Path::new(""));
-                read(&folder.join(file), "text").map_err(|source| ConfigError::CalibrationFile {
-                    file: file.clone(),
-                    source: Box::new(source),
+                read(&folder.join(file), "a calibration file").map_err(|source| {
+                    ConfigError::CalibrationFile {
+                        file: file.clone(),
+                        source: Box::new(source),
+                    }
                 })?
             }
         };

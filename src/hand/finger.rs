@@ -38,10 +38,10 @@ pub struct FingerConfig {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum FingerError {
     /// A value is not finite or outside of its range.
-    #[error("{field} of a finger is {value}, expected {expected}")]
+    #[error("{field} = {value}: expected {expected}")]
     OutOfRange {
         /// Field of the configuration.
-        field: &'static str,
+        field: String,
         /// The value that arrived.
         value: f64,
         /// What was expected.
@@ -49,11 +49,11 @@ pub enum FingerError {
     },
     /// A joint has no room between its limits.
     #[error(
-        "joint {joint} of a finger has limits {lower_deg}..{upper_deg} deg, expected lower < upper"
+        "joint_upper_deg[{index}] = {upper_deg}: expected more than joint_lower_deg[{index}] = {lower_deg}"
     )]
     JointLimits {
-        /// Number of the joint, 1..3.
-        joint: usize,
+        /// Index of the joint, from 0.
+        index: usize,
         /// Its lower limit, degrees.
         lower_deg: f64,
         /// Its upper limit, degrees.
@@ -123,24 +123,29 @@ impl FingerGeometry {
 }
 
 fn check(config: &FingerConfig) -> Result<(), FingerError> {
-    let in_range = |field, value, good: bool, expected| {
+    let in_range = |field: &str, value, good: bool, expected| {
         if good {
             return Ok(());
         }
         Err(FingerError::OutOfRange {
-            field,
+            field: field.to_string(),
             value,
             expected,
         })
     };
-    let angle = |field, value: f64| {
+    let angle = |field: &str, value: f64| {
         let good = value.abs() <= ANGLE_RANGE_DEG;
         in_range(field, value, good, "-360..360 deg")
     };
 
-    for value in config.base_position {
+    for (index, value) in config.base_position.into_iter().enumerate() {
         let good = value.abs() <= BASE_RANGE;
-        in_range("base_position", value, good, "-100..100 m")?;
+        in_range(
+            &format!("base_position[{index}]"),
+            value,
+            good,
+            "-100..100 m",
+        )?;
     }
     angle("phi1_deg", config.phi1_deg)?;
     angle("phi2_deg", config.phi2_deg)?;
@@ -155,18 +160,19 @@ fn check(config: &FingerConfig) -> Result<(), FingerError> {
     for joint in 0..3 {
         let lower_deg = config.joint_lower_deg[joint];
         let upper_deg = config.joint_upper_deg[joint];
-        angle("joint_lower_deg", lower_deg)?;
-        angle("joint_upper_deg", upper_deg)?;
+        angle(&format!("joint_lower_deg[{joint}]"), lower_deg)?;
+        angle(&format!("joint_upper_deg[{joint}]"), upper_deg)?;
         if lower_deg >= upper_deg {
             return Err(FingerError::JointLimits {
-                joint: joint + 1,
+                index: joint,
                 lower_deg,
                 upper_deg,
             });
         }
         let speed = config.joint_speed_limit[joint];
         let good = speed > 0.0 && speed.is_finite();
-        in_range("joint_speed_limit", speed, good, "above 0 rad/s")?;
+        let field = format!("joint_speed_limit[{joint}]");
+        in_range(&field, speed, good, "above 0 rad/s")?;
     }
     Ok(())
 }
@@ -199,10 +205,7 @@ mod tests {
         let mut bad = config();
         bad.links[2] = -0.055;
         let message = FingerGeometry::new(&bad).unwrap_err().to_string();
-        assert_eq!(
-            message,
-            "links[2] of a finger is -0.055, expected 0.001..1 m"
-        );
+        assert_eq!(message, "links[2] = -0.055: expected 0.001..1 m");
 
         let mut bad = config();
         bad.phi1_deg = f64::NAN;
@@ -211,7 +214,10 @@ mod tests {
         let mut bad = config();
         bad.joint_upper_deg[1] = -30.0;
         let message = FingerGeometry::new(&bad).unwrap_err().to_string();
-        assert!(message.contains("joint 2"), "{message}");
+        assert_eq!(
+            message,
+            "joint_upper_deg[1] = -30: expected more than joint_lower_deg[1] = -30"
+        );
     }
 
     #[test]

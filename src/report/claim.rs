@@ -81,6 +81,11 @@ pub struct Claim {
 }
 
 impl Claim {
+    /// Whether the recording defines all that the claim is about.
+    pub fn is_measured(&self) -> bool {
+        self.parts.iter().all(|part| part.value.is_some())
+    }
+
     pub(super) fn new(id: &'static str, text: &str, parts: Vec<ClaimPart>) -> Self {
         let undefined: Vec<_> = (parts.iter())
             .filter(|part| part.value.is_none())

@@ -4,7 +4,7 @@ use super::claim::{Claim, ClaimPart, Relation};
 use super::figures::Figure;
 use super::strokes::StrokeMeasures;
 use super::summary::Summary;
-use crate::record::{Recording, RunFacts};
+use crate::record::{Phase, Recording, RunFacts};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 const STYLE: &str = include_str!("page.css");
@@ -72,13 +72,17 @@ fn banner(recording: &Recording) -> Markup {
 fn verdict(recording: &Recording, summary: &Summary) -> Markup {
     let total = summary.claims.len();
     let held = summary.claims.iter().filter(|claim| claim.holds).count();
-    let failed = summary.claims.iter().filter(|claim| !claim.holds);
-    let failed: Vec<_> = failed.map(|claim| claim.id).collect();
+    let ids = |wanted: fn(&Claim) -> bool| {
+        let claims = summary.claims.iter().filter(|claim| wanted(claim));
+        claims.map(|claim| claim.id).collect::<Vec<_>>().join(", ")
+    };
+    let failed = ids(|claim| !claim.holds && claim.is_measured());
+    let unmeasured = ids(|claim| !claim.is_measured());
     let peak = (summary.strokes.iter())
         .filter_map(|stroke| stroke.peak_torque)
         .reduce(f64::max);
     html! {
-        "In " (significant(summary.sim_time)) " s the hand made " (summary.strokes.len()) " of "
+        "In " (significant(summary.sim_time)) " s the hand made " (strokes_made(recording)) " of "
         (recording.facts.stroke_count) " strokes"
         @if let Some(angle) = summary.cap_angle {
             ", turned the cap by " (significant(angle.to_degrees())) "°"
@@ -91,9 +95,24 @@ fn verdict(recording: &Recording, summary: &Summary) -> Markup {
             span.holds { "All " (total) " claims of the paper hold." }
         } @else {
             span.fails { (held) " of the paper's " (total) " claims hold" }
-            "; not: " (failed.join(", ")) "."
+            @if !failed.is_empty() { "; not: " (failed) }
+            @if !unmeasured.is_empty() { "; not measured: " (unmeasured) }
+            "."
+        }
+        @if let Some(task) = recording.task.last().filter(|task| task.phase != Phase::Done) {
+            " The task was not done: the run ended in " (task.phase) " of stroke " (task.stroke)
+            @if !task.reason.is_empty() { ", because " (task.reason) }
+            "."
         }
     }
+}
+
+/// Strokes that were made from SEARCH to RETURN.
+fn strokes_made(recording: &Recording) -> u32 {
+    recording.task.last().map_or(0, |task| match task.phase {
+        Phase::Done => task.stroke,
+        _ => task.stroke.saturating_sub(1),
+    })
 }
 
 fn claims_table(claims: &[Claim]) -> Markup {
