@@ -50,12 +50,6 @@ pub enum MomentsError {
         /// Rows of the picture, px.
         height: usize,
     },
-    /// The picture is too small to hold anything.
-    #[error("the picture must have at least 8 px, got {pixels} px")]
-    TooFewPixels {
-        /// Pixels of the picture.
-        pixels: usize,
-    },
     /// A picture has another size than the kernel was built for.
     #[error(
         "moments are taken of {expected_width}x{expected_height} px, the picture has {width}x{height} px in {pixels} values"

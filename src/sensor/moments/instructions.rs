@@ -1,0 +1,69 @@
+//! Which instructions moments are taken with.
+
+use super::{ElementMoments, MomentsKernel, sum};
+
+/// A way to take moments that some processors have. All give the same moments bit for bit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Instructions {
+    /// AVX-512 with byte products (F, BW, VNNI), of x86-64.
+    Avx512Vnni,
+    /// AVX2, of x86-64.
+    Avx2,
+    /// Whatever the program was built for.
+    Portable,
+}
+
+impl Instructions {
+    /// All that this processor has, the fastest first.
+    pub fn available() -> impl Iterator<Item = Self> {
+        let all = [Self::Avx512Vnni, Self::Avx2, Self::Portable];
+        all.into_iter()
+            .filter(|instructions| instructions.are_available())
+    }
+
+    /// The fastest that this processor has.
+    pub fn fastest() -> Self {
+        Self::available().next().unwrap_or(Self::Portable)
+    }
+
+    /// Whether this processor has them.
+    pub fn are_available(self) -> bool {
+        match self {
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512Vnni => {
+                is_x86_feature_detected!("avx512f")
+                    && is_x86_feature_detected!("avx512bw")
+                    && is_x86_feature_detected!("avx512vnni")
+            }
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => is_x86_feature_detected!("avx2"),
+            #[cfg(not(target_arch = "x86_64"))]
+            Self::Avx512Vnni | Self::Avx2 => false,
+            Self::Portable => true,
+        }
+    }
+
+    /// Takes the moments of all elements in `pixels`, as far as there is place for them; without
+    /// the instructions, in the portable way.
+    pub(super) fn measure(
+        self,
+        kernel: &MomentsKernel,
+        pixels: &[u8],
+        moments: &mut [ElementMoments],
+    ) {
+        match self {
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: the guard has found the instructions on this processor.
+            Self::Avx512Vnni if self.are_available() => unsafe {
+                super::x86::avx512_vnni(kernel, pixels, moments);
+            },
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: the guard has found the instructions on this processor.
+            Self::Avx2 if self.are_available() => unsafe {
+                super::x86::avx2(kernel, pixels, moments);
+            },
+            _ => sum::all_elements(kernel, pixels, moments, sum::add_tile),
+        }
+    }
+}
