@@ -2,6 +2,7 @@
 
 use super::{CommandError, Outcome};
 use crate::config::Experiment;
+use crate::sensor::calibration_fit::ModelChoice;
 use crate::sensor::calibration_report::CalibrationReport;
 use crate::sim::calibration_bench::{CalibrationBenchConfig, calibrate_simulated};
 use std::fs::{self, File};
@@ -22,12 +23,27 @@ pub struct Arguments {
     /// Seed of the loads' order and of the camera's noise.
     #[arg(long, default_value_t = CalibrationBenchConfig::default().seed)]
     seed: u64,
+    /// Which model to fit: the paper's (separable), the one that knows how a column tilts (coupled),
+    /// or the one that predicts loads better which it has not been fitted to (auto).
+    #[arg(long, value_parser = model, default_value = "auto", value_name = "MODEL")]
+    model: ModelChoice,
+}
+
+/// The model of this name.
+fn model(name: &str) -> Result<ModelChoice, String> {
+    match name {
+        "separable" => Ok(ModelChoice::Separable),
+        "coupled" => Ok(ModelChoice::Coupled),
+        "auto" => Ok(ModelChoice::Auto),
+        _ => Err("expected separable, coupled or auto".into()),
+    }
 }
 
 pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     let config = Experiment::load(&arguments.experiment, &[])?.config;
     let bench = CalibrationBenchConfig {
         seed: arguments.seed,
+        model: arguments.model,
         ..CalibrationBenchConfig::default()
     };
     // Written aside and moved when it is whole; opened first, for calibrating takes its time.
