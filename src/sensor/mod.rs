@@ -13,6 +13,7 @@ pub mod camera;
 pub mod coupled;
 mod difference;
 pub mod dome;
+pub mod drift;
 pub mod fingertip;
 mod folds;
 pub mod frame;
