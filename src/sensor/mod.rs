@@ -19,6 +19,7 @@ mod folds;
 pub mod frame;
 pub mod layout;
 mod least_squares;
+pub mod loads;
 pub mod made_for;
 pub mod moments;
 pub mod moments_config;
