@@ -2,6 +2,7 @@
 
 use feeler::config::{Experiment, Sensing};
 use feeler::experiment::Session;
+use feeler::sensor::calibration::MadeFor;
 use proptest::prelude::*;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::fs;
@@ -74,9 +75,10 @@ fn make_up_calibration(experiment: &Experiment, folder: &Path) {
     }
     let built_in = Experiment::load("cap-closing", &[]).expect("the reference experiment");
     let mut calibration = built_in.calibration().ok().flatten().expect("its own");
-    calibration.fingertip = experiment.config.sensor.fingertip.clone();
-    let elements = calibration.fingertip.layout.element_count();
-    let any = calibration.elements[0];
+    let fingertip = &experiment.config.sensor.fingertip;
+    calibration.made_for = MadeFor::fingertip(fingertip).expect("its hash");
+    let elements = fingertip.layout.element_count();
+    let any = calibration.elements[0].clone();
     calibration.elements.resize(elements.min(1000), any);
     let text = calibration.to_toml().expect("its text");
     fs::write(folder.join(name), text).expect("its file");

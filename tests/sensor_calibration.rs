@@ -2,8 +2,10 @@
 
 use feeler::{
     sensor::{
-        calibration::{Calibration, CalibrationError, ForceCurve},
-        calibration_fit::{ElementRecord, LoadSample, fit},
+        calibration::{
+            Calibration, CalibrationError, ForceCurve, ForceMap, FullScale, MadeFor, SeparableMap,
+        },
+        calibration_fit::{ElementRecord, LoadSample, ModelChoice, fit},
         calibration_report::CalibrationReport,
         camera::{Camera, CameraError},
         fingertip::{Fingertip, FingertipConfig},
@@ -118,11 +120,12 @@ fn readings(force: DVec3, count: u32) -> Vec<(DVec3, DVec3)> {
 /// The shear's error is the method's: the same shear tilts a lightly pressed column farther.
 #[test]
 fn forces_are_recovered_on_loads_not_seen() {
-    for (ring, (rms, worst)) in CalibrationReport::new(&CALIBRATION)
+    for (ring, errors) in CalibrationReport::new(&CALIBRATION)
         .rings()
         .into_iter()
         .enumerate()
     {
+        let (rms, worst) = (errors.rms, errors.worst);
         assert!(rms.z < 0.005 * 2.0, "ring {ring}: z {rms}");
         assert!(worst.z < 0.03 * 2.0, "ring {ring}: z {worst}");
         assert!(rms.truncate().max_element() < 0.13, "ring {ring}: {rms}");
@@ -249,11 +252,19 @@ fn the_file_holds_all_of_it() {
     assert_eq!(Calibration::from_toml(&text).unwrap(), *CALIBRATION);
 }
 
+/// The curves of an element.
+fn separable(calibration: &mut Calibration, element: usize) -> &mut SeparableMap {
+    match &mut calibration.elements[element].map {
+        ForceMap::Separable(map) => map,
+        ForceMap::Coupled(_) => panic!("the paper's model expected"),
+    }
+}
+
 #[test]
 fn files_that_cannot_be_used_are_refused() {
     let text = CALIBRATION.to_toml().unwrap();
     let refused = |text: &str| Calibration::from_toml(text).unwrap_err();
-    let other_version = text.replacen("version = 1", "version = 7", 1);
+    let other_version = text.replacen("version = 2", "version = 7", 1);
     assert!(matches!(
         refused(&other_version),
         CalibrationError::Version { actual: 7 }
@@ -268,12 +279,12 @@ fn files_that_cannot_be_used_are_refused() {
     };
     let message = changed(|c| c.elements[3].unloaded_gray = 0.0);
     assert_eq!(message, "element 3: unloaded_gray must be positive, got 0");
-    let message = changed(|c| c.elements[3].shear_x.coefficients[0] = f64::NAN);
+    let message = changed(|c| separable(c, 3).shear_x.coefficients[0] = f64::NAN);
     assert!(
         message.starts_with("element 3: shear_x.coefficients must give finite"),
         "{message}"
     );
-    let message = changed(|c| c.elements[3].normal.range = [1.0, 2.0]);
+    let message = changed(|c| separable(c, 3).normal.range = [1.0, 2.0]);
     assert_eq!(
         message,
         "element 3: normal.range must rise and hold 0, got 1 to 2"
@@ -323,11 +334,25 @@ fn a_calibration_for_another_fingertip_is_refused() {
     );
 }
 
+fn fit_separable(
+    config: &FingertipConfig,
+    records: &[ElementRecord],
+) -> Result<Calibration, CalibrationError> {
+    let made_for = MadeFor::fingertip(config)?;
+    fit(
+        made_for,
+        records,
+        ModelChoice::Separable,
+        FullScale::default(),
+    )
+}
+
 #[test]
 fn records_that_determine_nothing_are_refused() {
     let mut config = FingertipConfig::default();
     config.layout.rings.truncate(1);
-    let refused = |record: ElementRecord| fit(&config, &[record]).unwrap_err().to_string();
+    let refused =
+        |record: ElementRecord| fit_separable(&config, &[record]).unwrap_err().to_string();
     let moments = ElementMoments {
         integrated_gray: 1.0,
         centroid: DVec2::ZERO,
@@ -341,9 +366,10 @@ fn records_that_determine_nothing_are_refused() {
         unloaded: vec![moments],
         fitted: vec![sample; 10],
         held_out: vec![sample],
+        ..ElementRecord::default()
     };
     assert!(refused(record).contains("loads that change"));
-    let message = fit(&config, &[]).unwrap_err().to_string();
+    let message = fit_separable(&config, &[]).unwrap_err().to_string();
     assert_eq!(message, "records of loads for 1 elements expected, got 0");
 }
 
@@ -377,12 +403,13 @@ proptest! {
             unloaded: vec![moments(0.0)],
             held_out: samples.clone(),
             fitted: samples,
+            ..ElementRecord::default()
         };
-        let calibration = fit(&config, &[record]).unwrap();
-        let fitted = calibration.elements[0].normal.coefficients;
+        let mut calibration = fit_separable(&config, &[record]).unwrap();
+        let fitted = separable(&mut calibration, 0).normal.coefficients;
         for (fitted, expected) in fitted.iter().zip(curve.coefficients) {
             prop_assert!((fitted - expected).abs() < 1e-9, "{fitted} {expected}");
         }
-        prop_assert!(calibration.elements[0].held_out.worst.max_element() < 1e-9);
+        prop_assert!(calibration.elements[0].quality.held_out.worst.max_element() < 1e-9);
     }
 }

@@ -1,5 +1,6 @@
 //! The report of a run: measures, claims, figures and page, all from its recording alone.
 
+pub mod calibration_page;
 pub mod claim;
 pub mod claims;
 pub mod figures;

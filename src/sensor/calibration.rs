@@ -1,182 +1,177 @@
 //! From moments to forces: the calibration of one fingertip, and its file.
 //!
-//! The separable calibration of the paper (section II), for each element: `F_z = g(G)`,
-//! `F_x = f_x(u_x)`, `F_y = f_y(u_y)`, where `u = c - c_0` is the displacement of the centroid from
-//! its unloaded place. It knows nothing of how a normal force changes the displacement that a shear
-//! force causes; the error that this leaves is on record in [`ElementCalibration::held_out`].
+//! Two models: [`separable`](super::separable), the paper's, one curve for each component of the
+//! force; and [`coupled`](super::coupled), each component from all moments together. Either takes an
+//! element's moments relative to its unloaded ones ([`Inputs`]). How far a calibration can be trusted
+//! stands in it ([`ElementQuality`](super::calibration_quality::ElementQuality)).
 
-use super::{
-    difference::{Difference, first_difference},
-    fingertip::FingertipConfig,
-    moments::ElementMoments,
-};
+pub use super::calibration_error::CalibrationError;
+pub use super::calibration_quality::{ElementQuality, FullScale, HeldOutError};
+pub use super::coupled::CoupledMap;
+pub use super::made_for::{LengthUnit, MadeFor};
+pub use super::separable::{CURVE_TERMS, ForceCurve, SeparableMap};
+use super::{fingertip::FingertipConfig, moments::ElementMoments};
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
 /// Version of the calibration file that this program reads and writes.
-pub const CALIBRATION_VERSION: u32 = 1;
+pub const CALIBRATION_VERSION: u32 = 2;
 
-/// Terms of a [`ForceCurve`].
-pub const CURVE_TERMS: usize = 3;
-
-/// Why a calibration cannot be made, read or used.
-#[derive(Debug, thiserror::Error)]
-pub enum CalibrationError {
-    /// The text is no calibration.
-    #[error("not a calibration file: {0}")]
-    Parse(#[from] toml::de::Error),
-    /// The calibration cannot be written as text.
-    #[error("the calibration cannot be written: {0}")]
-    Write(#[from] toml::ser::Error),
-    /// The file is of another version.
-    #[error("calibration file version {CALIBRATION_VERSION} expected, got {actual}")]
-    Version {
-        /// Version of the file.
-        actual: u32,
-    },
-    /// The calibration was made for another fingertip.
-    #[error(
-        "the calibration is for another fingertip: {part} has {key} = {expected} here, \
-         {actual} in the calibration; `feeler calibrate` makes one for the fingertip here"
-    )]
-    OtherFingertip {
-        /// What differs: the layout, the camera or the moments.
-        part: &'static str,
-        /// The first value of it that differs.
-        key: String,
-        /// As configured.
-        expected: String,
-        /// As calibrated.
-        actual: String,
-    },
-    /// A number of elements, or of lists of loads, is wrong.
-    #[error("{what} for {expected} elements expected, got {actual}")]
-    ElementCount {
-        /// What was counted.
-        what: &'static str,
-        /// Elements of the fingertip.
-        expected: usize,
-        /// How many arrived.
-        actual: usize,
-    },
-    /// A number in the calibration is not usable.
-    #[error("element {element}: {what}")]
-    Unusable {
-        /// Index of the element.
-        element: usize,
-        /// Expected and actual.
-        what: String,
-    },
+/// An element's moments relative to those without load.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Inputs {
+    /// Relative growth of the integrated gray value, `G / G_0 - 1`.
+    pub growth: f64,
+    /// Displacement of the centroid, `c - c_0`, m (or px) in x, y of `E_i`.
+    pub displacement: DVec2,
 }
 
-/// A force as a polynomial of one input, zero at zero.
-///
-/// Inside the range of inputs it was fitted on, `F(s) = c_1 s + c_2 s^2 + c_3 s^3`. Outside, the
-/// polynomial may do anything, so the curve goes on from the range's end as a straight line with the
-/// mean slope of the whole curve: where the picture keeps growing stronger, so does the force.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ForceCurve {
-    /// Least and greatest input among the loads, no load included: 0 lies within.
-    pub range: [f64; 2],
-    /// `c_1, c_2, c_3`, N per power of the input.
-    pub coefficients: [f64; CURVE_TERMS],
-}
-
-impl ForceCurve {
-    /// Force at `input`, N. Finite for every finite input.
-    pub fn force(&self, input: f64) -> f64 {
-        let [low, high] = self.range;
-        let inside = input.max(low).min(high);
-        self.polynomial(inside) + (input - inside) * self.mean_slope()
-    }
-
-    fn polynomial(&self, s: f64) -> f64 {
-        self.coefficients
-            .iter()
-            .rev()
-            .fold(0.0, |sum, c| (sum + c) * s)
-    }
-
-    fn mean_slope(&self) -> f64 {
-        let [low, high] = self.range;
-        (self.polynomial(high) - self.polynomial(low)) / (high - low)
+impl Inputs {
+    /// `moments` relative to the integrated gray value and centroid without load.
+    pub fn relative(
+        moments: &ElementMoments,
+        unloaded_gray: f64,
+        unloaded_centroid: DVec2,
+    ) -> Self {
+        Self {
+            growth: moments.integrated_gray / unloaded_gray - 1.0,
+            displacement: moments.centroid - unloaded_centroid,
+        }
     }
 }
 
-/// Errors on loads that the fit has not seen, N, along x, y, z of the element's frame `E_i`.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct HeldOutError {
-    /// Root mean square, N.
-    pub rms: DVec3,
-    /// Largest magnitude, N.
-    pub worst: DVec3,
+/// How forces follow from moments.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Model {
+    /// One curve for each component of the force (paper, section II).
+    Separable,
+    /// Each component from all moments together.
+    Coupled,
+}
+
+/// The map from an element's moments to the force on it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ForceMap {
+    /// One curve for each component of the force.
+    Separable(SeparableMap),
+    /// Each component from all moments together.
+    Coupled(CoupledMap),
+}
+
+impl ForceMap {
+    /// The force in `E_i`, N. Finite for all inputs that are numbers.
+    pub fn force(&self, inputs: Inputs) -> DVec3 {
+        match self {
+            Self::Separable(map) => map.force(inputs),
+            Self::Coupled(map) => map.force(inputs),
+        }
+    }
+
+    /// Least and greatest growth, displacement along x and along y among the loads.
+    pub fn ranges(&self) -> [[f64; 2]; 3] {
+        match self {
+            Self::Separable(map) => map.ranges(),
+            Self::Coupled(map) => map.ranges(),
+        }
+    }
+
+    /// Which of the two it is.
+    pub fn model(&self) -> Model {
+        match self {
+            Self::Separable(_) => Model::Separable,
+            Self::Coupled(_) => Model::Coupled,
+        }
+    }
+}
+
+/// How far the force at one element can be trusted in one picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ForceValidity {
+    /// Moments such as the calibration's loads caused.
+    Calibrated,
+    /// Beyond what its loads caused, by more than a tenth of their range: the force is a guess at a
+    /// straight line. Saturated and overexposed sub-regions are here.
+    Extrapolated,
+    /// Less than half as bright as without load, or not a number: the light, the camera or the element
+    /// failed, and the force means nothing.
+    Dark,
 }
 
 /// The calibration of one element.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ElementCalibration {
-    /// Integrated gray value without load, grey levels times m².
+    /// Integrated gray value without load, grey levels times m² (or px²).
     pub unloaded_gray: f64,
-    /// Centroid without load, m, in x, y of `E_i`.
+    /// Centroid without load, m (or px), in x, y of `E_i`.
     pub unloaded_centroid: DVec2,
-    /// Compression `F_z` over the relative growth of the integrated gray value, `G / G_0 - 1`.
-    pub normal: ForceCurve,
-    /// Shear `F_x` over the centroid's displacement along x, m.
-    pub shear_x: ForceCurve,
-    /// Shear `F_y` over the centroid's displacement along y, m.
-    pub shear_y: ForceCurve,
+    /// From moments to force.
+    pub map: ForceMap,
     /// How far it is off.
-    pub held_out: HeldOutError,
+    pub quality: ElementQuality,
 }
 
 impl ElementCalibration {
+    /// The moments relative to those without load.
+    pub fn inputs(&self, moments: &ElementMoments) -> Inputs {
+        Inputs::relative(moments, self.unloaded_gray, self.unloaded_centroid)
+    }
+
     /// The force at the element in its frame `E_i`, N (sign: see
     /// [`TactileFrame`](super::reading::TactileFrame)). Finite for all finite moments; `F_z` is below
     /// zero where the picture is darker than without load.
     pub fn force(&self, moments: &ElementMoments) -> DVec3 {
-        let displacement = moments.centroid - self.unloaded_centroid;
-        let growth = moments.integrated_gray / self.unloaded_gray - 1.0;
-        DVec3::new(
-            self.shear_x.force(displacement.x),
-            self.shear_y.force(displacement.y),
-            self.normal.force(growth),
-        )
+        self.map.force(self.inputs(moments))
+    }
+
+    /// How far the force under `moments` can be trusted.
+    pub fn validity(&self, moments: &ElementMoments) -> ForceValidity {
+        /// Least growth of an element that is still lit.
+        const DARK: f64 = -0.5;
+        /// Part of a range by which noise may exceed it.
+        const MARGIN: f64 = 0.1;
+        let Inputs {
+            growth,
+            displacement,
+        } = self.inputs(moments);
+        if !(growth > DARK && displacement.is_finite()) {
+            return ForceValidity::Dark;
+        }
+        let inputs = [growth, displacement.x, displacement.y];
+        let within = |(input, [low, high]): (f64, [f64; 2])| {
+            let margin = MARGIN * (high - low);
+            (low - margin..=high + margin).contains(&input)
+        };
+        if inputs.into_iter().zip(self.map.ranges()).all(within) {
+            ForceValidity::Calibrated
+        } else {
+            ForceValidity::Extrapolated
+        }
     }
 
     /// Refuses numbers that would make a force infinite or not a number.
     fn check(&self, element: usize) -> Result<(), CalibrationError> {
-        let unusable = |what: String| Err(CalibrationError::Unusable { element, what });
-        if !(self.unloaded_gray.is_finite() && self.unloaded_gray > 0.0) {
+        let unusable = |what: String| CalibrationError::Unusable { element, what };
+        // A tiny unloaded value would make growth infinite.
+        if !(self.unloaded_gray.is_finite() && self.unloaded_gray > 1e-100) {
             let gray = self.unloaded_gray;
-            return unusable(format!("unloaded_gray must be positive, got {gray}"));
+            return Err(unusable(format!(
+                "unloaded_gray must be positive, got {gray}"
+            )));
         }
         if !self.unloaded_centroid.is_finite() {
             let centroid = self.unloaded_centroid;
-            return unusable(format!("unloaded_centroid must be finite, got {centroid}"));
+            return Err(unusable(format!(
+                "unloaded_centroid must be finite, got {centroid}"
+            )));
         }
-        let curves = [
-            ("normal", &self.normal),
-            ("shear_x", &self.shear_x),
-            ("shear_y", &self.shear_y),
-        ];
-        for (name, curve) in curves {
-            let [low, high] = curve.range;
-            if !(low.is_finite() && high.is_finite() && low < high && low <= 0.0 && high >= 0.0) {
-                return unusable(format!(
-                    "{name}.range must rise and hold 0, got {low} to {high}"
-                ));
-            }
-            if !(curve.force(low).is_finite() && curve.mean_slope().is_finite()) {
-                let coefficients = curve.coefficients;
-                return unusable(format!(
-                    "{name}.coefficients must give finite forces, got {coefficients:?}"
-                ));
-            }
+        match &self.map {
+            ForceMap::Separable(map) => map.check(),
+            ForceMap::Coupled(map) => map.check(),
         }
-        Ok(())
+        .map_err(unusable)
     }
 }
 
@@ -186,10 +181,23 @@ impl ElementCalibration {
 pub struct Calibration {
     /// Version of the file, [`CALIBRATION_VERSION`].
     pub version: u32,
-    /// The fingertip that it was made for.
-    pub fingertip: FingertipConfig,
+    /// Unit of all forces: `"N"`.
+    pub force_unit: ForceUnit,
+    /// What shares of full scale refer to.
+    pub full_scale: FullScale,
+    /// What it was made for.
+    pub made_for: MadeFor,
     /// Its elements, in the layout's order.
     pub elements: Vec<ElementCalibration>,
+}
+
+/// Unit of forces in the file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum ForceUnit {
+    /// Newton.
+    #[default]
+    #[serde(rename = "N")]
+    Newton,
 }
 
 /// Only the version, to tell a file of another version from a broken one.
@@ -221,20 +229,24 @@ impl Calibration {
         Ok(toml::to_string(self)?)
     }
 
+    /// Which model it is of: that of its first element.
+    pub fn model(&self) -> Model {
+        let first = self.elements.first();
+        first.map_or(Model::Separable, |element| element.map.model())
+    }
+
     /// Refuses a calibration that was made for anything but `fingertip`.
     ///
     /// # Errors
     /// When the layout, the camera or the way of taking moments differs.
     pub fn check_made_for(&self, fingertip: &FingertipConfig) -> Result<(), CalibrationError> {
-        let (here, there) = (fingertip, &self.fingertip);
-        same("the layout", &here.layout, &there.layout)?;
-        same("the camera", &here.camera, &there.camera)?;
-        same("the way of taking moments", &here.moments, &there.moments)
+        MadeFor::fingertip(fingertip)?.check_same(&self.made_for)
     }
 
     /// Refuses numbers that cannot be used.
     pub(super) fn check(&self) -> Result<(), CalibrationError> {
-        let expected = self.fingertip.layout.element_count();
+        self.made_for.check()?;
+        let expected = self.made_for.elements;
         if self.elements.len() != expected {
             return Err(CalibrationError::ElementCount {
                 what: "calibrations",
@@ -254,22 +266,11 @@ impl Calibration {
             *force = element.force(moments);
         }
     }
-}
 
-/// Refuses a difference between what is configured and what was calibrated.
-fn same<T: PartialEq + Serialize>(
-    part: &'static str,
-    expected: &T,
-    actual: &T,
-) -> Result<(), CalibrationError> {
-    if expected == actual {
-        return Ok(());
+    /// How far the force at each element can be trusted. Neither allocates nor panics.
+    pub fn validity(&self, moments: &[ElementMoments], validity: &mut [ForceValidity]) {
+        for ((element, moments), validity) in self.elements.iter().zip(moments).zip(validity) {
+            *validity = element.validity(moments);
+        }
     }
-    let Difference { key, left, right } = first_difference(expected, actual);
-    Err(CalibrationError::OtherFingertip {
-        part,
-        key,
-        expected: left,
-        actual: right,
-    })
 }

@@ -1,15 +1,20 @@
-//! Least squares: a calibration from known loads and the moments they cause.
+//! A calibration from known loads and the moments they cause: which model, which terms, how good.
 
 use super::{
     calibration::{
-        CALIBRATION_VERSION, CURVE_TERMS, Calibration, CalibrationError, ElementCalibration,
-        ForceCurve, HeldOutError,
+        CALIBRATION_VERSION, Calibration, CalibrationError, ElementCalibration, ForceMap,
+        ForceUnit, Inputs, MadeFor, SeparableMap,
     },
-    fingertip::FingertipConfig,
+    calibration_quality::{
+        CycledReading, ElementQuality, FullScale, HeldOutError, repeatability_and_hysteresis,
+        resolution,
+    },
+    coupled::{CoupledMap, Orders, choose_orders},
+    folds::Folds,
     moments::ElementMoments,
 };
 use glam::{DVec2, DVec3};
-use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
 
 /// A known load on one element and what the picture says under it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,19 +33,37 @@ pub struct ElementRecord {
     pub unloaded: Vec<ElementMoments>,
     /// Loads to fit.
     pub fitted: Vec<LoadSample>,
-    /// Loads to find the error on, kept from the fit.
+    /// Loads to find the error on, kept from the fit. Where there are none, each fitted load is
+    /// predicted by a fit to four fifths of the loads that it is not among.
     pub held_out: Vec<LoadSample>,
+    /// Loads put on again and again, in their order, to find repeatability and hysteresis; not fitted.
+    pub cycled: Vec<LoadSample>,
 }
 
-/// Fits the separable calibration of `fingertip` to `records`, one for each element.
+/// Which model to fit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ModelChoice {
+    /// The paper's: one curve for each component of the force.
+    #[default]
+    Separable,
+    /// Each component from all moments together.
+    Coupled,
+    /// The one that predicts loads better which it has not been fitted to, over all elements.
+    Auto,
+}
+
+/// Fits a calibration to `records`, one for each element of what it is `made_for`.
 ///
 /// # Errors
-/// When a record is missing or empty, an element is dark, or its loads do not determine a curve.
+/// When a record is missing or empty, an element is dark, or its loads do not determine a map.
 pub fn fit(
-    fingertip: &FingertipConfig,
+    made_for: MadeFor,
     records: &[ElementRecord],
+    choice: ModelChoice,
+    full_scale: FullScale,
 ) -> Result<Calibration, CalibrationError> {
-    let expected = fingertip.layout.element_count();
+    let expected = made_for.elements;
     if records.len() != expected {
         return Err(CalibrationError::ElementCount {
             what: "records of loads",
@@ -48,107 +71,187 @@ pub fn fit(
             actual: records.len(),
         });
     }
+    let fit_all = |coupled: bool| -> Result<Fitted, CalibrationError> {
+        let mut all = Fitted::default();
+        for (element, record) in records.iter().enumerate() {
+            let unusable = |what| CalibrationError::Unusable { element, what };
+            let prepared = Prepared::new(record).map_err(unusable)?;
+            let (calibration, score) = prepared.fit(coupled, full_scale).map_err(unusable)?;
+            all.elements.push(calibration);
+            all.score += score;
+        }
+        Ok(all)
+    };
+    let fitted = match choice {
+        ModelChoice::Separable => fit_all(false)?,
+        ModelChoice::Coupled => fit_all(true)?,
+        ModelChoice::Auto => {
+            let separable = fit_all(false);
+            match (fit_all(true), separable) {
+                (Ok(coupled), Ok(separable)) if coupled.score <= separable.score => coupled,
+                (Ok(coupled), Err(_)) => coupled,
+                // That the coupled model cannot be fitted is no reason to have none.
+                (_, separable) => separable?,
+            }
+        }
+    };
     let calibration = Calibration {
         version: CALIBRATION_VERSION,
-        fingertip: fingertip.clone(),
-        elements: records
-            .iter()
-            .enumerate()
-            .map(|(element, record)| {
-                fit_element(record).map_err(|what| CalibrationError::Unusable { element, what })
-            })
-            .collect::<Result<_, _>>()?,
+        force_unit: ForceUnit::Newton,
+        full_scale,
+        made_for,
+        elements: fitted.elements,
     };
     calibration.check()?;
     Ok(calibration)
 }
 
-fn fit_element(record: &ElementRecord) -> Result<ElementCalibration, String> {
-    for (name, count) in [
-        ("unloaded", record.unloaded.len()),
-        ("held-out", record.held_out.len()),
-    ] {
-        if count == 0 {
-            return Err(format!("at least 1 {name} picture expected, got none"));
+/// All elements fitted with one model.
+#[derive(Default)]
+struct Fitted {
+    elements: Vec<ElementCalibration>,
+    /// Sum of the mean squares of cross-validated errors, in shares of full scale.
+    score: f64,
+}
+
+/// One element's loads, made ready for fitting.
+struct Prepared<'a> {
+    record: &'a ElementRecord,
+    unloaded_gray: f64,
+    unloaded_centroid: DVec2,
+    inputs: Vec<Inputs>,
+    forces: Vec<DVec3>,
+    folds: Folds,
+}
+
+impl<'a> Prepared<'a> {
+    fn new(record: &'a ElementRecord) -> Result<Self, String> {
+        if record.unloaded.is_empty() {
+            return Err("at least 1 unloaded picture expected, got none".into());
+        }
+        let pictures = record.unloaded.len() as f64;
+        let grays = record.unloaded.iter().map(|m| m.integrated_gray);
+        let unloaded_gray = grays.sum::<f64>() / pictures;
+        let unloaded_centroid =
+            record.unloaded.iter().map(|m| m.centroid).sum::<DVec2>() / pictures;
+        if !(unloaded_gray > 0.0 && unloaded_gray.is_finite() && unloaded_centroid.is_finite()) {
+            return Err(format!(
+                "an element that is lit without load expected, got an integrated gray value of \
+                 {unloaded_gray}"
+            ));
+        }
+        let forces: Vec<_> = record.fitted.iter().map(|sample| sample.force).collect();
+        check_forces(&forces)?;
+        let prepared = Self {
+            record,
+            unloaded_gray,
+            unloaded_centroid,
+            inputs: Vec::new(),
+            folds: Folds::new(&forces),
+            forces,
+        };
+        let inputs = record.fitted.iter().map(|s| prepared.relative(&s.moments));
+        Ok(Self {
+            inputs: inputs.collect(),
+            ..prepared
+        })
+    }
+
+    fn relative(&self, moments: &ElementMoments) -> Inputs {
+        Inputs::relative(moments, self.unloaded_gray, self.unloaded_centroid)
+    }
+
+    /// The calibration of one model, and the mean square of its cross-validated errors in shares of
+    /// full scale.
+    fn fit(
+        &self,
+        coupled: bool,
+        full_scale: FullScale,
+    ) -> Result<(ElementCalibration, f64), String> {
+        let orders = coupled.then(|| choose_orders(&self.inputs, &self.forces, &self.folds));
+        let orders = orders.transpose()?;
+        let map = fit_map(&self.inputs, &self.forces, orders)?;
+        let validated = self.cross_validate(orders)?;
+        let relative_errors = validated.iter().map(|e| e / full_scale.components());
+        let score = relative_errors.map(DVec3::length_squared).sum::<f64>();
+        let readings = |samples: &[LoadSample]| -> Vec<CycledReading> {
+            let samples = samples.iter();
+            samples
+                .map(|sample| CycledReading {
+                    force: sample.force,
+                    reading: map.force(self.relative(&sample.moments)),
+                })
+                .collect()
+        };
+        let held_out = match readings(&self.record.held_out) {
+            none if none.is_empty() => HeldOutError::of(&validated, full_scale),
+            some => {
+                let errors: Vec<_> = some.iter().map(|r| r.reading - r.force).collect();
+                HeldOutError::of(&errors, full_scale)
+            }
+        };
+        let (repeatability, hysteresis) =
+            repeatability_and_hysteresis(&readings(&self.record.cycled));
+        let unloaded = self.record.unloaded.iter().map(|m| self.relative(m));
+        let quality = ElementQuality {
+            held_out,
+            repeatability,
+            hysteresis,
+            resolution: resolution(&map, unloaded),
+        };
+        let calibration = ElementCalibration {
+            unloaded_gray: self.unloaded_gray,
+            unloaded_centroid: self.unloaded_centroid,
+            map,
+            quality,
+        };
+        Ok((calibration, score / validated.len() as f64))
+    }
+
+    /// The error of each fitted load in a fit to the loads of other folds, N.
+    fn cross_validate(&self, orders: Option<Orders>) -> Result<Vec<DVec3>, String> {
+        let mut errors = Vec::with_capacity(self.forces.len());
+        for fold in self.folds.all() {
+            let train = self.folds.others(fold);
+            let inputs: Vec<_> = train.iter().map(|&row| self.inputs[row]).collect();
+            let forces: Vec<_> = train.iter().map(|&row| self.forces[row]).collect();
+            let map = fit_map(&inputs, &forces, orders)?;
+            let own = self.folds.own(fold).into_iter();
+            errors.extend(own.map(|row| map.force(self.inputs[row]) - self.forces[row]));
+        }
+        Ok(errors)
+    }
+}
+
+fn fit_map(
+    inputs: &[Inputs],
+    forces: &[DVec3],
+    orders: Option<Orders>,
+) -> Result<ForceMap, String> {
+    match orders {
+        None => SeparableMap::fit(inputs, forces).map(ForceMap::Separable),
+        Some(orders) => CoupledMap::fit(inputs, forces, orders).map(ForceMap::Coupled),
+    }
+}
+
+/// Refuses loads from which no map can be learned.
+fn check_forces(forces: &[DVec3]) -> Result<(), String> {
+    if forces.is_empty() {
+        return Err("loads expected, got none".into());
+    }
+    if let Some(force) = forces.iter().find(|force| !force.is_finite()) {
+        return Err(format!("loads of finite forces expected, got {force} N"));
+    }
+    let components: [(&str, fn(&DVec3) -> f64); 3] =
+        [("f_x", |f| f.x), ("f_y", |f| f.y), ("f_z", |f| f.z)];
+    for (name, component) in components {
+        let first = component(&forces[0]);
+        if forces.iter().all(|force| component(force) == first) {
+            let count = forces.len();
+            return Err(format!(
+                "loads that change {name} expected, all {count} have {first} N"
+            ));
         }
     }
-    let pictures = record.unloaded.len() as f64;
-    let unloaded_gray = record
-        .unloaded
-        .iter()
-        .map(|m| m.integrated_gray)
-        .sum::<f64>()
-        / pictures;
-    let unloaded_centroid = record.unloaded.iter().map(|m| m.centroid).sum::<DVec2>() / pictures;
-    let curve = |input: &dyn Fn(&ElementMoments) -> f64, force: fn(DVec3) -> f64| {
-        let (inputs, forces): (Vec<f64>, Vec<f64>) = record
-            .fitted
-            .iter()
-            .map(|sample| (input(&sample.moments), force(sample.force)))
-            .unzip();
-        fit_curve(&inputs, &forces)
-    };
-    let mut element = ElementCalibration {
-        unloaded_gray,
-        unloaded_centroid,
-        normal: curve(&|m| m.integrated_gray / unloaded_gray - 1.0, |f| f.z)?,
-        shear_x: curve(&|m| m.centroid.x - unloaded_centroid.x, |f| f.x)?,
-        shear_y: curve(&|m| m.centroid.y - unloaded_centroid.y, |f| f.y)?,
-        held_out: HeldOutError {
-            rms: DVec3::ZERO,
-            worst: DVec3::ZERO,
-        },
-    };
-    element.held_out = held_out_error(&element, &record.held_out);
-    Ok(element)
-}
-
-fn held_out_error(element: &ElementCalibration, samples: &[LoadSample]) -> HeldOutError {
-    let (mut squares, mut worst) = (DVec3::ZERO, DVec3::ZERO);
-    for sample in samples {
-        let error = element.force(&sample.moments) - sample.force;
-        squares += error * error;
-        worst = worst.max(error.abs());
-    }
-    let mean = squares / samples.len() as f64;
-    HeldOutError {
-        rms: DVec3::new(mean.x.sqrt(), mean.y.sqrt(), mean.z.sqrt()),
-        worst,
-    }
-}
-
-/// The polynomial without a constant term that is nearest to `forces` at `inputs`.
-fn fit_curve(inputs: &[f64], forces: &[f64]) -> Result<ForceCurve, String> {
-    if inputs.len() <= CURVE_TERMS {
-        let loads = inputs.len();
-        return Err(format!(
-            "more than {CURVE_TERMS} loads expected, got {loads}"
-        ));
-    }
-    // No load is a known load too: the range reaches to 0, where the curve is exactly 0.
-    let low = inputs.iter().copied().fold(0.0, f64::min);
-    let high = inputs.iter().copied().fold(0.0, f64::max);
-    let scale = low.abs().max(high.abs());
-    let all_finite = inputs.iter().chain(forces).all(|v| v.is_finite());
-    if !(all_finite && low < high) {
-        return Err(format!(
-            "loads that change a finite picture expected, got inputs from {low} to {high}"
-        ));
-    }
-    // Inputs are scaled to at most 1 so that the columns are of one size.
-    let columns = DMatrix::from_fn(inputs.len(), CURVE_TERMS, |row, term| {
-        (inputs[row] / scale).powi(term as i32 + 1)
-    });
-    let decomposition = columns.svd(true, true);
-    if decomposition.rank(1e-9) < CURVE_TERMS {
-        return Err(format!("at least {CURVE_TERMS} different loads expected"));
-    }
-    let solution = decomposition
-        .solve(&DVector::from_column_slice(forces), 0.0)
-        .map_err(str::to_owned)?;
-    let coefficients = std::array::from_fn(|term| solution[term] / scale.powi(term as i32 + 1));
-    Ok(ForceCurve {
-        range: [low, high],
-        coefficients,
-    })
+    Ok(())
 }

@@ -1,67 +1,90 @@
 //! How far a calibration is off, as text.
 
-use super::calibration::Calibration;
+use super::calibration::{Calibration, ElementCalibration, Model};
 use glam::DVec3;
 use std::fmt;
 
-/// The errors of a calibration on held-out loads, as text: a line for each element and each ring.
+/// The errors of a calibration on held-out loads, as text: a line for each ring, or for each element
+/// where there are no rings.
 #[derive(Debug, Clone, Copy)]
 pub struct CalibrationReport<'a> {
     /// What to report on.
     pub calibration: &'a Calibration,
-    /// Full scale of the compression, N.
-    pub normal_full_scale: f64,
-    /// Full scale of the shear force, N.
-    pub shear_full_scale: f64,
+    /// Whether to give each element a line, too.
+    pub verbose: bool,
+}
+
+/// What a line of the report says of one or several elements, N, along x, y, z of `E_i`.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Errors {
+    /// Root mean square on held-out loads.
+    pub rms: DVec3,
+    /// Largest magnitude on held-out loads.
+    pub worst: DVec3,
+    /// Largest standard deviation under one load; zero where it is not known.
+    pub repeatability: DVec3,
+    /// Largest difference between rising and falling loads; zero where it is not known.
+    pub hysteresis: DVec3,
+    /// Three standard deviations without load; zero where they are not known.
+    pub resolution: DVec3,
+}
+
+impl Errors {
+    /// Over `elements`: the root of the mean square, and the largest of everything else.
+    pub fn over(elements: &[ElementCalibration]) -> Self {
+        let mut errors = Self::default();
+        for ElementCalibration { quality, .. } in elements {
+            let held_out = quality.held_out;
+            errors.rms += held_out.rms * held_out.rms;
+            errors.worst = errors.worst.max(held_out.worst);
+            for (largest, value) in [
+                (&mut errors.repeatability, quality.repeatability),
+                (&mut errors.hysteresis, quality.hysteresis),
+                (&mut errors.resolution, quality.resolution),
+            ] {
+                *largest = largest.max(value.unwrap_or_default());
+            }
+        }
+        errors.rms = (errors.rms / elements.len().max(1) as f64).map(f64::sqrt);
+        errors
+    }
 }
 
 impl<'a> CalibrationReport<'a> {
-    /// Reports against full scales of 2 N compression and 1 N shear.
+    /// Reports on `calibration`, ring by ring.
     pub fn new(calibration: &'a Calibration) -> Self {
         Self {
             calibration,
-            normal_full_scale: 2.0,
-            shear_full_scale: 1.0,
+            verbose: false,
         }
     }
 
-    /// Root mean square and worst error over the elements of each ring, N, along x, y, z of `E_i`.
-    pub fn rings(&self) -> Vec<(DVec3, DVec3)> {
-        let mut elements = self.calibration.elements.iter();
-        let rings = &self.calibration.fingertip.layout.rings;
+    /// The errors over the elements of each ring; none where no rings are known.
+    pub fn rings(&self) -> Vec<Errors> {
+        let mut rest = &self.calibration.elements[..];
+        let fingertip = self.calibration.made_for.fingertip.as_ref();
+        let rings = fingertip.map_or(&[][..], |fingertip| &fingertip.layout.rings);
         rings
             .iter()
             .map(|ring| {
-                let (mut squares, mut worst) = (DVec3::ZERO, DVec3::ZERO);
-                for element in elements.by_ref().take(ring.elements) {
-                    squares += element.held_out.rms * element.held_out.rms;
-                    worst = worst.max(element.held_out.worst);
-                }
-                let mean = squares / ring.elements.max(1) as f64;
-                (mean.map(f64::sqrt), worst)
+                let (own, others) = rest.split_at(ring.elements.min(rest.len()));
+                rest = others;
+                Errors::over(own)
             })
             .collect()
     }
 
-    fn line(
-        &self,
-        f: &mut fmt::Formatter<'_>,
-        name: &str,
-        rms: DVec3,
-        worst: DVec3,
-    ) -> fmt::Result {
+    fn line(&self, f: &mut fmt::Formatter<'_>, name: &str, errors: Errors) -> fmt::Result {
         write!(f, "{name:<12}")?;
-        let scales = [
-            self.shear_full_scale,
-            self.shear_full_scale,
-            self.normal_full_scale,
-        ];
-        for ((rms, worst), scale) in rms.to_array().iter().zip(worst.to_array()).zip(scales) {
-            let (rms_percent, worst_percent) = (100.0 * rms / scale, 100.0 * worst / scale);
-            write!(
-                f,
-                "  {rms:.4} ({rms_percent:4.1} %) {worst:.4} ({worst_percent:4.1} %)"
-            )?;
+        let full_scale = self.calibration.full_scale;
+        let percent = [errors.rms, errors.worst].map(|force| full_scale.percent(force).to_array());
+        let newtons = [errors.rms, errors.worst].map(|force| force.to_array());
+        for axis in 0..3 {
+            for kind in 0..2 {
+                let (newtons, percent) = (newtons[kind][axis], percent[kind][axis]);
+                write!(f, " {newtons:7.4} ({percent:5.2} %)")?;
+            }
+            write!(f, " ")?;
         }
         writeln!(f)
     }
@@ -69,18 +92,45 @@ impl<'a> CalibrationReport<'a> {
 
 impl fmt::Display for CalibrationReport<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let calibration = self.calibration;
+        let (full_scale, elements) = (calibration.full_scale, &calibration.elements);
+        let model = match calibration.model() {
+            Model::Separable => "separable",
+            Model::Coupled => "coupled",
+        };
         writeln!(
             f,
-            "Held-out errors, rms and worst, N (share of full scale: {} N in x and y, {} N in z)",
-            self.shear_full_scale, self.normal_full_scale
+            "{model}: held-out errors, rms and worst, N (share of full scale: {} N in x and y, {} N in z)",
+            full_scale.shear, full_scale.normal
         )?;
-        writeln!(f, "{:<12}  {:<33}{:<33}z", "", "x", "y")?;
-        for (index, element) in self.calibration.elements.iter().enumerate() {
-            let held_out = &element.held_out;
-            self.line(f, &format!("element {index}"), held_out.rms, held_out.worst)?;
+        writeln!(f, "{:<12} {:<36}{:<36}z", "", "x", "y")?;
+        let rings = self.rings();
+        if self.verbose || rings.is_empty() {
+            for (index, element) in elements.iter().enumerate() {
+                let errors = Errors::over(std::slice::from_ref(element));
+                self.line(f, &format!("element {index}"), errors)?;
+            }
         }
-        for (index, (rms, worst)) in self.rings().into_iter().enumerate() {
-            self.line(f, &format!("ring {index}"), rms, worst)?;
+        for (index, errors) in rings.into_iter().enumerate() {
+            self.line(f, &format!("ring {index}"), errors)?;
+        }
+        let all = Errors::over(elements);
+        for (name, of, force) in [
+            ("repeatability", "standard deviation", all.repeatability),
+            ("hysteresis", "rising against falling load", all.hysteresis),
+            (
+                "resolution",
+                "three standard deviations without load",
+                all.resolution,
+            ),
+        ] {
+            if force != DVec3::ZERO {
+                let DVec3 { x, y, z } = 1e3 * force;
+                writeln!(
+                    f,
+                    "{name} ({of}), largest: {x:.1}, {y:.1}, {z:.1} mN in x, y, z"
+                )?;
+            }
         }
         Ok(())
     }

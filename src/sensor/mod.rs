@@ -5,17 +5,26 @@
 //! whole chain.
 
 pub mod calibration;
+pub mod calibration_error;
 pub mod calibration_fit;
+pub mod calibration_quality;
 pub mod calibration_report;
 pub mod camera;
+pub mod coupled;
 mod difference;
 pub mod dome;
+pub mod drift;
 pub mod fingertip;
+mod folds;
 pub mod frame;
 pub mod layout;
+mod least_squares;
+pub mod loads;
+pub mod made_for;
 pub mod moments;
 pub mod moments_config;
 pub mod optical;
 mod radial_distortion;
 pub mod reading;
+pub mod separable;
 pub mod subregion;

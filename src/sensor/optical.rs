@@ -1,8 +1,9 @@
 //! The whole chain: a camera's picture to the forces on all sensing elements.
 
 use super::{
-    calibration::{Calibration, CalibrationError},
+    calibration::{Calibration, CalibrationError, ForceValidity},
     camera::Camera,
+    drift::{DriftConfig, DriftCorrection},
     fingertip::{Fingertip, FingertipConfig, FingertipError},
     frame::Frame,
     moments::{ElementMoments, MomentsKernel},
@@ -27,6 +28,7 @@ pub enum OpticalSensorError {
 pub struct OpticalSensor<C> {
     camera: C,
     kernel: MomentsKernel,
+    drift: Option<DriftCorrection>,
     calibration: Calibration,
     frame: Frame,
     moments: Vec<ElementMoments>,
@@ -50,8 +52,16 @@ impl<C: Camera> OpticalSensor<C> {
             frame: Frame::black(fingertip.camera.width, fingertip.camera.height),
             moments: vec![ElementMoments::default(); kernel.element_count()],
             kernel,
+            drift: None,
             calibration,
         })
+    }
+
+    /// The same sensor with drift taken out of its moments.
+    #[must_use]
+    pub fn with_drift_correction(mut self, config: DriftConfig) -> Self {
+        self.drift = Some(DriftCorrection::new(config, &self.calibration));
+        self
     }
 
     /// The camera.
@@ -69,9 +79,15 @@ impl<C: Camera> OpticalSensor<C> {
         &self.frame
     }
 
-    /// The moments of the last reading, one for each element.
+    /// The moments of the last reading, one for each element, without drift where it is corrected.
     pub fn moments(&self) -> &[ElementMoments] {
         &self.moments
+    }
+
+    /// How far the force at each element in the last reading can be trusted. Does not allocate.
+    pub fn validity(&self) -> impl Iterator<Item = ForceValidity> {
+        let elements = self.calibration.elements.iter().zip(&self.moments);
+        elements.map(|(element, moments)| element.validity(moments))
     }
 }
 
@@ -90,6 +106,9 @@ impl<C: Camera> TactileSensor for OpticalSensor<C> {
         self.camera.capture(&mut self.frame)?;
         self.kernel
             .measure(&self.frame.picture, &mut self.moments)?;
+        if let Some(drift) = &mut self.drift {
+            drift.correct(&mut self.moments);
+        }
         self.calibration.forces(&self.moments, &mut reading.forces);
         reading.sequence = self.frame.sequence;
         reading.stamp = self.frame.stamp;

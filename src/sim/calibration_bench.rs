@@ -6,8 +6,8 @@ use super::{
     optics_model::OpticsModel,
 };
 use crate::sensor::{
-    calibration::{Calibration, CalibrationError},
-    calibration_fit::{ElementRecord, LoadSample, fit},
+    calibration::{Calibration, CalibrationError, FullScale, MadeFor},
+    calibration_fit::{ElementRecord, LoadSample, ModelChoice, fit},
     fingertip::{Fingertip, FingertipConfig, FingertipError},
     frame::Picture,
     moments::ElementMoments,
@@ -42,6 +42,14 @@ pub struct CalibrationBenchConfig {
     pub combined: usize,
     /// Further combined loads that are kept from the fit to find its error.
     pub held_out: usize,
+    /// Times that each element is loaded and unloaded again, in steps up to half the largest
+    /// compression and half its largest shear force, after everything else, to find repeatability
+    /// and hysteresis.
+    pub cycles: usize,
+    /// Which model is fitted.
+    pub model: ModelChoice,
+    /// What shares of full scale refer to.
+    pub full_scale: FullScale,
 }
 
 impl Default for CalibrationBenchConfig {
@@ -55,6 +63,9 @@ impl Default for CalibrationBenchConfig {
             shear_sweep: 40,
             combined: 400,
             held_out: 200,
+            cycles: 8,
+            model: ModelChoice::Separable,
+            full_scale: FullScale::default(),
         }
     }
 }
@@ -86,8 +97,6 @@ pub enum CalibrationBenchError {
 
 /// Calibrates the simulated fingertip `fingertip` with the optics `optics`.
 ///
-/// All elements are loaded at once, each with its own loads in its own order.
-///
 /// # Errors
 /// When a configuration makes no sense, or its loads do not determine a calibration.
 pub fn calibrate_simulated(
@@ -95,6 +104,75 @@ pub fn calibrate_simulated(
     optics: &OpticsConfig,
     bench: &CalibrationBenchConfig,
 ) -> Result<Calibration, CalibrationBenchError> {
+    let records = load_simulated(fingertip, optics, bench)?;
+    let made_for = MadeFor::fingertip(fingertip)?;
+    Ok(fit(made_for, &records, bench.model, bench.full_scale)?)
+}
+
+/// Loads the simulated fingertip `fingertip` and takes its moments.
+///
+/// # Errors
+/// When a configuration makes no sense.
+pub fn load_simulated(
+    fingertip: &FingertipConfig,
+    optics: &OpticsConfig,
+    bench: &CalibrationBenchConfig,
+) -> Result<Vec<ElementRecord>, CalibrationBenchError> {
+    let kernel = Fingertip::new(fingertip)?.kernel;
+    let mut moments = vec![ElementMoments::default(); kernel.element_count()];
+    let mut records = vec![ElementRecord::default(); kernel.element_count()];
+    take_pictures(fingertip, optics, bench, |picture, loads| {
+        kernel.measure(picture, &mut moments)?;
+        for ((record, &load), &moments) in records.iter_mut().zip(loads).zip(&moments) {
+            let sample = |force| LoadSample { force, moments };
+            match load {
+                Load::None => record.unloaded.push(moments),
+                Load::Fitted(force) => record.fitted.push(sample(force)),
+                Load::HeldOut(force) => record.held_out.push(sample(force)),
+                Load::Cycled(force) => record.cycled.push(sample(force)),
+            }
+        }
+        Ok::<_, CalibrationBenchError>(())
+    })?;
+    Ok(records)
+}
+
+/// Loads the simulated fingertip `fingertip` step by step and hands over each picture with what is
+/// on its elements.
+///
+/// All elements are loaded at once, each with its own loads in its own order.
+///
+/// # Errors
+/// When a configuration makes no sense, or what `take` says.
+pub fn take_pictures<E: From<CalibrationBenchError>>(
+    fingertip: &FingertipConfig,
+    optics: &OpticsConfig,
+    bench: &CalibrationBenchConfig,
+    mut take: impl FnMut(&Picture, &[Load]) -> Result<(), E>,
+) -> Result<(), E> {
+    check(bench)?;
+    let (layout, projection) =
+        Fingertip::layout_and_projection(fingertip).map_err(CalibrationBenchError::from)?;
+    let model =
+        OpticsModel::new(optics, &layout, &projection).map_err(CalibrationBenchError::from)?;
+    let mut scratch = OpticsScratch::new(&model);
+    let mut picture = Picture::black(projection.width(), projection.height());
+    let mut rng = Pcg64::seed_from_u64(bench.seed);
+
+    let elements = layout.elements.len();
+    let programs: Vec<_> = (0..elements).map(|_| program(bench, &mut rng)).collect();
+    for step in 0..programs.first().map_or(0, Vec::len) {
+        let loads: Vec<_> = programs.iter().map(|program| program[step]).collect();
+        let forces: Vec<_> = loads.iter().map(|load| load.force()).collect();
+        render(&model, &mut scratch, &forces, &mut rng, &mut picture)
+            .map_err(CalibrationBenchError::from)?;
+        take(&picture, &loads)?;
+    }
+    Ok(())
+}
+
+/// Refuses loads that make no sense.
+fn check(bench: &CalibrationBenchConfig) -> Result<(), CalibrationBenchError> {
     for (name, value) in [
         ("largest_normal", bench.largest_normal),
         ("largest_friction", bench.largest_friction),
@@ -103,57 +181,33 @@ pub fn calibrate_simulated(
             return Err(CalibrationBenchError::NotPositive { name, value });
         }
     }
-    let Fingertip {
-        layout,
-        projection,
-        kernel,
-    } = Fingertip::new(fingertip)?;
-    let model = OpticsModel::new(optics, &layout, &projection)?;
-    let mut scratch = OpticsScratch::new(&model);
-    let mut picture = Picture::black(projection.width(), projection.height());
-    let mut rng = Pcg64::seed_from_u64(bench.seed);
-    let elements = layout.elements.len();
-    let mut moments = vec![ElementMoments::default(); elements];
-    let mut records = vec![ElementRecord::default(); elements];
-
-    let programs: Vec<_> = (0..elements).map(|_| program(bench, &mut rng)).collect();
-    for step in 0..programs.first().map_or(0, Vec::len) {
-        let loads: Vec<_> = programs
-            .iter()
-            .map(|program| program[step].force())
-            .collect();
-        render(&model, &mut scratch, &loads, &mut rng, &mut picture)?;
-        kernel.measure(&picture, &mut moments)?;
-        for ((record, program), &moments) in records.iter_mut().zip(&programs).zip(&moments) {
-            let sample = |force| LoadSample { force, moments };
-            match program[step] {
-                Load::None => record.unloaded.push(moments),
-                Load::Fitted(force) => record.fitted.push(sample(force)),
-                Load::HeldOut(force) => record.held_out.push(sample(force)),
-            }
-        }
-    }
-    Ok(fit(fingertip, &records)?)
+    Ok(())
 }
 
 /// What is done with one load on one element; the force in its frame `E_i`, N.
-#[derive(Debug, Clone, Copy)]
-enum Load {
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Load {
+    /// There is none.
     None,
+    /// It is for fitting.
     Fitted(DVec3),
+    /// It is kept from the fit.
     HeldOut(DVec3),
+    /// It is one of a cycle.
+    Cycled(DVec3),
 }
 
 impl Load {
-    fn force(self) -> DVec3 {
+    /// The force in the element's frame `E_i`, N.
+    pub fn force(self) -> DVec3 {
         match self {
             Self::None => DVec3::ZERO,
-            Self::Fitted(force) | Self::HeldOut(force) => force,
+            Self::Fitted(force) | Self::HeldOut(force) | Self::Cycled(force) => force,
         }
     }
 }
 
-/// All loads for one element, in random order.
+/// All loads for one element, in random order but for the cycles.
 fn program(bench: &CalibrationBenchConfig, rng: &mut Pcg64) -> Vec<Load> {
     let mut loads = vec![Load::None; bench.unloaded];
     for step in 1..=bench.normal_sweep {
@@ -175,6 +229,11 @@ fn program(bench: &CalibrationBenchConfig, rng: &mut Pcg64) -> Vec<Load> {
         loads.push(Load::HeldOut(load_in_friction_cone(bench, rng)));
     }
     loads.shuffle(rng);
+    let peak = 0.5 * bench.largest_normal * (DVec3::Z + 0.5 * bench.largest_friction * DVec3::X);
+    for _ in 0..bench.cycles {
+        let steps = [0.5, 1.0, 0.5, 0.0];
+        loads.extend(steps.map(|share| Load::Cycled(share * peak)));
+    }
     loads
 }
 

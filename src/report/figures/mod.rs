@@ -1,5 +1,6 @@
 //! The paper's Figs. 8 to 13, drawn from a run.
 
+pub mod calibration;
 mod canvas;
 mod paths;
 mod time;

@@ -1,0 +1,181 @@
+//! The page of a calibration: how far off it is, with curves and residuals.
+
+use super::figures::calibration::{errors_figure, loads_figure};
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+const STYLE: &str = include_str!("page.css");
+
+/// What the page says.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct CalibrationPage {
+    /// Where the loads come from.
+    pub source: String,
+    /// Name of the model.
+    pub model: String,
+    /// SHA-256 of what it was made for.
+    pub sha256: String,
+    /// Full scale in x, y, z of an element's frame, N.
+    pub full_scale: [f64; 3],
+    /// All elements, in their order.
+    pub elements: Vec<ElementErrors>,
+    /// The elements of which loads are drawn.
+    pub drawn: Vec<ElementLoads>,
+}
+
+/// Errors of one element, N, along x, y, z of its frame.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ElementErrors {
+    /// Name of the element.
+    pub name: String,
+    /// Root mean square on held-out loads.
+    pub rms: [f64; 3],
+    /// Largest on held-out loads.
+    pub worst: [f64; 3],
+    /// Largest standard deviation under one load, if it is known.
+    pub repeatability: Option<[f64; 3]>,
+    /// Largest difference between rising and falling loads, if it is known.
+    pub hysteresis: Option<[f64; 3]>,
+    /// Three standard deviations without load, if they are known.
+    pub resolution: Option<[f64; 3]>,
+}
+
+/// Loads of one element.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ElementLoads {
+    /// Name of the element.
+    pub name: String,
+    /// Unit of displacements in the figure.
+    pub length_unit: String,
+    /// For x, y, z: the force that was put on, N, over displacement along x, y, or growth.
+    pub loads: [Vec<(f64, f64)>; 3],
+    /// For x, y, z: the calibration's force, N, over the same input, the other inputs held.
+    pub curves: [Vec<Vec<(f64, f64)>>; 3],
+    /// For x, y, z: reading less load, mN, over the load, N.
+    pub residuals: [Vec<(f64, f64)>; 3],
+}
+
+/// The page, as HTML text.
+pub fn calibration_page(page: &CalibrationPage) -> String {
+    html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                title { "Calibration: " (page.source) }
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                h1 { "Calibration: " (page.source) }
+                p.verdict { (verdict(page)) }
+                h2 { "Figures" }
+                div.figures {
+                    figure {
+                        (PreEscaped(errors_figure(page)))
+                        figcaption { b { "Errors. " }
+                            "Root mean square on loads that the fit has not seen, by element." }
+                    }
+                    @for (index, element) in page.drawn.iter().enumerate() {
+                        figure {
+                            (PreEscaped(loads_figure(element, index as u32 + 2)))
+                            figcaption { b { (element.name) ". " }
+                                "Left: the loads (dots) and the calibration's curves, for a coupled model at "
+                                "no, half and full growth of the gray value. Right: readings less loads. " }
+                        }
+                    }
+                }
+                h2 { "Elements" }
+                (elements_table(page))
+                p { "Made for the fingertip of SHA-256" br; span.digest { (page.sha256) } }
+            }
+        }
+    }
+    .into_string()
+}
+
+/// The calibration in one paragraph.
+fn verdict(page: &CalibrationPage) -> Markup {
+    let worst = |axes: &[usize]| {
+        let percent = page.elements.iter().flat_map(|element| {
+            axes.iter()
+                .map(|&axis| 100.0 * element.rms[axis] / page.full_scale[axis])
+        });
+        percent.fold(0.0, f64::max)
+    };
+    let (shear, normal) = (worst(&[0, 1]), worst(&[2]));
+    let [full_shear, _, full_normal] = page.full_scale;
+    html! {
+        "The " (page.model) " model of " (page.elements.len()) " elements is off by up to "
+        (format!("{normal:.2} % of {full_normal} N")) " in compression and "
+        (format!("{shear:.2} % of {full_shear} N")) " in shear (root mean square of the worst element)."
+    }
+}
+
+fn elements_table(page: &CalibrationPage) -> Markup {
+    html! {
+        div.scroll {
+            table {
+                thead { tr {
+                    th { "Element" }
+                    @for name in ["RMS", "RMS", "Worst", "Worst", "Repeatability", "Hysteresis", "Resolution"]
+                        .iter().zip(["mN", "%", "mN", "%", "mN", "mN", "mN"]) {
+                        th.number { (name.0) " " span.unit { "x, y, z, " (name.1) } }
+                    }
+                } }
+                tbody {
+                    @for element in &page.elements {
+                        tr {
+                            td { (element.name) }
+                            td.number { (millinewtons(Some(element.rms))) }
+                            td.number { (percent(element.rms, page.full_scale)) }
+                            td.number { (millinewtons(Some(element.worst))) }
+                            td.number { (percent(element.worst, page.full_scale)) }
+                            td.number { (millinewtons(element.repeatability)) }
+                            td.number { (millinewtons(element.hysteresis)) }
+                            td.number { (millinewtons(element.resolution)) }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn millinewtons(force: Option<[f64; 3]>) -> String {
+    let text = |force: [f64; 3]| force.map(|f| format!("{:.1}", 1e3 * f)).join(", ");
+    force.map_or("unknown".into(), text)
+}
+
+fn percent(force: [f64; 3], full_scale: [f64; 3]) -> String {
+    let shares = std::array::from_fn::<_, 3, _>(|axis| 100.0 * force[axis] / full_scale[axis]);
+    shares.map(|share| format!("{share:.2}")).join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_page_holds_its_elements_and_is_escaped() {
+        let element = ElementErrors {
+            name: "element 0".into(),
+            rms: [0.01, 0.02, 0.03],
+            ..ElementErrors::default()
+        };
+        let loads = ElementLoads {
+            name: "element 0".into(),
+            loads: [(); 3].map(|()| vec![(0.0, 0.0), (1.0, 2.0), (f64::NAN, 1.0)]),
+            ..ElementLoads::default()
+        };
+        let page = calibration_page(&CalibrationPage {
+            source: "<b>.csv".into(),
+            full_scale: [1.0, 1.0, 2.0],
+            elements: vec![element],
+            drawn: vec![loads, ElementLoads::default()],
+            ..CalibrationPage::default()
+        });
+        assert!(page.contains("&lt;b&gt;.csv") && page.contains("1.50 % of 2 N"));
+        assert!(page.contains("10.0, 20.0, 30.0") && page.contains("unknown"));
+        assert_eq!(page.matches("<svg").count(), page.matches("</svg>").count());
+    }
+}

@@ -1,0 +1,152 @@
+//! How far a calibration can be trusted: errors, repeatability, hysteresis, resolution.
+
+use super::calibration::{ForceMap, Inputs};
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// The forces that shares of full scale refer to, N.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FullScale {
+    /// Compression, N.
+    pub normal: f64,
+    /// Magnitude of the shear force, N.
+    pub shear: f64,
+}
+
+impl Default for FullScale {
+    /// 2 N of compression and 1 N of shear.
+    fn default() -> Self {
+        Self {
+            normal: 2.0,
+            shear: 1.0,
+        }
+    }
+}
+
+impl FullScale {
+    /// Full scale of x, y, z of `E_i`, N.
+    pub fn components(self) -> DVec3 {
+        DVec3::new(self.shear, self.shear, self.normal)
+    }
+
+    /// `force` as shares of full scale, %.
+    pub fn percent(self, force: DVec3) -> DVec3 {
+        100.0 * force / self.components()
+    }
+}
+
+/// Errors on loads that the fit has not seen, along x, y, z of the element's frame `E_i`.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HeldOutError {
+    /// Root mean square, N.
+    pub rms: DVec3,
+    /// Largest magnitude, N.
+    pub worst: DVec3,
+    /// Root mean square, % of full scale.
+    pub rms_percent: DVec3,
+    /// Largest magnitude, % of full scale.
+    pub worst_percent: DVec3,
+}
+
+impl HeldOutError {
+    /// Root mean square and largest of `errors`, N.
+    pub fn of(errors: &[DVec3], full_scale: FullScale) -> Self {
+        let squares: DVec3 = errors.iter().map(|error| error * error).sum();
+        let rms = (squares / errors.len().max(1) as f64).map(f64::sqrt);
+        let worst = errors.iter().fold(DVec3::ZERO, |w, e| w.max(e.abs()));
+        Self {
+            rms,
+            worst,
+            rms_percent: full_scale.percent(rms),
+            worst_percent: full_scale.percent(worst),
+        }
+    }
+}
+
+/// What is known of one element's errors, N, along x, y, z of its frame `E_i`.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ElementQuality {
+    /// Errors on loads that the fit has not seen.
+    pub held_out: HeldOutError,
+    /// Largest standard deviation of the readings under one load that was put on at least three
+    /// times, N.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub repeatability: Option<DVec3>,
+    /// Largest difference between the mean readings under one load reached from a smaller and from a
+    /// larger one, N; at least the noise of those means.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hysteresis: Option<DVec3>,
+    /// Three standard deviations of the reading without load, N: what can just be told from nothing.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub resolution: Option<DVec3>,
+}
+
+/// Three standard deviations of what `map` reads in pictures without load, N.
+pub(super) fn resolution(map: &ForceMap, unloaded: impl Iterator<Item = Inputs>) -> Option<DVec3> {
+    let forces: Vec<_> = unloaded.map(|inputs| map.force(inputs)).collect();
+    Some(3.0 * deviation(&forces, 2)?)
+}
+
+/// Standard deviation of at least `least` forces, N.
+fn deviation(forces: &[DVec3], least: usize) -> Option<DVec3> {
+    let count = forces.len() as f64;
+    if forces.len() < least {
+        return None;
+    }
+    let mean = forces.iter().sum::<DVec3>() / count;
+    let squares: DVec3 = forces.iter().map(|f| (f - mean) * (f - mean)).sum();
+    Some((squares / (count - 1.0)).map(f64::sqrt))
+}
+
+/// One load of a series as it went on: the load and the reading, N.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CycledReading {
+    /// What was put on.
+    pub force: DVec3,
+    /// What was read.
+    pub reading: DVec3,
+}
+
+/// Readings under one and the same load.
+#[derive(Default)]
+struct SameLoad {
+    all: Vec<DVec3>,
+    rising: Vec<DVec3>,
+    falling: Vec<DVec3>,
+}
+
+/// Repeatability and hysteresis, N, of a series of loads in the order in which they were put on;
+/// none where no load was repeated, or none reached from both sides.
+pub fn repeatability_and_hysteresis(series: &[CycledReading]) -> (Option<DVec3>, Option<DVec3>) {
+    let mut loads: BTreeMap<[u64; 3], SameLoad> = BTreeMap::new();
+    let mut before = 0.0;
+    for &CycledReading { force, reading } in series {
+        let key = force.to_array().map(f64::to_bits);
+        let load = loads.entry(key).or_default();
+        load.all.push(reading);
+        let magnitude = force.length();
+        if magnitude > before {
+            load.rising.push(reading);
+        } else if magnitude < before {
+            load.falling.push(reading);
+        }
+        before = magnitude;
+    }
+    let largest = |values: Vec<DVec3>| values.into_iter().reduce(DVec3::max);
+    let mean = |v: &[DVec3]| (!v.is_empty()).then(|| v.iter().sum::<DVec3>() / v.len() as f64);
+    let deviations = loads.values().filter_map(|load| deviation(&load.all, 3));
+    let differences = loads.values().filter_map(|load| {
+        // One reading each way tells noise, not hysteresis.
+        let enough = load.rising.len() >= 2 && load.falling.len() >= 2;
+        let difference = mean(&load.rising)? - mean(&load.falling)?;
+        enough.then_some(difference.abs())
+    });
+    (
+        largest(deviations.collect()),
+        largest(differences.collect()),
+    )
+}

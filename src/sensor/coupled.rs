@@ -1,0 +1,303 @@
+//! The coupled calibration, for one element: each force from growth and displacement together.
+//!
+//! A column on preloaded cones tilts the farther the less it is pressed: `u_x` goes as
+//! `F_x (h / (8 f_0 + F_z) + 1 / k)` and `G` as `8 f_0 + F_z`, so `F_x` is near `a u_x + b g u_x` with
+//! the growth `g = G / G_0 - 1`. Further terms stand for what the eye sees differently off the axis:
+//! the dewarp's scale, spots cut by the sub-region's rim, vignetting.
+//!
+//! Every force is a polynomial in inputs divided by their largest magnitude among the loads, without a
+//! constant term: no load reads zero. The terms stand in an order such that each of a few lengths is a
+//! model of its own ([`NORMAL_ORDERS`], [`SHEAR_ORDERS`]); cross-validation chooses the length.
+
+use super::{
+    calibration::Inputs,
+    folds::Folds,
+    least_squares::{LEAST_SLOPE_RANGE, beyond, least_squares},
+};
+use glam::DVec3;
+use nalgebra::DMatrix;
+use serde::{Deserialize, Serialize};
+
+/// Numbers of terms of `F_z` that are models of their own: without the displacement; with its
+/// squares, as tilting needs them; with all of the second order; of the third and more.
+pub const NORMAL_ORDERS: [usize; 4] = [2, 7, 12, 20];
+
+/// Numbers of terms of `F_x` and `F_y` that are models of their own: tilting alone; with its
+/// curvature and the growth; with the other displacement; with squares of displacements.
+pub const SHEAR_ORDERS: [usize; 4] = [2, 5, 10, 17];
+
+const NORMAL_TERMS: usize = NORMAL_ORDERS[3];
+const SHEAR_TERMS: usize = SHEAR_ORDERS[3];
+
+/// Terms of `F_z` in growth `g` and displacements `x`, `y`.
+#[rustfmt::skip]
+fn normal_terms([g, x, y]: [f64; 3]) -> [f64; NORMAL_TERMS] {
+    let (gg, xx, yy, xy) = (g * g, x * x, y * y, x * y);
+    [
+        g, gg,
+        xx, yy, xy, g * xx, g * yy,
+        gg * g, x, y, g * x, g * y,
+        g * xy, gg * x, gg * y, gg * gg, xx * x, xx * y, x * yy, yy * y,
+    ]
+}
+
+/// Terms of a shear force in growth `g`, the displacement `u` along it and `v` across it.
+#[rustfmt::skip]
+fn shear_terms([g, u, v]: [f64; 3]) -> [f64; SHEAR_TERMS] {
+    let (gg, uu, vv, uv) = (g * g, u * u, v * v, u * v);
+    [
+        u, g * u,
+        gg * u, uu * u, g,
+        v, g * v, gg, u * vv, gg * g * u,
+        gg * v, uu, uv, vv, g * uu, g * uv, g * vv,
+    ]
+}
+
+fn polynomial(coefficients: &[f64], terms: &[f64]) -> f64 {
+    coefficients.iter().zip(terms).map(|(c, t)| c * t).sum()
+}
+
+/// The forces on one element from all that its picture says.
+///
+/// Beyond the range of its loads an input counts as at the range's end, and the force that it mostly
+/// goes with (growth: `F_z`, x: `F_x`, y: `F_y`) goes on with its mean slope over that range.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CoupledMap {
+    /// Least and greatest growth among the loads, 0 included.
+    pub growth_range: [f64; 2],
+    /// Least and greatest displacement along x among the loads, 0 included.
+    pub x_range: [f64; 2],
+    /// Least and greatest displacement along y among the loads, 0 included.
+    pub y_range: [f64; 2],
+    /// Coefficients of `F_z`, N.
+    pub normal: Vec<f64>,
+    /// Coefficients of `F_x`, N.
+    pub shear_x: Vec<f64>,
+    /// Coefficients of `F_y`, N.
+    pub shear_y: Vec<f64>,
+}
+
+/// Numbers of terms of `F_x`, `F_y` and `F_z`.
+pub(super) type Orders = [usize; 3];
+
+impl CoupledMap {
+    /// The force in `E_i`, N. Finite for all inputs that are numbers.
+    pub fn force(&self, inputs: Inputs) -> DVec3 {
+        let ranges = self.ranges();
+        let raw = [inputs.growth, inputs.displacement.x, inputs.displacement.y];
+        let mut inside = [0.0; 3];
+        let mut outside = [0.0; 3];
+        for axis in 0..3 {
+            let [low, high] = ranges[axis];
+            inside[axis] = raw[axis].max(low).min(high) / scale(ranges[axis]);
+            outside[axis] = beyond(raw[axis], ranges[axis]);
+        }
+        let [g, x, y] = inside;
+        let mut force = DVec3::new(
+            self.x_at([g, x, y]),
+            self.y_at([g, x, y]),
+            self.z_at([g, x, y]),
+        );
+        // Almost never: outside of the calibrated range.
+        if outside != [0.0; 3] {
+            let [growth, along_x, along_y] = outside;
+            force.z += growth * mean_slope(self.growth_range, |g| self.z_at([g, x, y]));
+            force.x += along_x * mean_slope(self.x_range, |x| self.x_at([g, x, y]));
+            force.y += along_y * mean_slope(self.y_range, |y| self.y_at([g, x, y]));
+        }
+        force
+    }
+
+    /// Least and greatest growth, x and y among the loads.
+    pub fn ranges(&self) -> [[f64; 2]; 3] {
+        [self.growth_range, self.x_range, self.y_range]
+    }
+
+    fn x_at(&self, [g, x, y]: [f64; 3]) -> f64 {
+        polynomial(&self.shear_x, &shear_terms([g, x, y]))
+    }
+
+    fn y_at(&self, [g, x, y]: [f64; 3]) -> f64 {
+        polynomial(&self.shear_y, &shear_terms([g, y, x]))
+    }
+
+    fn z_at(&self, inputs: [f64; 3]) -> f64 {
+        polynomial(&self.normal, &normal_terms(inputs))
+    }
+
+    /// Fits the models of `orders`.
+    pub(super) fn fit(inputs: &[Inputs], forces: &[DVec3], orders: Orders) -> Result<Self, String> {
+        let range = |input: fn(&Inputs) -> f64, name: &str| {
+            let low = inputs.iter().map(input).fold(0.0, f64::min);
+            let high = inputs.iter().map(input).fold(0.0, f64::max);
+            if high - low < LEAST_SLOPE_RANGE {
+                return Err(format!(
+                    "loads that change the picture expected, got {name} from {low} to {high}"
+                ));
+            }
+            Ok([low, high])
+        };
+        let mut map = Self {
+            growth_range: range(|i| i.growth, "growth")?,
+            x_range: range(|i| i.displacement.x, "displacement x")?,
+            y_range: range(|i| i.displacement.y, "displacement y")?,
+            normal: Vec::new(),
+            shear_x: Vec::new(),
+            shear_y: Vec::new(),
+        };
+        let [g, x, y] = map.ranges().map(scale);
+        let scaled: Vec<[f64; 3]> = (inputs.iter())
+            .map(|i| [i.growth / g, i.displacement.x / x, i.displacement.y / y])
+            .collect();
+        let component = |force: fn(&DVec3) -> f64| forces.iter().map(force).collect::<Vec<_>>();
+        let [x_order, y_order, z_order] = orders;
+        map.shear_x = solve(&scaled, shear_terms, x_order, &component(|f| f.x))?;
+        let swapped: Vec<_> = scaled.iter().map(|&[g, x, y]| [g, y, x]).collect();
+        map.shear_y = solve(&swapped, shear_terms, y_order, &component(|f| f.y))?;
+        map.normal = solve(&scaled, normal_terms, z_order, &component(|f| f.z))?;
+        Ok(map)
+    }
+
+    /// Says what makes a force of the map unusable.
+    pub(super) fn check(&self) -> Result<(), String> {
+        let names = ["growth_range", "x_range", "y_range"];
+        for (name, [low, high]) in names.into_iter().zip(self.ranges()) {
+            if !(low.is_finite() && high.is_finite() && low < high && low <= 0.0 && high >= 0.0) {
+                return Err(format!("{name} must rise and hold 0, got {low} to {high}"));
+            }
+        }
+        let lists = [
+            ("normal", &self.normal, NORMAL_ORDERS),
+            ("shear_x", &self.shear_x, SHEAR_ORDERS),
+            ("shear_y", &self.shear_y, SHEAR_ORDERS),
+        ];
+        for (name, list, orders) in lists {
+            if !orders.contains(&list.len()) {
+                let actual = list.len();
+                return Err(format!("{name} of {orders:?} terms expected, got {actual}"));
+            }
+            // Terms are at most 1, so their sum stays finite with room for the straight lines.
+            if let Some(wrong) = list.iter().find(|c| !(c.abs() <= 1e100)) {
+                return Err(format!(
+                    "{name} of finite coefficients up to 1e100 N expected, got {wrong}"
+                ));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Largest magnitude in a range that holds 0.
+fn scale([low, high]: [f64; 2]) -> f64 {
+    high.max(-low)
+}
+
+/// Mean slope over `range` of a force given over the scaled input.
+fn mean_slope(range: [f64; 2], force: impl Fn(f64) -> f64) -> f64 {
+    let [low, high] = range;
+    let scale = scale(range);
+    (force(high / scale) - force(low / scale)) / (high - low)
+}
+
+/// The `order` first coefficients of `terms` that are nearest to `forces`.
+fn solve<const N: usize>(
+    inputs: &[[f64; 3]],
+    terms: fn([f64; 3]) -> [f64; N],
+    order: usize,
+    forces: &[f64],
+) -> Result<Vec<f64>, String> {
+    let mut columns = DMatrix::zeros(inputs.len(), order);
+    for (row, &inputs) in inputs.iter().enumerate() {
+        for (column, term) in terms(inputs).into_iter().take(order).enumerate() {
+            columns[(row, column)] = term;
+        }
+    }
+    least_squares(columns, forces)
+}
+
+/// The numbers of terms that predict loads best which the fit has not seen: the least number that is
+/// not beaten by more than [`WORTHWHILE`].
+///
+/// # Errors
+/// When there are too few loads, or too few different ones, for the smallest model.
+pub(super) fn choose_orders(
+    inputs: &[Inputs],
+    forces: &[DVec3],
+    folds: &Folds,
+) -> Result<Orders, String> {
+    let largest = |input: fn(&Inputs) -> f64| {
+        let largest = inputs
+            .iter()
+            .map(input)
+            .fold(0.0, |a: f64, b| a.max(b.abs()));
+        largest.max(LEAST_SLOPE_RANGE)
+    };
+    let (g, x) = (largest(|i| i.growth), largest(|i| i.displacement.x));
+    let y = largest(|i| i.displacement.y);
+    let scaled: Vec<[f64; 3]> = (inputs.iter())
+        .map(|i| [i.growth / g, i.displacement.x / x, i.displacement.y / y])
+        .collect();
+    let swapped: Vec<_> = scaled.iter().map(|&[g, x, y]| [g, y, x]).collect();
+    let component = |force: fn(&DVec3) -> f64| forces.iter().map(force).collect::<Vec<_>>();
+    Ok([
+        choose_order(
+            &scaled,
+            shear_terms,
+            SHEAR_ORDERS,
+            &component(|f| f.x),
+            folds,
+        )?,
+        choose_order(
+            &swapped,
+            shear_terms,
+            SHEAR_ORDERS,
+            &component(|f| f.y),
+            folds,
+        )?,
+        choose_order(
+            &scaled,
+            normal_terms,
+            NORMAL_ORDERS,
+            &component(|f| f.z),
+            folds,
+        )?,
+    ])
+}
+
+/// A larger model must make the cross-validated error smaller by this part to be chosen.
+const WORTHWHILE: f64 = 0.02;
+
+fn choose_order<const N: usize>(
+    inputs: &[[f64; 3]],
+    terms: fn([f64; 3]) -> [f64; N],
+    orders: [usize; 4],
+    forces: &[f64],
+    folds: &Folds,
+) -> Result<usize, String> {
+    let squares = |order| -> Result<f64, String> {
+        let mut squares = 0.0;
+        for fold in folds.all() {
+            let (train, test) = (folds.others(fold), folds.own(fold));
+            let train_inputs: Vec<_> = train.iter().map(|&row| inputs[row]).collect();
+            let train_forces: Vec<_> = train.iter().map(|&row| forces[row]).collect();
+            let coefficients = solve(&train_inputs, terms, order, &train_forces)?;
+            for row in test {
+                let error = polynomial(&coefficients, &terms(inputs[row])) - forces[row];
+                squares += error * error;
+            }
+        }
+        Ok(squares)
+    };
+    let mut best = (orders[0], squares(orders[0])?);
+    // A model for which the loads do not suffice is none to choose.
+    for (order, squares) in orders[1..]
+        .iter()
+        .filter_map(|&n| Some((n, squares(n).ok()?)))
+    {
+        if squares.sqrt() < (1.0 - WORTHWHILE) * best.1.sqrt() {
+            best = (order, squares);
+        }
+    }
+    Ok(best.0)
+}
