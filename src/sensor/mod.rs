@@ -13,6 +13,8 @@ pub mod dome;
 pub mod fingertip;
 pub mod frame;
 pub mod layout;
+pub mod locate;
+pub mod located_layout;
 pub mod moments;
 pub mod moments_config;
 pub mod optical;
