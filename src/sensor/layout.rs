@@ -61,6 +61,18 @@ pub struct SensingElement {
 }
 
 impl SensingElement {
+    /// The element whose outward normal is along `direction` (in `T`, not zero), its frame turned as
+    /// those of the rings are. At the apex, which has no meridian, x of the element is along y of `T`.
+    /// Its ring is not known and 0.
+    pub fn facing(direction: DVec3) -> Self {
+        let polar = direction.y.hypot(direction.z).atan2(direction.x);
+        let azimuth = direction.z.atan2(direction.y);
+        Self {
+            ring: 0,
+            rotation: element_rotation(polar, azimuth),
+        }
+    }
+
     /// The outward normal of the dome at the element, a unit vector in `T`.
     pub fn normal(&self) -> DVec3 {
         self.rotation.z_axis

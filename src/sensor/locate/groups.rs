@@ -1,6 +1,6 @@
 //! Groups of spots that are one element each.
 
-use super::{median, spots::Spot};
+use super::{median, nearest, spots::Spot};
 use glam::DVec2;
 
 /// Which spots are which element.
@@ -14,8 +14,14 @@ pub(super) struct Grouped {
     pub left_out: Vec<usize>,
 }
 
-/// Largest group of spots that is looked for.
-const LARGEST: usize = 32;
+/// Sizes of groups that are looked for.
+const SIZES: std::ops::RangeInclusive<usize> = 3..=32;
+
+/// Most spots among which groups are looked for.
+const MOST: usize = 2048;
+
+/// Distance from a group's centre to the nearest spot of another over that to its own farthest one.
+const CLEAR: f64 = 1.25;
 
 /// Part of all spots that must lie in groups of exactly one size.
 const COVERED: f64 = 0.7;
@@ -28,14 +34,100 @@ const APART: f64 = 1.25;
 /// they lie in such, else each for itself.
 pub(super) fn group(spots: &[Spot], diameter: Option<f64>) -> Grouped {
     let centres: Vec<DVec2> = spots.iter().map(|s| s.centre).collect();
-    let tree = Tree::new(&centres);
     if let Some(diameter) = diameter {
-        return within(&tree, &centres, diameter);
+        return within(&centres, diameter);
     }
-    (3..=LARGEST)
-        .filter_map(|size| Some((size, separation(&tree, &centres, size)?)))
-        .max_by(|a, b| a.1.total_cmp(&b.1))
-        .map_or_else(|| singles(centres.len()), |(size, _)| of_size(&tree, &centres, size))
+    if centres.len() > MOST {
+        return singles(centres.len());
+    }
+    let clear = clear_groups(&centres);
+    SIZES
+        .filter_map(|size| {
+            let groups = disjoint(&clear, size, centres.len());
+            let covered = (groups.len() * size) as f64 / centres.len() as f64;
+            let good = groups.len() >= 2 && covered >= COVERED && apart(&groups, &centres) >= APART;
+            good.then_some((covered, size, groups))
+        })
+        // Of equal ones the last, which is the largest size: an element is all of its spots.
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map_or_else(
+            || singles(centres.len()),
+            |(_, size, groups)| with_incomplete(groups, &centres, size),
+        )
+}
+
+/// A group that lies clear of all other spots about its centre.
+#[derive(Debug, Clone)]
+struct ClearGroup {
+    members: Vec<usize>,
+    /// Distance from its centre to the nearest other spot over that to its own farthest one.
+    clearance: f64,
+}
+
+/// Groups about the middles of pairs of near spots: opposite ones have the centre between them.
+fn clear_groups(centres: &[DVec2]) -> Vec<ClearGroup> {
+    let mut found = std::collections::BTreeMap::<Vec<usize>, f64>::new();
+    for (own, near) in nearest(centres, 12).iter().enumerate() {
+        for &other in near {
+            let seed = 0.5 * (centres[own] + centres[other]);
+            for group in clear_about(seed, centres) {
+                // About its own centre a group is as clear as it can be.
+                let middle = mean(&group.members, centres);
+                let again = clear_about(middle, centres);
+                for group in again
+                    .into_iter()
+                    .filter(|g| g.members.len() == group.members.len())
+                {
+                    found.insert(group.members, group.clearance);
+                }
+            }
+        }
+    }
+    let group = |(members, clearance)| ClearGroup { members, clearance };
+    found.into_iter().map(group).collect()
+}
+
+/// The groups of the spots nearest to `seed` that lie clear of the next.
+fn clear_about(seed: DVec2, centres: &[DVec2]) -> Vec<ClearGroup> {
+    let by_distance = |a: &(f64, usize), b: &(f64, usize)| a.0.total_cmp(&b.0);
+    let mut near: Vec<(f64, usize)> = centres
+        .iter()
+        .enumerate()
+        .map(|(i, c)| (c.distance_squared(seed), i))
+        .collect();
+    let most = SIZES.end() + 1;
+    if near.len() > most {
+        near.select_nth_unstable_by(most - 1, by_distance);
+        near.truncate(most);
+    }
+    near.sort_unstable_by(by_distance);
+    let clear = |size: usize| {
+        let (last, next) = (near.get(size - 1)?.0, near.get(size)?.0);
+        let clearance = (next / last).sqrt();
+        let mut members: Vec<usize> = near[..size].iter().map(|n| n.1).collect();
+        members.sort_unstable();
+        (clearance >= CLEAR).then_some(ClearGroup { members, clearance })
+    };
+    SIZES.filter_map(clear).collect()
+}
+
+fn mean(members: &[usize], centres: &[DVec2]) -> DVec2 {
+    members.iter().map(|&l| centres[l]).sum::<DVec2>() / members.len().max(1) as f64
+}
+
+/// Groups of `size` without common spots, the clearest first.
+fn disjoint(clear: &[ClearGroup], size: usize, spots: usize) -> Vec<Vec<usize>> {
+    let mut of_size: Vec<_> = clear.iter().filter(|g| g.members.len() == size).collect();
+    of_size.sort_by(|a, b| b.clearance.total_cmp(&a.clearance));
+    let mut taken = vec![false; spots];
+    let mut groups = Vec::new();
+    for group in of_size {
+        if group.members.iter().all(|&m| !taken[m]) {
+            group.members.iter().for_each(|&m| taken[m] = true);
+            groups.push(group.members.clone());
+        }
+    }
+    groups
 }
 
 fn singles(spots: usize) -> Grouped {
@@ -47,7 +139,8 @@ fn singles(spots: usize) -> Grouped {
 }
 
 /// The largest groups no farther across than an element.
-fn within(tree: &Tree, centres: &[DVec2], diameter: f64) -> Grouped {
+fn within(centres: &[DVec2], diameter: f64) -> Grouped {
+    let tree = Tree::new(centres);
     // Spots' centres lie inside the element's outline; a little is granted to perspective.
     let fits = |leaves: &[usize]| {
         let across = |&a: &usize| {
@@ -68,21 +161,17 @@ fn within(tree: &Tree, centres: &[DVec2], diameter: f64) -> Grouped {
     }
 }
 
-/// How far apart groups of `size` lie, if there are such and most spots are in one.
-fn separation(tree: &Tree, centres: &[DVec2], size: usize) -> Option<f64> {
-    let groups = tree.largest(|node| tree.size(node) == size);
-    if groups.len() < 2 || ((groups.len() * size) as f64) < COVERED * centres.len() as f64 {
-        return None;
-    }
+/// How far apart `groups` lie: [`APART`].
+fn apart(groups: &[Vec<usize>], centres: &[DVec2]) -> f64 {
     let mut group_of = vec![usize::MAX; centres.len()];
     for (index, group) in groups.iter().enumerate() {
-        group.iter().for_each(|&leaf| group_of[leaf] = index);
+        group.iter().for_each(|&spot| group_of[spot] = index);
     }
-    let ratio = |&leaf: &usize| {
+    let ratio = |&spot: &usize| {
         let (mut own, mut other) = (f64::INFINITY, f64::INFINITY);
-        for (spot, centre) in centres.iter().enumerate().filter(|(s, _)| *s != leaf) {
-            let distance = centre.distance(centres[leaf]);
-            if group_of[spot] == group_of[leaf] {
+        for (another, centre) in centres.iter().enumerate().filter(|(s, _)| *s != spot) {
+            let distance = centre.distance(centres[spot]);
+            if group_of[another] == group_of[spot] {
                 own = own.min(distance);
             } else {
                 other = other.min(distance);
@@ -91,68 +180,36 @@ fn separation(tree: &Tree, centres: &[DVec2], size: usize) -> Option<f64> {
         other / own
     };
     let mut ratios: Vec<f64> = groups.iter().flatten().map(ratio).collect();
-    Some(median(&mut ratios)).filter(|&ratio| ratio >= APART)
+    median(&mut ratios)
 }
 
-/// Groups of `size`; of the spots that are left, what is nearly one group, or several that touch.
-fn of_size(tree: &Tree, centres: &[DVec2], size: usize) -> Grouped {
-    let mut members = tree.largest(|node| tree.size(node) == size);
+/// Adds to the groups of `size` what is left and fits into as large a place: groups that miss a
+/// spot, or have run into another.
+fn with_incomplete(mut groups: Vec<Vec<usize>>, centres: &[DVec2], size: usize) -> Grouped {
     let mut taken = vec![false; centres.len()];
-    members.iter().flatten().for_each(|&leaf| taken[leaf] = true);
-    // Groups that run into each other: as large as several, with none inside.
-    let several = |node: usize| {
-        let leaves = tree.size(node);
-        leaves % size == 0 && leaves <= 4 * size && !tree.leaves(node).iter().any(|&l| taken[l])
+    groups.iter().flatten().for_each(|&spot| taken[spot] = true);
+    let across = |group: &Vec<usize>| {
+        let middle = mean(group, centres);
+        let from_middle = |&spot: &usize| centres[spot].distance(middle);
+        2.0 * group.iter().map(from_middle).fold(0.0, f64::max)
     };
-    let merged = tree.largest(several);
-    for group in &merged {
-        group.iter().for_each(|&leaf| taken[leaf] = true);
-        members.extend(split(group, centres, group.len() / size));
+    let largest = groups.iter().map(across).fold(0.0, f64::max);
+    let left: Vec<usize> = (0..centres.len()).filter(|&spot| !taken[spot]).collect();
+    let left_centres: Vec<DVec2> = left.iter().map(|&spot| centres[spot]).collect();
+    let mut left_out = Vec::new();
+    for members in within(&left_centres, 1.1 * largest).members {
+        let members = members.into_iter().map(|m| left[m]).collect::<Vec<_>>();
+        if 2 * members.len() >= size {
+            groups.push(members);
+        } else {
+            left_out.extend(members);
+        }
     }
-    let nearly = tree.largest(|node| {
-        let leaves = tree.size(node);
-        2 * leaves > size && leaves < 2 * size && !tree.leaves(node).iter().any(|&l| taken[l])
-    });
-    nearly.iter().flatten().for_each(|&leaf| taken[leaf] = true);
-    members.extend(nearly);
     Grouped {
-        members,
+        members: groups,
         per_element: size,
-        left_out: (0..centres.len()).filter(|&leaf| !taken[leaf]).collect(),
+        left_out,
     }
-}
-
-/// Splits a group into `parts` about centres that are far from each other (Lloyd's algorithm).
-fn split(group: &[usize], centres: &[DVec2], parts: usize) -> Vec<Vec<usize>> {
-    let mean = |leaves: &[usize]| {
-        leaves.iter().map(|&l| centres[l]).sum::<DVec2>() / leaves.len().max(1) as f64
-    };
-    let mut seeds = vec![mean(group)];
-    while seeds.len() < parts + 1 {
-        let far = |&leaf: &usize| {
-            let to_seed = |s: &DVec2| s.distance_squared(centres[leaf]);
-            seeds.iter().map(to_seed).fold(f64::INFINITY, f64::min)
-        };
-        let farthest = group.iter().max_by(|a, b| far(a).total_cmp(&far(b)));
-        seeds.extend(farthest.map(|&leaf| centres[leaf]));
-    }
-    seeds.remove(0);
-    let mut shares = Vec::new();
-    for _ in 0..16 {
-        shares = vec![Vec::new(); parts];
-        for &leaf in group {
-            let to_seed = |part: &usize| seeds[*part].distance_squared(centres[leaf]);
-            let nearest = (0..parts).min_by(|a, b| to_seed(a).total_cmp(&to_seed(b)));
-            shares[nearest.unwrap_or(0)].push(leaf);
-        }
-        for (seed, share) in seeds.iter_mut().zip(&shares) {
-            if !share.is_empty() {
-                *seed = mean(share);
-            }
-        }
-    }
-    shares.retain(|share| !share.is_empty());
-    shares
 }
 
 /// Spots joined nearest first (single linkage): leaves are the spots, a node joins two below it.
@@ -190,7 +247,9 @@ impl Tree {
     }
 
     fn children(&self, node: usize) -> Option<(usize, usize)> {
-        self.children.get(node.checked_sub(self.leaf_count)?).copied()
+        self.children
+            .get(node.checked_sub(self.leaf_count)?)
+            .copied()
     }
 
     fn leaves(&self, node: usize) -> Vec<usize> {

@@ -177,7 +177,9 @@ pub enum LocateError {
         pixels: usize,
     },
     /// The picture is black all over.
-    #[error("the picture is black (brightest pixel {brightest:.0} of 255): is there light in the dome?")]
+    #[error(
+        "the picture is black (brightest pixel {brightest:.0} of 255): is there light in the dome?"
+    )]
     Black {
         /// Largest grey value.
         brightest: f32,
@@ -201,7 +203,9 @@ pub enum LocateError {
         noise: f64,
     },
     /// There are so many spots that they are no elements.
-    #[error("at most {MAX_SPOTS} bright spots expected, got {actual}: is this a picture of a sensor?")]
+    #[error(
+        "at most {MAX_SPOTS} bright spots expected, got {actual}: is this a picture of a sensor?"
+    )]
     TooManySpots {
         /// How many there are.
         actual: usize,
@@ -224,10 +228,7 @@ pub enum LocateError {
 ///
 /// # Errors
 /// When the picture is black, white or without bright spots, or `config` makes no sense.
-pub fn locate(
-    reference: &ReferencePicture,
-    config: &LocateConfig,
-) -> Result<Located, LocateError> {
+pub fn locate(reference: &ReferencePicture, config: &LocateConfig) -> Result<Located, LocateError> {
     check(reference, config)?;
     let found = spots::find(reference, config.spot_diameter_px)?;
     let grouped = groups::group(&found.spots, config.element_diameter_px);
@@ -238,7 +239,12 @@ fn check(reference: &ReferencePicture, config: &LocateConfig) -> Result<(), Loca
     let largest = reference.width.min(reference.height) as f64 / 2.0;
     let ranges = [
         ("spot_diameter_px", config.spot_diameter_px, 1.0, largest),
-        ("element_diameter_px", config.element_diameter_px, 1.0, 2.0 * largest),
+        (
+            "element_diameter_px",
+            config.element_diameter_px,
+            1.0,
+            2.0 * largest,
+        ),
         ("region_radius", Some(config.region_radius), 0.1, 2.0),
     ];
     for (name, value, low, high) in ranges {

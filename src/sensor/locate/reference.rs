@@ -23,9 +23,7 @@ impl ReferencePicture {
     ///
     /// # Errors
     /// When there is none, they differ in size, or one is too small to hold anything.
-    pub fn mean<'a>(
-        pictures: impl IntoIterator<Item = &'a Picture>,
-    ) -> Result<Self, LocateError> {
+    pub fn mean<'a>(pictures: impl IntoIterator<Item = &'a Picture>) -> Result<Self, LocateError> {
         let mut sum = MeanPicture::default();
         for picture in pictures {
             sum.add(picture)?;
@@ -34,7 +32,8 @@ impl ReferencePicture {
     }
 
     /// Standard deviation of the noise of one of the pictures, grey levels: from how far pixels
-    /// are off a plane through their neighbours, as most of a picture has little detail.
+    /// are off a plane through their neighbours, in the fifth of the picture with the least detail.
+    /// No less than that of rounding to grey levels.
     pub fn noise(&self) -> f64 {
         let (width, height) = (self.width, self.height);
         let mut off = Vec::with_capacity(width * height / 4 + 1);
@@ -49,9 +48,10 @@ impl ReferencePicture {
                 off.push((corners - 2.0 * sides + 4.0 * at(1, 1)).abs());
             }
         }
-        // The mask's weights have the root sum of squares 6; 0.6745 is the normal's median.
-        let of_mean = super::median(&mut off) / (6.0 * 0.6745);
-        of_mean * (self.pictures as f64).sqrt()
+        // The mask's weights have the root sum of squares 6; of a normal's magnitudes a fifth lies
+        // below 0.2533 of its deviation.
+        let of_mean = super::quantile(&mut off, 0.2) / (6.0 * 0.2533);
+        (of_mean * (self.pictures as f64).sqrt()).max(0.29)
     }
 }
 

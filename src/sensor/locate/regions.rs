@@ -1,7 +1,7 @@
 //! From spots to elements with sub-regions, and what looks wrong about them.
 
 use super::{
-    LocateConfig, Located, LocateWarning, LocatedElement,
+    LocateConfig, LocateWarning, Located, LocatedElement,
     groups::Grouped,
     median, nearest, quantile,
     reference::ReferencePicture,
@@ -12,10 +12,7 @@ use glam::DVec2;
 /// The pixels of each element's sub-region, column and row, sorted by row and then by column: those
 /// within its radius that are nearer to its centre than to any other. Sub-regions do not overlap;
 /// they are cut off at the rim of the picture of `size` px.
-pub fn sub_regions(
-    size: (usize, usize),
-    discs: &[(DVec2, f64)],
-) -> Vec<Vec<(usize, usize)>> {
+pub fn sub_regions(size: (usize, usize), discs: &[(DVec2, f64)]) -> Vec<Vec<(usize, usize)>> {
     let (width, height) = size;
     let mut owner = vec![(f64::INFINITY, usize::MAX); width * height];
     for (element, &(centre, radius)) in discs.iter().enumerate() {
@@ -95,7 +92,10 @@ pub(super) fn assemble(
         0.0
     };
     let size = (reference.width, reference.height);
-    let discs: Vec<_> = elements.iter().map(|e| (e.centre_px, e.radius_px)).collect();
+    let discs: Vec<_> = elements
+        .iter()
+        .map(|e| (e.centre_px, e.radius_px))
+        .collect();
     let regions = sub_regions(size, &discs);
     let mut warnings = size_warnings(&spots, &members, &neighbours, &centres, grouped.per_element);
     warnings.extend(light_warning(reference, &spots, &members));
@@ -171,7 +171,12 @@ fn size_warnings(
 ) -> Vec<LocateWarning> {
     /// An area over its neighbours' that one element does not have.
     const LARGE: f64 = 1.9;
-    let area = |i: usize| members[i].iter().map(|&s| spots[s].sigma.powi(2)).sum::<f64>();
+    let area = |i: usize| {
+        members[i]
+            .iter()
+            .map(|&s| spots[s].sigma.powi(2))
+            .sum::<f64>()
+    };
     let warning = |element: usize| {
         let actual = members[element].len();
         let merged = |times: f64| LocateWarning::Merged {
@@ -231,11 +236,10 @@ fn light_warning(
 }
 
 /// A little above the background, so that its noise does not reach the sums.
-fn dark_level(
-    reference: &ReferencePicture,
-    regions: &[Vec<(usize, usize)>],
-    noise: f64,
-) -> u8 {
+fn dark_level(reference: &ReferencePicture, regions: &[Vec<(usize, usize)>], noise: f64) -> u8 {
+    if reference.two_level {
+        return 127;
+    }
     let background = |region: &Vec<(usize, usize)>| {
         let gray = |&(c, r): &(usize, usize)| f64::from(reference.gray[r * reference.width + c]);
         // Most of a sub-region may be bright; its darkest fifth is not.
@@ -243,5 +247,7 @@ fn dark_level(
         quantile(&mut grays, 0.2)
     };
     let mut backgrounds: Vec<f64> = regions.iter().map(background).collect();
-    (quantile(&mut backgrounds, 0.9) + 4.0 * noise).ceil().min(254.0) as u8
+    (quantile(&mut backgrounds, 0.9) + 4.0 * noise)
+        .ceil()
+        .min(254.0) as u8
 }

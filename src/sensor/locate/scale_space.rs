@@ -65,7 +65,10 @@ impl ScaleSpace {
                     continue;
                 }
                 let beside = [below, above].into_iter().flatten();
-                if beside.clone().all(|l| around(&l.response, width, index) <= value) {
+                if beside
+                    .clone()
+                    .all(|l| around(&l.response, width, index) <= value)
+                {
                     found.push(index);
                 }
             }
@@ -77,8 +80,18 @@ impl ScaleSpace {
 /// Whether no neighbour is larger; of equal ones the first counts.
 fn largest_of_nine(values: &[f32], width: usize, index: usize) -> bool {
     let value = values[index];
-    let before = [index - width - 1, index - width, index - width + 1, index - 1];
-    let after = [index + 1, index + width - 1, index + width, index + width + 1];
+    let before = [
+        index - width - 1,
+        index - width,
+        index - width + 1,
+        index - 1,
+    ];
+    let after = [
+        index + 1,
+        index + width - 1,
+        index + width,
+        index + width + 1,
+    ];
     before.iter().all(|&i| values[i] < value) && after.iter().all(|&i| values[i] <= value)
 }
 

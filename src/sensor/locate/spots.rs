@@ -1,8 +1,7 @@
 //! Bright spots: blobs of the size that most blobs share.
 
 use super::{
-    LocateError, MAX_SPOTS, median, nearest, quantile,
-    reference::ReferencePicture,
+    LocateError, MAX_SPOTS, median, nearest, quantile, reference::ReferencePicture,
     scale_space::ScaleSpace,
 };
 use glam::{DMat2, DVec2};
@@ -250,7 +249,10 @@ fn without_crowding(spots: Vec<Spot>) -> Vec<Spot> {
         beside_stronger && about.len() >= 8 && gaps[own] < 0.62 * median(&mut about)
     };
     let keep: Vec<bool> = neighbours.iter().enumerate().map(|n| !crowded(n)).collect();
-    let kept = spots.iter().zip(keep).filter_map(|(s, keep)| keep.then_some(*s));
+    let kept = spots
+        .iter()
+        .zip(keep)
+        .filter_map(|(s, keep)| keep.then_some(*s));
     kept.collect()
 }
 
