@@ -256,8 +256,8 @@ fn without_crowding(spots: Vec<Spot>) -> Vec<Spot> {
     kept.collect()
 }
 
-/// Parts the spots from those that stand much farther apart from all others than the spots nearest
-/// to them do from theirs.
+/// Parts the spots from those that stand apart: much farther from all others than the spots nearest
+/// to them are from theirs, or unlike these and with hardly a neighbour where spots lie closely.
 fn without_strays(spots: Vec<Spot>) -> (Vec<Spot>, Vec<DVec2>) {
     /// Fewer spots show no pattern that one could stand apart from.
     const PATTERN: usize = 20;
@@ -266,10 +266,24 @@ fn without_strays(spots: Vec<Spot>) -> (Vec<Spot>, Vec<DVec2>) {
     }
     let neighbours = nearest(&centres(&spots), 6);
     let gaps = gaps(&spots, &neighbours);
-    let apart = |own: usize| {
-        let mut about: Vec<f64> = neighbours[own].iter().map(|&i| gaps[i]).collect();
-        gaps[own] > 1.42 * median(&mut about)
+    let about = |own: usize, value: &dyn Fn(usize) -> f64| {
+        let mut values: Vec<f64> = neighbours[own].iter().map(|&i| value(i)).collect();
+        median(&mut values)
     };
+    let spacing: Vec<f64> = (0..spots.len()).map(|i| about(i, &|i| gaps[i])).collect();
+    let close = |own: usize| {
+        let near = |&&i: &&usize| spots[i].centre.distance(spots[own].centre) < 1.5 * spacing[own];
+        neighbours[own].iter().filter(near).count()
+    };
+    let mut counts: Vec<f64> = (0..spots.len()).map(|i| close(i) as f64).collect();
+    let closely = median(&mut counts) >= 5.0;
+    let unlike = |own: usize| {
+        let response = spots[own].response / about(own, &|i| spots[i].response);
+        let sigma = spots[own].sigma / about(own, &|i| spots[i].sigma);
+        !(0.7..1.4).contains(&response) || !(0.85..1.18).contains(&sigma)
+    };
+    let apart =
+        |own: usize| gaps[own] > 1.42 * spacing[own] || (closely && close(own) < 3 && unlike(own));
     let (strays, kept): (Vec<usize>, Vec<usize>) = (0..spots.len()).partition(|&i| apart(i));
     (
         kept.iter().map(|&i| spots[i]).collect(),
