@@ -10,7 +10,7 @@
 
 use feeler::sensor::{
     frame::Picture,
-    locate::{LocateConfig, Located, ReferencePicture, locate},
+    locate::{LocateConfig, ReferencePicture, locate},
     located_layout::LocatedLayout,
     moments::{ElementMoments, MomentsKernel},
 };
@@ -24,7 +24,10 @@ pub const FITTED: usize = 700;
 pub const TARGETS: [&str; 3] = ["pose_3", "pose_4", "pose_5"];
 
 /// Parts that the fitted pictures are split into to choose the ridge and the sub-regions.
-const FOLDS: usize = 5;
+const FOLDS: usize = 10;
+
+/// Radii of the sub-regions that are tried, over the pins' spacing.
+const REGION_RADII: [f64; 6] = [0.35, 0.4, 0.45, 0.5, 0.6, 0.8];
 
 fn main() -> Result<(), Box<dyn Error>> {
     let folder = std::env::args_os()
@@ -38,19 +41,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         return Ok(());
     }
     let found = contact_pose(&DataSet::read(&folder)?)?;
-    println!(
-        "{} pins, {:.2} px apart",
-        found.located.elements.len(),
-        found.located.spacing_px
-    );
-    println!(
-        "sub-regions of {} spacings, chosen on the first {FITTED}",
-        found.region_radius
-    );
-    for (target, name) in TARGETS.iter().enumerate() {
+    println!("{} pins, {:.2} px apart", found.pins, found.spacing_px);
+    for (told, name) in found.told.iter().zip(TARGETS) {
         println!(
-            "{name}: mean absolute error {:.4} (cross-validated {:.4}, ridge {:.3})",
-            found.error[target], found.cross_validated[target], found.ridge[target]
+            "{name}: mean absolute error {:.4} (cross-validated {:.4}: ridge {:.1}, sub-regions of {} spacings)",
+            told.error, told.cross_validated, told.ridge, told.region_radius
         );
     }
     Ok(())
@@ -123,69 +118,83 @@ fn read_picture(path: &Path) -> Result<Picture, Box<dyn Error>> {
     })
 }
 
+/// How one target is told, all of it chosen by cross-validation on the fitted pictures.
+#[derive(Debug, Clone, Copy)]
+pub struct Told {
+    /// Radius of the sub-regions over the pins' spacing.
+    pub region_radius: f64,
+    /// Strength of the ridge.
+    pub ridge: f64,
+    /// Mean absolute error within the fitted pictures, mm or degrees.
+    pub cross_validated: f64,
+    /// Mean absolute error on the pictures kept from the fit, mm or degrees.
+    pub error: f64,
+}
+
 /// What came of it.
 pub struct ContactPose {
-    pub located: Located,
-    /// Radius of the sub-regions in spacings of the pins, the best by cross-validation.
-    pub region_radius: f64,
-    /// Ridge of each target, the best by cross-validation.
-    pub ridge: [f64; 3],
-    /// Mean absolute errors within the fitted pictures: mm, degrees, degrees.
-    pub cross_validated: [f64; 3],
-    /// Mean absolute errors on the pictures kept from the fit: mm, degrees, degrees.
-    pub error: [f64; 3],
+    /// Pins that were found.
+    pub pins: usize,
+    /// How far they are apart, px.
+    pub spacing_px: f64,
+    /// One for each of [`TARGETS`].
+    pub told: [Told; 3],
 }
 
 /// Finds the pins in the mean of the first [`FITTED`] pictures, fits on these, predicts the rest.
 pub fn contact_pose(data: &DataSet) -> Result<ContactPose, Box<dyn Error>> {
+    if data.pictures.len() <= FITTED {
+        let pictures = data.pictures.len();
+        return Err(format!("more than {FITTED} pictures expected, got {pictures}").into());
+    }
     let reference = ReferencePicture::mean(&data.pictures[..FITTED])?;
-    let mut best: Option<(f64, f64, Located, DMatrix<f64>)> = None;
-    let poses = data.poses.rows(0, FITTED).into_owned();
-    for region_radius in [0.5, 0.6, 0.7, 0.8, 1.0] {
+    let nothing = Told {
+        region_radius: f64::NAN,
+        ridge: f64::NAN,
+        cross_validated: f64::INFINITY,
+        error: f64::INFINITY,
+    };
+    let mut pose = ContactPose {
+        pins: 0,
+        spacing_px: 0.0,
+        told: [nothing; 3],
+    };
+    for region_radius in REGION_RADII {
         let config = LocateConfig {
             region_radius,
             ..LocateConfig::default()
         };
         let located = locate(&reference, &config)?;
+        (pose.pins, pose.spacing_px) = (located.elements.len(), located.spacing_px);
         let kernel = LocatedLayout::new(&located).kernel()?;
         let features = features(&kernel, &data.pictures)?;
-        let fitted = features.rows(0, FITTED).into_owned();
-        // Each target's error over what its mean alone would leave.
-        let relative = (0..TARGETS.len()).map(|target| {
-            let y = poses.column(target).into_owned();
-            let spread = y.add_scalar(-y.mean()).abs().mean();
-            choose_ridge(&fitted, &y).1 / spread
-        });
-        let score: f64 = relative.sum();
-        if best.as_ref().is_none_or(|b| score < b.0) {
-            best = Some((score, region_radius, located, features));
+        for (target, told) in pose.told.iter_mut().enumerate() {
+            let new = tell(&features, data.poses.column(target).into(), region_radius)?;
+            if new.cross_validated < told.cross_validated {
+                *told = new;
+            }
         }
     }
-    let (_, region_radius, located, features) = best.ok_or("no sub-region was tried")?;
+    Ok(pose)
+}
+
+/// Fits one target on the first [`FITTED`] rows and predicts the rest.
+fn tell(
+    features: &DMatrix<f64>,
+    target: DVector<f64>,
+    region_radius: f64,
+) -> Result<Told, Box<dyn Error>> {
+    let kept = features.nrows() - FITTED;
     let fitted = features.rows(0, FITTED).into_owned();
-    let rest = features
-        .rows(FITTED, features.nrows() - FITTED)
-        .into_owned();
-    let (mut ridge, mut cross_validated, mut error) = ([0.0; 3], [0.0; 3], [0.0; 3]);
-    for target in 0..TARGETS.len() {
-        let y = poses.column(target).into_owned();
-        (ridge[target], cross_validated[target]) = choose_ridge(&fitted, &y);
-        let truth = data
-            .poses
-            .column(target)
-            .rows(FITTED, rest.nrows())
-            .into_owned();
-        error[target] = mean_absolute(
-            &Ridge::fit(&fitted, &y, ridge[target])?.predict(&rest),
-            &truth,
-        );
-    }
-    Ok(ContactPose {
-        located,
+    let known = target.rows(0, FITTED).into_owned();
+    let (ridge, cross_validated) = choose_ridge(&fitted, &known);
+    let rest = features.rows(FITTED, kept).into_owned();
+    let predicted = Ridge::fit(&fitted, &known, ridge)?.predict(&rest);
+    Ok(Told {
         region_radius,
         ridge,
         cross_validated,
-        error,
+        error: mean_absolute(&predicted, &target.rows(FITTED, kept).into_owned()),
     })
 }
 
@@ -285,7 +294,7 @@ fn choose_ridge(x: &DMatrix<f64>, y: &DVector<f64>) -> (f64, f64) {
     })
 }
 
-/// Mean absolute error on every fifth picture when the others are fitted, from the products of all.
+/// Mean absolute error on one fold when the others are fitted, from the products of all.
 fn fold_error(gram: &DMatrix<f64>, y: &DVector<f64>, fold: usize, ridge: f64) -> f64 {
     let (out, kept): (Vec<usize>, Vec<usize>) = (0..y.len()).partition(|i| i % FOLDS == fold);
     let own = gram.select_rows(&kept).select_columns(&kept);

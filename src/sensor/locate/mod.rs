@@ -43,9 +43,9 @@ impl Default for LocateConfig {
         Self {
             spot_diameter_px: None,
             element_diameter_px: None,
-            // Half the spacing touches the neighbour's disc; more than that reaches into the
-            // corners between discs, and the nearest centre decides.
-            region_radius: 0.6,
+            // Discs of half the spacing just touch, and a neighbour that moves stays out of them for
+            // as long as can be.
+            region_radius: 0.5,
         }
     }
 }
