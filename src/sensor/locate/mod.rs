@@ -34,7 +34,8 @@ pub struct LocateConfig {
     /// Diameter of an element, px: spots that fit into it together are one element. If absent,
     /// spots are grouped only where they lie in groups of one size.
     pub element_diameter_px: Option<f64>,
-    /// Radius of a sub-region over the distance to the nearest other element.
+    /// Radius of a sub-region over the distance to the nearest other element; the sub-region of a
+    /// group of spots is large enough for all of them in any case.
     pub region_radius: f64,
 }
 

@@ -79,10 +79,21 @@ pub(super) fn assemble(
         .zip(&neighbours)
         .map(|(c, near)| near.first().map_or(shorter, |&i| centres[i].distance(*c)))
         .collect();
+    // A group's spots grow and wander; they are given a spot and a half of room.
+    let room = |i: usize| {
+        let from_centre = |&s: &usize| spots[s].centre.distance(centres[i]);
+        let farthest = members[i].iter().map(from_centre).fold(0.0, f64::max);
+        if members[i].len() > 1 {
+            farthest + 1.5 * spot_diameter_px
+        } else {
+            0.0
+        }
+    };
     let elements: Vec<LocatedElement> = (0..centres.len())
         .map(|i| LocatedElement {
             centre_px: centres[i],
-            radius_px: config.region_radius * local_spacing(&gaps, &neighbours[i], i),
+            radius_px: (config.region_radius * local_spacing(&gaps, &neighbours[i], i))
+                .max(room(i)),
             spots_px: members[i].iter().map(|&s| spots[s].centre).collect(),
         })
         .collect();
