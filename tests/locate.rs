@@ -237,15 +237,15 @@ fn the_simulated_sensor_has_41_elements() {
             plain_off = plain_off.max(distance_to_nearest(axis, plain));
             dome_off = dome_off.max(place.centre_px.distance(axis));
             assert_eq!(place.ring, Some(element.ring));
-            // Half a pixel is less than 0.05 mm of the dome's 18 mm.
-            assert!(place.direction.unwrap().angle_between(element.normal()) < 0.003);
+            // A tenth of a pixel is less than 0.01 mm of the dome's 18 mm.
+            let direction = place.direction.unwrap();
+            assert!(direction.angle_between(element.normal()) < 6e-4);
         }
         println!("{times}: centres off by {plain_off:.3} px, with the dome known {dome_off:.3} px");
-        assert!(dome_off < 0.5, "{times}: {dome_off}");
-        assert!(
-            plain_off < 0.5 * times.max(1.0) + 1.0,
-            "{times}: {plain_off}"
-        );
+        assert!(dome_off < 0.1, "{times}: {dome_off}");
+        // The mean of a rim element's spots is off its axis by 0.76 px in a picture of 640 columns
+        // for perspective alone (by projecting its eight cones), and nothing in the picture tells.
+        assert!(plain_off < 0.85 * times, "{times}: {plain_off}");
     }
 }
 

@@ -296,7 +296,7 @@ impl LocatedLayout {
                 return unusable(&name("radius_px"), expected, radius.to_string());
             }
             match element.direction {
-                Some(d) if !((d.length() - 1.0).abs() < 1e-6) => {
+                Some(d) if !d.is_finite() || (d.length() - 1.0).abs() > 1e-6 => {
                     return unusable(&name("direction"), "a unit vector", d.to_string());
                 }
                 None if self.dome.is_some() => {
