@@ -161,7 +161,7 @@ fn within(centres: &[DVec2], diameter: f64) -> Grouped {
     }
 }
 
-/// How far apart `groups` lie: [`APART`].
+/// How far apart `groups` lie, as `APART` measures it.
 fn apart(groups: &[Vec<usize>], centres: &[DVec2]) -> f64 {
     let mut group_of = vec![usize::MAX; centres.len()];
     for (index, group) in groups.iter().enumerate() {

@@ -4,9 +4,9 @@
 //! conical feelers under one columnar feeler). Neither their number nor their size is given:
 //!
 //! 1. Bright blobs are the maxima, over place and scale, of the Laplacian of Gaussians (Lindeberg
-//!    1998); the size that most of them share is that of the spots ([`spots`]).
+//!    1998); the size that most of them share is that of the spots (`spots`).
 //! 2. If the spots come in groups of one size that lie apart from each other, the groups are the
-//!    elements, else the spots are ([`groups`]).
+//!    elements, else the spots are (`groups`).
 //! 3. An element's sub-region is the disc about its centre as far as no other centre is nearer.
 
 mod groups;
