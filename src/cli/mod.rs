@@ -3,6 +3,8 @@
 mod calibrate;
 mod check;
 mod list;
+mod locate;
+mod locate_preview;
 mod output;
 mod progress;
 mod report;
@@ -20,7 +22,8 @@ Examples:
   feeler run my.toml --set control.slip_threshold=2.5 --set task.strokes=3
   feeler check my.toml                        say what is wrong with an experiment file
   feeler report runs/seven                    make a run's report again from its recording
-  feeler calibrate --simulated --experiment my.toml -o my.calibration.toml";
+  feeler calibrate --simulated --experiment my.toml -o my.calibration.toml
+  feeler locate untouched.png -o layout.toml --preview found.png";
 
 /// Tri-axial touch to finger motion, and a simulated hand to try it on.
 ///
@@ -44,6 +47,8 @@ enum Command {
     Report(report::Arguments),
     /// Calibrate a fingertip: load its elements, take pictures, fit.
     Calibrate(calibrate::Arguments),
+    /// Find the sensing elements in pictures of an untouched sensor.
+    Locate(locate::Arguments),
 }
 
 /// What a subcommand ends with when its input was good.
@@ -78,5 +83,6 @@ fn run_command(command: Command, out: &mut dyn Write) -> Result<Outcome, Command
         Command::Check(arguments) => check::check(&arguments, out),
         Command::Report(arguments) => report::report(&arguments, out),
         Command::Calibrate(arguments) => calibrate::calibrate(&arguments, out),
+        Command::Locate(arguments) => locate::locate(&arguments, out),
     }
 }

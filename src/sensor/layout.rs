@@ -61,6 +61,22 @@ pub struct SensingElement {
 }
 
 impl SensingElement {
+    /// The element whose outward normal is along `direction` (a unit vector in `T`), its frame turned
+    /// as those of the rings are. Within a degree of the apex, where the meridian is a matter of
+    /// noise, x of the element is along y of `T`, as at the apex itself. Its ring is not known and 0.
+    pub fn facing(direction: DVec3) -> Self {
+        let off_axis = direction.y.hypot(direction.z);
+        let rotation = if direction.x > 0.0 && off_axis < 1_f64.to_radians().sin() {
+            let normal = direction.normalize();
+            let x = DVec3::Y.reject_from_normalized(normal).normalize();
+            DMat3::from_cols(x, normal.cross(x), normal)
+        } else {
+            let azimuth = direction.z.atan2(direction.y);
+            element_rotation(off_axis.atan2(direction.x), azimuth)
+        };
+        Self { ring: 0, rotation }
+    }
+
     /// The outward normal of the dome at the element, a unit vector in `T`.
     pub fn normal(&self) -> DVec3 {
         self.rotation.z_axis

@@ -20,6 +20,8 @@ pub mod frame;
 pub mod layout;
 mod least_squares;
 pub mod loads;
+pub mod locate;
+pub mod located_layout;
 pub mod made_for;
 pub mod moments;
 pub mod moments_config;

@@ -1,0 +1,313 @@
+//! Groups of spots that are one element each.
+
+use super::{median, nearest, spots::Spot};
+use glam::DVec2;
+
+/// Which spots are which element.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Grouped {
+    /// Indices of each element's spots.
+    pub members: Vec<Vec<usize>>,
+    /// Spots of most elements.
+    pub per_element: usize,
+    /// Spots that belong to none.
+    pub left_out: Vec<usize>,
+}
+
+/// Sizes of groups that are looked for.
+const SIZES: std::ops::RangeInclusive<usize> = 3..=32;
+
+/// Most spots among which groups are looked for.
+const MOST: usize = 2048;
+
+/// Distance from a group's centre to the nearest spot of another over that to its own farthest one.
+const CLEAR: f64 = 1.25;
+
+/// Part of all spots that must lie in groups of exactly one size.
+const COVERED: f64 = 0.7;
+
+/// Distance to the nearest spot of another group over that to the nearest of the own one, at the
+/// median. Of a lattice, cut into groups in whatever way, it is about one.
+const APART: f64 = 1.25;
+
+/// Groups `spots`: into elements of `diameter` px if that is given, else into groups of one size if
+/// they lie in such, else each for itself.
+pub(super) fn group(spots: &[Spot], diameter: Option<f64>) -> Grouped {
+    let centres: Vec<DVec2> = spots.iter().map(|s| s.centre).collect();
+    if let Some(diameter) = diameter {
+        return within(&centres, diameter);
+    }
+    if centres.len() > MOST {
+        return singles(centres.len());
+    }
+    let clear = clear_groups(&centres);
+    SIZES
+        .filter_map(|size| {
+            let groups = disjoint(&clear, size, centres.len());
+            let covered = (groups.len() * size) as f64 / centres.len() as f64;
+            let good = groups.len() >= 2 && covered >= COVERED && apart(&groups, &centres) >= APART;
+            good.then_some((covered, size, groups))
+        })
+        // Of equal ones the last, which is the largest size: an element is all of its spots.
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map_or_else(
+            || singles(centres.len()),
+            |(_, size, groups)| with_incomplete(groups, &centres, size),
+        )
+}
+
+/// A group that lies clear of all other spots about its centre.
+#[derive(Debug, Clone)]
+struct ClearGroup {
+    members: Vec<usize>,
+    /// Distance from its centre to the nearest other spot over that to its own farthest one.
+    clearance: f64,
+}
+
+/// Groups about the middles of pairs of near spots: opposite ones have the centre between them.
+fn clear_groups(centres: &[DVec2]) -> Vec<ClearGroup> {
+    let mut found = std::collections::BTreeMap::<Vec<usize>, f64>::new();
+    for (own, near) in nearest(centres, 12).iter().enumerate() {
+        for &other in near {
+            let seed = 0.5 * (centres[own] + centres[other]);
+            for group in clear_about(seed, centres) {
+                // About its own centre a group is as clear as it can be.
+                let middle = mean(&group.members, centres);
+                let again = clear_about(middle, centres);
+                for group in again
+                    .into_iter()
+                    .filter(|g| g.members.len() == group.members.len())
+                {
+                    found.insert(group.members, group.clearance);
+                }
+            }
+        }
+    }
+    let group = |(members, clearance)| ClearGroup { members, clearance };
+    found.into_iter().map(group).collect()
+}
+
+/// The groups of the spots nearest to `seed` that lie clear of the next.
+fn clear_about(seed: DVec2, centres: &[DVec2]) -> Vec<ClearGroup> {
+    let by_distance = |a: &(f64, usize), b: &(f64, usize)| a.0.total_cmp(&b.0);
+    let mut near: Vec<(f64, usize)> = centres
+        .iter()
+        .enumerate()
+        .map(|(i, c)| (c.distance_squared(seed), i))
+        .collect();
+    let most = SIZES.end() + 1;
+    if near.len() > most {
+        near.select_nth_unstable_by(most - 1, by_distance);
+        near.truncate(most);
+    }
+    near.sort_unstable_by(by_distance);
+    let clear = |size: usize| {
+        let (last, next) = (near.get(size - 1)?.0, near.get(size)?.0);
+        let clearance = (next / last).sqrt();
+        let mut members: Vec<usize> = near[..size].iter().map(|n| n.1).collect();
+        members.sort_unstable();
+        (clearance >= CLEAR).then_some(ClearGroup { members, clearance })
+    };
+    SIZES.filter_map(clear).collect()
+}
+
+fn mean(members: &[usize], centres: &[DVec2]) -> DVec2 {
+    members.iter().map(|&l| centres[l]).sum::<DVec2>() / members.len().max(1) as f64
+}
+
+/// Groups of `size` without common spots, the clearest first.
+fn disjoint(clear: &[ClearGroup], size: usize, spots: usize) -> Vec<Vec<usize>> {
+    let mut of_size: Vec<_> = clear.iter().filter(|g| g.members.len() == size).collect();
+    of_size.sort_by(|a, b| b.clearance.total_cmp(&a.clearance));
+    let mut taken = vec![false; spots];
+    let mut groups = Vec::new();
+    for group in of_size {
+        if group.members.iter().all(|&m| !taken[m]) {
+            group.members.iter().for_each(|&m| taken[m] = true);
+            groups.push(group.members.clone());
+        }
+    }
+    groups
+}
+
+fn singles(spots: usize) -> Grouped {
+    Grouped {
+        members: (0..spots).map(|i| vec![i]).collect(),
+        per_element: 1,
+        left_out: Vec::new(),
+    }
+}
+
+/// The largest groups no farther across than an element.
+fn within(centres: &[DVec2], diameter: f64) -> Grouped {
+    let tree = Tree::new(centres);
+    // Spots' centres lie inside the element's outline; a little is granted to perspective.
+    let fits = |leaves: &[usize]| {
+        let across = |&a: &usize| {
+            let distance = |&b: &usize| centres[a].distance(centres[b]);
+            leaves.iter().map(distance).fold(0.0, f64::max)
+        };
+        leaves.iter().map(across).fold(0.0, f64::max) <= diameter
+    };
+    let members = tree.largest(|node| {
+        // A lattice has huge groups that need not be measured spot by spot.
+        tree.size(node) <= 64 && fits(&tree.leaves(node))
+    });
+    let mut sizes: Vec<f64> = members.iter().map(|m| m.len() as f64).collect();
+    Grouped {
+        per_element: (median(&mut sizes) as usize).max(1),
+        members,
+        left_out: Vec::new(),
+    }
+}
+
+/// How far apart `groups` lie, as `APART` measures it.
+fn apart(groups: &[Vec<usize>], centres: &[DVec2]) -> f64 {
+    let mut group_of = vec![usize::MAX; centres.len()];
+    for (index, group) in groups.iter().enumerate() {
+        group.iter().for_each(|&spot| group_of[spot] = index);
+    }
+    let ratio = |&spot: &usize| {
+        let (mut own, mut other) = (f64::INFINITY, f64::INFINITY);
+        for (another, centre) in centres.iter().enumerate().filter(|(s, _)| *s != spot) {
+            let distance = centre.distance(centres[spot]);
+            if group_of[another] == group_of[spot] {
+                own = own.min(distance);
+            } else {
+                other = other.min(distance);
+            }
+        }
+        other / own
+    };
+    let mut ratios: Vec<f64> = groups.iter().flatten().map(ratio).collect();
+    median(&mut ratios)
+}
+
+/// Adds to the groups of `size` what is left and fits into as large a place: groups that miss a
+/// spot, or have run into another.
+fn with_incomplete(mut groups: Vec<Vec<usize>>, centres: &[DVec2], size: usize) -> Grouped {
+    let mut taken = vec![false; centres.len()];
+    groups.iter().flatten().for_each(|&spot| taken[spot] = true);
+    let across = |group: &Vec<usize>| {
+        let middle = mean(group, centres);
+        let from_middle = |&spot: &usize| centres[spot].distance(middle);
+        2.0 * group.iter().map(from_middle).fold(0.0, f64::max)
+    };
+    let largest = groups.iter().map(across).fold(0.0, f64::max);
+    let left: Vec<usize> = (0..centres.len()).filter(|&spot| !taken[spot]).collect();
+    let left_centres: Vec<DVec2> = left.iter().map(|&spot| centres[spot]).collect();
+    let mut left_out = Vec::new();
+    for members in within(&left_centres, 1.1 * largest).members {
+        let members = members.into_iter().map(|m| left[m]).collect::<Vec<_>>();
+        if 2 * members.len() >= size {
+            groups.push(members);
+        } else {
+            left_out.extend(members);
+        }
+    }
+    Grouped {
+        members: groups,
+        per_element: size,
+        left_out,
+    }
+}
+
+/// Spots joined nearest first (single linkage): leaves are the spots, a node joins two below it.
+struct Tree {
+    leaf_count: usize,
+    children: Vec<(usize, usize)>,
+    sizes: Vec<usize>,
+}
+
+impl Tree {
+    fn new(points: &[DVec2]) -> Self {
+        let mut edges = shortest_edges(points);
+        edges.sort_by(|a, b| a.2.total_cmp(&b.2));
+        let leaf_count = points.len();
+        let mut tree = Self {
+            leaf_count,
+            children: Vec::new(),
+            sizes: vec![1; leaf_count],
+        };
+        let mut parents: Vec<usize> = (0..leaf_count).collect();
+        for (a, b, _) in edges {
+            let (a, b) = (root(&mut parents, a), root(&mut parents, b));
+            let node = tree.sizes.len();
+            tree.children.push((a, b));
+            tree.sizes.push(tree.sizes[a] + tree.sizes[b]);
+            parents.push(node);
+            parents[a] = node;
+            parents[b] = node;
+        }
+        tree
+    }
+
+    fn size(&self, node: usize) -> usize {
+        self.sizes[node]
+    }
+
+    fn children(&self, node: usize) -> Option<(usize, usize)> {
+        self.children
+            .get(node.checked_sub(self.leaf_count)?)
+            .copied()
+    }
+
+    fn leaves(&self, node: usize) -> Vec<usize> {
+        let (mut open, mut leaves) = (vec![node], Vec::new());
+        while let Some(node) = open.pop() {
+            match self.children(node) {
+                Some((a, b)) => open.extend([a, b]),
+                None => leaves.push(node),
+            }
+        }
+        leaves.sort_unstable();
+        leaves
+    }
+
+    /// Leaves of the largest nodes that fulfil `wanted`, from the root down.
+    fn largest(&self, wanted: impl Fn(usize) -> bool) -> Vec<Vec<usize>> {
+        let mut open: Vec<usize> = self.sizes.len().checked_sub(1).into_iter().collect();
+        let mut found = Vec::new();
+        while let Some(node) = open.pop() {
+            if wanted(node) {
+                found.push(self.leaves(node));
+            } else if let Some((a, b)) = self.children(node) {
+                open.extend([a, b]);
+            }
+        }
+        found
+    }
+}
+
+/// The topmost node above a node.
+fn root(parents: &mut [usize], mut node: usize) -> usize {
+    while parents[node] != node {
+        parents[node] = parents[parents[node]];
+        node = parents[node];
+    }
+    node
+}
+
+/// The edges of the tree of least length that joins all points (Prim's algorithm).
+fn shortest_edges(points: &[DVec2]) -> Vec<(usize, usize, f64)> {
+    let mut joined = vec![false; points.len()];
+    let mut best = vec![(f64::INFINITY, 0); points.len()];
+    let mut edges = Vec::with_capacity(points.len().saturating_sub(1));
+    let mut newest = 0;
+    for _ in 1..points.len() {
+        joined[newest] = true;
+        for (index, best) in best.iter_mut().enumerate() {
+            let distance = points[index].distance_squared(points[newest]);
+            if distance < best.0 {
+                *best = (distance, newest);
+            }
+        }
+        let next = (0..points.len())
+            .filter(|&i| !joined[i])
+            .min_by(|&a, &b| best[a].0.total_cmp(&best[b].0));
+        let Some(next) = next else { break };
+        edges.push((next, best[next].1, best[next].0));
+        newest = next;
+    }
+    edges
+}

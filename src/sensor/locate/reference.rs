@@ -1,0 +1,126 @@
+//! The picture that elements are looked for in: the mean of pictures of the untouched sensor.
+
+use super::LocateError;
+use crate::sensor::frame::Picture;
+
+/// The mean of several pictures, with what is known of its noise.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReferencePicture {
+    /// Columns, px.
+    pub width: usize,
+    /// Rows, px.
+    pub height: usize,
+    /// Mean grey values, row by row from the top left, 0 to 255.
+    pub gray: Vec<f32>,
+    /// How many pictures it is the mean of.
+    pub pictures: usize,
+    /// Whether every pixel of every picture was black or white, as after a threshold.
+    pub two_level: bool,
+}
+
+impl ReferencePicture {
+    /// The mean of `pictures`.
+    ///
+    /// # Errors
+    /// When there is none, they differ in size, or one is too small to hold anything.
+    pub fn mean<'a>(pictures: impl IntoIterator<Item = &'a Picture>) -> Result<Self, LocateError> {
+        let mut sum = MeanPicture::default();
+        for picture in pictures {
+            sum.add(picture)?;
+        }
+        sum.finish()
+    }
+
+    /// Standard deviation of the noise of one of the pictures, grey levels: from how far pixels
+    /// are off a plane through their neighbours, in the fifth of the picture with the least detail.
+    /// No less than that of rounding to grey levels.
+    pub fn noise(&self) -> f64 {
+        let (width, height) = (self.width, self.height);
+        let mut off = Vec::with_capacity(width * height / 4 + 1);
+        // Every other row and column is plenty.
+        for row in (1..height.saturating_sub(1)).step_by(2) {
+            for column in (1..width.saturating_sub(1)).step_by(2) {
+                let at = |dy: usize, dx: usize| {
+                    f64::from(self.gray[(row + dy - 1) * width + column + dx - 1])
+                };
+                let corners = at(0, 0) + at(0, 2) + at(2, 0) + at(2, 2);
+                let sides = at(0, 1) + at(1, 0) + at(1, 2) + at(2, 1);
+                off.push((corners - 2.0 * sides + 4.0 * at(1, 1)).abs());
+            }
+        }
+        // The mask's weights have the root sum of squares 6; of a normal's magnitudes a fifth lies
+        // below 0.2533 of its deviation.
+        let of_mean = super::quantile(&mut off, 0.2) / (6.0 * 0.2533);
+        (of_mean * (self.pictures as f64).sqrt()).max(0.29)
+    }
+}
+
+/// Pictures as they are added up, so that they need not all be held at once.
+#[derive(Debug, Clone, Default)]
+pub struct MeanPicture {
+    size: (usize, usize),
+    sum: Vec<u32>,
+    pictures: usize,
+    gray_levels: bool,
+}
+
+/// Most pictures in a mean: their sum must fit.
+const MAX_PICTURES: usize = (u32::MAX / 255) as usize;
+
+impl MeanPicture {
+    /// Adds one picture.
+    ///
+    /// # Errors
+    /// When it has another size than those before, or is too small to hold anything.
+    pub fn add(&mut self, picture: &Picture) -> Result<(), LocateError> {
+        let (width, height) = (picture.width, picture.height);
+        let pixels = picture.pixels.len();
+        if self.pictures == 0 {
+            if width < super::MIN_SIZE || height < super::MIN_SIZE {
+                return Err(LocateError::TooSmall { width, height });
+            }
+            self.size = (width, height);
+            self.sum = vec![0; width.saturating_mul(height).min(pixels)];
+        }
+        if (width, height) != self.size || pixels != width * height {
+            return Err(LocateError::PictureSize {
+                expected_width: self.size.0,
+                expected_height: self.size.1,
+                width,
+                height,
+                pixels,
+            });
+        }
+        if self.pictures == MAX_PICTURES {
+            return Err(LocateError::TooMany { most: MAX_PICTURES });
+        }
+        for (sum, &pixel) in self.sum.iter_mut().zip(&picture.pixels) {
+            *sum += u32::from(pixel);
+            self.gray_levels |= pixel != 0 && pixel != 255;
+        }
+        self.pictures += 1;
+        Ok(())
+    }
+
+    /// The mean of what was added.
+    ///
+    /// # Errors
+    /// When nothing was.
+    pub fn finish(self) -> Result<ReferencePicture, LocateError> {
+        if self.pictures == 0 {
+            return Err(LocateError::NoPicture);
+        }
+        let scale = 1.0 / self.pictures as f64;
+        Ok(ReferencePicture {
+            width: self.size.0,
+            height: self.size.1,
+            gray: self
+                .sum
+                .iter()
+                .map(|&s| (f64::from(s) * scale) as f32)
+                .collect(),
+            pictures: self.pictures,
+            two_level: !self.gray_levels,
+        })
+    }
+}

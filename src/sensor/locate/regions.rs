@@ -1,0 +1,264 @@
+//! From spots to elements with sub-regions, and what looks wrong about them.
+
+use super::{
+    LocateConfig, LocateWarning, Located, LocatedElement,
+    groups::Grouped,
+    median, nearest, quantile,
+    reference::ReferencePicture,
+    spots::{FoundSpots, Spot},
+};
+use glam::DVec2;
+
+/// The pixels of each element's sub-region, column and row, sorted by row and then by column: those
+/// within its radius that are nearer to its centre than to any other. Sub-regions do not overlap;
+/// they are cut off at the rim of the picture of `size` px.
+pub fn sub_regions(size: (usize, usize), discs: &[(DVec2, f64)]) -> Vec<Vec<(usize, usize)>> {
+    let (width, height) = size;
+    let mut owner = vec![(f64::INFINITY, usize::MAX); width * height];
+    for (element, &(centre, radius)) in discs.iter().enumerate() {
+        let (columns, rows) = bounding_box(size, centre, radius);
+        for row in rows {
+            for column in columns.clone() {
+                let pixel = DVec2::new(column as f64, row as f64);
+                let distance = pixel.distance_squared(centre);
+                let owner = &mut owner[row * width + column];
+                // Nearer centres win even beyond their own radius: the border is half way.
+                if distance < owner.0 && distance <= radius * radius {
+                    *owner = (distance, element);
+                }
+            }
+        }
+    }
+    let mut regions = vec![Vec::new(); discs.len()];
+    for (index, &(_, element)) in owner.iter().enumerate() {
+        if let Some(region) = regions.get_mut(element) {
+            region.push((index % width, index / width));
+        }
+    }
+    regions
+}
+
+fn bounding_box(
+    (width, height): (usize, usize),
+    centre: DVec2,
+    radius: f64,
+) -> (std::ops::Range<usize>, std::ops::Range<usize>) {
+    // Casts to usize saturate at 0.
+    let low = (centre - radius).floor();
+    let high = (centre + radius).ceil() + 1.0;
+    let range = |low: f64, high: f64, end: usize| (low as usize).min(end)..(high as usize).min(end);
+    (range(low.x, high.x, width), range(low.y, high.y, height))
+}
+
+/// Makes elements of grouped spots.
+pub(super) fn assemble(
+    reference: &ReferencePicture,
+    config: &LocateConfig,
+    found: FoundSpots,
+    grouped: Grouped,
+) -> Located {
+    let FoundSpots {
+        spots,
+        mut left_out,
+        noise,
+    } = found;
+    left_out.extend(grouped.left_out.iter().map(|&i| spots[i].centre));
+    let mut diameters: Vec<f64> = spots.iter().map(Spot::diameter).collect();
+    let spot_diameter_px = median(&mut diameters);
+    let centre = |members: &Vec<usize>| {
+        members.iter().map(|&i| spots[i].centre).sum::<DVec2>() / members.len().max(1) as f64
+    };
+    let centres: Vec<DVec2> = grouped.members.iter().map(centre).collect();
+    let order = reading_order(&centres);
+    let members: Vec<&Vec<usize>> = order.iter().map(|&i| &grouped.members[i]).collect();
+    let centres: Vec<DVec2> = order.iter().map(|&i| centres[i]).collect();
+    let neighbours = nearest(&centres, 6);
+    let shorter = reference.width.min(reference.height) as f64;
+    let gaps: Vec<f64> = centres
+        .iter()
+        .zip(&neighbours)
+        .map(|(c, near)| near.first().map_or(shorter, |&i| centres[i].distance(*c)))
+        .collect();
+    // A group's spots grow and wander; they are given a spot and a half of room.
+    let room = |i: usize| {
+        let from_centre = |&s: &usize| spots[s].centre.distance(centres[i]);
+        let farthest = members[i].iter().map(from_centre).fold(0.0, f64::max);
+        if members[i].len() > 1 {
+            farthest + 1.5 * spot_diameter_px
+        } else {
+            0.0
+        }
+    };
+    let elements: Vec<LocatedElement> = (0..centres.len())
+        .map(|i| LocatedElement {
+            centre_px: centres[i],
+            radius_px: (config.region_radius * local_spacing(&gaps, &neighbours[i], i))
+                .max(room(i)),
+            spots_px: members[i].iter().map(|&s| spots[s].centre).collect(),
+        })
+        .collect();
+    let spacing_px = if centres.len() > 1 {
+        median(&mut gaps.clone())
+    } else {
+        0.0
+    };
+    let size = (reference.width, reference.height);
+    let discs: Vec<_> = elements
+        .iter()
+        .map(|e| (e.centre_px, e.radius_px))
+        .collect();
+    let regions = sub_regions(size, &discs);
+    let mut warnings = size_warnings(&spots, &members, &neighbours, &centres, grouped.per_element);
+    warnings.extend(light_warning(reference, &spots, &members));
+    let cut = |disc: &(DVec2, f64)| {
+        let (low, high) = (disc.0 - disc.1, disc.0 + disc.1);
+        let last = DVec2::new(size.0 as f64, size.1 as f64) - 1.0;
+        low.min_element() < -0.5 || (last - high).min_element() < -0.5
+    };
+    let cut_off = |(i, disc): (usize, &(DVec2, f64))| cut(disc).then_some(i);
+    let cut_off: Vec<usize> = discs.iter().enumerate().filter_map(cut_off).collect();
+    if !cut_off.is_empty() {
+        warnings.push(LocateWarning::CutOff { elements: cut_off });
+    }
+    if !left_out.is_empty() {
+        warnings.push(LocateWarning::LeftOut { spots_px: left_out });
+    }
+    Located {
+        size,
+        dark_level: dark_level(reference, &regions, noise),
+        elements,
+        spacing_px,
+        spot_diameter_px,
+        spots_per_element: grouped.per_element,
+        warnings,
+    }
+}
+
+/// The distance to the nearest element, but not so much smaller or larger than for the elements
+/// about that one error made two.
+fn local_spacing(gaps: &[f64], neighbours: &[usize], own: usize) -> f64 {
+    let mut about: Vec<f64> = neighbours.iter().map(|&i| gaps[i]).collect();
+    if about.is_empty() {
+        // A single element may fill the picture.
+        return 0.5 * gaps[own];
+    }
+    let typical = median(&mut about);
+    gaps[own].clamp(0.75 * typical, 1.5 * typical)
+}
+
+/// Indices row by row, as far as centres lie in rows: bands of half the spacing, from left to right.
+fn reading_order(centres: &[DVec2]) -> Vec<usize> {
+    let mut gaps: Vec<f64> = nearest(centres, 1)
+        .iter()
+        .zip(centres)
+        .filter_map(|(near, c)| near.first().map(|&i| centres[i].distance(*c)))
+        .collect();
+    let band = (0.5 * median(&mut gaps)).max(1.0);
+    let mut order: Vec<usize> = (0..centres.len()).collect();
+    order.sort_by(|&a, &b| centres[a].y.total_cmp(&centres[b].y));
+    let (mut rows, mut start) = (Vec::<Vec<usize>>::new(), f64::NEG_INFINITY);
+    for index in order {
+        if centres[index].y - start > band {
+            start = centres[index].y;
+            rows.push(Vec::new());
+        }
+        if let Some(row) = rows.last_mut() {
+            row.push(index);
+        }
+    }
+    for row in &mut rows {
+        row.sort_by(|&a, &b| centres[a].x.total_cmp(&centres[b].x));
+    }
+    rows.concat()
+}
+
+/// Elements that are too large, or have too many or too few spots.
+fn size_warnings(
+    spots: &[Spot],
+    members: &[&Vec<usize>],
+    neighbours: &[Vec<usize>],
+    centres: &[DVec2],
+    per_element: usize,
+) -> Vec<LocateWarning> {
+    /// An area over its neighbours' that one element does not have.
+    const LARGE: f64 = 1.9;
+    let area = |i: usize| {
+        members[i]
+            .iter()
+            .map(|&s| spots[s].sigma.powi(2))
+            .sum::<f64>()
+    };
+    let warning = |element: usize| {
+        let actual = members[element].len();
+        let merged = |times: f64| LocateWarning::Merged {
+            element,
+            centre_px: centres[element],
+            times,
+        };
+        if per_element > 1 {
+            let times = actual as f64 / per_element as f64;
+            return if actual > per_element {
+                Some(merged(times))
+            } else {
+                (actual < per_element).then_some(LocateWarning::Incomplete {
+                    element,
+                    expected: per_element,
+                    actual,
+                })
+            };
+        }
+        let mut about: Vec<f64> = neighbours[element].iter().map(|&i| area(i)).collect();
+        let times = area(element) / median(&mut about);
+        (about.len() >= 3 && times >= LARGE).then(|| merged(times))
+    };
+    (0..members.len()).filter_map(warning).collect()
+}
+
+/// Saturated spots, or a picture in which that cannot be told.
+fn light_warning(
+    reference: &ReferencePicture,
+    spots: &[Spot],
+    members: &[&Vec<usize>],
+) -> Option<LocateWarning> {
+    if reference.two_level {
+        return Some(LocateWarning::TwoLevels);
+    }
+    let size = (reference.width, reference.height);
+    let saturated = |spot: &usize| {
+        let Spot { centre, .. } = spots[*spot];
+        let radius = 0.35 * spots[*spot].diameter();
+        let (columns, rows) = bounding_box(size, centre, radius);
+        let (mut inside, mut full) = (0, 0);
+        for row in rows {
+            for column in columns.clone() {
+                let pixel = DVec2::new(column as f64, row as f64);
+                if pixel.distance(centre) <= radius.max(0.71) {
+                    inside += 1;
+                    full += usize::from(reference.gray[row * size.0 + column] > 254.0);
+                }
+            }
+        }
+        2 * full > inside
+    };
+    let elements: Vec<usize> = (0..members.len())
+        .filter(|&i| 2 * members[i].iter().filter(|s| saturated(s)).count() > members[i].len())
+        .collect();
+    (!elements.is_empty()).then_some(LocateWarning::Saturated { elements })
+}
+
+/// A little above the background, so that its noise does not reach the sums.
+fn dark_level(reference: &ReferencePicture, regions: &[Vec<(usize, usize)>], noise: f64) -> u8 {
+    if reference.two_level {
+        return 127;
+    }
+    let background = |region: &Vec<(usize, usize)>| {
+        let gray = |&(c, r): &(usize, usize)| f64::from(reference.gray[r * reference.width + c]);
+        // Most of a sub-region may be bright; its darkest fifth is not.
+        let mut grays: Vec<f64> = region.iter().map(gray).collect();
+        quantile(&mut grays, 0.2)
+    };
+    let mut backgrounds: Vec<f64> = regions.iter().map(background).collect();
+    (quantile(&mut backgrounds, 0.9) + 4.0 * noise)
+        .ceil()
+        .min(254.0) as u8
+}

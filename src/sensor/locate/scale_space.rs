@@ -1,0 +1,171 @@
+//! A picture at many scales: what is blob-like, where, and how large.
+
+use super::reference::ReferencePicture;
+
+/// Ratio of one scale to the next.
+const STEP: f64 = 1.189_207_115_002_721; // the fourth root of 2
+
+/// Finest scale, px: what a spot of two pixels has.
+const FINEST: f64 = 0.8;
+
+/// The picture's blob response at one scale.
+#[derive(Debug, Clone)]
+pub(super) struct Layer {
+    /// Standard deviation of the Gaussian, px.
+    pub sigma: f64,
+    /// `-sigma² ∇² (G * picture)`, grey levels: positive on bright blobs.
+    pub response: Vec<f32>,
+}
+
+/// Responses from fine to coarse.
+#[derive(Debug, Clone)]
+pub(super) struct ScaleSpace {
+    pub width: usize,
+    pub height: usize,
+    pub layers: Vec<Layer>,
+}
+
+impl ScaleSpace {
+    /// All scales of `picture` up to `coarsest`, px.
+    pub fn new(picture: &ReferencePicture, coarsest: f64) -> Self {
+        let (width, height) = (picture.width, picture.height);
+        let mut blurred = picture.gray.clone();
+        let (mut sigma, mut have) = (FINEST, 0.0_f64);
+        let mut layers = Vec::new();
+        while layers.len() < 3 || sigma <= coarsest {
+            let step = (sigma * sigma - have * have).sqrt();
+            blurred = blur(&blurred, width, height, step);
+            have = sigma;
+            layers.push(Layer {
+                sigma,
+                response: response(&blurred, width, height, sigma),
+            });
+            sigma *= STEP;
+        }
+        Self {
+            width,
+            height,
+            layers,
+        }
+    }
+
+    /// Where `layer` has a value no smaller than its eight neighbours' and larger than those of the
+    /// layers beside it (one of which may be missing): indices of pixels, the rim left out.
+    pub fn maxima(&self, layer: usize, floor: f32) -> Vec<usize> {
+        let (width, height) = (self.width, self.height);
+        let own = &self.layers[layer].response;
+        let below = layer.checked_sub(1).and_then(|l| self.layers.get(l));
+        let above = self.layers.get(layer + 1);
+        let mut found = Vec::new();
+        for row in 1..height - 1 {
+            for column in 1..width - 1 {
+                let index = row * width + column;
+                let value = own[index];
+                if value <= floor || !largest_of_nine(own, width, index) {
+                    continue;
+                }
+                let beside = [below, above].into_iter().flatten();
+                if beside
+                    .clone()
+                    .all(|l| around(&l.response, width, index) <= value)
+                {
+                    found.push(index);
+                }
+            }
+        }
+        found
+    }
+}
+
+/// Whether no neighbour is larger; of equal ones the first counts.
+fn largest_of_nine(values: &[f32], width: usize, index: usize) -> bool {
+    let value = values[index];
+    let before = [
+        index - width - 1,
+        index - width,
+        index - width + 1,
+        index - 1,
+    ];
+    let after = [
+        index + 1,
+        index + width - 1,
+        index + width,
+        index + width + 1,
+    ];
+    before.iter().all(|&i| values[i] < value) && after.iter().all(|&i| values[i] <= value)
+}
+
+/// Largest of a pixel and its four neighbours.
+fn around(values: &[f32], width: usize, index: usize) -> f32 {
+    [index - width, index - 1, index, index + 1, index + width]
+        .iter()
+        .fold(f32::NEG_INFINITY, |m, &i| m.max(values[i]))
+}
+
+fn response(blurred: &[f32], width: usize, height: usize, sigma: f64) -> Vec<f32> {
+    let scale = -(sigma * sigma) as f32;
+    let mut response = vec![0.0; blurred.len()];
+    for row in 0..height {
+        let up = row.saturating_sub(1) * width;
+        let down = (row + 1).min(height - 1) * width;
+        let own = row * width;
+        for column in 0..width {
+            let left = column.saturating_sub(1);
+            let right = (column + 1).min(width - 1);
+            let sum = blurred[up + column] + blurred[down + column];
+            let sum = sum + blurred[own + left] + blurred[own + right];
+            response[own + column] = scale * (sum - 4.0 * blurred[own + column]);
+        }
+    }
+    response
+}
+
+/// Blurs by a Gaussian of `sigma`, px; the picture goes on beyond its rim as it ends there.
+pub(super) fn blur(picture: &[f32], width: usize, height: usize, sigma: f64) -> Vec<f32> {
+    let kernel = gaussian(sigma);
+    let rows = blur_rows(picture, width, &kernel);
+    let turned = transposed(&rows, width, height);
+    let both = blur_rows(&turned, height, &kernel);
+    transposed(&both, height, width)
+}
+
+/// Half of the kernel, from its middle outward, integrated over pixels.
+fn gaussian(sigma: f64) -> Vec<f32> {
+    let reach = (4.0 * sigma).ceil() as usize + 1;
+    let weights: Vec<f64> = (0..=reach)
+        .map(|i| (-0.5 * (i as f64 / sigma).powi(2)).exp())
+        .collect();
+    let sum = 2.0 * weights.iter().sum::<f64>() - weights[0];
+    weights.iter().map(|w| (w / sum) as f32).collect()
+}
+
+fn blur_rows(picture: &[f32], width: usize, kernel: &[f32]) -> Vec<f32> {
+    let reach = kernel.len() - 1;
+    let mut blurred = Vec::with_capacity(picture.len());
+    let mut padded = vec![0.0; width + 2 * reach];
+    for row in picture.chunks_exact(width) {
+        padded[..reach].fill(row[0]);
+        padded[reach..reach + width].copy_from_slice(row);
+        padded[reach + width..].fill(row[width - 1]);
+        let start = blurred.len();
+        blurred.extend(row.iter().map(|v| v * kernel[0]));
+        for (i, weight) in kernel.iter().enumerate().skip(1) {
+            let left = &padded[reach - i..][..width];
+            let right = &padded[reach + i..][..width];
+            for ((sum, l), r) in blurred[start..].iter_mut().zip(left).zip(right) {
+                *sum += weight * (l + r);
+            }
+        }
+    }
+    blurred
+}
+
+fn transposed(picture: &[f32], width: usize, height: usize) -> Vec<f32> {
+    let mut turned = vec![0.0; picture.len()];
+    for (row, values) in picture.chunks_exact(width).enumerate() {
+        for (column, &value) in values.iter().enumerate() {
+            turned[column * height + row] = value;
+        }
+    }
+    turned
+}

@@ -1,0 +1,392 @@
+//! The layout file: the sensing elements that were located in a picture.
+
+use super::{
+    dome::{CameraConfig, DomeError, DomeProjection},
+    layout::SensingElement,
+    locate::{Located, sub_regions},
+    moments::MomentsKernel,
+    moments_config::MomentsError,
+    subregion::WeightedPixel,
+};
+use glam::{DVec2, DVec3};
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+use std::f64::consts::TAU;
+use std::fmt::Write as _;
+
+/// Version of the layout file that this program reads and writes.
+pub const LAYOUT_VERSION: u32 = 1;
+
+/// Most elements of a located layout.
+pub const MAX_LOCATED_ELEMENTS: usize = 4096;
+
+/// Most pixels to a side of a picture, and most in all.
+const MAX_SIDE: usize = 1 << 14;
+const MAX_PIXELS: usize = 1 << 26;
+
+/// Why a layout cannot be made, read or used.
+#[derive(Debug, thiserror::Error)]
+pub enum LayoutError {
+    /// The text is no layout.
+    #[error("not a layout file: {0}")]
+    Parse(#[from] toml::de::Error),
+    /// The layout cannot be written as text.
+    #[error("the layout cannot be written: {0}")]
+    Write(#[from] toml::ser::Error),
+    /// The file is of another version.
+    #[error("layout file version {LAYOUT_VERSION} expected, got {actual}")]
+    Version {
+        /// Version of the file.
+        actual: u32,
+    },
+    /// There are no elements, or too many.
+    #[error("1 to {MAX_LOCATED_ELEMENTS} elements expected, got {actual}")]
+    ElementCount {
+        /// How many there are.
+        actual: usize,
+    },
+    /// A value cannot be used.
+    #[error("{name}: {expected} expected, got {actual}")]
+    Unusable {
+        /// The field.
+        name: String,
+        /// What it must be.
+        expected: String,
+        /// What it is.
+        actual: String,
+    },
+    /// The dome makes no sense.
+    #[error(transparent)]
+    Dome(#[from] DomeError),
+    /// An element is seen where the camera sees nothing of the dome.
+    #[error(
+        "element {element} at column {column:.1}, row {row:.1} does not lie on the dome: check its geometry"
+    )]
+    OffDome {
+        /// Its index.
+        element: usize,
+        /// Column, px.
+        column: f64,
+        /// Row, px.
+        row: f64,
+    },
+    /// No moments can be taken.
+    #[error(transparent)]
+    Moments(#[from] MomentsError),
+}
+
+/// The dome and the camera in it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DomeGeometry {
+    /// Radius of the sphere on which the tips of the unloaded elements lie, m.
+    pub radius: f64,
+    /// The camera inside it.
+    pub camera: CameraConfig,
+}
+
+/// One element of a layout.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ElementPlace {
+    /// Column and row of its centre, px.
+    pub centre_px: DVec2,
+    /// Radius of its sub-region, px; where two overlap, the nearer centre has the pixel.
+    pub radius_px: f64,
+    /// Where it points on the dome: a unit vector in the fingertip frame `T`, if the dome is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub direction: Option<DVec3>,
+    /// Its ring, 0 innermost, if the dome is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ring: Option<usize>,
+}
+
+/// The sensing elements of a fingertip as they were located in a picture of it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LocatedLayout {
+    /// Version of the file, [`LAYOUT_VERSION`].
+    pub version: u32,
+    /// Columns of the picture, px.
+    pub width: usize,
+    /// Rows of the picture, px.
+    pub height: usize,
+    /// Grey level up to which a pixel counts as dark.
+    pub dark_level: u8,
+    /// The dome and its camera, if they are known: moments are then taken in m, in each element's
+    /// tangent plane, else in px.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dome: Option<DomeGeometry>,
+    /// The elements.
+    #[serde(rename = "element")]
+    pub elements: Vec<ElementPlace>,
+}
+
+/// Only the version, to tell a file of another version from a broken one.
+#[derive(Deserialize)]
+struct VersionOnly {
+    version: u32,
+}
+
+impl LocatedLayout {
+    /// The layout of what was located, in the picture's plane.
+    pub fn new(located: &Located) -> Self {
+        let place = |centre_px, radius_px| ElementPlace {
+            centre_px,
+            radius_px,
+            direction: None,
+            ring: None,
+        };
+        let elements = located.elements.iter();
+        Self {
+            version: LAYOUT_VERSION,
+            width: located.size.0,
+            height: located.size.1,
+            dark_level: located.dark_level,
+            dome: None,
+            elements: elements
+                .map(|e| place(rounded(e.centre_px), round(e.radius_px)))
+                .collect(),
+        }
+    }
+
+    /// The layout of what was located on a dome: an element points to the mean of where its spots
+    /// lie on the sphere. Elements are sorted ring by ring, and by azimuth about the dome's axis,
+    /// from y of `T` towards z of `T`.
+    ///
+    /// # Errors
+    /// When the dome makes no sense, is seen in a picture of another size, or does not reach to
+    /// where an element is seen.
+    pub fn on_dome(located: &Located, dome: DomeGeometry) -> Result<Self, LayoutError> {
+        let projection = DomeProjection::new(&dome.camera, dome.radius)?;
+        let mut layout = Self::new(located);
+        layout.check_camera(&dome)?;
+        for (element, (place, seen)) in layout
+            .elements
+            .iter_mut()
+            .zip(&located.elements)
+            .enumerate()
+        {
+            let on_dome = || {
+                let points = seen.spots_px.iter().map(|&spot| projection.point_at(spot));
+                let sum = points.sum::<Option<DVec3>>()?;
+                let direction = sum.try_normalize()?;
+                Some((direction, projection.project(dome.radius * direction)?))
+            };
+            let (direction, centre) = on_dome().ok_or(LayoutError::OffDome {
+                element,
+                column: seen.centre_px.x,
+                row: seen.centre_px.y,
+            })?;
+            place.direction = Some(direction);
+            place.centre_px = rounded(centre);
+        }
+        sort_into_rings(&mut layout.elements);
+        layout.dome = Some(dome);
+        layout.check()?;
+        Ok(layout)
+    }
+
+    /// Reads a layout from the text of its file.
+    ///
+    /// # Errors
+    /// When the text is not a layout of this version, or a value in it cannot be used.
+    pub fn from_toml(text: &str) -> Result<Self, LayoutError> {
+        let VersionOnly { version } = toml::from_str(text)?;
+        if version != LAYOUT_VERSION {
+            return Err(LayoutError::Version { actual: version });
+        }
+        let layout: Self = toml::from_str(text)?;
+        layout.check()?;
+        Ok(layout)
+    }
+
+    /// The text of the layout's file.
+    ///
+    /// # Errors
+    /// When a value has no form in TOML.
+    pub fn to_toml(&self) -> Result<String, LayoutError> {
+        Ok(toml::to_string(self)?)
+    }
+
+    /// What a calibration made with this layout knows it by: the SHA-256 of all that moments depend
+    /// on, as 64 hexadecimal digits. Comments and the order of keys in the file do not matter.
+    ///
+    /// # Errors
+    /// When a value has no form in TOML.
+    pub fn hash(&self) -> Result<String, LayoutError> {
+        let digest = Sha256::digest(self.to_toml()?.as_bytes());
+        Ok(digest.iter().fold(String::new(), |mut text, byte| {
+            // Writing to a string does not fail.
+            let _ = write!(text, "{byte:02x}");
+            text
+        }))
+    }
+
+    /// What the moments are taken with: in m in the tangent plane of each element if the dome is
+    /// known, else in px from each element's centre, a pixel counting 1 px².
+    ///
+    /// # Errors
+    /// When a value cannot be used.
+    pub fn kernel(&self) -> Result<MomentsKernel, LayoutError> {
+        self.check()?;
+        let size = (self.width, self.height);
+        Ok(MomentsKernel::from_subregions(
+            size,
+            self.dark_level,
+            &self.weighted_pixels()?,
+        )?)
+    }
+
+    /// The pixels of each element's sub-region and what they count for.
+    ///
+    /// # Errors
+    /// When the dome makes no sense.
+    pub fn weighted_pixels(&self) -> Result<Vec<Vec<WeightedPixel>>, LayoutError> {
+        let discs: Vec<(DVec2, f64)> = self
+            .elements
+            .iter()
+            .map(|e| (e.centre_px, e.radius_px))
+            .collect();
+        let projection = match &self.dome {
+            Some(dome) => Some(DomeProjection::new(&dome.camera, dome.radius)?),
+            None => None,
+        };
+        let regions = sub_regions((self.width, self.height), &discs);
+        let weighted = |(place, region): (&ElementPlace, Vec<(usize, usize)>)| {
+            let frame = place.direction.map(SensingElement::facing);
+            let dome = projection.as_ref().zip(frame.as_ref());
+            let pixels = region.into_iter();
+            pixels
+                .filter_map(|pixel| weighted_pixel(place, dome, pixel))
+                .collect()
+        };
+        Ok(self.elements.iter().zip(regions).map(weighted).collect())
+    }
+
+    fn check(&self) -> Result<(), LayoutError> {
+        let unusable = |name: &str, expected: &str, actual: String| {
+            Err(LayoutError::Unusable {
+                name: name.into(),
+                expected: expected.into(),
+                actual,
+            })
+        };
+        let (width, height) = (self.width, self.height);
+        let sides = 1..=MAX_SIDE;
+        if !(sides.contains(&width) && sides.contains(&height) && width * height <= MAX_PIXELS) {
+            let expected = format!("1 to {MAX_SIDE} px to a side and {MAX_PIXELS} px in all");
+            return unusable("width, height", &expected, format!("{width}x{height} px"));
+        }
+        let actual = self.elements.len();
+        if !(1..=MAX_LOCATED_ELEMENTS).contains(&actual) {
+            return Err(LayoutError::ElementCount { actual });
+        }
+        for (index, element) in self.elements.iter().enumerate() {
+            let (centre, radius) = (element.centre_px, element.radius_px);
+            let inside =
+                (0.0..width as f64).contains(&centre.x) && (0.0..height as f64).contains(&centre.y);
+            let name = |field: &str| format!("element {index}: {field}");
+            if !inside {
+                let expected = format!("a place in the picture of {width}x{height} px");
+                return unusable(&name("centre_px"), &expected, centre.to_string());
+            }
+            if !(radius > 0.0 && radius <= width.max(height) as f64) {
+                let expected = "a radius above 0 and within the picture";
+                return unusable(&name("radius_px"), expected, radius.to_string());
+            }
+            match element.direction {
+                Some(d) if !d.is_finite() || (d.length() - 1.0).abs() > 1e-6 => {
+                    return unusable(&name("direction"), "a unit vector", d.to_string());
+                }
+                None if self.dome.is_some() => {
+                    let expected = "a unit vector, as there is a dome";
+                    return unusable(&name("direction"), expected, "none".into());
+                }
+                _ => {}
+            }
+        }
+        self.dome.as_ref().map_or(Ok(()), |dome| {
+            DomeProjection::new(&dome.camera, dome.radius)?;
+            self.check_camera(dome)
+        })
+    }
+
+    fn check_camera(&self, dome: &DomeGeometry) -> Result<(), LayoutError> {
+        let camera = &dome.camera;
+        if (camera.width, camera.height) == (self.width, self.height) {
+            return Ok(());
+        }
+        Err(LayoutError::Unusable {
+            name: "dome.camera: width, height".into(),
+            expected: format!("{}x{} px, as the picture", self.width, self.height),
+            actual: format!("{}x{} px", camera.width, camera.height),
+        })
+    }
+}
+
+/// To a ten-thousandth of a pixel, which is more than is known.
+fn round(value: f64) -> f64 {
+    (value * 1e4).round() / 1e4
+}
+
+fn rounded(place: DVec2) -> DVec2 {
+    DVec2::new(round(place.x), round(place.y)).max(DVec2::ZERO)
+}
+
+fn weighted_pixel(
+    place: &ElementPlace,
+    dome: Option<(&DomeProjection, &SensingElement)>,
+    (column, row): (usize, usize),
+) -> Option<WeightedPixel> {
+    let pixel = DVec2::new(column as f64, row as f64);
+    let (area, point) = match dome {
+        None => (1.0, pixel - place.centre_px),
+        Some((projection, element)) => {
+            let dewarped = projection.dewarp(pixel, element)?;
+            (dewarped.area, dewarped.point)
+        }
+    };
+    Some(WeightedPixel {
+        column,
+        row,
+        area,
+        point,
+    })
+}
+
+/// Sorts by ring and azimuth; a ring ends where the next polar angle is farther off than a third
+/// of the typical angle between neighbours.
+fn sort_into_rings(elements: &mut [ElementPlace]) {
+    let axis = |e: &ElementPlace| e.direction.unwrap_or(DVec3::X);
+    let polar = |e: &ElementPlace| axis(e).x.clamp(-1.0, 1.0).acos();
+    elements.sort_by(|a, b| polar(a).total_cmp(&polar(b)));
+    let directions: Vec<DVec3> = elements.iter().map(axis).collect();
+    let nearest = |(own, d): (usize, &DVec3)| {
+        let others = directions
+            .iter()
+            .enumerate()
+            .filter(|(other, _)| *other != own);
+        others
+            .map(|(_, o)| o.angle_between(*d))
+            .fold(f64::INFINITY, f64::min)
+    };
+    let mut angles: Vec<f64> = directions.iter().enumerate().map(nearest).collect();
+    angles.sort_by(f64::total_cmp);
+    let step = angles.get(angles.len() / 2).copied().unwrap_or(0.0) / 3.0;
+    let (mut ring, mut last) = (0, None);
+    for element in elements.iter_mut() {
+        let polar = polar(element);
+        if last.is_some_and(|last| polar - last > step) {
+            ring += 1;
+        }
+        last = Some(polar);
+        element.ring = Some(ring);
+    }
+    // The one at y of `T` comes first, whichever side of it noise puts it on.
+    let azimuth = |e: &ElementPlace| {
+        let d = axis(e);
+        (d.z.atan2(d.y) + 0.25 * step).rem_euclid(TAU)
+    };
+    elements.sort_by(|a, b| a.ring.cmp(&b.ring).then(azimuth(a).total_cmp(&azimuth(b))));
+}

@@ -1,0 +1,24 @@
+//! Pictures of a real hemispherical sensor with 331 pins, where they are at hand.
+
+#[path = "../examples/contact_pose.rs"]
+#[allow(dead_code)]
+mod contact_pose;
+
+use contact_pose::{DataSet, contact_pose, data_folder};
+
+/// Bounds: what the data's README knows to be possible (0.080 mm, 0.88 and 0.76 degrees), rounded up
+/// for depth and the second tilt.
+#[test]
+fn contact_pose_is_told_from_real_pictures() {
+    let folder = data_folder();
+    if !folder.join("targets.csv").exists() {
+        eprintln!("SKIPPED: there is no {}; set FEELER_DATA", folder.display());
+        return;
+    }
+    let found = contact_pose(&DataSet::read(&folder).unwrap()).unwrap();
+    let pins = found.pins;
+    assert!((325..=340).contains(&pins), "{pins} pins");
+    for (told, bound) in found.told.iter().zip([0.085, 0.88, 0.77]) {
+        assert!(told.error <= bound, "{:?}", found.told);
+    }
+}
