@@ -34,6 +34,7 @@ pub mod record;
 pub mod report;
 pub mod sensor;
 pub mod sim;
+pub mod sources;
 
 /// The README's code is compiled with the documentation's tests.
 #[cfg(doctest)]

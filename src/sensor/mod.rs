@@ -2,7 +2,8 @@
 //!
 //! Picture ([`camera`], [`frame`]) → integrated gray value and centroid per element ([`moments`],
 //! through the dewarp of [`dome`]) → forces ([`calibration`]) → [`reading`]. [`optical`] is the
-//! whole chain.
+//! whole chain to forces; [`sensing`] gives what the picture says besides, and works without a
+//! calibration.
 
 pub mod calibration;
 pub mod calibration_fit;
@@ -10,6 +11,7 @@ pub mod calibration_report;
 pub mod camera;
 mod difference;
 pub mod dome;
+pub mod exposure;
 pub mod fingertip;
 pub mod frame;
 pub mod layout;
@@ -18,4 +20,5 @@ pub mod moments_config;
 pub mod optical;
 mod radial_distortion;
 pub mod reading;
+pub mod sensing;
 pub mod subregion;
