@@ -2,11 +2,13 @@
 
 mod calibrate;
 mod check;
+mod interrupt;
 mod list;
 mod output;
 mod progress;
 mod report;
 mod run;
+mod sense;
 
 use clap::{Parser, Subcommand};
 use output::Output;
@@ -20,7 +22,9 @@ Examples:
   feeler run my.toml --set control.slip_threshold=2.5 --set task.strokes=3
   feeler check my.toml                        say what is wrong with an experiment file
   feeler report runs/seven                    make a run's report again from its recording
-  feeler calibrate --simulated my.toml -o my.calibration.toml";
+  feeler calibrate --simulated my.toml -o my.calibration.toml
+  feeler sense pictures/ --calibration my.calibration.toml -o forces.csv
+  ffmpeg -i video.mkv -f rawvideo -pix_fmt gray - | feeler sense - --raw 640x480";
 
 /// Tri-axial touch to finger motion, and a simulated hand to try it on.
 ///
@@ -44,6 +48,8 @@ enum Command {
     Report(report::Arguments),
     /// Calibrate a fingertip: load its elements, take pictures, fit.
     Calibrate(calibrate::Arguments),
+    /// Sense forces: pictures, a camera or a recorded run in; a table of each element's force out.
+    Sense(sense::Arguments),
 }
 
 /// What a subcommand ends with when its input was good.
@@ -78,5 +84,6 @@ fn run_command(command: Command, out: &mut dyn Write) -> Result<Outcome, Command
         Command::Check(arguments) => check::check(&arguments, out),
         Command::Report(arguments) => report::report(&arguments, out),
         Command::Calibrate(arguments) => calibrate::calibrate(&arguments, out),
+        Command::Sense(arguments) => sense::sense(&arguments),
     }
 }

@@ -47,7 +47,11 @@ impl PictureFiles {
     ///
     /// # Errors
     /// When a folder cannot be read or holds no picture, or a file is of another kind.
-    pub fn new(paths: &[impl AsRef<Path>], size: (usize, usize), rate: f64) -> Result<Self, FilesError> {
+    pub fn new(
+        paths: &[impl AsRef<Path>],
+        size: (usize, usize),
+        rate: f64,
+    ) -> Result<Self, FilesError> {
         let mut files = Vec::new();
         for path in paths {
             files.extend(files_at(path.as_ref())?);

@@ -40,11 +40,18 @@ mod tests {
 
     #[test]
     fn numbers_count_as_numbers() {
-        let mut names = ["b", "f10.png", "f9.png", "f010.png", "f9b", "a-2-10", "a-2-9", "f", "F10"];
+        let mut names = [
+            "b", "f10.png", "f9.png", "f010.png", "f9b", "a-2-10", "a-2-9", "f", "F10",
+        ];
         names.sort_by(|a, b| compare(a, b));
-        let sorted = ["F10", "a-2-9", "a-2-10", "b", "f", "f9.png", "f9b", "f010.png", "f10.png"];
+        let sorted = [
+            "F10", "a-2-9", "a-2-10", "b", "f", "f9.png", "f9b", "f010.png", "f10.png",
+        ];
         assert_eq!(names, sorted);
         let long = "9".repeat(400);
-        assert_eq!(compare(&format!("{long}1"), &format!("{long}2")), Ordering::Less);
+        assert_eq!(
+            compare(&format!("{long}1"), &format!("{long}2")),
+            Ordering::Less
+        );
     }
 }

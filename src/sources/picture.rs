@@ -85,7 +85,9 @@ pub fn is_picture_name(path: &Path) -> bool {
 
 /// The extensions of picture files, for messages.
 pub fn extensions() -> String {
-    EXTENSIONS.map(|extension| format!(".{extension}")).join(", ")
+    EXTENSIONS
+        .map(|extension| format!(".{extension}"))
+        .join(", ")
 }
 
 /// The picture files in `folder`, in the natural order of their names.
