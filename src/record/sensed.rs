@@ -56,10 +56,8 @@ impl SensedWriter {
                 let tactile = add_channel::<Tactile>(&mut writer, TACTILE_TOPIC)?;
                 Ok((writer, moments, tactile))
             });
-        let (writer, moments, tactile) = made.map_err(|source| RecordError::Mcap {
-            path: path.clone(),
-            source,
-        })?;
+        let (writer, moments, tactile) =
+            made.map_err(|source| RecordError::of_mcap(&path, source))?;
         Ok(Self {
             path,
             writer,
@@ -112,10 +110,7 @@ impl SensedWriter {
     }
 
     fn failed(&self, source: McapError) -> RecordError {
-        RecordError::Mcap {
-            path: self.path.clone(),
-            source,
-        }
+        RecordError::of_mcap(&self.path, source)
     }
 }
 

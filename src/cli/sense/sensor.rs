@@ -20,7 +20,7 @@ pub fn sensor(arguments: &Arguments) -> Result<Sensing, CommandError> {
     if let Some(path) = &arguments.calibration {
         let calibration = read_calibration(path)?;
         let fits = calibration.check_made_for(fingertip);
-        let fitted = fits.and_then(|()| Ok(calibration));
+        let fitted = fits.map(|()| calibration);
         let fitted = fitted.map_err(|e| format!("--calibration {}: {e}", path.display()))?;
         sensing = sensing.with_calibration(fitted)?;
     }
