@@ -20,7 +20,8 @@
 //! # Where to start
 //!
 //! [`experiment::Session`] runs a whole experiment; [`sensor::optical::OpticalSensor`] turns pictures
-//! into forces; [`control::control_loop::ControlLoop`] closes the loop over any
+//! into forces, [`sensor::sensing::Sensing`] into all that they say; [`sources`] are where real
+//! pictures come from; [`control::control_loop::ControlLoop`] closes the loop over any
 //! [`TactileSensor`](sensor::reading::TactileSensor) and [`Hand`](hand::hand::Hand).
 
 #![warn(missing_docs)]

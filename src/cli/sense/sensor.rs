@@ -35,8 +35,8 @@ pub fn sensor(arguments: &Arguments) -> Result<Sensing, CommandError> {
 fn read_calibration(path: &Path) -> Result<Calibration, CommandError> {
     let read = || -> Result<Calibration, CommandError> {
         let mut text = String::new();
-        let file = File::open(path)?.take(MAX_TEXT);
-        { file }.read_to_string(&mut text)?;
+        let mut file = File::open(path)?.take(MAX_TEXT);
+        file.read_to_string(&mut text)?;
         Ok(Calibration::from_toml(&text)?)
     };
     read().map_err(|e| format!("--calibration {}: {e}", path.display()).into())

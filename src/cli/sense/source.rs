@@ -89,7 +89,7 @@ impl Source {
         {
             return Ok(Self::Recording(path.clone()));
         }
-        if path.starts_with("/dev") && !path.is_dir() {
+        if is_video_device(path) {
             return Ok(Self::Video(path.clone()));
         }
         Ok(Self::Pictures(vec![path.clone()]))
@@ -116,6 +116,12 @@ impl Source {
             }
         }
     }
+}
+
+/// Whether `path` is named as Video4Linux devices are; `/dev/shm` holds files.
+fn is_video_device(path: &Path) -> bool {
+    let name = path.to_string_lossy();
+    name.starts_with("/dev/video") || name.starts_with("/dev/v4l/")
 }
 
 /// Refuses frames of another size than the fingertip's.
