@@ -20,7 +20,8 @@
 //! # Where to start
 //!
 //! [`experiment::Session`] runs a whole experiment; [`sensor::optical::OpticalSensor`] turns pictures
-//! into forces; [`control::control_loop::ControlLoop`] closes the loop over any
+//! into forces, [`sensor::sensing::Sensing`] into all that they say; [`sources`] are where real
+//! pictures come from; [`control::control_loop::ControlLoop`] closes the loop over any
 //! [`TactileSensor`](sensor::reading::TactileSensor) and [`Hand`](hand::hand::Hand).
 
 #![warn(missing_docs)]
@@ -34,6 +35,7 @@ pub mod record;
 pub mod report;
 pub mod sensor;
 pub mod sim;
+pub mod sources;
 
 /// The README's code is compiled with the documentation's tests.
 #[cfg(doctest)]

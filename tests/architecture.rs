@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Each room of `src/` and the rooms it may import.
-const MAY_IMPORT: [(&str, &[&str]); 9] = [
+const MAY_IMPORT: [(&str, &[&str]); 10] = [
     (
         "cli",
         &[
@@ -17,6 +17,7 @@ const MAY_IMPORT: [(&str, &[&str]); 9] = [
             "report",
             "sensor",
             "sim",
+            "sources",
         ],
     ),
     (
@@ -28,6 +29,7 @@ const MAY_IMPORT: [(&str, &[&str]); 9] = [
     ("record", &["control", "hand", "sensor"]),
     ("control", &["hand", "sensor"]),
     ("sim", &["hand", "sensor"]),
+    ("sources", &["sensor"]),
     ("sensor", &[]),
     ("hand", &[]),
 ];

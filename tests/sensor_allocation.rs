@@ -8,6 +8,7 @@ use feeler::{
         frame::Frame,
         optical::OpticalSensor,
         reading::{TactileFrame, TactileSensor},
+        sensing::{ElementReading, Sensing},
     },
     sim::{
         calibration_bench::{CalibrationBenchConfig, calibrate_simulated},
@@ -44,6 +45,8 @@ fn a_reading_allocates_nothing() {
         ..CalibrationBenchConfig::default()
     };
     let calibration = calibrate_simulated(&config, &optics, &bench).unwrap();
+    let sensing = Sensing::of_fingertip(&config).unwrap();
+    let mut sensing = sensing.with_calibration(calibration.clone()).unwrap();
     let Fingertip {
         layout, projection, ..
     } = Fingertip::new(&config).unwrap();
@@ -53,4 +56,8 @@ fn a_reading_allocates_nothing() {
     let mut sensor = OpticalSensor::new(camera, &config, calibration).unwrap();
     let mut reading = TactileFrame::unloaded(sensor.element_count());
     assert!(assert_no_alloc(|| sensor.read(&mut reading)).is_ok());
+    let mut readings = vec![ElementReading::default(); sensing.element_count()];
+    let picture = &sensor.frame().picture;
+    assert!(assert_no_alloc(|| sensing.sense(picture, &mut readings)).is_ok());
+    assert!(readings.iter().all(|reading| reading.force.is_some()));
 }

@@ -2,6 +2,7 @@
 
 mod calibrate;
 mod check;
+mod interrupt;
 mod list;
 mod locate;
 mod locate_preview;
@@ -9,6 +10,7 @@ mod output;
 mod progress;
 mod report;
 mod run;
+mod sense;
 
 use clap::{Parser, Subcommand};
 use output::Output;
@@ -23,7 +25,9 @@ Examples:
   feeler check my.toml                        say what is wrong with an experiment file
   feeler report runs/seven                    make a run's report again from its recording
   feeler calibrate --simulated --experiment my.toml -o my.calibration.toml
-  feeler locate untouched.png -o layout.toml --preview found.png";
+  feeler locate untouched.png -o layout.toml --preview found.png
+  feeler sense pictures/ --calibration my.calibration.toml -o forces.csv
+  ffmpeg -i video.mkv -f rawvideo -pix_fmt gray - | feeler sense - --raw 640x480";
 
 /// Tri-axial touch to finger motion, and a simulated hand to try it on.
 ///
@@ -49,6 +53,8 @@ enum Command {
     Calibrate(calibrate::Arguments),
     /// Find the sensing elements in pictures of an untouched sensor.
     Locate(locate::Arguments),
+    /// Sense forces: pictures, a camera or a recorded run in; a table of each element's force out.
+    Sense(sense::Arguments),
 }
 
 /// What a subcommand ends with when its input was good.
@@ -84,5 +90,6 @@ fn run_command(command: Command, out: &mut dyn Write) -> Result<Outcome, Command
         Command::Report(arguments) => report::report(&arguments, out),
         Command::Calibrate(arguments) => calibrate::calibrate(&arguments, out),
         Command::Locate(arguments) => locate::locate(&arguments, out),
+        Command::Sense(arguments) => sense::sense(&arguments),
     }
 }

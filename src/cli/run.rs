@@ -1,5 +1,6 @@
 //! `feeler run`
 
+use super::interrupt::watch_for_interrupt;
 use super::progress::Progress;
 use super::report::print_claims;
 use super::{CommandError, Outcome};
@@ -11,7 +12,6 @@ use crate::record::Recorder;
 use crate::report::make::{RECORDING, REPORT, SUMMARY, make};
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
@@ -146,12 +146,4 @@ fn new_folder(parent: &Path, stem: &str) -> io::Result<PathBuf> {
         }
     }
     unreachable!("the numbers do not end")
-}
-
-/// A flag that Ctrl-C raises (or the system, ending the program), so that the recording is closed and the report made.
-fn watch_for_interrupt() -> Result<Arc<AtomicBool>, ctrlc::Error> {
-    let interrupted = Arc::new(AtomicBool::new(false));
-    let flag = Arc::clone(&interrupted);
-    ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed))?;
-    Ok(interrupted)
 }

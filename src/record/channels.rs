@@ -110,6 +110,32 @@ message!(
     vector3_schema!(),
 );
 
+/// What one picture says about the sensing elements before any calibration.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Moments {
+    /// Sequence number of the picture.
+    pub sequence: u64,
+    /// Time of the picture, s.
+    pub stamp: f64,
+    /// Integrated gray value of each element, grey levels times m² (px² in the picture's plane).
+    pub integrated_gray: Vec<f64>,
+    /// Displacement of each centroid along x from its unloaded place, m (px); NaN where there is none.
+    pub displacement_x: Vec<f64>,
+    /// The same along y.
+    pub displacement_y: Vec<f64>,
+}
+
+message!(
+    Moments,
+    "Moments",
+    "# What one picture says about the sensing elements before any calibration",
+    "uint64 sequence  # of the picture",
+    "float64 stamp  # s",
+    "float64[] integrated_gray  # grey levels times m2 (px2 in the picture's plane)",
+    "float64[] displacement_x  # m (px) of the centroid from its unloaded place; NaN where there is none",
+    "float64[] displacement_y  # m (px)",
+);
+
 /// What the flag analyzer makes of one tactile frame.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Flags {

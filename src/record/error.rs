@@ -1,6 +1,7 @@
 //! What can go wrong with a recording.
 
-use std::path::PathBuf;
+use ::mcap::McapError;
+use std::path::{Path, PathBuf};
 
 /// Why a recording could not be written or read.
 #[derive(Debug, thiserror::Error)]
@@ -19,7 +20,7 @@ pub enum RecordError {
         /// The recording.
         path: PathBuf,
         /// What the MCAP library said.
-        source: ::mcap::McapError,
+        source: McapError,
     },
     /// A run's facts make no sense.
     #[error("run facts: {field}: {expected} expected, {actual} found")]
@@ -69,4 +70,15 @@ pub enum RecordError {
         /// What was expected and what was found.
         reason: String,
     },
+}
+
+impl RecordError {
+    /// What the MCAP library said of the file at `path`; what the system said, if that was it.
+    pub(super) fn of_mcap(path: &Path, source: McapError) -> Self {
+        let path = path.to_path_buf();
+        match source {
+            McapError::Io(source) => Self::File { path, source },
+            source => Self::Mcap { path, source },
+        }
+    }
 }

@@ -12,12 +12,13 @@ pub mod recorder;
 pub mod recording;
 pub mod replay;
 pub mod scan;
+pub mod sensed;
 mod sink;
 
 pub use crate::control::phase::Phase;
 pub use channels::{
-    Cap, Command, Fingertip, Flags, Joints, Message, NO_ELEMENT, Quaternion, Tactile, Task, Topic,
-    TorqueSensor, Vector3,
+    Cap, Command, Fingertip, Flags, Joints, Message, Moments, NO_ELEMENT, Quaternion, Tactile,
+    Task, Topic, TorqueSensor, Vector3,
 };
 pub use digest::Digest;
 pub use error::RecordError;
@@ -25,3 +26,4 @@ pub use facts::RunFacts;
 pub use recorder::Recorder;
 pub use recording::{FingerRecord, Recording};
 pub use replay::{RecordedHand, RecordedSensor};
+pub use sensed::SensedWriter;

@@ -238,7 +238,7 @@ impl Drop for Recorder {
 }
 
 /// A stamp in whole nanoseconds; none if it is no time of a run.
-fn nanoseconds(stamp: f64) -> Option<u64> {
+pub(super) fn nanoseconds(stamp: f64) -> Option<u64> {
     let ns = (stamp * 1e9).round();
     (ns >= 0.0 && ns < u64::MAX as f64).then_some(ns as u64)
 }

@@ -189,8 +189,5 @@ fn file_error(path: &Path, source: std::io::Error) -> RecordError {
 }
 
 fn mcap_error(path: &Path, source: McapError) -> RecordError {
-    RecordError::Mcap {
-        path: path.to_path_buf(),
-        source,
-    }
+    RecordError::of_mcap(path, source)
 }

@@ -19,7 +19,31 @@ pub enum CameraError {
         /// Rows of the frame to fill, px.
         height: usize,
     },
-    /// The camera could not take a picture.
+    /// A picture has another size than the sensor's.
+    #[error(
+        "{name}: a picture of {expected_width}x{expected_height} px expected, it has {width}x{height} px"
+    )]
+    PictureSize {
+        /// Where the picture is.
+        name: String,
+        /// Columns that were expected, px.
+        expected_width: usize,
+        /// Rows that were expected, px.
+        expected_height: usize,
+        /// Columns of the picture, px.
+        width: usize,
+        /// Rows of the picture, px.
+        height: usize,
+    },
+    /// One picture is lost; the next one may be good.
+    #[error("{name}: {reason}")]
+    Unreadable {
+        /// Which one.
+        name: String,
+        /// What was expected and what was found.
+        reason: String,
+    },
+    /// The camera could not take a picture, and will not take another one.
     #[error("no picture: {0}")]
     Failed(String),
     /// There is no further picture (the end of a recording).
@@ -35,6 +59,31 @@ pub trait Camera {
     /// Fills `frame` with the newest picture, its sequence number and its stamp.
     ///
     /// # Errors
-    /// When the frame has another size than the camera's pictures, or there is no further picture.
+    /// When the frame has another size than the camera's pictures, a picture is no good, or there is
+    /// no further one. After [`CameraError::Unreadable`] the camera goes on with the next picture; its
+    /// sequence number tells that one is missing.
     fn capture(&mut self, frame: &mut Frame) -> Result<(), CameraError>;
+}
+
+impl<C: Camera + ?Sized> Camera for Box<C> {
+    fn capture(&mut self, frame: &mut Frame) -> Result<(), CameraError> {
+        (**self).capture(frame)
+    }
+}
+
+/// Refuses a frame of another size than `(width, height)` of a camera's pictures, px.
+///
+/// # Errors
+/// [`CameraError::FrameSize`].
+pub fn check_frame_size((width, height): (usize, usize), frame: &Frame) -> Result<(), CameraError> {
+    let picture = &frame.picture;
+    if (picture.width, picture.height, picture.pixels.len()) == (width, height, width * height) {
+        return Ok(());
+    }
+    Err(CameraError::FrameSize {
+        expected_width: width,
+        expected_height: height,
+        width: picture.width,
+        height: picture.height,
+    })
 }

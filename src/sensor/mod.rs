@@ -2,7 +2,8 @@
 //!
 //! Picture ([`camera`], [`frame`]) → integrated gray value and centroid per element ([`moments`],
 //! through the dewarp of [`dome`]) → forces ([`calibration`]) → [`reading`]. [`optical`] is the
-//! whole chain.
+//! whole chain to forces; [`sensing`] gives what the picture says besides, and works without a
+//! calibration.
 
 pub mod calibration;
 pub mod calibration_error;
@@ -14,6 +15,7 @@ pub mod coupled;
 mod difference;
 pub mod dome;
 pub mod drift;
+pub mod exposure;
 pub mod fingertip;
 mod folds;
 pub mod frame;
@@ -28,5 +30,6 @@ pub mod moments_config;
 pub mod optical;
 mod radial_distortion;
 pub mod reading;
+pub mod sensing;
 pub mod separable;
 pub mod subregion;

@@ -1,0 +1,180 @@
+//! Whether a sub-region is lit such that its moments mean something.
+
+use super::{frame::Picture, subregion::WeightedPixel};
+
+/// Gray value at which a pixel says no more than "at least this bright".
+pub const SATURATED: u8 = 255;
+
+/// Part of a sub-region's pixels that may be saturated before its moments are called wrong, unless
+/// another one is asked for. A few hot pixels do no harm; the bright spots of an unloaded element
+/// alone fill several percent of its sub-region.
+pub const DEFAULT_MAX_SATURATED: f64 = 0.01;
+
+/// How a sub-region is lit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Exposure {
+    /// Its moments can be used.
+    #[default]
+    Good,
+    /// No pixel is above the dark level: there is no centroid.
+    Dark,
+    /// Too many pixels are saturated: its integrated gray value is less than the light that there
+    /// was.
+    Saturated,
+}
+
+/// Where each element's pixels are, row by row, to count those that are saturated.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SaturationCheck {
+    elements: Vec<Region>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+struct Region {
+    /// First pixel and number of pixels of each unbroken piece of a row.
+    spans: Vec<(usize, usize)>,
+    /// Where blocks of pixels start that cover all spans, some pixels twice and neighbours among them.
+    blocks: Vec<usize>,
+    /// Saturated pixels that are still good.
+    allowed: usize,
+}
+
+/// Pixels that are compared side by side.
+const BLOCK: usize = 16;
+
+impl Region {
+    fn new(width: usize, pixels: &[WeightedPixel], max_saturated: f64) -> Self {
+        let spans = spans(width, pixels);
+        let blocks_of = |&(start, length): &(usize, usize)| {
+            let last = (start + length).saturating_sub(BLOCK);
+            let starts = (start..start + length).step_by(BLOCK);
+            starts.map(move |start| start.min(last))
+        };
+        Self {
+            blocks: spans.iter().flat_map(blocks_of).collect(),
+            spans,
+            allowed: (max_saturated.clamp(0.0, 1.0) * pixels.len() as f64) as usize,
+        }
+    }
+
+    /// No less than the number of saturated pixels, found faster than that.
+    fn at_most(&self, pixels: &[u8]) -> usize {
+        let mut count = 0;
+        // A lane is a byte: at most 255 blocks do not overflow it.
+        for blocks in self.blocks.chunks(255) {
+            let mut lanes = [0_u8; BLOCK];
+            for &start in blocks {
+                let Some(block) = pixels.get(start..).and_then(|p| p.first_chunk::<BLOCK>()) else {
+                    return usize::MAX;
+                };
+                for (lane, &pixel) in lanes.iter_mut().zip(block) {
+                    *lane += u8::from(pixel == SATURATED);
+                }
+            }
+            count += lanes.into_iter().map(usize::from).sum::<usize>();
+        }
+        count
+    }
+
+    /// The number of saturated pixels.
+    fn count(&self, pixels: &[u8]) -> usize {
+        let of_span = |&(start, length): &(usize, usize)| {
+            let pixels = pixels.get(start..start + length).unwrap_or(&[]);
+            pixels.iter().filter(|&&pixel| pixel == SATURATED).count()
+        };
+        self.spans.iter().map(of_span).sum()
+    }
+}
+
+impl SaturationCheck {
+    /// For sub-regions in pictures of `width` columns, each sorted by row and then by column, of
+    /// whose pixels a part `max_saturated` (0 to 1) may be saturated.
+    pub fn new(width: usize, regions: &[Vec<WeightedPixel>], max_saturated: f64) -> Self {
+        let elements = regions
+            .iter()
+            .map(|pixels| Region::new(width, pixels, max_saturated));
+        Self {
+            elements: elements.collect(),
+        }
+    }
+
+    /// Whether more of the pixels of `element` are saturated than are allowed. Neither allocates nor
+    /// panics; pixels beyond the picture are not.
+    pub fn saturated(&self, picture: &Picture, element: usize) -> bool {
+        let Some(region) = self.elements.get(element) else {
+            return false;
+        };
+        let pixels = &picture.pixels;
+        region.at_most(pixels) > region.allowed && region.count(pixels) > region.allowed
+    }
+}
+
+fn spans(width: usize, pixels: &[WeightedPixel]) -> Vec<(usize, usize)> {
+    let mut spans: Vec<(usize, usize)> = Vec::new();
+    for pixel in pixels {
+        let offset = pixel.row * width + pixel.column;
+        match spans.last_mut() {
+            Some((start, length)) if *start + *length == offset => *length += 1,
+            _ => spans.push((offset, 1)),
+        }
+    }
+    spans
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec2;
+
+    #[test]
+    fn only_own_pixels_beyond_the_allowed_part_count() {
+        let pixel = |column, row| WeightedPixel {
+            column,
+            row,
+            area: 1.0,
+            point: DVec2::ZERO,
+        };
+        let region: Vec<_> = (0..2)
+            .flat_map(|row| (0..50).map(move |column| pixel(column, row)))
+            .collect();
+        let check = SaturationCheck::new(100, &[region], 0.02);
+        let mut picture = Picture::black(100, 2);
+        picture.pixels[50..100].fill(255);
+        assert!(!check.saturated(&picture, 0), "none of these is its own");
+        picture.pixels[0] = 255;
+        picture.pixels[149] = 255;
+        assert!(!check.saturated(&picture, 0), "2 of 100 are allowed");
+        picture.pixels[100] = 255;
+        assert!(check.saturated(&picture, 0), "3 of 100 are not");
+        assert!(!check.saturated(&picture, 1), "there is no such element");
+    }
+
+    /// Regions of every width at every place, the picture's corners among them.
+    #[test]
+    fn the_fast_count_is_never_less() {
+        for columns in 1..40 {
+            for first in [0, 3, 40 - columns] {
+                let first = first.min(40 - columns);
+                let region: Vec<_> = (0..3)
+                    .flat_map(|row| (first..first + columns).map(move |column| (column, row)))
+                    .map(|(column, row)| WeightedPixel {
+                        column,
+                        row,
+                        area: 1.0,
+                        point: DVec2::ZERO,
+                    })
+                    .collect();
+                let region = Region::new(40, &region, 0.0);
+                let mut pixels = vec![0; 120];
+                assert_eq!(region.at_most(&pixels), 0);
+                for pixel in (0..120).step_by(7) {
+                    pixels[pixel] = SATURATED;
+                    assert!(region.at_most(&pixels) >= region.count(&pixels));
+                }
+                pixels.fill(SATURATED);
+                assert_eq!(region.count(&pixels), 3 * columns);
+                assert!(region.at_most(&pixels[..10]) >= region.count(&pixels[..10]));
+            }
+        }
+    }
+}

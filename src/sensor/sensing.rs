@@ -1,0 +1,254 @@
+//! What each picture says about each element: integrated gray value, displacement of the centroid
+//! and, with a calibration, the force; and whether it can be believed.
+
+use super::{
+    calibration::{Calibration, CalibrationError},
+    exposure::{DEFAULT_MAX_SATURATED, Exposure, SaturationCheck},
+    fingertip::{Fingertip, FingertipConfig, FingertipError},
+    frame::Picture,
+    moments::{ElementMoments, MomentsKernel},
+    moments_config::MomentsError,
+    subregion::{WeightedPixel, subregion},
+};
+use glam::{DVec2, DVec3};
+
+/// Why pictures cannot be sensed.
+#[derive(Debug, thiserror::Error)]
+pub enum SensingError {
+    /// The fingertip makes no sense.
+    #[error(transparent)]
+    Fingertip(#[from] FingertipError),
+    /// Moments cannot be taken.
+    #[error(transparent)]
+    Moments(#[from] MomentsError),
+    /// The calibration cannot be used with it.
+    #[error(transparent)]
+    Calibration(#[from] CalibrationError),
+    /// Something is for another number of elements.
+    #[error("{what} for {expected} elements expected, got {actual}")]
+    ElementCount {
+        /// What was counted.
+        what: &'static str,
+        /// Elements of the sensor.
+        expected: usize,
+        /// How many arrived.
+        actual: usize,
+    },
+}
+
+/// What one picture says about one element.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ElementReading {
+    /// Integrated gray value G, grey levels times m² (px² in a layout in the picture's plane).
+    pub integrated_gray: f64,
+    /// Centroid c of the gray values in the element's plane, m (px); none in the dark.
+    pub centroid: Option<DVec2>,
+    /// Displacement `u = c - c_0` from the unloaded place, m (px) in x, y of `E_i` (of the picture);
+    /// none in the dark, and without a [`Reference`].
+    pub displacement: Option<DVec2>,
+    /// Force in the element's frame `E_i`, N (sign: see
+    /// [`TactileFrame`](super::reading::TactileFrame)); none without a calibration, and where
+    /// [`exposure`](Self::exposure) says that it would be wrong.
+    pub force: Option<DVec3>,
+    /// How the sub-region is lit.
+    pub exposure: Exposure,
+}
+
+/// Where the centroids are without load: what a displacement counts from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reference {
+    /// c_0 of each element, m (px) in its plane; none for an element that was always dark.
+    pub centroids: Vec<Option<DVec2>>,
+}
+
+impl Reference {
+    /// The mean centroids of some readings of an unloaded sensor, each of all elements.
+    pub fn mean<'a>(readings: impl IntoIterator<Item = &'a [ElementReading]>) -> Self {
+        let mut sums: Vec<(DVec2, f64)> = Vec::new();
+        for readings in readings {
+            sums.resize(sums.len().max(readings.len()), (DVec2::ZERO, 0.0));
+            for ((sum, count), reading) in sums.iter_mut().zip(readings) {
+                if let Some(centroid) = reading.centroid {
+                    *sum += centroid;
+                    *count += 1.0;
+                }
+            }
+        }
+        let mean = |(sum, count)| (count > 0.0).then(|| sum / count);
+        Self {
+            centroids: sums.into_iter().map(mean).collect(),
+        }
+    }
+
+    /// Sets the displacements of `readings` by their centroids.
+    pub fn apply(&self, readings: &mut [ElementReading]) {
+        for (reading, unloaded) in readings.iter_mut().zip(&self.centroids) {
+            reading.displacement = match (reading.centroid, unloaded) {
+                (Some(centroid), Some(unloaded)) => Some(centroid - unloaded),
+                _ => None,
+            };
+        }
+    }
+}
+
+/// From pictures to [`ElementReading`]s. Everything is allocated when it is built.
+#[derive(Debug, Clone)]
+pub struct Sensing {
+    size: (usize, usize),
+    kernel: MomentsKernel,
+    saturation: SaturationCheck,
+    moments: Vec<ElementMoments>,
+    reference: Option<Reference>,
+    calibration: Option<Calibration>,
+}
+
+impl Sensing {
+    /// Senses with `kernel`, which was made of `regions` for pictures of `size` (columns, rows) px.
+    ///
+    /// A part `max_saturated` (0 to 1) of a sub-region's pixels may be saturated, see
+    /// [`DEFAULT_MAX_SATURATED`].
+    ///
+    /// # Errors
+    /// When `regions` are not those of the kernel's elements.
+    pub fn new(
+        size: (usize, usize),
+        kernel: MomentsKernel,
+        regions: &[Vec<WeightedPixel>],
+        max_saturated: f64,
+    ) -> Result<Self, SensingError> {
+        check_count("sub-regions", kernel.element_count(), regions.len())?;
+        Ok(Self {
+            size,
+            saturation: SaturationCheck::new(size.0, regions, max_saturated),
+            moments: vec![ElementMoments::default(); kernel.element_count()],
+            kernel,
+            reference: None,
+            calibration: None,
+        })
+    }
+
+    /// Senses the fingertip that `config` describes; lengths are metres.
+    ///
+    /// # Errors
+    /// When the fingertip makes no sense.
+    pub fn of_fingertip(config: &FingertipConfig) -> Result<Self, SensingError> {
+        Self::of_fingertip_saturated(config, DEFAULT_MAX_SATURATED)
+    }
+
+    /// As [`Self::of_fingertip`], with a part `max_saturated` of saturated pixels allowed.
+    ///
+    /// # Errors
+    /// When the fingertip makes no sense.
+    pub fn of_fingertip_saturated(
+        config: &FingertipConfig,
+        max_saturated: f64,
+    ) -> Result<Self, SensingError> {
+        let Fingertip {
+            layout,
+            projection,
+            kernel,
+        } = Fingertip::new(config)?;
+        let radius = config.moments.subregion_radius;
+        let regions = (0..layout.elements.len())
+            .map(|element| subregion(&layout, &projection, element, radius))
+            .collect::<Result<Vec<_>, _>>()?;
+        let size = (projection.width(), projection.height());
+        Self::new(size, kernel, &regions, max_saturated)
+    }
+
+    /// With the forces that `calibration` gives, and displacements from its unloaded centroids. That
+    /// it was made for this sensor is for the caller to check
+    /// ([`Calibration::check_made_for`]).
+    ///
+    /// # Errors
+    /// When the calibration has another number of elements.
+    pub fn with_calibration(mut self, calibration: Calibration) -> Result<Self, SensingError> {
+        let elements = &calibration.elements;
+        check_count("calibrations", self.element_count(), elements.len())?;
+        let centroids = elements.iter().map(|e| Some(e.unloaded_centroid));
+        self.reference = Some(Reference {
+            centroids: centroids.collect(),
+        });
+        self.calibration = Some(calibration);
+        Ok(self)
+    }
+
+    /// Number of elements.
+    pub fn element_count(&self) -> usize {
+        self.kernel.element_count()
+    }
+
+    /// Columns and rows of the pictures, px.
+    pub fn picture_size(&self) -> (usize, usize) {
+        self.size
+    }
+
+    /// Whether there are forces.
+    pub fn is_calibrated(&self) -> bool {
+        self.calibration.is_some()
+    }
+
+    /// What displacements count from, if that is known.
+    pub fn reference(&self) -> Option<&Reference> {
+        self.reference.as_ref()
+    }
+
+    /// Lets displacements count from `reference`; forces count from the calibration's own.
+    ///
+    /// # Errors
+    /// When the reference has another number of elements.
+    pub fn set_reference(&mut self, reference: Reference) -> Result<(), SensingError> {
+        let actual = reference.centroids.len();
+        check_count("reference centroids", self.element_count(), actual)?;
+        self.reference = Some(reference);
+        Ok(())
+    }
+
+    /// Fills `readings` with what `picture` says about each element. Neither allocates nor panics.
+    ///
+    /// # Errors
+    /// When the picture has another size than the sensor's, or `readings` is for another number of
+    /// elements.
+    pub fn sense(
+        &mut self,
+        picture: &Picture,
+        readings: &mut [ElementReading],
+    ) -> Result<(), SensingError> {
+        check_count("readings", self.element_count(), readings.len())?;
+        self.kernel.measure(picture, &mut self.moments)?;
+        for (element, (reading, moments)) in readings.iter_mut().zip(&self.moments).enumerate() {
+            let lit = moments.integrated_gray > 0.0;
+            let exposure = match lit {
+                false => Exposure::Dark,
+                true if self.saturation.saturated(picture, element) => Exposure::Saturated,
+                true => Exposure::Good,
+            };
+            let calibration = self.calibration.as_ref();
+            let calibration = calibration.filter(|_| exposure == Exposure::Good);
+            *reading = ElementReading {
+                integrated_gray: moments.integrated_gray,
+                centroid: lit.then_some(moments.centroid),
+                displacement: None,
+                force: calibration
+                    .and_then(|c| c.elements.get(element))
+                    .map(|element| element.force(moments)),
+                exposure,
+            };
+        }
+        if let Some(reference) = &self.reference {
+            reference.apply(readings);
+        }
+        Ok(())
+    }
+}
+
+fn check_count(what: &'static str, expected: usize, actual: usize) -> Result<(), SensingError> {
+    if expected == actual {
+        return Ok(());
+    }
+    Err(SensingError::ElementCount {
+        what,
+        expected,
+        actual,
+    })
+}

@@ -1,0 +1,164 @@
+//! Bad input is named, with what was expected; what can be sensed is.
+
+use super::program::{folder, run};
+use super::rendered::{CALIBRATION, image, pictures, save};
+use super::table::{WITH_FORCES, WITHOUT_FORCES, rows};
+use std::fs;
+
+#[test]
+fn a_damaged_file_is_skipped_and_the_rest_goes_on() {
+    let folder = folder("sense-damaged");
+    let pictures = pictures(6);
+    let files = folder.join("pictures");
+    save(&pictures, &files);
+    let truncate = |name: &str| {
+        let bytes = fs::read(files.join(name)).unwrap();
+        fs::write(files.join(name), &bytes[..bytes.len() / 2]).unwrap();
+    };
+    truncate("frame2.png");
+    fs::remove_file(files.join("frame3.png")).unwrap();
+    image(&pictures[3].picture)
+        .save(files.join("frame3.jpg"))
+        .unwrap();
+    truncate("frame3.jpg");
+    fs::write(files.join("frame4.png"), "no picture").unwrap();
+    fs::write(files.join("notes.txt"), "not named as a picture").unwrap();
+    let ended = run(
+        &folder,
+        &["sense", "pictures", "--calibration", CALIBRATION],
+    );
+    assert_eq!(ended.status, Some(0), "{ended:?}");
+    for name in ["frame2.png", "frame3.jpg", "frame4.png"] {
+        let named = format!("skipped: pictures/{name}: ");
+        assert_eq!(ended.stderr.matches(&named).count(), 1, "{ended:?}");
+    }
+    assert!(ended.stderr.contains("3 frames sensed"), "{ended:?}");
+    assert!(ended.stderr.contains("3 skipped, 0 dropped"), "{ended:?}");
+    let rows = rows(&ended.stdout, WITH_FORCES);
+    let frames: Vec<_> = rows.chunks(41).map(|rows| rows[0].frame).collect();
+    assert_eq!(frames, [0, 1, 5]);
+    // A folder of nothing else is refused.
+    run(&folder, &["sense", "pictures/frame4.png"]).refused(&["no frame", "1 skipped"]);
+}
+
+#[test]
+fn a_picture_of_another_size_ends_it_and_what_was_sensed_stays() {
+    let folder = folder("sense-size");
+    save(&pictures(2), &folder.join("pictures"));
+    let small = image::GrayImage::new(320, 240);
+    small.save(folder.join("pictures/frame2.png")).unwrap();
+    let ended = run(&folder, &["sense", "pictures"]);
+    assert_eq!(rows(&ended.stdout, WITHOUT_FORCES).len(), 2 * 41);
+    ended.refused(&["frame2.png", "640x480 px expected", "320x240"]);
+    let reference = ["sense", "pictures", "--reference", "pictures/frame2.png"];
+    run(&folder, &reference).refused(&["--reference pictures/frame2.png", "320x240"]);
+    run(&folder, &["sense", "-", "--raw=320x240"]).refused(&["--raw 320x240", "640x480"]);
+}
+
+#[test]
+fn sources_that_are_none() {
+    let folder = folder("sense-sources");
+    fs::create_dir(folder.join("empty")).unwrap();
+    fs::write(folder.join("notes.txt"), "text").unwrap();
+    fs::write(folder.join("empty/notes.txt"), "text").unwrap();
+    fs::write(folder.join("bad.mcap"), "text").unwrap();
+    let cases: [(&[&str], &[&str]); 13] = [
+        (&["missing"], &["missing: ", "expected a folder or a file"]),
+        (&["missing.png"], &["missing.png: ", "No such file"]),
+        (
+            &["empty"],
+            &["empty: there is no picture in it", ".png", ".tiff"],
+        ),
+        (
+            &["notes.txt"],
+            &["notes.txt: expected a file ending in .png"],
+        ),
+        (&["bad.mcap"], &["bad.mcap", "nothing readable"]),
+        (&["missing.mcap"], &["missing.mcap", "No such file"]),
+        (&["-"], &["expected --raw WIDTHxHEIGHT"]),
+        (&["-", "--raw=640"], &["expected WIDTHxHEIGHT"]),
+        (&["-", "--raw=0x99999999"], &["1 to 16384"]),
+        (
+            &["empty", "--raw=640x480"],
+            &["--raw is for raw frames", "empty"],
+        ),
+        (
+            &["empty", "--exposure=0.01"],
+            &["--exposure is for a camera"],
+        ),
+        (&["empty", "--rate=nan"], &["expected 0.001 to 100000 Hz"]),
+        (&["/dev/video99"], &["/dev/video99"]),
+    ];
+    for (arguments, words) in cases {
+        let all = [&["sense"], arguments, &["-o", "out.csv"]].concat();
+        run(&folder, &all).refused(words);
+        assert!(!folder.join("out.csv").exists(), "{arguments:?}");
+    }
+    let both = [
+        "sense",
+        "empty",
+        "--reference=a.png",
+        "--calibration=b.toml",
+    ];
+    run(&folder, &both).refused(&["cannot be used with"]);
+}
+
+#[test]
+fn calibrations_that_do_not_fit() {
+    let folder = folder("sense-calibration");
+    save(&pictures(1), &folder.join("pictures"));
+    let text = fs::read_to_string(CALIBRATION).unwrap();
+    fs::write(folder.join("text.toml"), "text").unwrap();
+    let other = text.replacen("dark_level = ", "dark_level = 1", 1);
+    assert_ne!(other, text);
+    fs::write(folder.join("other.toml"), other).unwrap();
+    for (file, words) in [
+        (
+            "missing.toml",
+            ["--calibration missing.toml", "No such file"],
+        ),
+        (
+            "text.toml",
+            ["--calibration text.toml", "not a calibration"],
+        ),
+        ("other.toml", ["--calibration other.toml", "dark_level"]),
+    ] {
+        run(&folder, &["sense", "pictures", "--calibration", file]).refused(&words);
+    }
+}
+
+#[test]
+fn outputs_that_cannot_be_written() {
+    let folder = folder("sense-unwritable");
+    save(&pictures(1), &folder.join("pictures"));
+    let cases = [
+        (
+            "out.txt",
+            ["out.txt", "expected a file ending in .csv, .jsonl or .mcap"],
+        ),
+        (
+            "missing/out.csv",
+            ["--output missing/out.csv", "expected a file in a folder"],
+        ),
+        ("missing/out.mcap", ["missing/out.mcap", "No such file"]),
+        (
+            "pictures/frame0.png",
+            ["frame0.png", "expected a file ending in .csv"],
+        ),
+    ];
+    for (output, words) in cases {
+        run(&folder, &["sense", "pictures", "-o", output]).refused(&words);
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_is_no_success() {
+    let folder = folder("sense-full");
+    save(&pictures(1), &folder.join("pictures"));
+    for name in ["full.csv", "full.jsonl", "full.mcap"] {
+        std::os::unix::fs::symlink("/dev/full", folder.join(name)).unwrap();
+        let ended = run(&folder, &["sense", "pictures", "-o", name]);
+        ended.refused(&[name, "No space left"]);
+    }
+}

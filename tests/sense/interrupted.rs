@@ -1,0 +1,83 @@
+//! An endless stream that is interrupted leaves a good output.
+
+use super::program::{Ended, feeler, folder};
+use super::table::{WITHOUT_FORCES, rows};
+use std::fs;
+use std::io::{Read, Write};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::thread::{JoinHandle, spawn, yield_now};
+
+/// Starts sensing frames that do not end.
+fn start(folder: &Path, arguments: &[&str]) -> (Child, JoinHandle<()>) {
+    let all = [&["sense", "-", "--raw=640x480"], arguments].concat();
+    let mut command = feeler(folder, &all);
+    command.stdin(Stdio::piped());
+    let command = command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn().expect("the program");
+    let mut stdin = child.stdin.take().expect("its input");
+    let frame: Vec<u8> = (0..640 * 480).map(|i| (i % 251) as u8).collect();
+    let writer = spawn(move || while stdin.write_all(&frame).is_ok() {});
+    (child, writer)
+}
+
+fn wait_for(path: &Path, bytes: u64, child: &mut Child) {
+    while fs::metadata(path).map_or(true, |m| m.len() < bytes) {
+        let ended = child.try_wait().expect("its state");
+        assert!(ended.is_none(), "it ended by itself: {ended:?}");
+        yield_now();
+    }
+}
+
+fn interrupt(child: Child) -> Ended {
+    let id = child.id().to_string();
+    let sent = Command::new("kill").args(["-INT", &id]).status();
+    assert!(sent.expect("the kill command").success());
+    Ended::of(child.wait_with_output().expect("its end"))
+}
+
+#[test]
+fn the_output_is_closed_properly() {
+    let folder = folder("sense-interrupted");
+    for name in ["out.csv", "out.mcap"] {
+        let (mut child, writer) = start(&folder, &["-o", name]);
+        wait_for(&folder.join(name), 100_000, &mut child);
+        let ended = interrupt(child);
+        writer.join().unwrap();
+        assert_eq!(ended.status, Some(1), "{ended:?}");
+        assert!(ended.stderr.contains("frames sensed"), "{ended:?}");
+    }
+    let table = fs::read_to_string(folder.join("out.csv")).unwrap();
+    assert_eq!(rows(&table, WITHOUT_FORCES).len() % 41, 0);
+    let file = fs::read(folder.join("out.mcap")).unwrap();
+    assert!(mcap::MessageStream::new(&file).unwrap().all(|m| m.is_ok()));
+    assert!(file.ends_with(mcap::MAGIC));
+}
+
+#[test]
+fn a_silent_stream_is_interrupted_too() {
+    let folder = folder("sense-silent");
+    let mut command = feeler(&folder, &["sense", "-", "--raw=640x480", "-o", "out.csv"]);
+    command.stdin(Stdio::piped());
+    let command = command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn().expect("the program");
+    // Waiting for the end would close its input.
+    let stdin = child.stdin.take();
+    wait_for(&folder.join("out.csv"), 0, &mut child);
+    let ended = interrupt(child);
+    assert_eq!(ended.status, Some(1), "{ended:?}");
+    drop(stdin);
+}
+
+#[test]
+fn a_reader_that_has_had_enough_ends_it() {
+    let folder = folder("sense-head");
+    let (mut child, writer) = start(&folder, &[]);
+    let mut stdout = child.stdout.take().expect("its output");
+    let mut some = [0; 1000];
+    stdout.read_exact(&mut some).expect("some rows");
+    drop(stdout);
+    let ended = Ended::of(child.wait_with_output().expect("its end"));
+    writer.join().unwrap();
+    assert_eq!(ended.status, Some(0), "{ended:?}");
+}
