@@ -112,17 +112,6 @@ fn element_moments([integrated_gray, x, y]: [f64; WEIGHTS]) -> ElementMoments {
     }
 }
 
-/// For each eight bits, a byte of ones for every bit that is set, the lowest first.
-static OWN: [[u8; 8]; 256] = {
-    let mut own = [[0; 8]; 256];
-    let mut index = 0;
-    while index < 256 * 8 {
-        own[index / 8][index % 8] = ((index / 8 >> (index % 8) & 1) as u8).wrapping_neg();
-        index += 1;
-    }
-    own
-};
-
 /// Adds what a tile's sums count for, without any particular instructions.
 pub(super) fn add_tile(rows: &TileRows, weights: &TileWeights, totals: &mut Totals) {
     let sums = tile_sums(rows);
@@ -142,31 +131,18 @@ fn tile_sums(tile: &TileRows) -> [[i32; STRIPS]; SUMS] {
     for (row, &mask) in tile.masks.iter().enumerate() {
         let pixels = tile.row(row, &mut padding);
         let mut bright = [0; TILE_WIDTH];
-        for (eight, own) in mask.to_le_bytes().map(usize::from).into_iter().enumerate() {
-            for (index, own) in OWN[own].iter().enumerate() {
-                let index = 8 * eight + index;
-                bright[index] = pixels[index].saturating_sub(tile.dark_level) & own;
-            }
-        }
-        // The pixels of each strip's first, second, third and fourth column.
-        let mut columns = [[0_i32; STRIPS]; STRIP];
-        for strip in 0..STRIPS {
-            for (across, column) in columns.iter_mut().enumerate() {
-                column[strip] = i32::from(bright[STRIP * strip + across]);
-            }
+        for (index, (bright, &pixel)) in bright.iter_mut().zip(pixels).enumerate() {
+            let own = ((mask >> index) & 1) as u8;
+            *bright = pixel.saturating_sub(tile.dark_level) & own.wrapping_neg();
         }
         let mut first = 0;
         for (factors, powers) in ACROSS.iter().zip(ROW_POWERS) {
-            let [k0, k1, k2, k3] = factors.map(i32::from);
-            let [c0, c1, c2, c3] = &columns;
-            let mut sum = [0; STRIPS];
-            for strip in 0..STRIPS {
-                sum[strip] = k0 * c0[strip] + k1 * c1[strip] + k2 * c2[strip] + k3 * c3[strip];
-            }
-            for power in &mut sums[first..first + powers] {
-                for strip in 0..STRIPS {
-                    power[strip] += sum[strip];
-                    sum[strip] = power[strip];
+            for (strip, pixels) in bright.chunks_exact(STRIP).enumerate() {
+                let products = pixels.iter().zip(factors);
+                let mut sum: i32 = products.map(|(&g, &k)| i32::from(g) * i32::from(k)).sum();
+                for power in &mut sums[first..first + powers] {
+                    power[strip] += sum;
+                    sum = power[strip];
                 }
             }
             first += powers;
