@@ -132,7 +132,7 @@ fn tile_sums(tile: &TileRows) -> [[i32; STRIPS]; SUMS] {
         let pixels = tile.row(row, &mut padding);
         let mut bright = [0; TILE_WIDTH];
         for (index, (bright, &pixel)) in bright.iter_mut().zip(pixels).enumerate() {
-            let own = (mask >> index & 1) as u8;
+            let own = ((mask >> index) & 1) as u8;
             *bright = pixel.saturating_sub(tile.dark_level) & own.wrapping_neg();
         }
         let mut first = 0;
