@@ -14,7 +14,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let file = arguments.next().ok_or("a calibration file expected")?;
 
     let calibration = Calibration::from_toml(&std::fs::read_to_string(file)?)?;
-    let fingertip = calibration.fingertip.clone();
+    let fingertip = (calibration.made_for.fingertip.clone()).ok_or("a fingertip expected")?;
     let mut sensing = Sensing::of_fingertip(&fingertip)?.with_calibration(calibration)?;
     let (width, height) = sensing.picture_size();
     let mut camera = PictureFiles::new(&[folder], (width, height), 30.0)?;

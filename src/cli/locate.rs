@@ -5,10 +5,10 @@ use super::{CommandError, Outcome};
 use crate::config::Experiment;
 use crate::sensor::{
     dome::CameraConfig,
-    frame::Picture,
     locate::{self, LocateConfig, LocateWarning, MeanPicture, ReferencePicture},
     located_layout::{DomeGeometry, LocatedLayout},
 };
+use crate::sources::picture::read_picture;
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -138,18 +138,8 @@ fn mean_of_files(files: &[PathBuf]) -> Result<ReferencePicture, CommandError> {
     let mut mean = MeanPicture::default();
     for file in files {
         let failed = |e: &dyn std::error::Error| format!("{}: {e}", file.display());
-        let bytes = fs::read(file).map_err(|e| failed(&e))?;
-        let gray = image::load_from_memory(&bytes)
-            .map_err(|e| failed(&e))?
-            .into_luma8();
-        let (width, height) = (gray.width() as usize, gray.height() as usize);
-        let pixels = gray.into_raw();
-        mean.add(&Picture {
-            width,
-            height,
-            pixels,
-        })
-        .map_err(|e| failed(&e))?;
+        let picture = read_picture(file).map_err(|e| failed(&e))?;
+        mean.add(&picture).map_err(|e| failed(&e))?;
     }
     Ok(mean.finish()?)
 }

@@ -11,6 +11,7 @@ mod progress;
 mod report;
 mod run;
 mod sense;
+mod sensor_geometry;
 
 use clap::{Parser, Subcommand};
 use output::Output;

@@ -1,15 +1,16 @@
 //! Loads on disk: pictures and the CSV that says what was on the elements in each.
 
 use super::CommandError;
+use crate::cli::sensor_geometry::SensorGeometry;
 use crate::sensor::calibration_fit::ElementRecord;
-use crate::sensor::fingertip::{Fingertip, FingertipConfig};
-use crate::sensor::frame::Picture;
+use crate::sensor::fingertip::FingertipConfig;
 use crate::sensor::loads::{COLUMNS, RecordBuilder, read_loads};
 use crate::sensor::moments::ElementMoments;
 use crate::sim::calibration_bench::{CalibrationBenchConfig, take_pictures};
 use crate::sim::optics_config::OpticsConfig;
+use crate::sources::picture::read_picture;
 use glam::DVec3;
-use image::{ExtendedColorType, ImageFormat, ImageReader};
+use image::{ExtendedColorType, ImageFormat};
 use std::fs::{self, File};
 use std::path::Path;
 
@@ -17,17 +18,17 @@ use std::path::Path;
 const LOADS: &str = "LOADS.csv";
 
 /// Reads a file of loads and takes the moments of all pictures in it.
-pub fn read(csv: &Path, config: &FingertipConfig) -> Result<Vec<ElementRecord>, CommandError> {
+pub fn read(csv: &Path, sensor: &SensorGeometry) -> Result<Vec<ElementRecord>, CommandError> {
     let name = csv.display();
     let file = File::open(csv)
         .map_err(|e| format!("{name}: {e}; expected a CSV file of {}", COLUMNS.join(",")))?;
-    let kernel = Fingertip::new(config)?.kernel;
+    let kernel = &sensor.kernel;
     let elements = kernel.element_count();
     let pictures = read_loads(file, elements).map_err(|e| format!("{name}: {e}"))?;
     let mut builder = RecordBuilder::new(elements);
     let mut moments = vec![ElementMoments::default(); elements];
     let folder = csv.parent().unwrap_or(Path::new(""));
-    let (width, height) = (config.camera.width, config.camera.height);
+    let (width, height) = sensor.size;
     for loaded in pictures {
         let refused = |what: String| {
             let (line, picture) = (loaded.line, &loaded.picture);
@@ -36,7 +37,8 @@ pub fn read(csv: &Path, config: &FingertipConfig) -> Result<Vec<ElementRecord>, 
                  {width}x{height} px"
             )
         };
-        let picture = picture(&folder.join(&loaded.picture)).map_err(refused)?;
+        let read = read_picture(&folder.join(&loaded.picture));
+        let picture = read.map_err(|e| refused(e.to_string()))?;
         if (picture.width, picture.height) != (width, height) {
             let size = format!("it has {}x{} px", picture.width, picture.height);
             return Err(refused(size).into());
@@ -45,18 +47,6 @@ pub fn read(csv: &Path, config: &FingertipConfig) -> Result<Vec<ElementRecord>, 
         builder.add(&loaded.forces, &moments);
     }
     Ok(builder.finish())
-}
-
-/// Reads a picture, whatever its format says, in 8-bit grey.
-fn picture(path: &Path) -> Result<Picture, String> {
-    let reader = ImageReader::open(path).and_then(ImageReader::with_guessed_format);
-    let decoded = reader.map_err(|e| e.to_string())?.decode();
-    let gray = decoded.map_err(|e| e.to_string())?.into_luma8();
-    Ok(Picture {
-        width: gray.width() as usize,
-        height: gray.height() as usize,
-        pixels: gray.into_raw(),
-    })
 }
 
 /// Writes pictures of the simulated fingertip under load, and the file of loads.

@@ -3,9 +3,10 @@
 mod loads;
 mod page;
 
+use super::sensor_geometry::SensorGeometry;
 use super::{CommandError, Outcome};
 use crate::config::Experiment;
-use crate::sensor::calibration::{Calibration, FullScale, MadeFor};
+use crate::sensor::calibration::{Calibration, FullScale};
 use crate::sensor::calibration_fit::{ElementRecord, ModelChoice, fit};
 use crate::sensor::calibration_report::CalibrationReport;
 use crate::sim::calibration_bench::{CalibrationBenchConfig, load_simulated};
@@ -29,6 +30,9 @@ pub struct Arguments {
     /// The experiment whose fingertip it is: a file, or the name of a built-in one [default: cap-closing]
     #[arg(long, value_name = "EXPERIMENT")]
     experiment: Option<String>,
+    /// The sensing elements as `feeler locate` found them, instead of an experiment's.
+    #[arg(long, value_name = "LAYOUT.toml", conflicts_with_all = ["simulated", "experiment"])]
+    layout: Option<PathBuf>,
     /// Where to write the calibration; a page with curves and residuals is written beside it.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
@@ -77,11 +81,11 @@ pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, 
     let output = &arguments.output;
     // Opened first, for calibrating takes its time.
     let mut file = PartFile::create(output)?;
-    let (records, source) = records(arguments)?;
-    let config = &experiment(arguments)?.config;
-    let made_for = MadeFor::fingertip(&config.sensor.fingertip)?;
+    let experiment_name = experiment_name(arguments);
+    let sensor = SensorGeometry::of(experiment_name, arguments.layout.as_deref())?;
+    let (records, source) = records(arguments, &sensor)?;
     let full_scale = full_scale(arguments, &records);
-    let calibration = fit(made_for, &records, arguments.model, full_scale)?;
+    let calibration = fit(sensor.made_for, &records, arguments.model, full_scale)?;
     let page_path = output.with_extension("html");
     if page_path == *output {
         return Err(format!(
@@ -107,19 +111,22 @@ fn print(arguments: &Arguments, calibration: &Calibration, out: &mut dyn Write) 
 }
 
 /// The experiment whose fingertip it is.
-fn experiment(arguments: &Arguments) -> Result<Experiment, CommandError> {
+fn experiment_name(arguments: &Arguments) -> &str {
     let input = arguments.input.as_deref().filter(|_| arguments.simulated);
     let name = arguments.experiment.as_deref().or(input);
-    Ok(Experiment::load(name.unwrap_or(EXPERIMENT), &[])?)
+    name.unwrap_or(EXPERIMENT)
 }
 
 /// What is known of each element, and where it comes from.
-fn records(arguments: &Arguments) -> Result<(Vec<ElementRecord>, String), CommandError> {
-    let config = experiment(arguments)?.config;
-    let fingertip = &config.sensor.fingertip;
+fn records(
+    arguments: &Arguments,
+    sensor: &SensorGeometry,
+) -> Result<(Vec<ElementRecord>, String), CommandError> {
     if let Some(csv) = arguments.input.as_ref().filter(|_| !arguments.simulated) {
-        return Ok((loads::read(Path::new(csv), fingertip)?, csv.clone()));
+        return Ok((loads::read(Path::new(csv), sensor)?, csv.clone()));
     }
+    let config = Experiment::load(experiment_name(arguments), &[])?.config;
+    let fingertip = &config.sensor.fingertip;
     let bench = bench(arguments);
     if let Some(folder) = &arguments.write_loads {
         loads::write_simulated(folder, fingertip, &config.sim.optics, &bench)?;

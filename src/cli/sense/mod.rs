@@ -31,6 +31,10 @@ pub struct Arguments {
     /// (/dev/video0), or - for raw grey frames on standard input.
     #[arg(required = true, value_name = "SOURCE")]
     sources: Vec<PathBuf>,
+    /// The sensing elements as `feeler locate` found them, instead of an experiment's; without the
+    /// dome's geometry in it, G is in grey levels px² and u in px.
+    #[arg(long, value_name = "LAYOUT.toml", conflicts_with = "experiment")]
+    layout: Option<PathBuf>,
     /// The experiment whose fingertip the pictures are of: a file, or a built-in one.
     #[arg(long, default_value = "cap-closing")]
     experiment: String,
