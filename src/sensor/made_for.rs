@@ -35,6 +35,12 @@ pub struct MadeFor {
     pub fingertip: Option<FingertipConfig>,
 }
 
+/// How a sensor is known: two of different kinds have no values to compare.
+#[derive(PartialEq, Serialize)]
+struct KnownBy {
+    known_by: &'static str,
+}
+
 impl MadeFor {
     /// A fingertip of known geometry.
     ///
@@ -72,7 +78,17 @@ impl MadeFor {
             same("the camera", &here.camera, &there.camera)?;
             same("the way of taking moments", &here.moments, &there.moments)?;
         }
-        same("the fingertip", self, there)
+        same("the sensor", &self.known_by(), &there.known_by())?;
+        same("the sensor", self, there)
+    }
+
+    fn known_by(&self) -> KnownBy {
+        KnownBy {
+            known_by: match self.fingertip {
+                Some(_) => "the geometry in an experiment",
+                None => "a located layout",
+            },
+        }
     }
 
     /// Refuses a fingertip that is not the one whose hash stands beside it.

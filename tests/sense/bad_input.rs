@@ -121,7 +121,10 @@ fn calibrations_that_do_not_fit() {
             "text.toml",
             ["--calibration text.toml", "not a calibration"],
         ),
-        ("other.toml", ["--calibration other.toml", "dark_level"]),
+        (
+            "other.toml",
+            ["--calibration other.toml", "changed after calibrating"],
+        ),
     ] {
         run(&folder, &["sense", "pictures", "--calibration", file]).refused(&words);
     }
