@@ -242,11 +242,9 @@ fn check_forces(forces: &[DVec3]) -> Result<(), String> {
     if let Some(force) = forces.iter().find(|force| !force.is_finite()) {
         return Err(format!("loads of finite forces expected, got {force} N"));
     }
-    let components: [(&str, fn(&DVec3) -> f64); 3] =
-        [("f_x", |f| f.x), ("f_y", |f| f.y), ("f_z", |f| f.z)];
-    for (name, component) in components {
-        let first = component(&forces[0]);
-        if forces.iter().all(|force| component(force) == first) {
+    for (axis, name) in ["f_x", "f_y", "f_z"].into_iter().enumerate() {
+        let first = forces[0][axis];
+        if forces.iter().all(|force| force[axis] == first) {
             let count = forces.len();
             return Err(format!(
                 "loads that change {name} expected, all {count} have {first} N"

@@ -178,7 +178,7 @@ impl CoupledMap {
                 return Err(format!("{name} of {orders:?} terms expected, got {actual}"));
             }
             // Terms are at most 1, so their sum stays finite with room for the straight lines.
-            if let Some(wrong) = list.iter().find(|c| !(c.abs() <= 1e100)) {
+            if let Some(wrong) = list.iter().find(|c| c.is_nan() || c.abs() > 1e100) {
                 return Err(format!(
                     "{name} of finite coefficients up to 1e100 N expected, got {wrong}"
                 ));

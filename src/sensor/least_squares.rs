@@ -16,9 +16,10 @@ pub(super) fn beyond(input: f64, [low, high]: [f64; 2]) -> f64 {
         input - high
     } else if input < low {
         input - low
+    } else if input.is_nan() {
+        input
     } else {
-        // Zero, or not a number.
-        input - input
+        0.0
     };
     if outside > farthest {
         farthest

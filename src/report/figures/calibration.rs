@@ -44,7 +44,7 @@ pub fn errors_figure(page: &CalibrationPage) -> String {
 pub fn loads_figure(element: &ElementLoads, number: u32) -> String {
     let mut plots = Vec::new();
     let mut layouts = Vec::new();
-    for axis in 0..3 {
+    for (axis, name) in AXES.into_iter().enumerate() {
         let pen = Pen::solid(finger_colour(axis), 1.4);
         let mut drawn = vec![dots(&element.loads[axis], "#999999")];
         drawn.extend(
@@ -55,15 +55,11 @@ pub fn loads_figure(element: &ElementLoads, number: u32) -> String {
         plots.push(drawn);
         let input = match axis {
             2 => "growth of G".to_owned(),
-            _ => format!("u_{} ({})", AXES[axis], element.length_unit),
+            _ => format!("u_{name} ({})", element.length_unit),
         };
-        layouts.push(over(
-            &element.loads[axis],
-            &input,
-            &format!("F_{} (N)", AXES[axis]),
-        ));
+        layouts.push(over(&element.loads[axis], &input, &format!("F_{name} (N)")));
         plots.push(vec![dots(&element.residuals[axis], pen.colour)]);
-        let load = format!("F_{} (N)", AXES[axis]);
+        let load = format!("F_{name} (N)");
         layouts.push(over(&element.residuals[axis], &load, "error (mN)"));
     }
     let panels = Panels::new(3, 2)
