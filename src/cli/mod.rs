@@ -20,7 +20,8 @@ Examples:
   feeler run my.toml --set control.slip_threshold=2.5 --set task.strokes=3
   feeler check my.toml                        say what is wrong with an experiment file
   feeler report runs/seven                    make a run's report again from its recording
-  feeler calibrate --simulated my.toml -o my.calibration.toml";
+  feeler calibrate --simulated my.toml -o my.calibration.toml
+  feeler calibrate LOADS.csv --experiment my.toml -o my.calibration.toml";
 
 /// Tri-axial touch to finger motion, and a simulated hand to try it on.
 ///
