@@ -121,6 +121,7 @@ fn a_calibration_can_be_made_and_used() {
     let arguments = [&["calibrate", "--simulated", "my.toml"][..], &calibration].concat();
     let said = run(&folder, &arguments).done();
     assert!(said.contains("reference-fingertip"), "{said}");
+    assert!(folder.join("reference-fingertip.calibration.html").exists());
     assert!(
         run(&folder, &["check", "my.toml"])
             .done()

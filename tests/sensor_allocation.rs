@@ -3,7 +3,9 @@
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 use feeler::{
     sensor::{
+        calibration_fit::ModelChoice,
         camera::{Camera, CameraError},
+        drift::DriftConfig,
         fingertip::{Fingertip, FingertipConfig},
         frame::Frame,
         optical::OpticalSensor,
@@ -42,6 +44,7 @@ fn a_reading_allocates_nothing() {
     let bench = CalibrationBenchConfig {
         combined: 20,
         held_out: 1,
+        model: ModelChoice::Coupled,
         ..CalibrationBenchConfig::default()
     };
     let calibration = calibrate_simulated(&config, &optics, &bench).unwrap();
@@ -53,7 +56,9 @@ fn a_reading_allocates_nothing() {
     let model = OpticsModel::new(&optics, &layout, &projection).unwrap();
     let scratch = OpticsScratch::new(&model);
     let camera = SimulatedCamera(model, scratch, Pcg64::seed_from_u64(1));
-    let mut sensor = OpticalSensor::new(camera, &config, calibration).unwrap();
+    let mut sensor = OpticalSensor::new(camera, &config, calibration)
+        .unwrap()
+        .with_drift_correction(DriftConfig::default());
     let mut reading = TactileFrame::unloaded(sensor.element_count());
     assert!(assert_no_alloc(|| sensor.read(&mut reading)).is_ok());
     let mut readings = vec![ElementReading::default(); sensing.element_count()];

@@ -3,7 +3,8 @@
 use feeler::{
     sensor::{
         calibration::{
-            Calibration, CalibrationError, ForceCurve, ForceMap, FullScale, MadeFor, SeparableMap,
+            Calibration, CalibrationError, ForceCurve, ForceMap, FullScale, Inputs, LengthUnit,
+            MadeFor, SeparableMap,
         },
         calibration_fit::{ElementRecord, LoadSample, ModelChoice, fit},
         calibration_report::CalibrationReport,
@@ -373,7 +374,71 @@ fn records_that_determine_nothing_are_refused() {
     assert_eq!(message, "records of loads for 1 elements expected, got 0");
 }
 
+/// A coupled calibration of the apex.
+static COUPLED: LazyLock<Calibration> = LazyLock::new(|| {
+    let bench = CalibrationBenchConfig {
+        model: ModelChoice::Coupled,
+        ..CalibrationBenchConfig::default()
+    };
+    let (fingertip, optics) = (FingertipConfig::default(), OpticsConfig::default());
+    calibrate_simulated(&fingertip, &optics, &bench).unwrap()
+});
+
+#[test]
+fn the_file_holds_a_coupled_calibration_and_refuses_a_wrong_one() {
+    let text = COUPLED.to_toml().unwrap();
+    assert_eq!(Calibration::from_toml(&text).unwrap(), *COUPLED);
+    let refused = |text: &str| Calibration::from_toml(text).unwrap_err().to_string();
+    let old = refused("version = 1\n[fingertip]\n");
+    assert!(old.contains("version 2 expected, got 1"), "{old}");
+    let edited = refused(&text.replacen("standoff = 0.01", "standoff = 0.011", 1));
+    assert!(edited.contains("SHA-256"), "{edited}");
+    let (_, after) = text.split_once("normal = [").unwrap();
+    let first = after.split(',').next().unwrap();
+    let cut = refused(&text.replacen(&format!("normal = [{first},"), "normal = [", 1));
+    assert!(cut.contains("element 0: normal of"), "{cut}");
+    let nan = refused(&text.replacen(&format!("normal = [{first},"), "normal = [nan,", 1));
+    assert!(nan.contains("finite coefficients"), "{nan}");
+}
+
+#[test]
+fn another_layout_is_refused_by_its_hash() {
+    let here = MadeFor::layout("a", 41, LengthUnit::Pixel);
+    let there = MadeFor::layout("b", 41, LengthUnit::Pixel);
+    assert!(here.check_same(&here).is_ok());
+    let message = here.check_same(&there).unwrap_err().to_string();
+    assert!(
+        message.contains("sha256") && message.contains(&here.sha256),
+        "{message}"
+    );
+    let message = here.check_same(&COUPLED.made_for).unwrap_err().to_string();
+    assert!(message.contains("another fingertip"), "{message}");
+}
+
 proptest! {
+    /// However wild the picture, a force is a number; and it grows on beyond the calibrated range.
+    #[test]
+    fn coupled_forces_stay_sane_beyond_their_range(
+        gray in prop_oneof![-1e3..1e3_f64, proptest::num::f64::NORMAL],
+        x in prop_oneof![-1e-2..1e-2_f64, proptest::num::f64::NORMAL],
+        y in prop_oneof![-1e-2..1e-2_f64, proptest::num::f64::NORMAL],
+    ) {
+        for element in COUPLED.elements.iter().step_by(10) {
+            let moments = ElementMoments {
+                integrated_gray: gray * element.unloaded_gray,
+                centroid: DVec2::new(x, y),
+            };
+            prop_assert!(element.force(&moments).is_finite());
+            let [[_, growth], [_, u], _] = element.map.ranges();
+            let force = |growth, u| element.map.force(Inputs {
+                growth,
+                displacement: DVec2::new(u, 0.0),
+            });
+            prop_assert!(force(growth + gray.abs(), 0.0).z >= force(growth, 0.0).z);
+            prop_assert!(force(growth, u + x.abs()).x >= force(growth, u).x);
+        }
+    }
+
     /// Fitting what a curve says gives the curve back, and it goes on beyond its range.
     #[test]
     fn curves_are_recovered_and_go_on(

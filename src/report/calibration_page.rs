@@ -80,7 +80,7 @@ pub fn calibration_page(page: &CalibrationPage) -> String {
                             (PreEscaped(loads_figure(element, index as u32 + 2)))
                             figcaption { b { (element.name) ". " }
                                 "Left: the loads (dots) and the calibration's curves, for a coupled model at "
-                                "no, half and full growth of the gray value. Right: readings less loads. " }
+                                "no, half and full growth of the gray value. Right: readings less loads, of held-out loads where there are some." }
                         }
                     }
                 }

@@ -3,7 +3,7 @@
 //! Two models: [`separable`](super::separable), the paper's, one curve for each component of the
 //! force; and [`coupled`](super::coupled), each component from all moments together. Either takes an
 //! element's moments relative to its unloaded ones ([`Inputs`]). How far a calibration can be trusted
-//! stands in it ([`ElementQuality`](super::calibration_quality::ElementQuality)).
+//! stands in it ([`ElementQuality`]).
 
 pub use super::calibration_error::CalibrationError;
 pub use super::calibration_quality::{ElementQuality, FullScale, HeldOutError};

@@ -178,8 +178,7 @@ impl CoupledMap {
                 return Err(format!("{name} of {orders:?} terms expected, got {actual}"));
             }
             // Terms are at most 1, so their sum stays finite with room for the straight lines.
-            let good = |c: f64| c.is_finite() && c.abs() <= 1e100;
-            if let Some(wrong) = list.iter().find(|&&c| !good(c)) {
+            if let Some(wrong) = list.iter().find(|c| c.is_nan() || c.abs() > 1e100) {
                 return Err(format!(
                     "{name} of finite coefficients up to 1e100 N expected, got {wrong}"
                 ));

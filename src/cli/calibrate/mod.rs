@@ -166,7 +166,8 @@ fn full_scale(arguments: &Arguments, records: &[ElementRecord]) -> FullScale {
         if arguments.simulated || largest <= 0.0 {
             simulated
         } else {
-            largest
+            // To the millinewton: more digits would say nothing.
+            (1e3 * largest).ceil() / 1e3
         }
     };
     let normal = largest(|force| force.z.abs(), default.normal);

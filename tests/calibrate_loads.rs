@@ -1,0 +1,201 @@
+//! `feeler calibrate LOADS.csv`: pictures and forces on disk to a calibration, and what it refuses.
+
+#[path = "support/program.rs"]
+mod program;
+
+use program::{folder, run};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// A folder with simulated loads in `loads/`, and what is said of the calibration made with them.
+fn simulated(name: &str, loads: &str) -> (PathBuf, String) {
+    let folder = folder(name);
+    let arguments = [
+        "calibrate",
+        "--simulated",
+        "--loads",
+        loads,
+        "--write-loads",
+        "loads",
+    ];
+    let said = run(&folder, &[&arguments[..], &["-o", "a.toml"]].concat()).done();
+    (folder, said)
+}
+
+#[test]
+fn pictures_and_forces_on_disk_make_a_calibration() {
+    let (folder, said) = simulated("loads", "40");
+    assert!(
+        said.contains("coupled") && said.contains("a.html"),
+        "{said}"
+    );
+    let start = ["calibrate", "loads/LOADS.csv", "-o", "b.toml"];
+    let said = run(&folder, &[&start[..], &["--verbose"]].concat()).done();
+    for words in [
+        "coupled",
+        "element 40",
+        "ring 3",
+        "repeatability",
+        "hysteresis",
+        "resolution",
+    ] {
+        assert!(said.contains(words), "no {words} in {said}");
+    }
+    let page = fs::read_to_string(folder.join("b.html")).unwrap();
+    assert!(page.contains("loads/LOADS.csv") && page.ends_with("</html>"));
+    let said = run(&folder, &[&start[..], &["--model", "separable"]].concat()).done();
+    assert!(said.contains("separable"), "{said}");
+    let text = fs::read_to_string(folder.join("b.toml")).unwrap();
+    let calibration = feeler::sensor::calibration::Calibration::from_toml(&text).unwrap();
+    // Each load was predicted by a fit that had not seen it: about 10 % of 1 N, as the model is.
+    let rms = calibration.elements[0].quality.held_out.rms;
+    assert!((0.03..0.2).contains(&rms.x), "{rms}");
+    let again = [
+        "calibrate",
+        "--simulated",
+        "--write-loads",
+        "loads",
+        "-o",
+        "a.toml",
+    ];
+    run(&folder, &again).refused(&["--write-loads loads", "LOADS.csv already"]);
+}
+
+#[test]
+fn loads_that_cannot_be_used_are_named() {
+    let (folder, _) = simulated("bad-loads", "10");
+    let csv = folder.join("loads/LOADS.csv");
+    let good = fs::read_to_string(&csv).unwrap();
+    image(&folder.join("loads/small.png"));
+    fs::write(
+        folder.join("loads/broken.png"),
+        b"\x89PNG\r\n\x1a\nand no more",
+    )
+    .unwrap();
+    let row = "00000.png,0,";
+    assert!(good.contains(row));
+    let head = "picture,element,f_x,f_y,f_z\n";
+    let unloaded = "00000.png,,0,0,0\n";
+    let cases: [(String, &[&str]); 12] = [
+        (String::new(), &["no column \"picture\""]),
+        (head.into(), &["no loads"]),
+        (
+            good.replacen("f_z", "force", 1),
+            &["no column \"f_z\"", "picture,element,f_x,f_y,force"],
+        ),
+        (good.replacen(row, "00000.png,", 1), &["line: 2", "5"]),
+        (good.replacen(row, "00000.png,0,nan,1,", 1), &["line: 2"]),
+        (
+            format!("{head}00000.png,0,1,nan,1\n"),
+            &["line 2", "f_y = \"nan\"", "finite number"],
+        ),
+        (
+            good.replacen(row, "00000.png,41,", 1),
+            &["line 2", "element = \"41\"", "0 to 40"],
+        ),
+        (
+            good.replacen(row, "nowhere.png,0,", 1),
+            &["line 2", "nowhere.png", "No such file", "640x480"],
+        ),
+        (
+            good.replacen(row, "small.png,0,", 1),
+            &["line 2", "small.png", "8x8 px", "640x480 px"],
+        ),
+        (
+            good.replacen(row, "broken.png,0,", 1),
+            &["line 2", "broken.png", "640x480 px"],
+        ),
+        (
+            format!("{head}{unloaded}"),
+            &["element 0", "loads expected, got none"],
+        ),
+        (
+            format!("{head}00000.png,0,0,0,1\n"),
+            &["element 0", "unloaded picture expected"],
+        ),
+    ];
+    for (text, words) in cases {
+        fs::write(&csv, text).unwrap();
+        let arguments = ["calibrate", "loads/LOADS.csv", "-o", "b.toml"];
+        run(&folder, &arguments).refused(&[words, &["LOADS.csv"][..0]].concat());
+        for left in ["b.toml", "b.toml.part", "b.html", "b.html.part"] {
+            assert!(!folder.join(left).exists(), "{left}");
+        }
+    }
+}
+
+#[test]
+fn loads_that_determine_nothing_are_refused() {
+    let (folder, _) = simulated("poor-loads", "10");
+    let csv = folder.join("loads/LOADS.csv");
+    let rows = |force: &dyn Fn(usize) -> String, count: usize| {
+        let mut text = "picture,element,f_x,f_y,f_z\n00004.png,,,,\n".to_owned();
+        for picture in (0..count).map(|p| p % 4) {
+            for element in 0..41 {
+                text += &format!("0000{picture}.png,{element},{}\n", force(picture));
+            }
+        }
+        text
+    };
+    let cases: [(String, &[&str]); 3] = [
+        (
+            rows(&|_| "0,0,1".into(), 4),
+            &["element 0", "loads that change f_x", "all 4 have 0 N"],
+        ),
+        (
+            rows(&|_| "0.1,0.2,1".into(), 4),
+            &["loads that change f_x", "all 4 have 0.1 N"],
+        ),
+        (
+            rows(&|p| format!("{p},0.{p},1.{p}"), 2),
+            &["element 0", "loads expected, got"],
+        ),
+    ];
+    for (text, words) in cases {
+        fs::write(&csv, text).unwrap();
+        for model in ["separable", "coupled", "auto"] {
+            let arguments = [
+                "calibrate",
+                "loads/LOADS.csv",
+                "-o",
+                "b.toml",
+                "--model",
+                model,
+            ];
+            run(&folder, &arguments).refused(words);
+        }
+    }
+}
+
+#[test]
+fn arguments_that_make_no_sense_are_refused() {
+    let folder = folder("calibrate-arguments");
+    let start = ["calibrate", "-o", "b.toml"];
+    let cases: [(&[&str], &[&str]); 5] = [
+        (&[], &["LOADS.csv"]),
+        (
+            &["nowhere.csv"],
+            &["nowhere.csv", "No such file", "expected a CSV file"],
+        ),
+        (
+            &["--simulated", "--model", "best"],
+            &["--model", "best", "separable, coupled or auto"],
+        ),
+        (
+            &["--simulated", "--full-scale-normal=-2"],
+            &["--full-scale-normal", "above 0 N"],
+        ),
+        (&["x.csv", "--write-loads", "d"], &["--simulated"]),
+    ];
+    for (arguments, words) in cases {
+        run(&folder, &[&start[..], arguments].concat()).refused(words);
+        assert!(!folder.join("b.toml").exists() && !folder.join("b.toml.part").exists());
+    }
+    let arguments = ["calibrate", "--simulated", "--loads", "40", "-o", "b.html"];
+    run(&folder, &arguments).refused(&["b.html", ".toml"]);
+}
+
+/// A picture of 8 by 8 px.
+fn image(path: &Path) {
+    image::save_buffer(path, &[0; 64], 8, 8, image::ExtendedColorType::L8).unwrap();
+}
