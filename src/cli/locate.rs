@@ -1,6 +1,7 @@
 //! `feeler locate`
 
 use super::locate_preview::preview;
+use super::part_file::PartFile;
 use super::{CommandError, Outcome};
 use crate::config::Experiment;
 use crate::sensor::{
@@ -9,9 +10,8 @@ use crate::sensor::{
     located_layout::{DomeGeometry, LocatedLayout},
 };
 use crate::sources::picture::read_picture;
-use std::fs;
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
@@ -76,11 +76,11 @@ pub fn locate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Com
     };
     // What the layout is for has to work before it is written.
     layout.kernel()?;
-    write_whole(&arguments.output, "--output", layout.to_toml()?.as_bytes())?;
+    PartFile::create(&arguments.output, "--output")?.finish(layout.to_toml()?.as_bytes())?;
     if let Some(path) = &arguments.preview {
         let mut png = std::io::Cursor::new(Vec::new());
         preview(&reference, &layout).write_to(&mut png, image::ImageFormat::Png)?;
-        write_whole(path, "--preview", png.get_ref())?;
+        PartFile::create(path, "--preview")?.finish(png.get_ref())?;
     }
     let spots = match located.spots_per_element {
         1 => "spots".into(),
@@ -179,17 +179,4 @@ fn dome_geometry(
             radial_distortion: [0.0, 0.0],
         },
     }))
-}
-
-/// Writes aside and moves when it is whole.
-fn write_whole(path: &Path, argument: &str, bytes: &[u8]) -> Result<(), CommandError> {
-    let mut part = path.to_path_buf().into_os_string();
-    part.push(".part");
-    let written = fs::write(&part, bytes).and_then(|()| fs::rename(&part, path));
-    written.map_err(|e| {
-        // What is left of it is of no use to anyone.
-        let _ = fs::remove_file(&part);
-        let path = path.display();
-        format!("{argument} {path}: {e}; expected a file in a folder that can be written to").into()
-    })
 }

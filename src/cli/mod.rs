@@ -7,6 +7,7 @@ mod list;
 mod locate;
 mod locate_preview;
 mod output;
+mod part_file;
 mod progress;
 mod report;
 mod run;

@@ -3,6 +3,7 @@
 mod loads;
 mod page;
 
+use super::part_file::PartFile;
 use super::sensor_geometry::SensorGeometry;
 use super::{CommandError, Outcome};
 use crate::config::Experiment;
@@ -10,7 +11,6 @@ use crate::sensor::calibration::{Calibration, FullScale};
 use crate::sensor::calibration_fit::{ElementRecord, ModelChoice, fit};
 use crate::sensor::calibration_report::CalibrationReport;
 use crate::sim::calibration_bench::{CalibrationBenchConfig, load_simulated};
-use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -80,7 +80,7 @@ fn positive(text: &str) -> Result<f64, String> {
 pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     let output = &arguments.output;
     // Opened first, for calibrating takes its time.
-    let mut file = PartFile::create(output)?;
+    let mut file = PartFile::create(output, "--output")?;
     let experiment_name = experiment_name(arguments);
     let sensor = SensorGeometry::of(experiment_name, arguments.layout.as_deref())?;
     let (records, source) = records(arguments, &sensor)?;
@@ -94,9 +94,9 @@ pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, 
         )
         .into());
     }
-    let mut page_file = PartFile::create(&page_path)?;
-    page_file.finish(&page::page(&calibration, &records, &source))?;
-    file.finish(&calibration.to_toml()?)?;
+    let mut page_file = PartFile::create(&page_path, "--output")?;
+    page_file.finish(page::page(&calibration, &records, &source).as_bytes())?;
+    file.finish(calibration.to_toml()?.as_bytes())?;
     print(arguments, &calibration, out)?;
     writeln!(out, "{}\n{}", output.display(), page_path.display())?;
     Ok(Outcome::Done)
@@ -176,45 +176,4 @@ fn full_scale(arguments: &Arguments, records: &[ElementRecord]) -> FullScale {
         normal: arguments.full_scale_normal.unwrap_or(normal),
         shear: arguments.full_scale_shear.unwrap_or(shear),
     }
-}
-
-/// A file written aside and moved when it is whole; what is left of it otherwise is removed.
-struct PartFile {
-    file: File,
-    part: PathBuf,
-    path: PathBuf,
-}
-
-impl PartFile {
-    fn create(path: &Path) -> Result<Self, CommandError> {
-        if fs::symlink_metadata(path).is_ok_and(|there| !there.is_file()) {
-            let path = path.display();
-            let message = format!("{path}: not a file; expected a file, new or to replace");
-            return Err(message.into());
-        }
-        let mut part = path.as_os_str().to_owned();
-        part.push(".part");
-        let part = PathBuf::from(part);
-        let file = File::create(&part).map_err(|e| failed(path, &e))?;
-        let path = path.to_owned();
-        Ok(Self { file, part, path })
-    }
-
-    fn finish(&mut self, text: &str) -> Result<(), CommandError> {
-        let written = self.file.write_all(text.as_bytes());
-        let moved = written.and_then(|()| fs::rename(&self.part, &self.path));
-        moved.map_err(|e| failed(&self.path, &e).into())
-    }
-}
-
-impl Drop for PartFile {
-    fn drop(&mut self) {
-        // After finishing there is none; otherwise it is of no use to anyone.
-        let _ = fs::remove_file(&self.part);
-    }
-}
-
-fn failed(path: &Path, error: &io::Error) -> String {
-    let path = path.display();
-    format!("--output {path}: {error}; expected a file in a folder that can be written to")
 }
