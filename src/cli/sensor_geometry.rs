@@ -6,7 +6,7 @@ use crate::sensor::calibration::{Calibration, LengthUnit, MadeFor};
 use crate::sensor::fingertip::{Fingertip, FingertipConfig};
 use crate::sensor::located_layout::LocatedLayout;
 use crate::sensor::moments::MomentsKernel;
-use crate::sensor::subregion::{WeightedPixel, subregion};
+use crate::sensor::subregion::WeightedPixel;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -52,19 +52,11 @@ impl SensorGeometry {
     }
 
     fn of_fingertip(config: &FingertipConfig) -> Result<Self, CommandError> {
-        let Fingertip {
-            layout,
-            projection,
-            kernel,
-        } = Fingertip::new(config)?;
-        let radius = config.moments.subregion_radius;
-        let region = |element| subregion(&layout, &projection, element, radius);
+        let (kernel, regions) = Fingertip::kernel_and_subregions(config)?;
         Ok(Self {
-            size: (projection.width(), projection.height()),
+            size: (config.camera.width, config.camera.height),
             kernel,
-            regions: (0..layout.elements.len())
-                .map(region)
-                .collect::<Result<_, _>>()?,
+            regions,
             made_for: MadeFor::fingertip(config)?,
         })
     }

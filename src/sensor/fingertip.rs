@@ -5,6 +5,7 @@ use super::{
     layout::{ElementLayout, LayoutConfig},
     moments::MomentsKernel,
     moments_config::{MomentsConfig, MomentsError},
+    subregion::{WeightedPixel, subregions},
 };
 use serde::{Deserialize, Serialize};
 
@@ -64,6 +65,21 @@ impl Fingertip {
             projection,
             kernel,
         })
+    }
+
+    /// The kernel of the fingertip, and the pixels of each element that it was made of.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn kernel_and_subregions(
+        config: &FingertipConfig,
+    ) -> Result<(MomentsKernel, Vec<Vec<WeightedPixel>>), FingertipError> {
+        let (layout, projection) = Self::layout_and_projection(config)?;
+        let regions = subregions(&layout, &projection, &config.moments)?;
+        let size = (projection.width(), projection.height());
+        let dark_level = config.moments.dark_level;
+        let kernel = MomentsKernel::from_subregions(size, dark_level, &regions)?;
+        Ok((kernel, regions))
     }
 
     /// The part of the fingertip that takes no time to build: all but the kernel.

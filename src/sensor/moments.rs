@@ -29,7 +29,7 @@ use super::{
     frame::Picture,
     layout::ElementLayout,
     moments_config::{MomentsConfig, MomentsError},
-    subregion::{WeightedPixel, subregion},
+    subregion::{WeightedPixel, subregions},
 };
 use glam::DVec2;
 use std::ops::Range;
@@ -67,16 +67,7 @@ impl MomentsKernel {
         projection: &DomeProjection,
         config: &MomentsConfig,
     ) -> Result<Self, MomentsError> {
-        let radius = config.subregion_radius;
-        if !(radius > 0.0 && radius < layout.dome_radius) {
-            return Err(MomentsError::Radius {
-                radius,
-                dome_radius: layout.dome_radius,
-            });
-        }
-        let regions = (0..layout.elements.len())
-            .map(|element| subregion(layout, projection, element, radius))
-            .collect::<Result<Vec<_>, _>>()?;
+        let regions = subregions(layout, projection, config)?;
         let size = (projection.width(), projection.height());
         Self::from_subregions(size, config.dark_level, &regions)
     }

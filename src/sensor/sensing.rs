@@ -8,7 +8,7 @@ use super::{
     frame::Picture,
     moments::{ElementMoments, MomentsKernel},
     moments_config::MomentsError,
-    subregion::{WeightedPixel, subregion},
+    subregion::WeightedPixel,
 };
 use glam::{DVec2, DVec3};
 
@@ -143,16 +143,8 @@ impl Sensing {
         config: &FingertipConfig,
         max_saturated: f64,
     ) -> Result<Self, SensingError> {
-        let Fingertip {
-            layout,
-            projection,
-            kernel,
-        } = Fingertip::new(config)?;
-        let radius = config.moments.subregion_radius;
-        let regions = (0..layout.elements.len())
-            .map(|element| subregion(&layout, &projection, element, radius))
-            .collect::<Result<Vec<_>, _>>()?;
-        let size = (projection.width(), projection.height());
+        let (kernel, regions) = Fingertip::kernel_and_subregions(config)?;
+        let size = (config.camera.width, config.camera.height);
         Self::new(size, kernel, &regions, max_saturated)
     }
 

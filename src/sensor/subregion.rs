@@ -3,7 +3,7 @@
 use super::{
     dome::DomeProjection,
     layout::{ElementLayout, SensingElement},
-    moments_config::MomentsError,
+    moments_config::{MomentsConfig, MomentsError},
 };
 use glam::DVec2;
 use std::{f64::consts::TAU, ops::Range};
@@ -20,6 +20,27 @@ pub struct WeightedPixel {
     pub area: f64,
     /// Its place in that plane, m (or px).
     pub point: DVec2,
+}
+
+/// The [`subregion`] of every element of `layout`.
+///
+/// # Errors
+/// When a sub-region is not wholly in the picture, or its radius makes no sense.
+pub fn subregions(
+    layout: &ElementLayout,
+    projection: &DomeProjection,
+    config: &MomentsConfig,
+) -> Result<Vec<Vec<WeightedPixel>>, MomentsError> {
+    let radius = config.subregion_radius;
+    if !(radius > 0.0 && radius < layout.dome_radius) {
+        return Err(MomentsError::Radius {
+            radius,
+            dome_radius: layout.dome_radius,
+        });
+    }
+    (0..layout.elements.len())
+        .map(|element| subregion(layout, projection, element, radius))
+        .collect()
 }
 
 /// The pixels within `radius` (m) of the axis of `element` and nearer to it than to any other
