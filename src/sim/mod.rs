@@ -6,6 +6,7 @@ pub mod cap;
 pub mod config;
 pub mod direct_sensor;
 pub mod feeler;
+pub mod knurled_cylinder;
 pub mod model;
 pub mod object;
 pub mod optics;
