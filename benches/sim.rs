@@ -46,7 +46,7 @@ fn physics_step_in_contact(bencher: Bencher) {
             world.command(finger, sign * velocity);
         }
         steps += 1;
-        world.step();
+        world.step().expect("a step");
     });
 }
 
@@ -56,7 +56,7 @@ fn physics_step_out_of_contact(bencher: Bencher) {
     let session = Session::new(&experiment("direct")).expect("a session");
     let mut world = session.rig().world();
     world.command(0, DVec3::ZERO);
-    bencher.bench_local(|| world.step());
+    bencher.bench_local(|| world.step().expect("a step"));
 }
 
 /// One control period, 10 ms, with everything that `feeler run` does in it: sensors, control,

@@ -1,12 +1,11 @@
 //! What every value of an experiment must be. Numbers that are not finite are never in range.
 
 use super::ExperimentConfig;
+use super::check_sim::check_sim;
 use super::checker::{Checker, MAX, Problem};
 use crate::control::controller::ControlConfig;
 use crate::control::task::TaskConfig;
 use crate::sensor::fingertip::{FingertipConfig, MAX_ELEMENTS};
-use crate::sim::config::SimConfig;
-use crate::sim::optics_config::OpticsError;
 
 /// Physics steps in one control period at most: beyond, a run would seem to hang.
 const MAX_STEPS_PER_PERIOD: f64 = 1000.0;
@@ -156,94 +155,4 @@ fn check_task(task: &TaskConfig, checker: &mut Checker) {
             checker.direction(&format!("task.finger[{index}].{field}"), direction);
         }
     }
-}
-
-fn check_sim(sim: &SimConfig, checker: &mut Checker) {
-    checker.between("sim.step", sim.step, 1e-6, 0.1);
-    let positive = [
-        ("feeler.normal_stiffness", sim.feeler.normal_stiffness),
-        ("feeler.shear_stiffness", sim.feeler.shear_stiffness),
-        ("feeler.tip_radius", sim.feeler.tip_radius),
-        ("cap.radius", sim.cap.radius),
-        ("cap.height", sim.cap.height),
-        ("torque_sensor.stiffness", sim.torque_sensor.stiffness),
-        ("torque_sensor.rated_torque", sim.torque_sensor.rated_torque),
-        ("torque_sensor.gauge_factor", sim.torque_sensor.gauge_factor),
-        (
-            "torque_sensor.bridge_voltage",
-            sim.torque_sensor.bridge_voltage,
-        ),
-        (
-            "torque_sensor.amplifier_gain",
-            sim.torque_sensor.amplifier_gain,
-        ),
-        (
-            "torque_sensor.cutoff_frequency",
-            sim.torque_sensor.cutoff_frequency,
-        ),
-        (
-            "torque_sensor.converter_range",
-            sim.torque_sensor.converter_range,
-        ),
-        ("servo.encoder_resolution", sim.servo.encoder_resolution),
-    ];
-    for (field, value) in positive {
-        checker.positive(&format!("sim.{field}"), value);
-    }
-    let not_negative = [
-        ("feeler.kinetic_friction", sim.feeler.kinetic_friction),
-        ("cap.running_torque", sim.cap.running_torque),
-        ("cap.seat_angle", sim.cap.seat_angle),
-        ("cap.seat_stiffness", sim.cap.seat_stiffness),
-        ("cap.lead", sim.cap.lead),
-        ("torque_sensor.noise", sim.torque_sensor.noise),
-        ("servo.lag", sim.servo.lag),
-        ("variation.bottle_position", sim.variation.bottle_position),
-        ("variation.cap_angle", sim.variation.cap_angle),
-        (
-            "direct_sensing.normal_noise",
-            sim.direct_sensing.normal_noise,
-        ),
-        ("direct_sensing.shear_noise", sim.direct_sensing.shear_noise),
-    ];
-    for (field, value) in not_negative {
-        checker.not_negative(&format!("sim.{field}"), value);
-    }
-    if let Err(OpticsError::OutOfRange {
-        name,
-        low,
-        high,
-        value,
-    }) = sim.optics.check()
-    {
-        checker.between(&format!("sim.optics.{name}"), value, low, high);
-    }
-    checker.vector("sim.cap.position", sim.cap.position);
-    checker.between("sim.cap.static_factor", sim.cap.static_factor, 1.0, 10.0);
-    checker.between("sim.variation.friction", sim.variation.friction, 0.0, 0.99);
-    checker.between(
-        "sim.variation.seat_angle",
-        sim.variation.seat_angle,
-        0.0,
-        0.99,
-    );
-    checker.between(
-        "sim.torque_sensor.rated_strain",
-        sim.torque_sensor.rated_strain,
-        1e-9,
-        0.1,
-    );
-    checker.require(
-        "sim.torque_sensor.converter_bits",
-        sim.torque_sensor.converter_bits.to_string(),
-        (1..=24).contains(&sim.torque_sensor.converter_bits),
-        "1 to 24",
-    );
-    let (kinetic, fixed) = (sim.feeler.kinetic_friction, sim.feeler.static_friction);
-    checker.require(
-        "sim.feeler.static_friction",
-        fixed.to_string(),
-        fixed <= MAX && fixed >= kinetic,
-        &format!("at least sim.feeler.kinetic_friction = {kinetic}, at most {MAX:e}"),
-    );
 }

@@ -173,6 +173,11 @@ impl Experiment {
         })
     }
 
+    /// The folder that file names are relative to.
+    pub fn folder(&self) -> &Path {
+        self.folder.as_deref().unwrap_or(Path::new(""))
+    }
+
     /// The calibration that the experiment names, if it senses through pictures.
     ///
     /// # Errors

@@ -2,6 +2,8 @@
 //! runtime objects.
 
 mod check;
+mod check_objects;
+mod check_sim;
 mod checker;
 mod load;
 mod settings;

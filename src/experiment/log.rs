@@ -13,6 +13,8 @@ use crate::record::{
 };
 use crate::sensor::layout::ElementLayout;
 use crate::sensor::reading::{TactileFrame, TactileSensor};
+use crate::sim::config::SimConfig;
+use crate::sim::shape::ShapeConfig;
 use glam::{DQuat, DVec3};
 
 /// Writes control steps to a recording. Messages with lists are kept and filled again.
@@ -190,7 +192,7 @@ pub fn run_facts(config: &ExperimentConfig) -> RunFacts {
         },
         control_period: config.control.period,
         fingers: config.hand.finger.len(),
-        cap_radius: config.sim.cap.radius,
+        cap_radius: cap_radius(&config.sim),
         feeler_tip_radius: config.sim.feeler.tip_radius,
         touch_force_threshold: config.control.touch_force,
         over_force_threshold: config.control.over_force,
@@ -199,5 +201,15 @@ pub fn run_facts(config: &ExperimentConfig) -> RunFacts {
         approach: directions(|path| path.approach),
         stroke_direction: directions(|path| path.stroke),
         stroke_count: config.task.strokes,
+    }
+}
+
+/// Radius of the cap at its widest, m; 0 when there is no cap.
+fn cap_radius(sim: &SimConfig) -> f64 {
+    match sim.cap().map(|(_, object, _)| &object.shape) {
+        Some(
+            &ShapeConfig::Cylinder { radius, .. } | &ShapeConfig::KnurledCylinder { radius, .. },
+        ) => radius,
+        _ => 0.0,
     }
 }

@@ -13,12 +13,12 @@ use crate::sensor::fingertip::{Fingertip, FingertipError};
 use crate::sensor::layout::ElementLayout;
 use crate::sensor::optical::{OpticalSensor, OpticalSensorError};
 use crate::sensor::reading::TactileSensor;
-use crate::sim::cap::CapState;
 use crate::sim::direct_sensor::DirectSensor;
-use crate::sim::model::Model;
+use crate::sim::error::SimError;
 use crate::sim::optics_config::OpticsError;
 use crate::sim::rig::{Rig, SimHand};
 use crate::sim::sim_camera::SimCamera;
+use crate::sim::thread::Turn;
 use crate::sim::torque_sensor::TorqueReading;
 use crate::sim::world::World;
 use glam::DVec3;
@@ -53,6 +53,9 @@ pub enum ExperimentError {
     /// The optics make no sense.
     #[error("sim.optics: {0}")]
     Optics(#[from] OpticsError),
+    /// The simulated world cannot be built.
+    #[error(transparent)]
+    Sim(#[from] SimError),
     /// The sensor cannot be built.
     #[error("sensor: {0}")]
     Sensor(#[from] OpticalSensorError),
@@ -69,6 +72,8 @@ pub struct Session {
     rig: Rig,
     control_loop: ControlLoop<Sensor, SimHand>,
     layout: ElementLayout,
+    /// The object on a thread.
+    cap: Option<usize>,
     time_limit: f64,
 }
 
@@ -77,9 +82,9 @@ pub struct Session {
 pub struct Instruments {
     /// The torque sensor's reading.
     pub torque: TorqueReading,
-    /// How the cap stands, in truth.
-    pub cap: CapState,
-    /// Where its centre is, m, in W.
+    /// How the cap stands, in truth: the first object on a thread, if there is one.
+    pub cap: Turn,
+    /// Where its origin is, m, in W.
     pub cap_centre: DVec3,
 }
 
@@ -93,8 +98,19 @@ impl Session {
         let (layout, _) = Fingertip::layout_and_projection(&config.sensor.fingertip)?;
         let (fingers, joints) = fingers_at_home(config)?;
         let controller = controller(config, &fingers, &layout);
-        let model = Model::new(&config.sim, fingers, layout.clone(), config.seed);
-        let rig = Rig::new(World::new(model, &joints, config.seed));
+        let fingers: Vec<_> = fingers.into_iter().map(|f| (f, layout.clone())).collect();
+        let world = World::new(
+            &config.sim,
+            &fingers,
+            &joints,
+            experiment.folder(),
+            config.seed,
+        )?;
+        let cap = config
+            .sim
+            .cap()
+            .and_then(|(name, ..)| world.model().object(name));
+        let rig = Rig::new(world);
         let sensors = sensors(experiment, &rig, joints.len())?;
         let steps_per_command = (config.control.period / config.sim.step).round() as usize;
         let hand = SimHand::new(rig.clone(), steps_per_command);
@@ -102,6 +118,7 @@ impl Session {
             rig,
             control_loop: ControlLoop::new(sensors, hand, controller),
             layout,
+            cap,
             time_limit: config.time_limit,
         })
     }
@@ -118,10 +135,12 @@ impl Session {
 
     fn read_instruments(&self) -> Instruments {
         let mut world = self.rig.world();
+        let torque = world.read_torque();
+        let cap = self.cap.and_then(|cap| world.state().objects.get(cap));
         Instruments {
-            torque: world.read_torque(),
-            cap: world.state().cap,
-            cap_centre: world.state().cap_pose.centre,
+            torque,
+            cap: cap.map_or_else(Turn::default, |cap| cap.turn),
+            cap_centre: cap.map_or(DVec3::ZERO, |cap| cap.pose.position),
         }
     }
 

@@ -61,6 +61,9 @@ pub enum HandError {
         /// Fingers of the state or command.
         actual: usize,
     },
+    /// The hand cannot go on.
+    #[error("{0}")]
+    Failed(String),
     /// There is no further state (the end of a recording).
     #[error("no hand state after the {count} on record")]
     Ended {

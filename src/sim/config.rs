@@ -1,23 +1,26 @@
 //! The simulated world, as an experiment file describes it.
 
-use super::cap::CapConfig;
+use super::element::ElementConfig;
 use super::feeler::FeelerConfig;
+use super::object::ObjectConfig;
 use super::optics_config::OpticsConfig;
 use super::servo::ServoConfig;
+use super::thread::ThreadConfig;
 use super::torque_sensor::TorqueSensorConfig;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// How much runs of different seeds differ. Every quantity is drawn uniformly once per run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct VariationConfig {
-    /// Greatest offset of the bottle from its place along W's x and y, m.
+    /// Greatest offset of what stands on a thread from its place along W's x and y, m.
     pub bottle_position: f64,
-    /// Greatest relative change of both friction coefficients.
+    /// Greatest relative change of all friction coefficients of feelers.
     pub friction: f64,
     /// Greatest relative change of the seat angle.
     pub seat_angle: f64,
-    /// Greatest rotation of the cap at the start, rad. A round cap shows none of it.
+    /// Greatest rotation of a cap at the start, rad. A round cap shows none of it.
     pub cap_angle: f64,
 }
 
@@ -27,11 +30,17 @@ pub struct VariationConfig {
 pub struct SimConfig {
     /// Time step of the physics, s.
     pub step: f64,
-    /// The feelers on both fingertips.
+    /// Acceleration of free bodies, m/s², in W.
+    #[serde(default = "earth")]
+    pub gravity: [f64; 3],
+    /// The feelers on all fingertips.
     pub feeler: FeelerConfig,
-    /// The cap.
-    pub cap: CapConfig,
-    /// The torque sensor under the bottle.
+    /// Feelers that differ from the others.
+    #[serde(default)]
+    pub element: Vec<ElementConfig>,
+    /// What there is to touch, by name.
+    pub object: BTreeMap<String, ObjectConfig>,
+    /// The torque sensor under what stands on a thread.
     pub torque_sensor: TorqueSensorConfig,
     /// The drives of the fingers.
     pub servo: ServoConfig,
@@ -41,6 +50,18 @@ pub struct SimConfig {
     pub optics: OpticsConfig,
     /// Noise of forces that are sensed without pictures.
     pub direct_sensing: DirectSensingConfig,
+}
+
+fn earth() -> [f64; 3] {
+    [0.0, 0.0, -9.81]
+}
+
+impl SimConfig {
+    /// The first object that stands on a thread: its name, itself and its thread.
+    pub fn cap(&self) -> Option<(&str, &ObjectConfig, &ThreadConfig)> {
+        let mut objects = self.object.iter();
+        objects.find_map(|(name, object)| Some((name.as_str(), object, object.thread()?)))
+    }
 }
 
 /// Noise of forces that are sensed without pictures.

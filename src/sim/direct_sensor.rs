@@ -18,7 +18,7 @@ pub struct DirectSensor {
 impl DirectSensor {
     /// The fingertip of `finger`, its noise drawn from `seed`.
     pub fn new(rig: Rig, finger: usize, config: DirectSensingConfig, seed: u64) -> Self {
-        let elements = rig.world().model().normals.len();
+        let elements = rig.world().model().fingers[finger].normals.len();
         Self {
             rig,
             finger,

@@ -2,6 +2,7 @@
 //! object's surface, held there by friction (design, section 8).
 
 use super::object::Object;
+use super::shape::SurfacePoint;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -9,8 +10,10 @@ use serde::{Deserialize, Serialize};
 const MAX_SLIP_ITERATIONS: usize = 16;
 /// A slip ends when the shear force exceeds the kinetic limit by less than this fraction.
 const SLIP_TOLERANCE: f64 = 1e-9;
+/// A feeler that is compressed beyond its length limit is stiffer by this factor.
+const BOTTOMED_FACTOR: f64 = 10.0;
 
-/// The silicone-rubber feelers of a fingertip; all alike.
+/// A feeler of silicone rubber.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FeelerConfig {
@@ -24,6 +27,60 @@ pub struct FeelerConfig {
     pub static_friction: f64,
     /// Friction coefficient of a tip that slips over the object.
     pub kinetic_friction: f64,
+    /// See [`Friction::stribeck_speed`], m/s.
+    #[serde(default)]
+    pub stribeck_speed: f64,
+    /// Damping along the feeler's axis, N·s/m.
+    #[serde(default)]
+    pub normal_damping: f64,
+    /// Damping across the feeler's axis, N·s/m.
+    #[serde(default)]
+    pub shear_damping: f64,
+    /// Growth of the shear stiffness with compression, relative, 1/m. It comes from a potential, so
+    /// that shear presses the object away in turn and no energy is made.
+    #[serde(default)]
+    pub normal_shear_coupling: f64,
+    /// Compression at which the feeler meets its base and is ten times as stiff, m; none by default.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub length_limit: Option<f64>,
+}
+
+/// Friction between a feeler and an object.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Friction {
+    /// Coefficient while the tip sticks.
+    pub static_friction: f64,
+    /// Coefficient while the tip slips.
+    pub kinetic_friction: f64,
+    /// Speed of the surface under the undeformed tip, m/s, at which a slip's drop from the static to
+    /// the kinetic limit is 1 - 1/e of the whole drop (`1 - exp(-v / v_s)`); 0: always the whole.
+    #[serde(default)]
+    pub stribeck_speed: f64,
+}
+
+impl Friction {
+    /// Both coefficients, `factor` times as large.
+    pub fn scaled(self, factor: f64) -> Self {
+        Self {
+            static_friction: self.static_friction * factor,
+            kinetic_friction: self.kinetic_friction * factor,
+            ..self
+        }
+    }
+
+    /// The friction of a surface that passes under the tip at `speed`, m/s.
+    pub fn at_speed(self, speed: f64) -> Self {
+        if self.stribeck_speed <= 0.0 {
+            return self;
+        }
+        let remaining = (-speed / self.stribeck_speed).exp();
+        let drop = self.static_friction - self.kinetic_friction;
+        Self {
+            kinetic_friction: self.kinetic_friction + remaining * drop,
+            ..self
+        }
+    }
 }
 
 /// Where a feeler holds on to the object.
@@ -44,10 +101,53 @@ pub struct Tip {
     pub axis: DVec3,
 }
 
+/// How an overload of a feeler came about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Overload {
+    /// It grew steadily over the step: the slip snapped when the static limit was reached, and what
+    /// the shear force exceeds that by has built up since.
+    Steady,
+    /// At a stroke, by another feeler's slip: the shear force falls to the kinetic limit.
+    Sudden,
+}
+
 impl FeelerConfig {
+    /// Friction of this feeler on an object that brings none of its own.
+    pub fn friction(&self) -> Friction {
+        Friction {
+            static_friction: self.static_friction,
+            kinetic_friction: self.kinetic_friction,
+            stribeck_speed: self.stribeck_speed,
+        }
+    }
+
+    /// Whether the feeler is damped at all.
+    pub fn is_damped(&self) -> bool {
+        self.normal_damping > 0.0 || self.shear_damping > 0.0
+    }
+
     /// Force on the object by a feeler whose tip is held at `anchor`, N, in the object's frame.
+    ///
+    /// With displacement `d` of the undeformed tip from the anchor, `d_n` along the axis and `d_t`
+    /// across it, it is the gradient of `k_n d_n² / 2 + k_t (1 + c d_n) d_t² / 2`, and beyond the
+    /// length limit L of `(10 - 1) k_n (d_n - L)² / 2` more.
     pub fn elastic_force(&self, tip: &Tip, anchor: DVec3) -> DVec3 {
-        self.stiffness_times(tip.axis, tip.position - anchor)
+        let displacement = tip.position - anchor;
+        let force = self.stiffness_times(tip.axis, displacement);
+        if self.normal_shear_coupling == 0.0 && self.length_limit.is_none() {
+            return force;
+        }
+        let along = tip.axis.dot(displacement).max(0.0);
+        let across = displacement - tip.axis.dot(displacement) * tip.axis;
+        let coupled = self.normal_shear_coupling * self.shear_stiffness;
+        let beyond = self.length_limit.map_or(0.0, |l| (along - l).max(0.0));
+        let bottomed = (BOTTOMED_FACTOR - 1.0) * self.normal_stiffness * beyond;
+        let pressed = if along > 0.0 {
+            0.5 * coupled * across.length_squared()
+        } else {
+            0.0
+        };
+        force + coupled * along * across + (pressed + bottomed) * tip.axis
     }
 
     /// The stiffness matrix `K = k_t I + (k_n - k_t) n n^T` of a feeler along `axis`, times
@@ -57,27 +157,33 @@ impl FeelerConfig {
             + (self.normal_stiffness - self.shear_stiffness) * axis.dot(displacement) * axis
     }
 
-    /// The anchor that a free feeler takes when its tip has come to the surface, if it has.
-    pub fn touch(&self, object: &Object, tip: &Tip) -> Option<Anchor> {
-        if !object.is_near(tip.position, self.tip_radius) {
-            return None;
-        }
-        let surface = object.nearest(tip.position)?;
-        (surface.distance < self.tip_radius).then_some(Anchor {
+    /// The damping matrix, made like the stiffness matrix, times `velocity` (m/s); N.
+    pub fn damping_times(&self, axis: DVec3, velocity: DVec3) -> DVec3 {
+        self.shear_damping * velocity
+            + (self.normal_damping - self.shear_damping) * axis.dot(velocity) * axis
+    }
+
+    /// The anchor of a tip that touches `surface`.
+    pub fn anchor(&self, surface: &SurfacePoint) -> Anchor {
+        Anchor {
             position: surface.position + self.tip_radius * surface.normal,
             normal: surface.normal,
-        })
+        }
+    }
+
+    /// Where a tip held at `anchor` touches the surface, m, in the object's frame.
+    pub fn contact_point(&self, anchor: &Anchor) -> DVec3 {
+        anchor.position - self.tip_radius * anchor.normal
     }
 
     /// The force that an anchored feeler can pass on without slipping, N, in the object's frame:
     /// the elastic force, its shear cut at the static friction limit; zero where it would pull.
-    pub fn holding_force(&self, tip: &Tip, anchor: &Anchor) -> DVec3 {
-        let force = self.elastic_force(tip, anchor.position);
-        let (normal_force, shear) = split(force, anchor.normal);
-        if normal_force <= 0.0 {
-            return DVec3::ZERO;
-        }
-        shear.clamp_length_max(self.static_friction * normal_force) - normal_force * anchor.normal
+    pub fn holding_force(&self, friction: Friction, tip: &Tip, anchor: &Anchor) -> DVec3 {
+        within_cone(
+            self.elastic_force(tip, anchor.position),
+            anchor.normal,
+            friction,
+        )
     }
 
     /// Lets an anchor slip if its shear force exceeds the static friction limit, and gives it up if
@@ -87,49 +193,37 @@ impl FeelerConfig {
     /// The feeler has no mass: a slip snaps within the step, the shear force falling to the kinetic
     /// limit, and there the tip sticks again. (The drive is slow against the snap, so the tip is
     /// at rest whenever it is not snapping; the shear force makes a sawtooth between both limits.)
-    pub fn settle(&self, object: &Object, tip: &Tip, anchor: Anchor) -> Option<(Anchor, DVec3)> {
-        self.slip(object, tip, anchor, |_| 0.0)
-    }
-
-    /// As [`Self::settle`], for an overload that grew steadily over the step: the slip snapped when
-    /// the static limit was reached, and what the shear force exceeds it by has built up since.
-    pub fn settle_driven(
+    pub fn settle(
         &self,
         object: &Object,
+        friction: Friction,
         tip: &Tip,
         anchor: Anchor,
-    ) -> Option<(Anchor, DVec3)> {
-        self.slip(object, tip, anchor, |excess| excess)
-    }
-
-    /// Lets an anchor slip until its shear force is the kinetic limit and what has been `rebuilt`
-    /// since, given how far the static limit is exceeded (N).
-    fn slip(
-        &self,
-        object: &Object,
-        tip: &Tip,
-        anchor: Anchor,
-        rebuilt: impl Fn(f64) -> f64,
+        overload: Overload,
     ) -> Option<(Anchor, DVec3)> {
         let mut force = self.elastic_force(tip, anchor.position);
         let (mut normal_force, mut shear) = split(force, anchor.normal);
         if normal_force <= 0.0 {
             return None;
         }
-        let excess = shear.length() - self.static_friction * normal_force;
+        let excess = shear.length() - friction.static_friction * normal_force;
         if excess <= SLIP_TOLERANCE * normal_force {
             return Some((anchor, force));
         }
+        let rebuilt = match overload {
+            Overload::Steady => excess,
+            Overload::Sudden => 0.0,
+        };
         let mut anchor = anchor;
-        let most = self.static_friction - self.kinetic_friction;
+        let most = friction.static_friction - friction.kinetic_friction;
         for _ in 0..MAX_SLIP_ITERATIONS {
-            let end =
-                self.kinetic_friction * normal_force + rebuilt(excess).min(most * normal_force);
+            let end = friction.kinetic_friction * normal_force + rebuilt.min(most * normal_force);
             let excess = shear.length() - end;
             if excess <= SLIP_TOLERANCE * normal_force {
                 break;
             }
-            anchor = self.slide(object, tip.axis, anchor, excess, shear)?;
+            let friction = friction.kinetic_friction;
+            anchor = self.slide(object, friction, tip.axis, anchor, excess, shear)?;
             force = self.elastic_force(tip, anchor.position);
             (normal_force, shear) = split(force, anchor.normal);
             if normal_force <= 0.0 {
@@ -144,6 +238,7 @@ impl FeelerConfig {
     fn slide(
         &self,
         object: &Object,
+        kinetic_friction: f64,
         axis: DVec3,
         anchor: Anchor,
         excess: f64,
@@ -154,14 +249,20 @@ impl FeelerConfig {
         // Sliding also changes the normal force where the feeler leans; never let that turn the
         // linear model's sign.
         let along = direction.dot(relief);
-        let slope = along + self.kinetic_friction * anchor.normal.dot(relief);
+        let slope = along + kinetic_friction * anchor.normal.dot(relief);
         let distance = excess / slope.max(0.1 * along);
         let surface = object.nearest(anchor.position + distance * direction)?;
-        Some(Anchor {
-            position: surface.position + self.tip_radius * surface.normal,
-            normal: surface.normal,
-        })
+        Some(self.anchor(&surface))
     }
+}
+
+/// `force` (N, on the object), its shear cut at the static friction limit; zero where it pulls.
+pub fn within_cone(force: DVec3, normal: DVec3, friction: Friction) -> DVec3 {
+    let (normal_force, shear) = split(force, normal);
+    if normal_force <= 0.0 {
+        return DVec3::ZERO;
+    }
+    shear.clamp_length_max(friction.static_friction * normal_force) - normal_force * normal
 }
 
 /// Splits a force on the object into its normal force (positive when it presses) and its shear.

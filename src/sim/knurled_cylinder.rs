@@ -5,7 +5,7 @@
 //! distance on almost every knurl; the angles where the global one can be are bounded first, then
 //! cut at the crests, the bottoms and between, and every minimum there is followed by Newton's method.
 
-use super::object::SurfacePoint;
+use super::shape::SurfacePoint;
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
 

@@ -1,7 +1,7 @@
 //! What never changes in a run: the rig's geometry and material, as this run's seed made them.
 
-use super::cap::CapConfig;
 use super::config::SimConfig;
+use super::error::SimError;
 use super::feeler::FeelerConfig;
 use super::object::Object;
 use super::random::{Purpose, generator, uniform};
@@ -9,69 +9,133 @@ use super::servo::ServoConfig;
 use super::torque_sensor::TorqueSensorConfig;
 use crate::hand::finger::FingerGeometry;
 use crate::sensor::layout::ElementLayout;
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use std::f64::consts::TAU;
+use std::path::Path;
 
 /// The rig of one run.
 pub struct Model {
     /// Time step, s.
     pub step: f64,
-    /// The feelers.
-    pub feeler: FeelerConfig,
-    /// The cap.
-    pub cap: CapConfig,
-    /// The cap's shape.
-    pub object: Object,
-    /// Rotation of the cap's frame at the start of the run, rad.
-    pub cap_start_angle: f64,
+    /// Acceleration of free bodies, m/s², in W.
+    pub gravity: DVec3,
+    /// What there is to touch.
+    pub objects: Vec<Object>,
     /// The torque sensor.
     pub torque_sensor: TorqueSensorConfig,
     /// The drives.
     pub servo: ServoConfig,
     /// The fingers.
-    pub fingers: Vec<FingerGeometry>,
-    /// Where the elements are on every fingertip.
-    pub layout: ElementLayout,
-    /// Outward normals of the elements in the fingertip frame `T`.
-    pub normals: Vec<DVec3>,
+    pub fingers: Vec<Finger>,
+    /// Whether any force depends on speed: by damping, or friction.
+    pub depends_on_speed: bool,
     /// Part of a joint's velocity error left after one step.
     pub servo_remaining_error: f64,
     /// Part of the way to a new torque that the sensor's low-pass goes in one step.
     pub torque_low_pass_gain: f64,
 }
 
+/// A finger and the fingertip that it carries.
+pub struct Finger {
+    /// Its links and joints.
+    pub geometry: FingerGeometry,
+    /// Radius of its dome at the undeformed tips' centres, m.
+    pub dome_radius: f64,
+    /// Outward normals of its elements in the fingertip frame `T`.
+    pub normals: Vec<DVec3>,
+    /// From each element's frame `E_i` to the fingertip frame.
+    pub element_rotations: Vec<DMat3>,
+    /// The feelers, one per element.
+    pub feelers: Vec<FeelerConfig>,
+}
+
 impl Model {
-    /// The rig of `config`, varied as `seed` says.
+    /// The rig of `config`, varied as `seed` says: `fingers` with fingertips of `layouts`, one each.
+    /// Files that `config` names are relative to `folder`.
+    ///
+    /// # Errors
+    /// When a shape cannot be made, or an element is named that does not exist.
     pub fn new(
         config: &SimConfig,
-        fingers: Vec<FingerGeometry>,
-        layout: ElementLayout,
+        fingers: &[(FingerGeometry, ElementLayout)],
+        folder: &Path,
         seed: u64,
-    ) -> Self {
-        let mut random = generator(seed, Purpose::Variation);
-        let mut cap = config.cap.clone();
-        let mut feeler = config.feeler.clone();
-        let variation = &config.variation;
-        cap.position[0] += uniform(&mut random, variation.bottle_position);
-        cap.position[1] += uniform(&mut random, variation.bottle_position);
-        let friction = 1.0 + uniform(&mut random, variation.friction);
-        feeler.static_friction *= friction;
-        feeler.kinetic_friction *= friction;
-        cap.seat_angle *= 1.0 + uniform(&mut random, variation.seat_angle);
-        let cap_start_angle = uniform(&mut random, variation.cap_angle).rem_euclid(TAU);
-        Self {
+    ) -> Result<Self, SimError> {
+        let mut config = config.clone();
+        let cap_angle = vary(&mut config, seed);
+        let objects = config.object.iter().map(|(name, object)| {
+            let angle = object.thread().map_or(0.0, |_| cap_angle);
+            Object::new(name, object, angle, folder).map_err(|source| SimError::Shape {
+                object: name.clone(),
+                source,
+            })
+        });
+        let objects = objects.collect::<Result<Vec<_>, _>>()?;
+        let mut fingers: Vec<Finger> = fingers
+            .iter()
+            .map(|(geometry, layout)| Finger::new(geometry, layout, &config.feeler))
+            .collect();
+        for exception in &config.element {
+            exception.apply(&mut fingers)?;
+        }
+        let feelers = || fingers.iter().flat_map(|finger| &finger.feelers);
+        let damped = feelers().any(FeelerConfig::is_damped);
+        let frictions = feelers().map(FeelerConfig::friction);
+        let stribeck = frictions
+            .chain(objects.iter().filter_map(|object| object.friction))
+            .any(|friction| friction.stribeck_speed > 0.0);
+        Ok(Self {
+            depends_on_speed: damped || stribeck,
             step: config.step,
-            object: Object::cylinder(cap.radius, cap.height),
+            gravity: config.gravity.into(),
+            objects,
             servo_remaining_error: config.servo.remaining_error(config.step),
             torque_low_pass_gain: config.torque_sensor.low_pass_gain(config.step),
-            normals: layout.elements.iter().map(|e| e.normal()).collect(),
-            torque_sensor: config.torque_sensor.clone(),
-            servo: config.servo.clone(),
-            feeler,
-            cap,
-            cap_start_angle,
+            torque_sensor: config.torque_sensor,
+            servo: config.servo,
             fingers,
-            layout,
+        })
+    }
+
+    /// The object called `name` in the experiment file, as an index into what is listed per object.
+    pub fn object(&self, name: &str) -> Option<usize> {
+        self.objects.iter().position(|object| object.name == name)
+    }
+}
+
+impl Finger {
+    fn new(geometry: &FingerGeometry, layout: &ElementLayout, feeler: &FeelerConfig) -> Self {
+        let elements = &layout.elements;
+        Self {
+            geometry: geometry.clone(),
+            dome_radius: layout.dome_radius,
+            normals: elements.iter().map(|e| e.normal()).collect(),
+            element_rotations: elements.iter().map(|e| e.rotation).collect(),
+            feelers: vec![feeler.clone(); elements.len()],
         }
     }
+}
+
+/// Draws what differs from seed to seed; the angle by which caps are turned at the start, rad.
+fn vary(config: &mut SimConfig, seed: u64) -> f64 {
+    let mut random = generator(seed, Purpose::Variation);
+    let variation = &config.variation;
+    let x = uniform(&mut random, variation.bottle_position);
+    let y = uniform(&mut random, variation.bottle_position);
+    let friction = 1.0 + uniform(&mut random, variation.friction);
+    let seat_angle = 1.0 + uniform(&mut random, variation.seat_angle);
+    let cap_angle = uniform(&mut random, variation.cap_angle).rem_euclid(TAU);
+    config.feeler.static_friction *= friction;
+    config.feeler.kinetic_friction *= friction;
+    for object in config.object.values_mut() {
+        if let Some(own) = &mut object.friction {
+            *own = own.scaled(friction);
+        }
+        if let Some(thread) = object.thread_mut() {
+            thread.seat_angle *= seat_angle;
+            object.position[0] += x;
+            object.position[1] += y;
+        }
+    }
+    cap_angle
 }

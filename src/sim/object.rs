@@ -1,101 +1,161 @@
-//! Things to touch: a shape of the geometry library, queried for its surface.
+//! Things to touch: a shape, and how it may move.
 
-use glam::DVec3;
-use parry3d_f64::math::Vector;
-use parry3d_f64::shape::{Cylinder, Shape};
+use super::feeler::Friction;
+use super::pose::Pose;
+use super::shape::{Shape, ShapeConfig, ShapeError, SurfacePoint};
+use super::thread::{Hinge, HingeConfig, ThreadConfig};
+use glam::{DMat3, DVec3, EulerRot};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
 
-/// A rigid shape in its own frame: origin at its centre, z along its axis.
-pub struct Object {
-    shape: Box<dyn Shape>,
-    /// Half the size of the box around the shape, m.
-    half_size: DVec3,
+/// An object, as an experiment file describes it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ObjectConfig {
+    /// Its shape.
+    pub shape: ShapeConfig,
+    /// How it may move.
+    pub motion: MotionConfig,
+    /// Its origin in W, m, at the start.
+    pub position: [f64; 3],
+    /// Its rotation in W at the start: about W's x, then y, then z, deg.
+    #[serde(default)]
+    pub orientation_deg: [f64; 3],
+    /// The shape's centre in the object's frame, m. A hinge or a thread turns about the object's z,
+    /// so that an offset along x or y makes a cap sit off its centre.
+    #[serde(default)]
+    pub offset: [f64; 3],
+    /// Friction of feelers on this object; without it, each feeler's own.
+    #[serde(default)]
+    pub friction: Option<Friction>,
 }
 
-/// The point of a surface that is nearest to a query point.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SurfacePoint {
-    /// The point, m, in the object's frame.
-    pub position: DVec3,
-    /// The outward unit normal there, in the object's frame.
-    pub normal: DVec3,
-    /// Distance of the query point from the surface, m; negative inside.
-    pub distance: f64,
+/// How an object may move.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum MotionConfig {
+    /// Not at all.
+    Fixed,
+    /// About its z axis, against friction.
+    Hinge(HingeConfig),
+    /// About its z axis, and along it, as a cap on the thread of a bottle.
+    Thread(ThreadConfig),
+    /// Every way, under gravity: it rests on what is fixed, slides, tips and falls.
+    Free(FreeConfig),
 }
 
-impl Object {
-    /// An upright cylinder of `radius` and `height`, m.
-    pub fn cylinder(radius: f64, height: f64) -> Self {
-        Self {
-            shape: Box::new(Cylinder::new(height / 2.0, radius)),
-            half_size: DVec3::new(radius, radius, height / 2.0),
+/// A free body.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FreeConfig {
+    /// Density, kg/m³; with the shape it gives mass and inertia.
+    #[serde(default = "density_of_water")]
+    pub density: f64,
+    /// Mass, kg, instead of what the density gives.
+    #[serde(default)]
+    pub mass: Option<f64>,
+    /// Moments of inertia about the axes of the shape's frame through the centre of mass, kg m²,
+    /// instead of what density and shape (and mass) give.
+    #[serde(default)]
+    pub inertia: Option<[f64; 3]>,
+    /// Coefficient of friction on fixed objects; between two free bodies, the mean of both.
+    #[serde(default = "usual_friction")]
+    pub friction: f64,
+}
+
+fn density_of_water() -> f64 {
+    1000.0
+}
+
+fn usual_friction() -> f64 {
+    0.5
+}
+
+impl ObjectConfig {
+    /// The thread that the object turns on, if it does.
+    pub fn thread(&self) -> Option<&ThreadConfig> {
+        match &self.motion {
+            MotionConfig::Thread(thread) => Some(thread),
+            _ => None,
         }
     }
 
-    /// Whether `point` (m, object's frame) lies within `margin` (m) of the box around the shape:
-    /// the cheap test that spares most feelers the query of the surface.
-    pub fn is_near(&self, point: DVec3, margin: f64) -> bool {
-        point
-            .abs()
-            .cmple(self.half_size + DVec3::splat(margin))
-            .all()
+    /// As [`Self::thread`], to vary it.
+    pub fn thread_mut(&mut self) -> Option<&mut ThreadConfig> {
+        match &mut self.motion {
+            MotionConfig::Thread(thread) => Some(thread),
+            _ => None,
+        }
     }
+}
 
-    /// The surface point nearest to `point` (m, object's frame), or `None` when `point` lies on the
-    /// surface to within rounding, where the direction to it tells no normal.
-    pub fn nearest(&self, point: DVec3) -> Option<SurfacePoint> {
-        let projection = self
-            .shape
-            .project_local_point(to_library_axes(point), false);
-        let position = from_library_axes(projection.point);
-        let outward = if projection.is_inside {
-            position - point
-        } else {
-            point - position
-        };
-        let (normal, length) = outward.normalize_and_length();
-        (length > f64::EPSILON).then_some(SurfacePoint {
-            position,
-            normal,
-            distance: if projection.is_inside {
-                -length
-            } else {
-                length
+/// How an object moves.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Motion {
+    /// Not at all.
+    Fixed,
+    /// About its z axis.
+    Turns(Hinge),
+    /// As a rigid body.
+    Free(FreeConfig),
+}
+
+/// An object of one run.
+#[derive(Clone)]
+pub struct Object {
+    /// Its name in the experiment file.
+    pub name: String,
+    /// Its shape.
+    pub shape: Shape,
+    /// The shape's centre in the object's frame, m.
+    pub offset: DVec3,
+    /// How it moves.
+    pub motion: Motion,
+    /// Where it is at the start.
+    pub start: Pose,
+    /// Friction of feelers on it, where not each feeler's own.
+    pub friction: Option<Friction>,
+}
+
+impl Object {
+    /// The object `name` that `config` describes; files are relative to `folder`. `angle` (rad)
+    /// turns it about its z axis at the start.
+    ///
+    /// # Errors
+    /// When its shape cannot be made.
+    pub fn new(
+        name: &str,
+        config: &ObjectConfig,
+        angle: f64,
+        folder: &Path,
+    ) -> Result<Self, ShapeError> {
+        let [x, y, z] = config.orientation_deg.map(f64::to_radians);
+        let rotation = DMat3::from_euler(EulerRot::XYZEx, x, y, z);
+        Ok(Self {
+            name: name.to_string(),
+            shape: Shape::new(&config.shape, folder)?,
+            offset: config.offset.into(),
+            motion: match &config.motion {
+                MotionConfig::Fixed => Motion::Fixed,
+                MotionConfig::Hinge(hinge) => Motion::Turns(Hinge::plain(hinge)),
+                MotionConfig::Thread(thread) => Motion::Turns(Hinge::on_thread(thread)),
+                MotionConfig::Free(free) => Motion::Free(free.clone()),
             },
+            start: Pose {
+                position: config.position.into(),
+                rotation: rotation * DMat3::from_rotation_z(angle),
+            },
+            friction: config.friction,
         })
     }
-}
 
-/// The library's cylinders stand along y, ours along z.
-fn to_library_axes(p: DVec3) -> Vector {
-    Vector::new(p.x, p.z, -p.y)
-}
-
-fn from_library_axes(p: Vector) -> DVec3 {
-    DVec3::new(p.x, -p.z, p.y)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn distance_and_normal_of_a_cylinder_match_its_closed_form() {
-        let object = Object::cylinder(0.014, 0.020);
-        let side = object.nearest(DVec3::new(0.0, 0.016, 0.003)).unwrap();
-        assert!((side.distance - 0.002).abs() < 1e-12);
-        assert!((side.normal - DVec3::Y).length() < 1e-12);
-        let inside = object.nearest(DVec3::new(0.013, 0.0, 0.0)).unwrap();
-        assert!((inside.distance + 0.001).abs() < 1e-12);
-        assert!((inside.normal - DVec3::X).length() < 1e-12);
-        let top = object.nearest(DVec3::new(0.001, 0.002, 0.013)).unwrap();
-        assert!((top.distance - 0.003).abs() < 1e-12);
-        assert!((top.normal - DVec3::Z).length() < 1e-12);
-    }
-
-    #[test]
-    fn the_box_around_the_shape_never_hides_a_near_point() {
-        let object = Object::cylinder(0.014, 0.020);
-        assert!(object.is_near(DVec3::new(0.0154, 0.0, 0.0114), 0.0015));
-        assert!(!object.is_near(DVec3::new(0.0156, 0.0, 0.0), 0.0015));
+    /// The surface point nearest to `point`, both m in the object's frame; `None` when `point` lies
+    /// on the surface to within rounding.
+    pub fn nearest(&self, point: DVec3) -> Option<SurfacePoint> {
+        let nearest = self.shape.nearest(point - self.offset)?;
+        Some(SurfacePoint {
+            position: nearest.position + self.offset,
+            ..nearest
+        })
     }
 }

@@ -83,7 +83,7 @@ impl Hand for SimHand {
             world.command(finger, velocity);
         }
         for _ in 0..self.steps_per_command {
-            world.step();
+            world.step().map_err(|e| HandError::Failed(e.to_string()))?;
         }
         Ok(())
     }

@@ -1,11 +1,13 @@
 //! What changes in a run.
 
-use super::cap::{CapPose, CapState};
 use super::feeler::Anchor;
 use super::model::Model;
+use super::object::Motion;
+use super::pose::Pose;
 use super::servo::Joints;
+use super::thread::Turn;
 use crate::hand::kinematics::fingertip_pose;
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 
 /// The true state of the simulated world.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,12 +18,25 @@ pub struct State {
     pub steps: u64,
     /// The fingers.
     pub fingers: Vec<FingerState>,
-    /// The cap.
-    pub cap: CapState,
-    /// Where the cap is.
-    pub cap_pose: CapPose,
+    /// The objects, in the model's order.
+    pub objects: Vec<ObjectState>,
     /// Torque behind the sensor's low-pass, N·m.
     pub filtered_torque: f64,
+}
+
+/// The true state of one object.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ObjectState {
+    /// Where it is.
+    pub pose: Pose,
+    /// How it stands on its hinge or thread, if it has one.
+    pub turn: Turn,
+    /// Velocity of a free body's centre of mass, m/s, in W.
+    pub velocity: DVec3,
+    /// Angular velocity of a free body, rad/s, in W.
+    pub angular_velocity: DVec3,
+    /// Factor on the friction of feelers on it.
+    pub friction_factor: f64,
 }
 
 /// The true state of one finger.
@@ -29,43 +44,94 @@ pub struct State {
 pub struct FingerState {
     /// Its joints.
     pub joints: Joints,
-    /// Centre of its dome in W, m.
-    pub position: DVec3,
-    /// Rotation from the fingertip frame `T` to W.
-    pub rotation: DMat3,
-    /// What each feeler holds on to.
-    pub anchors: Vec<Option<Anchor>>,
-    /// Force on the object by each feeler, N, in W.
+    /// Where its fingertip is: the dome's centre, and the fingertip frame `T`.
+    pub tip: Pose,
+    /// Where the fingertip is held from outside, if it does not follow its joints.
+    pub held_at: Option<Pose>,
+    /// The feelers that touch, in no particular order.
+    pub contacts: Vec<Contact>,
+    /// Force on what it touches by each feeler, N, in W.
     pub forces: Vec<DVec3>,
+    /// What spares free feelers the search for a surface.
+    pub(super) watch: Watch,
+}
+
+/// A feeler that touches.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Contact {
+    /// The feeler.
+    pub element: usize,
+    /// The object that it holds on to.
+    pub object: usize,
+    /// Where.
+    pub anchor: Anchor,
+    /// Centre of its undeformed tip in the object's frame one step ago, m.
+    pub tip_before: DVec3,
+}
+
+/// How far a fingertip has come, and how far each free feeler may go before it can touch anything.
+///
+/// Distances from a surface change no faster than the tip moves relative to it, so that a feeler
+/// that was 5 mm away need not be looked at before the fingertip has moved by 5 mm.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Watch {
+    /// The fingertip as seen from each object, when it was last looked at.
+    pub seen: Vec<Pose>,
+    /// Upper bound of the way that any tip has gone relative to any object, m.
+    pub travelled: f64,
+    /// Way at which each feeler must be looked at again, m; infinite while it touches.
+    pub due: Vec<f64>,
 }
 
 impl State {
-    /// The world at time 0: fingers at rest at `joints` (rad, one triple per finger), cap open.
+    /// The world at time 0: fingers at rest at `joints` (rad, one triple per finger), objects where
+    /// they start.
     pub fn new(model: &Model, joints: &[DVec3]) -> Self {
-        let elements = model.normals.len();
-        let fingers = model
-            .fingers
-            .iter()
-            .zip(joints)
-            .map(|(geometry, &theta)| {
-                let (position, rotation) = fingertip_pose(geometry, theta);
-                FingerState {
-                    joints: Joints::at_rest(theta),
-                    position,
-                    rotation,
-                    anchors: vec![None; elements],
-                    forces: vec![DVec3::ZERO; elements],
-                }
-            })
-            .collect();
-        let cap = CapState::default();
+        let objects: Vec<_> = model.objects.iter().map(ObjectState::new).collect();
+        let fingers = model.fingers.iter().zip(joints).map(|(finger, &theta)| {
+            let (position, rotation) = fingertip_pose(&finger.geometry, theta);
+            let tip = Pose { position, rotation };
+            let elements = finger.normals.len();
+            FingerState {
+                joints: Joints::at_rest(theta),
+                tip,
+                held_at: None,
+                contacts: Vec::with_capacity(elements),
+                forces: vec![DVec3::ZERO; elements],
+                watch: Watch {
+                    seen: objects.iter().map(|o| tip.seen_from(&o.pose)).collect(),
+                    travelled: 0.0,
+                    due: vec![0.0; elements],
+                },
+            }
+        });
         Self {
             time: 0.0,
             steps: 0,
-            fingers,
-            cap,
-            cap_pose: model.cap.pose(&cap, model.cap_start_angle),
+            fingers: fingers.collect(),
+            objects,
             filtered_torque: 0.0,
+        }
+    }
+
+    /// Torque on what stands on the torque sensor, N·m.
+    pub fn torque_on_sensor(&self, model: &Model) -> f64 {
+        let objects = self.objects.iter().zip(&model.objects);
+        objects
+            .filter(|(_, object)| matches!(&object.motion, Motion::Turns(h) if h.on_torque_sensor))
+            .map(|(state, _)| state.turn.torque)
+            .sum()
+    }
+}
+
+impl ObjectState {
+    fn new(object: &super::object::Object) -> Self {
+        Self {
+            pose: object.start,
+            turn: Turn::default(),
+            velocity: DVec3::ZERO,
+            angular_velocity: DVec3::ZERO,
+            friction_factor: 1.0,
         }
     }
 }

@@ -1,148 +1,302 @@
-//! One step of the physics: joints move, feelers touch, the cap gives way, feelers slip.
+//! One step of the physics: joints move, feelers touch, objects give way, feelers slip.
 
-use super::cap::{CapPose, Grip};
-use super::feeler::{Anchor, FeelerConfig, Tip};
-use super::model::Model;
-use super::object::Object;
-use super::state::{FingerState, State};
+use super::feeler::{Friction, Overload, Tip, within_cone};
+use super::free_bodies::FreeBodies;
+use super::model::{Finger, Model};
+use super::object::{Motion, Object};
+use super::pose::Pose;
+use super::state::{Contact, FingerState, ObjectState, State};
+use super::thread::{Grip, Hinge};
 use crate::hand::kinematics::fingertip_pose;
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 
-/// A slip lowers the torque on the cap, so the first or second round finds nothing more to do; the
-/// bound keeps a step's time finite.
+/// A slip lowers the torque on what turns, so the first or second round finds nothing more to do;
+/// the bound keeps a step's time finite.
 const MAX_BALANCE_ROUNDS: usize = 8;
 
-/// Advances `state` by one time step of `model`. Allocates nothing.
-pub fn step(model: &Model, state: &mut State) {
-    for (geometry, finger) in model.fingers.iter().zip(&mut state.fingers) {
-        let limits = (geometry.joint_lower(), geometry.joint_upper());
-        let remaining = model.servo_remaining_error;
-        model
-            .servo
-            .advance(&mut finger.joints, model.step, remaining, limits);
-        (finger.position, finger.rotation) = fingertip_pose(geometry, finger.joints.position);
-        touch(model, &state.cap_pose, finger);
+/// Advances `state` by one time step of `model`; `bodies` are its free bodies. Allocates nothing
+/// but what the library of the free bodies does.
+pub fn step(model: &Model, state: &mut State, bodies: &mut FreeBodies) {
+    for (finger, state) in model.fingers.iter().zip(&mut state.fingers) {
+        move_finger(model, finger, state);
     }
-    balance(model, state);
+    touch(model, state);
+    for (index, object) in model.objects.iter().enumerate() {
+        match &object.motion {
+            Motion::Fixed => {
+                settle(model, state, index, Overload::Steady, model.step);
+                remember_tips(model, state, index);
+            }
+            Motion::Turns(hinge) => {
+                balance(model, state, index, hinge);
+                remember_tips(model, state, index);
+            }
+            Motion::Free(_) => {}
+        }
+    }
+    if !bodies.is_empty() {
+        move_bodies(model, state, bodies);
+    }
     state.filtered_torque +=
-        model.torque_low_pass_gain * (state.cap.torque - state.filtered_torque);
+        model.torque_low_pass_gain * (state.torque_on_sensor(model) - state.filtered_torque);
     state.steps += 1;
     state.time = state.steps as f64 * model.step;
 }
 
-/// A fingertip as seen from the cap.
-struct FingertipInCap {
-    position: DVec3,
-    rotation: DMat3,
-    dome_radius: f64,
+fn move_finger(model: &Model, finger: &Finger, state: &mut FingerState) {
+    let geometry = &finger.geometry;
+    let limits = (geometry.joint_lower(), geometry.joint_upper());
+    let remaining = model.servo_remaining_error;
+    model
+        .servo
+        .advance(&mut state.joints, model.step, remaining, limits);
+    state.tip = state.held_at.unwrap_or_else(|| {
+        let (position, rotation) = fingertip_pose(geometry, state.joints.position);
+        Pose { position, rotation }
+    });
 }
 
-impl FingertipInCap {
-    fn new(model: &Model, cap: &CapPose, finger: &FingerState) -> Self {
-        let to_cap = cap.rotation.transpose();
-        Self {
-            position: to_cap * (finger.position - cap.centre),
-            rotation: to_cap * finger.rotation,
-            dome_radius: model.layout.dome_radius,
-        }
-    }
-
-    /// The undeformed feeler along `normal` (in `T`).
-    fn tip(&self, normal: DVec3) -> Tip {
-        let axis = self.rotation * normal;
-        Tip {
-            position: self.position + self.dome_radius * axis,
-            axis,
-        }
+/// The undeformed feeler `element` of a `finger` whose fingertip is at `seen` in some frame.
+pub(super) fn undeformed(finger: &Finger, seen: &Pose, element: usize) -> Tip {
+    let axis = seen.rotation * finger.normals[element];
+    Tip {
+        position: seen.position + finger.dome_radius * axis,
+        axis,
     }
 }
 
-/// Free feelers whose tips have come to the cap's surface take hold of it.
-fn touch(model: &Model, cap: &CapPose, finger: &mut FingerState) {
-    let fingertip = FingertipInCap::new(model, cap, finger);
-    let reach = model.layout.dome_radius + model.feeler.tip_radius;
-    if !model.object.is_near(fingertip.position, reach) {
-        return;
-    }
-    for (anchor, &normal) in finger.anchors.iter_mut().zip(&model.normals) {
-        if anchor.is_none() {
-            *anchor = model.feeler.touch(&model.object, &fingertip.tip(normal));
+/// Free feelers whose tips have come to a surface take hold of it.
+fn touch(model: &Model, state: &mut State) {
+    for (finger, own) in model.fingers.iter().zip(&mut state.fingers) {
+        let watch = &mut own.watch;
+        let mut way = 0.0_f64;
+        for (seen, object) in watch.seen.iter_mut().zip(&state.objects) {
+            let now = own.tip.seen_from(&object.pose);
+            way = way.max(now.motion_since(seen, finger.dome_radius));
+            *seen = now;
+        }
+        watch.travelled += way;
+        for element in 0..watch.due.len() {
+            if watch.due[element] > watch.travelled {
+                continue;
+            }
+            let (clearance, contact) = look(finger, &model.objects, &watch.seen, element);
+            watch.due[element] = watch.travelled + clearance;
+            own.contacts.extend(contact);
         }
     }
 }
 
-/// Turns the cap and lets feelers slip until the torques on the cap balance and nothing slips.
-fn balance(model: &Model, state: &mut State) {
+/// How far a free feeler is from anything, m, and the hold that it takes if that is nothing.
+fn look(
+    finger: &Finger,
+    objects: &[Object],
+    seen: &[Pose],
+    element: usize,
+) -> (f64, Option<Contact>) {
+    let feeler = &finger.feelers[element];
+    let (mut clearance, mut contact) = (f64::INFINITY, None);
+    for (index, (object, seen)) in objects.iter().zip(seen).enumerate() {
+        let tip = undeformed(finger, seen, element);
+        // On the surface to within rounding, so that the direction to it tells nothing: the next
+        // step will see.
+        let Some(surface) = object.nearest(tip.position) else {
+            return (0.0, None);
+        };
+        let depth = feeler.tip_radius - surface.distance;
+        if -depth < clearance {
+            clearance = -depth;
+            contact = (depth > 0.0).then(|| Contact {
+                element,
+                object: index,
+                anchor: feeler.anchor(&surface),
+                tip_before: tip.position,
+            });
+        }
+    }
+    if contact.is_some() {
+        clearance = f64::INFINITY;
+    }
+    (clearance, contact)
+}
+
+/// Friction of a feeler on an object as it is now.
+fn friction(finger: &Finger, object: &Object, state: &ObjectState, element: usize) -> Friction {
+    let friction = object
+        .friction
+        .unwrap_or_else(|| finger.feelers[element].friction());
+    friction.scaled(state.friction_factor)
+}
+
+/// Turns an object and lets feelers slip until the torques on it balance and nothing slips.
+fn balance(model: &Model, state: &mut State, object: usize, hinge: &Hinge) {
     for round in 0..MAX_BALANCE_ROUNDS {
-        turn_cap(model, state);
-        let cap = &state.cap_pose;
+        turn(model, state, object, hinge);
         // The motion of this step overloads feelers steadily, and first; then one feeler's slip
         // overloads another at a stroke.
-        let settle_one = if round == 0 {
-            FeelerConfig::settle_driven
+        let overload = if round == 0 {
+            Overload::Steady
         } else {
-            FeelerConfig::settle
+            Overload::Sudden
         };
-        let fingers = state.fingers.iter_mut();
-        let slips = fingers.map(|finger| settle(model, cap, finger, settle_one));
-        if slips.sum::<usize>() == 0 {
+        if settle(model, state, object, overload, model.step) == 0 {
             break;
         }
     }
 }
 
-/// Turns the cap until the torques on it balance, feelers holding on as firmly as they can.
-fn turn_cap(model: &Model, state: &mut State) {
-    let State { fingers, cap, .. } = state;
-    model.cap.turn(cap, model.torque_sensor.stiffness, |cap| {
-        let pose = model.cap.pose(cap, model.cap_start_angle);
-        fingers.iter().fold(Grip::default(), |sum, finger| {
-            let grip = finger_grip(model, &pose, finger);
-            Grip {
-                torque: sum.torque + grip.torque,
-                stiffness: sum.stiffness + grip.stiffness,
+/// Turns an object until the torques on it balance, feelers holding on as firmly as they can.
+fn turn(model: &Model, state: &mut State, index: usize, hinge: &Hinge) {
+    let State {
+        fingers, objects, ..
+    } = state;
+    let (object, own) = (&model.objects[index], &mut objects[index]);
+    let mut turn = own.turn;
+    hinge.turn(&mut turn, model.torque_sensor.stiffness, |turn| {
+        let pose = hinge.pose(turn, &object.start);
+        let mut sum = Grip::default();
+        for (finger, state) in model.fingers.iter().zip(&*fingers) {
+            let seen = state.tip.seen_from(&pose);
+            for contact in state.contacts.iter().filter(|c| c.object == index) {
+                let grip = contact_grip(finger, object, own, &seen, contact, model.step);
+                sum.torque += grip.torque;
+                sum.stiffness += grip.stiffness;
             }
-        })
+        }
+        sum
     });
-    state.cap_pose = model.cap.pose(&state.cap, model.cap_start_angle);
+    own.turn = turn;
+    own.pose = hinge.pose(&turn, &object.start);
 }
 
-/// What one finger's feelers do to a cap in `pose`.
-fn finger_grip(model: &Model, pose: &CapPose, finger: &FingerState) -> Grip {
-    let fingertip = FingertipInCap::new(model, pose, finger);
-    let mut grip = Grip::default();
-    for (anchor, &normal) in finger.anchors.iter().zip(&model.normals) {
-        let Some(anchor) = anchor else { continue };
-        let tip = fingertip.tip(normal);
-        let force = model.feeler.holding_force(&tip, anchor);
-        let contact = anchor.position - model.feeler.tip_radius * anchor.normal;
-        // Velocity of the contact point per rate of turn: z x contact.
-        let lever = DVec3::new(-contact.y, contact.x, 0.0);
-        grip.torque += lever.dot(force);
-        grip.stiffness += lever.dot(model.feeler.stiffness_times(tip.axis, lever));
+/// What one feeler does to an object about the object's z axis, holding on.
+fn contact_grip(
+    finger: &Finger,
+    object: &Object,
+    state: &ObjectState,
+    seen: &Pose,
+    contact: &Contact,
+    duration: f64,
+) -> Grip {
+    let feeler = &finger.feelers[contact.element];
+    let tip = undeformed(finger, seen, contact.element);
+    let friction = friction(finger, object, state, contact.element);
+    let anchor = &contact.anchor;
+    let mut force = feeler.holding_force(friction, &tip, anchor);
+    let point = feeler.contact_point(anchor);
+    // Velocity of the contact point per rate of turn: z x point.
+    let lever = DVec3::new(-point.y, point.x, 0.0);
+    let mut stiffness = lever.dot(feeler.stiffness_times(tip.axis, lever));
+    if feeler.is_damped() {
+        let velocity = (tip.position - contact.tip_before) / duration;
+        force += feeler.damping_times(tip.axis, velocity);
+        force = within_cone(force, anchor.normal, friction);
+        stiffness += lever.dot(feeler.damping_times(tip.axis, lever)) / duration;
     }
-    grip
+    Grip {
+        torque: lever.dot(force),
+        stiffness,
+    }
 }
 
-/// Lets one feeler slip or let go.
-type SettleOne = fn(&FeelerConfig, &Object, &Tip, Anchor) -> Option<(Anchor, DVec3)>;
-
-/// Feelers slip or let go, and their forces are known; how many slipped.
-fn settle(model: &Model, cap: &CapPose, finger: &mut FingerState, settle_one: SettleOne) -> usize {
+/// Feelers on the object slip or let go, and their forces are known; how many slipped. `duration`
+/// (s) is the time since their tips were remembered.
+fn settle(
+    model: &Model,
+    state: &mut State,
+    index: usize,
+    overload: Overload,
+    duration: f64,
+) -> usize {
     let mut slips = 0;
-    let fingertip = FingertipInCap::new(model, cap, finger);
-    for ((anchor, force), &normal) in finger
-        .anchors
-        .iter_mut()
-        .zip(&mut finger.forces)
-        .zip(&model.normals)
-    {
-        let Some(held) = *anchor else { continue };
-        let tip = fingertip.tip(normal);
-        let settled = settle_one(&model.feeler, &model.object, &tip, held);
-        *anchor = settled.map(|(anchor, _)| anchor);
-        *force = settled.map_or(DVec3::ZERO, |(_, force)| cap.rotation * force);
-        slips += usize::from(*anchor != Some(held));
+    let (object, own) = (&model.objects[index], &state.objects[index]);
+    for (finger, state) in model.fingers.iter().zip(&mut state.fingers) {
+        if state.contacts.is_empty() {
+            continue;
+        }
+        let seen = state.tip.seen_from(&own.pose);
+        let FingerState {
+            contacts,
+            forces,
+            watch,
+            ..
+        } = state;
+        contacts.retain_mut(|contact| {
+            if contact.object != index {
+                return true;
+            }
+            let feeler = &finger.feelers[contact.element];
+            let tip = undeformed(finger, &seen, contact.element);
+            let mut friction = friction(finger, object, own, contact.element);
+            let velocity = (tip.position - contact.tip_before) / duration;
+            if friction.stribeck_speed > 0.0 {
+                friction = friction.at_speed(velocity.reject_from(contact.anchor.normal).length());
+            }
+            let settled = feeler.settle(object, friction, &tip, contact.anchor, overload);
+            let Some((anchor, mut force)) = settled else {
+                slips += 1;
+                forces[contact.element] = DVec3::ZERO;
+                watch.due[contact.element] = watch.travelled;
+                return false;
+            };
+            slips += usize::from(anchor != contact.anchor);
+            contact.anchor = anchor;
+            if feeler.is_damped() {
+                force += feeler.damping_times(tip.axis, velocity);
+                force = within_cone(force, anchor.normal, friction);
+            }
+            forces[contact.element] = own.pose.rotation * force;
+            true
+        });
     }
     slips
+}
+
+/// Notes where the tips on an object are, for what depends on speed.
+fn remember_tips(model: &Model, state: &mut State, index: usize) {
+    if !model.depends_on_speed {
+        return;
+    }
+    let pose = &state.objects[index].pose;
+    for (finger, state) in model.fingers.iter().zip(&mut state.fingers) {
+        let seen = state.tip.seen_from(pose);
+        for contact in state.contacts.iter_mut().filter(|c| c.object == index) {
+            contact.tip_before = undeformed(finger, &seen, contact.element).position;
+        }
+    }
+}
+
+/// Moves the free bodies over one step, in as many parts as their contacts' stiffness asks for.
+fn move_bodies(model: &Model, state: &mut State, bodies: &mut FreeBodies) {
+    let parts = bodies.parts(model, state);
+    let duration = model.step / parts as f64;
+    for part in 0..parts {
+        // The fingers move in the first part.
+        let since = if part == 0 { model.step } else { duration };
+        for (index, object) in model.objects.iter().enumerate() {
+            if matches!(object.motion, Motion::Free(_)) {
+                settle(model, state, index, Overload::Steady, since);
+                remember_tips(model, state, index);
+                let (force, torque) = wrench(model, state, index);
+                bodies.push(index, force, torque);
+            }
+        }
+        bodies.advance(duration);
+        bodies.read(&mut state.objects);
+    }
+}
+
+/// Force, N, and torque about its origin, N·m, on an object by the feelers, in W.
+pub fn wrench(model: &Model, state: &State, index: usize) -> (DVec3, DVec3) {
+    let pose = &state.objects[index].pose;
+    let (mut force, mut torque) = (DVec3::ZERO, DVec3::ZERO);
+    for (finger, state) in model.fingers.iter().zip(&state.fingers) {
+        for contact in state.contacts.iter().filter(|c| c.object == index) {
+            let point = finger.feelers[contact.element].contact_point(&contact.anchor);
+            let pushed = state.forces[contact.element];
+            force += pushed;
+            torque += (pose.rotation * point).cross(pushed);
+        }
+    }
+    (force, torque)
 }

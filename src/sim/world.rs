@@ -1,35 +1,58 @@
 //! The simulated world: a model and its state.
 
+use super::config::SimConfig;
+use super::error::SimError;
+use super::free_bodies::FreeBodies;
 use super::model::Model;
+use super::pose::Pose;
 use super::random::{Generator, Purpose, generator};
 use super::state::State;
-use super::step::step;
+use super::step::{step, wrench};
 use super::torque_sensor::TorqueReading;
-use glam::{DMat3, DVec3};
+use crate::hand::finger::FingerGeometry;
+use crate::sensor::layout::ElementLayout;
+use glam::DVec3;
+use std::path::Path;
 
 /// A rig that is being simulated.
 pub struct World {
     model: Model,
     state: State,
-    element_rotations: Vec<DMat3>,
+    bodies: FreeBodies,
     torque_noise: Generator,
 }
 
 impl World {
-    /// The world at time 0, fingers at rest at `joints` (rad, one triple per finger).
-    pub fn new(model: Model, joints: &[DVec3], seed: u64) -> Self {
+    /// The world of `config` at time 0: `fingers` with the fingertips that they carry, at rest at
+    /// `joints` (rad, one triple per finger). Files that `config` names are relative to `folder`.
+    ///
+    /// # Errors
+    /// When a part of it cannot be made, or parts of it are inside each other.
+    pub fn new(
+        config: &SimConfig,
+        fingers: &[(FingerGeometry, ElementLayout)],
+        joints: &[DVec3],
+        folder: &Path,
+        seed: u64,
+    ) -> Result<Self, SimError> {
+        let model = Model::new(config, fingers, folder, seed)?;
         let state = State::new(&model, joints);
-        Self {
-            element_rotations: model.layout.elements.iter().map(|e| e.rotation).collect(),
+        super::start::check(&model, &state)?;
+        Ok(Self {
+            bodies: FreeBodies::new(&model),
             torque_noise: generator(seed, Purpose::TorqueNoise),
             state,
             model,
-        }
+        })
     }
 
     /// Advances by one time step.
-    pub fn step(&mut self) {
-        step(&self.model, &mut self.state);
+    ///
+    /// # Errors
+    /// When a quantity becomes not finite. The world is of no use from there on.
+    pub fn step(&mut self) -> Result<(), SimError> {
+        step(&self.model, &mut self.state, &mut self.bodies);
+        self.state.check_finite(&self.model)
     }
 
     /// What never changes.
@@ -49,6 +72,14 @@ impl World {
         }
     }
 
+    /// Holds the fingertip of `finger` at `pose` (centre of the dome and fingertip frame, in W) from
+    /// the next step on, whatever its joints do; with `None` it follows them again.
+    pub fn hold_fingertip(&mut self, finger: usize, pose: Option<Pose>) {
+        if let Some(finger) = self.state.fingers.get_mut(finger) {
+            finger.held_at = pose;
+        }
+    }
+
     /// Reads the torque sensor, with its noise.
     pub fn read_torque(&mut self) -> TorqueReading {
         self.model
@@ -56,15 +87,27 @@ impl World {
             .read(self.state.filtered_torque, &mut self.torque_noise)
     }
 
+    /// Force, N, and torque about its origin, N·m, on an object by the feelers, in W.
+    pub fn wrench(&self, object: usize) -> (DVec3, DVec3) {
+        wrench(&self.model, &self.state, object)
+    }
+
     /// The true tri-axial forces on the elements of `finger`, N, each in its own frame `E_i` with
     /// the sign of a [`TactileFrame`](crate::sensor::reading::TactileFrame).
     pub fn element_forces(&self, finger: usize, forces: &mut [DVec3]) {
-        let Some(finger) = self.state.fingers.get(finger) else {
+        let (Some(state), Some(finger)) = (
+            self.state.fingers.get(finger),
+            self.model.fingers.get(finger),
+        ) else {
             return;
         };
-        let to_fingertip = finger.rotation.transpose();
-        let elements = self.element_rotations.iter().zip(&finger.forces);
+        let to_fingertip = state.tip.rotation.transpose();
+        let elements = finger.element_rotations.iter().zip(&state.forces);
         for (force, (rotation, &on_object)) in forces.iter_mut().zip(elements) {
+            if on_object == DVec3::ZERO {
+                *force = DVec3::ZERO;
+                continue;
+            }
             // On the feeler by the object: the reverse. Compression is that force along -z.
             let on_feeler = -(rotation.transpose() * (to_fingertip * on_object));
             *force = on_feeler.with_z(-on_feeler.z);

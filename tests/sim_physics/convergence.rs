@@ -30,7 +30,7 @@ fn torques(settings: &[&str], commands: &Commands) -> Torques {
     );
     replay(&mut world, commands, |world, row| {
         let stroke = commands.strokes[row] as usize - 1;
-        let torque = world.state().cap.torque.abs();
+        let torque = world.state().objects[0].turn.torque.abs();
         peak[stroke] = peak[stroke].max(torque);
         if torque > 1e-3 {
             sum[stroke] += torque;

@@ -1,21 +1,33 @@
 //! What must hold at every physics step of the reference run.
 
 use super::reference::{commands, experiment, replay, world};
-use feeler::sim::state::FingerState;
+use feeler::sim::object::Motion;
+use feeler::sim::state::Contact;
+use feeler::sim::thread::ThreadConfig;
 use feeler::sim::world::World;
 use glam::DVec3;
 
-/// Torque about the cap's axis by one finger's contacts, N·m, from forces and contact points in W.
-fn contact_torque(world: &World, finger: &FingerState) -> f64 {
-    let pose = world.state().cap_pose;
-    let contacts = finger.anchors.iter().zip(&finger.forces);
-    contacts
-        .filter_map(|(anchor, force)| {
-            let anchor = anchor.as_ref()?;
-            let point = anchor.position - world.model().feeler.tip_radius * anchor.normal;
-            Some((pose.rotation * point).cross(*force).z)
+/// Torque about the cap's axis by the fingers' contacts, N·m, from forces and contact points in W.
+fn contact_torque(world: &World) -> f64 {
+    let pose = world.state().objects[0].pose;
+    let fingers = world.model().fingers.iter().zip(&world.state().fingers);
+    let contacts = fingers.flat_map(|(model, finger)| {
+        finger.contacts.iter().map(move |contact| {
+            let anchor = &contact.anchor;
+            let point = anchor.position - model.feelers[contact.element].tip_radius * anchor.normal;
+            let force = finger.forces[contact.element];
+            (pose.rotation * point).cross(force).z
         })
-        .sum()
+    });
+    contacts.sum()
+}
+
+/// The thread that the cap of `world` is on.
+fn thread(world: &World) -> &ThreadConfig {
+    match &world.model().objects[0].motion {
+        Motion::Turns(hinge) => &hinge.thread,
+        other => panic!("the cap is on a thread, not {other:?}"),
+    }
 }
 
 /// Torques are solved for to 1e-9 N·m; two of them are compared, and summed over 82 feelers.
@@ -28,9 +40,8 @@ fn the_fingers_torque_is_the_shafts_and_obeys_the_thread() {
     let mut world = world(&experiment, &commands.start);
     let (mut worst, mut turning_steps) = (0.0_f64, 0);
     replay(&mut world, &commands, |world, _| {
-        let (state, cap) = (world.state(), world.state().cap);
-        let fingers = state.fingers.iter();
-        let torque: f64 = fingers.map(|f| contact_torque(world, f)).sum();
+        let (state, cap) = (world.state(), world.state().objects[0].turn);
+        let torque = contact_torque(world);
         let shaft = world.model().torque_sensor.stiffness * cap.twist;
         let imbalance = (torque - cap.torque).abs().max((torque - shaft).abs());
         worst = worst.max(imbalance);
@@ -39,7 +50,7 @@ fn the_fingers_torque_is_the_shafts_and_obeys_the_thread() {
             "{imbalance:e} N m at {} s: fingers {torque}, cap {cap:?}, shaft {shaft}",
             state.time
         );
-        let resisting = world.model().cap.resisting_torque(cap.angle);
+        let resisting = thread(world).resisting_torque(cap.angle);
         if cap.turning {
             turning_steps += 1;
             let excess = torque.abs() - resisting;
@@ -49,7 +60,7 @@ fn the_fingers_torque_is_the_shafts_and_obeys_the_thread() {
                 state.time
             );
         } else {
-            let breakaway = world.model().cap.static_factor * resisting;
+            let breakaway = thread(world).static_factor * resisting;
             assert!(torque.abs() < breakaway + BALANCE);
         }
     });
@@ -73,7 +84,7 @@ fn the_torque_sensor_tells_the_torque_within_noise_and_quantisation() {
     let keep = (-std::f64::consts::TAU * sensor.cutoff_frequency * world.model().step).exp();
     let (mut expected, mut sum_of_squares, mut readings) = (0.0, 0.0, 0.0);
     replay(&mut world, &commands, |world, _| {
-        expected = keep * expected + (1.0 - keep) * world.state().cap.torque;
+        expected = keep * expected + (1.0 - keep) * world.state().objects[0].turn.torque;
         let error = world.read_torque().torque - expected;
         assert!(error.abs() < tolerance, "{error} N m");
         sum_of_squares += error * error;
@@ -94,23 +105,21 @@ fn feelers_push_within_the_friction_cone_and_only_where_they_touch() {
     let experiment = experiment(&[]);
     let commands = commands(&experiment);
     let mut world = world(&experiment, &commands.start);
-    let normals = world.model().normals.clone();
+    let (radius, height) = (0.014, 0.020);
     let (mut touching, mut worst) = (0_u64, 0.0_f64);
     replay(&mut world, &commands, |world, _| {
-        let (model, pose) = (world.model(), world.state().cap_pose);
-        for finger in &world.state().fingers {
-            for (element, (anchor, &force)) in finger.anchors.iter().zip(&finger.forces).enumerate()
-            {
-                let Some(anchor) = anchor else {
+        let pose = world.state().objects[0].pose;
+        for (model, finger) in world.model().fingers.iter().zip(&world.state().fingers) {
+            for element in 0..model.normals.len() {
+                let (feeler, force) = (&model.feelers[element], finger.forces[element]);
+                let contact = finger.contacts.iter().find(|c| c.element == element);
+                let Some(Contact { anchor, .. }) = contact else {
                     assert_eq!(force, DVec3::ZERO, "force without contact");
-                    let axis = finger.rotation * normals[element];
-                    let tip = finger.position + model.layout.dome_radius * axis - pose.centre;
-                    let above = distance(tip, model.cap.radius, model.cap.height);
+                    let axis = finger.tip.rotation * model.normals[element];
+                    let tip = finger.tip.position + model.dome_radius * axis - pose.position;
+                    let above = distance(tip, radius, height);
                     // A feeler that is let go of may be a step's motion (20 mm/s) inside.
-                    assert!(
-                        above > model.feeler.tip_radius - 2e-5,
-                        "{above} m and no contact"
-                    );
+                    assert!(above > feeler.tip_radius - 2e-5, "{above} m and no contact");
                     continue;
                 };
                 touching += 1;
@@ -118,7 +127,7 @@ fn feelers_push_within_the_friction_cone_and_only_where_they_touch() {
                 let pressing = -force.dot(normal);
                 assert!(pressing >= 0.0, "element {element} pulls with {pressing} N");
                 let shear = (force + pressing * normal).length();
-                let use_of_cone = shear / (model.feeler.static_friction * pressing);
+                let use_of_cone = shear / (feeler.static_friction * pressing);
                 worst = worst.max(use_of_cone);
                 // Slips end within 1e-9; the cap's last adjustment moves a tip by rounding.
                 assert!(
@@ -126,12 +135,8 @@ fn feelers_push_within_the_friction_cone_and_only_where_they_touch() {
                     "{use_of_cone} of the friction cone"
                 );
                 // The deformed tip's sphere rests on the cap: its centre is one radius above it.
-                let above = distance(
-                    pose.rotation * anchor.position,
-                    model.cap.radius,
-                    model.cap.height,
-                );
-                assert!((above - model.feeler.tip_radius).abs() < 1e-12, "{above} m");
+                let above = distance(pose.rotation * anchor.position, radius, height);
+                assert!((above - feeler.tip_radius).abs() < 1e-12, "{above} m");
             }
         }
     });

@@ -1,8 +1,10 @@
 //! One feeler on a flat face, by calling the contact law itself: stick, slip, hold.
 
-use feeler::sim::feeler::{Anchor, FeelerConfig, Tip};
-use feeler::sim::object::Object;
+use feeler::sim::feeler::{Anchor, FeelerConfig, Overload, Tip};
+use feeler::sim::object::{MotionConfig, Object, ObjectConfig};
+use feeler::sim::shape::ShapeConfig;
 use glam::DVec3;
+use std::path::Path;
 
 pub const FEELER: FeelerConfig = FeelerConfig {
     normal_stiffness: 1150.0,
@@ -10,6 +12,11 @@ pub const FEELER: FeelerConfig = FeelerConfig {
     tip_radius: 0.0015,
     static_friction: 1.0,
     kinetic_friction: 0.65,
+    stribeck_speed: 0.0,
+    normal_damping: 0.0,
+    shear_damping: 0.0,
+    normal_shear_coupling: 0.0,
+    length_limit: None,
 };
 /// How far the feeler is pressed in, m.
 const DEPTH: f64 = 0.0004;
@@ -17,9 +24,39 @@ const SPEED: f64 = 0.010;
 /// Rounding of a few operations on forces of about 1 N.
 const ROUNDING: f64 = 1e-12;
 
+/// A fixed upright cylinder about the origin.
+pub fn cylinder(radius: f64, height: f64) -> Object {
+    let config = ObjectConfig {
+        shape: ShapeConfig::Cylinder { radius, height },
+        motion: MotionConfig::Fixed,
+        position: [0.0; 3],
+        orientation_deg: [0.0; 3],
+        offset: [0.0; 3],
+        friction: None,
+    };
+    Object::new("cylinder", &config, 0.0, Path::new("")).expect("an object")
+}
+
 /// A disc of 1 m radius, face up: flat for a feeler that moves by millimetres.
 fn flat() -> Object {
-    Object::cylinder(1.0, 0.02)
+    cylinder(1.0, 0.02)
+}
+
+/// The hold that a free feeler takes, if it touches.
+pub fn hold(feeler: &FeelerConfig, object: &Object, tip: &Tip) -> Option<Anchor> {
+    let surface = object.nearest(tip.position)?;
+    (surface.distance < feeler.tip_radius).then(|| feeler.anchor(&surface))
+}
+
+/// What is left of `anchor`, and the force, when a steady or sudden overload has settled.
+pub fn settle(
+    feeler: &FeelerConfig,
+    object: &Object,
+    tip: &Tip,
+    anchor: Anchor,
+    overload: Overload,
+) -> Option<(Anchor, DVec3)> {
+    feeler.settle(object, feeler.friction(), tip, anchor, overload)
 }
 
 /// A feeler that points straight down, pressed in by [`DEPTH`], at `x` along the face.
@@ -31,15 +68,20 @@ fn tip(x: f64) -> Tip {
 }
 
 fn pressed(object: &Object) -> Anchor {
-    FEELER.touch(object, &tip(0.0)).expect("contact")
+    hold(&FEELER, object, &tip(0.0)).expect("contact")
 }
 
 #[test]
 fn a_pressed_feeler_pushes_with_its_normal_stiffness_and_no_shear() {
     let object = flat();
-    let (_, force) = FEELER
-        .settle(&object, &tip(0.0), pressed(&object))
-        .expect("contact");
+    let (_, force) = settle(
+        &FEELER,
+        &object,
+        &tip(0.0),
+        pressed(&object),
+        Overload::Sudden,
+    )
+    .expect("contact");
     let expected = -FEELER.normal_stiffness * DEPTH * DVec3::Z;
     assert!((force - expected).length() < ROUNDING, "{force}");
 }
@@ -65,9 +107,8 @@ fn a_dragged_feeler_makes_the_sawtooth_of_stick_and_slip_at_any_step() {
         let (mut slips, mut before) = (0, 0.0);
         while before < 2.0 {
             let x = before + SPEED * step;
-            let (next, force) = FEELER
-                .settle_driven(&object, &tip(x), anchor)
-                .expect("contact");
+            let (next, force) =
+                settle(&FEELER, &object, &tip(x), anchor, Overload::Steady).expect("contact");
             assert!((force.z + normal_force).abs() < ROUNDING && force.y == 0.0);
             // A slip ends within 1e-9 of the normal force, and the next begins there.
             slips += u32::from(next != anchor);
@@ -93,9 +134,14 @@ fn a_feeler_overloaded_at_a_stroke_falls_to_the_kinetic_limit() {
     let object = flat();
     let normal_force = FEELER.normal_stiffness * DEPTH;
     let x = 1.3 * FEELER.static_friction * normal_force / FEELER.shear_stiffness;
-    let (_, force) = FEELER
-        .settle(&object, &tip(x), pressed(&object))
-        .expect("contact");
+    let (_, force) = settle(
+        &FEELER,
+        &object,
+        &tip(x),
+        pressed(&object),
+        Overload::Sudden,
+    )
+    .expect("contact");
     let expected = FEELER.kinetic_friction * normal_force;
     assert!((force.x - expected).abs() < 1e-9 * normal_force, "{force}");
 }
@@ -106,11 +152,17 @@ fn a_feeler_at_rest_holds_its_shear_without_creep() {
     // Just short of the static limit.
     let x =
         0.999 * FEELER.static_friction * FEELER.normal_stiffness * DEPTH / FEELER.shear_stiffness;
-    let (mut anchor, start) = FEELER
-        .settle(&object, &tip(x), pressed(&object))
-        .expect("contact");
+    let (mut anchor, start) = settle(
+        &FEELER,
+        &object,
+        &tip(x),
+        pressed(&object),
+        Overload::Sudden,
+    )
+    .expect("contact");
     for _ in 0..10_000 {
-        let (next, force) = FEELER.settle(&object, &tip(x), anchor).expect("contact");
+        let (next, force) =
+            settle(&FEELER, &object, &tip(x), anchor, Overload::Sudden).expect("contact");
         assert_eq!((next, force), (anchor, start));
         anchor = next;
     }
@@ -124,7 +176,8 @@ fn a_feeler_that_is_lifted_lets_go_and_never_pulls() {
         let lift = 0.0001 * f64::from(n);
         let mut tip = tip(0.0);
         tip.position.z += lift;
-        let settled = anchor.and_then(|anchor| FEELER.settle(&object, &tip, anchor));
+        let settled =
+            anchor.and_then(|anchor| settle(&FEELER, &object, &tip, anchor, Overload::Sudden));
         let force = settled.map_or(0.0, |(_, force)| force.z);
         let expected = -FEELER.normal_stiffness * (DEPTH - lift).max(0.0);
         assert!((force - expected).abs() < ROUNDING, "{force} N at {lift} m");
@@ -132,7 +185,8 @@ fn a_feeler_that_is_lifted_lets_go_and_never_pulls() {
     }
     assert_eq!(anchor, None);
     assert_eq!(
-        FEELER.touch(
+        hold(
+            &FEELER,
             &object,
             &Tip {
                 position: DVec3::Z,

@@ -3,9 +3,11 @@
 use feeler::hand::finger::{FingerConfig, FingerGeometry};
 use feeler::hand::resolved_rate::resolved_rate;
 use feeler::sensor::layout::{ElementLayout, LayoutConfig, RingConfig};
-use feeler::sim::model::Model;
+use feeler::sim::object::MotionConfig;
+use feeler::sim::shape::ShapeConfig;
 use feeler::sim::world::World;
 use glam::DVec3;
+use std::path::Path;
 
 use super::reference::experiment;
 
@@ -23,10 +25,13 @@ fn one_element() -> World {
     sim.servo.lag = 0.0;
     sim.variation.bottle_position = 0.0;
     sim.variation.friction = 0.0;
-    sim.torque_sensor.stiffness = 1e12;
-    sim.cap.running_torque = 1e9;
-    (sim.cap.radius, sim.cap.height) = (CAP_RADIUS, 0.2);
-    sim.cap.position = [0.0; 3];
+    let cap = sim.object.get_mut("cap").expect("a cap");
+    cap.motion = MotionConfig::Fixed;
+    cap.shape = ShapeConfig::Cylinder {
+        radius: CAP_RADIUS,
+        height: 0.2,
+    };
+    cap.position = [0.0; 3];
     let layout = ElementLayout::new(&LayoutConfig {
         dome_radius: 0.018,
         rings: vec![RingConfig {
@@ -47,25 +52,25 @@ fn one_element() -> World {
         joint_upper_deg: [180.0; 3],
         joint_speed_limit: [10.0; 3],
     });
-    let fingers = vec![finger.expect("a finger")];
-    World::new(Model::new(&sim, fingers, layout, 0), &[theta], 0)
+    let fingers = [(finger.expect("a finger"), layout)];
+    World::new(&sim, &fingers, &[theta], Path::new(""), 0).expect("a world")
 }
 
 /// The undeformed tip's centre, m, in W.
 fn tip(world: &World) -> DVec3 {
-    let finger = &world.state().fingers[0];
-    finger.position + world.model().layout.dome_radius * finger.rotation.x_axis
+    let tip = &world.state().fingers[0].tip;
+    tip.position + world.model().fingers[0].dome_radius * tip.rotation.x_axis
 }
 
 /// Moves the undeformed tip to `target` in one step.
 fn move_tip(world: &mut World, target: DVec3) {
-    let offset = world.model().layout.dome_radius * DVec3::X;
+    let offset = world.model().fingers[0].dome_radius * DVec3::X;
     let finger = &world.state().fingers[0];
-    let velocity = (target - offset - finger.position) / STEP;
-    let geometry = &world.model().fingers[0];
+    let velocity = (target - offset - finger.tip.position) / STEP;
+    let geometry = &world.model().fingers[0].geometry;
     let rate = resolved_rate(geometry, finger.joints.position, velocity);
     world.command(0, rate.joint_velocity);
-    world.step();
+    world.step().expect("a step");
 }
 
 fn force(world: &World) -> DVec3 {
@@ -83,12 +88,13 @@ fn a_dragged_element_follows_stiffness_then_friction_in_the_whole_world() {
     for n in 1..=10 {
         move_tip(&mut world, start + DVec3::X * (DEPTH * f64::from(n) / 10.0));
     }
-    let feeler = world.model().feeler.clone();
+    let feeler = world.model().fingers[0].feelers[0].clone();
     let normal_force = feeler.normal_stiffness * DEPTH;
     let pressed = force(&world);
     // Going in, the finger tilts by the depth over its link at most, and its tip with it.
     let tilt = DEPTH / LINK;
-    let aside = (feeler.shear_stiffness * world.model().layout.dome_radius + normal_force) * tilt;
+    let aside =
+        (feeler.shear_stiffness * world.model().fingers[0].dome_radius + normal_force) * tilt;
     assert!(
         (pressed - normal_force * DVec3::X).length() < aside,
         "{pressed}"
@@ -151,11 +157,11 @@ fn an_element_at_rest_holds_its_shear_for_ten_seconds() {
         );
     }
     world.command(0, DVec3::ZERO);
-    world.step();
+    world.step().expect("a step");
     let held = force(&world);
     assert!(held.z > 0.4, "{held}");
     for _ in 0..10_000 {
-        world.step();
+        world.step().expect("a step");
         // Nothing moves, so nothing changes: not by a bit.
         assert_eq!(force(&world), held);
     }

@@ -4,9 +4,9 @@ use feeler::config::Experiment;
 use feeler::experiment::Session;
 use feeler::hand::finger::FingerGeometry;
 use feeler::sensor::layout::ElementLayout;
-use feeler::sim::model::Model;
 use feeler::sim::world::World;
 use glam::DVec3;
+use std::path::Path;
 
 pub fn experiment(settings: &[&str]) -> Experiment {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/experiments/cap-closing.toml");
@@ -53,13 +53,12 @@ fn joints(world: &World) -> Vec<DVec3> {
 /// The world of `experiment` before its first step.
 pub fn world(experiment: &Experiment, start: &[DVec3]) -> World {
     let config = &experiment.config;
-    let fingers = config.hand.finger.iter();
-    let fingers = fingers
-        .map(|f| FingerGeometry::new(f).expect("a finger"))
-        .collect();
     let layout = ElementLayout::new(&config.sensor.fingertip.layout);
-    let model = Model::new(&config.sim, fingers, layout, config.seed);
-    World::new(model, start, config.seed)
+    let fingers = config.hand.finger.iter();
+    let fingers: Vec<_> = fingers
+        .map(|f| (FingerGeometry::new(f).expect("a finger"), layout.clone()))
+        .collect();
+    World::new(&config.sim, &fingers, start, Path::new(""), config.seed).expect("a world")
 }
 
 /// Gives `world` the commands of a run and shows it after every physics step; beside it, the
@@ -71,7 +70,7 @@ pub fn replay(world: &mut World, commands: &Commands, mut watch: impl FnMut(&mut
             world.command(finger, velocity);
         }
         for _ in 0..steps {
-            world.step();
+            world.step().expect("a step");
             watch(world, row);
         }
     }

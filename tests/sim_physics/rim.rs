@@ -1,8 +1,7 @@
 //! A feeler over the rim of a cylinder, where side and top meet.
 
-use super::feeler::FEELER;
-use feeler::sim::feeler::{FeelerConfig, Tip};
-use feeler::sim::object::Object;
+use super::feeler::{FEELER, cylinder, hold, settle};
+use feeler::sim::feeler::{FeelerConfig, Overload, Tip};
 use glam::DVec3;
 
 const RADIUS: f64 = 0.014;
@@ -20,14 +19,15 @@ fn tip(feeler: &FeelerConfig, z: f64) -> Tip {
 /// Forces on the object while the feeler goes up the side, over the rim and away, from `z` = 8 mm
 /// in steps of 1 um.
 fn over_the_rim(feeler: &FeelerConfig) -> Vec<(f64, DVec3)> {
-    let object = Object::cylinder(RADIUS, 2.0 * HALF_HEIGHT);
+    let object = cylinder(RADIUS, 2.0 * HALF_HEIGHT);
     let mut anchor = None;
     (0..4000)
         .map(|n| {
             let z = 0.008 + 1e-6 * f64::from(n);
             let tip = tip(feeler, z);
-            let held = anchor.or_else(|| feeler.touch(&object, &tip));
-            let settled = held.and_then(|anchor| feeler.settle(&object, &tip, anchor));
+            let held = anchor.or_else(|| hold(feeler, &object, &tip));
+            let settled =
+                held.and_then(|anchor| settle(feeler, &object, &tip, anchor, Overload::Sudden));
             anchor = settled.map(|(anchor, _)| anchor);
             (z, settled.map_or(DVec3::ZERO, |(_, force)| force))
         })

@@ -1,0 +1,193 @@
+//! Free bodies: rigid-body motion and the contacts between bodies, by `rapier3d`.
+//!
+//! The feelers' forces are put on the bodies explicitly, from the pose at which they were found. That
+//! is stable while a step is short against the period of the lightest body on the feelers' springs, so
+//! a step is taken in as many parts as that asks for.
+
+use super::model::Model;
+use super::object::{FreeConfig, Motion, Object};
+use super::pose::Pose;
+use super::state::{ObjectState, State};
+use glam::{DMat3, DQuat, DVec3};
+use rapier3d_f64::prelude::{
+    CoefficientCombineRule, ColliderBuilder, FrictionModel, MassProperties, PhysicsWorld,
+    Pose as LibraryPose, RigidBodyBuilder, RigidBodyHandle,
+};
+
+/// Largest product of the feelers' frequency (rad/s) on a body and a part of a step. The integration
+/// is stable below 2; at 1 its frequency is 5 % off.
+const MAX_PHASE: f64 = 1.0;
+/// Most parts of a step: a body light enough to need more is refused.
+const MAX_PARTS: usize = 64;
+/// Lengths that the library tells apart are given as parts of this, m: it is made for bodies of a
+/// metre, and ours are of some centimetres.
+const LENGTH_UNIT: f64 = 0.01;
+
+/// The free bodies of a world, and what is fixed under them.
+pub struct FreeBodies {
+    world: PhysicsWorld,
+    /// Bodies by object; what is not free does not have one to be moved.
+    free: Vec<Option<FreeBody>>,
+    /// Objects that turn, which free bodies bump into.
+    turning: Vec<(usize, RigidBodyHandle)>,
+}
+
+struct FreeBody {
+    handle: RigidBodyHandle,
+    inverse_mass: f64,
+    /// Largest of the inverse moments of inertia, 1/(kg m²).
+    inverse_inertia: f64,
+}
+
+impl FreeBodies {
+    /// The free bodies of `model`, at rest where they start.
+    pub fn new(model: &Model) -> Self {
+        let mut world = PhysicsWorld::new();
+        world.gravity = model.gravity;
+        let parameters = &mut world.integration_parameters;
+        parameters.length_unit = LENGTH_UNIT;
+        parameters.friction_model = FrictionModel::Coulomb;
+        let is_free = |object: &&Object| matches!(object.motion, Motion::Free(_));
+        let mut bodies = Self {
+            world,
+            free: Vec::new(),
+            turning: Vec::new(),
+        };
+        if model.objects.iter().find(is_free).is_none() {
+            return bodies;
+        }
+        for (index, object) in model.objects.iter().enumerate() {
+            let free = bodies.add(index, object);
+            bodies.free.push(free);
+        }
+        bodies
+    }
+
+    fn add(&mut self, index: usize, object: &Object) -> Option<FreeBody> {
+        let (shape, within) = object.shape.collider();
+        let place = LibraryPose::from_translation(object.offset) * within;
+        let collider = ColliderBuilder::new(shape).position(place).density(0.0);
+        let start = to_library(&object.start);
+        let Motion::Free(config) = &object.motion else {
+            let (body, turns) = match object.motion {
+                Motion::Turns(_) => (RigidBodyBuilder::kinematic_position_based(), true),
+                _ => (RigidBodyBuilder::fixed(), false),
+            };
+            // So that the free body's own coefficient is that of the pair.
+            let collider = collider
+                .friction(1.0)
+                .friction_combine_rule(CoefficientCombineRule::Multiply);
+            let (handle, _) = self.world.insert(body.pose(start), collider);
+            if turns {
+                self.turning.push((index, handle));
+            }
+            return None;
+        };
+        let mass = mass_properties(object, config);
+        let body = RigidBodyBuilder::dynamic()
+            .pose(start)
+            .can_sleep(false)
+            .additional_mass_properties(mass);
+        let collider = collider.friction(config.friction);
+        let (handle, _) = self.world.insert(body, collider);
+        Some(FreeBody {
+            handle,
+            inverse_mass: mass.inv_mass,
+            inverse_inertia: mass.inv_principal_inertia.max_element(),
+        })
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.free.is_empty()
+    }
+
+    /// In how many parts a step of `model` must be taken from `state`.
+    ///
+    /// The square of the highest frequency of a body on springs is at most the sum, over the springs,
+    /// of stiffness over the mass that each sees.
+    pub fn parts(&self, model: &Model, state: &State) -> usize {
+        let mut most = 0.0_f64;
+        for (index, body) in self.free.iter().enumerate() {
+            let Some(body) = body else { continue };
+            let centre = state.objects[index].pose.rotation.transpose()
+                * (self.world.bodies[body.handle].center_of_mass()
+                    - state.objects[index].pose.position);
+            let mut sum = 0.0;
+            for (finger, own) in model.fingers.iter().zip(&state.fingers) {
+                for contact in own.contacts.iter().filter(|c| c.object == index) {
+                    let feeler = &finger.feelers[contact.element];
+                    let lever = contact.anchor.position - centre;
+                    let inverse_mass =
+                        body.inverse_mass + body.inverse_inertia * lever.length_squared();
+                    // A damper acts on a part of a step like a spring.
+                    let stiffness = feeler.normal_stiffness.max(feeler.shear_stiffness)
+                        + 2.0 * feeler.normal_damping.max(feeler.shear_damping) / model.step;
+                    sum += inverse_mass * stiffness;
+                }
+            }
+            most = most.max(sum);
+        }
+        let parts = (model.step * most.sqrt() / MAX_PHASE).ceil();
+        (parts as usize).clamp(1, MAX_PARTS)
+    }
+
+    /// Puts a force (N) and a torque about the object's origin (N·m), both in W, on a free body, in
+    /// place of those before.
+    pub fn push(&mut self, object: usize, force: DVec3, torque: DVec3) {
+        let Some(Some(body)) = self.free.get(object) else {
+            return;
+        };
+        let body = &mut self.world.bodies[body.handle];
+        let lever = body.translation() - body.center_of_mass();
+        body.reset_forces(false);
+        body.reset_torques(false);
+        body.add_force(force, true);
+        body.add_torque(torque + lever.cross(force), true);
+    }
+
+    /// Moves the bodies over `duration`, s.
+    pub fn advance(&mut self, duration: f64) {
+        self.world.integration_parameters.dt = duration;
+        self.world.step();
+    }
+
+    /// Tells the free bodies where what turns is now, and `objects` where the free bodies are.
+    pub fn read(&mut self, objects: &mut [ObjectState]) {
+        for &(index, handle) in &self.turning {
+            let pose = to_library(&objects[index].pose);
+            self.world.bodies[handle].set_next_kinematic_position(pose);
+        }
+        for (body, object) in self.free.iter().zip(objects) {
+            let Some(body) = body else { continue };
+            let body = &self.world.bodies[body.handle];
+            object.pose = Pose {
+                position: body.translation(),
+                rotation: DMat3::from_quat(*body.rotation()),
+            };
+            object.velocity = body.linvel();
+            object.angular_velocity = body.angvel();
+        }
+    }
+}
+
+fn to_library(pose: &Pose) -> LibraryPose {
+    LibraryPose::from_parts(pose.position, DQuat::from_mat3(&pose.rotation))
+}
+
+/// Mass, centre of mass and inertia of a free body, in the object's frame.
+fn mass_properties(object: &Object, config: &FreeConfig) -> MassProperties {
+    let at_density = object.shape.mass_properties(config.density);
+    let own_mass = at_density.mass();
+    let mass = config.mass.unwrap_or(own_mass);
+    let centre = at_density.local_com + object.offset;
+    match config.inertia {
+        Some(inertia) => MassProperties::new(centre, mass, inertia.into()),
+        None => MassProperties::with_principal_inertia_frame(
+            centre,
+            mass,
+            at_density.principal_inertia() * (mass / own_mass),
+            at_density.principal_inertia_local_frame,
+        ),
+    }
+}

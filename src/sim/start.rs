@@ -1,0 +1,120 @@
+//! Whether a world can start: nothing inside anything else.
+
+use super::error::SimError;
+use super::model::Model;
+use super::object::Motion;
+use super::state::State;
+use super::step::undeformed;
+use glam::{DQuat, DVec3};
+use parry3d_f64::math::Pose as LibraryPose;
+use parry3d_f64::query::contact;
+
+/// What rests on or just touches something may be this deep in it, m.
+const TOLERANCE: f64 = 1e-5;
+
+/// Refuses a start in which a feeler is inside an object, or a free body inside another object.
+///
+/// # Errors
+/// Naming the first such pair.
+pub fn check(model: &Model, state: &State) -> Result<(), SimError> {
+    check_feelers(model, state)?;
+    for (index, object) in model.objects.iter().enumerate() {
+        for other in &model.objects[index + 1..] {
+            let free = |motion| matches!(motion, &Motion::Free(_));
+            if !free(&object.motion) && !free(&other.motion) {
+                continue;
+            }
+            let place = |object: &super::object::Object| {
+                let rotation = DQuat::from_mat3(&object.start.rotation);
+                let (shape, within) = object.shape.collider();
+                let offset = LibraryPose::from_translation(object.offset);
+                let pose = LibraryPose::from_parts(object.start.position, rotation);
+                (shape, pose * offset * within)
+            };
+            let ((one, at), (two, there)) = (place(object), place(other));
+            let found = contact(&at, &*one, &there, &*two, 0.0).ok().flatten();
+            let depth = found.map_or(0.0, |c| -c.dist);
+            if depth > TOLERANCE {
+                return Err(SimError::Overlap {
+                    object: object.name.clone(),
+                    other: other.name.clone(),
+                    depth,
+                });
+            }
+        }
+    }
+    Ok(())
+}
+
+fn check_feelers(model: &Model, state: &State) -> Result<(), SimError> {
+    for (number, (finger, own)) in model.fingers.iter().zip(&state.fingers).enumerate() {
+        for (object, now) in model.objects.iter().zip(&state.objects) {
+            let seen = own.tip.seen_from(&now.pose);
+            for (element, feeler) in finger.feelers.iter().enumerate() {
+                let tip = undeformed(finger, &seen, element).position;
+                let distance = object.nearest(tip).map_or(0.0, |s| s.distance);
+                let depth = feeler.tip_radius - distance;
+                if depth > TOLERANCE {
+                    return Err(SimError::StartsInside {
+                        object: object.name.clone(),
+                        finger: number,
+                        element,
+                        depth,
+                    });
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+impl State {
+    /// Refuses a state with a quantity that is not finite.
+    ///
+    /// # Errors
+    /// Naming the first such quantity.
+    pub fn check_finite(&self, model: &Model) -> Result<(), SimError> {
+        let fingers = self.fingers.iter().map(|finger| {
+            let contacts = finger.contacts.iter();
+            let forces: DVec3 = contacts.map(|c| finger.forces[c.element]).sum();
+            finger.tip.position + forces
+        });
+        let objects = self.objects.iter().map(|o| o.pose.position + o.velocity);
+        let turns = self.objects.iter().map(|o| o.turn.angle + o.turn.torque);
+        if fingers.chain(objects).all(DVec3::is_finite) && turns.fold(0.0, |a, b| a + b).is_finite()
+        {
+            return Ok(());
+        }
+        Err(self.not_finite(model))
+    }
+
+    /// The quantity that is not finite.
+    #[cold]
+    fn not_finite(&self, model: &Model) -> SimError {
+        let mut quantities: Vec<(String, DVec3)> = Vec::new();
+        for (number, finger) in self.fingers.iter().enumerate() {
+            let joints = finger.joints.position;
+            quantities.push((format!("the joint angles of finger {number}"), joints));
+            let position = finger.tip.position;
+            quantities.push((format!("the position of fingertip {number}"), position));
+            for (element, &force) in finger.forces.iter().enumerate() {
+                let name = format!("the force of element {element} of finger {number}");
+                quantities.push((name, force));
+            }
+        }
+        for (object, own) in self.objects.iter().zip(&model.objects) {
+            let name = &own.name;
+            quantities.push((format!("the position of {name}"), object.pose.position));
+            quantities.push((format!("the velocity of {name}"), object.velocity));
+            let turn = DVec3::new(object.turn.angle, object.turn.torque, 0.0);
+            quantities.push((format!("angle and torque of {name}"), turn));
+        }
+        let found = quantities.into_iter().find(|(_, value)| !value.is_finite());
+        let (quantity, value) = found.unwrap_or_else(|| ("a sum".to_string(), DVec3::NAN));
+        SimError::NotFinite {
+            step: self.steps,
+            quantity,
+            value: value.to_string(),
+        }
+    }
+}

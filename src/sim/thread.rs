@@ -1,0 +1,250 @@
+//! What turns about an axis: a cap on its thread, which has a seat that stops it (design, section 8),
+//! or a hinge.
+
+use super::pose::Pose;
+use glam::DMat3;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
+
+/// Newton steps per time step; three suffice unless every feeler is at its friction limit.
+const MAX_ITERATIONS: usize = 32;
+/// Torques are balanced to this, N·m: far below what the torque sensor resolves (0.1 mN·m).
+const TORQUE_TOLERANCE: f64 = 1e-9;
+
+/// The thread and the seat under a cap.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ThreadConfig {
+    /// Torque that turns the cap before it is seated, N·m.
+    pub running_torque: f64,
+    /// Angle by which the cap turns before it meets its seat, rad.
+    pub seat_angle: f64,
+    /// Rise of the resisting torque once the cap is on its seat, N·m/rad.
+    pub seat_stiffness: f64,
+    /// Torque that sets the cap going, relative to the torque that keeps it going, at least 1.
+    pub static_factor: f64,
+    /// Descent per turn, m.
+    pub lead: f64,
+}
+
+/// A hinge with friction.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HingeConfig {
+    /// Torque that keeps it turning, N·m.
+    #[serde(default)]
+    pub running_torque: f64,
+    /// Torque that sets it going, relative to the torque that keeps it going, at least 1.
+    #[serde(default = "one")]
+    pub static_factor: f64,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+/// What an object turns on about its z axis: a thread, or a hinge, which has neither seat nor lead.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Hinge {
+    /// The thread.
+    pub thread: ThreadConfig,
+    /// Whether what it stands on gives way to the torque: the shaft of the torque sensor does.
+    pub on_torque_sensor: bool,
+}
+
+/// How an object stands on its hinge or thread.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Turn {
+    /// Angle by which it has been turned, rad, positive when closing (counter-clockwise about its
+    /// z, as seen from above).
+    pub angle: f64,
+    /// Angle by which what it stands on has turned with the torque sensor's shaft, rad.
+    pub twist: f64,
+    /// Whether it turned in the last step.
+    pub turning: bool,
+    /// Torque about its z on what it stands on, N·m.
+    pub torque: f64,
+}
+
+/// What the fingers do to the object at one angle of it.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Grip {
+    /// Torque about its z on the object by the fingers, N·m.
+    pub torque: f64,
+    /// By how much that torque falls per angle that the object gives way, N·m/rad, at least 0.
+    pub stiffness: f64,
+}
+
+impl Hinge {
+    /// A hinge by itself.
+    pub fn plain(hinge: &HingeConfig) -> Self {
+        Self {
+            thread: ThreadConfig {
+                running_torque: hinge.running_torque,
+                seat_angle: f64::INFINITY,
+                seat_stiffness: 0.0,
+                static_factor: hinge.static_factor,
+                lead: 0.0,
+            },
+            on_torque_sensor: false,
+        }
+    }
+
+    /// A cap's thread, on a bottle that stands on the torque sensor.
+    pub fn on_thread(thread: &ThreadConfig) -> Self {
+        Self {
+            thread: thread.clone(),
+            on_torque_sensor: true,
+        }
+    }
+
+    /// Pose of the object in `turn`, which was at `start` at angle 0.
+    pub fn pose(&self, turn: &Turn, start: &Pose) -> Pose {
+        let descent = self.thread.lead * turn.angle / TAU;
+        Pose {
+            position: start.position - descent * start.rotation.z_axis,
+            rotation: start.rotation * DMat3::from_rotation_z(turn.angle + turn.twist),
+        }
+    }
+
+    /// Turns the object, and the sensor's shaft under it, until their torques balance the fingers'
+    /// `grip`.
+    ///
+    /// The object sticks while the grip's torque is below the resisting torque (`static_factor` times
+    /// that, unless it was turning already), and otherwise turns until both are equal. The shaft
+    /// follows the torque against `shaft_stiffness`, N·m/rad.
+    pub fn turn(&self, state: &mut Turn, shaft_stiffness: f64, grip: impl Fn(&Turn) -> Grip) {
+        let thread = &self.thread;
+        let compliance = if self.on_torque_sensor {
+            shaft_stiffness.recip()
+        } else {
+            0.0
+        };
+        let factor = if state.turning {
+            1.0
+        } else {
+            thread.static_factor
+        };
+        let (start, breakaway) = (state.angle, factor * thread.resisting_torque(state.angle));
+        // Which way the object turns, once it does.
+        let mut direction = None;
+        for _ in 0..MAX_ITERATIONS {
+            let Grip { torque, stiffness } = grip(state);
+            state.torque = torque;
+            if direction.is_none() && torque.abs() > breakaway + TORQUE_TOLERANCE {
+                direction = Some(torque.signum());
+            }
+            let mut unbalance = 0.0;
+            let mut twist = torque * compliance;
+            if let Some(direction) = direction {
+                let slope = stiffness + thread.resistance_slope(state.angle, torque);
+                let excess = direction * torque - thread.resisting_torque(state.angle);
+                // The thread holds; it never turns the object back.
+                let turned =
+                    direction * (state.angle - start) + excess / slope.max(f64::MIN_POSITIVE);
+                state.angle = start + direction * turned.max(0.0);
+                unbalance = excess.abs();
+                twist = direction * thread.resisting_torque(state.angle) * compliance;
+            } else {
+                // The grip gives way as the shaft does.
+                twist = state.twist + (twist - state.twist) / (1.0 + stiffness * compliance);
+            }
+            if self.on_torque_sensor {
+                unbalance = unbalance.max(shaft_stiffness * (twist - state.twist).abs());
+            }
+            state.twist = twist;
+            if unbalance <= TORQUE_TOLERANCE {
+                break;
+            }
+        }
+        state.turning = direction.is_some();
+    }
+}
+
+impl ThreadConfig {
+    /// Torque that resists turning at `angle` (rad) while the cap turns, N·m.
+    pub fn resisting_torque(&self, angle: f64) -> f64 {
+        self.running_torque + self.seat_stiffness * (angle - self.seat_angle).max(0.0)
+    }
+
+    /// Rise of the resisting torque per angle in the direction of `torque`. A seated cap that comes
+    /// loose meets less and less resistance; counting that as 0 keeps the steps stable.
+    fn resistance_slope(&self, angle: f64, torque: f64) -> f64 {
+        if torque > 0.0 && angle >= self.seat_angle {
+            self.seat_stiffness
+        } else {
+            0.0
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cap() -> Hinge {
+        Hinge::on_thread(&ThreadConfig {
+            running_torque: 0.003,
+            seat_angle: 0.35,
+            seat_stiffness: 0.5,
+            static_factor: 1.05,
+            lead: 0.003,
+        })
+    }
+
+    /// A grip like a torsion spring of `stiffness` whose far end was turned to `drive`.
+    fn spring(stiffness: f64, drive: f64) -> impl Fn(&Turn) -> Grip {
+        move |state| Grip {
+            torque: stiffness * (drive - state.angle - state.twist),
+            stiffness,
+        }
+    }
+
+    #[test]
+    fn a_seated_cap_stops_where_the_spring_and_the_seat_balance() {
+        let (cap, mut state, spring_stiffness) = (cap(), Turn::default(), 0.3);
+        for drive in 1..=600 {
+            cap.turn(
+                &mut state,
+                1e9,
+                spring(spring_stiffness, 1e-3 * f64::from(drive)),
+            );
+        }
+        let thread = &cap.thread;
+        // k (drive - angle) = T_run + k_seat (angle - seat)
+        let expected = (spring_stiffness * 0.6 - thread.running_torque
+            + thread.seat_stiffness * thread.seat_angle)
+            / (spring_stiffness + thread.seat_stiffness);
+        assert!((state.angle - expected).abs() < 1e-6);
+        assert!((state.torque - thread.resisting_torque(state.angle)).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_cap_sticks_until_the_static_torque_is_reached() {
+        let (cap, mut state) = (cap(), Turn::default());
+        cap.turn(&mut state, 1e9, spring(1.0, 0.00314));
+        assert_eq!((state.angle, state.turning), (0.0, false));
+        cap.turn(&mut state, 1e9, spring(1.0, 0.00316));
+        assert!((state.angle - 0.00016).abs() < 1e-6, "{}", state.angle);
+    }
+
+    #[test]
+    fn the_bottle_twists_by_torque_over_shaft_stiffness() {
+        let (cap, mut state) = (cap(), Turn::default());
+        cap.turn(&mut state, 10.0, spring(1.0, 0.002));
+        assert!((state.twist - state.torque / 10.0).abs() < 1e-9);
+        assert!((state.torque - 0.002 / 1.1).abs() < 1e-8);
+    }
+
+    #[test]
+    fn a_hinge_without_friction_follows_the_spring() {
+        let hinge = Hinge::plain(&HingeConfig {
+            running_torque: 0.0,
+            static_factor: 1.0,
+        });
+        let mut state = Turn::default();
+        hinge.turn(&mut state, 50.0, spring(0.2, 1.5));
+        assert!((state.angle - 1.5).abs() < 1e-8, "{}", state.angle);
+        assert_eq!(state.twist, 0.0);
+    }
+}
