@@ -7,6 +7,7 @@ pub mod config;
 pub mod direct_sensor;
 pub mod feeler;
 pub mod knurled_cylinder;
+pub mod mesh_file;
 pub mod model;
 pub mod object;
 pub mod optics;
