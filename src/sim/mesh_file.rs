@@ -1,0 +1,210 @@
+//! A closed surface of triangles from an STL or OBJ file, checked so that it has an inside.
+
+mod check;
+mod error;
+
+pub use error::MeshError;
+
+use glam::DVec3;
+use std::collections::HashMap;
+use std::io::{Cursor, Error, Read};
+use std::path::Path;
+
+/// Most bytes of a file; 1 million triangles of a text STL are about as many.
+const MAX_BYTES: u64 = 256 << 20;
+/// Most triangles of a mesh.
+const MAX_TRIANGLES: usize = 1_000_000;
+/// Bytes before the triangles of a binary STL, and of each triangle.
+const STL_HEADER: usize = 84;
+const STL_TRIANGLE: usize = 50;
+
+/// A closed, consistently oriented surface.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TriangleMesh {
+    /// The corners, m, in the object's frame; each once.
+    pub vertices: Vec<DVec3>,
+    /// Three corners of each triangle, counter-clockwise as seen from outside.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// Reads the mesh in the STL (binary or text) or OBJ file at `path`, told apart by its extension;
+/// `scale` is the metres of a unit of the file.
+///
+/// Corners at the same place become one; faces of more than three corners are cut into fans. A mesh
+/// whose inside is out is turned. Whether the surface intersects itself is not checked.
+pub fn read_mesh(path: &Path, scale: f64) -> Result<TriangleMesh, MeshError> {
+    let extension = path.extension().unwrap_or_default().to_string_lossy();
+    let corners = match extension.to_ascii_lowercase().as_str() {
+        "stl" => stl_corners,
+        "obj" => obj_corners,
+        _ => return Err(MeshError::Extension(extension.into_owned())),
+    };
+    if !(scale.is_finite() && scale > 0.0) {
+        return Err(MeshError::Scale(scale));
+    }
+    let mut bytes = Vec::new();
+    std::fs::File::open(path)?
+        .take(MAX_BYTES + 1)
+        .read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > MAX_BYTES {
+        return Err(MeshError::TooLong);
+    }
+    let mut mesh = merged(&corners(bytes)?, scale)?;
+    check::size(&mesh)?;
+    check::areas(&mesh)?;
+    check::edges(&mesh)?;
+    check::turn_outward(&mut mesh)?;
+    Ok(mesh)
+}
+
+impl TriangleMesh {
+    /// The volume that the surface encloses, m^3; negative where its triangles are clockwise as
+    /// seen from outside.
+    pub fn signed_volume(&self) -> f64 {
+        // Tetrahedra from a corner of the mesh, so that little cancels in a mesh far from its origin.
+        let apex = self.vertices.first().copied().unwrap_or_default();
+        let volume = |t: &[u32; 3]| {
+            let [a, b, c] = self.corners(t).map(|p| p - apex);
+            a.dot(b.cross(c)) / 6.0
+        };
+        self.triangles.iter().map(volume).sum()
+    }
+
+    /// The longest side of the box around the mesh, m.
+    pub fn size(&self) -> f64 {
+        let first = self.vertices.first().copied().unwrap_or_default();
+        let low = self.vertices.iter().fold(first, |low, p| low.min(*p));
+        let high = self.vertices.iter().fold(first, |high, p| high.max(*p));
+        (high - low).max_element()
+    }
+
+    fn corners(&self, triangle: &[u32; 3]) -> [DVec3; 3] {
+        triangle.map(|v| self.vertices[v as usize])
+    }
+}
+
+/// The corners of all triangles of an STL file, three by three, in the file's unit.
+fn stl_corners(mut bytes: Vec<u8>) -> Result<Vec<DVec3>, MeshError> {
+    let text = bytes.trim_ascii_start().starts_with(b"solid") && !bytes.contains(&0);
+    let facets = if text {
+        // The reader wants one solid, a blank after the first word, UTF-8 and lower case.
+        let all = String::from_utf8_lossy(&bytes).to_ascii_lowercase();
+        let rest = all.trim_start().split_once('\n').unwrap_or_default().1;
+        bytes = format!("solid \n{rest}").into_bytes();
+        let ends = |line: &&str| line.trim_start().starts_with("endfacet");
+        rest.lines().filter(ends).count()
+    } else {
+        let claimed = binary_count(&bytes)?;
+        // A header that says "solid" would be taken for a text.
+        bytes[..STL_HEADER - 4].fill(0);
+        claimed
+    };
+    check::count(facets)?;
+    let fault = |e: Error| MeshError::Stl(e.to_string());
+    let mut corners = Vec::with_capacity(3 * facets);
+    for triangle in stl_io::create_stl_reader(&mut Cursor::new(bytes)).map_err(fault)? {
+        let vertices = triangle.map_err(fault)?.vertices;
+        corners.extend(vertices.map(|v| DVec3::from_array(v.0.map(f64::from))));
+    }
+    if corners.len() != 3 * facets {
+        let read = corners.len() / 3;
+        let reason = format!("one solid expected, its end comes after {read} of {facets} facets");
+        return Err(MeshError::Stl(reason));
+    }
+    Ok(corners)
+}
+
+/// The triangles of a binary STL, once the file is as long as its header says.
+fn binary_count(bytes: &[u8]) -> Result<usize, MeshError> {
+    let Some(count) = bytes[..bytes.len().min(STL_HEADER)].last_chunk::<4>() else {
+        let reason = format!(
+            "{STL_HEADER} bytes or the word solid expected, it has {} bytes",
+            bytes.len()
+        );
+        return Err(MeshError::Stl(reason));
+    };
+    let claimed = u32::from_le_bytes(*count);
+    let expected = STL_HEADER as u64 + u64::from(claimed) * STL_TRIANGLE as u64;
+    if expected != bytes.len() as u64 {
+        return Err(MeshError::Length {
+            claimed,
+            expected,
+            bytes: bytes.len(),
+        });
+    }
+    Ok(claimed as usize)
+}
+
+/// The corners of all triangles of an OBJ file, three by three, in the file's unit.
+fn obj_corners(bytes: Vec<u8>) -> Result<Vec<DVec3>, MeshError> {
+    let text = String::from_utf8_lossy(&bytes)
+        .replace("\r\n", "\n")
+        .replace("\\\n", " ");
+    let shape: String = text.lines().filter_map(shape_line).collect();
+    let faces = shape.lines().filter(|line| line.starts_with('f'));
+    check::count_at_most(faces.count())?;
+    let options = tobj::LoadOptions {
+        triangulate: true,
+        single_index: true,
+        ..Default::default()
+    };
+    let no_material = |_: &Path| Ok(Default::default());
+    let (models, _) = tobj::load_obj_buf(&mut shape.as_bytes(), &options, no_material)?;
+    let mut corners = Vec::new();
+    for mesh in models.iter().map(|m| &m.mesh) {
+        let (points, _) = mesh.positions.as_chunks::<3>();
+        let corner = |&i: &u32| points.get(i as usize).map(|p| DVec3::from_array(*p));
+        corners.extend(mesh.indices.iter().filter_map(corner));
+    }
+    Ok(corners)
+}
+
+/// A line of an OBJ file that makes the shape, without colours, textures and normals: those of a
+/// hostile file could make the library fail.
+fn shape_line(line: &str) -> Option<String> {
+    let words: Vec<&str> = line.split('#').next()?.split_whitespace().collect();
+    let kept = match *words.first()? {
+        "v" if words.len() > 5 => &words[..4],
+        "v" | "f" => &words[..],
+        _ => return None,
+    };
+    let position = |word: &&str| match word.split_once('/') {
+        Some((position, _)) if !position.is_empty() => position.to_string(),
+        _ => word.to_string(),
+    };
+    let kept: Vec<String> = kept.iter().map(position).collect();
+    Some(kept.join(" ") + "\n")
+}
+
+/// The mesh of triangles given by three corners each, those at the same place made one.
+fn merged(corners: &[DVec3], scale: f64) -> Result<TriangleMesh, MeshError> {
+    let (triangles, _) = corners.as_chunks::<3>();
+    check::count(triangles.len())?;
+    let mut index_of = HashMap::new();
+    let mut mesh = TriangleMesh {
+        vertices: Vec::new(),
+        triangles: Vec::new(),
+    };
+    for (index, triangle) in triangles.iter().enumerate() {
+        let mut of_triangle = [0; 3];
+        for (index_there, corner) in of_triangle.iter_mut().zip(triangle) {
+            // Adding zero makes -0 a 0.
+            let corner = scale * corner + DVec3::ZERO;
+            if !corner.is_finite() {
+                return Err(MeshError::NotFinite {
+                    triangle: index + 1,
+                    corner,
+                });
+            }
+            let vertices = &mut mesh.vertices;
+            *index_there = *index_of
+                .entry(corner.to_array().map(f64::to_bits))
+                .or_insert_with(|| {
+                    vertices.push(corner);
+                    vertices.len() as u32 - 1
+                });
+        }
+        mesh.triangles.push(of_triangle);
+    }
+    Ok(mesh)
+}

@@ -1,0 +1,103 @@
+//! What makes triangles a solid that a hand can touch.
+
+use super::{MAX_TRIANGLES, MeshError, TriangleMesh};
+use glam::DVec3;
+
+/// Least and largest size, m: the longest side of the box around the mesh. What a hand can touch
+/// lies well between; what does not is almost always in another unit.
+pub const SIZES: [f64; 2] = [0.001, 1.0];
+/// A triangle is degenerate below this height, relative to its longest edge, and a mesh below this
+/// volume, relative to the cube of its size: what rounding alone can make of nothing.
+const FLAT: f64 = 1e-12;
+
+/// A solid has four triangles or more.
+pub fn count(triangles: usize) -> Result<(), MeshError> {
+    if triangles < 4 {
+        return Err(MeshError::Count(triangles));
+    }
+    count_at_most(triangles)
+}
+
+/// Faces of which some may make several triangles.
+pub fn count_at_most(faces: usize) -> Result<(), MeshError> {
+    if faces > MAX_TRIANGLES {
+        return Err(MeshError::Count(faces));
+    }
+    Ok(())
+}
+
+pub fn size(mesh: &TriangleMesh) -> Result<(), MeshError> {
+    let size = mesh.size();
+    if (SIZES[0]..=SIZES[1]).contains(&size) {
+        Ok(())
+    } else {
+        Err(MeshError::Size(size))
+    }
+}
+
+pub fn areas(mesh: &TriangleMesh) -> Result<(), MeshError> {
+    for (index, triangle) in mesh.triangles.iter().enumerate() {
+        let corners = mesh.corners(triangle);
+        let [a, b, c] = corners;
+        let longest = [b - a, c - b, a - c]
+            .map(DVec3::length_squared)
+            .into_iter()
+            .fold(0.0, f64::max);
+        if (b - a).cross(c - a).length() <= FLAT * longest {
+            return Err(MeshError::Degenerate {
+                triangle: index + 1,
+                corners,
+            });
+        }
+    }
+    Ok(())
+}
+
+/// Every edge must belong to two triangles, which go along it in opposite directions.
+pub fn edges(mesh: &TriangleMesh) -> Result<(), MeshError> {
+    let edges = mesh
+        .triangles
+        .iter()
+        .flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]);
+    // Both directions of an edge sort together, the upward one first.
+    let mut edges: Vec<_> = edges.map(|(a, b)| (a.min(b), a.max(b), a > b)).collect();
+    edges.sort_unstable();
+    let (mut open, mut wrong) = (Vec::new(), Vec::new());
+    for users in edges.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+        match users {
+            [up, down] if up.2 != down.2 => {}
+            [alone] => open.push(alone),
+            [first, ..] => wrong.push(first),
+            [] => {}
+        }
+    }
+    let ends = |edge: &(u32, u32, bool)| [edge.0, edge.1].map(|v| mesh.vertices[v as usize]);
+    if let Some([from, to]) = open.first().map(|e| ends(e)) {
+        return Err(MeshError::Open {
+            count: open.len(),
+            from,
+            to,
+        });
+    }
+    if let Some([from, to]) = wrong.first().map(|e| ends(e)) {
+        return Err(MeshError::Orientation {
+            count: wrong.len(),
+            from,
+            to,
+        });
+    }
+    Ok(())
+}
+
+pub fn turn_outward(mesh: &mut TriangleMesh) -> Result<(), MeshError> {
+    let volume = mesh.signed_volume();
+    if volume.abs() <= FLAT * mesh.size().powi(3) {
+        return Err(MeshError::Volume(volume));
+    }
+    if volume < 0.0 {
+        for triangle in &mut mesh.triangles {
+            triangle.swap(1, 2);
+        }
+    }
+    Ok(())
+}
