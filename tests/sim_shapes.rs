@@ -1,10 +1,11 @@
 //! Shapes of objects, held against brute force, the geometry library and finite differences.
 
 use feeler::sim::knurled_cylinder::KnurledCylinder;
-use feeler::sim::object::Object;
+use feeler::sim::shape::{Shape, ShapeConfig};
 use glam::{DVec2, DVec3};
 use proptest::prelude::*;
 use std::f64::consts::TAU;
+use std::path::Path;
 
 const RADIUS: f64 = 0.014;
 const HEIGHT: f64 = 0.020;
@@ -138,7 +139,12 @@ proptest! {
     #[test]
     fn without_knurls_and_ovality_it_is_a_plain_cylinder(point in points(), knurls in 0_u32..120) {
         let ours = KnurledCylinder::new(RADIUS, HEIGHT, knurls, 0.0, 0.0).nearest(point).unwrap();
-        let plain = Object::cylinder(RADIUS, HEIGHT).nearest(point).unwrap();
+        let config = ShapeConfig::Cylinder {
+            radius: RADIUS,
+            height: HEIGHT,
+        };
+        let plain = Shape::new(&config, Path::new("")).unwrap();
+        let plain = plain.nearest(point).unwrap();
         prop_assert!((ours.distance - plain.distance).abs() < 1e-14);
         // Deep inside several surface points may be as near.
         if plain.distance > -0.002 {

@@ -113,7 +113,7 @@ enum Form {
     /// By itself, because it is by far the most frequent and its query is short.
     Cylinder(Cylinder),
     /// With the plain cylinder around it.
-    Knurled(KnurledCylinder, Cylinder),
+    Knurled(Box<KnurledCylinder>, Cylinder),
     Other(SharedShape),
 }
 
@@ -134,7 +134,7 @@ impl Shape {
                 depth,
                 ovality,
             } => Form::Knurled(
-                KnurledCylinder::new(radius, height, knurls, depth, ovality),
+                Box::new(KnurledCylinder::new(radius, height, knurls, depth, ovality)),
                 Cylinder::new(height / 2.0, radius * (1.0 + ovality.abs())),
             ),
             &ShapeConfig::Box { size } => {
