@@ -1,7 +1,7 @@
 //! Shapes of objects, held against brute force, the geometry library and finite differences.
 
 use feeler::sim::knurled_cylinder::KnurledCylinder;
-use feeler::sim::shape::{Shape, ShapeConfig};
+use feeler::sim::shape;
 use glam::{DVec2, DVec3};
 use proptest::prelude::*;
 use std::f64::consts::TAU;
@@ -139,11 +139,11 @@ proptest! {
     #[test]
     fn without_knurls_and_ovality_it_is_a_plain_cylinder(point in points(), knurls in 0_u32..120) {
         let ours = KnurledCylinder::new(RADIUS, HEIGHT, knurls, 0.0, 0.0).nearest(point).unwrap();
-        let config = ShapeConfig::Cylinder {
+        let config = shape::ShapeConfig::Cylinder {
             radius: RADIUS,
             height: HEIGHT,
         };
-        let plain = Shape::new(&config, Path::new("")).unwrap();
+        let plain = shape::Shape::new(&config, Path::new("")).unwrap();
         let plain = plain.nearest(point).unwrap();
         prop_assert!((ours.distance - plain.distance).abs() < 1e-14);
         // Deep inside several surface points may be as near.
