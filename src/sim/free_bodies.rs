@@ -10,8 +10,8 @@ use super::pose::Pose;
 use super::state::{ObjectState, State};
 use glam::{DMat3, DQuat, DVec3};
 use rapier3d_f64::prelude::{
-    CoefficientCombineRule, ColliderBuilder, FrictionModel, MassProperties, PhysicsWorld,
-    Pose as LibraryPose, RigidBodyBuilder, RigidBodyHandle,
+    CoefficientCombineRule, ColliderBuilder, MassProperties, PhysicsWorld, Pose as LibraryPose,
+    RigidBodyBuilder, RigidBodyHandle, SpringCoefficients,
 };
 
 /// Largest product of the feelers' frequency (rad/s) on a body and a part of a step. The integration
@@ -22,6 +22,12 @@ const MAX_PARTS: usize = 64;
 /// Lengths that the library tells apart are given as parts of this, m: it is made for bodies of a
 /// metre, and ours are of some centimetres.
 const LENGTH_UNIT: f64 = 0.01;
+
+/// How a body's contact with what is fixed gives way.
+const CONTACT: SpringCoefficients<f64> = SpringCoefficients {
+    natural_frequency: 1000.0,
+    damping_ratio: 5.0,
+};
 
 /// The free bodies of a world, and what is fixed under them.
 pub struct FreeBodies {
@@ -46,7 +52,11 @@ impl FreeBodies {
         world.gravity = model.gravity;
         let parameters = &mut world.integration_parameters;
         parameters.length_unit = LENGTH_UNIT;
-        parameters.friction_model = FrictionModel::Coulomb;
+        // Contact points as they are, not as they were half a millimetre ago.
+        parameters.contact_recycling = false;
+        // Stiff: a body must not sink by a tenth of a millimetre into its table, nor creep down it.
+        parameters.static_contact_softness = CONTACT;
+        parameters.friction_in_bias_pass = true;
         let is_free = |object: &&Object| matches!(object.motion, Motion::Free(_));
         let mut bodies = Self {
             world,

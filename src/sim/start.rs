@@ -2,7 +2,7 @@
 
 use super::error::SimError;
 use super::model::Model;
-use super::object::Motion;
+use super::object::{Motion, Object};
 use super::state::State;
 use super::step::undeformed;
 use glam::{DQuat, DVec3};
@@ -20,20 +20,16 @@ pub fn check(model: &Model, state: &State) -> Result<(), SimError> {
     check_feelers(model, state)?;
     for (index, object) in model.objects.iter().enumerate() {
         for other in &model.objects[index + 1..] {
-            let free = |motion| matches!(motion, &Motion::Free(_));
-            if !free(&object.motion) && !free(&other.motion) {
+            let free = [object, other].map(|o| matches!(o.motion, Motion::Free(_)));
+            if free == [false, false] {
                 continue;
             }
-            let place = |object: &super::object::Object| {
-                let rotation = DQuat::from_mat3(&object.start.rotation);
-                let (shape, within) = object.shape.collider();
-                let offset = LibraryPose::from_translation(object.offset);
-                let pose = LibraryPose::from_parts(object.start.position, rotation);
-                (shape, pose * offset * within)
+            // The library is right about a half-space only when that comes first.
+            let depth = if is_half_space(other) {
+                overlap(other, object)
+            } else {
+                overlap(object, other)
             };
-            let ((one, at), (two, there)) = (place(object), place(other));
-            let found = contact(&at, &*one, &there, &*two, 0.0).ok().flatten();
-            let depth = found.map_or(0.0, |c| -c.dist);
             if depth > TOLERANCE {
                 return Err(SimError::Overlap {
                     object: object.name.clone(),
@@ -44,6 +40,24 @@ pub fn check(model: &Model, state: &State) -> Result<(), SimError> {
         }
     }
     Ok(())
+}
+
+fn is_half_space(object: &Object) -> bool {
+    object.shape.collider().0.as_halfspace().is_some()
+}
+
+/// How deep two objects are in each other at the start, m; 0 where they are apart.
+fn overlap(object: &Object, other: &Object) -> f64 {
+    let place = |object: &Object| {
+        let rotation = DQuat::from_mat3(&object.start.rotation);
+        let (shape, within) = object.shape.collider();
+        let offset = LibraryPose::from_translation(object.offset);
+        let pose = LibraryPose::from_parts(object.start.position, rotation);
+        (shape, pose * offset * within)
+    };
+    let ((one, at), (two, there)) = (place(object), place(other));
+    let found = contact(&at, &*one, &there, &*two, 0.0).ok().flatten();
+    found.map_or(0.0, |contact| -contact.dist)
 }
 
 fn check_feelers(model: &Model, state: &State) -> Result<(), SimError> {
