@@ -11,12 +11,13 @@ use std::f64::consts::{PI, TAU};
 
 /// Cells per knurl. The curvature falls steadily from a crest to the next bottom, so that the
 /// distance has at most one minimum and one maximum between them.
-const CELLS: i64 = 8;
+const CELLS: i64 = 4;
 /// Cells per knurl where there are less than [`FEW_KNURLS`].
 const MANY_CELLS: i64 = 32;
 const FEW_KNURLS: u32 = 4;
-/// Newton's method ends with the first step below this, rad: the next would be below 1e-14.
-const LAST_STEP: f64 = 1e-8;
+/// Newton's method ends with the first step below this, rad: the next would be below 1e-12, and the
+/// sines of this one need no more than the square of its angle.
+const LAST_STEP: f64 = 1e-7;
 /// Bisection alone would end within so many steps.
 const MAX_ITERATIONS: usize = 64;
 
@@ -168,27 +169,33 @@ impl KnurledCylinder {
         (position, normal, if outside { distance } else { -distance })
     }
 
+    /// The nearest point of the curve: cell by cell to both sides of a first guess, as far as it
+    /// can be.
     fn nearest_sample(&self, point: DVec2) -> Sample {
         let angle = point.to_angle();
-        let mut best = self.first_guess(point, angle);
-        let reach = self.reach(point, best.square.sqrt());
-        let start = ((angle - reach) / self.cell).ceil() as i64 - 1;
-        let end = ((angle + reach) / self.cell).floor() as i64 + 1;
-        let mut from = self.at_cell(point, start);
-        for k in start + 1..=end {
-            let to = self.sample(point, from.direction.rotate(self.step), self.phase(k));
-            if let Some(minimum) = self.minimum_between(point, from, to, best.square)
-                && minimum.square < best.square
-            {
-                best = minimum;
-            }
-            from = to;
+        let (guess, at) = self.first_guess(point, angle);
+        let reach = self.reach(point, guess.square);
+        let up = ((angle + reach) / self.cell).ceil() as i64;
+        let down = ((angle - reach) / self.cell).floor() as i64;
+        let mut best = guess;
+        let mut low = guess;
+        for k in at + 1..=up.max(at + 1) {
+            let high = self.sample(point, low.direction.rotate(self.step), self.phase(k));
+            self.improve(&mut best, point, &low, &high);
+            low = high;
+        }
+        let back = DVec2::new(self.step.x, -self.step.y);
+        let mut high = guess;
+        for k in (down.min(at - 1)..at).rev() {
+            let low = self.sample(point, high.direction.rotate(back), self.phase(k));
+            self.improve(&mut best, point, &low, &high);
+            high = low;
         }
         best
     }
 
-    /// The crest nearest to `point` if that is outside, else the nearest bottom, by angle.
-    fn first_guess(&self, point: DVec2, angle: f64) -> Sample {
+    /// The crest nearest by angle to a `point` outside, else the nearest bottom; and its cell.
+    fn first_guess(&self, point: DVec2, angle: f64) -> (Sample, i64) {
         let knurl = angle / (self.cell * self.cells as f64);
         let outside = point.length() > self.oval_radius(point) - self.depth / 2.0;
         let k = if outside {
@@ -196,36 +203,33 @@ impl KnurledCylinder {
         } else {
             knurl.floor() as i64 * self.cells + self.cells / 2
         };
-        self.at_cell(point, k)
+        let direction = DVec2::from_angle(k as f64 * self.cell);
+        (self.sample(point, direction, self.phase(k)), k)
     }
 
-    /// How far by angle, rad, the nearest point can be from `point`, which is `distance` away from
-    /// some point of the curve: no farther than the circle about `point` reaches within the radii
-    /// that the curve has there.
-    fn reach(&self, point: DVec2, distance: f64) -> f64 {
+    /// How far by angle, rad, the nearest point can be from `point`, if some point of the curve is
+    /// at the squared distance `square`: as far as a circle about `point` through that reaches
+    /// within the radii that the curve has there.
+    fn reach(&self, point: DVec2, square: f64) -> f64 {
         let length = point.length();
-        if distance >= length {
+        if square >= length * length {
             return PI;
         }
         // The curve at an angle psi from the point is at least `length sin(psi)` away.
-        let widest = (distance / length).asin();
+        let sine = square.sqrt() / length;
         let oval = self.oval_radius(point);
-        let change = 2.0 * self.radius * (self.ovality * widest).abs();
+        let change = PI * self.radius * self.ovality.abs() * sine;
         let (inner, outer) = (oval - change - self.depth, oval + change);
         let radius = length.clamp(inner.min(outer), outer);
-        // (radius, psi) is at least as near as any point of the curve at psi, if it is on the near
-        // side of the point's foot on that ray.
-        let rest = distance.powi(2) - (length - radius).powi(2);
-        let reach = 2.0
-            * (rest / (4.0 * length * radius))
-                .max(0.0)
-                .sqrt()
-                .min(1.0)
-                .asin();
-        if radius <= 0.0 || (length > radius && length * reach.cos() < radius) || radius == length {
-            widest
+        // Beside the curve it is at least as far as (radius, psi) too, if the foot of the point on
+        // that ray is on the point's side of `radius`.
+        let rest = square - (length - radius).powi(2);
+        let half_sine_squared = (rest / (4.0 * length * radius)).clamp(0.0, 1.0);
+        let foot = length * (1.0 - 2.0 * half_sine_squared);
+        if radius > 0.0 && (length < radius || length > radius && foot >= radius) {
+            2.0 * half_sine_squared.sqrt().asin()
         } else {
-            reach
+            sine.asin()
         }
     }
 
@@ -245,17 +249,13 @@ impl KnurledCylinder {
         self.phases[(k & (self.cells - 1)) as usize]
     }
 
-    fn at_cell(&self, point: DVec2, k: i64) -> Sample {
-        let direction = DVec2::from_angle(k as f64 * self.cell);
-        self.sample(point, direction, self.phase(k))
-    }
-
     fn sample_after(&self, point: DVec2, from: &Sample, angle: f64) -> Sample {
         let direction = from.direction.rotate(DVec2::from_angle(angle));
         let phase = from.phase.rotate(DVec2::from_angle(self.knurls * angle));
         self.sample(point, direction, phase)
     }
 
+    #[inline]
     fn sample(&self, point: DVec2, direction: DVec2, phase: DVec2) -> Sample {
         let radius = self.radius_at(direction, phase.x);
         let oval = 2.0 * self.radius * self.ovality;
@@ -276,29 +276,45 @@ impl KnurledCylinder {
         }
     }
 
-    /// The minimum of the distance in the cell between two samples, if there is one that can be
-    /// below `bound`, m^2.
-    fn minimum_between(&self, point: DVec2, a: Sample, b: Sample, bound: f64) -> Option<Sample> {
-        let falls_then_rises = a.first <= 0.0 && b.first > 0.0;
-        let rises_and_may_dip = a.first > 0.0 && b.first > 0.0 && a.second < 0.0 && b.second > 0.0;
-        let falls_and_may_rise =
-            a.first <= 0.0 && b.first <= 0.0 && a.second > 0.0 && b.second < 0.0;
-        if !(falls_then_rises || rises_and_may_dip || falls_and_may_rise) {
-            return None;
+    /// Puts in place of `best` the minimum of the distance in the cell between two samples, if there
+    /// is one and it is nearer.
+    #[inline]
+    fn improve(&self, best: &mut Sample, point: DVec2, low: &Sample, high: &Sample) {
+        let falls = low.first <= 0.0;
+        let turns = falls && high.first > 0.0;
+        // The derivative may change its sign twice.
+        let may_turn = falls == (high.first <= 0.0)
+            && (low.second > 0.0) == falls
+            && (high.second > 0.0) != falls;
+        if !turns && !may_turn {
+            return;
         }
-        let lower = (a.square.sqrt() + b.square.sqrt() - self.max_speed * self.cell) / 2.0;
-        if lower > 0.0 && lower * lower > bound {
-            return None;
+        let least = (low.square.sqrt() + high.square.sqrt() - self.max_speed * self.cell) / 2.0;
+        if least > 0.0 && least * least > best.square {
+            return;
         }
-        if falls_then_rises {
-            return Some(self.descend(point, &a, &b, self.cell));
+        let found = if turns {
+            self.descend(point, low, high, self.cell, best.square)
+        } else {
+            self.hidden_minimum(point, *low, *high, best.square)
+        };
+        if let Some(minimum) = found
+            && minimum.square < best.square
+        {
+            *best = minimum;
         }
-        self.hidden_minimum(point, a, b)
     }
 
     /// The minimum in a cell at whose ends the distance falls, or rises, alike: where its
     /// derivative changes sign twice.
-    fn hidden_minimum(&self, point: DVec2, mut a: Sample, mut b: Sample) -> Option<Sample> {
+    #[cold]
+    fn hidden_minimum(
+        &self,
+        point: DVec2,
+        mut a: Sample,
+        mut b: Sample,
+        bound: f64,
+    ) -> Option<Sample> {
         let mut width = self.cell;
         let falls = a.first <= 0.0;
         for _ in 0..MAX_ITERATIONS {
@@ -312,7 +328,7 @@ impl KnurledCylinder {
             let middle = self.sample_after(point, &a, width);
             if (middle.first > 0.0) == falls {
                 let (from, to) = if falls { (a, middle) } else { (middle, b) };
-                return Some(self.descend(point, &from, &to, width));
+                return self.descend(point, &from, &to, width, bound);
             }
             if (middle.second > 0.0) == falls {
                 a = middle;
@@ -324,8 +340,17 @@ impl KnurledCylinder {
     }
 
     /// The minimum between `from`, where the distance falls, and `to`, `width` rad farther, where it
-    /// rises: Newton's method on the derivative, kept within the bracket.
-    fn descend(&self, point: DVec2, from: &Sample, to: &Sample, width: f64) -> Sample {
+    /// rises: Newton's method on the derivative, kept within the bracket; none if it is clearly above
+    /// `bound`, m^2.
+    #[inline(never)]
+    fn descend(
+        &self,
+        point: DVec2,
+        from: &Sample,
+        to: &Sample,
+        width: f64,
+        bound: f64,
+    ) -> Option<Sample> {
         let (mut low, mut high) = (0.0, width);
         let mut angle = first_angle(from, to, width);
         for _ in 0..MAX_ITERATIONS {
@@ -335,19 +360,27 @@ impl KnurledCylinder {
             } else {
                 high = angle;
             }
+            // Four times as far down as a parabola's bottom.
+            let drop = 4.0 * here.first * here.first;
+            if here.second > 0.0 && (here.square - bound) * here.second > drop {
+                return None;
+            }
             let newton = angle - here.first / here.second;
             let next = if here.second > 0.0 && newton >= low && newton <= high {
                 newton
             } else {
                 (low + high) / 2.0
             };
-            let done = (next - angle).abs() < LAST_STEP;
-            angle = next;
-            if done {
-                break;
+            let step = next - angle;
+            if step.abs() < LAST_STEP {
+                let small = |x: f64| DVec2::new(1.0 - x * x / 2.0, x);
+                let direction = here.direction.rotate(small(step));
+                let phase = here.phase.rotate(small(self.knurls * step));
+                return Some(self.sample(point, direction, phase));
             }
+            angle = next;
         }
-        self.sample_after(point, from, angle)
+        None
     }
 }
 
