@@ -246,6 +246,12 @@ fn what_is_no_solid_of_a_sensible_size_is_refused() {
         read("stl", &text_stl(&sheet)),
         Err(MeshError::Volume(_))
     ));
+    let many = obj() + "f" + &" 1".repeat(1_000_010);
+    assert!(matches!(
+        read("obj", many.as_bytes()),
+        Err(MeshError::Count(_))
+    ));
+    assert!(matches!(read("stl", b"no"), Err(MeshError::Stl(_))));
     assert!(matches!(read("ply", b""), Err(MeshError::Extension(_))));
     let nowhere = std::env::temp_dir().join("feeler-no-such-mesh.stl");
     assert!(matches!(read_mesh(&nowhere, 1.0), Err(MeshError::Read(_))));

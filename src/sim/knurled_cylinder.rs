@@ -1,89 +1,30 @@
 //! An upright cylinder with a knurled, slightly oval side: its nearest surface point, exactly.
 //!
 //! The solid is a plane region times a range of heights, so everything comes from the nearest point
-//! of the region's edge, the curve `c(phi) = r(phi) (cos phi, sin phi)`. That has a local minimum of
-//! distance on almost every knurl; the angles where the global one can be are bounded first, then
-//! cut at the crests, the bottoms and between, and every minimum there is followed by Newton's method.
+//! of the region's edge, a curve.
+
+mod curve;
 
 use super::shape::SurfacePoint;
-use glam::{DVec2, DVec3};
-use std::f64::consts::{PI, TAU};
-
-/// Cells per knurl. The curvature falls steadily from a crest to the next bottom, so that the
-/// distance has at most one minimum and one maximum between them.
-const CELLS: i64 = 8;
-/// Cells per knurl where there are less than [`FEW_KNURLS`].
-const MANY_CELLS: i64 = 32;
-const FEW_KNURLS: u32 = 4;
-/// Newton's method ends with the first step below this, rad: the next would be below 1e-14.
-const LAST_STEP: f64 = 1e-8;
-/// Bisection alone would end within so many steps.
-const MAX_ITERATIONS: usize = 64;
+use curve::Curve;
+use glam::DVec3;
 
 /// An upright cylinder in its own frame (origin at its centre, z along its axis) whose side has the
 /// radius `r(phi) = radius (1 + ovality cos 2 phi) + depth / 2 (cos(knurls phi) - 1)`.
 #[derive(Debug, Clone)]
 pub struct KnurledCylinder {
-    radius: f64,
+    curve: Curve,
     half_height: f64,
-    knurls: f64,
-    depth: f64,
-    ovality: f64,
-    /// Angle of a cell, rad, and its cosine and sine.
-    cell: f64,
-    step: DVec2,
-    /// Cells per knurl, a power of two.
-    cells: i64,
-    /// Cosine and sine of `knurls phi` at the cells' ends.
-    phases: [DVec2; MANY_CELLS as usize],
-    /// No point of the curve moves faster than this with its angle, m/rad.
-    max_speed: f64,
-}
-
-/// A point of the curve as seen from a query point.
-#[derive(Clone, Copy)]
-struct Sample {
-    /// Cosine and sine of `phi`.
-    direction: DVec2,
-    /// Cosine and sine of `knurls phi`.
-    phase: DVec2,
-    radius: f64,
-    /// Derivative of the radius by `phi`.
-    slope: f64,
-    /// Squared distance from the query point, m^2.
-    square: f64,
-    /// Half of the first and of the second derivative of `square` by `phi`.
-    first: f64,
-    second: f64,
 }
 
 impl KnurledCylinder {
     /// A cylinder of `radius` (at the crests, where `ovality` is 0) and `height`, m, with `knurls`
-    /// grooves of `depth`, m, around it. `radius (1 - |ovality|)` must exceed `depth`.
+    /// grooves of `depth`, m, around it. `radius (1 - |ovality|)` must exceed `depth`;
+    /// the time of a query from far away grows with `knurls`.
     pub fn new(radius: f64, height: f64, knurls: u32, depth: f64, ovality: f64) -> Self {
-        let cells = if knurls < FEW_KNURLS {
-            MANY_CELLS
-        } else {
-            CELLS
-        };
-        let cell = TAU / (f64::from(knurls.max(1)) * cells as f64);
-        let phase = |k: usize| match knurls {
-            0 => DVec2::X,
-            _ => DVec2::from_angle(TAU * k as f64 / cells as f64),
-        };
-        let knurls = f64::from(knurls);
-        let max_slope = 2.0 * radius * ovality.abs() + knurls * depth / 2.0;
         Self {
-            radius,
+            curve: Curve::new(radius, knurls, depth, ovality),
             half_height: height / 2.0,
-            knurls,
-            depth: if knurls == 0.0 { 0.0 } else { depth },
-            ovality,
-            cell,
-            step: DVec2::from_angle(cell),
-            cells,
-            phases: std::array::from_fn(phase),
-            max_speed: max_slope.hypot(radius * (1.0 + ovality.abs())),
         }
     }
 
@@ -96,11 +37,11 @@ impl KnurledCylinder {
         let plane = point.truncate();
         let above = point.z.abs() - self.half_height;
         // Under an end the side cannot be nearer than the innermost radius.
-        let inside = self.radius * (1.0 - self.ovality.abs()) - self.depth - plane.length();
+        let inside = self.curve.innermost_radius() - plane.length();
         if inside > 0.0 && above > -inside {
             return Some(self.on_end(point, above));
         }
-        let (edge, normal, side) = self.nearest_on_side(plane);
+        let (edge, normal, side) = self.curve.nearest(plane);
         if above > 0.0 && side > 0.0 || above.abs().max(side.abs()) <= f64::EPSILON {
             let position = edge.extend(self.half_height.copysign(point.z));
             let (normal, distance) = (point - position).normalize_and_length();
@@ -123,17 +64,7 @@ impl KnurledCylinder {
     /// Volume, m^3, and the moments of inertia about the axes x, y, z of the object's frame,
     /// kg m^2, of the solid at `density`, kg/m^3. The products of inertia in the plane vanish.
     pub fn volume_and_inertia(&self, density: f64) -> (f64, DVec3) {
-        // Equidistant samples integrate r^4, of at most 4 knurls + 2 periods per turn, exactly.
-        let count = 16 * (self.knurls as u64).max(2);
-        let weight = TAU / count as f64;
-        let (mut area, mut second) = (0.0, DVec2::ZERO);
-        for k in 0..count {
-            let direction = DVec2::from_angle(k as f64 * weight);
-            let phase = (self.knurls * k as f64 * weight).cos();
-            let radius = self.radius_at(direction, phase);
-            area += weight * radius.powi(2) / 2.0;
-            second += weight * radius.powi(4) / 4.0 * direction * direction;
-        }
+        let (area, second) = self.curve.area_and_second_moments();
         let height = 2.0 * self.half_height;
         let upright = area * height.powi(3) / 12.0;
         let inertia = DVec3::new(
@@ -151,219 +82,4 @@ impl KnurledCylinder {
             distance: above,
         }
     }
-
-    /// The nearest point of the curve, its outward normal, and the signed distance from it.
-    fn nearest_on_side(&self, point: DVec2) -> (DVec2, DVec2, f64) {
-        if self.depth == 0.0 && self.ovality == 0.0 {
-            let (normal, length) = point.normalize_and_length();
-            let normal = if length > 0.0 { normal } else { DVec2::X };
-            return (self.radius * normal, normal, length - self.radius);
-        }
-        let nearest = self.nearest_sample(point);
-        let (radial, tangential) = (nearest.direction, nearest.direction.perp());
-        let normal = (nearest.radius * radial - nearest.slope * tangential).normalize_or(radial);
-        let position = nearest.radius * radial;
-        let distance = nearest.square.sqrt();
-        let outside = (point - position).dot(normal) >= 0.0;
-        (position, normal, if outside { distance } else { -distance })
-    }
-
-    fn nearest_sample(&self, point: DVec2) -> Sample {
-        let angle = point.to_angle();
-        let mut best = self.first_guess(point, angle);
-        let reach = self.reach(point, best.square.sqrt());
-        let start = ((angle - reach) / self.cell).ceil() as i64 - 1;
-        let end = ((angle + reach) / self.cell).floor() as i64 + 1;
-        let mut from = self.at_cell(point, start);
-        for k in start + 1..=end {
-            let to = self.sample(point, from.direction.rotate(self.step), self.phase(k));
-            if let Some(minimum) = self.minimum_between(point, from, to, best.square)
-                && minimum.square < best.square
-            {
-                best = minimum;
-            }
-            from = to;
-        }
-        best
-    }
-
-    /// The crest nearest to `point` if that is outside, else the nearest bottom, by angle.
-    fn first_guess(&self, point: DVec2, angle: f64) -> Sample {
-        let knurl = angle / (self.cell * self.cells as f64);
-        let outside = point.length() > self.oval_radius(point) - self.depth / 2.0;
-        let k = if outside {
-            knurl.round() as i64 * self.cells
-        } else {
-            knurl.floor() as i64 * self.cells + self.cells / 2
-        };
-        self.at_cell(point, k)
-    }
-
-    /// How far by angle, rad, the nearest point can be from `point`, which is `distance` away from
-    /// some point of the curve: no farther than the circle about `point` reaches within the radii
-    /// that the curve has there.
-    fn reach(&self, point: DVec2, distance: f64) -> f64 {
-        let length = point.length();
-        if distance >= length {
-            return PI;
-        }
-        // The curve at an angle psi from the point is at least `length sin(psi)` away.
-        let widest = (distance / length).asin();
-        let oval = self.oval_radius(point);
-        let change = 2.0 * self.radius * (self.ovality * widest).abs();
-        let (inner, outer) = (oval - change - self.depth, oval + change);
-        let radius = length.clamp(inner.min(outer), outer);
-        // (radius, psi) is at least as near as any point of the curve at psi, if it is on the near
-        // side of the point's foot on that ray.
-        let rest = distance.powi(2) - (length - radius).powi(2);
-        let reach = 2.0
-            * (rest / (4.0 * length * radius))
-                .max(0.0)
-                .sqrt()
-                .min(1.0)
-                .asin();
-        if radius <= 0.0 || (length > radius && length * reach.cos() < radius) || radius == length {
-            widest
-        } else {
-            reach
-        }
-    }
-
-    /// The radius of the side at `point`'s angle, were there no knurls.
-    fn oval_radius(&self, point: DVec2) -> f64 {
-        let square = point.length_squared();
-        let cosine = (point.x * point.x - point.y * point.y) / square.max(f64::MIN_POSITIVE);
-        self.radius * (1.0 + self.ovality * cosine)
-    }
-
-    fn radius_at(&self, direction: DVec2, cosine_of_phase: f64) -> f64 {
-        let cosine = direction.x * direction.x - direction.y * direction.y;
-        self.radius * (1.0 + self.ovality * cosine) + self.depth / 2.0 * (cosine_of_phase - 1.0)
-    }
-
-    fn phase(&self, k: i64) -> DVec2 {
-        self.phases[(k & (self.cells - 1)) as usize]
-    }
-
-    fn at_cell(&self, point: DVec2, k: i64) -> Sample {
-        let direction = DVec2::from_angle(k as f64 * self.cell);
-        self.sample(point, direction, self.phase(k))
-    }
-
-    fn sample_after(&self, point: DVec2, from: &Sample, angle: f64) -> Sample {
-        let direction = from.direction.rotate(DVec2::from_angle(angle));
-        let phase = from.phase.rotate(DVec2::from_angle(self.knurls * angle));
-        self.sample(point, direction, phase)
-    }
-
-    fn sample(&self, point: DVec2, direction: DVec2, phase: DVec2) -> Sample {
-        let radius = self.radius_at(direction, phase.x);
-        let oval = 2.0 * self.radius * self.ovality;
-        let wave = self.depth / 2.0 * self.knurls;
-        let slope = -2.0 * oval * direction.x * direction.y - wave * phase.y;
-        let cosine = direction.x * direction.x - direction.y * direction.y;
-        let bend = -2.0 * oval * cosine - wave * self.knurls * phase.x;
-        let (along, across) = (point.dot(direction), direction.perp_dot(point));
-        let short = radius - along;
-        Sample {
-            direction,
-            phase,
-            radius,
-            slope,
-            square: short * short + across * across,
-            first: slope * short - radius * across,
-            second: bend * short + slope * (slope - 2.0 * across) + radius * along,
-        }
-    }
-
-    /// The minimum of the distance in the cell between two samples, if there is one that can be
-    /// below `bound`, m^2.
-    fn minimum_between(&self, point: DVec2, a: Sample, b: Sample, bound: f64) -> Option<Sample> {
-        let falls_then_rises = a.first <= 0.0 && b.first > 0.0;
-        let rises_and_may_dip = a.first > 0.0 && b.first > 0.0 && a.second < 0.0 && b.second > 0.0;
-        let falls_and_may_rise =
-            a.first <= 0.0 && b.first <= 0.0 && a.second > 0.0 && b.second < 0.0;
-        if !(falls_then_rises || rises_and_may_dip || falls_and_may_rise) {
-            return None;
-        }
-        let lower = (a.square.sqrt() + b.square.sqrt() - self.max_speed * self.cell) / 2.0;
-        if lower > 0.0 && lower * lower > bound {
-            return None;
-        }
-        if falls_then_rises {
-            return Some(self.descend(point, &a, &b, self.cell));
-        }
-        self.hidden_minimum(point, a, b)
-    }
-
-    /// The minimum in a cell at whose ends the distance falls, or rises, alike: where its
-    /// derivative changes sign twice.
-    fn hidden_minimum(&self, point: DVec2, mut a: Sample, mut b: Sample) -> Option<Sample> {
-        let mut width = self.cell;
-        let falls = a.first <= 0.0;
-        for _ in 0..MAX_ITERATIONS {
-            // The tangents of the derivative meet beyond its extremum.
-            let at = (b.first - a.first - b.second * width) / (a.second - b.second);
-            let extreme = a.first + a.second * at;
-            if (extreme > 0.0) != falls {
-                return None;
-            }
-            width /= 2.0;
-            let middle = self.sample_after(point, &a, width);
-            if (middle.first > 0.0) == falls {
-                let (from, to) = if falls { (a, middle) } else { (middle, b) };
-                return Some(self.descend(point, &from, &to, width));
-            }
-            if (middle.second > 0.0) == falls {
-                a = middle;
-            } else {
-                b = middle;
-            }
-        }
-        None
-    }
-
-    /// The minimum between `from`, where the distance falls, and `to`, `width` rad farther, where it
-    /// rises: Newton's method on the derivative, kept within the bracket.
-    fn descend(&self, point: DVec2, from: &Sample, to: &Sample, width: f64) -> Sample {
-        let (mut low, mut high) = (0.0, width);
-        let mut angle = first_angle(from, to, width);
-        for _ in 0..MAX_ITERATIONS {
-            let here = self.sample_after(point, from, angle);
-            if here.first <= 0.0 {
-                low = angle;
-            } else {
-                high = angle;
-            }
-            let newton = angle - here.first / here.second;
-            let next = if here.second > 0.0 && newton >= low && newton <= high {
-                newton
-            } else {
-                (low + high) / 2.0
-            };
-            let done = (next - angle).abs() < LAST_STEP;
-            angle = next;
-            if done {
-                break;
-            }
-        }
-        self.sample_after(point, from, angle)
-    }
-}
-
-/// Where the derivative's sign changes between two samples `width` apart, rad, by the cubic through
-/// the angle as a function of the derivative; by the straight line where that is no function.
-fn first_angle(from: &Sample, to: &Sample, width: f64) -> f64 {
-    let rise = to.first - from.first;
-    let at = -from.first / rise;
-    let (begin, end) = (rise / from.second, rise / to.second);
-    let straight = width * at;
-    if begin > 0.0 && end > 0.0 {
-        let rest = 1.0 - at;
-        let cubic = at * at * (3.0 - 2.0 * at) * width + at * rest * (rest * begin - at * end);
-        if cubic > 0.0 && cubic < width {
-            return cubic;
-        }
-    }
-    straight
 }

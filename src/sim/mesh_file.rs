@@ -116,7 +116,8 @@ fn stl_corners(mut bytes: Vec<u8>) -> Result<Vec<DVec3>, MeshError> {
 
 /// The triangles of a binary STL, once the file is as long as its header says.
 fn binary_count(bytes: &[u8]) -> Result<usize, MeshError> {
-    let Some(count) = bytes[..bytes.len().min(STL_HEADER)].last_chunk::<4>() else {
+    let header = bytes.first_chunk::<STL_HEADER>();
+    let Some(count) = header.and_then(|h| h.last_chunk::<4>()) else {
         let reason = format!(
             "{STL_HEADER} bytes or the word solid expected, it has {} bytes",
             bytes.len()
@@ -140,9 +141,10 @@ fn obj_corners(bytes: Vec<u8>) -> Result<Vec<DVec3>, MeshError> {
     let text = String::from_utf8_lossy(&bytes)
         .replace("\r\n", "\n")
         .replace("\\\n", " ");
-    let shape: String = text.lines().filter_map(shape_line).collect();
-    let faces = shape.lines().filter(|line| line.starts_with('f'));
-    check::count_at_most(faces.count())?;
+    // Before anything is kept of them: a short text can make many triangles.
+    check::count_at_most(text.lines().map(triangles_of_line).sum())?;
+    let mut shape = String::new();
+    text.lines().for_each(|line| keep_shape(line, &mut shape));
     let options = tobj::LoadOptions {
         triangulate: true,
         single_index: true,
@@ -159,21 +161,37 @@ fn obj_corners(bytes: Vec<u8>) -> Result<Vec<DVec3>, MeshError> {
     Ok(corners)
 }
 
-/// A line of an OBJ file that makes the shape, without colours, textures and normals: those of a
-/// hostile file could make the library fail.
-fn shape_line(line: &str) -> Option<String> {
-    let words: Vec<&str> = line.split('#').next()?.split_whitespace().collect();
-    let kept = match *words.first()? {
-        "v" if words.len() > 5 => &words[..4],
-        "v" | "f" => &words[..],
-        _ => return None,
+fn words(line: &str) -> impl Iterator<Item = &str> + Clone {
+    let code = line.split('#').next().unwrap_or_default();
+    code.split_whitespace()
+}
+
+/// How many triangles a line of an OBJ file makes, at least one if it is a face.
+fn triangles_of_line(line: &str) -> usize {
+    let mut words = words(line);
+    match words.next() {
+        Some("f") => words.count().saturating_sub(2).max(1),
+        _ => 0,
+    }
+}
+
+/// Adds to `shape` what a line of an OBJ file says of it, without colours, textures and normals:
+/// those of a hostile file could make the library fail.
+fn keep_shape(line: &str, shape: &mut String) {
+    let mut words = words(line);
+    let Some(kind @ ("v" | "f")) = words.next() else {
+        return;
     };
-    let position = |word: &&str| match word.split_once('/') {
-        Some((position, _)) if !position.is_empty() => position.to_string(),
-        _ => word.to_string(),
-    };
-    let kept: Vec<String> = kept.iter().map(position).collect();
-    Some(kept.join(" ") + "\n")
+    // A vertex has three coordinates, and one weight or three parts of a colour.
+    let coloured = kind == "v" && words.clone().take(5).count() > 4;
+    let kept = if coloured { 3 } else { usize::MAX };
+    shape.push_str(kind);
+    for word in words.take(kept) {
+        let position = word.split('/').next().filter(|p| !p.is_empty());
+        shape.push(' ');
+        shape.push_str(position.unwrap_or(word));
+    }
+    shape.push('\n');
 }
 
 /// The mesh of triangles given by three corners each, those at the same place made one.

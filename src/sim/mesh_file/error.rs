@@ -56,7 +56,8 @@ pub enum MeshError {
     Size(f64),
     /// A triangle has no area.
     #[error(
-        "triangles with an area expected; triangle {triangle} has none, its corners are {corners:?} m"
+        "triangles with an area expected; triangle {triangle} has none, its corners are {}, {}, {} m",
+        .corners[0], .corners[1], .corners[2]
     )]
     Degenerate {
         /// The triangle, from 1.

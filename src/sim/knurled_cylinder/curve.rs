@@ -1,0 +1,226 @@
+//! The edge of a knurled, slightly oval disc: `c(phi) = r(phi) (cos phi, sin phi)` with
+//! `r(phi) = radius (1 + ovality cos 2 phi) + depth / 2 (cos(knurls phi) - 1)`.
+//!
+//! The distance from it has a local minimum on almost every knurl. The angles where the global one
+//! can be are bounded first, then cut at the crests, the bottoms and halfway between, and every
+//! minimum there that can be the global one is followed by Newton's method.
+
+mod minimum;
+
+use glam::DVec2;
+use std::f64::consts::{PI, TAU};
+
+/// Cells per knurl. The curvature falls steadily from a crest to the next bottom, so that the
+/// distance has at most one minimum and one maximum between them.
+const CELLS: i64 = 4;
+/// Cells per knurl where there are less than [`FEW_KNURLS`].
+const MANY_CELLS: i64 = 32;
+const FEW_KNURLS: u32 = 4;
+
+/// The curve, and what is computed once about it.
+#[derive(Debug, Clone)]
+pub struct Curve {
+    radius: f64,
+    knurls: f64,
+    depth: f64,
+    ovality: f64,
+    /// Angle of a cell, rad, and its cosine and sine.
+    cell: f64,
+    step: DVec2,
+    /// Cells per knurl, a power of two.
+    cells: i64,
+    /// Cosine and sine of `knurls phi` at the cells' ends.
+    phases: [DVec2; MANY_CELLS as usize],
+    /// No point of the curve moves faster than this with its angle, m/rad.
+    max_speed: f64,
+}
+
+/// A point of the curve as seen from a query point.
+#[derive(Clone, Copy)]
+struct Sample {
+    /// Cosine and sine of `phi`.
+    direction: DVec2,
+    /// Cosine and sine of `knurls phi`.
+    phase: DVec2,
+    radius: f64,
+    /// Derivative of the radius by `phi`.
+    slope: f64,
+    /// Squared distance from the query point, m^2.
+    square: f64,
+    /// Half of the first and of the second derivative of `square` by `phi`.
+    first: f64,
+    second: f64,
+}
+
+impl Curve {
+    /// A curve of the given `radius` and `depth`, m.
+    pub fn new(radius: f64, knurls: u32, depth: f64, ovality: f64) -> Self {
+        let cells = if knurls < FEW_KNURLS {
+            MANY_CELLS
+        } else {
+            CELLS
+        };
+        let cell = TAU / (f64::from(knurls.max(1)) * cells as f64);
+        let phase = |k: usize| match knurls {
+            0 => DVec2::X,
+            _ => DVec2::from_angle(TAU * k as f64 / cells as f64),
+        };
+        let knurls = f64::from(knurls);
+        let max_slope = 2.0 * radius * ovality.abs() + knurls * depth / 2.0;
+        Self {
+            radius,
+            knurls,
+            depth: if knurls == 0.0 { 0.0 } else { depth },
+            ovality,
+            cell,
+            step: DVec2::from_angle(cell),
+            cells,
+            phases: std::array::from_fn(phase),
+            max_speed: max_slope.hypot(radius * (1.0 + ovality.abs())),
+        }
+    }
+
+    /// A radius, m, that the curve is nowhere within.
+    pub fn innermost_radius(&self) -> f64 {
+        self.radius * (1.0 - self.ovality.abs()) - self.depth
+    }
+
+    /// The enclosed area, m^2, and the integrals of `x^2` and `y^2` over it, m^4.
+    pub fn area_and_second_moments(&self) -> (f64, DVec2) {
+        // Equidistant samples integrate r^4, of at most 4 knurls + 8 periods per turn, exactly.
+        let count = 16 * (self.knurls as u64).max(2);
+        let weight = TAU / count as f64;
+        let (mut area, mut second) = (0.0, DVec2::ZERO);
+        for k in 0..count {
+            let direction = DVec2::from_angle(k as f64 * weight);
+            let phase = (self.knurls * k as f64 * weight).cos();
+            let radius = self.radius_at(direction, phase);
+            area += weight * radius.powi(2) / 2.0;
+            second += weight * radius.powi(4) / 4.0 * direction * direction;
+        }
+        (area, second)
+    }
+
+    /// The nearest point of the curve, its outward normal, and the signed distance from it.
+    pub fn nearest(&self, point: DVec2) -> (DVec2, DVec2, f64) {
+        if self.depth == 0.0 && self.ovality == 0.0 {
+            let (normal, length) = point.normalize_and_length();
+            let normal = if length > 0.0 { normal } else { DVec2::X };
+            return (self.radius * normal, normal, length - self.radius);
+        }
+        let nearest = self.nearest_sample(point);
+        let (radial, tangential) = (nearest.direction, nearest.direction.perp());
+        let normal = (nearest.radius * radial - nearest.slope * tangential).normalize_or(radial);
+        let position = nearest.radius * radial;
+        let distance = nearest.square.sqrt();
+        let outside = (point - position).dot(normal) >= 0.0;
+        (position, normal, if outside { distance } else { -distance })
+    }
+
+    /// The nearest point of the curve: cell by cell to both sides of a first guess, as far as it
+    /// can be.
+    fn nearest_sample(&self, point: DVec2) -> Sample {
+        let angle = point.to_angle();
+        let (guess, at) = self.first_guess(point, angle);
+        let reach = self.reach(point, guess.square);
+        let up = ((angle + reach) / self.cell).ceil() as i64;
+        let down = ((angle - reach) / self.cell).floor() as i64;
+        let mut best = guess;
+        let mut low = guess;
+        for k in at + 1..=up.max(at + 1) {
+            let high = self.sample(point, low.direction.rotate(self.step), self.phase(k));
+            self.improve(&mut best, point, &low, &high);
+            low = high;
+        }
+        let back = DVec2::new(self.step.x, -self.step.y);
+        let mut high = guess;
+        for k in (down.min(at - 1)..at).rev() {
+            let low = self.sample(point, high.direction.rotate(back), self.phase(k));
+            self.improve(&mut best, point, &low, &high);
+            high = low;
+        }
+        best
+    }
+
+    /// The crest nearest by angle to a `point` outside, else the nearest bottom; and its cell.
+    fn first_guess(&self, point: DVec2, angle: f64) -> (Sample, i64) {
+        let knurl = angle / (self.cell * self.cells as f64);
+        let outside = point.length() > self.oval_radius(point) - self.depth / 2.0;
+        let k = if outside {
+            knurl.round() as i64 * self.cells
+        } else {
+            knurl.floor() as i64 * self.cells + self.cells / 2
+        };
+        let direction = DVec2::from_angle(k as f64 * self.cell);
+        (self.sample(point, direction, self.phase(k)), k)
+    }
+
+    /// How far by angle, rad, the nearest point can be from `point`, if some point of the curve is
+    /// at the squared distance `square`: as far as a circle about `point` through that reaches
+    /// within the radii that the curve has there.
+    fn reach(&self, point: DVec2, square: f64) -> f64 {
+        let length = point.length();
+        if square >= length * length {
+            return PI;
+        }
+        // The curve at an angle psi from the point is at least `length sin(psi)` away.
+        let sine = square.sqrt() / length;
+        let oval = self.oval_radius(point);
+        let change = PI * self.radius * self.ovality.abs() * sine;
+        let (inner, outer) = (oval - change - self.depth, oval + change);
+        let radius = length.max(inner).min(outer);
+        // Beside the curve it is at least as far as (radius, psi) too, if the foot of the point on
+        // that ray is on the point's side of `radius`.
+        let rest = square - (length - radius).powi(2);
+        let half_sine_squared = (rest / (4.0 * length * radius)).clamp(0.0, 1.0);
+        let foot = length * (1.0 - 2.0 * half_sine_squared);
+        if radius > 0.0 && (length < radius || length > radius && foot >= radius) {
+            2.0 * half_sine_squared.sqrt().asin()
+        } else {
+            sine.asin()
+        }
+    }
+
+    /// The radius of the side at `point`'s angle, were there no knurls.
+    fn oval_radius(&self, point: DVec2) -> f64 {
+        let square = point.length_squared();
+        let cosine = (point.x * point.x - point.y * point.y) / square.max(f64::MIN_POSITIVE);
+        self.radius * (1.0 + self.ovality * cosine)
+    }
+
+    fn radius_at(&self, direction: DVec2, cosine_of_phase: f64) -> f64 {
+        let cosine = direction.x * direction.x - direction.y * direction.y;
+        self.radius * (1.0 + self.ovality * cosine) + self.depth / 2.0 * (cosine_of_phase - 1.0)
+    }
+
+    fn phase(&self, k: i64) -> DVec2 {
+        self.phases[(k & (self.cells - 1)) as usize]
+    }
+
+    fn sample_after(&self, point: DVec2, from: &Sample, angle: f64) -> Sample {
+        let direction = from.direction.rotate(DVec2::from_angle(angle));
+        let phase = from.phase.rotate(DVec2::from_angle(self.knurls * angle));
+        self.sample(point, direction, phase)
+    }
+
+    #[inline]
+    fn sample(&self, point: DVec2, direction: DVec2, phase: DVec2) -> Sample {
+        let radius = self.radius_at(direction, phase.x);
+        let oval = 2.0 * self.radius * self.ovality;
+        let wave = self.depth / 2.0 * self.knurls;
+        let slope = -2.0 * oval * direction.x * direction.y - wave * phase.y;
+        let cosine = direction.x * direction.x - direction.y * direction.y;
+        let bend = -2.0 * oval * cosine - wave * self.knurls * phase.x;
+        let (along, across) = (point.dot(direction), direction.perp_dot(point));
+        let short = radius - along;
+        Sample {
+            direction,
+            phase,
+            radius,
+            slope,
+            square: short * short + across * across,
+            first: slope * short - radius * across,
+            second: bend * short + slope * (slope - 2.0 * across) + radius * along,
+        }
+    }
+}
