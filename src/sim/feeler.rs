@@ -171,6 +171,18 @@ impl FeelerConfig {
         }
     }
 
+    /// `anchor` after the tip has rolled by `turn` (rad, of the fingertip against the object, in the
+    /// object's frame) without slipping, as if the surface were flat.
+    ///
+    /// The tip's sphere turns with the fingertip and not with the object: what turns under it makes
+    /// it roll, and the contact point stays on the same spot of neither.
+    pub fn rolled(&self, anchor: &Anchor, turn: DVec3) -> Anchor {
+        Anchor {
+            position: anchor.position + self.tip_radius * turn.cross(anchor.normal),
+            normal: anchor.normal,
+        }
+    }
+
     /// Where a tip held at `anchor` touches the surface, m, in the object's frame.
     pub fn contact_point(&self, anchor: &Anchor) -> DVec3 {
         anchor.position - self.tip_radius * anchor.normal

@@ -32,6 +32,15 @@ impl Pose {
         self.position + self.rotation * point
     }
 
+    /// Rotation vector from the rotation `before` to this one, rad; for small turns.
+    pub fn turn_since(&self, before: &DMat3) -> DVec3 {
+        let now = &self.rotation;
+        let twice = before.x_axis.cross(now.x_axis)
+            + before.y_axis.cross(now.y_axis)
+            + before.z_axis.cross(now.z_axis);
+        0.5 * twice
+    }
+
     /// By how much any point within `reach` (m) of the origin has moved at most since `before`, m.
     pub fn motion_since(&self, before: &Self, reach: f64) -> f64 {
         let turn = self.rotation - before.rotation;

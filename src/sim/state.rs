@@ -7,7 +7,7 @@ use super::pose::Pose;
 use super::servo::Joints;
 use super::thread::Turn;
 use crate::hand::kinematics::fingertip_pose;
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 /// The true state of the simulated world.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,6 +50,8 @@ pub struct FingerState {
     pub held_at: Option<Pose>,
     /// The feelers that touch, in no particular order.
     pub contacts: Vec<Contact>,
+    /// Rotation of the fingertip as seen from each object up to which its tips have rolled on it.
+    pub(super) rolled: Vec<DMat3>,
     /// Force on what it touches by each feeler, N, in W.
     pub forces: Vec<DVec3>,
     /// What spares free feelers the search for a surface.
@@ -65,6 +67,8 @@ pub struct Contact {
     pub object: usize,
     /// Where.
     pub anchor: Anchor,
+    /// How far it has rolled since its anchor was last put on the surface, m.
+    pub rolled: f64,
     /// Centre of its undeformed tip in the object's frame one step ago, m.
     pub tip_before: DVec3,
 }
@@ -97,6 +101,7 @@ impl State {
                 tip,
                 held_at: None,
                 contacts: Vec::with_capacity(elements),
+                rolled: vec![DMat3::IDENTITY; objects.len()],
                 forces: vec![DVec3::ZERO; elements],
                 watch: Watch {
                     seen: objects.iter().map(|o| tip.seen_from(&o.pose)).collect(),
