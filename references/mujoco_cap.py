@@ -1,8 +1,8 @@
-"""Two fingertips of 41 feelers turn a cap, in MuJoCo: makes `mujoco_cap.json`.
+"""Two fingertips of 41 feelers turn a cap, in MuJoCo: makes `mujoco_cap_*.json`.
 
     python3 -m venv target/references
     target/references/bin/pip install mujoco==3.3.7 numpy==2.4.6
-    target/references/bin/python references/mujoco_cap.py references/mujoco_cap.json
+    target/references/bin/python references/mujoco_cap.py references
 
 `tests/mujoco_cap.rs` replays the motion and compares cap angle and forces on the elements; `--time` prints instead
 what a step costs (for `benches/peers/mujoco.py`).
@@ -11,6 +11,10 @@ The motion is a pure function of time: joint angles (rad) go from each knot to t
 fingertip's pose follows from them by forward kinematics. An element is a small mass on three slides with springs,
 whose sphere touches the cap; the cap is a cylinder on a hinge, its thread a friction torque that rises on the seat.
 Forces are the springs', in the element's frame: F_x, F_y on the feeler by the cap, F_z compression.
+
+There are two scenes. With tips of 1.5 mm, feeler lets a stuck tip's centre go round with the cap (at 15.5 mm), while
+MuJoCo's sphere, which cannot rotate, rolls on it (its contact goes round at 14 mm). With tips that are nearly points
+that makes no difference; the centres of the tips lie on the same circle in both scenes.
 
 MuJoCo's settings are what this needs: elliptic cone, implicitfast, a few noslip iterations (without them shear that
 sticks leaks away), and contacts that are stiff against the springs. Static and kinetic friction are equal, as MuJoCo has one
@@ -25,18 +29,20 @@ import time
 import mujoco
 import numpy as np
 
-DOME, TIP = 0.018, 0.0015
+DOME = 0.018
+SCENES = {"round_tips": (0.0015, 0.014), "point_tips": (0.00002, 0.01548)}  # m, radii of tip and cap
 RINGS = [(1, 0.0), (8, 22.5), (12, 45.0), (20, 67.5)]
 NORMAL, SHEAR, FRICTION = 1180.0, 480.0, 0.8
+TIP = 0.0015
 CAP = {"radius": 0.014, "height": 0.020, "position": [0.0, 0.0, 0.1], "running_torque": 0.0025,
        "seat_angle": 0.15, "seat_stiffness": 0.75}
 LINKS = [0.030, 0.060, 0.055]
 BASES = [([-0.1655, 0.0, 0.0576], 0.0), ([0.1655, 0.0, 0.0576], math.pi)]  # m; turn about y, rad
 MASS, DAMPING = 1e-3, 0.2  # kg, N s/m, of an element: 2 mN at 10 mm/s
 # Where the centres of the domes go, m, finger 0; finger 1 does the same turned by pi about z.
-TIMES = [0.0, 0.5, 2.0, 2.5]
+TIMES = [0.0, 1.0, 4.0, 5.0]
 CENTRES = [[-0.0337, 0.0010, 0.1], [-0.0324, 0.0010, 0.1], [-0.0319, -0.0060, 0.1], [-0.0345, -0.0060, 0.1]]
-SAMPLE = 0.02
+SAMPLE = 0.04
 
 
 def rotation_y(a):
@@ -199,6 +205,7 @@ def difference(a, b):
 
 
 def main(path):
+    """Writes the file of the scene that is set."""
     coarse, fine = run(0.0005), run(0.00025)
     angles, forces = fine
     touching = np.abs(forces).max(axis=(0, 3)) > 1e-3
@@ -222,4 +229,5 @@ if __name__ == "__main__":
     if sys.argv[1] == "--time":
         print("{:.2f} {:.2f}".format(*time_step()))
     else:
-        main(sys.argv[1])
+        for name, (TIP, CAP["radius"]) in SCENES.items():
+            main(f"{sys.argv[1]}/mujoco_cap_{name}.json")
