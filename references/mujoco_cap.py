@@ -38,7 +38,9 @@ CAP = {"radius": 0.014, "height": 0.020, "position": [0.0, 0.0, 0.1], "running_t
        "seat_angle": 0.15, "seat_stiffness": 0.75}
 LINKS = [0.030, 0.060, 0.055]
 BASES = [([-0.1655, 0.0, 0.0576], 0.0), ([0.1655, 0.0, 0.0576], math.pi)]  # m; turn about y, rad
-MASS, DAMPING = 1e-3, 0.2  # kg, N s/m, of an element: 2 mN at 10 mm/s
+# kg, N s/m, of an element: so damped that a slip does not overshoot (which would ratchet the cap on), 5 mN at 3.5 mm/s.
+MASS, DAMPING = 1e-3, 1.4
+CAP_INERTIA, CAP_DAMPING = 2e-5, 2e-4  # kg m^2, N m s
 # Where the centres of the domes go, m, finger 0; finger 1 does the same turned by pi about z.
 TIMES = [0.0, 1.0, 4.0, 5.0]
 CENTRES = [[-0.0337, 0.0010, 0.1], [-0.0324, 0.0010, 0.1], [-0.0319, -0.0060, 0.1], [-0.0345, -0.0060, 0.1]]
@@ -122,9 +124,9 @@ def scene(step, solver="Newton"):
 <option timestep="{step}" gravity="0 0 0" cone="elliptic" integrator="implicitfast" noslip_iterations="5"
   solver="{solver}" tolerance="1e-10" iterations="100" jacobian="sparse"/>
 <worldbody><body name="cap" pos="{text(CAP['position'])}">
-<joint name="cap" type="hinge" axis="0 0 1" frictionloss="{CAP['running_torque']}" solreffriction="{2 * step} 1"
+<joint name="cap" type="hinge" damping="{CAP_DAMPING}" axis="0 0 1" frictionloss="{CAP['running_torque']}" solreffriction="{2 * step} 1"
   solimpfriction="0.995 0.995 0.001"/>
-<inertial pos="0 0 0" mass="0.01" diaginertia="2e-6 2e-6 2e-6"/>
+<inertial pos="0 0 0" mass="0.01" diaginertia="{CAP_INERTIA} {CAP_INERTIA} {CAP_INERTIA}"/>
 <geom type="cylinder" size="{CAP['radius']} {CAP['height'] / 2}" contype="0" conaffinity="1" {contact}/>
 </body>{fingers}</worldbody></mujoco>"""
 
@@ -196,6 +198,12 @@ def time_step():
     return 1e6 * sum(spent) / len(spent), 1e6 * sorted(spent)[len(spent) // 2]
 
 
+def converged_until(coarse, fine):
+    """Time (s) from which the cap angle depends on the step by more than 0.5 % of its final value."""
+    apart = np.nonzero(np.abs(coarse - fine) > 0.005 * abs(fine[-1]))[0]
+    return float(SAMPLE * (apart[0] if len(apart) else len(fine)))
+
+
 def difference(a, b):
     (angles, forces), (other_angles, other_forces) = a, b
     rms = lambda x: float(np.sqrt(np.mean(np.square(x))))
@@ -211,7 +219,7 @@ def main(path):
     touching = np.abs(forces).max(axis=(0, 3)) > 1e-3
     series = {f"{f}/{e}": np.round(forces[:, f, e], 4).tolist() for f in range(2) for e in range(41) if touching[f, e]}
     header = {
-        "made_by": f"references/mujoco_cap.py, MuJoCo {mujoco.__version__}, step 0.25 ms",
+        "converged_until": converged_until(coarse[0], angles), "made_by": f"references/mujoco_cap.py, MuJoCo {mujoco.__version__}, step 0.25 ms",
         "half_millisecond_step_differs_by": difference(coarse, fine),
         "dome_radius": DOME, "tip_radius": TIP, "normal_stiffness": NORMAL, "shear_stiffness": SHEAR,
         "friction": FRICTION, "cap": CAP, "links": LINKS, "bases": [b[0] for b in BASES], "phi1_deg": [0.0, 180.0],

@@ -37,6 +37,8 @@ struct Header {
     /// Per finger and knot, rad.
     knot_joints: Vec<Vec<[f64; 3]>>,
     sample: f64,
+    /// Until when halving MuJoCo's step changes its cap angle by less than 0.5 % of the last, s.
+    converged_until: f64,
 }
 
 #[derive(Deserialize)]
@@ -71,7 +73,10 @@ struct Scene {
 impl Scene {
     fn new(header: &Header, time_step: f64) -> Self {
         let file = concat!(env!("CARGO_MANIFEST_DIR"), "/experiments/cap-closing.toml");
-        let mut sim = Experiment::load(file, &[]).expect("an experiment").config.sim;
+        let mut sim = Experiment::load(file, &[])
+            .expect("an experiment")
+            .config
+            .sim;
         sim.step = time_step;
         sim.servo.lag = 0.0;
         sim.torque_sensor.stiffness = 1e9;
@@ -107,7 +112,9 @@ impl Scene {
             .expect("a finger")
         });
         let model = Model::new(&sim, fingers.collect(), ElementLayout::new(&layout), 0);
-        let start: Vec<_> = (0..header.bases.len()).map(|f| header.joints(f, 0.0)).collect();
+        let start: Vec<_> = (0..header.bases.len())
+            .map(|f| header.joints(f, 0.0))
+            .collect();
         let state = State::new(&model, &start);
         Self { model, state }
     }
@@ -136,8 +143,8 @@ impl Scene {
 /// How far feeler is from MuJoCo.
 #[derive(Debug)]
 struct Difference {
-    /// Largest over time, relative to MuJoCo's final cap angle.
-    largest_cap_angle: f64,
+    /// Largest while MuJoCo agrees with itself, relative to MuJoCo's final cap angle.
+    converged_cap_angle: f64,
     /// In the end.
     final_cap_angle: f64,
     /// RMS over time and touching elements, over the RMS of MuJoCo's.
@@ -159,7 +166,9 @@ fn compare(reference: &Reference, time_step: f64) -> Difference {
             scene.advance(|finger| header.joints(finger, time));
         }
         in_the_end = (scene.cap_angle() - angle) / last;
-        worst = worst.max(in_the_end.abs());
+        if (sample + 1) as f64 * header.sample <= header.converged_until {
+            worst = worst.max(in_the_end.abs());
+        }
         for finger in 0..header.bases.len() {
             for element in 0..scene.model.layout.elements.len() {
                 let name = format!("{finger}/{element}");
@@ -174,12 +183,15 @@ fn compare(reference: &Reference, time_step: f64) -> Difference {
             for name in ["0/0", "0/1", "0/3", "0/5", "0/7"] {
                 let element = name[2..].parse().expect("an element");
                 let ours = scene.force(0, element);
-                println!("   {name} {ours:.4} {:.4?}", reference.forces.get(name).map(|f| f[sample]));
+                println!(
+                    "   {name} {ours:.4} {:.4?}",
+                    reference.forces.get(name).map(|f| f[sample])
+                );
             }
         }
     }
     Difference {
-        largest_cap_angle: worst,
+        converged_cap_angle: worst,
         final_cap_angle: in_the_end,
         forces: (error / size).sqrt(),
     }
@@ -199,8 +211,12 @@ fn check(name: &str) {
         println!("{name}, {step} s: {difference:?}");
     }
     for (step, difference) in &differences {
-        let (angle, forces) = (difference.final_cap_angle.abs(), difference.forces);
+        let (angle, forces) = (difference.converged_cap_angle, difference.forces);
         assert!(angle <= GOALS.0, "{step} s: {difference:?}");
+        assert!(
+            difference.final_cap_angle.abs() <= GOALS.0,
+            "{step} s: {difference:?}"
+        );
         assert!(forces <= GOALS.1, "{step} s: {difference:?}");
     }
 }
@@ -213,7 +229,7 @@ fn cap_angle_and_element_forces_agree_with_mujoco() {
 /// A stuck tip's centre goes round with the cap in feeler, which turns the cap by 14 / 15.5 of what
 /// a tip that cannot rotate does.
 #[test]
-#[ignore = "a feeler's round tip does not roll on the cap yet: cap angle is off by 6 %"]
+#[ignore = "a feeler's round tip does not roll on the cap yet: cap angle is off by 7 %"]
 fn with_round_tips_too() {
     check("round_tips");
 }
