@@ -22,11 +22,11 @@ CASES = {
 
 def run(start, tilt, force, height, end):
     model = mujoco.MjModel.from_xml_string(f"""<mujoco><compiler angle="radian"/>
-<option timestep="{STEP}" cone="elliptic" integrator="implicitfast" noslip_iterations="5"/>
-<worldbody><geom type="plane" size="1 1 1" friction="{FRICTION} 0 0" condim="3" solref="{2 * STEP} 1" solimp="0.99 0.99 0.001"/>
+<option timestep="{STEP}" cone="elliptic" integrator="implicitfast" impratio="10"/>
+<worldbody><geom type="plane" size="1 1 1" friction="{FRICTION} 0 0" condim="3" solref="0.005 1" solimp="0.9 0.95 0.001"/>
 <body name="box" pos="{start[0]} {start[1]} {start[2]}" euler="0 {tilt} 0"><freejoint/>
 <geom type="box" size="{SIZE[0]} {SIZE[1]} {SIZE[2]}" mass="{MASS}" friction="{FRICTION} 0 0" condim="3"
-  solref="{2 * STEP} 1" solimp="0.99 0.99 0.001"/></body></worldbody></mujoco>""")
+  solref="0.005 1" solimp="0.9 0.95 0.001"/></body></worldbody></mujoco>""")
     data, rows = mujoco.MjData(model), []
     mujoco.mj_forward(model, data)
     for n in range(round(end / STEP)):
