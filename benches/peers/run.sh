@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The sensor against OpenCV on the same picture, in the same run. OpenCV goes into an environment of
-# its own under target/.
+# The sensor against OpenCV on the same picture, and the physics against MuJoCo on a like scene, each in the same
+# run. The peers go into environments of their own under target/.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 
@@ -12,3 +12,11 @@ fi
 cargo build --release --quiet --example moments_speed
 target/release/examples/moments_speed target/peers | tee target/peers/feeler.txt
 "$venv/bin/python" benches/peers/opencv.py target/peers
+
+venv=target/peers/mujoco
+if ! "$venv/bin/python" -c 'import mujoco' 2>/dev/null; then
+    python3 -m venv "$venv"
+    "$venv/bin/pip" install --quiet mujoco==3.3.7 numpy==2.4.6
+fi
+cargo bench --quiet --bench sim -- physics_step_in_contact | tee target/peers/sim.txt
+"$venv/bin/python" benches/peers/mujoco.py target/peers/sim.txt
