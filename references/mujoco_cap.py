@@ -12,9 +12,8 @@ fingertip's pose follows from them by forward kinematics. An element is a small 
 whose sphere touches the cap; the cap is a cylinder on a hinge, its thread a friction torque that rises on the seat.
 Forces are the springs', in the element's frame: F_x, F_y on the feeler by the cap, F_z compression.
 
-There are two scenes. With tips of 1.5 mm, feeler lets a stuck tip's centre go round with the cap (at 15.5 mm), while
-MuJoCo's sphere, which cannot rotate, rolls on it (its contact goes round at 14 mm). With tips that are nearly points
-that makes no difference; the centres of the tips lie on the same circle in both scenes.
+There are two scenes: round tips, which roll on the cap as it turns under them, and tips that are nearly points, for which
+rolling plays no part; the centres of the tips lie on the same circle in both.
 
 MuJoCo's settings are what this needs: elliptic cone, implicitfast, a few noslip iterations (without them shear that
 sticks leaks away), and contacts that are stiff against the springs. Static and kinetic friction are equal, as MuJoCo has one

@@ -35,6 +35,8 @@ pub struct ObjectState {
     pub velocity: DVec3,
     /// Angular velocity of a free body, rad/s, in W.
     pub angular_velocity: DVec3,
+    /// Force on a free body from outside, N, in W, and its torque about the object's origin, N·m.
+    pub outside: (DVec3, DVec3),
     /// Factor on the friction of feelers on it.
     pub friction_factor: f64,
 }
@@ -136,6 +138,7 @@ impl ObjectState {
             turn: Turn::default(),
             velocity: DVec3::ZERO,
             angular_velocity: DVec3::ZERO,
+            outside: (DVec3::ZERO, DVec3::ZERO),
             friction_factor: 1.0,
         }
     }

@@ -311,7 +311,8 @@ fn move_bodies(model: &Model, state: &mut State, bodies: &mut FreeBodies) {
                 settle(model, state, index, Overload::Steady, since);
                 remember_tips(model, state, index);
                 let (force, torque) = wrench(model, state, index);
-                bodies.push(index, force, torque);
+                let (outside_force, outside_torque) = state.objects[index].outside;
+                bodies.push(index, force + outside_force, torque + outside_torque);
             }
         }
         bodies.advance(duration);

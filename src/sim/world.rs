@@ -80,6 +80,14 @@ impl World {
         }
     }
 
+    /// Puts a force (N) that acts at `point` (m), both in W, on a free object, in place of the one
+    /// before; it keeps acting.
+    pub fn push(&mut self, object: usize, force: DVec3, point: DVec3) {
+        if let Some(object) = self.state.objects.get_mut(object) {
+            object.outside = (force, (point - object.pose.position).cross(force));
+        }
+    }
+
     /// Reads the torque sensor, with its noise.
     pub fn read_torque(&mut self) -> TorqueReading {
         self.model
