@@ -52,8 +52,10 @@ pub struct OpticsModel {
     pub(super) scales: Vec<(f64, f64)>,
     /// x, y, z of the dome's point at each pixel, m, in `T`; far away where there is none.
     pub(super) dome_points: [Vec<f32>; 3],
-    /// Part of the light that reaches each pixel; padded to whole noise lanes.
-    pub(super) vignetting: Vec<f32>,
+    /// Part of the light that vignetting takes, by column (padded to whole noise lanes) and by row;
+    /// a pixel loses the sum of both.
+    pub(super) light_lost_by_column: Vec<f32>,
+    pub(super) light_lost_by_row: Vec<f32>,
 }
 
 impl OpticsModel {
@@ -80,6 +82,8 @@ impl OpticsModel {
                     .ok_or(OpticsError::Unseen { element })
             })
             .collect::<Result<_, _>>()?;
+        // Per pixel squared off the centre.
+        let lost_per_square = config.vignetting / (projection.width() as f64 / 2.0).powi(2);
         Ok(Self {
             config: config.clone(),
             layout: layout.clone(),
@@ -88,7 +92,16 @@ impl OpticsModel {
             area_per_load: PI * PI / (2.0 * modulus * flank.tan()),
             scales,
             dome_points: dome_points(projection),
-            vignetting: vignetting(projection, config.vignetting),
+            light_lost_by_column: light_lost(
+                projection.width(),
+                projection.centre().x,
+                lost_per_square,
+            ),
+            light_lost_by_row: light_lost(
+                projection.height(),
+                projection.centre().y,
+                lost_per_square,
+            ),
         })
     }
 
@@ -109,6 +122,11 @@ impl OpticsModel {
                     .min(config.cone_base_radius),
             }
         })
+    }
+
+    /// Pixels of a row and what pads it to whole noise lanes.
+    pub(super) fn padded_width(&self) -> usize {
+        self.light_lost_by_column.len()
     }
 
     /// Area of a cone's contact per load, m²/N.
@@ -158,16 +176,9 @@ fn dome_points(projection: &DomeProjection) -> [Vec<f32>; 3] {
     points
 }
 
-/// Part of the light that reaches each pixel, padded to whole noise lanes.
-fn vignetting(projection: &DomeProjection, loss: f64) -> Vec<f32> {
-    let (width, height) = (projection.width(), projection.height());
-    let half_width = width as f64 / 2.0;
-    let at = |index: usize| {
-        let pixel = DVec2::new((index % width) as f64, (index / width) as f64);
-        let distance = (pixel - projection.centre()).length() / half_width;
-        (1.0 - loss * distance * distance).max(0.0) as f32
-    };
-    (0..(width * height).next_multiple_of(NOISE_LANES))
-        .map(at)
+/// Part of the light that vignetting takes along one axis of the picture.
+fn light_lost(pixels: usize, centre: f64, per_square: f64) -> Vec<f32> {
+    (0..pixels.next_multiple_of(NOISE_LANES))
+        .map(|pixel| (per_square * (pixel as f64 - centre).powi(2)) as f32)
         .collect()
 }
