@@ -3,7 +3,7 @@
 use super::check::check;
 use super::checker::Problem;
 use super::settings::put;
-use super::{ExperimentConfig, Sensing};
+use super::ExperimentConfig;
 use crate::sensor::calibration::{Calibration, CalibrationError};
 use std::fs::File;
 use std::io::{self, Read};
@@ -58,10 +58,12 @@ pub enum ConfigError {
     },
     /// The calibration file could not be read.
     #[error(
-        "sensor.calibration = {file:?}: {source}: copy it there, or make one with \
+        "{key} = {file:?}: {source}: copy it there, or make one with \
          `feeler calibrate`"
     )]
     CalibrationFile {
+        /// The key that names it.
+        key: String,
         /// The file, as the experiment names it.
         file: String,
         /// Where it was looked for, and what the system said.
@@ -92,8 +94,10 @@ pub enum ConfigError {
         problems: Vec<Problem>,
     },
     /// The calibration file cannot be used.
-    #[error("sensor.calibration = {file:?}: {source}")]
+    #[error("{key} = {file:?}: {source}")]
     Calibration {
+        /// The key that names it.
+        key: String,
         /// The file.
         file: String,
         /// What is wrong with it.
@@ -178,33 +182,30 @@ impl Experiment {
         self.folder.as_deref().unwrap_or(Path::new(""))
     }
 
-    /// The calibration that the experiment names, if it senses through pictures.
+    /// The calibration that the experiment names for `finger`.
     ///
     /// # Errors
     /// When its file cannot be read or is no calibration.
-    pub fn calibration(&self) -> Result<Option<Calibration>, ConfigError> {
-        if self.config.sensing == Sensing::Direct {
-            return Ok(None);
-        }
-        let file = &self.config.sensor.calibration;
-        let built_in = BUILT_IN_CALIBRATIONS.iter().find(|(name, _)| name == file);
+    pub fn calibration(&self, finger: usize) -> Result<Calibration, ConfigError> {
+        let (file, key) = self.config.sensor.calibration(finger);
+        let built_in = BUILT_IN_CALIBRATIONS.iter().find(|(name, _)| *name == file);
         let text = match (&self.folder, built_in) {
             (None, Some((_, text))) => (*text).to_string(),
             (folder, _) => {
                 let folder = folder.as_deref().unwrap_or(Path::new(""));
                 read(&folder.join(file), "a calibration file").map_err(|source| {
                     ConfigError::CalibrationFile {
-                        file: file.clone(),
+                        key: key.clone(),
+                        file: file.to_string(),
                         source: Box::new(source),
                     }
                 })?
             }
         };
         let calibration = Calibration::from_toml(&text);
-        calibration
-            .map(Some)
-            .map_err(|source| ConfigError::Calibration {
-                file: file.clone(),
+        calibration.map_err(|source| ConfigError::Calibration {
+                key,
+                file: file.to_string(),
                 source,
             })
     }
