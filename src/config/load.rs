@@ -1,10 +1,11 @@
 //! From a name or a file, and what the command line sets, to an experiment.
 
+use super::ExperimentConfig;
 use super::check::check;
 use super::checker::Problem;
 use super::settings::put;
-use super::ExperimentConfig;
 use crate::sensor::calibration::{Calibration, CalibrationError};
+use crate::sensor::fingertip::FingertipConfig;
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
@@ -45,6 +46,14 @@ pub enum ConfigError {
     Unknown {
         /// What was asked for.
         name: String,
+    },
+    /// There is no such finger.
+    #[error("there is no finger {finger}: expected 0 to {}", fingers - 1)]
+    NoFinger {
+        /// The finger.
+        finger: usize,
+        /// How many there are.
+        fingers: usize,
     },
     /// A file could not be read.
     #[error("{}: {source}; expected {expected}", path.display())]
@@ -182,6 +191,19 @@ impl Experiment {
         self.folder.as_deref().unwrap_or(Path::new(""))
     }
 
+    /// The fingertip of `finger`; without one, that of all fingers that have none of their own.
+    ///
+    /// # Errors
+    /// When there is no such finger.
+    pub fn fingertip(&self, finger: Option<usize>) -> Result<&FingertipConfig, ConfigError> {
+        let (sensor, fingers) = (&self.config.sensor, self.config.hand.finger.len());
+        match finger {
+            None => Ok(&sensor.fingertip),
+            Some(finger) if finger < fingers => Ok(sensor.fingertip(finger)),
+            Some(finger) => Err(ConfigError::NoFinger { finger, fingers }),
+        }
+    }
+
     /// The calibration that the experiment names for `finger`.
     ///
     /// # Errors
@@ -204,10 +226,10 @@ impl Experiment {
         };
         let calibration = Calibration::from_toml(&text);
         calibration.map_err(|source| ConfigError::Calibration {
-                key,
-                file: file.to_string(),
-                source,
-            })
+            key,
+            file: file.to_string(),
+            source,
+        })
     }
 }
 

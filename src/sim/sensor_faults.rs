@@ -97,7 +97,8 @@ impl SensorFaults {
             }
             self.receive(now, forces)?
         };
-        let frozen = !first && self.any(stamp, |kind| matches!(kind, FaultKind::FrozenFrame { .. }));
+        let frozen =
+            !first && self.any(stamp, |kind| matches!(kind, FaultKind::FrozenFrame { .. }));
         Some(Arrival {
             sequence: self.arrived?,
             stamp,
@@ -160,7 +161,10 @@ impl SensorFaults {
     fn receive(&mut self, now: f64, forces: &mut [DVec3]) -> Option<f64> {
         let there = self.under_way.iter().filter(|e| e.due <= now + SAME_TIME);
         let newest = there.max_by_key(|exposure| exposure.sequence)?;
-        if self.arrived.is_some_and(|arrived| newest.sequence <= arrived) {
+        if self
+            .arrived
+            .is_some_and(|arrived| newest.sequence <= arrived)
+        {
             return None;
         }
         self.arrived = Some(newest.sequence);

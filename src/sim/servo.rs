@@ -72,7 +72,9 @@ impl ServoConfig {
         let stopped = free.cmpne(joints.position);
         joints.velocity = DVec3::select(stopped, DVec3::ZERO, joints.velocity);
         let play = joints.backlash / 2.0;
-        joints.link = joints.link.clamp(joints.position - play, joints.position + play);
+        joints.link = joints
+            .link
+            .clamp(joints.position - play, joints.position + play);
     }
 
     /// What the encoders count at the joint angles `position`, as an angle, rad.
