@@ -21,10 +21,16 @@ pub struct BuiltIn {
 }
 
 /// The experiments that come with the program.
-pub const BUILT_IN: [BuiltIn; 1] = [BuiltIn {
-    name: "cap-closing",
-    toml: include_str!("../../experiments/cap-closing.toml"),
-}];
+pub const BUILT_IN: [BuiltIn; 2] = [
+    BuiltIn {
+        name: "cap-closing",
+        toml: include_str!("../../experiments/cap-closing.toml"),
+    },
+    BuiltIn {
+        name: "three-fingers",
+        toml: include_str!("../../experiments/three-fingers.toml"),
+    },
+];
 
 /// The calibrations that the built-in experiments name.
 const BUILT_IN_CALIBRATIONS: [(&str, &str); 1] = [(
