@@ -116,7 +116,7 @@ pub enum ConfigError {
         /// The file.
         file: String,
         /// What is wrong with it.
-        source: CalibrationError,
+        source: Box<CalibrationError>,
     },
 }
 
@@ -234,7 +234,7 @@ impl Experiment {
         calibration.map_err(|source| ConfigError::Calibration {
             key,
             file: file.to_string(),
-            source,
+            source: Box::new(source),
         })
     }
 }

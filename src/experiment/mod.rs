@@ -68,7 +68,7 @@ pub enum ExperimentError {
         /// The finger that carries it.
         finger: usize,
         /// What is wrong with it.
-        source: OpticalSensorError,
+        source: Box<OpticalSensorError>,
     },
     /// The loop could not go round.
     #[error(transparent)]
@@ -273,7 +273,10 @@ fn image_sensor(
     let camera = SimCamera::new(rig.clone(), finger, fingertip, optics, faults, seed)?;
     OpticalSensor::new(camera, own, calibration)
         .map(|sensor| Box::new(sensor) as Sensor)
-        .map_err(|source| ExperimentError::Sensor { finger, source })
+        .map_err(|source| ExperimentError::Sensor {
+            finger,
+            source: Box::new(source),
+        })
 }
 
 /// Fingertips, each built once for all fingers that carry one like it: building takes its time.

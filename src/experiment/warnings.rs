@@ -42,7 +42,7 @@ impl fmt::Display for Warning {
                      (its links and the dome's radius)"
                 )?;
                 if *from_file {
-                    write!(f, "; is its file in millimetres? then set scale = 0.001")?;
+                    write!(f, "; is its file in millimetres? Then set scale = 0.001")?;
                 }
                 Ok(())
             }
