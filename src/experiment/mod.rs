@@ -1,24 +1,22 @@
 //! One run in one process: the simulated rig, its sensors, the control loop and the recorder, wired up.
 
 pub mod log;
+mod sensors;
 pub mod warnings;
 
-use crate::config::{ConfigError, Experiment, ExperimentConfig, Sensing};
+use crate::config::{ConfigError, Experiment, ExperimentConfig};
 use crate::control::control_loop::{ControlError, ControlLoop};
 use crate::control::controller::Controller;
 use crate::control::phase::Phase;
 use crate::hand::finger::{FingerError, FingerGeometry};
 use crate::hand::inverse_kinematics::{KinematicsError, inverse_kinematics};
-use crate::sensor::fingertip::{Fingertip, FingertipConfig, FingertipError};
+use crate::sensor::fingertip::{Fingertip, FingertipError};
 use crate::sensor::layout::ElementLayout;
-use crate::sensor::optical::{OpticalSensor, OpticalSensorError};
+use crate::sensor::optical::OpticalSensorError;
 use crate::sensor::reading::TactileSensor;
-use crate::sim::direct_sensor::DirectSensor;
 use crate::sim::error::SimError;
 use crate::sim::optics_config::OpticsError;
 use crate::sim::rig::{Rig, SimHand};
-use crate::sim::sensor_faults::SensorFaults;
-use crate::sim::sim_camera::SimCamera;
 use crate::sim::thread::Turn;
 use crate::sim::torque_sensor::TorqueReading;
 use crate::sim::world::World;
@@ -122,7 +120,7 @@ impl Session {
             .cap()
             .and_then(|(name, ..)| world.model().object(name));
         let rig = Rig::new(world);
-        let sensors = sensors(experiment, &rig, &layouts)?;
+        let sensors = sensors::sensors(experiment, &rig, &layouts)?;
         let steps_per_command = (config.control.period / config.sim.step).round() as usize;
         let hand = SimHand::new(rig.clone(), steps_per_command);
         Ok(Self {
@@ -228,71 +226,4 @@ pub fn fingers_at_home(
             Ok((geometry, joints))
         })
         .collect()
-}
-
-/// One sensor per finger.
-fn sensors(
-    experiment: &Experiment,
-    rig: &Rig,
-    layouts: &[ElementLayout],
-) -> Result<Vec<Sensor>, ExperimentError> {
-    let config = &experiment.config;
-    let mut fingertips = Fingertips::default();
-    let fingers = layouts.iter().enumerate();
-    fingers
-        .map(|(finger, layout)| -> Result<Sensor, ExperimentError> {
-            let (elements, period) = (layout.elements.len(), config.control.period);
-            let faults = &config.sim.fault;
-            let faults = SensorFaults::new(faults, finger, elements, period, config.seed);
-            match config.sensing {
-                Sensing::Image => image_sensor(experiment, rig, finger, faults, &mut fingertips),
-                Sensing::Direct => {
-                    let (rig, noise) = (rig.clone(), config.sim.direct_sensing.clone());
-                    let sensor = DirectSensor::new(rig, finger, noise, faults, config.seed);
-                    Ok(Box::new(sensor))
-                }
-            }
-        })
-        .collect()
-}
-
-fn image_sensor(
-    experiment: &Experiment,
-    rig: &Rig,
-    finger: usize,
-    faults: SensorFaults,
-    fingertips: &mut Fingertips,
-) -> Result<Sensor, ExperimentError> {
-    let config = &experiment.config;
-    let (optics, seed) = (&config.sim.optics, config.seed);
-    let own = config.sensor.fingertip(finger);
-    let calibration = experiment.calibration(finger)?;
-    let fingertip = fingertips
-        .get(own)
-        .map_err(|source| ExperimentError::Fingertip { finger, source })?;
-    let camera = SimCamera::new(rig.clone(), finger, fingertip, optics, faults, seed)?;
-    OpticalSensor::new(camera, own, calibration)
-        .map(|sensor| Box::new(sensor) as Sensor)
-        .map_err(|source| ExperimentError::Sensor {
-            finger,
-            source: Box::new(source),
-        })
-}
-
-/// Fingertips, each built once for all fingers that carry one like it: building takes its time.
-#[derive(Default)]
-struct Fingertips(Vec<(FingertipConfig, Fingertip)>);
-
-impl Fingertips {
-    fn get(&mut self, config: &FingertipConfig) -> Result<&Fingertip, FingertipError> {
-        let found = self.0.iter().position(|(own, _)| own == config);
-        let index = match found {
-            Some(index) => index,
-            None => {
-                self.0.push((config.clone(), Fingertip::new(config)?));
-                self.0.len() - 1
-            }
-        };
-        Ok(&self.0[index].1)
-    }
 }

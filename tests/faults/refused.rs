@@ -1,6 +1,7 @@
 //! Faults that make no sense are refused, and what is likely not meant is warned of.
 
 use super::program::{experiment, folder, run};
+use feeler::config::Experiment;
 
 /// `feeler check` of the reference experiment with `faults` is refused with all of `words`.
 fn refused(name: &str, faults: &str, words: &[&str]) {
@@ -148,4 +149,18 @@ fn caps_that_are_oval_or_off_their_centre_are_closed() {
         let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
         assert_eq!(summary["strokes"].as_array().unwrap().len(), 4, "{set}");
     }
+}
+
+#[test]
+fn what_the_readme_shows_can_be_put_into_an_experiment() {
+    let mut text = include_str!("../../experiments/cap-closing.toml").to_string();
+    let readme = include_str!("../../README.md").split("```toml\n").skip(1);
+    let shown = readme.filter_map(|rest| rest.split("```").next());
+    for block in shown {
+        text = format!("{text}\n{block}");
+    }
+    let experiment = Experiment::parse(&text, "the README", &[], None).expect("an experiment");
+    let config = experiment.config;
+    assert_eq!((config.sim.object.len(), config.sim.fault.len()), (3, 1));
+    assert_eq!(config.sensor.finger.len(), 2);
 }

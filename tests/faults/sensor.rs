@@ -1,6 +1,7 @@
 //! Faults of sensors and cameras.
 
 use super::bench::{PERIOD, load, session, step_at, watch};
+use assert_no_alloc::assert_no_alloc;
 use feeler::control::stop_reason::StopReason;
 use feeler::experiment::Session;
 use feeler::sensor::camera::Camera;
@@ -21,9 +22,8 @@ fn both(sensing: &str, faults: &str) -> [Vec<Vec<TactileFrame>>; 2] {
     ["", faults].map(|faults| watch(&mut session(&[sensing], faults), STEPS).0)
 }
 
-#[test]
-fn nothing_changes_before_a_fault() {
-    let faults = "{from=1.6, kind.dead_element={finger=0, element=0}}, \
+/// One of each.
+const ALL: &str = "{from=1.6, kind.dead_element={finger=0, element=0}}, \
         {from=1.6, kind.stuck_rows={finger=0, first=100, count=20, gray=255}}, \
         {from=1.6, kind.frozen_frame={finger=1}}, \
         {from=1.6, kind.dropped_frames={finger=1, probability=0.5}}, \
@@ -31,11 +31,23 @@ fn nothing_changes_before_a_fault() {
         {from=1.6, kind.servo_stall={finger=0, joint=1}}, \
         {from=1.6, kind.backlash={finger=1, joint=2, angle=0.01}}, \
         {from=1.6, kind.friction_drop={factor=0.1}}";
+
+#[test]
+fn nothing_changes_before_a_fault() {
     for sensing in ["sensing=direct", "sensing=image"] {
-        let [good, bad] = both(sensing, faults);
+        let [good, bad] = both(sensing, ALL);
         let from = step_at(FROM);
         assert_eq!(good[..from], bad[..from], "{sensing}");
         assert_ne!(good[from], bad[from], "{sensing}");
+    }
+}
+
+#[test]
+fn faults_allocate_nothing_on_the_way() {
+    for sensing in ["sensing=direct", "sensing=image"] {
+        let mut session = session(&[sensing], &ALL.replace("1.6", "0.1"));
+        let failed = assert_no_alloc(|| (0..40).find_map(|_| session.step().err()));
+        assert!(failed.is_none());
     }
 }
 
