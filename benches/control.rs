@@ -43,7 +43,8 @@ fn decide_in_contact(bencher: Bencher) {
         .map(|finger| FingerGeometry::new(finger).expect("a finger"))
         .collect();
     let (control, task) = (config.control.clone(), config.task.clone());
-    let mut controller = Controller::new(control, task, &fingers, &layout);
+    let layouts = vec![layout; fingers.len()];
+    let mut controller = Controller::new(control, task, &fingers, &layouts);
     let mut state = HandState::zero(fingers.len());
     let homes = config.task.finger.iter().map(|path| path.home);
     for ((joints, geometry), home) in state.joints.iter_mut().zip(&fingers).zip(homes) {

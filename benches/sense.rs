@@ -38,7 +38,7 @@ fn picture() -> Picture {
 #[divan::bench]
 fn picture_to_readings(bencher: divan::Bencher) {
     let experiment = experiment();
-    let calibration = experiment.calibration().expect("a file").expect("one");
+    let calibration = experiment.calibration(0).expect("its own");
     let sensing = Sensing::of_fingertip(&experiment.config.sensor.fingertip).expect("a sensor");
     let mut sensing = sensing.with_calibration(calibration).expect("its own");
     let mut readings = vec![ElementReading::default(); sensing.element_count()];

@@ -68,7 +68,7 @@ fn control_period(bencher: Bencher, sensing: &str) {
     let start = || {
         let session = Session::new(&experiment).expect("a session");
         let recorder = Recorder::create(&path, &facts, &experiment.toml).expect("a recorder");
-        let log = RunLog::new(recorder, session.layout());
+        let log = RunLog::new(recorder, session.layouts());
         (session, log)
     };
     let (mut session, mut log) = start();

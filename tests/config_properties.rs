@@ -36,7 +36,17 @@ static ALLOCATOR: Bounded = Bounded;
 
 const STEPS: usize = 3;
 
-/// The reference experiment with a picture small enough to be drawn a thousand times.
+/// One fault of each kind.
+const FAULTS: &str = "{from=0.0, until=1.0, kind.dead_element={finger=0, element=0}}, \
+    {kind.stuck_rows={finger=0, first=100, count=20, gray=255}}, \
+    {kind.frozen_frame={finger=1}}, \
+    {kind.dropped_frames={finger=1, probability=0.5}}, \
+    {kind.camera_latency={finger=0, delay=0.002}}, \
+    {kind.servo_stall={finger=0, joint=1}}, \
+    {kind.backlash={finger=1, joint=2, angle=0.01}}, \
+    {kind.friction_drop={factor=0.1}}";
+
+/// The reference experiment with a picture small enough to be drawn a thousand times, and with faults.
 fn reference(sensing: &str) -> String {
     let text = include_str!("../experiments/cap-closing.toml");
     let settings = [
@@ -45,6 +55,7 @@ fn reference(sensing: &str) -> String {
         "sensor.fingertip.camera.height=120".into(),
         "sensor.fingertip.camera.focal_length_px=48.75".into(),
         "control.period=0.002".into(),
+        format!("sim.fault=[{FAULTS}]"),
     ];
     Experiment::parse(text, "reference", &settings, None)
         .expect("the reference experiment")
@@ -74,7 +85,7 @@ fn make_up_calibration(experiment: &Experiment, folder: &Path) {
         return;
     }
     let built_in = Experiment::load("cap-closing", &[]).expect("the reference experiment");
-    let mut calibration = built_in.calibration().ok().flatten().expect("its own");
+    let mut calibration = built_in.calibration(0).expect("its own");
     let fingertip = &experiment.config.sensor.fingertip;
     calibration.made_for = MadeFor::fingertip(fingertip).expect("its hash");
     let elements = fingertip.layout.element_count();

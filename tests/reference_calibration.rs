@@ -13,7 +13,7 @@ const TOLERANCE: f64 = 1e-6;
 fn the_reference_calibration_can_be_made_again() {
     let experiment = Experiment::load("cap-closing", &[]).unwrap();
     let config = &experiment.config;
-    let committed = experiment.calibration().unwrap().unwrap();
+    let committed = experiment.calibration(0).unwrap();
     let bench = CalibrationBenchConfig::default();
     let made = calibrate_simulated(&config.sensor.fingertip, &config.sim.optics, &bench).unwrap();
 

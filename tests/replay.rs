@@ -3,10 +3,9 @@
 use feeler::config::Experiment;
 use feeler::control::control_loop::{ControlError, ControlLoop};
 use feeler::experiment::log::{RunLog, run_facts};
-use feeler::experiment::{Session, controller, fingers_at_home};
+use feeler::experiment::{Session, controller, fingers_at_home, layouts};
 use feeler::hand::hand::HandError;
 use feeler::record::{RecordedHand, RecordedSensor, Recorder, Recording};
-use feeler::sensor::layout::ElementLayout;
 
 fn recorded_run(seconds: f64) -> Recording {
     let settings = ["sensing=direct".into(), format!("time_limit={seconds:?}")];
@@ -15,7 +14,7 @@ fn recorded_run(seconds: f64) -> Recording {
     let facts = run_facts(&experiment.config);
     let recorder = Recorder::create(&path, &facts, &experiment.toml).unwrap();
     let mut session = Session::new(&experiment).unwrap();
-    let mut log = RunLog::new(recorder, session.layout());
+    let mut log = RunLog::new(recorder, session.layouts());
     while !session.finished() {
         let instruments = session.step().unwrap();
         log.write(&session, &instruments).unwrap();
@@ -30,13 +29,13 @@ fn recorded_run(seconds: f64) -> Recording {
 fn a_replayed_recording_gives_the_same_commands() {
     let recording = recorded_run(4.0);
     let experiment = Experiment::parse(&recording.experiment, "recording", &[], None).unwrap();
-    let layout = ElementLayout::new(&experiment.config.sensor.fingertip.layout);
+    let layouts = layouts(&experiment.config).unwrap();
     let (fingers, _) = fingers_at_home(&experiment.config).unwrap();
     let sensors = (0..fingers.len()).map(|f| RecordedSensor::new(&recording, f));
     let mut control_loop = ControlLoop::new(
         sensors.collect(),
         RecordedHand::new(&recording),
-        controller(&experiment.config, &fingers, &layout),
+        controller(&experiment.config, &fingers, &layouts),
     );
     let steps = recording.task.len();
     assert!(steps >= 400, "{steps} steps on record");

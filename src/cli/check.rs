@@ -3,6 +3,7 @@
 use super::{CommandError, Outcome};
 use crate::config::Experiment;
 use crate::experiment::Session;
+use crate::experiment::warnings::warnings;
 use std::io::Write;
 
 #[derive(Debug, clap::Args)]
@@ -16,6 +17,10 @@ pub struct Arguments {
 
 pub fn check(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     let experiment = Experiment::load(&arguments.experiment, &arguments.settings)?;
+    // Before what may be refused for the same mistake.
+    for warning in warnings(&experiment) {
+        writeln!(out, "warning: {warning}")?;
+    }
     // Building everything checks what only the whole can tell: reach, sight, calibration.
     let session = Session::new(&experiment)?;
     let config = &experiment.config;
@@ -25,8 +30,18 @@ pub fn check(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comm
         arguments.experiment,
         config.name,
         config.hand.finger.len(),
-        session.layout().elements.len(),
+        elements(&session),
         config.task.strokes,
     )?;
     Ok(Outcome::Done)
+}
+
+/// How many elements the fingers have: one number, or one for each where they differ.
+fn elements(session: &Session) -> String {
+    let layouts = session.layouts().iter();
+    let mut counts: Vec<_> = layouts.map(|l| l.elements.len().to_string()).collect();
+    if counts.iter().all(|count| *count == counts[0]) {
+        counts.truncate(1);
+    }
+    counts.join(", ")
 }

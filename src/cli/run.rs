@@ -39,7 +39,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comman
     let folder = make_folder(arguments, &experiment)?;
     let facts = run_facts(&experiment.config);
     let recorder = Recorder::create(folder.join(RECORDING), &facts, &experiment.toml)?;
-    let mut log = RunLog::new(recorder, session.layout());
+    let mut log = RunLog::new(recorder, session.layouts());
 
     let interrupted = watch_for_interrupt()?;
     let start = Instant::now();

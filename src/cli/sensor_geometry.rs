@@ -27,13 +27,17 @@ pub struct SensorGeometry {
 }
 
 impl SensorGeometry {
-    /// The fingertip of the experiment called `name`, or the layout in the file `layout`, if there
-    /// is one.
-    pub fn of(name: &str, layout: Option<&Path>) -> Result<Self, CommandError> {
+    /// The fingertip of the experiment called `name`, that of `finger` or what all have, or the layout
+    /// in the file `layout`, if there is one.
+    pub fn of(
+        name: &str,
+        finger: Option<usize>,
+        layout: Option<&Path>,
+    ) -> Result<Self, CommandError> {
         match layout {
             Some(path) => Self::of_layout(path)
                 .map_err(|e| format!("--layout {}: {e}", path.display()).into()),
-            None => Self::of_fingertip(&Experiment::load(name, &[])?.config.sensor.fingertip),
+            None => Self::of_fingertip(Experiment::load(name, &[])?.fingertip(finger)?),
         }
     }
 

@@ -1,6 +1,7 @@
 //! What every value of an experiment must be. Numbers that are not finite are never in range.
 
 use super::ExperimentConfig;
+use super::check_faults::check_faults;
 use super::check_sim::check_sim;
 use super::checker::{Checker, MAX, Problem};
 use crate::control::controller::ControlConfig;
@@ -27,11 +28,18 @@ pub fn check(config: &ExperimentConfig) -> Vec<Problem> {
         &format!("1 to {MAX_NAME} letters, digits, hyphens and underscores"),
     );
     checker.between("time_limit", config.time_limit, 1e-3, 1e5);
-    check_fingertip(&config.sensor.fingertip, &mut checker);
+    check_fingertip("sensor.fingertip", &config.sensor.fingertip, &mut checker);
+    for (finger, own) in config.sensor.finger.iter().enumerate() {
+        if let Some(fingertip) = &own.fingertip {
+            let key = format!("sensor.finger[{finger}].fingertip");
+            check_fingertip(&key, fingertip, &mut checker);
+        }
+    }
     check_fingers(config, &mut checker);
     check_control(&config.control, &mut checker);
     check_task(&config.task, &mut checker);
     check_sim(&config.sim, &mut checker);
+    check_faults(config, &mut checker);
     let steps = config.control.period / config.sim.step;
     checker.require(
         "control.period",
@@ -45,28 +53,28 @@ pub fn check(config: &ExperimentConfig) -> Vec<Problem> {
     checker.problems
 }
 
-fn check_fingertip(fingertip: &FingertipConfig, checker: &mut Checker) {
+fn check_fingertip(key: &str, fingertip: &FingertipConfig, checker: &mut Checker) {
     let layout = &fingertip.layout;
     checker.between(
-        "sensor.fingertip.layout.dome_radius",
+        &format!("{key}.layout.dome_radius"),
         layout.dome_radius,
         1e-3,
         1.0,
     );
     checker.between(
-        "sensor.fingertip.moments.subregion_radius",
+        &format!("{key}.moments.subregion_radius"),
         fingertip.moments.subregion_radius,
         1e-6,
         layout.dome_radius,
     );
     checker.require(
-        "sensor.fingertip.layout.rings",
+        &format!("{key}.layout.rings"),
         format!("{} rings", layout.rings.len()),
         !layout.rings.is_empty(),
         "at least one ring, as in [{ elements = 8, polar_angle_deg = 22.5 }]",
     );
     for (index, ring) in layout.rings.iter().enumerate() {
-        let ring_key = format!("sensor.fingertip.layout.rings[{index}]");
+        let ring_key = format!("{key}.layout.rings[{index}]");
         checker.require(
             &format!("{ring_key}.elements"),
             ring.elements.to_string(),
@@ -95,6 +103,13 @@ fn check_fingers(config: &ExperimentConfig, checker: &mut Checker) {
         format!("{task} fingers"),
         task == hand,
         &format!("as many fingers as hand.finger has, {hand}"),
+    );
+    let sensors = config.sensor.finger.len();
+    checker.require(
+        "sensor.finger",
+        format!("{sensors} fingers"),
+        sensors == 0 || sensors == hand,
+        &format!("none, or as many as hand.finger has, {hand}; an empty one is as [sensor] says"),
     );
 }
 

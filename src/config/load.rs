@@ -1,10 +1,11 @@
 //! From a name or a file, and what the command line sets, to an experiment.
 
+use super::ExperimentConfig;
 use super::check::check;
 use super::checker::Problem;
 use super::settings::put;
-use super::{ExperimentConfig, Sensing};
 use crate::sensor::calibration::{Calibration, CalibrationError};
+use crate::sensor::fingertip::FingertipConfig;
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
@@ -20,10 +21,16 @@ pub struct BuiltIn {
 }
 
 /// The experiments that come with the program.
-pub const BUILT_IN: [BuiltIn; 1] = [BuiltIn {
-    name: "cap-closing",
-    toml: include_str!("../../experiments/cap-closing.toml"),
-}];
+pub const BUILT_IN: [BuiltIn; 2] = [
+    BuiltIn {
+        name: "cap-closing",
+        toml: include_str!("../../experiments/cap-closing.toml"),
+    },
+    BuiltIn {
+        name: "three-fingers",
+        toml: include_str!("../../experiments/three-fingers.toml"),
+    },
+];
 
 /// The calibrations that the built-in experiments name.
 const BUILT_IN_CALIBRATIONS: [(&str, &str); 1] = [(
@@ -46,6 +53,14 @@ pub enum ConfigError {
         /// What was asked for.
         name: String,
     },
+    /// There is no such finger.
+    #[error("there is no finger {finger}: expected 0 to {}", fingers - 1)]
+    NoFinger {
+        /// The finger.
+        finger: usize,
+        /// How many there are.
+        fingers: usize,
+    },
     /// A file could not be read.
     #[error("{}: {source}; expected {expected}", path.display())]
     Read {
@@ -58,10 +73,12 @@ pub enum ConfigError {
     },
     /// The calibration file could not be read.
     #[error(
-        "sensor.calibration = {file:?}: {source}: copy it there, or make one with \
+        "{key} = {file:?}: {source}: copy it there, or make one with \
          `feeler calibrate`"
     )]
     CalibrationFile {
+        /// The key that names it.
+        key: String,
         /// The file, as the experiment names it.
         file: String,
         /// Where it was looked for, and what the system said.
@@ -92,12 +109,14 @@ pub enum ConfigError {
         problems: Vec<Problem>,
     },
     /// The calibration file cannot be used.
-    #[error("sensor.calibration = {file:?}: {source}")]
+    #[error("{key} = {file:?}: {source}")]
     Calibration {
+        /// The key that names it.
+        key: String,
         /// The file.
         file: String,
         /// What is wrong with it.
-        source: CalibrationError,
+        source: Box<CalibrationError>,
     },
 }
 
@@ -178,35 +197,45 @@ impl Experiment {
         self.folder.as_deref().unwrap_or(Path::new(""))
     }
 
-    /// The calibration that the experiment names, if it senses through pictures.
+    /// The fingertip of `finger`; without one, that of all fingers that have none of their own.
+    ///
+    /// # Errors
+    /// When there is no such finger.
+    pub fn fingertip(&self, finger: Option<usize>) -> Result<&FingertipConfig, ConfigError> {
+        let (sensor, fingers) = (&self.config.sensor, self.config.hand.finger.len());
+        match finger {
+            None => Ok(&sensor.fingertip),
+            Some(finger) if finger < fingers => Ok(sensor.fingertip(finger)),
+            Some(finger) => Err(ConfigError::NoFinger { finger, fingers }),
+        }
+    }
+
+    /// The calibration that the experiment names for `finger`.
     ///
     /// # Errors
     /// When its file cannot be read or is no calibration.
-    pub fn calibration(&self) -> Result<Option<Calibration>, ConfigError> {
-        if self.config.sensing == Sensing::Direct {
-            return Ok(None);
-        }
-        let file = &self.config.sensor.calibration;
-        let built_in = BUILT_IN_CALIBRATIONS.iter().find(|(name, _)| name == file);
+    pub fn calibration(&self, finger: usize) -> Result<Calibration, ConfigError> {
+        let (file, key) = self.config.sensor.calibration(finger);
+        let built_in = BUILT_IN_CALIBRATIONS.iter().find(|(name, _)| *name == file);
         let text = match (&self.folder, built_in) {
             (None, Some((_, text))) => (*text).to_string(),
             (folder, _) => {
                 let folder = folder.as_deref().unwrap_or(Path::new(""));
                 read(&folder.join(file), "a calibration file").map_err(|source| {
                     ConfigError::CalibrationFile {
-                        file: file.clone(),
+                        key: key.clone(),
+                        file: file.to_string(),
                         source: Box::new(source),
                     }
                 })?
             }
         };
         let calibration = Calibration::from_toml(&text);
-        calibration
-            .map(Some)
-            .map_err(|source| ConfigError::Calibration {
-                file: file.clone(),
-                source,
-            })
+        calibration.map_err(|source| ConfigError::Calibration {
+            key,
+            file: file.to_string(),
+            source: Box::new(source),
+        })
     }
 }
 

@@ -2,6 +2,7 @@
 //! runtime objects.
 
 mod check;
+mod check_faults;
 mod check_objects;
 mod check_sim;
 mod checker;
@@ -32,7 +33,7 @@ pub struct ExperimentConfig {
     pub sensing: Sensing,
     /// The run is stopped at this simulated time, s.
     pub time_limit: f64,
-    /// The fingertips' sensors; all alike.
+    /// The fingertips' sensors.
     pub sensor: SensorConfig,
     /// The hand's fingers.
     pub hand: HandConfig,
@@ -54,7 +55,7 @@ pub enum Sensing {
     Direct,
 }
 
-/// A fingertip's sensor.
+/// The fingertips' sensors: what all have that say nothing else.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SensorConfig {
@@ -62,6 +63,39 @@ pub struct SensorConfig {
     pub calibration: String,
     /// The elements, the camera that looks at them, and how moments are taken of its picture.
     pub fingertip: FingertipConfig,
+    /// What each finger has of its own: nothing, or an entry per finger of the hand.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub finger: Vec<FingerSensorConfig>,
+}
+
+/// One finger's sensor, as far as it differs from the others.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FingerSensorConfig {
+    /// File of its calibration; without it, `sensor.calibration`.
+    #[serde(default)]
+    pub calibration: Option<String>,
+    /// Its fingertip; without it, `sensor.fingertip`.
+    #[serde(default)]
+    pub fingertip: Option<FingertipConfig>,
+}
+
+impl SensorConfig {
+    /// The fingertip of `finger`.
+    pub fn fingertip(&self, finger: usize) -> &FingertipConfig {
+        let own = self.finger.get(finger);
+        own.and_then(|own| own.fingertip.as_ref())
+            .unwrap_or(&self.fingertip)
+    }
+
+    /// The calibration file of `finger`, and the key that names it.
+    pub fn calibration(&self, finger: usize) -> (&str, String) {
+        let own = self.finger.get(finger);
+        match own.and_then(|own| own.calibration.as_deref()) {
+            Some(file) => (file, format!("sensor.finger[{finger}].calibration")),
+            None => (&self.calibration, "sensor.calibration".to_string()),
+        }
+    }
 }
 
 /// The hand.

@@ -56,6 +56,8 @@ impl ControlConfig {
 #[derive(Debug, Clone)]
 pub struct FingerControl {
     geometry: FingerGeometry,
+    /// Outward normals of its elements in its fingertip frame `T`.
+    normals: Vec<DVec3>,
     analyzer: FlagAnalyzer,
     estimator: FingerSpeedEstimator,
     /// Rotation from its fingertip frame `T` to W, by the encoders.
@@ -70,7 +72,6 @@ pub struct FingerControl {
 #[derive(Debug, Clone)]
 pub struct Controller {
     config: ControlConfig,
-    normals: Vec<DVec3>,
     fingers: Vec<FingerControl>,
     senses: Vec<FingerSense>,
     task: ScrewTask,
@@ -78,28 +79,28 @@ pub struct Controller {
 }
 
 impl Controller {
-    /// A controller for a hand of `fingers`, each with the elements of `layout`.
+    /// A controller for a hand of `fingers`, each with the elements of its own of `layouts`.
     pub fn new(
         config: ControlConfig,
         task: TaskConfig,
         fingers: &[FingerGeometry],
-        layout: &ElementLayout,
+        layouts: &[ElementLayout],
     ) -> Self {
-        let elements = layout.elements.len();
         Self {
-            normals: layout.elements.iter().map(|e| e.normal()).collect(),
             fingers: fingers
                 .iter()
-                .map(|geometry| FingerControl {
+                .zip(layouts)
+                .map(|(geometry, layout)| FingerControl {
                     geometry: geometry.clone(),
-                    analyzer: FlagAnalyzer::new(config.thresholds(), elements),
+                    normals: layout.elements.iter().map(|e| e.normal()).collect(),
+                    analyzer: FlagAnalyzer::new(config.thresholds(), layout.elements.len()),
                     estimator: FingerSpeedEstimator::new(config.reflex()),
                     rotation: DMat3::IDENTITY,
                     velocity: DVec3::ZERO,
                     admitted: Admitted::default(),
                 })
                 .collect(),
-            senses: vec![FingerSense::default(); fingers.len()],
+            senses: vec![FingerSense::default(); fingers.len().min(layouts.len())],
             task: ScrewTask::new(task),
             stop_reason: None,
             config,
@@ -163,14 +164,11 @@ impl Controller {
         let expected = self.fingers.len();
         check_count("tactile frames", expected, tactile.len())?;
         check_count("joint states", expected, state.joints.len())?;
-        let (elements, limit) = (
-            self.normals.len(),
-            self.config.stale_periods * self.config.period,
-        );
+        let limit = self.config.stale_periods * self.config.period;
         let inputs = tactile.iter().zip(&state.joints);
         let outputs = self.fingers.iter_mut().zip(&mut self.senses);
         for (finger, ((frame, joints), (control, sense))) in inputs.zip(outputs).enumerate() {
-            check_input(finger, elements, frame, joints)?;
+            check_input(finger, control.normals.len(), frame, joints)?;
             sense.flags = control.analyzer.analyze(frame);
             // Of the newest picture, not of its newest copy: a camera that is stuck goes stale.
             let age = state.stamp - control.analyzer.stamp();
@@ -191,7 +189,7 @@ impl Controller {
             let normal = sense
                 .flags
                 .largest_element
-                .and_then(|e| self.normals.get(e));
+                .and_then(|e| finger.normals.get(e));
             let pressing = normal.map(|&normal| finger.rotation * normal);
             finger.velocity = finger.estimator.estimate(&plan, &sense.flags, pressing);
             let request = Request {

@@ -20,8 +20,8 @@ use glam::{DQuat, DVec3};
 /// Writes control steps to a recording. Messages with lists are kept and filled again.
 pub struct RunLog {
     recorder: Recorder,
-    /// Undeformed feeler tips in the fingertip frame `T`, m.
-    tips: Vec<DVec3>,
+    /// Undeformed feeler tips of each finger in its fingertip frame `T`, m.
+    tips: Vec<Vec<DVec3>>,
     tactile: Tactile,
     flags: Flags,
     fingertip: Fingertip,
@@ -29,11 +29,15 @@ pub struct RunLog {
 }
 
 impl RunLog {
-    /// Logs to `recorder` a run of fingertips with the elements of `layout`.
-    pub fn new(recorder: Recorder, layout: &ElementLayout) -> Self {
+    /// Logs to `recorder` a run of fingertips with the elements of `layouts`, one each.
+    pub fn new(recorder: Recorder, layouts: &[ElementLayout]) -> Self {
+        let tips = |layout: &ElementLayout| {
+            let elements = 0..layout.elements.len();
+            elements.map(|element| layout.tip(element)).collect()
+        };
         Self {
             recorder,
-            tips: (0..layout.elements.len()).map(|e| layout.tip(e)).collect(),
+            tips: layouts.iter().map(tips).collect(),
             tactile: Tactile::default(),
             flags: Flags::default(),
             fingertip: Fingertip {
@@ -148,7 +152,8 @@ impl RunLog {
         self.fingertip.position = position.into();
         self.fingertip.orientation = DQuat::from_mat3(&rotation).into();
         self.fingertip.element_tips.clear();
-        let tips = self.tips.iter().map(|&tip| position + rotation * tip);
+        let tips = self.tips.get(index).into_iter().flatten();
+        let tips = tips.map(|&tip| position + rotation * tip);
         self.fingertip.element_tips.extend(tips.map(Vector3::from));
         self.recorder.fingertip(index, &self.fingertip)
     }

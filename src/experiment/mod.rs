@@ -1,6 +1,8 @@
 //! One run in one process: the simulated rig, its sensors, the control loop and the recorder, wired up.
 
 pub mod log;
+mod sensors;
+pub mod warnings;
 
 use crate::config::{ConfigError, Experiment, ExperimentConfig};
 use crate::control::control_loop::{ControlError, ControlLoop};
@@ -8,16 +10,13 @@ use crate::control::controller::Controller;
 use crate::control::phase::Phase;
 use crate::hand::finger::{FingerError, FingerGeometry};
 use crate::hand::inverse_kinematics::{KinematicsError, inverse_kinematics};
-use crate::sensor::calibration::Calibration;
 use crate::sensor::fingertip::{Fingertip, FingertipError};
 use crate::sensor::layout::ElementLayout;
-use crate::sensor::optical::{OpticalSensor, OpticalSensorError};
+use crate::sensor::optical::OpticalSensorError;
 use crate::sensor::reading::TactileSensor;
-use crate::sim::direct_sensor::DirectSensor;
 use crate::sim::error::SimError;
 use crate::sim::optics_config::OpticsError;
 use crate::sim::rig::{Rig, SimHand};
-use crate::sim::sim_camera::SimCamera;
 use crate::sim::thread::Turn;
 use crate::sim::torque_sensor::TorqueReading;
 use crate::sim::world::World;
@@ -47,18 +46,28 @@ pub enum ExperimentError {
         /// Why it cannot.
         source: Box<KinematicsError>,
     },
-    /// The fingertip makes no sense.
-    #[error("sensor.fingertip: {0}")]
-    Fingertip(#[from] FingertipError),
+    /// A fingertip makes no sense.
+    #[error("sensor.fingertip: finger {finger}: {source}")]
+    Fingertip {
+        /// The finger that carries it.
+        finger: usize,
+        /// What is wrong with it.
+        source: FingertipError,
+    },
     /// The optics make no sense.
     #[error("sim.optics: {0}")]
     Optics(#[from] OpticsError),
     /// The simulated world cannot be built.
     #[error(transparent)]
     Sim(#[from] SimError),
-    /// The sensor cannot be built.
-    #[error("sensor: {0}")]
-    Sensor(#[from] OpticalSensorError),
+    /// A sensor cannot be built.
+    #[error("sensor: finger {finger}: {source}")]
+    Sensor {
+        /// The finger that carries it.
+        finger: usize,
+        /// What is wrong with it.
+        source: Box<OpticalSensorError>,
+    },
     /// The loop could not go round.
     #[error(transparent)]
     Control(#[from] ControlError),
@@ -71,7 +80,7 @@ type Sensor = Box<dyn TactileSensor + Send>;
 pub struct Session {
     rig: Rig,
     control_loop: ControlLoop<Sensor, SimHand>,
-    layout: ElementLayout,
+    layouts: Vec<ElementLayout>,
     /// The object on a thread.
     cap: Option<usize>,
     time_limit: f64,
@@ -95,10 +104,10 @@ impl Session {
     /// When a part of the experiment makes no sense.
     pub fn new(experiment: &Experiment) -> Result<Self, ExperimentError> {
         let config = &experiment.config;
-        let (layout, _) = Fingertip::layout_and_projection(&config.sensor.fingertip)?;
+        let layouts = layouts(config)?;
         let (fingers, joints) = fingers_at_home(config)?;
-        let controller = controller(config, &fingers, &layout);
-        let fingers: Vec<_> = fingers.into_iter().map(|f| (f, layout.clone())).collect();
+        let controller = controller(config, &fingers, &layouts);
+        let fingers: Vec<_> = fingers.into_iter().zip(layouts.iter().cloned()).collect();
         let world = World::new(
             &config.sim,
             &fingers,
@@ -111,13 +120,13 @@ impl Session {
             .cap()
             .and_then(|(name, ..)| world.model().object(name));
         let rig = Rig::new(world);
-        let sensors = sensors(experiment, &rig, joints.len())?;
+        let sensors = sensors::sensors(experiment, &rig, &layouts)?;
         let steps_per_command = (config.control.period / config.sim.step).round() as usize;
         let hand = SimHand::new(rig.clone(), steps_per_command);
         Ok(Self {
             rig,
             control_loop: ControlLoop::new(sensors, hand, controller),
-            layout,
+            layouts,
             cap,
             time_limit: config.time_limit,
         })
@@ -156,9 +165,9 @@ impl Session {
         &self.control_loop
     }
 
-    /// The fingertips' elements.
-    pub fn layout(&self) -> &ElementLayout {
-        &self.layout
+    /// The elements of each finger's fingertip.
+    pub fn layouts(&self) -> &[ElementLayout] {
+        &self.layouts
     }
 
     /// The simulated rig.
@@ -167,13 +176,29 @@ impl Session {
     }
 }
 
-/// The controller of `config` for `fingers` with the elements of `layout`.
+/// The controller of `config` for `fingers` with the elements of `layouts`, one each.
 pub fn controller(
     config: &ExperimentConfig,
     fingers: &[FingerGeometry],
-    layout: &ElementLayout,
+    layouts: &[ElementLayout],
 ) -> Controller {
-    Controller::new(config.control.clone(), config.task.clone(), fingers, layout)
+    let (control, task) = (config.control.clone(), config.task.clone());
+    Controller::new(control, task, fingers, layouts)
+}
+
+/// The elements of each finger's fingertip.
+///
+/// # Errors
+/// When a fingertip makes no sense.
+pub fn layouts(config: &ExperimentConfig) -> Result<Vec<ElementLayout>, ExperimentError> {
+    let fingers = 0..config.hand.finger.len();
+    fingers
+        .map(|finger| {
+            let made = Fingertip::layout_and_projection(config.sensor.fingertip(finger));
+            let made = made.map_err(|source| ExperimentError::Fingertip { finger, source });
+            made.map(|(layout, _)| layout)
+        })
+        .collect()
 }
 
 /// The fingers and the joint angles, rad, that bring them home.
@@ -201,43 +226,4 @@ pub fn fingers_at_home(
             Ok((geometry, joints))
         })
         .collect()
-}
-
-/// One sensor per finger. Only those that look at pictures need the whole fingertip.
-fn sensors(
-    experiment: &Experiment,
-    rig: &Rig,
-    fingers: usize,
-) -> Result<Vec<Sensor>, ExperimentError> {
-    let config = &experiment.config;
-    let Some(calibration) = experiment.calibration()? else {
-        let sensors = (0..fingers).map(|finger| direct_sensor(config, rig, finger));
-        return Ok(sensors.collect());
-    };
-    let fingertip = Fingertip::new(&config.sensor.fingertip)?;
-    (0..fingers)
-        .map(|finger| image_sensor(config, rig, finger, &fingertip, &calibration))
-        .collect()
-}
-
-fn image_sensor(
-    config: &ExperimentConfig,
-    rig: &Rig,
-    finger: usize,
-    fingertip: &Fingertip,
-    calibration: &Calibration,
-) -> Result<Sensor, ExperimentError> {
-    let (optics, seed) = (&config.sim.optics, config.seed);
-    let camera = SimCamera::new(rig.clone(), finger, fingertip, optics, seed)?;
-    let fingertip = &config.sensor.fingertip;
-    Ok(Box::new(OpticalSensor::new(
-        camera,
-        fingertip,
-        calibration.clone(),
-    )?))
-}
-
-fn direct_sensor(config: &ExperimentConfig, rig: &Rig, finger: usize) -> Sensor {
-    let noise = config.sim.direct_sensing.clone();
-    Box::new(DirectSensor::new(rig.clone(), finger, noise, config.seed))
 }

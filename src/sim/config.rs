@@ -1,6 +1,7 @@
 //! The simulated world, as an experiment file describes it.
 
 use super::element::ElementConfig;
+use super::fault::FaultConfig;
 use super::feeler::FeelerConfig;
 use super::object::ObjectConfig;
 use super::optics_config::OpticsConfig;
@@ -48,6 +49,9 @@ pub struct SimConfig {
     pub variation: VariationConfig,
     /// What the camera's picture is made of.
     pub optics: OpticsConfig,
+    /// What breaks, and when.
+    #[serde(default)]
+    pub fault: Vec<FaultConfig>,
     /// Noise of forces that are sensed without pictures.
     pub direct_sensing: DirectSensingConfig,
 }

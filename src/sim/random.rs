@@ -17,6 +17,8 @@ pub enum Purpose {
     TorqueNoise,
     /// Noise of finger `n`'s camera, or of its forces when they are sensed directly.
     SensorNoise(usize),
+    /// Fault `n` of the experiment.
+    Fault(usize),
 }
 
 /// The stream of `purpose` in the run of `seed`.
@@ -25,6 +27,7 @@ pub fn generator(seed: u64, purpose: Purpose) -> Generator {
         Purpose::Variation => 1,
         Purpose::TorqueNoise => 2,
         Purpose::SensorNoise(finger) => 16 + finger as u64,
+        Purpose::Fault(fault) => 1024 + fault as u64,
     };
     // The odd multiplier is a bijection, so no two pairs of small seed and purpose meet.
     Generator::seed_from_u64(
@@ -41,4 +44,9 @@ pub fn normal(random: &mut Generator, deviation: f64) -> f64 {
 /// A number uniformly distributed over `-half_width..half_width`.
 pub fn uniform(random: &mut Generator, half_width: f64) -> f64 {
     half_width * (2.0 * random.random::<f64>() - 1.0)
+}
+
+/// Whether something of `probability` happens.
+pub fn chance(random: &mut Generator, probability: f64) -> bool {
+    random.random::<f64>() < probability
 }

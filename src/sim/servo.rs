@@ -1,6 +1,6 @@
 //! The joints' drives: velocity controlled, with a first-order lag and an incremental encoder.
 
-use glam::DVec3;
+use glam::{BVec3, DVec3};
 use serde::{Deserialize, Serialize};
 
 /// The drives of a finger's three joints; all alike.
@@ -16,12 +16,18 @@ pub struct ServoConfig {
 /// The true motion of a finger's three joints.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Joints {
-    /// Joint angles, rad.
+    /// Joint angles as the motors have them and the encoders read them, rad.
     pub position: DVec3,
     /// Joint velocities, rad/s.
     pub velocity: DVec3,
     /// Commanded joint velocities, rad/s.
     pub command: DVec3,
+    /// Joint angles as the links have them, rad: those of the motors but for backlash.
+    pub link: DVec3,
+    /// Width of the dead band between motor and link, rad.
+    pub backlash: DVec3,
+    /// Joints that ignore their commands and stand still.
+    pub stalled: BVec3,
 }
 
 impl Joints {
@@ -31,6 +37,9 @@ impl Joints {
             position,
             velocity: DVec3::ZERO,
             command: DVec3::ZERO,
+            link: position,
+            backlash: DVec3::ZERO,
+            stalled: BVec3::FALSE,
         }
     }
 }
@@ -54,12 +63,18 @@ impl ServoConfig {
         remaining: f64,
         (lower, upper): (DVec3, DVec3),
     ) {
-        let error = joints.velocity - joints.command;
-        let free = joints.position + step * joints.command + self.lag * (1.0 - remaining) * error;
-        joints.velocity = joints.command + remaining * error;
+        let command = DVec3::select(joints.stalled, DVec3::ZERO, joints.command);
+        let velocity = DVec3::select(joints.stalled, DVec3::ZERO, joints.velocity);
+        let error = velocity - command;
+        let free = joints.position + step * command + self.lag * (1.0 - remaining) * error;
+        joints.velocity = command + remaining * error;
         joints.position = free.clamp(lower, upper);
         let stopped = free.cmpne(joints.position);
         joints.velocity = DVec3::select(stopped, DVec3::ZERO, joints.velocity);
+        let play = joints.backlash / 2.0;
+        joints.link = joints
+            .link
+            .clamp(joints.position - play, joints.position + play);
     }
 
     /// What the encoders count at the joint angles `position`, as an angle, rad.

@@ -79,8 +79,13 @@ fn one() -> f64 {
 #[derive(Debug, thiserror::Error)]
 pub enum ShapeError {
     /// Its file cannot be used.
-    #[error(transparent)]
-    Mesh(#[from] MeshError),
+    #[error("{}: {source}", file.display())]
+    Mesh {
+        /// The file.
+        file: PathBuf,
+        /// What is wrong with it.
+        source: Box<MeshError>,
+    },
     /// The library refuses the mesh, or its corners have no hull.
     #[error("{}: expected {expected}", file.display())]
     Unfit {
@@ -89,6 +94,14 @@ pub enum ShapeError {
         /// What is needed.
         expected: &'static str,
     },
+}
+
+/// The mesh in `file`, relative to `folder`.
+fn mesh(folder: &Path, file: &Path, scale: f64) -> Result<TriangleMesh, ShapeError> {
+    read_mesh(&folder.join(file), scale).map_err(|source| ShapeError::Mesh {
+        file: file.to_path_buf(),
+        source: Box::new(source),
+    })
 }
 
 /// The point of a surface that is nearest to a query point.
@@ -147,7 +160,7 @@ impl Shape {
             }
             ShapeConfig::HalfSpace => Form::Other(SharedShape::halfspace(Vector::Z)),
             ShapeConfig::ConvexHull { file, scale } => {
-                let mesh = read_mesh(&folder.join(file), *scale)?;
+                let mesh = mesh(folder, file, *scale)?;
                 let hull = SharedShape::convex_hull(&mesh.vertices);
                 Form::Other(hull.ok_or_else(|| ShapeError::Unfit {
                     file: file.clone(),
@@ -158,7 +171,7 @@ impl Shape {
                 let TriangleMesh {
                     vertices,
                     triangles,
-                } = read_mesh(&folder.join(file), *scale)?;
+                } = mesh(folder, file, *scale)?;
                 // The flags that tell inside from outside.
                 let mesh = SharedShape::trimesh_with_flags(
                     vertices,

@@ -5,7 +5,8 @@ use super::optics_config::{OpticsConfig, OpticsError};
 use super::optics_model::OpticsModel;
 use super::random::{Generator, Purpose, generator};
 use super::rig::Rig;
-use crate::sensor::camera::{Camera, CameraError};
+use super::sensor_faults::SensorFaults;
+use crate::sensor::camera::{Camera, CameraError, check_frame_size};
 use crate::sensor::fingertip::Fingertip;
 use crate::sensor::frame::Frame;
 use glam::DVec3;
@@ -18,11 +19,13 @@ pub struct SimCamera {
     scratch: OpticsScratch,
     forces: Vec<DVec3>,
     random: Generator,
-    sequence: u64,
+    faults: SensorFaults,
+    /// The newest frame, where a fault may ask for it again.
+    newest: Option<Frame>,
 }
 
 impl SimCamera {
-    /// The camera in the fingertip of `finger`, its noise drawn from `seed`.
+    /// The camera in the fingertip of `finger` with its `faults`, its noise drawn from `seed`.
     ///
     /// # Errors
     /// When the optics make no sense.
@@ -31,9 +34,13 @@ impl SimCamera {
         finger: usize,
         fingertip: &Fingertip,
         optics: &OpticsConfig,
+        faults: SensorFaults,
         seed: u64,
     ) -> Result<Self, OpticsError> {
-        let optics = OpticsModel::new(optics, &fingertip.layout, &fingertip.projection)?;
+        let projection = &fingertip.projection;
+        let optics = OpticsModel::new(optics, &fingertip.layout, projection)?;
+        let newest =
+            (!faults.is_empty()).then(|| Frame::black(projection.width(), projection.height()));
         Ok(Self {
             rig,
             finger,
@@ -41,29 +48,56 @@ impl SimCamera {
             optics,
             forces: vec![DVec3::ZERO; fingertip.layout.elements.len()],
             random: generator(seed, Purpose::SensorNoise(finger)),
-            sequence: 0,
+            faults,
+            newest,
         })
+    }
+
+    /// Draws the picture of what was exposed at `stamp`.
+    fn draw(&mut self, stamp: f64, frame: &mut Frame) -> Result<(), CameraError> {
+        render(
+            &self.optics,
+            &mut self.scratch,
+            &self.forces,
+            &mut self.random,
+            &mut frame.picture,
+        )
+        .map_err(|error| CameraError::Failed(error.to_string()))?;
+        self.faults.overwrite_rows(stamp, &mut frame.picture);
+        Ok(())
     }
 }
 
 impl Camera for SimCamera {
     fn capture(&mut self, frame: &mut Frame) -> Result<(), CameraError> {
-        frame.stamp = {
+        let now = {
             let world = self.rig.world();
             world.element_forces(self.finger, &mut self.forces);
             world.state().time
         };
-        let (random, picture) = (&mut self.random, &mut frame.picture);
-        render(
-            &self.optics,
-            &mut self.scratch,
-            &self.forces,
-            random,
-            picture,
-        )
-        .map_err(|error| CameraError::Failed(error.to_string()))?;
-        frame.sequence = self.sequence;
-        self.sequence += 1;
+        let arrival = self.faults.expose(now, &mut self.forces);
+        if let Some(arrival) = arrival.filter(|arrival| !arrival.frozen) {
+            self.draw(arrival.stamp, frame)?;
+        }
+        if let Some(arrival) = arrival {
+            frame.sequence = arrival.sequence;
+            frame.stamp = arrival.stamp;
+        }
+        let Some(newest) = &mut self.newest else {
+            return Ok(());
+        };
+        let size = (newest.picture.width, newest.picture.height);
+        check_frame_size(size, frame)?;
+        match arrival {
+            Some(arrival) if !arrival.frozen => {
+                newest.picture.pixels.copy_from_slice(&frame.picture.pixels);
+            }
+            _ => frame.picture.pixels.copy_from_slice(&newest.picture.pixels),
+        }
+        match arrival {
+            Some(arrival) => (newest.sequence, newest.stamp) = (arrival.sequence, arrival.stamp),
+            None => (frame.sequence, frame.stamp) = (newest.sequence, newest.stamp),
+        }
         Ok(())
     }
 }

@@ -55,7 +55,7 @@ fn move_finger(model: &Model, finger: &Finger, state: &mut FingerState) {
         .servo
         .advance(&mut state.joints, model.step, remaining, limits);
     state.tip = state.held_at.unwrap_or_else(|| {
-        let (position, rotation) = fingertip_pose(geometry, state.joints.position);
+        let (position, rotation) = fingertip_pose(geometry, state.joints.link);
         Pose { position, rotation }
     });
 }

@@ -6,6 +6,7 @@ use super::free_bodies::FreeBodies;
 use super::model::Model;
 use super::pose::Pose;
 use super::random::{Generator, Purpose, generator};
+use super::rig_faults::RigFaults;
 use super::state::State;
 use super::step::{step, wrench};
 use super::torque_sensor::TorqueReading;
@@ -19,6 +20,7 @@ pub struct World {
     model: Model,
     state: State,
     bodies: FreeBodies,
+    faults: RigFaults,
     torque_noise: Generator,
 }
 
@@ -40,6 +42,7 @@ impl World {
         super::start::check(&model, &state)?;
         Ok(Self {
             bodies: FreeBodies::new(&model),
+            faults: RigFaults::new(&config.fault, &model),
             torque_noise: generator(seed, Purpose::TorqueNoise),
             state,
             model,
@@ -51,6 +54,7 @@ impl World {
     /// # Errors
     /// When a quantity becomes not finite. The world is of no use from there on.
     pub fn step(&mut self) -> Result<(), SimError> {
+        self.faults.apply(&mut self.state);
         step(&self.model, &mut self.state, &mut self.bodies);
         self.state.check_finite(&self.model)
     }

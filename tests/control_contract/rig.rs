@@ -27,8 +27,9 @@ pub fn geometries(config: &ExperimentConfig) -> Vec<FingerGeometry> {
 
 pub fn controller(config: &ExperimentConfig) -> Controller {
     let layout = ElementLayout::new(&config.sensor.fingertip.layout);
+    let layouts = vec![layout; config.hand.finger.len()];
     let (control, task) = (config.control.clone(), config.task.clone());
-    Controller::new(control, task, &geometries(config), &layout)
+    Controller::new(control, task, &geometries(config), &layouts)
 }
 
 /// Joint angles, rad, with each finger at home.

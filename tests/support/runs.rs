@@ -21,7 +21,7 @@ pub fn run(settings: &[String], folder: &Path) -> Digest {
     let mut session = Session::new(&experiment).expect("a session");
     let facts = run_facts(&experiment.config);
     let recorder = Recorder::create(folder.join(RECORDING), &facts, &experiment.toml);
-    let mut log = RunLog::new(recorder.expect("a recorder"), session.layout());
+    let mut log = RunLog::new(recorder.expect("a recorder"), session.layouts());
     while !session.finished() {
         let instruments = session.step().expect("a step");
         log.write(&session, &instruments).expect("a recorded step");

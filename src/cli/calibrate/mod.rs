@@ -30,6 +30,10 @@ pub struct Arguments {
     /// The experiment whose fingertip it is: a file, or the name of a built-in one [default: cap-closing]
     #[arg(long, value_name = "EXPERIMENT")]
     experiment: Option<String>,
+    /// The finger of the experiment whose fingertip it is, from 0 [default: what fingers have without
+    /// one of their own]
+    #[arg(long, value_name = "NUMBER", conflicts_with = "layout")]
+    finger: Option<usize>,
     /// The sensing elements as `feeler locate` found them, instead of an experiment's.
     #[arg(long, value_name = "LAYOUT.toml", conflicts_with_all = ["simulated", "experiment"])]
     layout: Option<PathBuf>,
@@ -82,7 +86,11 @@ pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, 
     // Opened first, for calibrating takes its time.
     let mut file = PartFile::create(output, "--output")?;
     let experiment_name = experiment_name(arguments);
-    let sensor = SensorGeometry::of(experiment_name, arguments.layout.as_deref())?;
+    let sensor = SensorGeometry::of(
+        experiment_name,
+        arguments.finger,
+        arguments.layout.as_deref(),
+    )?;
     let (records, source) = records(arguments, &sensor)?;
     let full_scale = full_scale(arguments, &records);
     let calibration = fit(sensor.made_for, &records, arguments.model, full_scale)?;
@@ -125,8 +133,9 @@ fn records(
     if let Some(csv) = arguments.input.as_ref().filter(|_| !arguments.simulated) {
         return Ok((loads::read(Path::new(csv), sensor)?, csv.clone()));
     }
-    let config = Experiment::load(experiment_name(arguments), &[])?.config;
-    let fingertip = &config.sensor.fingertip;
+    let experiment = Experiment::load(experiment_name(arguments), &[])?;
+    let fingertip = experiment.fingertip(arguments.finger)?;
+    let config = &experiment.config;
     let bench = bench(arguments);
     if let Some(folder) = &arguments.write_loads {
         loads::write_simulated(folder, fingertip, &config.sim.optics, &bench)?;

@@ -66,7 +66,8 @@ pub struct Arguments {
     /// Part of a sub-region's pixels that may be saturated before its force is left out.
     #[arg(long, value_name = "PART", default_value_t = DEFAULT_MAX_SATURATED, value_parser = parse_part)]
     max_saturated: f64,
-    /// Finger of a recorded run, from 0 [default: 0]
+    /// Finger of a recorded run, from 0 [default: 0]; of pictures, the finger of the experiment whose
+    /// fingertip they are of [default: what fingers have without one of their own]
     #[arg(long, value_name = "NUMBER")]
     finger: Option<usize>,
 }

@@ -10,7 +10,7 @@ use std::path::Path;
 /// if there is one.
 pub fn sensor(arguments: &Arguments) -> Result<Sensing, CommandError> {
     let layout = arguments.layout.as_deref();
-    let geometry = SensorGeometry::of(&arguments.experiment, layout)?;
+    let geometry = SensorGeometry::of(&arguments.experiment, arguments.finger, layout)?;
     let calibration = arguments.calibration.as_deref();
     let calibration = calibration.map(|path| geometry.read_calibration(path));
     let calibration = calibration.transpose()?;

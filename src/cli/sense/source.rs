@@ -42,8 +42,8 @@ impl Source {
             ),
             (
                 "--finger",
-                arguments.finger.is_some() && !recording,
-                "a recorded run",
+                arguments.finger.is_some() && !recording && arguments.layout.is_some(),
+                "a recorded run or an experiment's fingertip",
             ),
             (
                 "--calibration",

@@ -18,7 +18,7 @@ pub const WIDTH: f64 = 480.0;
 /// Black, of what belongs to the cap.
 pub const CAP: &str = "#000000";
 /// Colours of the fingers (Okabe and Ito's, safe for the colour-blind).
-const FINGERS: [&str; 4] = ["#0072B2", "#D55E00", "#009E73", "#CC79A7"];
+const FINGERS: [&str; 5] = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9"];
 /// Grey of grids and shades.
 pub const SHADE: &str = "#d9d9d9";
 

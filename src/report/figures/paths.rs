@@ -94,7 +94,7 @@ fn tips_from_above(data: &RunData, number: u32, index: u32) -> Option<String> {
 }
 
 fn legend(data: &RunData) -> Vec<(&'static str, Pen)> {
-    const NAMES: [&str; 4] = ["finger 0", "finger 1", "finger 2", "finger 3"];
+    const NAMES: [&str; 5] = ["finger 0", "finger 1", "finger 2", "finger 3", "finger 4"];
     let fingers = NAMES.iter().enumerate().take(data.fingers.len());
     let mut legend: Vec<_> = fingers
         .map(|(f, name)| (*name, Pen::solid(finger_colour(f), LEADING)))

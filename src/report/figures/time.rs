@@ -156,7 +156,7 @@ fn two_panels(
 }
 
 fn legend(data: &RunData, upper: &Upper) -> Vec<(&'static str, Pen)> {
-    const NAMES: [&str; 4] = ["finger 0", "finger 1", "finger 2", "finger 3"];
+    const NAMES: [&str; 5] = ["finger 0", "finger 1", "finger 2", "finger 3", "finger 4"];
     let fingers = NAMES.iter().enumerate().take(data.fingers.len());
     let mut legend: Vec<_> = fingers
         .map(|(f, name)| (*name, Pen::solid(finger_colour(f), LINE)))

@@ -49,7 +49,7 @@ pub enum MeshError {
     Count(usize),
     /// The mesh has the size of no object that a hand touches.
     #[error(
-        "an object of {least} to {most} m expected, the mesh is {0} m long; is its scale right?",
+        "an object of {least} to {most} m expected, the mesh is {0} m long; is its scale right (0.001 for millimetres)?",
         least = super::check::SIZES[0],
         most = super::check::SIZES[1]
     )]

@@ -1,0 +1,99 @@
+//! Faults of the rig itself: of drives, joints and surfaces.
+
+use super::fault::{FaultConfig, FaultKind};
+use super::model::Model;
+use super::state::{FingerState, State};
+
+/// The faults of the rig, put on its state at every step. Those of sensors are left out.
+pub struct RigFaults {
+    faults: Vec<(FaultConfig, Part)>,
+}
+
+/// What is broken, as an index into the state. What does not exist is not broken.
+enum Part {
+    Stall(usize, usize),
+    Backlash(usize, usize, f64),
+    Friction(Vec<usize>, f64),
+}
+
+impl RigFaults {
+    /// Those of `faults` that concern the rig of `model`.
+    pub fn new(faults: &[FaultConfig], model: &Model) -> Self {
+        let part = |fault: &FaultConfig| match fault.kind {
+            FaultKind::ServoStall { finger, joint } => Some(Part::Stall(finger, joint)),
+            FaultKind::Backlash {
+                finger,
+                joint,
+                angle,
+            } => Some(Part::Backlash(finger, joint, angle)),
+            FaultKind::FrictionDrop { ref object, factor } => {
+                let objects = match object {
+                    Some(name) => model.object(name).into_iter().collect(),
+                    None => (0..model.objects.len()).collect(),
+                };
+                Some(Part::Friction(objects, factor))
+            }
+            _ => None,
+        };
+        let faults = faults.iter();
+        Self {
+            faults: faults.filter_map(|f| Some((f.clone(), part(f)?))).collect(),
+        }
+    }
+
+    /// Puts those on `state` that are active at its time, and takes the others away.
+    pub fn apply(&self, state: &mut State) {
+        for (_, part) in &self.faults {
+            part.mend(state);
+        }
+        for (fault, part) in &self.faults {
+            if fault.active(state.time) {
+                part.spoil(state);
+            }
+        }
+    }
+}
+
+impl Part {
+    fn mend(&self, state: &mut State) {
+        match self {
+            &Self::Stall(finger, joint) => stall(state.fingers.get_mut(finger), joint, false),
+            &Self::Backlash(finger, joint, _) => {
+                widen(state.fingers.get_mut(finger), joint, |_| 0.0);
+            }
+            Self::Friction(objects, _) => {
+                for &object in objects {
+                    state.objects[object].friction_factor = 1.0;
+                }
+            }
+        }
+    }
+
+    /// Puts it on a state without it; of two on the same part, both.
+    fn spoil(&self, state: &mut State) {
+        match self {
+            &Self::Stall(finger, joint) => stall(state.fingers.get_mut(finger), joint, true),
+            &Self::Backlash(finger, joint, angle) => {
+                widen(state.fingers.get_mut(finger), joint, |band| band + angle);
+            }
+            Self::Friction(objects, factor) => {
+                for &object in objects {
+                    state.objects[object].friction_factor *= factor;
+                }
+            }
+        }
+    }
+}
+
+fn stall(finger: Option<&mut FingerState>, joint: usize, stalled: bool) {
+    if let Some(finger) = finger.filter(|_| joint < 3) {
+        finger.joints.stalled.set(joint, stalled);
+    }
+}
+
+fn widen(finger: Option<&mut FingerState>, joint: usize, to: impl Fn(f64) -> f64) {
+    if let Some(finger) = finger.filter(|_| joint < 3) {
+        let band = &mut finger.joints.backlash[joint];
+        *band = to(*band);
+    }
+}
