@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# Runs every fuzz target for a while: fuzz/short-run.sh [SECONDS, 60 unless told]. Stable Rust does.
+# Runs every fuzz target for a while: fuzz/short-run.sh [SECONDS, 60 unless told].
 # What is found on the way goes to a scratch corpus, so that the committed one stays small.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 seconds=${1:-60}
-# cargo-fuzz passes compiler flags that stable Rust takes only with this.
+# Not yet tried: meant to let stable Rust take the flags that cargo-fuzz passes.
 export RUSTC_BOOTSTRAP=1
 for target in layout calibration loads picture experiment recording; do
     scratch=fuzz/target/found/$target
