@@ -4,11 +4,13 @@
 //! corpora. A target says whether its bytes were sound.
 
 use feeler::config::Experiment;
-use feeler::record::Recording;
+use feeler::hand::hand::{Hand, HandState};
+use feeler::record::{RecordedHand, RecordedSensor, Recording};
 use feeler::sensor::calibration::Calibration;
 use feeler::sensor::loads::read_loads;
 use feeler::sensor::located_layout::LocatedLayout;
 use feeler::sensor::moments::ElementMoments;
+use feeler::sensor::reading::{SensorError, TactileFrame, TactileSensor};
 use feeler::sources::picture::decode_picture;
 use glam::DVec2;
 use std::str::from_utf8;
@@ -97,7 +99,7 @@ pub fn experiment(bytes: &[u8]) -> bool {
     true
 }
 
-/// A recording is complete exactly when nothing is wrong with it.
+/// A recording is complete exactly when nothing is wrong with it, and plays back to its end.
 pub fn recording(bytes: &[u8]) -> bool {
     let Ok(recording) = Recording::from_bytes(bytes) else {
         return false;
@@ -105,7 +107,39 @@ pub fn recording(bytes: &[u8]) -> bool {
     assert_eq!(recording.complete, recording.problem.is_none());
     assert_eq!(recording.fingers.len(), recording.facts.fingers);
     assert!(recording.readable_until.is_finite());
+    play_back(&recording);
     true
+}
+
+/// Sensors and hand give as many readings as were recorded, or say what does not fit.
+fn play_back(recording: &Recording) {
+    for (finger, recorded) in recording.fingers.iter().enumerate() {
+        let mut sensor = RecordedSensor::new(recording, finger);
+        let mut reading = TactileFrame::unloaded(sensor.element_count());
+        let mut read = 0;
+        let end = loop {
+            match sensor.read(&mut reading) {
+                Ok(()) => read += 1,
+                Err(end) => break end,
+            }
+        };
+        match end {
+            SensorError::Ended { count } => {
+                assert_eq!((count, read), (read, recorded.tactile.len() as u64));
+            }
+            // Frames of different lengths.
+            SensorError::ElementCount { expected, actual } => assert_ne!(expected, actual),
+            other => panic!("a recording has neither camera nor picture: {other}"),
+        }
+    }
+    let mut hand = RecordedHand::new(recording);
+    let mut state = HandState::zero(hand.finger_count());
+    let shortest = recording.fingers.iter().map(|f| f.joints.len()).min();
+    for _ in 0..shortest.unwrap_or(0) {
+        hand.read(&mut state).expect("a state of every finger");
+    }
+    let end = hand.read(&mut state);
+    assert!(recording.fingers.is_empty() || end.is_err(), "{state:?}");
 }
 
 fn text(bytes: &[u8]) -> Option<&str> {
