@@ -87,13 +87,19 @@ fn scan_chunk(
     body: &[u8],
     visit: &mut dyn FnMut(Record<'_>) -> Result<(), String>,
 ) -> Result<(), String> {
-    if let Record::Chunk { header, .. } = parse(CHUNK, body)?
-        && !header.compression.is_empty()
-    {
-        let found = header.compression;
-        return Err(format!(
-            "an uncompressed chunk expected, one compressed by {found:?} found"
-        ));
+    if let Record::Chunk { header, data } = parse(CHUNK, body)? {
+        if !header.compression.is_empty() {
+            let found = header.compression;
+            return Err(format!(
+                "an uncompressed chunk expected, one compressed by {found:?} found"
+            ));
+        }
+        // The library takes it for granted that no record reaches beyond the chunk.
+        let mut rest = &data[..];
+        while !rest.is_empty() {
+            let (_, record, _) = split_record(rest).map_err(|_| "a chunk ends within a record")?;
+            rest = &rest[record.len()..];
+        }
     }
     let mut reader = LinearReader::new_with_options(
         LinearReaderOptions::default()
