@@ -193,6 +193,38 @@ fn lengths_are_not_taken_at_their_word() {
     }
 }
 
+/// An attachment that ends anywhere before its checksum.
+#[test]
+fn an_attachment_cut_in_its_head_is_refused() {
+    // Two times, the lengths of two empty texts and of no data, the checksum.
+    const WHOLE: usize = 16 + 4 + 4 + 8 + 4;
+    let start = short_run()[..8].to_vec();
+    for length in 0..WHOLE {
+        let mut bytes = start.clone();
+        bytes.push(0x09);
+        bytes.extend_from_slice(&(length as u64).to_le_bytes());
+        bytes.extend(std::iter::repeat_n(0, length));
+        let reason = Recording::from_bytes(&bytes).unwrap_err();
+        assert!(reason.contains("too short"), "{length} bytes: {reason}");
+    }
+}
+
+/// A chunk without checksum, followed by bytes that its only record claims.
+#[test]
+fn a_record_longer_than_its_chunk_is_refused() {
+    let mut chunk = vec![0; 32]; // two times, size, checksum, length of the compression's name
+    chunk.extend_from_slice(&9u64.to_le_bytes());
+    chunk.push(0x80);
+    chunk.extend_from_slice(&4u64.to_le_bytes());
+    chunk.extend_from_slice(&[0; 4]);
+    let mut bytes = short_run()[..8].to_vec();
+    bytes.push(0x06);
+    bytes.extend_from_slice(&(chunk.len() as u64).to_le_bytes());
+    bytes.extend(chunk);
+    let reason = Recording::from_bytes(&bytes).unwrap_err();
+    assert!(reason.contains("ends within a record"), "{reason}");
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 48, ..ProptestConfig::default() })]
 

@@ -6,23 +6,19 @@
 //! four, which the cosine law gives. So it finds a solution whenever there is one.
 
 use glam::DVec3;
-use std::f64::consts::TAU;
 
 use super::finger::FingerGeometry;
 use super::kinematics::{Chain, fingertip_pose};
+use super::postures::{JOINT_TOLERANCE, limit_excess, postures, turn_near};
 use super::resolved_rate::{damping, solve_damped};
+
+pub use super::kinematics_error::KinematicsError;
 
 /// Largest distance of the fingertip from its target that counts as reached, m.
 pub const POSITION_TOLERANCE: f64 = 1e-9;
 
 /// Where the iteration stops, m; the rest of the tolerance is for clamping to the joint limits.
 const ITERATION_TOLERANCE: f64 = 0.5 * POSITION_TOLERANCE;
-
-/// How far outside of the reachable range a target may be, m.
-const REACH_TOLERANCE: f64 = 0.25 * POSITION_TOLERANCE;
-
-/// How far outside of its limits an angle may be from rounding, rad. It is then clamped.
-const JOINT_TOLERANCE: f64 = 1e-11;
 
 /// Largest change of a joint angle in one step, rad.
 const STEP_LIMIT: f64 = 0.5;
@@ -32,58 +28,6 @@ const STEPS: usize = 40;
 
 /// How often a step that does not come nearer is halved.
 const HALVINGS: usize = 10;
-
-/// Why there are no joint angles for a fingertip position.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum KinematicsError {
-    /// An argument is NaN or infinite.
-    #[error("expected a finite target and start, got target {target} m and start {start} rad")]
-    NotFinite {
-        /// The wanted fingertip position in `W`, m.
-        target: DVec3,
-        /// The joint angles to start from, rad.
-        start: DVec3,
-    },
-    /// The target is too far or too near, whatever the joint limits.
-    #[error(
-        "fingertip target {target} m is {distance:.6} m from the shoulder, \
-         the finger reaches {minimum:.6}..{maximum:.6} m"
-    )]
-    OutOfReach {
-        /// The wanted fingertip position in `W`, m.
-        target: DVec3,
-        /// Distance of the target from joint 2, turned towards the target, m.
-        distance: f64,
-        /// Smallest reachable distance, |l3 - l4|, m.
-        minimum: f64,
-        /// Largest reachable distance, l3 + l4, m.
-        maximum: f64,
-    },
-    /// Every posture that reaches the target breaks a joint limit.
-    #[error(
-        "fingertip target {target} m needs joint angles {theta} rad, the limits are {lower}..{upper} rad"
-    )]
-    OutsideJointLimits {
-        /// The wanted fingertip position in `W`, m.
-        target: DVec3,
-        /// Joint angles of the posture that exceeds the limits least, rad.
-        theta: DVec3,
-        /// Smallest joint angles, rad.
-        lower: DVec3,
-        /// Largest joint angles, rad.
-        upper: DVec3,
-    },
-    /// The iteration ended away from the target although the target is within reach.
-    #[error(
-        "expected a fingertip within {POSITION_TOLERANCE:e} m of {target} m, ended {residual:e} m away"
-    )]
-    NotConverged {
-        /// The wanted fingertip position in `W`, m.
-        target: DVec3,
-        /// Distance from the target at the end, m.
-        residual: f64,
-    },
-}
 
 /// Joint angles theta1..theta3 (rad, within the joint limits) that bring the fingertip to `target`
 /// (in the world `W`, m) within [`POSITION_TOLERANCE`], eq. (10).
@@ -193,77 +137,11 @@ fn iterate(geometry: &FingerGeometry, target: DVec3, start: DVec3) -> Iterate {
     }
 }
 
-/// The up to four postures that bring the fingertip to `target`, by the cosine law, rad.
-///
-/// Where an angle does not matter (target on the axis of joint 1 or 2) it is that of `start`.
-fn postures(
-    geometry: &FingerGeometry,
-    target: DVec3,
-    start: DVec3,
-) -> Result<[Option<DVec3>; 4], KinematicsError> {
-    let [l2, l3, l4] = geometry.links();
-    let (minimum, maximum) = ((l3 - l4).abs(), l3 + l4);
-    let in_base = geometry.base_rotation().transpose() * (target - geometry.base_position());
-    let radius = in_base.truncate().length();
-    let distance = |side: f64| (side * radius - l2).hypot(in_base.z);
-    let posture = |side: f64, elbow: f64| {
-        let distance = distance(side);
-        if distance < minimum - REACH_TOLERANCE || distance > maximum + REACH_TOLERANCE {
-            return None;
-        }
-        let cos_theta3 = (distance * distance - l3 * l3 - l4 * l4) / (2.0 * l3 * l4);
-        let theta3 = elbow * cos_theta3.clamp(-1.0, 1.0).acos();
-        let (s3, c3) = theta3.sin_cos();
-        let theta1 = if radius <= REACH_TOLERANCE {
-            start.x
-        } else {
-            (side * in_base.y).atan2(side * in_base.x)
-        };
-        let theta2 = if distance <= REACH_TOLERANCE {
-            start.y
-        } else {
-            in_base.z.atan2(side * radius - l2) - (l4 * s3).atan2(l3 + l4 * c3)
-        };
-        Some(DVec3::new(theta1, theta2, theta3))
-    };
-    let all = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)].map(|(s, e)| posture(s, e));
-    if all.iter().all(Option::is_none) {
-        return Err(KinematicsError::OutOfReach {
-            target,
-            distance: distance(1.0),
-            minimum,
-            maximum,
-        });
-    }
-    Ok(all)
-}
-
-/// `theta` turned by whole turns, per joint: inside of the limits if possible, else as near to
-/// `start` as possible.
-fn turn_near(geometry: &FingerGeometry, theta: DVec3, start: DVec3) -> DVec3 {
-    let (lower, upper) = (geometry.joint_lower(), geometry.joint_upper());
-    let near = theta + ((start.clamp(lower, upper) - theta) / TAU).round() * TAU;
-    let excess = |angle: f64, joint: usize| (lower[joint] - angle).max(angle - upper[joint]);
-    DVec3::from_array([0, 1, 2].map(|joint| {
-        let turned = [near[joint], near[joint] - TAU, near[joint] + TAU];
-        turned
-            .into_iter()
-            .find(|&angle| excess(angle, joint) <= JOINT_TOLERANCE)
-            .unwrap_or(near[joint])
-    }))
-}
-
-/// By how much `theta` exceeds the joint limits, rad; negative within them.
-fn limit_excess(geometry: &FingerGeometry, theta: DVec3) -> f64 {
-    (geometry.joint_lower() - theta)
-        .max(theta - geometry.joint_upper())
-        .max_element()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::hand::finger::FingerConfig;
+    use std::f64::consts::TAU;
 
     /// A finger that bends its elbow one way only, as most do.
     fn geometry() -> FingerGeometry {

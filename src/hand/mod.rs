@@ -32,4 +32,6 @@ pub mod finger;
 pub mod hand;
 pub mod inverse_kinematics;
 pub mod kinematics;
+mod kinematics_error;
+mod postures;
 pub mod resolved_rate;

@@ -11,6 +11,8 @@ use ::mcap::{MAGIC, parse_record};
 const CHUNK: u8 = 0x06;
 const ATTACHMENT: u8 = 0x09;
 const DATA_END: u8 = 0x0F;
+/// Bytes of an attachment's checksum.
+const CHECKSUM: usize = 4;
 /// Opcode and length before every record's body.
 const RECORD_HEAD: usize = 9;
 /// Largest chunk that is unpacked, bytes. Ours are a quarter MiB.
@@ -58,18 +60,25 @@ fn split_record(bytes: &[u8]) -> Result<(u8, &[u8], &[u8]), String> {
 
 /// Parses a record whose body may be anything.
 fn parse(opcode: u8, body: &[u8]) -> Result<Record<'static>, String> {
-    // The library takes for granted that an attachment ends in a four-byte checksum; the added
-    // bytes make that so, and a sound attachment does not see them.
-    let padded: Vec<u8>;
-    let body = if opcode == ATTACHMENT {
-        padded = [body, &[0; 4]].concat();
-        &padded
-    } else {
-        body
-    };
+    // The library takes it for granted that an attachment's checksum follows its head.
+    if opcode == ATTACHMENT && attachment_rest(body).is_none_or(|rest| rest.len() < CHECKSUM) {
+        return Err("an attachment that is too short for its head and checksum".into());
+    }
     parse_record(opcode, body)
         .map(Record::into_owned)
         .map_err(|e| e.to_string())
+}
+
+/// What follows an attachment's head (two times, two texts, the length of its data), if that is whole.
+fn attachment_rest(body: &[u8]) -> Option<&[u8]> {
+    let after_text = |bytes: &[u8]| {
+        let length = u32::from_le_bytes(*bytes.first_chunk()?);
+        usize::try_from(length).ok()?.checked_add(4)
+    };
+    let name = body.get(16..)?;
+    let media_type = name.get(after_text(name)?..)?;
+    let length = media_type.get(after_text(media_type)?..)?;
+    length.get(8..)
 }
 
 /// Checks and unpacks one chunk.
@@ -78,13 +87,19 @@ fn scan_chunk(
     body: &[u8],
     visit: &mut dyn FnMut(Record<'_>) -> Result<(), String>,
 ) -> Result<(), String> {
-    if let Record::Chunk { header, .. } = parse(CHUNK, body)?
-        && !header.compression.is_empty()
-    {
-        let found = header.compression;
-        return Err(format!(
-            "an uncompressed chunk expected, one compressed by {found:?} found"
-        ));
+    if let Record::Chunk { header, data } = parse(CHUNK, body)? {
+        if !header.compression.is_empty() {
+            let found = header.compression;
+            return Err(format!(
+                "an uncompressed chunk expected, one compressed by {found:?} found"
+            ));
+        }
+        // The library takes it for granted that no record reaches beyond the chunk.
+        let mut rest = &data[..];
+        while !rest.is_empty() {
+            let (_, record, _) = split_record(rest).map_err(|_| "a chunk ends within a record")?;
+            rest = &rest[record.len()..];
+        }
     }
     let mut reader = LinearReader::new_with_options(
         LinearReaderOptions::default()

@@ -9,9 +9,10 @@
 //! constant term: no load reads zero. The terms stand in an order such that each of a few lengths is a
 //! model of its own ([`NORMAL_ORDERS`], [`SHEAR_ORDERS`]); cross-validation chooses the length.
 
+mod orders;
+
 use super::{
     calibration::Inputs,
-    folds::Folds,
     least_squares::{LEAST_SLOPE_RANGE, beyond, least_squares},
 };
 use glam::DVec3;
@@ -77,6 +78,8 @@ pub struct CoupledMap {
     /// Coefficients of `F_y`, N.
     pub shear_y: Vec<f64>,
 }
+
+pub(super) use orders::choose_orders;
 
 /// Numbers of terms of `F_x`, `F_y` and `F_z`.
 pub(super) type Orders = [usize; 3];
@@ -214,90 +217,4 @@ fn solve<const N: usize>(
         }
     }
     least_squares(columns, forces)
-}
-
-/// The numbers of terms that predict loads best which the fit has not seen: the least number that is
-/// not beaten by more than [`WORTHWHILE`].
-///
-/// # Errors
-/// When there are too few loads, or too few different ones, for the smallest model.
-pub(super) fn choose_orders(
-    inputs: &[Inputs],
-    forces: &[DVec3],
-    folds: &Folds,
-) -> Result<Orders, String> {
-    let largest = |input: fn(&Inputs) -> f64| {
-        let largest = inputs
-            .iter()
-            .map(input)
-            .fold(0.0, |a: f64, b| a.max(b.abs()));
-        largest.max(LEAST_SLOPE_RANGE)
-    };
-    let (g, x) = (largest(|i| i.growth), largest(|i| i.displacement.x));
-    let y = largest(|i| i.displacement.y);
-    let scaled: Vec<[f64; 3]> = (inputs.iter())
-        .map(|i| [i.growth / g, i.displacement.x / x, i.displacement.y / y])
-        .collect();
-    let swapped: Vec<_> = scaled.iter().map(|&[g, x, y]| [g, y, x]).collect();
-    let component = |force: fn(&DVec3) -> f64| forces.iter().map(force).collect::<Vec<_>>();
-    Ok([
-        choose_order(
-            &scaled,
-            shear_terms,
-            SHEAR_ORDERS,
-            &component(|f| f.x),
-            folds,
-        )?,
-        choose_order(
-            &swapped,
-            shear_terms,
-            SHEAR_ORDERS,
-            &component(|f| f.y),
-            folds,
-        )?,
-        choose_order(
-            &scaled,
-            normal_terms,
-            NORMAL_ORDERS,
-            &component(|f| f.z),
-            folds,
-        )?,
-    ])
-}
-
-/// A larger model must make the cross-validated error smaller by this part to be chosen.
-const WORTHWHILE: f64 = 0.02;
-
-fn choose_order<const N: usize>(
-    inputs: &[[f64; 3]],
-    terms: fn([f64; 3]) -> [f64; N],
-    orders: [usize; 4],
-    forces: &[f64],
-    folds: &Folds,
-) -> Result<usize, String> {
-    let squares = |order| -> Result<f64, String> {
-        let mut squares = 0.0;
-        for fold in folds.all() {
-            let (train, test) = (folds.others(fold), folds.own(fold));
-            let train_inputs: Vec<_> = train.iter().map(|&row| inputs[row]).collect();
-            let train_forces: Vec<_> = train.iter().map(|&row| forces[row]).collect();
-            let coefficients = solve(&train_inputs, terms, order, &train_forces)?;
-            for row in test {
-                let error = polynomial(&coefficients, &terms(inputs[row])) - forces[row];
-                squares += error * error;
-            }
-        }
-        Ok(squares)
-    };
-    let mut best = (orders[0], squares(orders[0])?);
-    // A model for which the loads do not suffice is none to choose.
-    for (order, squares) in orders[1..]
-        .iter()
-        .filter_map(|&n| Some((n, squares(n).ok()?)))
-    {
-        if squares.sqrt() < (1.0 - WORTHWHILE) * best.1.sqrt() {
-            best = (order, squares);
-        }
-    }
-    Ok(best.0)
 }

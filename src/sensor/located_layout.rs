@@ -1,17 +1,22 @@
 //! The layout file: the sensing elements that were located in a picture.
 
+mod check;
+mod error;
+mod rings;
+
+pub use error::LayoutError;
+
 use super::{
-    dome::{CameraConfig, DomeError, DomeProjection},
+    dome::{CameraConfig, DomeProjection},
     layout::SensingElement,
     locate::{Located, sub_regions},
     moments::MomentsKernel,
-    moments_config::MomentsError,
     subregion::WeightedPixel,
 };
 use glam::{DVec2, DVec3};
+use rings::sort_into_rings;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
-use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
 /// Version of the layout file that this program reads and writes.
@@ -19,61 +24,6 @@ pub const LAYOUT_VERSION: u32 = 1;
 
 /// Most elements of a located layout.
 pub const MAX_LOCATED_ELEMENTS: usize = 4096;
-
-/// Most pixels to a side of a picture, and most in all.
-const MAX_SIDE: usize = 1 << 14;
-const MAX_PIXELS: usize = 1 << 26;
-
-/// Why a layout cannot be made, read or used.
-#[derive(Debug, thiserror::Error)]
-pub enum LayoutError {
-    /// The text is no layout.
-    #[error("not a layout file: {0}")]
-    Parse(#[from] toml::de::Error),
-    /// The layout cannot be written as text.
-    #[error("the layout cannot be written: {0}")]
-    Write(#[from] toml::ser::Error),
-    /// The file is of another version.
-    #[error("layout file version {LAYOUT_VERSION} expected, got {actual}")]
-    Version {
-        /// Version of the file.
-        actual: u32,
-    },
-    /// There are no elements, or too many.
-    #[error("1 to {MAX_LOCATED_ELEMENTS} elements expected, got {actual}")]
-    ElementCount {
-        /// How many there are.
-        actual: usize,
-    },
-    /// A value cannot be used.
-    #[error("{name}: {expected} expected, got {actual}")]
-    Unusable {
-        /// The field.
-        name: String,
-        /// What it must be.
-        expected: String,
-        /// What it is.
-        actual: String,
-    },
-    /// The dome makes no sense.
-    #[error(transparent)]
-    Dome(#[from] DomeError),
-    /// An element is seen where the camera sees nothing of the dome.
-    #[error(
-        "element {element} at column {column:.1}, row {row:.1} does not lie on the dome: check its geometry"
-    )]
-    OffDome {
-        /// Its index.
-        element: usize,
-        /// Column, px.
-        column: f64,
-        /// Row, px.
-        row: f64,
-    },
-    /// No moments can be taken.
-    #[error(transparent)]
-    Moments(#[from] MomentsError),
-}
 
 /// The dome and the camera in it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -263,66 +213,6 @@ impl LocatedLayout {
         };
         Ok(self.elements.iter().zip(regions).map(weighted).collect())
     }
-
-    fn check(&self) -> Result<(), LayoutError> {
-        let unusable = |name: &str, expected: &str, actual: String| {
-            Err(LayoutError::Unusable {
-                name: name.into(),
-                expected: expected.into(),
-                actual,
-            })
-        };
-        let (width, height) = (self.width, self.height);
-        let sides = 1..=MAX_SIDE;
-        if !(sides.contains(&width) && sides.contains(&height) && width * height <= MAX_PIXELS) {
-            let expected = format!("1 to {MAX_SIDE} px to a side and {MAX_PIXELS} px in all");
-            return unusable("width, height", &expected, format!("{width}x{height} px"));
-        }
-        let actual = self.elements.len();
-        if !(1..=MAX_LOCATED_ELEMENTS).contains(&actual) {
-            return Err(LayoutError::ElementCount { actual });
-        }
-        for (index, element) in self.elements.iter().enumerate() {
-            let (centre, radius) = (element.centre_px, element.radius_px);
-            let inside =
-                (0.0..width as f64).contains(&centre.x) && (0.0..height as f64).contains(&centre.y);
-            let name = |field: &str| format!("element {index}: {field}");
-            if !inside {
-                let expected = format!("a place in the picture of {width}x{height} px");
-                return unusable(&name("centre_px"), &expected, centre.to_string());
-            }
-            if !(radius > 0.0 && radius <= width.max(height) as f64) {
-                let expected = "a radius above 0 and within the picture";
-                return unusable(&name("radius_px"), expected, radius.to_string());
-            }
-            match element.direction {
-                Some(d) if !d.is_finite() || (d.length() - 1.0).abs() > 1e-6 => {
-                    return unusable(&name("direction"), "a unit vector", d.to_string());
-                }
-                None if self.dome.is_some() => {
-                    let expected = "a unit vector, as there is a dome";
-                    return unusable(&name("direction"), expected, "none".into());
-                }
-                _ => {}
-            }
-        }
-        self.dome.as_ref().map_or(Ok(()), |dome| {
-            DomeProjection::new(&dome.camera, dome.radius)?;
-            self.check_camera(dome)
-        })
-    }
-
-    fn check_camera(&self, dome: &DomeGeometry) -> Result<(), LayoutError> {
-        let camera = &dome.camera;
-        if (camera.width, camera.height) == (self.width, self.height) {
-            return Ok(());
-        }
-        Err(LayoutError::Unusable {
-            name: "dome.camera: width, height".into(),
-            expected: format!("{}x{} px, as the picture", self.width, self.height),
-            actual: format!("{}x{} px", camera.width, camera.height),
-        })
-    }
 }
 
 /// To a ten-thousandth of a pixel, which is more than is known.
@@ -353,40 +243,4 @@ fn weighted_pixel(
         area,
         point,
     })
-}
-
-/// Sorts by ring and azimuth; a ring ends where the next polar angle is farther off than a third
-/// of the typical angle between neighbours.
-fn sort_into_rings(elements: &mut [ElementPlace]) {
-    let axis = |e: &ElementPlace| e.direction.unwrap_or(DVec3::X);
-    let polar = |e: &ElementPlace| axis(e).x.clamp(-1.0, 1.0).acos();
-    elements.sort_by(|a, b| polar(a).total_cmp(&polar(b)));
-    let directions: Vec<DVec3> = elements.iter().map(axis).collect();
-    let nearest = |(own, d): (usize, &DVec3)| {
-        let others = directions
-            .iter()
-            .enumerate()
-            .filter(|(other, _)| *other != own);
-        others
-            .map(|(_, o)| o.angle_between(*d))
-            .fold(f64::INFINITY, f64::min)
-    };
-    let mut angles: Vec<f64> = directions.iter().enumerate().map(nearest).collect();
-    angles.sort_by(f64::total_cmp);
-    let step = angles.get(angles.len() / 2).copied().unwrap_or(0.0) / 3.0;
-    let (mut ring, mut last) = (0, None);
-    for element in elements.iter_mut() {
-        let polar = polar(element);
-        if last.is_some_and(|last| polar - last > step) {
-            ring += 1;
-        }
-        last = Some(polar);
-        element.ring = Some(ring);
-    }
-    // The one at y of `T` comes first, whichever side of it noise puts it on.
-    let azimuth = |e: &ElementPlace| {
-        let d = axis(e);
-        (d.z.atan2(d.y) + 0.25 * step).rem_euclid(TAU)
-    };
-    elements.sort_by(|a, b| a.ring.cmp(&b.ring).then(azimuth(a).total_cmp(&azimuth(b))));
 }

@@ -9,14 +9,19 @@
 //!    elements, else the spots are (`groups`).
 //! 3. An element's sub-region is the disc about its centre as far as no other centre is nearer.
 
+mod error;
 mod groups;
 mod reference;
 mod regions;
 mod scale_space;
 mod spots;
+mod tree;
+mod warning;
 
+pub use error::LocateError;
 pub use reference::{MeanPicture, ReferencePicture};
 pub use regions::sub_regions;
+pub use warning::LocateWarning;
 
 use glam::DVec2;
 
@@ -79,150 +84,6 @@ pub struct Located {
     pub dark_level: u8,
     /// What looks wrong.
     pub warnings: Vec<LocateWarning>,
-}
-
-/// What looks wrong but need not be.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum LocateWarning {
-    /// An element is much larger than those about it, or holds more spots.
-    #[error(
-        "element {element} at column {:.1}, row {:.1} is {times:.1} times as large as its neighbours: two elements merged?",
-        centre_px.x, centre_px.y
-    )]
-    Merged {
-        /// Its index.
-        element: usize,
-        /// Its centre, px.
-        centre_px: DVec2,
-        /// Its area, or number of spots, over its neighbours'.
-        times: f64,
-    },
-    /// An element has fewer spots than the others.
-    #[error("element {element} has {actual} spots, the others have {expected}")]
-    Incomplete {
-        /// Its index.
-        element: usize,
-        /// Spots of most elements.
-        expected: usize,
-        /// Spots that it has.
-        actual: usize,
-    },
-    /// Most of an element's spot is as bright as a pixel can be.
-    #[error(
-        "{} of the elements are saturated (the first is {}): lower exposure or gain, for there a force changes no gray value",
-        elements.len(), elements.first().copied().unwrap_or(0)
-    )]
-    Saturated {
-        /// Their indices.
-        elements: Vec<usize>,
-    },
-    /// All pixels are black or white.
-    #[error(
-        "the pictures have only two gray levels, black and white: an integrated gray value counts pixels, and saturation cannot be told"
-    )]
-    TwoLevels,
-    /// Bright spots that are no elements: they stand apart, or are part of no group.
-    #[error(
-        "{} bright spots are left out, as they stand apart from the elements (the first at column {:.0}, row {:.0})",
-        spots_px.len(), spots_px.first().map_or(0.0, |s| s.x), spots_px.first().map_or(0.0, |s| s.y)
-    )]
-    LeftOut {
-        /// Where they are, px.
-        spots_px: Vec<DVec2>,
-    },
-    /// Sub-regions are cut off by the picture's rim.
-    #[error(
-        "{} of the sub-regions reach beyond the picture and are cut off (the first is of element {})",
-        elements.len(), elements.first().copied().unwrap_or(0)
-    )]
-    CutOff {
-        /// Indices of their elements.
-        elements: Vec<usize>,
-    },
-}
-
-/// Why no elements can be located.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum LocateError {
-    /// There is no picture.
-    #[error("at least one picture of the untouched sensor expected, got none")]
-    NoPicture,
-    /// There are more pictures than can be added up.
-    #[error("at most {most} pictures expected, got more")]
-    TooMany {
-        /// How many are allowed.
-        most: usize,
-    },
-    /// A picture is too small.
-    #[error("a picture of at least {MIN_SIZE}x{MIN_SIZE} px expected, got {width}x{height} px")]
-    TooSmall {
-        /// Columns, px.
-        width: usize,
-        /// Rows, px.
-        height: usize,
-    },
-    /// A picture has another size than the first.
-    #[error(
-        "a picture of {expected_width}x{expected_height} px expected, as the first one, got {width}x{height} px in {pixels} values"
-    )]
-    PictureSize {
-        /// Columns of the first picture, px.
-        expected_width: usize,
-        /// Rows of the first picture, px.
-        expected_height: usize,
-        /// Columns of the picture, px.
-        width: usize,
-        /// Rows of the picture, px.
-        height: usize,
-        /// Gray values in the picture.
-        pixels: usize,
-    },
-    /// The picture is black all over.
-    #[error(
-        "the picture is black (brightest pixel {brightest:.0} of 255): is there light in the dome?"
-    )]
-    Black {
-        /// Largest grey value.
-        brightest: f32,
-    },
-    /// The picture is white all over.
-    #[error("the picture is white (darkest pixel {darkest:.0} of 255): lower exposure or gain")]
-    White {
-        /// Least grey value.
-        darkest: f32,
-    },
-    /// There is no bright spot.
-    #[error(
-        "no element found: no bright spot rises above the picture's noise (grey levels {darkest:.0} to {brightest:.0}, noise {noise:.1})"
-    )]
-    NoElement {
-        /// Least grey value.
-        darkest: f32,
-        /// Largest grey value.
-        brightest: f32,
-        /// Standard deviation of the noise, grey levels.
-        noise: f64,
-    },
-    /// There are so many spots that they are no elements.
-    #[error(
-        "at most {MAX_SPOTS} bright spots expected, got {actual}: is this a picture of a sensor?"
-    )]
-    TooManySpots {
-        /// How many there are.
-        actual: usize,
-    },
-    /// What was said about the elements makes no sense.
-    #[error("{name} must lie between {low} and {high}, got {value}")]
-    OutOfRange {
-        /// The field.
-        name: &'static str,
-        /// Least value.
-        low: f64,
-        /// Greatest value.
-        high: f64,
-        /// What it was.
-        value: f64,
-    },
 }
 
 /// Finds the elements in `reference`.

@@ -1,0 +1,83 @@
+//! The postures of a finger in closed form, and angles within the joint limits.
+//!
+//! An iteration finds one posture; by the cosine law all of them are known, so that none within the
+//! limits is missed.
+
+use super::finger::FingerGeometry;
+use super::inverse_kinematics::POSITION_TOLERANCE;
+use super::kinematics_error::KinematicsError;
+use glam::DVec3;
+use std::f64::consts::TAU;
+
+/// How far outside of the reachable range a target may be, m.
+const REACH_TOLERANCE: f64 = 0.25 * POSITION_TOLERANCE;
+
+/// How far outside of its limits an angle may be from rounding, rad. It is then clamped.
+pub(super) const JOINT_TOLERANCE: f64 = 1e-11;
+
+/// The up to four postures that bring the fingertip to `target`, by the cosine law, rad.
+///
+/// Where an angle does not matter (target on the axis of joint 1 or 2) it is that of `start`.
+pub(super) fn postures(
+    geometry: &FingerGeometry,
+    target: DVec3,
+    start: DVec3,
+) -> Result<[Option<DVec3>; 4], KinematicsError> {
+    let [l2, l3, l4] = geometry.links();
+    let (minimum, maximum) = ((l3 - l4).abs(), l3 + l4);
+    let in_base = geometry.base_rotation().transpose() * (target - geometry.base_position());
+    let radius = in_base.truncate().length();
+    let distance = |side: f64| (side * radius - l2).hypot(in_base.z);
+    let posture = |side: f64, elbow: f64| {
+        let distance = distance(side);
+        if distance < minimum - REACH_TOLERANCE || distance > maximum + REACH_TOLERANCE {
+            return None;
+        }
+        let cos_theta3 = (distance * distance - l3 * l3 - l4 * l4) / (2.0 * l3 * l4);
+        let theta3 = elbow * cos_theta3.clamp(-1.0, 1.0).acos();
+        let (s3, c3) = theta3.sin_cos();
+        let theta1 = if radius <= REACH_TOLERANCE {
+            start.x
+        } else {
+            (side * in_base.y).atan2(side * in_base.x)
+        };
+        let theta2 = if distance <= REACH_TOLERANCE {
+            start.y
+        } else {
+            in_base.z.atan2(side * radius - l2) - (l4 * s3).atan2(l3 + l4 * c3)
+        };
+        Some(DVec3::new(theta1, theta2, theta3))
+    };
+    let all = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)].map(|(s, e)| posture(s, e));
+    if all.iter().all(Option::is_none) {
+        return Err(KinematicsError::OutOfReach {
+            target,
+            distance: distance(1.0),
+            minimum,
+            maximum,
+        });
+    }
+    Ok(all)
+}
+
+/// `theta` turned by whole turns, per joint: inside of the limits if possible, else as near to
+/// `start` as possible.
+pub(super) fn turn_near(geometry: &FingerGeometry, theta: DVec3, start: DVec3) -> DVec3 {
+    let (lower, upper) = (geometry.joint_lower(), geometry.joint_upper());
+    let near = theta + ((start.clamp(lower, upper) - theta) / TAU).round() * TAU;
+    let excess = |angle: f64, joint: usize| (lower[joint] - angle).max(angle - upper[joint]);
+    DVec3::from_array([0, 1, 2].map(|joint| {
+        let turned = [near[joint], near[joint] - TAU, near[joint] + TAU];
+        turned
+            .into_iter()
+            .find(|&angle| excess(angle, joint) <= JOINT_TOLERANCE)
+            .unwrap_or(near[joint])
+    }))
+}
+
+/// By how much `theta` exceeds the joint limits, rad; negative within them.
+pub(super) fn limit_excess(geometry: &FingerGeometry, theta: DVec3) -> f64 {
+    (geometry.joint_lower() - theta)
+        .max(theta - geometry.joint_upper())
+        .max_element()
+}

@@ -1,0 +1,44 @@
+//! Why a Video4Linux camera cannot be used.
+
+use std::io;
+use std::path::PathBuf;
+
+/// Why a camera cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum VideoError {
+    /// The device cannot be opened, or refuses to be set.
+    #[error("{}: {what}: {source}; expected a Video4Linux camera", device.display())]
+    Device {
+        /// The device.
+        device: PathBuf,
+        /// What was tried.
+        what: &'static str,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// The camera has no pictures of this size and in a known format.
+    #[error(
+        "{}: pictures of {width}x{height} px as GREY, YUYV or MJPG expected, the camera offers {offered}",
+        device.display()
+    )]
+    Format {
+        /// The device.
+        device: PathBuf,
+        /// Columns that were asked for, px.
+        width: usize,
+        /// Rows that were asked for, px.
+        height: usize,
+        /// What it would do instead.
+        offered: String,
+    },
+    /// The exposure time cannot be set.
+    #[error("{}: the exposure time cannot be set to {exposure} s: {reason}", device.display())]
+    Exposure {
+        /// The device.
+        device: PathBuf,
+        /// What was asked for, s.
+        exposure: f64,
+        /// What is missing or out of range.
+        reason: String,
+    },
+}
