@@ -102,7 +102,7 @@ impl Trials {
             "reason",
             "success",
             "sim_time",
-            "strokes",
+            "strokes_made",
             "cap_angle",
             "claims_held",
         ];
