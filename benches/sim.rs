@@ -1,6 +1,7 @@
 //! Time of the physics, and of whole control periods of a simulated run.
 
 use divan::Bencher;
+use divan::counter::ItemsCount;
 use feeler::config::Experiment;
 use feeler::control::phase::Phase;
 use feeler::experiment::Session;
@@ -17,41 +18,58 @@ fn experiment(sensing: &str) -> Experiment {
     Experiment::load("cap-closing", &settings).expect("the built-in experiment")
 }
 
-/// A session in the middle of its first stroke, every fingertip touching.
-fn in_contact() -> Session {
-    let mut session = Session::new(&experiment("direct")).expect("a session");
-    let mut moving = 0;
-    while moving < 20 {
-        session.step().expect("a step");
-        let task = session.control_loop().controller().task();
-        moving += usize::from(task.phase() == Phase::Move);
-    }
-    session
+/// The physics of the reference run, 82 elements, forces only: steps of 1 ms.
+#[divan::bench(sample_count = 20)]
+fn physics_of_the_reference_run(bencher: Bencher) {
+    physics(bencher, |_| true);
 }
 
-/// One physics step, 1 ms, while the fingers turn the cap to and fro.
-#[divan::bench]
-fn physics_step_in_contact(bencher: Bencher) {
-    let session = in_contact();
+/// The physics of its first stroke, while the fingers turn the cap.
+#[divan::bench(sample_count = 50)]
+fn physics_of_the_first_stroke(bencher: Bencher) {
+    physics(bencher, |phase| phase == Phase::Move);
+}
+
+/// Gives a world the commands of a run again and times the steps of the first control periods in a row
+/// whose phase is `timed`.
+fn physics(bencher: Bencher, timed: fn(Phase) -> bool) {
+    let experiment = experiment("direct");
+    let mut session = Session::new(&experiment).expect("a session");
+    let (mut phases, mut commands) = (Vec::new(), Vec::new());
+    while !session.finished() {
+        session.step().expect("a step");
+        let control_loop = session.control_loop();
+        phases.push(control_loop.controller().task().phase());
+        commands.push(control_loop.command().joint_velocity.clone());
+    }
+    let start = phases.iter().position(|&p| timed(p)).expect("the phase");
+    let length = phases[start..].iter().take_while(|&&p| timed(p)).count();
+    let (before, own) = commands[..start + length].split_at(start);
+    let steps = (experiment.config.control.period / experiment.config.sim.step).round() as usize;
+    bencher
+        .counter(ItemsCount::new(steps * length))
+        .with_inputs(|| {
+            let session = Session::new(&experiment).expect("a session");
+            give(&session, before, steps);
+            session
+        })
+        .bench_local_refs(|session| give(session, own, steps));
+}
+
+fn give(session: &Session, commands: &[Vec<DVec3>], steps: usize) {
     let mut world = session.rig().world();
-    let commands = session.control_loop().command().joint_velocity.clone();
-    let mut steps = 0_u32;
-    bencher.bench_local(|| {
-        let sign = if (steps / 100).is_multiple_of(2) {
-            -1.0
-        } else {
-            1.0
-        };
-        for (finger, &velocity) in commands.iter().enumerate() {
-            world.command(finger, sign * velocity);
+    for command in commands {
+        for (finger, &velocity) in command.iter().enumerate() {
+            world.command(finger, velocity);
         }
-        steps += 1;
-        world.step().expect("a step");
-    });
+        for _ in 0..steps {
+            world.step().expect("a step");
+        }
+    }
 }
 
 /// One physics step with the fingers at home.
-#[divan::bench]
+#[divan::bench(sample_count = 50, sample_size = 2000)]
 fn physics_step_out_of_contact(bencher: Bencher) {
     let session = Session::new(&experiment("direct")).expect("a session");
     let mut world = session.rig().world();

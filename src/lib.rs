@@ -36,6 +36,7 @@ pub mod report;
 pub mod sensor;
 pub mod sim;
 pub mod sources;
+pub mod sweep;
 
 /// The README's code is compiled with the documentation's tests.
 #[cfg(doctest)]

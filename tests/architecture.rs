@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Each room of `src/` and the rooms it may import.
-const MAY_IMPORT: [(&str, &[&str]); 10] = [
+const MAY_IMPORT: [(&str, &[&str]); 11] = [
     (
         "cli",
         &[
@@ -18,7 +18,12 @@ const MAY_IMPORT: [(&str, &[&str]); 10] = [
             "sensor",
             "sim",
             "sources",
+            "sweep",
         ],
+    ),
+    (
+        "sweep",
+        &["config", "control", "experiment", "record", "report"],
     ),
     (
         "experiment",

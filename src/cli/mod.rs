@@ -13,6 +13,7 @@ mod report;
 mod run;
 mod sense;
 mod sensor_geometry;
+mod sweep;
 
 use clap::{Parser, Subcommand};
 use output::Output;
@@ -27,6 +28,7 @@ Examples:
   feeler check my.toml                        say what is wrong with an experiment file
   feeler report runs/seven                    make a run's report again from its recording
   feeler calibrate --simulated --experiment my.toml -o my.calibration.toml
+  feeler sweep cap-closing --sensing direct --vary 'friction=uniform(0.3,1.2)' -o sweep
   feeler locate untouched.png -o layout.toml --preview found.png
   feeler sense pictures/ --calibration my.calibration.toml -o forces.csv
   ffmpeg -i video.mkv -f rawvideo -pix_fmt gray - | feeler sense - --raw 640x480";
@@ -45,6 +47,8 @@ struct Arguments {
 enum Command {
     /// Run an experiment and write its recording, report and summary.
     Run(run::Arguments),
+    /// Run many randomised trials of an experiment; a table and a summary.
+    Sweep(sweep::Arguments),
     /// List the built-in experiments.
     List,
     /// Check an experiment file without running it.
@@ -87,6 +91,7 @@ pub fn main() -> ExitCode {
 fn run_command(command: Command, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     match command {
         Command::Run(arguments) => run::run(&arguments, out),
+        Command::Sweep(arguments) => sweep::sweep(&arguments, out),
         Command::List => list::list(out),
         Command::Check(arguments) => check::check(&arguments, out),
         Command::Report(arguments) => report::report(&arguments, out),

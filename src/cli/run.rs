@@ -3,6 +3,7 @@
 use super::interrupt::watch_for_interrupt;
 use super::progress::Progress;
 use super::report::print_claims;
+use super::sweep::one_trial;
 use super::{CommandError, Outcome};
 use crate::config::Experiment;
 use crate::control::phase::Phase;
@@ -18,7 +19,11 @@ use std::time::Instant;
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// An experiment file, or the name of a built-in experiment (see `feeler list`).
-    experiment: String,
+    #[arg(required_unless_present = "trial")]
+    experiment: Option<String>,
+    /// Run one trial of a sweep again: the sweep's folder and the trial's number.
+    #[arg(long, num_args = 2, value_names = ["SWEEP", "TRIAL"], conflicts_with_all = ["experiment", "seed", "sensing", "settings"])]
+    trial: Option<Vec<String>>,
     /// Drives every random quantity of the run.
     #[arg(long, value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     seed: Option<u64>,
@@ -34,7 +39,7 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
-    let experiment = Experiment::load(&arguments.experiment, &settings(arguments))?;
+    let experiment = load(arguments)?;
     let mut session = Session::new(&experiment)?;
     let folder = make_folder(arguments, &experiment)?;
     let facts = run_facts(&experiment.config);
@@ -66,6 +71,15 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comman
         writeln!(out, "{reason}")?;
     }
     Ok(outcome)
+}
+
+/// The experiment, or the one that a trial of a sweep is.
+fn load(arguments: &Arguments) -> Result<Experiment, CommandError> {
+    if let Some([folder, trial]) = arguments.trial.as_deref() {
+        return one_trial(Path::new(folder), trial);
+    }
+    let name = arguments.experiment.as_deref().unwrap_or_default();
+    Ok(Experiment::load(name, &settings(arguments))?)
 }
 
 /// Goes round the control loop until the task or the time is over, or Ctrl-C.

@@ -8,8 +8,8 @@ use crate::control::phase::Phase;
 use crate::control::task::FingerSense;
 use crate::hand::hand::{Hand, JointState};
 use crate::record::{
-    Cap, Command, Fingertip, Flags, Joints, NO_ELEMENT, RecordError, Recorder, RunFacts, Tactile,
-    Task, TorqueSensor, Vector3,
+    Cap, Command, Fingertip, Flags, Joints, MessageSink, NO_ELEMENT, RecordError, Recorder,
+    RunFacts, Tactile, Task, TorqueSensor, Vector3,
 };
 use crate::sensor::layout::ElementLayout;
 use crate::sensor::reading::{TactileFrame, TactileSensor};
@@ -18,8 +18,8 @@ use crate::sim::shape::ShapeConfig;
 use glam::{DQuat, DVec3};
 
 /// Writes control steps to a recording. Messages with lists are kept and filled again.
-pub struct RunLog {
-    recorder: Recorder,
+pub struct RunLog<R = Recorder> {
+    recorder: R,
     /// Undeformed feeler tips of each finger in its fingertip frame `T`, m.
     tips: Vec<Vec<DVec3>>,
     tactile: Tactile,
@@ -28,9 +28,9 @@ pub struct RunLog {
     phase: Option<Phase>,
 }
 
-impl RunLog {
+impl<R: MessageSink> RunLog<R> {
     /// Logs to `recorder` a run of fingertips with the elements of `layouts`, one each.
-    pub fn new(recorder: Recorder, layouts: &[ElementLayout]) -> Self {
+    pub fn new(recorder: R, layouts: &[ElementLayout]) -> Self {
         let tips = |layout: &ElementLayout| {
             let elements = 0..layout.elements.len();
             elements.map(|element| layout.tip(element)).collect()
@@ -51,7 +51,7 @@ impl RunLog {
     }
 
     /// The recorder, to finish the recording.
-    pub fn into_recorder(self) -> Recorder {
+    pub fn into_recorder(self) -> R {
         self.recorder
     }
 

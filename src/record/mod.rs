@@ -8,6 +8,7 @@ pub mod channels;
 pub mod digest;
 pub mod error;
 pub mod facts;
+pub mod memory;
 pub mod recorder;
 pub mod recording;
 pub mod replay;
@@ -23,6 +24,7 @@ pub use channels::{
 pub use digest::Digest;
 pub use error::RecordError;
 pub use facts::RunFacts;
+pub use memory::{MemoryRecorder, MessageSink};
 pub use recorder::Recorder;
 pub use recording::{FingerRecord, Recording};
 pub use replay::{RecordedHand, RecordedSensor};

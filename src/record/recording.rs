@@ -83,7 +83,7 @@ impl Recording {
         collector.finish(scanned.err())
     }
 
-    fn empty(facts: RunFacts) -> Self {
+    pub(super) fn empty(facts: RunFacts) -> Self {
         Self {
             fingers: vec![FingerRecord::default(); facts.fingers],
             facts,

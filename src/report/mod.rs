@@ -11,6 +11,7 @@ pub mod run_data;
 pub mod series;
 pub mod strokes;
 pub mod summary;
+pub mod sweep_page;
 
 pub use claim::{Claim, ClaimPart, Relation};
 pub use make::{ReportError, ReportOutcome, make};

@@ -3,6 +3,7 @@
 pub mod calibration;
 mod canvas;
 mod paths;
+pub mod sweep;
 mod time;
 
 use super::run_data::RunData;

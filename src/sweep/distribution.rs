@@ -1,0 +1,163 @@
+//! How a parameter varies: `uniform(0.3,1.2)`, and what else can stand there.
+
+use rand::RngExt;
+use rand_distr::StandardNormal;
+use rand_pcg::Pcg64;
+
+/// What a parameter is drawn from.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Distribution {
+    /// Any number between both, alike.
+    Uniform(f64, f64),
+    /// Normally distributed: mean and standard deviation.
+    Normal(f64, f64),
+    /// Any number between both, its logarithm uniformly.
+    LogUniform(f64, f64),
+    /// One of these, alike; TOML values or words.
+    Choice(Vec<String>),
+}
+
+/// What can stand there, for messages.
+const EXPECTED: &str = "expected uniform(a,b), normal(mean,sd), log_uniform(a,b), choice(a,b,…) \
+                        or a value";
+
+impl Distribution {
+    /// Reads a distribution.
+    ///
+    /// # Errors
+    /// What is wrong with it, in words.
+    pub fn parse(text: &str) -> Result<Self, String> {
+        let text = text.trim();
+        let Some((name, rest)) = text.split_once('(') else {
+            let plain = !text.is_empty() && !text.contains([')', ',']);
+            return plain
+                .then(|| Self::Choice(vec![text.to_string()]))
+                .ok_or_else(|| format!("{text:?} is no distribution: {EXPECTED}"));
+        };
+        let inside = (rest.strip_suffix(')'))
+            .ok_or_else(|| format!("{text:?} does not end with a bracket: {EXPECTED}"))?;
+        let arguments: Vec<&str> = inside.split(',').map(str::trim).collect();
+        let two = || two_numbers(name, &arguments);
+        match name.trim() {
+            "uniform" => match two()? {
+                (a, b) if a <= b => Ok(Self::Uniform(a, b)),
+                (a, b) => Err(format!(
+                    "uniform({a},{b}): the first must not exceed the second"
+                )),
+            },
+            "log_uniform" => match two()? {
+                (a, b) if a > 0.0 && a <= b => Ok(Self::LogUniform(a, b)),
+                (a, b) => Err(format!(
+                    "log_uniform({a},{b}): expected two numbers above 0, the first not above the second"
+                )),
+            },
+            "normal" => match two()? {
+                (mean, sd) if sd >= 0.0 => Ok(Self::Normal(mean, sd)),
+                (_, sd) => Err(format!(
+                    "normal: the deviation must not be negative, not {sd}"
+                )),
+            },
+            "choice" if arguments.iter().all(|a| !a.is_empty()) => {
+                let choices = arguments.iter().map(|&a| a.to_string());
+                Ok(Self::Choice(choices.collect()))
+            }
+            "choice" => Err("choice: one of its values is empty".to_string()),
+            other => Err(format!("there is no distribution {other:?}: {EXPECTED}")),
+        }
+    }
+
+    /// Draws a value, as the text that would set it; `whole` rounds it to a whole number.
+    pub fn draw(&self, random: &mut Pcg64, whole: bool) -> String {
+        let number = match self {
+            Self::Uniform(a, b) => a + (b - a) * random.random::<f64>(),
+            Self::Normal(mean, sd) => mean + sd * random.sample::<f64, _>(StandardNormal),
+            Self::LogUniform(a, b) => (a.ln() + (b / a).ln() * random.random::<f64>())
+                .exp()
+                .clamp(*a, *b),
+            Self::Choice(choices) => {
+                let share = random.random::<f64>();
+                let index = (share * choices.len() as f64) as usize;
+                return choices[index.min(choices.len() - 1)].clone();
+            }
+        };
+        number_text(number, whole)
+    }
+
+    /// Values that must be good if the distribution is: its bounds, its mean, its choices.
+    pub fn extremes(&self, whole: bool) -> Vec<String> {
+        match self {
+            Self::Uniform(a, b) | Self::LogUniform(a, b) => {
+                vec![number_text(*a, whole), number_text(*b, whole)]
+            }
+            Self::Normal(mean, _) => vec![number_text(*mean, whole)],
+            Self::Choice(choices) => choices.clone(),
+        }
+    }
+}
+
+/// A number with all its digits, so that it reads back bit for bit.
+pub fn number_text(number: f64, whole: bool) -> String {
+    if whole {
+        format!("{number:.0}")
+    } else {
+        format!("{number:?}")
+    }
+}
+
+fn two_numbers(name: &str, arguments: &[&str]) -> Result<(f64, f64), String> {
+    let [a, b] = arguments else {
+        let count = arguments.len();
+        return Err(format!("{name} takes 2 numbers, not {count}: {EXPECTED}"));
+    };
+    let number = |text: &str| match text.parse::<f64>() {
+        Ok(number) if number.is_finite() => Ok(number),
+        _ => Err(format!("{name}: {text:?} is no number: {EXPECTED}")),
+    };
+    Ok((number(a)?, number(b)?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+
+    #[test]
+    fn what_is_drawn_is_distributed_as_asked() {
+        let mut random = Pcg64::seed_from_u64(1);
+        let mut mean = |text: &str| {
+            let distribution = Distribution::parse(text).unwrap();
+            let draw = |_| {
+                distribution
+                    .draw(&mut random, false)
+                    .parse::<f64>()
+                    .unwrap()
+            };
+            (0..20_000).map(draw).sum::<f64>() / 20_000.0
+        };
+        // Four standard errors of each mean.
+        assert!((mean("uniform(0.3, 1.2)") - 0.75).abs() < 0.008);
+        assert!((mean("normal(2,0.5)") - 2.0).abs() < 0.015);
+        assert!((mean("log_uniform(1,100)") - 99.0 / 100f64.ln()).abs() < 0.7);
+        assert!((mean("choice(1,3)") - 2.0).abs() < 0.03);
+        assert_eq!(mean("4.5"), 4.5);
+    }
+
+    #[test]
+    fn what_makes_no_sense_is_refused_in_words() {
+        for (text, word) in [
+            ("", "expected uniform"),
+            ("uniform(1,2", "bracket"),
+            ("uniform(1)", "2 numbers"),
+            ("uniform(2,1)", "must not exceed"),
+            ("uniform(a,1)", "no number"),
+            ("uniform(nan,1)", "no number"),
+            ("log_uniform(0,1)", "above 0"),
+            ("normal(0,-1)", "negative"),
+            ("choice(1,,2)", "empty"),
+            ("gamma(1,2)", "gamma"),
+        ] {
+            let error = Distribution::parse(text).unwrap_err();
+            assert!(error.contains(word), "{text:?}: {error}");
+        }
+    }
+}

@@ -1,0 +1,185 @@
+//! A sweep's folder: its plan, and the rows that are finished, each safe as soon as it is there.
+
+use super::SweepError;
+use super::plan::{PLAN, Plan};
+use super::table::{Table, line};
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+/// The finished sweep's table.
+pub const TRIALS: &str = "trials.csv";
+/// The table as it grows, in the order in which trials finish.
+pub const GROWING: &str = "trials.csv.part";
+/// The summary.
+pub const SUMMARY_PAGE: &str = "summary.html";
+
+/// A sweep's folder, open for more rows.
+pub struct Store {
+    folder: PathBuf,
+    file: File,
+    /// What is finished.
+    pub table: Table,
+}
+
+impl Store {
+    /// Makes the folder of a new sweep.
+    ///
+    /// # Errors
+    /// When there is a sweep already, or the folder cannot be written.
+    pub fn create(folder: &Path, plan: &Plan, header: Vec<String>) -> Result<Self, SweepError> {
+        if let Some(old) = [PLAN, TRIALS]
+            .into_iter()
+            .find(|name| folder.join(name).exists())
+        {
+            return Err(SweepError::Folder {
+                path: folder.to_path_buf(),
+                message: format!(
+                    "there is a sweep already ({old}); expected a new folder, or --resume to go on with it"
+                ),
+            });
+        }
+        fs::create_dir_all(folder).map_err(|e| file_error(folder, e, "nothing was run"))?;
+        write_whole(&folder.join(PLAN), plan.to_toml().as_bytes())?;
+        let path = folder.join(GROWING);
+        let opened = File::create(&path).and_then(|mut file| {
+            file.write_all(&line(&header))?;
+            Ok(file)
+        });
+        let file = opened.map_err(|e| file_error(&path, e, "nothing was run"))?;
+        Ok(Self {
+            folder: folder.to_path_buf(),
+            file,
+            table: Table::new(header),
+        })
+    }
+
+    /// Opens the folder of a sweep that was stopped. A last line that was torn is dropped.
+    ///
+    /// # Errors
+    /// When the rows there are not of this sweep, or the file cannot be read or written.
+    pub fn resume(folder: &Path, plan: &Plan, header: Vec<String>) -> Result<Self, SweepError> {
+        let mut table = Table::new(header);
+        let finished = folder.join(TRIALS);
+        let path = folder.join(GROWING);
+        let source = if finished.exists() { &finished } else { &path };
+        let failed = |e| file_error(source, e, "nothing was changed");
+        let mut bytes = match fs::read(source) {
+            Err(e) if e.kind() == io::ErrorKind::NotFound => Vec::new(),
+            read => read.map_err(failed)?,
+        };
+        bytes.truncate(
+            bytes
+                .iter()
+                .rposition(|&b| b == b'\n')
+                .map_or(0, |end| end + 1),
+        );
+        if bytes.is_empty() {
+            bytes = line(&table.header);
+        }
+        let wanted = |trial| trial < plan.trials && plan.shard.has(trial);
+        table.parse(source, &bytes, wanted)?;
+        let opened = if source == &finished {
+            File::open(source)
+        } else {
+            rewind(&path, &bytes)
+        };
+        let file = opened.map_err(failed)?;
+        Ok(Self {
+            folder: folder.to_path_buf(),
+            file,
+            table,
+        })
+    }
+
+    /// Takes in a finished row, which is in the file when this returns.
+    ///
+    /// # Errors
+    /// When it cannot be written; all earlier rows are safe.
+    pub fn push(&mut self, trial: u64, row: Vec<String>) -> Result<(), SweepError> {
+        let written = self.file.write_all(&line(&row));
+        let finished = self.table.rows.len();
+        written.map_err(|e| {
+            let note =
+                format!("the {finished} trials finished are kept: make room and add --resume");
+            file_error(&self.folder.join(GROWING), e, &note)
+        })?;
+        self.table.rows.insert(trial, row);
+        Ok(())
+    }
+
+    /// Puts the sorted table in place of the growing one.
+    ///
+    /// # Errors
+    /// When it cannot be written; the growing one is kept then.
+    pub fn finish(self) -> Result<Table, SweepError> {
+        write_whole(&self.folder.join(TRIALS), &self.table.to_csv())?;
+        drop(self.file);
+        // What it says stands in the whole table now.
+        let _ = fs::remove_file(self.folder.join(GROWING));
+        Ok(self.table)
+    }
+}
+
+/// Makes the file hold just these bytes, its own beginning, and opens it to go on.
+fn rewind(path: &Path, bytes: &[u8]) -> io::Result<File> {
+    let length = fs::metadata(path).map_or(0, |m| m.len());
+    let mut file = OpenOptions::new().create(true).append(true).open(path)?;
+    if length < bytes.len() as u64 {
+        file.set_len(0)?;
+        file.write_all(bytes)?;
+    } else {
+        file.set_len(bytes.len() as u64)?;
+    }
+    Ok(file)
+}
+
+/// Reads a table that a sweep or a shard finished with.
+///
+/// # Errors
+/// When there is none, or it is not of this plan.
+pub fn read_finished(folder: &Path, plan: &Plan, table: &mut Table) -> Result<(), SweepError> {
+    let whole = folder.join(TRIALS);
+    let path = if whole.exists() {
+        whole
+    } else {
+        folder.join(GROWING)
+    };
+    let mut bytes = fs::read(&path).map_err(|e| file_error(&path, e, "expected a sweep's rows"))?;
+    bytes.truncate(
+        bytes
+            .iter()
+            .rposition(|&b| b == b'\n')
+            .map_or(0, |end| end + 1),
+    );
+    table.parse(&path, &bytes, |trial| {
+        trial < plan.trials && plan.shard.has(trial)
+    })
+}
+
+/// Writes a file so that it is there whole or not at all.
+///
+/// # Errors
+/// When it cannot be written.
+pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), SweepError> {
+    let mut part = path.as_os_str().to_owned();
+    part.push(".new");
+    let part = PathBuf::from(part);
+    let written = File::create(&part).and_then(|mut file| {
+        file.write_all(bytes)?;
+        file.sync_all()
+    });
+    written.and_then(|()| fs::rename(&part, path)).map_err(|e| {
+        // Of no use to anyone.
+        let _ = fs::remove_file(&part);
+        file_error(path, e, "what was finished before is kept")
+    })
+}
+
+fn file_error(path: &Path, source: io::Error, note: &str) -> SweepError {
+    SweepError::File {
+        path: path.to_path_buf(),
+        source,
+        note: note.to_string(),
+    }
+}

@@ -1,0 +1,277 @@
+//! One trial: what it draws, how it runs, and the row it makes.
+
+use super::SweepError;
+use super::parameter::Parameter;
+use super::plan::Plan;
+use crate::config::Experiment;
+use crate::control::phase::Phase;
+use crate::experiment::Session;
+use crate::experiment::log::{RunLog, run_facts};
+use crate::record::{MemoryRecorder, Recording};
+use crate::report::claims::claims;
+use crate::report::{RunData, StrokeMeasures, Summary};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+use sha2::{Digest as _, Sha256};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+/// Most strokes that have columns of their own.
+const MAX_STROKES: u32 = 8;
+
+/// A measure of one stroke: its column and where it comes from.
+type Measure = (&'static str, fn(&StrokeMeasures) -> Option<f64>);
+
+/// What each stroke measures, in SI units; [`StrokeMeasures`] defines each.
+const MEASURES: [Measure; 9] = [
+    ("peak_torque", |m| m.peak_torque),
+    ("mean_grasp_force", |m| m.mean_grasp_force),
+    ("peak_grasp_force", |m| m.peak_grasp_force),
+    ("cap_turn", |m| m.cap_turn),
+    ("peak_shear_rate", |m| m.peak_shear_rate),
+    ("slip_fraction", |m| m.slip_fraction),
+    ("path_inward_bend", |m| m.path_inward_bend),
+    ("path_rms_to_contour", |m| m.path_rms_to_contour),
+    ("peak_element_force", |m| m.peak_element_force),
+];
+
+/// The trials of a sweep, ready to run on any thread.
+pub struct Trials {
+    plan: Plan,
+    parameters: Vec<Parameter>,
+    claims: Vec<&'static str>,
+    strokes: u32,
+}
+
+/// What a trial is made of.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Drawn {
+    /// The run's seed.
+    pub seed: u64,
+    /// The value of each parameter, as text.
+    pub values: Vec<String>,
+}
+
+impl Trials {
+    /// The trials of `plan`.
+    ///
+    /// # Errors
+    /// When its experiment or what varies in it makes no sense.
+    pub fn new(plan: &Plan) -> Result<Self, SweepError> {
+        let (experiment, parameters) = plan.load()?;
+        let config = &experiment.config;
+        // The claims are the paper's, of a cap that is screwed on.
+        let claims = if config.sim.cap().is_some() {
+            let nothing = MemoryRecorder::new(&run_facts(config))?.into_recording();
+            claims(&RunData::new(&nothing))
+                .iter()
+                .map(|c| c.id)
+                .collect()
+        } else {
+            Vec::new()
+        };
+        let strokes = config.task.strokes.min(MAX_STROKES);
+        Ok(Self {
+            plan: plan.clone(),
+            parameters,
+            claims,
+            strokes,
+        })
+    }
+
+    /// The plan.
+    pub fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// What varies.
+    pub fn parameters(&self) -> &[Parameter] {
+        &self.parameters
+    }
+
+    /// Whether success means that all claims hold, rather than that the task is done.
+    pub fn has_claims(&self) -> bool {
+        !self.claims.is_empty()
+    }
+
+    /// The names of a row's columns.
+    pub fn header(&self) -> Vec<String> {
+        let mut header: Vec<String> = ["trial", "seed"].map(String::from).to_vec();
+        header.extend(self.parameters.iter().map(|p| p.name.clone()));
+        let fixed = [
+            "outcome",
+            "reason",
+            "success",
+            "sim_time",
+            "strokes_made",
+            "cap_angle",
+            "claims_held",
+        ];
+        header.extend(fixed.map(String::from));
+        for claim in &self.claims {
+            header.extend([format!("claim.{claim}"), format!("claim.{claim}.value")]);
+        }
+        for stroke in 1..=self.strokes {
+            header.extend(MEASURES.map(|(name, _)| format!("stroke{stroke}.{name}")));
+        }
+        header
+    }
+
+    /// What trial `trial` draws: each quantity from a stream of its own.
+    pub fn draw(&self, trial: u64) -> Drawn {
+        let stream = |purpose: &str| generator(self.plan.seed, trial, purpose);
+        // A seed of an experiment file is a TOML integer, which has a sign.
+        let seed = stream("").random::<u64>() >> 1;
+        let values = self.parameters.iter();
+        let values = values.map(|p| p.distribution.draw(&mut stream(&p.name), p.whole));
+        Drawn {
+            seed,
+            values: values.collect(),
+        }
+    }
+
+    /// The experiment that trial `trial` runs.
+    ///
+    /// # Errors
+    /// When what was drawn is out of range.
+    pub fn experiment(&self, trial: u64) -> Result<Experiment, SweepError> {
+        let drawn = self.draw(trial);
+        let mut settings = vec![format!("seed={}", drawn.seed)];
+        for ((parameter, value), expression) in
+            (self.parameters.iter().zip(&drawn.values)).zip(&self.plan.vary)
+        {
+            let set = parameter.settings(value);
+            settings.extend(set.map_err(|message| SweepError::Vary {
+                expression: expression.clone(),
+                message,
+            })?);
+        }
+        let origin = format!("trial {trial} of {}", self.plan.origin);
+        let text = &self.plan.experiment;
+        Ok(Experiment::parse(
+            text,
+            &origin,
+            &settings,
+            self.plan.folder.clone(),
+        )?)
+    }
+
+    /// Runs trial `trial`; its row. Whatever goes wrong stands in the row.
+    pub fn run(&self, trial: u64) -> Vec<String> {
+        let ran = catch_unwind(AssertUnwindSafe(|| self.simulate(trial)));
+        let ran = ran.unwrap_or_else(|_| Ran::failed("error", "the program panicked".into()));
+        let drawn = self.draw(trial);
+        let mut row = vec![trial.to_string(), drawn.seed.to_string()];
+        row.extend(drawn.values);
+        row.extend([ran.outcome.to_string(), one_line(&ran.reason)]);
+        match &ran.recording {
+            Some(recording) => row.extend(self.results(ran.outcome, recording)),
+            None => {
+                row.push("0".to_string());
+                row.resize(self.header().len(), String::new());
+            }
+        }
+        row
+    }
+
+    fn simulate(&self, trial: u64) -> Ran {
+        let experiment = match self.experiment(trial) {
+            Ok(experiment) => experiment,
+            Err(error) => return Ran::failed("invalid", error.to_string()),
+        };
+        let mut session = match Session::new(&experiment) {
+            Ok(session) => session,
+            Err(error) => return Ran::failed("invalid", error.to_string()),
+        };
+        let recorder = match MemoryRecorder::new(&run_facts(&experiment.config)) {
+            Ok(recorder) => recorder,
+            Err(error) => return Ran::failed("invalid", error.to_string()),
+        };
+        let mut log = RunLog::new(recorder, session.layouts());
+        let mut failed = None;
+        while !session.finished() && failed.is_none() {
+            let stepped = session.step().map_err(|e| e.to_string());
+            let written =
+                stepped.and_then(|at| log.write(&session, &at).map_err(|e| e.to_string()));
+            failed = written.err();
+        }
+        let controller = session.control_loop().controller();
+        let (outcome, reason) = match (failed, controller.stop_reason()) {
+            (Some(error), _) => ("error", error),
+            (None, Some(reason)) => ("stopped", reason.to_string()),
+            (None, None) if controller.task().phase() == Phase::Done => ("done", String::new()),
+            (None, None) => ("time_limit", String::new()),
+        };
+        Ran {
+            outcome,
+            reason,
+            recording: Some(log.into_recorder().into_recording()),
+        }
+    }
+
+    /// The columns from `success` on, by the very code that makes a run's report.
+    pub fn results(&self, outcome: &str, recording: &Recording) -> Vec<String> {
+        let summary = Summary::new(recording, &RunData::new(recording));
+        let held = summary.claims.iter().filter(|claim| claim.holds).count();
+        let success = match self.has_claims() {
+            true => held == self.claims.len() && outcome == "done",
+            false => outcome == "done",
+        };
+        let mut row = vec![
+            flag(success),
+            format!("{:?}", summary.sim_time),
+            summary.strokes.len().to_string(),
+        ];
+        if self.has_claims() {
+            row.extend([number(summary.cap_angle), held.to_string()]);
+            for claim in &summary.claims {
+                row.extend([flag(claim.holds), number(claim.value)]);
+            }
+        } else {
+            row.extend([String::new(), String::new()]);
+        }
+        for stroke in 1..=self.strokes {
+            let measured = summary.strokes.iter().find(|s| s.index == stroke);
+            row.extend(MEASURES.map(|(_, measure)| number(measured.and_then(measure))));
+        }
+        row
+    }
+}
+
+/// What came of a trial.
+struct Ran {
+    outcome: &'static str,
+    reason: String,
+    recording: Option<Recording>,
+}
+
+impl Ran {
+    fn failed(outcome: &'static str, reason: String) -> Self {
+        Self {
+            outcome,
+            reason,
+            recording: None,
+        }
+    }
+}
+
+/// The stream of `purpose` in trial `trial` of the sweep of `seed`.
+fn generator(seed: u64, trial: u64, purpose: &str) -> Pcg64 {
+    let mut hash = Sha256::new();
+    hash.update(seed.to_le_bytes());
+    hash.update(trial.to_le_bytes());
+    hash.update(purpose.as_bytes());
+    Pcg64::from_seed(hash.finalize().into())
+}
+
+fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+fn flag(holds: bool) -> String {
+    u8::from(holds).to_string()
+}
+
+/// A number that reads back bit for bit; nothing where there is none.
+fn number(value: Option<f64>) -> String {
+    value.map_or_else(String::new, |value| format!("{value:?}"))
+}

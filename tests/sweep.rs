@@ -1,0 +1,211 @@
+//! `feeler sweep`, through the program.
+
+#[path = "support/program.rs"]
+mod program;
+
+use program::{Ended, experiment, feeler, folder, run};
+use std::collections::HashMap;
+use std::fs;
+use std::path::Path;
+
+/// A sweep of short trials of the reference experiment.
+fn sweep<'a>(more: &[&'a str]) -> Vec<&'a str> {
+    let mut arguments = vec![
+        "sweep",
+        "cap-closing",
+        "--sensing=direct",
+        "--set=time_limit=4",
+        "--trials=6",
+        "--seed=5",
+        "--vary=friction=uniform(0.7,1.3)",
+        "--vary=cap.radius=normal(0.014,0.0001)",
+    ];
+    arguments.extend(more);
+    arguments
+}
+
+fn rows(path: &Path) -> Vec<HashMap<String, String>> {
+    let mut reader = csv::Reader::from_path(path).expect("a table");
+    let header = reader.headers().expect("a header").clone();
+    let row = |record: csv::StringRecord| {
+        let pairs = header.iter().zip(record.iter());
+        pairs.map(|(k, v)| (k.to_string(), v.to_string())).collect()
+    };
+    reader.records().map(|r| row(r.expect("a row"))).collect()
+}
+
+#[test]
+fn jobs_shards_and_stops_change_nothing() {
+    let folder = folder("sweep-same");
+    run(&folder, &sweep(&["--jobs=1", "-o=one"])).done();
+    run(&folder, &sweep(&["--jobs=2", "-o=two"])).done();
+    let whole = fs::read(folder.join("one/trials.csv")).unwrap();
+    assert_eq!(whole, fs::read(folder.join("two/trials.csv")).unwrap());
+
+    run(&folder, &sweep(&["--shard=1/2", "-o=a"])).done();
+    run(&folder, &["sweep", "merge", "a", "-o", "c"]).refused(&["3 of 6", "shard 2/2"]);
+    run(&folder, &sweep(&["--shard=2/2", "-o=b"])).done();
+    run(&folder, &["sweep", "merge", "a", "a", "-o", "c"]).refused(&["twice"]);
+    run(&folder, &["sweep", "merge", "a", "b", "-o", "c"]).done();
+    assert_eq!(whole, fs::read(folder.join("c/trials.csv")).unwrap());
+
+    // As after a stop: two rows are finished, a third is torn.
+    let lines: Vec<_> = whole.split_inclusive(|&b| b == b'\n').collect();
+    let torn = &lines[3][..lines[3].len() / 2];
+    let left = [lines[0], lines[2], lines[1], torn].concat();
+    fs::remove_file(folder.join("two/trials.csv")).unwrap();
+    fs::write(folder.join("two/trials.csv.part"), left).unwrap();
+    let said = run(&folder, &sweep(&["--resume", "-o=two"])).done();
+    assert!(said.contains("4 trials in"), "{said}");
+    assert_eq!(whole, fs::read(folder.join("two/trials.csv")).unwrap());
+
+    let page = fs::read_to_string(folder.join("one/summary.html")).unwrap();
+    for word in [
+        "Success rate against friction",
+        "cap.radius",
+        "feeler run --trial",
+    ] {
+        assert!(page.contains(word), "no {word:?}");
+    }
+    let others = sweep(&["--resume", "-o=two", "--set=task.strokes=3"]);
+    run(&folder, &others).refused(&["another experiment", "strokes"]);
+    run(&folder, &sweep(&["-o=two"])).refused(&["there is a sweep already"]);
+}
+
+#[test]
+fn a_trial_runs_again_from_its_row_bit_for_bit() {
+    let folder = folder("sweep-again");
+    // Whole runs, so that every claim is measured.
+    let arguments = sweep(&["-o=sweep", "--set=time_limit=60", "--trials=3"]);
+    let arguments: Vec<_> = arguments
+        .into_iter()
+        .filter(|a| *a != "--trials=6")
+        .collect();
+    run(&folder, &arguments).done();
+    let row = &rows(&folder.join("sweep/trials.csv"))[2];
+    let ended = run(&folder, &["run", "--trial", "sweep", "2", "--out", "again"]);
+    assert!(matches!(ended.status, Some(0 | 1)), "{ended:?}");
+    let summary = fs::read_to_string(folder.join("again/summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    let same = |column: &str, value: &serde_json::Value| {
+        let number: Option<f64> = row[column].parse().ok();
+        let bits = |v: Option<f64>| v.map(f64::to_bits);
+        assert_eq!(bits(number), bits(value.as_f64()), "{column}");
+    };
+    same("sim_time", &summary["sim_time"]);
+    same("cap_angle", &summary["cap_angle"]);
+    assert_eq!(row["seed"], summary["seed"].to_string());
+    let claims = summary["claims"].as_array().unwrap();
+    assert_eq!(claims.len(), 8);
+    for claim in claims {
+        let id = claim["id"].as_str().unwrap();
+        same(&format!("claim.{id}.value"), &claim["value"]);
+        assert_eq!(row[&format!("claim.{id}")] == "1", claim["holds"] == true);
+    }
+    let strokes = summary["strokes"].as_array().unwrap();
+    assert!(!strokes.is_empty());
+    for stroke in strokes {
+        for (name, value) in stroke.as_object().unwrap() {
+            if name != "index" {
+                same(&format!("stroke{}.{name}", stroke["index"]), value);
+            }
+        }
+    }
+    run(&folder, &["run", "--trial", "sweep", "3"]).refused(&["from 0 to 2"]);
+    run(&folder, &["run", "--trial", "nowhere", "0"]).refused(&["folder of a sweep"]);
+}
+
+#[test]
+fn what_cannot_vary_is_refused_before_anything_runs() {
+    let folder = folder("sweep-refused");
+    for (vary, words) in [
+        ("friction", ["NAME=DISTRIBUTION", ""]),
+        ("friction=uniform(1", ["bracket", ""]),
+        ("friction=uniform(1,0.5)", ["must not exceed", ""]),
+        ("friction=gauss(1,2)", ["gauss", "normal(mean,sd)"]),
+        (
+            "slip_treshold=uniform(1,2)",
+            ["no parameter", "control.slip_threshold"],
+        ),
+        ("elements=uniform(1,2)", ["could mean any of", "rings"]),
+        (
+            "cap.radius=uniform(-1,0.014)",
+            ["cylinder.radius", "expected"],
+        ),
+        ("sensing=uniform(1,2)", ["no number", "choice"]),
+        ("seed=uniform(1,2)", ["--seed", ""]),
+    ] {
+        let vary = format!("--vary={vary}");
+        run(&folder, &["sweep", "cap-closing", &vary, "-o=s"]).refused(&words);
+        assert!(!folder.join("s").exists(), "{vary}");
+    }
+    let twice = sweep(&["--vary=static_friction=uniform(1,2)", "-o=s"]);
+    run(&folder, &twice).refused(&["varies what friction varies already"]);
+}
+
+#[test]
+fn a_trial_that_goes_wrong_is_a_row_and_the_sweep_goes_on() {
+    let folder = folder("sweep-wrong");
+    let arguments = sweep(&["--vary=touch_force=normal(0.1,0.2)", "--trials=12", "-o=s"]);
+    let arguments: Vec<_> = arguments
+        .into_iter()
+        .filter(|a| *a != "--trials=6")
+        .collect();
+    run(&folder, &arguments).done();
+    let rows = rows(&folder.join("s/trials.csv"));
+    assert_eq!(rows.len(), 12);
+    let invalid = |row: &&HashMap<String, String>| row["outcome"] == "invalid";
+    let invalid: Vec<_> = rows.iter().filter(invalid).collect();
+    assert!(!invalid.is_empty() && invalid.len() < 12);
+    for row in invalid {
+        assert!(row["reason"].contains("control.touch_force"), "{row:?}");
+        assert!(row["touch_force"].parse::<f64>().unwrap() <= 0.0);
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_is_said_and_what_is_finished_is_kept() {
+    let folder = folder("sweep-full");
+    fs::create_dir(folder.join("s")).unwrap();
+    std::os::unix::fs::symlink("/dev/full", folder.join("s/trials.csv.part")).unwrap();
+    run(&folder, &sweep(&["-o=s"])).refused(&["trials.csv.part", "No space left"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_stopped_sweep_goes_on_where_it_was() {
+    let folder = folder("sweep-stopped");
+    experiment(&folder, "time_limit = 60.0", "time_limit = 5.0");
+    let arguments = [
+        "sweep",
+        "my.toml",
+        "--sensing=direct",
+        "--trials=100000",
+        "-o=s",
+    ];
+    let mut command = feeler(&folder, &arguments);
+    command
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped());
+    let mut child = command.spawn().unwrap();
+    let part = folder.join("s/trials.csv.part");
+    let lines = || fs::read_to_string(&part).map_or(0, |text| text.lines().count());
+    while lines() < 4 {
+        assert!(child.try_wait().unwrap().is_none(), "it ended by itself");
+        std::thread::yield_now();
+    }
+    let id = child.id().to_string();
+    assert!(
+        std::process::Command::new("kill")
+            .args(["-INT", &id])
+            .status()
+            .unwrap()
+            .success()
+    );
+    let ended = Ended::of(child.wait_with_output().unwrap());
+    assert_eq!(ended.status, Some(1), "{ended:?}");
+    assert!(ended.stdout.contains("--resume -o s"), "{ended:?}");
+    let kept = fs::read_to_string(&part).unwrap();
+    assert!(kept.ends_with('\n') && kept.lines().count() >= 4);
+}
