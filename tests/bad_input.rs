@@ -27,7 +27,7 @@ fn values_out_of_range() {
     let cases: [(&str, &str, &str, &[&str]); 13] = [
         (
             "stiffness",
-            "normal_stiffness = 1180.0",
+            "normal_stiffness = 1090.0",
             "normal_stiffness = -3.5",
             &["sim.feeler.normal_stiffness = -3.5", "more than 0"],
         ),
@@ -41,7 +41,7 @@ fn values_out_of_range() {
             "f1-f2",
             "touch_force = 0.1",
             "touch_force = 2.5",
-            &["control.over_force = 1.85", "(F1) = 2.5"],
+            &["control.over_force = 1.98", "(F1) = 2.5"],
         ),
         (
             "empty-ring",

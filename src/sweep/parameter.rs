@@ -241,7 +241,7 @@ mod tests {
             settings,
             [
                 "sim.feeler.static_friction=0.5",
-                "sim.feeler.kinetic_friction=0.3"
+                "sim.feeler.kinetic_friction=0.30637254901960786"
             ]
         );
     }
