@@ -246,7 +246,7 @@ impl Exposure {
     ) -> [u8; NOISE_LANES] {
         let mut grays = [0; NOISE_LANES];
         for lane in 0..NOISE_LANES {
-            let cover = if lit[lane] < 1.0 { lit[lane] } else { 1.0 };
+            let cover = if lit[lane] > 1.0 { 1.0 } else { lit[lane] };
             let light = 1.0 - (lost_by_column[lane] + self.lost_by_row);
             let light = if light > 0.0 { light } else { 0.0 };
             let gray = light * (self.background + self.contrast * cover);
