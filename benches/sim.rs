@@ -7,7 +7,12 @@ use feeler::control::phase::Phase;
 use feeler::experiment::Session;
 use feeler::experiment::log::{RunLog, run_facts};
 use feeler::record::Recorder;
-use glam::DVec3;
+use feeler::sim::world::World;
+use glam::{DMat3, DVec3};
+
+#[path = "../tests/support/mujoco_scene.rs"]
+#[allow(dead_code)]
+mod mujoco_scene;
 
 fn main() {
     divan::main();
@@ -66,6 +71,62 @@ fn give(session: &Session, commands: &[Vec<DVec3>], steps: usize) {
             world.step().expect("a step");
         }
     }
+}
+
+/// The scene and the motion that MuJoCo is timed on, of 5 s (`benches/peers/mujoco.py`).
+#[divan::bench(sample_count = 50)]
+fn physics_of_mujocos_scene(bencher: Bencher) {
+    let reference = mujoco_scene::reference("round_tips");
+    let header = &reference.header;
+    let steps = (header.knot_times[header.knot_times.len() - 1] / STEP).round() as u32;
+    bencher
+        .counter(ItemsCount::new(steps))
+        .with_inputs(|| mujoco_scene::Scene::new(header, STEP))
+        .bench_local_refs(|scene| {
+            for step in 1..=steps {
+                scene.advance(|finger| header.joints(finger, STEP * f64::from(step)));
+            }
+        });
+}
+
+/// s.
+const STEP: f64 = 0.001;
+
+/// A free box on a table touched by two fingers: one step of 1 ms.
+#[divan::bench(sample_count = 50, sample_size = 1000)]
+fn physics_step_of_a_free_box(bencher: Bencher) {
+    let mut world = squeezed_box();
+    let touching = |world: &World| world.state().fingers.iter().all(|f| !f.contacts.is_empty());
+    assert!(touching(&world));
+    bencher.bench_local(|| world.step().expect("a step"));
+}
+
+/// A box of 30 x 30 x 60 mm and 50 g on a table between two fingertips that press 1.5 mm deep.
+fn squeezed_box() -> World {
+    let mut experiment = experiment("direct");
+    let sim = &mut experiment.config.sim;
+    let object = |text: &str| toml::from_str(text).expect("an object");
+    let text =
+        "position = [0.0, 0.0, 0.1]\nshape.box.size = [0.03, 0.03, 0.06]\nmotion.free.mass = 0.05";
+    let table = "position = [0.0, 0.0, 0.07]\nshape = \"half_space\"\nmotion = \"fixed\"";
+    sim.object = [
+        ("box".into(), object(text)),
+        ("table".into(), object(table)),
+    ]
+    .into();
+    let mut world = feeler::experiment::world(&experiment).expect("a world");
+    for step in 1..=500 {
+        let depth = -0.0005 + 4e-6 * f64::from(step);
+        for (finger, toward) in [1.0, -1.0].into_iter().enumerate() {
+            let mut tip = world.state().fingers[finger].tip;
+            tip.position = DVec3::new(-toward * (0.0345 - depth), 0.0, 0.1);
+            let side = DVec3::new(0.0, toward, 0.0);
+            tip.rotation = DMat3::from_cols(toward * DVec3::X, side, DVec3::Z);
+            world.hold_fingertip(finger, Some(tip));
+        }
+        world.step().expect("a step");
+    }
+    world
 }
 
 /// One physics step with the fingers at home.

@@ -18,5 +18,5 @@ if ! "$venv/bin/python" -c 'import mujoco' 2>/dev/null; then
     python3 -m venv "$venv"
     "$venv/bin/pip" install --quiet mujoco==3.3.7 numpy==2.4.6
 fi
-cargo bench --quiet --bench sim -- physics_step_in_contact | tee target/peers/sim.txt
+cargo bench --quiet --bench sim -- physics_of_mujocos_scene | tee target/peers/sim.txt
 "$venv/bin/python" benches/peers/mujoco.py target/peers/sim.txt

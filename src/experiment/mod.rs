@@ -105,16 +105,9 @@ impl Session {
     pub fn new(experiment: &Experiment) -> Result<Self, ExperimentError> {
         let config = &experiment.config;
         let layouts = layouts(config)?;
-        let (fingers, joints) = fingers_at_home(config)?;
+        let (fingers, _) = fingers_at_home(config)?;
         let controller = controller(config, &fingers, &layouts);
-        let fingers: Vec<_> = fingers.into_iter().zip(layouts.iter().cloned()).collect();
-        let world = World::new(
-            &config.sim,
-            &fingers,
-            &joints,
-            experiment.folder(),
-            config.seed,
-        )?;
+        let world = world(experiment)?;
         let cap = config
             .sim
             .cap()
@@ -174,6 +167,25 @@ impl Session {
     pub fn rig(&self) -> &Rig {
         &self.rig
     }
+}
+
+/// The simulated world of `experiment`, without sensors or control: fingers at home, objects where they
+/// start.
+///
+/// # Errors
+/// When a part of it makes no sense.
+pub fn world(experiment: &Experiment) -> Result<World, ExperimentError> {
+    let config = &experiment.config;
+    let (fingers, joints) = fingers_at_home(config)?;
+    let fingers: Vec<_> = fingers.into_iter().zip(layouts(config)?).collect();
+    let folder = experiment.folder();
+    Ok(World::new(
+        &config.sim,
+        &fingers,
+        &joints,
+        folder,
+        config.seed,
+    )?)
 }
 
 /// The controller of `config` for `fingers` with the elements of `layouts`, one each.

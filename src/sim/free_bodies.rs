@@ -15,8 +15,8 @@ use rapier3d_f64::prelude::{
 };
 
 /// Largest product of the feelers' frequency (rad/s) on a body and a part of a step. The integration
-/// is stable below 2; at 1 its frequency is 5 % off.
-const MAX_PHASE: f64 = 1.0;
+/// is stable below 2. The frequency is bounded from above by a sum; what it really is, is mostly half of that.
+const MAX_PHASE: f64 = 1.5;
 /// Most parts of a step: a body light enough to need more is refused.
 const MAX_PARTS: usize = 64;
 /// Lengths that the library tells apart are given as parts of this, m: it is made for bodies of a
