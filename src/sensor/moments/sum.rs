@@ -146,8 +146,8 @@ fn brighten(tile: &TileRows, bright: &mut [Row; TILE_ROWS]) {
     let mut padding = [0; TILE_WIDTH];
     for (row, (bright, mask)) in bright.iter_mut().zip(tile.byte_masks).enumerate() {
         let pixels = tile.row(row, &mut padding);
-        for column in 0..TILE_WIDTH {
-            bright.0[column] = pixels[column].saturating_sub(dark_level) & mask.0[column];
+        for ((bright, &pixel), &own) in bright.0.iter_mut().zip(pixels).zip(&mask.0) {
+            *bright = pixel.saturating_sub(dark_level) & own;
         }
     }
 }
