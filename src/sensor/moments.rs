@@ -23,7 +23,10 @@ mod x86;
 
 pub use instructions::Instructions;
 
-use self::{fit::Tiling, tile::Tile};
+use self::{
+    fit::Tiling,
+    tile::{Row, Tile},
+};
 use super::{
     dome::DomeProjection,
     frame::Picture,
@@ -52,6 +55,8 @@ pub struct MomentsKernel {
     tiles: Vec<Tile>,
     /// For each row of each tile, which of its pixels belong to the sub-region.
     masks: Vec<u64>,
+    /// The same, 255 for each pixel that does.
+    byte_masks: Vec<Row>,
     /// The tiles of each element.
     elements: Vec<Range<usize>>,
     instructions: Instructions,
@@ -108,6 +113,7 @@ impl MomentsKernel {
             dark_level,
             tiles: tiling.tiles,
             masks: tiling.masks,
+            byte_masks: tiling.byte_masks,
             elements,
             instructions: Instructions::fastest(),
         })

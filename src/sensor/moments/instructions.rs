@@ -63,7 +63,7 @@ impl Instructions {
             Self::Avx2 if self.are_available() => unsafe {
                 super::x86::avx2(kernel, pixels, moments);
             },
-            _ => sum::all_elements(kernel, pixels, moments, sum::add_tile),
+            _ => sum::plain::<4>(kernel, pixels, moments),
         }
     }
 }

@@ -6,7 +6,7 @@
 
 use super::{
     ElementMoments, MomentsKernel,
-    tile::{ACROSS, ROW_POWERS, STRIP, STRIPS, SUMS, TILE_WIDTH, TileWeights, WEIGHTS},
+    tile::{Row, STRIP, STRIPS, SUMS, TILE_ROWS, TILE_WIDTH, TileWeights, WEIGHTS},
 };
 use glam::DVec2;
 
@@ -21,6 +21,10 @@ pub(super) struct TileRows<'a> {
     width: usize,
     /// Which pixels of each row count, the first lowest.
     pub masks: &'a [u64],
+    /// The same, a byte for each pixel.
+    byte_masks: &'a [Row],
+    /// How many strips have pixels, up to the last that has.
+    strips: usize,
     /// Gray value up to which a pixel is dark.
     pub dark_level: u8,
 }
@@ -65,7 +69,7 @@ pub(super) fn all_elements(
     kernel: &MomentsKernel,
     pixels: &[u8],
     moments: &mut [ElementMoments],
-    add_tile: impl Fn(&TileRows, &TileWeights, &mut Totals),
+    mut add_tile: impl FnMut(&TileRows, &TileWeights, &mut Totals),
 ) {
     for (moments, range) in moments.iter_mut().zip(&kernel.elements) {
         let mut totals = Totals([[0.0; STRIPS]; WEIGHTS]);
@@ -75,7 +79,9 @@ pub(super) fn all_elements(
                 pixels,
                 offset: tile.offset,
                 width: kernel.width,
-                masks: kernel.masks.get(masks).unwrap_or(&[]),
+                masks: kernel.masks.get(masks.clone()).unwrap_or(&[]),
+                byte_masks: kernel.byte_masks.get(masks).unwrap_or(&[]),
+                strips: tile.strips,
                 dark_level: kernel.dark_level,
             };
             add_tile(&rows, &tile.weights, &mut totals);
@@ -112,41 +118,89 @@ fn element_moments([integrated_gray, x, y]: [f64; WEIGHTS]) -> ElementMoments {
     }
 }
 
-/// Adds what a tile's sums count for, without any particular instructions.
-pub(super) fn add_tile(rows: &TileRows, weights: &TileWeights, totals: &mut Totals) {
-    let sums = tile_sums(rows);
+/// Takes the moments with `LANES` strips side by side, in plain loops that the compiler turns into
+/// whichever vector instructions it may use.
+///
+/// The rows of a tile are made bright first and summed then. In one loop, the compiler would take
+/// the pixels one by one.
+#[inline(always)]
+pub(super) fn plain<const LANES: usize>(
+    kernel: &MomentsKernel,
+    pixels: &[u8],
+    moments: &mut [ElementMoments],
+) {
+    let mut bright = [Row([0; TILE_WIDTH]); TILE_ROWS];
+    all_elements(kernel, pixels, moments, |tile, weights, totals| {
+        brighten(tile, &mut bright);
+        let rows = bright.get(..tile.byte_masks.len()).unwrap_or(&[]);
+        for group in (0..STRIPS / LANES).take_while(|group| group * LANES < tile.strips) {
+            add_group::<LANES>(rows, group, weights, totals);
+        }
+    });
+}
+
+/// The pixels of a tile above the dark level, 0 where they do not belong to the sub-region.
+#[inline(always)]
+fn brighten(tile: &TileRows, bright: &mut [Row; TILE_ROWS]) {
+    let dark_level = tile.dark_level;
+    let mut padding = [0; TILE_WIDTH];
+    for (row, (bright, mask)) in bright.iter_mut().zip(tile.byte_masks).enumerate() {
+        let pixels = tile.row(row, &mut padding);
+        for ((bright, &pixel), &own) in bright.0.iter_mut().zip(pixels).zip(&mask.0) {
+            *bright = pixel.saturating_sub(dark_level) & own;
+        }
+    }
+}
+
+/// Adds what the sums of the `group`-th `LANES` strips of a tile count for.
+#[inline(always)]
+fn add_group<const LANES: usize>(
+    rows: &[Row],
+    group: usize,
+    weights: &TileWeights,
+    totals: &mut Totals,
+) {
+    let sums = group_sums::<LANES>(rows, group);
     for (total, weights) in totals.0.iter_mut().zip(&weights.0) {
+        let total = &mut total.as_chunks_mut::<LANES>().0[group];
         for (sums, weights) in sums.iter().zip(weights) {
-            for strip in 0..STRIPS {
-                total[strip] += weights[strip] * sums[strip] as f32;
+            let weights = &weights.as_chunks::<LANES>().0[group];
+            for lane in 0..LANES {
+                total[lane] += weights[lane] * sums[lane] as f32;
             }
         }
     }
 }
 
-/// The sums of one tile.
-fn tile_sums(tile: &TileRows) -> [[i32; STRIPS]; SUMS] {
-    let mut sums = [[0; STRIPS]; SUMS];
-    let mut padding = [0; TILE_WIDTH];
-    for (row, &mask) in tile.masks.iter().enumerate() {
-        let pixels = tile.row(row, &mut padding);
-        let mut bright = [0; TILE_WIDTH];
-        for (index, (bright, &pixel)) in bright.iter_mut().zip(pixels).enumerate() {
-            let own = ((mask >> index) & 1) as u8;
-            *bright = pixel.saturating_sub(tile.dark_level) & own.wrapping_neg();
-        }
-        let mut first = 0;
-        for (factors, powers) in ACROSS.iter().zip(ROW_POWERS) {
-            for (strip, pixels) in bright.chunks_exact(STRIP).enumerate() {
-                let products = pixels.iter().zip(factors);
-                let mut sum: i32 = products.map(|(&g, &k)| i32::from(g) * i32::from(k)).sum();
-                for power in &mut sums[first..first + powers] {
-                    power[strip] += sum;
-                    sum = power[strip];
-                }
-            }
-            first += powers;
+/// The sums of the `group`-th `LANES` strips of a tile.
+#[inline(always)]
+fn group_sums<const LANES: usize>(rows: &[Row], group: usize) -> [[i32; LANES]; SUMS] {
+    let zero = [0; LANES];
+    let [mut a0, mut a1, mut a2, mut a3] = [zero; 4];
+    let [mut b0, mut b1, mut b2] = [zero; 3];
+    let [mut c0, mut c1] = [zero; 2];
+    let mut d0 = zero;
+    for row in rows {
+        let strips = row.0.as_chunks::<STRIP>().0;
+        let strips = &strips.as_chunks::<LANES>().0[group];
+        for lane in 0..LANES {
+            // As one integer, so that it stays in its lane.
+            let strip = u32::from_le_bytes(strips[lane]);
+            let pixel = |place: usize| (strip >> (8 * place) & 0xff) as i32;
+            let (outer, inner) = (pixel(0) + pixel(3), pixel(1) + pixel(2));
+            let (across, between) = (pixel(3) - pixel(0), pixel(2) - pixel(1));
+            // What the rows of `ACROSS` give, one after the other.
+            a0[lane] += outer + inner;
+            a1[lane] += a0[lane];
+            a2[lane] += a1[lane];
+            a3[lane] += a2[lane];
+            b0[lane] += 3 * across + between;
+            b1[lane] += b0[lane];
+            b2[lane] += b1[lane];
+            c0[lane] += outer - inner;
+            c1[lane] += c0[lane];
+            d0[lane] += across - 3 * between;
         }
     }
-    sums
+    [a0, a1, a2, a3, b0, b1, b2, c0, c1, d0]
 }

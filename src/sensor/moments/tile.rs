@@ -46,6 +46,11 @@ pub(super) const WEIGHTS: usize = 3;
 #[repr(align(64))]
 pub(super) struct TileWeights(pub [[[f32; STRIPS]; SUMS]; WEIGHTS]);
 
+/// A byte for each pixel of a tile's row.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(align(64))]
+pub(super) struct Row(pub [u8; TILE_WIDTH]);
+
 /// Where a tile is, and what its pixels count for.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Tile {
@@ -55,6 +60,8 @@ pub(super) struct Tile {
     pub first_mask: usize,
     /// How many rows it has.
     pub rows: usize,
+    /// How many of its strips have pixels, up to the last that has.
+    pub strips: usize,
     /// What its sums count for.
     pub weights: TileWeights,
 }
