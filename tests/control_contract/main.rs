@@ -10,6 +10,7 @@ mod flags;
 mod hostile;
 mod limits;
 mod loop_faults;
+mod physics;
 mod rig;
 mod speed;
 mod task;

@@ -1,0 +1,31 @@
+//! A step of the simulated world does not allocate: over a whole run, so that feelers touch, roll, slip
+//! and let go.
+
+use assert_no_alloc::assert_no_alloc;
+use feeler::config::Experiment;
+use feeler::experiment::Session;
+
+#[test]
+fn a_step_of_the_world_does_not_allocate() {
+    let settings = ["sensing=direct".to_string()];
+    let experiment = Experiment::load("cap-closing", &settings).expect("an experiment");
+    let mut session = Session::new(&experiment).expect("a session");
+    let mut world = feeler::experiment::world(&experiment).expect("a world");
+    let (mut steps, mut touched) = (0, 0);
+    while !session.finished() {
+        session.step().expect("a step");
+        for (finger, &velocity) in
+            (session.control_loop().command().joint_velocity.iter()).enumerate()
+        {
+            world.command(finger, velocity);
+        }
+        assert_no_alloc(|| {
+            for _ in 0..10 {
+                world.step().expect("a step");
+            }
+        });
+        steps += 10;
+        touched += usize::from(!world.state().fingers[0].contacts.is_empty());
+    }
+    assert!(steps > 10_000 && touched > 300, "{steps} {touched}");
+}
