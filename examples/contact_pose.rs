@@ -1,5 +1,5 @@
 //! Tells depth and tilt of a contact from pictures of a real hemispherical sensor: finds its pins,
-//! takes their moments, and fits a ridge regression from these to the pose.
+//! senses them as `feeler sense` does, and fits a ridge regression from these to the pose.
 //!
 //! ```text
 //! cargo run --release --example contact_pose -- [FOLDER]
@@ -9,11 +9,13 @@
 //! `$FEELER_DATA/tactip-surface3d-tap`, where `FEELER_DATA` is `../shared/data` unless set.
 
 use feeler::sensor::{
+    exposure::DEFAULT_MAX_SATURATED,
     frame::Picture,
     locate::{LocateConfig, ReferencePicture, locate},
     located_layout::LocatedLayout,
-    moments::{ElementMoments, MomentsKernel},
+    sensing::{ElementReading, Sensing},
 };
+use feeler::sources::picture::read_picture;
 use nalgebra::{Cholesky, DMatrix, DVector, RowDVector};
 use std::{error::Error, fs, path::Path, path::PathBuf};
 
@@ -109,15 +111,6 @@ fn fields(line: &str) -> Vec<String> {
     fields
 }
 
-fn read_picture(path: &Path) -> Result<Picture, Box<dyn Error>> {
-    let gray = image::open(path)?.into_luma8();
-    Ok(Picture {
-        width: gray.width() as usize,
-        height: gray.height() as usize,
-        pixels: gray.into_raw(),
-    })
-}
-
 /// How one target is told, all of it chosen by cross-validation on the fitted pictures.
 #[derive(Debug, Clone, Copy)]
 pub struct Told {
@@ -166,8 +159,14 @@ pub fn contact_pose(data: &DataSet) -> Result<ContactPose, Box<dyn Error>> {
         };
         let located = locate(&reference, &config)?;
         (pose.pins, pose.spacing_px) = (located.elements.len(), located.spacing_px);
-        let kernel = LocatedLayout::new(&located).kernel()?;
-        let features = features(&kernel, &data.pictures)?;
+        let layout = LocatedLayout::new(&located);
+        let sensing = Sensing::new(
+            (data.pictures[0].width, data.pictures[0].height),
+            layout.kernel()?,
+            &layout.weighted_pixels()?,
+            DEFAULT_MAX_SATURATED,
+        )?;
+        let features = features(sensing, &data.pictures)?;
         for (target, told) in pose.told.iter_mut().enumerate() {
             let new = tell(&features, data.poses.column(target).into(), region_radius)?;
             if new.cross_validated < told.cross_validated {
@@ -200,18 +199,19 @@ fn tell(
 
 /// For each picture a row, for each pin three columns: its integrated gray value over the mean one,
 /// and its centroid, px. A pin that is not seen has not moved, as far as one knows.
-fn features(kernel: &MomentsKernel, pictures: &[Picture]) -> Result<DMatrix<f64>, Box<dyn Error>> {
-    let pins = kernel.element_count();
-    let mut moments = vec![ElementMoments::default(); pins];
+fn features(mut sensing: Sensing, pictures: &[Picture]) -> Result<DMatrix<f64>, Box<dyn Error>> {
+    let pins = sensing.element_count();
+    let mut readings = vec![ElementReading::default(); pins];
     let mut features = DMatrix::zeros(pictures.len(), 3 * pins);
     let mut seen = DMatrix::from_element(pictures.len(), pins, true);
     for (row, picture) in pictures.iter().enumerate() {
-        kernel.measure(picture, &mut moments)?;
-        for (pin, moments) in moments.iter().enumerate() {
-            seen[(row, pin)] = moments.integrated_gray > 0.0;
-            features[(row, 3 * pin)] = moments.integrated_gray;
-            features[(row, 3 * pin + 1)] = moments.centroid.x;
-            features[(row, 3 * pin + 2)] = moments.centroid.y;
+        sensing.sense(picture, &mut readings)?;
+        for (pin, reading) in readings.iter().enumerate() {
+            let centroid = reading.centroid.unwrap_or_default();
+            seen[(row, pin)] = reading.centroid.is_some();
+            features[(row, 3 * pin)] = reading.integrated_gray;
+            features[(row, 3 * pin + 1)] = centroid.x;
+            features[(row, 3 * pin + 2)] = centroid.y;
         }
     }
     for pin in 0..pins {
