@@ -62,6 +62,47 @@ fn pictures_and_forces_on_disk_make_a_calibration() {
 }
 
 #[test]
+fn a_recording_of_what_was_sensed_makes_the_same_calibration_as_its_pictures() {
+    let (folder, _) = simulated("recorded-loads", "30");
+    run(
+        &folder,
+        &["calibrate", "loads/LOADS.csv", "-o", "pictures.toml"],
+    )
+    .done();
+    let sense = ["sense", "loads", "--rate", "10", "-o", "loads/sensed.mcap"];
+    let sensed = run(&folder, &sense);
+    assert_eq!(sensed.status, Some(0), "{sensed:?}");
+    // The pictures are in the order of their names, a tenth of a second apart.
+    let loads = fs::read_to_string(folder.join("loads/LOADS.csv")).unwrap();
+    let rows = loads.lines().map(|row| match row.split_once(".png") {
+        Some((number, rest)) => {
+            let time = 0.1 * number.parse::<f64>().unwrap();
+            format!("sensed.mcap@{time:.1}{rest}\n")
+        }
+        None => format!("{row}\n"),
+    });
+    fs::write(folder.join("loads/RECORDED.csv"), rows.collect::<String>()).unwrap();
+    run(
+        &folder,
+        &["calibrate", "loads/RECORDED.csv", "-o", "recorded.toml"],
+    )
+    .done();
+    let read = |name: &str| fs::read_to_string(folder.join(name)).unwrap();
+    assert_eq!(read("pictures.toml"), read("recorded.toml"));
+
+    let refused = |row: &str, words: &[&str]| {
+        let text = format!("picture,element,f_x,f_y,f_z\n{row}\n");
+        fs::write(folder.join("loads/BAD.csv"), text).unwrap();
+        run(&folder, &["calibrate", "loads/BAD.csv", "-o", "bad.toml"]).refused(words);
+    };
+    refused(
+        "sensed.mcap@1e5,0,0,0,1",
+        &["line 2", "expected a time from 0 to"],
+    );
+    refused("none.mcap@1,0,0,0,1", &["line 2", "none.mcap"]);
+}
+
+#[test]
 fn loads_that_cannot_be_used_are_named() {
     let (folder, _) = simulated("bad-loads", "10");
     let csv = folder.join("loads/LOADS.csv");

@@ -123,6 +123,10 @@ pub struct Moments {
     pub displacement_x: Vec<f64>,
     /// The same along y.
     pub displacement_y: Vec<f64>,
+    /// Centroid along x in the element's plane (in the picture), m (px); NaN in the dark.
+    pub centroid_x: Vec<f64>,
+    /// The same along y.
+    pub centroid_y: Vec<f64>,
 }
 
 message!(
@@ -134,6 +138,8 @@ message!(
     "float64[] integrated_gray  # grey levels times m2 (px2 in the picture's plane)",
     "float64[] displacement_x  # m (px) of the centroid from its unloaded place; NaN where there is none",
     "float64[] displacement_y  # m (px)",
+    "float64[] centroid_x  # m (px), in the element's plane (in the picture); NaN in the dark",
+    "float64[] centroid_y  # m (px)",
 );
 
 /// What the flag analyzer makes of one tactile frame.

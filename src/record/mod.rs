@@ -28,4 +28,4 @@ pub use memory::{MemoryRecorder, MessageSink};
 pub use recorder::Recorder;
 pub use recording::{FingerRecord, Recording};
 pub use replay::{RecordedHand, RecordedSensor};
-pub use sensed::SensedWriter;
+pub use sensed::{SensedWriter, read_moments};

@@ -1,12 +1,13 @@
-//! Writes what a sensor felt, without any run around it: one MCAP file of ROS 2 messages.
+//! What a sensor felt, without any run around it: one MCAP file of ROS 2 messages, written and read.
 
 use super::cdr;
 use super::channels::{Message, Moments, Tactile};
 use super::error::RecordError;
-use ::mcap::records::MessageHeader;
+use super::scan::scan;
+use ::mcap::records::{MessageHeader, Record};
 use ::mcap::write::NoSeek;
 use ::mcap::{McapError, WriteOptions, Writer};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::fs::File;
 use std::io::{BufWriter, Write as _};
 use std::path::{Path, PathBuf};
@@ -112,6 +113,41 @@ impl SensedWriter {
     fn failed(&self, source: McapError) -> RecordError {
         RecordError::of_mcap(&self.path, source)
     }
+}
+
+/// Reads the [`Moments`] of a file that [`SensedWriter`] wrote, in order; of one that was cut short,
+/// what is whole.
+///
+/// # Errors
+/// When the file cannot be read or holds no moments.
+pub fn read_moments(path: &Path) -> Result<Vec<Moments>, RecordError> {
+    let file = std::fs::read(path).map_err(|source| RecordError::File {
+        path: path.to_path_buf(),
+        source,
+    })?;
+    let (mut channels, mut moments) = (HashSet::new(), Vec::new());
+    let scanned = scan(&file, &mut |record| {
+        match record {
+            Record::Channel(channel) if channel.topic == MOMENTS_TOPIC => {
+                channels.insert(channel.id);
+            }
+            Record::Message { header, data } if channels.contains(&header.channel_id) => {
+                moments.push(cdr::decode(&data)?);
+            }
+            _ => {}
+        }
+        Ok(())
+    });
+    if moments.is_empty() {
+        let reason = scanned.err().unwrap_or_else(|| {
+            format!("there is nothing on {MOMENTS_TOPIC}; expected what `feeler sense -o FILE.mcap` writes")
+        });
+        return Err(RecordError::NothingReadable {
+            path: path.to_path_buf(),
+            reason,
+        });
+    }
+    Ok(moments)
 }
 
 fn add_channel<M: Message>(

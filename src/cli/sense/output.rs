@@ -3,7 +3,7 @@
 use super::CommandError;
 use crate::record::{Moments, SensedWriter, Tactile, Vector3};
 use crate::sensor::sensing::ElementReading;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use serde::Serialize;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -238,16 +238,20 @@ impl Output for Mcap {
             stamp,
             readings,
         } = frame;
-        let displacement = |axis: usize| {
-            let along = move |r: &ElementReading| r.displacement.map_or(f64::NAN, |u| u[axis]);
-            readings.iter().map(along).collect()
+        let along = |place: fn(&ElementReading) -> Option<DVec2>, axis: usize| {
+            let readings = readings.iter();
+            readings
+                .map(|r| place(r).map_or(f64::NAN, |p| p[axis]))
+                .collect()
         };
         self.writer.moments(&Moments {
             sequence,
             stamp,
             integrated_gray: readings.iter().map(|r| r.integrated_gray).collect(),
-            displacement_x: displacement(0),
-            displacement_y: displacement(1),
+            displacement_x: along(|r| r.displacement, 0),
+            displacement_y: along(|r| r.displacement, 1),
+            centroid_x: along(|r| r.centroid, 0),
+            centroid_y: along(|r| r.centroid, 1),
         })?;
         if self.forces {
             // A force that there is not is not a number in each component.
