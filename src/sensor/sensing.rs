@@ -3,6 +3,7 @@
 
 use super::{
     calibration::{Calibration, CalibrationError},
+    drift::{DriftConfig, DriftCorrection},
     exposure::{DEFAULT_MAX_SATURATED, Exposure, SaturationCheck},
     fingertip::{Fingertip, FingertipConfig, FingertipError},
     frame::Picture,
@@ -100,6 +101,7 @@ pub struct Sensing {
     moments: Vec<ElementMoments>,
     reference: Option<Reference>,
     calibration: Option<Calibration>,
+    drift: Option<DriftCorrection>,
 }
 
 impl Sensing {
@@ -124,6 +126,7 @@ impl Sensing {
             kernel,
             reference: None,
             calibration: None,
+            drift: None,
         })
     }
 
@@ -163,6 +166,15 @@ impl Sensing {
         });
         self.calibration = Some(calibration);
         Ok(self)
+    }
+
+    /// With drift taken out of all that is sensed, as far as the calibration knows the sensor without
+    /// it; without a calibration, nothing changes. See [`drift`](super::drift).
+    #[must_use]
+    pub fn with_drift_correction(mut self, config: DriftConfig) -> Self {
+        let calibration = self.calibration.as_ref();
+        self.drift = calibration.map(|calibration| DriftCorrection::new(config, calibration));
+        self
     }
 
     /// Number of elements.
@@ -208,6 +220,9 @@ impl Sensing {
     ) -> Result<(), SensingError> {
         check_count("readings", self.element_count(), readings.len())?;
         self.kernel.measure(picture, &mut self.moments)?;
+        if let Some(drift) = &mut self.drift {
+            drift.correct(&mut self.moments);
+        }
         for (element, (reading, moments)) in readings.iter_mut().zip(&self.moments).enumerate() {
             let lit = moments.integrated_gray > 0.0;
             let exposure = match lit {

@@ -1,7 +1,7 @@
 //! Forces and displacements from every kind of source.
 
 use super::program::{Ended, feeler, folder, run, whole_run};
-use super::rendered::{CALIBRATION, Loaded, fingertip, image, pictures, raw, save};
+use super::rendered::{CALIBRATION, Loaded, dimming, fingertip, image, pictures, raw, save};
 use super::table::{Row, WITH_FORCES, WITHOUT_FORCES, rows};
 use feeler::record::{Message, Moments, Recording, Tactile, cdr};
 use feeler::sensor::calibration::Calibration;
@@ -355,4 +355,33 @@ fn what_cannot_be_felt_is_left_out_and_named() {
     ];
     let ended = run(&folder, &all);
     assert!(!ended.stderr.contains("saturated"), "{ended:?}");
+}
+
+#[test]
+fn a_dimming_lamp_is_taken_out_with_drift_correction() {
+    let folder = folder("sense-drift");
+    let pictures = dimming(30);
+    save(&pictures, &folder.join("pictures"));
+    let last = |arguments: &[&str]| {
+        let all = [
+            &["sense", "pictures", "--calibration", CALIBRATION],
+            arguments,
+        ]
+        .concat();
+        let ended = run(&folder, &all);
+        assert_eq!(ended.status, Some(0), "{ended:?}");
+        let rows = rows(&ended.stdout, WITH_FORCES);
+        let worst = rows.iter().filter(|row| row.frame == 29 && row.element < 9);
+        worst
+            .map(|row| (row.force().expect("a force").z - 1.0).abs())
+            .fold(0.0, f64::max)
+    };
+    // 2 % of the full scale of 2 N; a tenth of the light is a tenth of the force and more.
+    let (uncorrected, corrected) = (last(&[]), last(&["--drift-correction"]));
+    assert!(
+        uncorrected > 0.08 && corrected < 0.04,
+        "{uncorrected} {corrected}"
+    );
+    let refused = run(&folder, &["sense", "pictures", "--drift-correction"]);
+    refused.refused(&["--calibration"]);
 }

@@ -30,28 +30,66 @@ pub struct Loaded {
     pub picture: Picture,
 }
 
+/// Takes pictures of the reference fingertip.
+struct Renderer {
+    model: OpticsModel,
+    scratch: OpticsScratch,
+    size: (usize, usize),
+    rng: Pcg64,
+}
+
+impl Renderer {
+    fn new() -> Self {
+        let experiment = Experiment::load("cap-closing", &[]).expect("the experiment");
+        let tip = fingertip();
+        let optics = &experiment.config.sim.optics;
+        let model = OpticsModel::new(optics, &tip.layout, &tip.projection).expect("optics");
+        Self {
+            scratch: OpticsScratch::new(&model),
+            model,
+            size: (tip.projection.width(), tip.projection.height()),
+            rng: Pcg64::seed_from_u64(77),
+        }
+    }
+
+    fn picture(&mut self, forces: Vec<DVec3>) -> Loaded {
+        let mut picture = Picture::black(self.size.0, self.size.1);
+        let (scratch, rng) = (&mut self.scratch, &mut self.rng);
+        render(&self.model, scratch, &forces, rng, &mut picture).expect("a picture");
+        Loaded { forces, picture }
+    }
+}
+
 /// So many pictures, the first of them without load. Loads lie in the friction cone that the
 /// calibration was made in: up to 2 N, friction up to 0.9.
 pub fn pictures(count: usize) -> Vec<Loaded> {
-    let experiment = Experiment::load("cap-closing", &[]).expect("the experiment");
-    let fingertip = fingertip();
-    let optics = &experiment.config.sim.optics;
-    let model = OpticsModel::new(optics, &fingertip.layout, &fingertip.projection).expect("optics");
-    let mut scratch = OpticsScratch::new(&model);
-    let mut rng = Pcg64::seed_from_u64(77);
-    let size = (fingertip.projection.width(), fingertip.projection.height());
-    let elements = fingertip.layout.elements.len();
-    let mut picture_of = |forces: Vec<DVec3>, rng: &mut Pcg64| {
-        let mut picture = Picture::black(size.0, size.1);
-        render(&model, &mut scratch, &forces, rng, &mut picture).expect("a picture");
-        Loaded { forces, picture }
-    };
-    let mut all = vec![picture_of(vec![DVec3::ZERO; elements], &mut rng)];
+    let mut renderer = Renderer::new();
+    let elements = fingertip().layout.elements.len();
+    let mut all = vec![renderer.picture(vec![DVec3::ZERO; elements])];
     for _ in 1..count {
-        let forces = (0..elements).map(|_| load(&mut rng)).collect();
-        all.push(picture_of(forces, &mut rng));
+        let forces = (0..elements).map(|_| load(&mut renderer.rng)).collect();
+        all.push(renderer.picture(forces));
     }
     all
+}
+
+/// So many pictures under 1 N on nine elements each, while the lamp dims by a tenth.
+pub fn dimming(count: usize) -> Vec<Loaded> {
+    let mut renderer = Renderer::new();
+    let elements = fingertip().layout.elements.len();
+    let take = |number: usize| {
+        let mut forces = vec![DVec3::ZERO; elements];
+        if number > 0 {
+            forces[..9].fill(DVec3::Z);
+        }
+        let mut loaded = renderer.picture(forces);
+        let light = 1.0 - 0.1 * number as f64 / (count - 1) as f64;
+        for pixel in &mut loaded.picture.pixels {
+            *pixel = (f64::from(*pixel) * light).round() as u8;
+        }
+        loaded
+    };
+    (0..count).map(take).collect()
 }
 
 fn load(rng: &mut Pcg64) -> DVec3 {

@@ -41,6 +41,11 @@ pub struct Arguments {
     /// Calibration of the fingertip, as `feeler calibrate` writes it.
     #[arg(long, value_name = "FILE")]
     calibration: Option<PathBuf>,
+    /// Take out a lamp that dims or brightens: the quarter of the elements that have brightened least are
+    /// taken for untouched, if they agree and have not moved, and tell the change for all. Needs a quarter
+    /// of the elements free of touch; while there are fewer, the last known change is kept.
+    #[arg(long, requires = "calibration")]
+    drift_correction: bool,
     /// Where to write: .csv, .jsonl or .mcap [default: a table on standard output]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,

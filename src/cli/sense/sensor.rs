@@ -2,6 +2,7 @@
 
 use super::{Arguments, CommandError};
 use crate::cli::sensor_geometry::SensorGeometry;
+use crate::sensor::drift::DriftConfig;
 use crate::sensor::sensing::{ElementReading, Reference, Sensing};
 use crate::sources::picture::read_picture;
 use std::path::Path;
@@ -23,6 +24,9 @@ pub fn sensor(arguments: &Arguments) -> Result<Sensing, CommandError> {
     let mut sensing = Sensing::new(size, kernel, &regions, arguments.max_saturated)?;
     if let Some(calibration) = calibration {
         sensing = sensing.with_calibration(calibration)?;
+    }
+    if arguments.drift_correction {
+        sensing = sensing.with_drift_correction(DriftConfig::default());
     }
     if let Some(path) = &arguments.reference {
         let failed = |e: CommandError| format!("--reference {}: {e}", path.display());
