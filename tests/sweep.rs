@@ -167,9 +167,36 @@ fn a_trial_that_goes_wrong_is_a_row_and_the_sweep_goes_on() {
 #[test]
 fn a_full_disk_is_said_and_what_is_finished_is_kept() {
     let folder = folder("sweep-full");
-    fs::create_dir(folder.join("s")).unwrap();
-    std::os::unix::fs::symlink("/dev/full", folder.join("s/trials.csv.part")).unwrap();
-    run(&folder, &sweep(&["-o=s"])).refused(&["trials.csv.part", "No space left"]);
+    let sweep = |more: &[&'static str]| {
+        let mut arguments = sweep(more);
+        arguments.retain(|argument| !argument.starts_with("--trials"));
+        arguments.push("--trials=40");
+        arguments
+    };
+    run(&folder, &sweep(&["--jobs=1", "-o=whole"])).done();
+    let whole = fs::read(folder.join("whole/trials.csv")).unwrap();
+
+    // No file may grow past this number of blocks of 512 bytes: the disk is full within a row.
+    let blocks = (whole.len() / 2 / 512).to_string();
+    let limited = "trap '' XFSZ; ulimit -f $1; shift; exec \"$@\"";
+    let mut command = std::process::Command::new("sh");
+    command.args(["-c", limited, "sh", &blocks, env!("CARGO_BIN_EXE_feeler")]);
+    command.args(sweep(&["--jobs=1", "-o=s"]));
+    let ended = Ended::of(command.current_dir(&folder).output().unwrap());
+    let said = ended.refused(&["trials.csv.part", "File too large", "--resume"]);
+    let part = fs::read_to_string(folder.join("s/trials.csv.part")).unwrap();
+    let kept = part.matches('\n').count() - 1;
+    assert!(
+        kept >= 1 && !part.ends_with('\n'),
+        "{kept} rows and no torn one"
+    );
+    assert!(
+        said.contains(&format!("the {kept} trials finished are kept")),
+        "{said}"
+    );
+
+    run(&folder, &sweep(&["--resume", "-o=s"])).done();
+    assert_eq!(whole, fs::read(folder.join("s/trials.csv")).unwrap());
 }
 
 #[cfg(unix)]

@@ -28,7 +28,7 @@ impl Store {
     /// # Errors
     /// When there is a sweep already, or the folder cannot be written.
     pub fn create(folder: &Path, plan: &Plan, header: Vec<String>) -> Result<Self, SweepError> {
-        if let Some(old) = [PLAN, TRIALS]
+        if let Some(old) = [PLAN, TRIALS, GROWING]
             .into_iter()
             .find(|name| folder.join(name).exists())
         {
