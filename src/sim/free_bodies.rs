@@ -11,7 +11,7 @@ use super::state::{ObjectState, State};
 use glam::{DMat3, DQuat, DVec3};
 use rapier3d_f64::prelude::{
     CoefficientCombineRule, ColliderBuilder, MassProperties, PhysicsWorld, Pose as LibraryPose,
-    RigidBodyBuilder, RigidBodyHandle, SpringCoefficients,
+    RigidBodyBuilder, RigidBodyHandle, SharedShape, SpringCoefficients,
 };
 
 /// Largest product of the feelers' frequency (rad/s) on a body and a part of a step. The integration
@@ -79,7 +79,7 @@ impl FreeBodies {
     }
 
     fn add(&mut self, index: usize, object: &Object) -> Option<FreeBody> {
-        let (shape, within) = object.shape.collider();
+        let (shape, within) = collider(object);
         let place = LibraryPose::from_translation(object.offset) * within;
         let collider = ColliderBuilder::new(shape).position(place).density(0.0);
         let start = to_library(&object.start);
@@ -184,6 +184,18 @@ impl FreeBodies {
             object.angular_velocity = body.angvel();
         }
     }
+}
+
+/// What the library collides of an object, and its pose in the shape's frame.
+///
+/// A free mesh collides as its hull: the library's meshes are surfaces, through which bodies fall into
+/// each other. Feelers feel the mesh itself.
+pub(super) fn collider(object: &Object) -> (SharedShape, LibraryPose) {
+    let (shape, within) = object.shape.collider();
+    let free = matches!(object.motion, Motion::Free(_));
+    let mesh = shape.as_trimesh().filter(|_| free);
+    let hull = mesh.and_then(|mesh| SharedShape::convex_hull(mesh.vertices()));
+    (hull.unwrap_or(shape), within)
 }
 
 fn to_library(pose: &Pose) -> LibraryPose {

@@ -1,6 +1,7 @@
 //! Whether a world can start: nothing inside anything else.
 
 use super::error::SimError;
+use super::free_bodies::collider;
 use super::model::Model;
 use super::object::{Motion, Object};
 use super::state::State;
@@ -50,7 +51,7 @@ fn is_half_space(object: &Object) -> bool {
 fn overlap(object: &Object, other: &Object) -> f64 {
     let place = |object: &Object| {
         let rotation = DQuat::from_mat3(&object.start.rotation);
-        let (shape, within) = object.shape.collider();
+        let (shape, within) = collider(object);
         let offset = LibraryPose::from_translation(object.offset);
         let pose = LibraryPose::from_parts(object.start.position, rotation);
         (shape, pose * offset * within)

@@ -82,3 +82,35 @@ fn a_block_on_an_incline_sticks_or_slides_as_coulomb_says() {
         }
     }
 }
+
+/// A cube of 30 mm as an OBJ file in millimetres.
+const CUBE: &str = "\
+v -15 -15 -15\nv 15 -15 -15\nv 15 15 -15\nv -15 15 -15\nv -15 -15 15\nv 15 -15 15\nv 15 15 15\nv -15 15 15
+f 1 3 2\nf 1 4 3\nf 5 6 7\nf 5 7 8\nf 1 2 6\nf 1 6 5\nf 2 3 7\nf 2 7 6\nf 3 4 8\nf 3 8 7\nf 4 1 5\nf 4 5 8\n";
+
+#[test]
+fn a_free_mesh_rests_on_its_table_with_the_mass_of_its_volume() {
+    let file = std::env::temp_dir().join(format!("feeler-cube-{}.obj", std::process::id()));
+    std::fs::write(&file, CUBE).expect("a file");
+    let mut sim = empty();
+    sim.object
+        .insert("table".into(), fixed(ShapeConfig::HalfSpace));
+    let shape = ShapeConfig::Mesh {
+        file: file.clone(),
+        scale: 0.001,
+    };
+    let mut mesh = free(shape, 0.027, 0.5);
+    mesh.position = [0.0, 0.0, 0.02];
+    sim.object.insert("cube".into(), mesh);
+    let mut world = world(&sim);
+    std::fs::remove_file(&file).expect("the file");
+    run(&mut world, 1.0);
+    let height = world.state().objects[0].pose.position.z;
+    // It falls 5 mm and settles into its contact, as the box does.
+    assert!((height - 0.015).abs() < 2e-6, "{height} m");
+    let mass = world.model().objects[0]
+        .shape
+        .mass_properties(1000.0)
+        .mass();
+    assert!((mass - 0.027).abs() < 1e-9, "{mass} kg");
+}
