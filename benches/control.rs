@@ -3,7 +3,8 @@
 use divan::{Bencher, black_box};
 use feeler::config::{Experiment, ExperimentConfig};
 use feeler::control::controller::Controller;
-use feeler::control::flags::{FlagAnalyzer, FlagThresholds};
+use feeler::control::flags::FlagAnalyzer;
+use feeler::control::touch::FingerTouch;
 use feeler::hand::finger::FingerGeometry;
 use feeler::hand::hand::{HandCommand, HandState};
 use feeler::hand::inverse_kinematics::inverse_kinematics;
@@ -51,15 +52,21 @@ fn decide_in_contact(bencher: Bencher) {
         let middle = (geometry.joint_lower() + geometry.joint_upper()) / 2.0;
         joints.position = inverse_kinematics(geometry, home.into(), middle).expect("home");
     }
-    let mut frames = vec![in_contact(); fingers.len()];
+    let mut touches = vec![FingerTouch::none(ELEMENTS); fingers.len()];
+    let analyzer = FlagAnalyzer::new(config.control.thresholds(), ELEMENTS);
+    let mut analyzers = vec![analyzer; fingers.len()];
+    for touch in &mut touches {
+        touch.frame = in_contact();
+    }
     let mut command = HandCommand::stop(fingers.len());
     bencher.bench_local(|| {
         state.stamp += config.control.period;
-        for frame in &mut frames {
-            frame.sequence += 1;
-            frame.stamp = state.stamp;
+        for (touch, analyzer) in touches.iter_mut().zip(&mut analyzers) {
+            touch.frame.sequence += 1;
+            touch.frame.stamp = state.stamp;
+            touch.analyze(analyzer);
         }
-        controller.decide(black_box(&frames), black_box(&state), &mut command);
+        controller.decide(black_box(&touches), black_box(&state), &mut command);
     });
     assert_eq!(controller.stop_reason(), None);
 }
@@ -68,12 +75,7 @@ fn decide_in_contact(bencher: Bencher) {
 #[divan::bench]
 fn analyze_flags(bencher: Bencher) {
     let control = config().control;
-    let thresholds = FlagThresholds {
-        touch_force: control.touch_force,
-        over_force: control.over_force,
-        slip_threshold: control.slip_threshold,
-    };
-    let mut analyzer = FlagAnalyzer::new(thresholds, ELEMENTS);
+    let mut analyzer = FlagAnalyzer::new(control.thresholds(), ELEMENTS);
     let mut frame = in_contact();
     bencher.bench_local(|| {
         frame.sequence += 1;

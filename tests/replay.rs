@@ -2,6 +2,7 @@
 
 use feeler::config::Experiment;
 use feeler::control::control_loop::{ControlError, ControlLoop};
+use feeler::control::touch::AnalyzedSensor;
 use feeler::experiment::log::{RunLog, run_facts};
 use feeler::experiment::{Session, controller, fingers_at_home, layouts};
 use feeler::hand::hand::HandError;
@@ -31,7 +32,9 @@ fn a_replayed_recording_gives_the_same_commands() {
     let experiment = Experiment::parse(&recording.experiment, "recording", &[], None).unwrap();
     let layouts = layouts(&experiment.config).unwrap();
     let (fingers, _) = fingers_at_home(&experiment.config).unwrap();
+    let thresholds = experiment.config.control.thresholds();
     let sensors = (0..fingers.len()).map(|f| RecordedSensor::new(&recording, f));
+    let sensors = sensors.map(|sensor| AnalyzedSensor::new(sensor, thresholds));
     let mut control_loop = ControlLoop::new(
         sensors.collect(),
         RecordedHand::new(&recording),

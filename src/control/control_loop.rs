@@ -2,8 +2,9 @@
 
 use super::controller::Controller;
 use super::stop_reason::StopReason;
+use super::touch::{FingerTouch, TouchSource};
 use crate::hand::hand::{Hand, HandCommand, HandError, HandState};
-use crate::sensor::reading::{SensorError, TactileFrame, TactileSensor};
+use crate::sensor::reading::SensorError;
 use glam::DVec3;
 
 /// Why the loop could not go round.
@@ -27,18 +28,18 @@ pub struct ControlLoop<S, H> {
     sensors: Vec<S>,
     hand: H,
     controller: Controller,
-    tactile: Vec<TactileFrame>,
+    touches: Vec<FingerTouch>,
     state: HandState,
     command: HandCommand,
 }
 
-impl<S: TactileSensor, H: Hand> ControlLoop<S, H> {
+impl<S: TouchSource, H: Hand> ControlLoop<S, H> {
     /// A loop over one sensor per finger of `hand`.
     pub fn new(sensors: Vec<S>, hand: H, controller: Controller) -> Self {
         let fingers = hand.finger_count();
-        let frame = |s: &S| TactileFrame::unloaded(s.element_count());
+        let nothing = |s: &S| FingerTouch::none(s.element_count());
         Self {
-            tactile: sensors.iter().map(frame).collect(),
+            touches: sensors.iter().map(nothing).collect(),
             state: HandState::zero(fingers),
             command: HandCommand::stop(fingers),
             sensors,
@@ -50,7 +51,7 @@ impl<S: TactileSensor, H: Hand> ControlLoop<S, H> {
     /// Goes round once: reads the hand and the sensors, decides, commands the hand.
     ///
     /// # Errors
-    /// When a sensor or the hand fails. The hand is then told to stop first, for good.
+    /// When a sensor or the hand fails. The hand is then told to stop first.
     pub fn step(&mut self) -> Result<(), ControlError> {
         if let Err(error) = self.sense() {
             let what = match error {
@@ -64,24 +65,24 @@ impl<S: TactileSensor, H: Hand> ControlLoop<S, H> {
             return Err(error);
         }
         self.controller
-            .decide(&self.tactile, &self.state, &mut self.command);
+            .decide(&self.touches, &self.state, &mut self.command);
         Ok(self.hand.command(&self.command)?)
     }
 
     fn sense(&mut self) -> Result<(), ControlError> {
         self.hand.read(&mut self.state)?;
-        for (finger, (sensor, frame)) in self.sensors.iter_mut().zip(&mut self.tactile).enumerate()
+        for (finger, (sensor, touch)) in self.sensors.iter_mut().zip(&mut self.touches).enumerate()
         {
             sensor
-                .read(frame)
+                .touch(touch)
                 .map_err(|source| ControlError::Sensor { finger, source })?;
         }
         Ok(())
     }
 
-    /// The newest forces, one frame per finger.
-    pub fn tactile(&self) -> &[TactileFrame] {
-        &self.tactile
+    /// What each finger felt.
+    pub fn touches(&self) -> &[FingerTouch] {
+        &self.touches
     }
 
     /// The newest joint state.

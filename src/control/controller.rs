@@ -1,15 +1,15 @@
 //! The hand program's decision: from tactile frames and joint angles to joint velocities.
 
-use super::flags::{FlagAnalyzer, FlagThresholds};
+use super::flags::FlagThresholds;
 use super::limits::{Admitted, LimitsConfig, Request};
 use super::speed::{FingerSpeedEstimator, Reflex};
 use super::stop_reason::StopReason;
 use super::task::{FingerSense, ScrewTask, TaskConfig};
+use super::touch::FingerTouch;
 use crate::hand::finger::FingerGeometry;
 use crate::hand::hand::{HandCommand, HandState, JointState};
 use crate::hand::kinematics::fingertip_pose;
 use crate::sensor::layout::ElementLayout;
-use crate::sensor::reading::TactileFrame;
 use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 
@@ -36,7 +36,8 @@ pub struct ControlConfig {
 }
 
 impl ControlConfig {
-    fn thresholds(&self) -> FlagThresholds {
+    /// The thresholds of the flag analyzer.
+    pub fn thresholds(&self) -> FlagThresholds {
         FlagThresholds {
             touch_force: self.touch_force,
             over_force: self.over_force,
@@ -58,7 +59,6 @@ pub struct FingerControl {
     geometry: FingerGeometry,
     /// Outward normals of its elements in its fingertip frame `T`.
     normals: Vec<DVec3>,
-    analyzer: FlagAnalyzer,
     estimator: FingerSpeedEstimator,
     /// Rotation from its fingertip frame `T` to W, by the encoders.
     pub rotation: DMat3,
@@ -93,7 +93,6 @@ impl Controller {
                 .map(|(geometry, layout)| FingerControl {
                     geometry: geometry.clone(),
                     normals: layout.elements.iter().map(|e| e.normal()).collect(),
-                    analyzer: FlagAnalyzer::new(config.thresholds(), layout.elements.len()),
                     estimator: FingerSpeedEstimator::new(config.reflex()),
                     rotation: DMat3::IDENTITY,
                     velocity: DVec3::ZERO,
@@ -127,17 +126,17 @@ impl Controller {
         self.stop_reason.as_ref()
     }
 
-    /// Decides what all fingers do for the next control period: the newest tactile frame of each
-    /// finger and the joint state in, joint velocities out. Allocates nothing; a fault in the
+    /// Decides what all fingers do for the next control period: what each finger felt and the
+    /// joint state in, joint velocities out. Allocates nothing; a fault in the
     /// input stops all fingers with a [`StopReason`].
     pub fn decide(
         &mut self,
-        tactile: &[TactileFrame],
+        touches: &[FingerTouch],
         state: &HandState,
         command: &mut HandCommand,
     ) {
         command.joint_velocity.fill(DVec3::ZERO);
-        let decided = self.feel(tactile, state).and_then(|()| {
+        let decided = self.feel(touches, state).and_then(|()| {
             self.task.advance(&self.senses)?;
             self.plan(state)
         });
@@ -149,7 +148,7 @@ impl Controller {
         }
     }
 
-    /// Stops all fingers at once, for good.
+    /// Stops all fingers at once, until told to [`resume`](Self::resume). The first reason is kept.
     pub fn stop(&mut self, reason: StopReason) {
         self.task.stop();
         self.stop_reason.get_or_insert(reason);
@@ -159,19 +158,25 @@ impl Controller {
         }
     }
 
+    /// Goes on where the hand was stopped. Where the cause is still there, the next decision stops it again.
+    pub fn resume(&mut self) {
+        if self.stop_reason.take().is_some() {
+            self.task.resume();
+        }
+    }
+
     /// Where each finger is and what it feels.
-    fn feel(&mut self, tactile: &[TactileFrame], state: &HandState) -> Result<(), StopReason> {
+    fn feel(&mut self, touches: &[FingerTouch], state: &HandState) -> Result<(), StopReason> {
         let expected = self.fingers.len();
-        check_count("tactile frames", expected, tactile.len())?;
+        check_count("tactile frames", expected, touches.len())?;
         check_count("joint states", expected, state.joints.len())?;
         let limit = self.config.stale_periods * self.config.period;
-        let inputs = tactile.iter().zip(&state.joints);
+        let inputs = touches.iter().zip(&state.joints);
         let outputs = self.fingers.iter_mut().zip(&mut self.senses);
-        for (finger, ((frame, joints), (control, sense))) in inputs.zip(outputs).enumerate() {
-            check_input(finger, control.normals.len(), frame, joints)?;
-            sense.flags = control.analyzer.analyze(frame);
-            // Of the newest picture, not of its newest copy: a camera that is stuck goes stale.
-            let age = state.stamp - control.analyzer.stamp();
+        for (finger, ((touch, joints), (control, sense))) in inputs.zip(outputs).enumerate() {
+            check_input(finger, control.normals.len(), touch, joints)?;
+            sense.flags = touch.flags;
+            let age = state.stamp - touch.stamp;
             // Also refuses an age that is not a number, and forces from a time to come.
             if age.is_nan() || age.abs() > limit {
                 return Err(StopReason::StaleForces { finger, age, limit });
@@ -211,13 +216,6 @@ impl Controller {
     }
 }
 
-impl FingerControl {
-    /// The shear rate |d(F_x, F_y)/dt| of each element, N/s.
-    pub fn shear_rate(&self) -> &[f64] {
-        self.analyzer.shear_rate()
-    }
-}
-
 fn check_count(what: &'static str, expected: usize, actual: usize) -> Result<(), StopReason> {
     if actual == expected {
         Ok(())
@@ -233,18 +231,19 @@ fn check_count(what: &'static str, expected: usize, actual: usize) -> Result<(),
 fn check_input(
     finger: usize,
     elements: usize,
-    frame: &TactileFrame,
+    touch: &FingerTouch,
     joints: &JointState,
 ) -> Result<(), StopReason> {
-    if frame.forces.len() != elements {
+    let forces = &touch.frame.forces;
+    if forces.len() != elements {
         return Err(StopReason::ElementCount {
             finger,
             expected: elements,
-            actual: frame.forces.len(),
+            actual: forces.len(),
         });
     }
     let not_finite = |what| Err(StopReason::NotFinite { finger, what });
-    if !frame.forces.iter().all(|f| f.is_finite()) {
+    if !forces.iter().all(|f| f.is_finite()) {
         return not_finite("force");
     }
     if !(joints.position.is_finite() && joints.velocity.is_finite()) {

@@ -29,6 +29,20 @@ pub struct FingerFlags {
     pub grasp_force: f64,
 }
 
+impl FingerFlags {
+    /// What is to be seen of these flags and those of a `newer` frame together: what was up in either is
+    /// up; force and element are the newer's, the element at least where it has one.
+    pub fn then(self, newer: Self) -> Self {
+        Self {
+            touch: self.touch || newer.touch,
+            slip: self.slip || newer.slip,
+            over: self.over || newer.over,
+            largest_element: newer.largest_element.or(self.largest_element),
+            grasp_force: newer.grasp_force,
+        }
+    }
+}
+
 /// Turns one finger's tactile frames into flags.
 #[derive(Debug, Clone)]
 pub struct FlagAnalyzer {

@@ -8,3 +8,4 @@ pub mod phase;
 pub mod speed;
 pub mod stop_reason;
 pub mod task;
+pub mod touch;

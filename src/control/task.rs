@@ -58,6 +58,8 @@ pub struct ScrewTask {
     config: TaskConfig,
     paths: Vec<Path>,
     phase: Phase,
+    /// The phase that the task was given up in.
+    stopped_in: Option<Phase>,
     stroke: u32,
 }
 
@@ -78,6 +80,7 @@ impl ScrewTask {
             config,
             paths,
             phase: Phase::Search,
+            stopped_in: None,
             stroke: 1,
         }
     }
@@ -120,14 +123,11 @@ impl ScrewTask {
     /// Goes on to the next phase once every finger is through with this one.
     ///
     /// # Errors
-    /// When a finger finds nothing to grasp; the task is then stopped.
+    /// When a finger finds nothing to grasp.
     pub fn advance(&mut self, fingers: &[FingerSense]) -> Result<(), StopReason> {
         match self.phase {
             Phase::Search => {
-                if let Err(reason) = self.check_search(fingers) {
-                    self.phase = Phase::Stopped;
-                    return Err(reason);
-                }
+                self.check_search(fingers)?;
                 let grasp_force = self.config.grasp_force;
                 if fingers.iter().all(|f| f.flags.grasp_force >= grasp_force) {
                     for (path, finger) in self.paths.iter_mut().zip(fingers) {
@@ -161,7 +161,17 @@ impl ScrewTask {
 
     /// Gives the task up: the fingers stay where they are.
     pub fn stop(&mut self) {
-        self.phase = Phase::Stopped;
+        if self.phase != Phase::Stopped {
+            self.stopped_in = Some(self.phase);
+            self.phase = Phase::Stopped;
+        }
+    }
+
+    /// Takes the task up again in the phase that it was given up in.
+    pub fn resume(&mut self) {
+        if let Some(phase) = self.stopped_in.take() {
+            self.phase = phase;
+        }
     }
 
     fn end_stroke(&mut self) {

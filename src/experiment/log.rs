@@ -6,13 +6,13 @@ use crate::control::control_loop::ControlLoop;
 use crate::control::controller::FingerControl;
 use crate::control::phase::Phase;
 use crate::control::task::FingerSense;
+use crate::control::touch::{FingerTouch, TouchSource};
 use crate::hand::hand::{Hand, JointState};
 use crate::record::{
     Cap, Command, Fingertip, Flags, Joints, MessageSink, NO_ELEMENT, RecordError, Recorder,
     RunFacts, Tactile, Task, TorqueSensor, Vector3,
 };
 use crate::sensor::layout::ElementLayout;
-use crate::sensor::reading::{TactileFrame, TactileSensor};
 use crate::sim::config::SimConfig;
 use crate::sim::shape::ShapeConfig;
 use glam::{DQuat, DVec3};
@@ -63,10 +63,10 @@ impl<R: MessageSink> RunLog<R> {
         let control_loop = session.control_loop();
         let stamp = control_loop.state().stamp;
         let controller = control_loop.controller();
-        let inputs = (control_loop.tactile().iter()).zip(&control_loop.state().joints);
+        let inputs = (control_loop.touches().iter()).zip(&control_loop.state().joints);
         let outputs = controller.fingers().iter().zip(controller.senses());
-        for (index, ((finger, sense), (tactile, joints))) in outputs.zip(inputs).enumerate() {
-            self.write_felt(index, finger, sense, tactile)?;
+        for (index, ((finger, sense), (touch, joints))) in outputs.zip(inputs).enumerate() {
+            self.write_felt(index, touch)?;
             self.write_motion(index, stamp, finger, joints)?;
             self.write_fingertip(index, stamp, finger, sense)?;
         }
@@ -86,13 +86,8 @@ impl<R: MessageSink> RunLog<R> {
         self.write_task(stamp, control_loop)
     }
 
-    fn write_felt(
-        &mut self,
-        index: usize,
-        finger: &FingerControl,
-        sense: &FingerSense,
-        tactile: &TactileFrame,
-    ) -> Result<(), RecordError> {
+    fn write_felt(&mut self, index: usize, touch: &FingerTouch) -> Result<(), RecordError> {
+        let (tactile, flags) = (&touch.frame, touch.flags);
         self.tactile.sequence = tactile.sequence;
         self.tactile.stamp = tactile.stamp;
         self.tactile.forces.clear();
@@ -101,7 +96,6 @@ impl<R: MessageSink> RunLog<R> {
             .extend(tactile.forces.iter().map(|&f| Vector3::from(f)));
         self.recorder.tactile(index, &self.tactile)?;
 
-        let flags = sense.flags;
         self.flags.stamp = tactile.stamp;
         self.flags.touch = flags.touch;
         self.flags.slip = flags.slip;
@@ -109,7 +103,7 @@ impl<R: MessageSink> RunLog<R> {
         self.flags.largest_element = flags.largest_element.map_or(NO_ELEMENT, |e| e as u32);
         self.flags.grasp_force = flags.grasp_force;
         self.flags.shear_rate.clear();
-        self.flags.shear_rate.extend(finger.shear_rate());
+        self.flags.shear_rate.extend(&touch.shear_rate);
         self.recorder.flags(index, &self.flags)
     }
 
@@ -158,7 +152,7 @@ impl<R: MessageSink> RunLog<R> {
         self.recorder.fingertip(index, &self.fingertip)
     }
 
-    fn write_task<S: TactileSensor, H: Hand>(
+    fn write_task<S: TouchSource, H: Hand>(
         &mut self,
         stamp: f64,
         control_loop: &ControlLoop<S, H>,

@@ -8,12 +8,12 @@ use crate::config::{ConfigError, Experiment, ExperimentConfig};
 use crate::control::control_loop::{ControlError, ControlLoop};
 use crate::control::controller::Controller;
 use crate::control::phase::Phase;
+use crate::control::touch::TouchSource;
 use crate::hand::finger::{FingerError, FingerGeometry};
 use crate::hand::inverse_kinematics::{KinematicsError, inverse_kinematics};
 use crate::sensor::fingertip::{Fingertip, FingertipError};
 use crate::sensor::layout::ElementLayout;
 use crate::sensor::optical::OpticalSensorError;
-use crate::sensor::reading::TactileSensor;
 use crate::sim::error::SimError;
 use crate::sim::optics_config::OpticsError;
 use crate::sim::rig::{Rig, SimHand};
@@ -74,7 +74,7 @@ pub enum ExperimentError {
 }
 
 /// A fingertip's sensor, of whichever kind.
-type Sensor = Box<dyn TactileSensor + Send>;
+type Sensor = Box<dyn TouchSource + Send>;
 
 /// A run under way.
 pub struct Session {

@@ -2,6 +2,7 @@
 
 use super::{ExperimentError, Sensor};
 use crate::config::{Experiment, Sensing};
+use crate::control::touch::AnalyzedSensor;
 use crate::sensor::fingertip::{Fingertip, FingertipConfig, FingertipError};
 use crate::sensor::layout::ElementLayout;
 use crate::sensor::optical::OpticalSensor;
@@ -29,7 +30,10 @@ pub(super) fn sensors(
                 Sensing::Direct => {
                     let (rig, noise) = (rig.clone(), config.sim.direct_sensing.clone());
                     let sensor = DirectSensor::new(rig, finger, noise, faults, config.seed);
-                    Ok(Box::new(sensor))
+                    Ok(Box::new(AnalyzedSensor::new(
+                        sensor,
+                        config.control.thresholds(),
+                    )))
                 }
             }
         })
@@ -52,7 +56,10 @@ fn image_sensor(
         .map_err(|source| ExperimentError::Fingertip { finger, source })?;
     let camera = SimCamera::new(rig.clone(), finger, fingertip, optics, faults, seed)?;
     OpticalSensor::new(camera, own, calibration)
-        .map(|sensor| Box::new(sensor) as Sensor)
+        .map(|sensor| {
+            let analyzed = AnalyzedSensor::new(sensor, config.control.thresholds());
+            Box::new(analyzed) as Sensor
+        })
         .map_err(|source| ExperimentError::Sensor {
             finger,
             source: Box::new(source),

@@ -1,9 +1,10 @@
 //! The control path from a picture to a command does not allocate: over whole runs, so that every
 //! phase, flag and limit has its turn.
 
-use super::rig::{IdealHand, config, controller, pressed};
+use super::rig::{Analyzers, IdealHand, config, controller, pressed};
 use assert_no_alloc::assert_no_alloc;
 use feeler::control::control_loop::ControlLoop;
+use feeler::control::touch::AnalyzedSensor;
 use feeler::hand::hand::HandCommand;
 use feeler::sensor::calibration::Calibration;
 use feeler::sensor::camera::{Camera, CameraError};
@@ -48,14 +49,15 @@ fn deciding_does_not_allocate() {
     let config = config();
     let mut controller = controller(&config);
     let mut hand = IdealHand::at_home(&config);
+    let mut analyzers = Analyzers::new(&config);
     let mut command = HandCommand::stop(2);
     for n in 0..2000 {
         // Pressed, slipping, over its limit, and let go, again and again.
         let force = 2.5 * (0.05 * n as f64).sin().max(0.0);
         let mut frames = vec![pressed(n, hand.stamp, force); 2];
         frames[0].forces[1].x = 0.1 * (n % 3) as f64;
-        let state = hand.state();
-        assert_no_alloc(|| controller.decide(&frames, &state, &mut command));
+        let (touches, state) = (analyzers.touches(&frames), hand.state());
+        assert_no_alloc(|| controller.decide(&touches, &state, &mut command));
         feeler::hand::hand::Hand::command(&mut hand, &command).expect("an ideal hand");
     }
     assert_eq!(controller.stop_reason(), None);
@@ -87,7 +89,9 @@ fn going_round_the_loop_does_not_allocate_nor_does_failing() {
     let config = config();
     let hand = IdealHand::at_home(&config);
     let quiet = super::loop_faults::Quiet(hand);
-    let mut control_loop = ControlLoop::new(vec![Rising(0), Rising(0)], quiet, controller(&config));
+    let sensors = [Rising(0), Rising(0)];
+    let sensors = sensors.map(|sensor| AnalyzedSensor::new(sensor, config.control.thresholds()));
+    let mut control_loop = ControlLoop::new(sensors.into(), quiet, controller(&config));
     let failed = assert_no_alloc(|| (0..400).find_map(|_| control_loop.step().err()));
     assert!(failed.is_some());
 }

@@ -110,3 +110,29 @@ fn time_that_stands_still_or_runs_back_makes_no_rate() {
         assert!(!flags.slip);
     }
 }
+
+#[test]
+fn flags_that_were_up_in_any_frame_are_up_in_all_together() {
+    let quiet = FingerFlags {
+        grasp_force: 0.2,
+        ..FingerFlags::default()
+    };
+    let slipping = FingerFlags {
+        touch: true,
+        slip: true,
+        over: true,
+        largest_element: Some(3),
+        grasp_force: 0.5,
+    };
+    let before = FingerFlags {
+        grasp_force: 0.2,
+        ..slipping
+    };
+    assert_eq!(slipping.then(quiet), before);
+    assert_eq!(quiet.then(slipping), slipping);
+    let elsewhere = FingerFlags {
+        largest_element: Some(7),
+        ..quiet
+    };
+    assert_eq!(slipping.then(elsewhere).largest_element, Some(7));
+}

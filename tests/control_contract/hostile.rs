@@ -1,6 +1,6 @@
 //! Whatever arrives, the controller does not panic, and what it commands is finite and allowed.
 
-use super::rig::{ELEMENTS, config, controller, geometries, home};
+use super::rig::{Analyzers, ELEMENTS, config, controller, geometries, home};
 use feeler::control::phase::Phase;
 use feeler::hand::hand::{HandCommand, HandState, JointState};
 use feeler::sensor::reading::TactileFrame;
@@ -84,6 +84,7 @@ proptest! {
         let (mut controller, home) = (controller(&config), home(&config));
         let limits: Vec<_> = geometries(&config).iter().map(|g| g.joint_speed_limit()).collect();
         let most_change = config.control.limits.joint_acceleration * config.control.period;
+        let mut analyzers = Analyzers::new(&config);
         let (mut command, mut before) = (HandCommand::stop(2), HandCommand::stop(2));
         for (n, input) in inputs.iter().enumerate() {
             let now = 0.01 * n as f64;
@@ -102,7 +103,7 @@ proptest! {
                     .map(|(&off, &home)| JointState { position: home + off, velocity: off })
                     .collect(),
             };
-            controller.decide(&frames, &state, &mut command);
+            controller.decide(&analyzers.touches(&frames), &state, &mut command);
             prop_assert_eq!(command.joint_velocity.len(), 2);
             let stopped = controller.stop_reason().is_some();
             prop_assert_eq!(stopped, controller.task().phase() == Phase::Stopped);

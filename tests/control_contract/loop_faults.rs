@@ -1,9 +1,10 @@
 //! Sensors that fail, stall or lie: the hand stops within one period, and says why.
 
-use super::rig::{ELEMENTS, IdealHand, config, controller, pressed};
+use super::rig::{Analyzers, ELEMENTS, IdealHand, config, controller, pressed};
 use feeler::control::control_loop::{ControlError, ControlLoop};
 use feeler::control::phase::Phase;
 use feeler::control::stop_reason::StopReason;
+use feeler::control::touch::AnalyzedSensor;
 use feeler::hand::hand::{Hand, HandCommand, HandError, HandState};
 use feeler::sensor::reading::{SensorError, TactileFrame, TactileSensor};
 use glam::DVec3;
@@ -68,12 +69,15 @@ impl TactileSensor for Sensor {
     }
 }
 
+type Loop = ControlLoop<AnalyzedSensor<Sensor>, Quiet>;
+
 /// A searching hand whose finger 1 has `fault`, after `periods`.
-fn run(fault: Fault, periods: usize) -> (Result<(), ControlError>, ControlLoop<Sensor, Quiet>) {
+fn run(fault: Fault, periods: usize) -> (Result<(), ControlError>, Loop) {
     let mut config = config();
     // Between two periods, so that rounding does not decide.
     config.control.stale_periods = 3.5;
     let sensors = [Fault::None, fault].map(|fault| Sensor { fault, frames: 0 });
+    let sensors = sensors.map(|s| AnalyzedSensor::new(s, config.control.thresholds()));
     let hand = Quiet(IdealHand::at_home(&config));
     let mut control_loop = ControlLoop::new(sensors.into(), hand, controller(&config));
     let result = (0..periods).try_for_each(|_| control_loop.step());
@@ -136,11 +140,13 @@ fn stale_forces_stop_both_fingers_within_one_period() {
 
 /// The reason for which the reference controller stops at this input, and its command.
 fn decide(frames: &[TactileFrame], state: &HandState) -> (Option<StopReason>, HandCommand) {
-    let mut controller = controller(&config());
+    let config = config();
+    let mut controller = controller(&config);
+    let touches = Analyzers::new(&config).touches(frames);
     let mut command = HandCommand {
         joint_velocity: vec![DVec3::ONE; 2],
     };
-    controller.decide(frames, state, &mut command);
+    controller.decide(&touches, state, &mut command);
     (controller.stop_reason().copied(), command)
 }
 
@@ -232,15 +238,42 @@ fn every_fault_has_its_reason_and_stops_both_fingers() {
 
 #[test]
 fn the_first_reason_stays_and_the_hand_stays_stopped() {
-    let mut controller = controller(&config());
+    let config = config();
+    let mut controller = controller(&config);
+    let mut analyzers = Analyzers::new(&config);
     let mut command = HandCommand::stop(2);
     controller.decide(&[], &at_home(), &mut command);
     let reason = controller.stop_reason().copied();
     for n in 0..10 {
         let mut frames = vec![pressed(n, 0.0, 0.3); 2];
         frames[0].forces[0].x = if n == 5 { f64::NAN } else { 0.5 * n as f64 };
-        controller.decide(&frames, &at_home(), &mut command);
+        let touches = analyzers.touches(&frames);
+        controller.decide(&touches, &at_home(), &mut command);
         assert_eq!(command, HandCommand::stop(2));
         assert_eq!(controller.stop_reason().copied(), reason);
     }
+}
+
+#[test]
+fn a_stopped_hand_goes_on_when_told_to_and_stops_again_while_the_cause_is_there() {
+    let config = config();
+    let (mut controller, mut analyzers) = (controller(&config), Analyzers::new(&config));
+    let mut command = HandCommand::stop(2);
+    let good = |n| vec![pressed(n, 0.0, 0.0); 2];
+    let mut broken = good(1);
+    broken[0].forces[0].x = f64::NAN;
+    controller.decide(&analyzers.touches(&broken), &at_home(), &mut command);
+    assert_eq!(controller.task().phase(), Phase::Stopped);
+
+    controller.resume();
+    assert_eq!(controller.stop_reason(), None);
+    controller.decide(&analyzers.touches(&broken), &at_home(), &mut command);
+    assert_eq!(controller.task().phase(), Phase::Stopped);
+    assert_eq!(command, HandCommand::stop(2));
+
+    controller.resume();
+    controller.decide(&analyzers.touches(&good(3)), &at_home(), &mut command);
+    assert_eq!(controller.task().phase(), Phase::Search);
+    let velocities = &command.joint_velocity;
+    assert!(velocities.iter().all(|v| *v != DVec3::ZERO), "{command:?}");
 }

@@ -2,6 +2,8 @@
 
 use feeler::config::{Experiment, ExperimentConfig};
 use feeler::control::controller::Controller;
+use feeler::control::flags::FlagAnalyzer;
+use feeler::control::touch::FingerTouch;
 use feeler::hand::finger::FingerGeometry;
 use feeler::hand::hand::{Hand, HandCommand, HandError, HandState, JointState};
 use feeler::hand::inverse_kinematics::inverse_kinematics;
@@ -104,4 +106,27 @@ pub fn pressed(sequence: u64, stamp: f64, force: f64) -> TactileFrame {
     };
     frame.forces[0].z = force;
     frame
+}
+
+/// The flag analyzers of a hand, which turn frames into what the controller takes.
+pub struct Analyzers(Vec<FlagAnalyzer>);
+
+impl Analyzers {
+    pub fn new(config: &ExperimentConfig) -> Self {
+        let analyzer = FlagAnalyzer::new(config.control.thresholds(), ELEMENTS);
+        // More than there are fingers, for input of too many.
+        Self(vec![analyzer; 4])
+    }
+
+    pub fn touches(&mut self, frames: &[TactileFrame]) -> Vec<FingerTouch> {
+        let pairs = frames.iter().zip(&mut self.0);
+        pairs
+            .map(|(frame, analyzer)| {
+                let mut touch = FingerTouch::none(frame.forces.len());
+                touch.frame.clone_from(frame);
+                touch.analyze(analyzer);
+                touch
+            })
+            .collect()
+    }
 }

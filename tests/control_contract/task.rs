@@ -1,6 +1,6 @@
 //! The screw task, with a hand that does exactly what it is told and an object that is a wall.
 
-use super::rig::{IdealHand, config, controller, geometries, pressed};
+use super::rig::{Analyzers, IdealHand, config, controller, geometries, pressed};
 use feeler::config::ExperimentConfig;
 use feeler::control::controller::Controller;
 use feeler::control::phase::Phase;
@@ -16,6 +16,7 @@ const STIFFNESS: f64 = 2000.0;
 struct Run {
     config: ExperimentConfig,
     controller: Controller,
+    analyzers: Analyzers,
     hand: IdealHand,
     periods: u64,
 }
@@ -24,6 +25,7 @@ impl Run {
     fn new(config: ExperimentConfig) -> Self {
         let (controller, hand) = (controller(&config), IdealHand::at_home(&config));
         Self {
+            analyzers: Analyzers::new(&config),
             config,
             controller,
             hand,
@@ -47,8 +49,11 @@ impl Run {
             })
             .collect();
         let mut command = HandCommand::stop(2);
-        self.controller
-            .decide(&frames, &self.hand.state(), &mut command);
+        self.controller.decide(
+            &self.analyzers.touches(&frames),
+            &self.hand.state(),
+            &mut command,
+        );
         self.hand.command(&command).expect("an ideal hand");
         self.periods += 1;
     }

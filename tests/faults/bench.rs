@@ -31,7 +31,8 @@ pub fn watch(session: &mut Session, steps: usize) -> (Vec<Vec<TactileFrame>>, Ve
     for _ in 0..steps {
         states.push(session.rig().world().state().clone());
         session.step().expect("a step");
-        felt.push(session.control_loop().tactile().to_vec());
+        let touches = session.control_loop().touches();
+        felt.push(touches.iter().map(|touch| touch.frame.clone()).collect());
     }
     (felt, states)
 }

@@ -138,7 +138,7 @@ fn lost_frames_stop_the_hand_within_the_limit() {
             panic!("{reason:?}")
         };
         assert!((age - 0.04).abs() < 1e-9 && (limit - 0.035).abs() < 1e-9);
-        let last = &control_loop.tactile()[1];
+        let last = &control_loop.touches()[1].frame;
         assert!((last.stamp - 0.89).abs() < 1e-9 && last.sequence == 89);
     }
 }
@@ -218,7 +218,7 @@ fn world_forces(session: &mut Session, steps: usize) -> Vec<(TactileFrame, Vec<D
         let mut truth = vec![DVec3::ZERO; session.layouts()[0].elements.len()];
         session.rig().world().element_forces(0, &mut truth);
         session.step().expect("a step");
-        (session.control_loop().tactile()[0].clone(), truth)
+        (session.control_loop().touches()[0].frame.clone(), truth)
     };
     (0..steps).map(step).collect()
 }
