@@ -99,4 +99,9 @@ impl<S: TouchSource, H: Hand> ControlLoop<S, H> {
     pub fn controller(&self) -> &Controller {
         &self.controller
     }
+
+    /// The controller, for who stops the hand or lets it go on from outside the control law.
+    pub fn controller_mut(&mut self) -> &mut Controller {
+        &mut self.controller
+    }
 }

@@ -8,6 +8,7 @@ use crate::config::{ConfigError, Experiment, ExperimentConfig};
 use crate::control::control_loop::{ControlError, ControlLoop};
 use crate::control::controller::Controller;
 use crate::control::phase::Phase;
+use crate::control::stop_reason::StopReason;
 use crate::control::touch::TouchSource;
 use crate::hand::finger::{FingerError, FingerGeometry};
 use crate::hand::inverse_kinematics::{KinematicsError, inverse_kinematics};
@@ -146,11 +147,28 @@ impl Session {
         }
     }
 
-    /// Whether the task is done or was given up, or the time is over.
+    /// Whether the task is done or was given up, or the time is over. A hand that was told to stop may
+    /// be told to go on, so that ends nothing.
     pub fn finished(&self) -> bool {
-        let phase = self.control_loop.controller().task().phase();
-        matches!(phase, Phase::Done | Phase::Stopped)
-            || self.control_loop.state().stamp >= self.time_limit
+        let controller = self.control_loop.controller();
+        let over = match controller.task().phase() {
+            Phase::Done => true,
+            Phase::Stopped => !matches!(controller.stop_reason(), Some(StopReason::Told { .. })),
+            _ => false,
+        };
+        over || self.control_loop.state().stamp >= self.time_limit
+    }
+
+    /// Stops the hand from outside the control law, as `by` says; the rig goes on.
+    pub fn stop(&mut self, by: &str) {
+        let by = by.to_string();
+        let controller = self.control_loop.controller_mut();
+        controller.stop(StopReason::Told { by });
+    }
+
+    /// Lets a hand that was stopped go on.
+    pub fn resume(&mut self) {
+        self.control_loop.controller_mut().resume();
     }
 
     /// The control loop, as of the newest step.
