@@ -37,6 +37,8 @@ pub mod sensor;
 pub mod sim;
 pub mod sources;
 pub mod sweep;
+#[cfg(feature = "top")]
+pub mod top;
 
 /// The README's code is compiled with the documentation's tests.
 #[cfg(doctest)]

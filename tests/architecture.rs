@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Each room of `src/` and the rooms it may import.
-const MAY_IMPORT: [(&str, &[&str]); 11] = [
+const MAY_IMPORT: [(&str, &[&str]); 12] = [
     (
         "cli",
         &[
@@ -19,6 +19,7 @@ const MAY_IMPORT: [(&str, &[&str]); 11] = [
             "sim",
             "sources",
             "sweep",
+            "top",
         ],
     ),
     (
@@ -32,6 +33,7 @@ const MAY_IMPORT: [(&str, &[&str]); 11] = [
     ("report", &["config", "record"]),
     ("config", &["control", "hand", "sensor", "sim"]),
     ("record", &["control", "hand", "sensor"]),
+    ("top", &["control", "sensor"]),
     ("control", &["hand", "sensor"]),
     ("sim", &["hand", "sensor"]),
     ("sources", &["sensor"]),

@@ -1,0 +1,73 @@
+//! Where everything stands on the screen.
+
+use super::finger::draw_finger;
+use super::palette::QUIET;
+use super::programs::draw_programs;
+use super::snapshot::Snapshot;
+use super::status::{draw_fault, draw_keys, draw_task, draw_title};
+use super::torque::draw_torque;
+use ratatui::Frame;
+use ratatui::layout::{Constraint, Layout, Rect};
+use ratatui::text::Line;
+
+/// A screen lower than this shows no torque and programs, but fingers.
+const LEAST_HEIGHT_OF_BAND: u16 = 16;
+/// A screen narrower than this shows programs alone beneath the fingers.
+const LEAST_WIDTH_OF_TORQUE: u16 = 70;
+
+/// Draws `snapshot` over the whole of `frame`, whatever its size. It is made for 80 columns and 24 rows, and
+/// uses what there is beyond.
+pub fn draw(frame: &mut Frame, snapshot: &Snapshot) {
+    let area = frame.area();
+    let band = band_height(area.height, snapshot.programs.len());
+    let rows = [
+        Constraint::Length(1),
+        Constraint::Length(1),
+        Constraint::Fill(1),
+        Constraint::Length(band),
+        Constraint::Length(1),
+        Constraint::Length(1),
+    ];
+    let [title, task, fingers, band, fault, keys] = Layout::vertical(rows).areas(area);
+    draw_title(frame, title, snapshot);
+    draw_task(frame, task, snapshot);
+    draw_fingers(frame, fingers, snapshot);
+    if !band.is_empty() {
+        draw_band(frame, band, snapshot);
+    }
+    draw_fault(frame, fault, snapshot);
+    draw_keys(frame, keys, snapshot);
+}
+
+/// Height of the panels beneath the fingers: a row for each of `programs`, but not more than a third of the
+/// screen.
+fn band_height(height: u16, programs: usize) -> u16 {
+    if height < LEAST_HEIGHT_OF_BAND {
+        return 0;
+    }
+    let frame_and_titles = 3;
+    let wanted = u16::try_from(programs + frame_and_titles).unwrap_or(u16::MAX);
+    wanted.max(height / 5).max(6).min(height / 3)
+}
+
+fn draw_fingers(frame: &mut Frame, area: Rect, snapshot: &Snapshot) {
+    if snapshot.fingers.is_empty() {
+        frame.render_widget(Line::styled(" no finger heard of yet", QUIET), area);
+        return;
+    }
+    let panels = Layout::horizontal(snapshot.fingers.iter().map(|_| Constraint::Fill(1)));
+    for (finger, &panel) in snapshot.fingers.iter().zip(panels.split(area).iter()) {
+        draw_finger(frame, panel, finger);
+    }
+}
+
+fn draw_band(frame: &mut Frame, area: Rect, snapshot: &Snapshot) {
+    if area.width < LEAST_WIDTH_OF_TORQUE {
+        draw_programs(frame, area, &snapshot.programs);
+        return;
+    }
+    let halves = [Constraint::Fill(1), Constraint::Length(area.width * 5 / 8)];
+    let [torque, programs] = Layout::horizontal(halves).areas(area);
+    draw_torque(frame, torque, snapshot.torque.as_ref());
+    draw_programs(frame, programs, &snapshot.programs);
+}

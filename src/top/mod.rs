@@ -1,0 +1,27 @@
+//! A running system on a terminal: flags, forces and phase of the hand, and how its programs are.
+//!
+//! [`Snapshot`] is plain data, whoever fills it: a run in this process or programs on a network.
+//! [`draw()`] puts one on a screen of any size, and [`View`] is the terminal with its keys.
+
+mod action;
+mod dome;
+mod draw;
+mod finger;
+mod force_list;
+mod gauge;
+mod history;
+mod palette;
+mod programs;
+mod snapshot;
+mod status;
+mod torque;
+mod view;
+mod words;
+
+pub use action::Action;
+pub use draw::draw;
+pub use history::History;
+pub use snapshot::{
+    Clock, Fault, Finger, Program, ProgramState, Snapshot, TaskState, Torque, UNKNOWN,
+};
+pub use view::{View, ViewError};

@@ -1,0 +1,88 @@
+//! The table of the programs.
+
+use super::palette::{BAD, FRAME, GOOD, QUIET, TITLE, WARNING};
+use super::snapshot::{Program, ProgramState};
+use super::words::{DASH, age, number, per_cent};
+use ratatui::Frame;
+use ratatui::layout::{Constraint, Rect};
+use ratatui::style::Style;
+use ratatui::text::{Line, Span};
+use ratatui::widgets::{Block, BorderType, Cell, Row, Table};
+
+/// From this width on, versions are shown.
+const WIDTH_OF_VERSIONS: u16 = 60;
+
+/// Draws what is known of `programs`; those that do not fit are counted.
+pub fn draw_programs(frame: &mut Frame, area: Rect, programs: &[Program]) {
+    let mut block = Block::bordered()
+        .border_type(BorderType::Rounded)
+        .border_style(FRAME)
+        .title_top(Line::styled(" programs ", TITLE));
+    let shown = usize::from(area.height.saturating_sub(3));
+    if programs.len() > shown {
+        let more = format!(" and {} more ", programs.len() - shown);
+        block = block.title_bottom(Line::styled(more, WARNING).right_aligned());
+    }
+    let with_version = area.width >= WIDTH_OF_VERSIONS;
+    let right = |text: &'static str| Cell::from(Line::raw(text).right_aligned());
+    let mut titles = vec![Cell::from("program")];
+    let mut widths = vec![Constraint::Length(if with_version { 12 } else { 9 })];
+    if with_version {
+        titles.push(Cell::from("version"));
+        widths.push(Constraint::Length(8));
+    }
+    titles.extend(["rate", "age", "lost", "late"].map(right));
+    titles.push(Cell::from("state"));
+    widths.extend([8, 6, 6, 5].map(Constraint::Length));
+    widths.push(Constraint::Fill(1));
+    let rows = programs.iter().take(shown).map(|p| row(p, with_version));
+    let table = Table::new(rows, widths)
+        .header(Row::new(titles).style(QUIET))
+        .block(block);
+    frame.render_widget(table, area);
+}
+
+fn row(program: &Program, with_version: bool) -> Row<'static> {
+    let silent = program.state == ProgramState::Silent;
+    let name = match program.finger {
+        Some(finger) => format!("{} {finger}", program.name),
+        None => program.name.clone(),
+    };
+    let right = |text: String, style: Style| Cell::from(Line::styled(text, style).right_aligned());
+    let warn = |wrong: bool| if wrong { WARNING } else { Style::new() };
+    let mut cells = vec![Cell::from(name)];
+    if with_version {
+        cells.push(Cell::from(Span::styled(program.version.clone(), QUIET)));
+    }
+    let late = program
+        .late
+        .map_or_else(|| DASH.into(), |late| number(late as f64, 0));
+    cells.extend([
+        right(rate(program.rate), Style::new()),
+        right(age(program.age), if silent { BAD } else { Style::new() }),
+        right(per_cent(program.lost_part()), warn(program.lost > 0)),
+        right(late, warn(program.late.is_some_and(|late| late > 0))),
+        Cell::from(state(&program.state)),
+    ]);
+    Row::new(cells)
+}
+
+fn rate(rate: f64) -> String {
+    if rate.is_finite() {
+        format!("{} Hz", number(rate, if rate < 99.5 { 1 } else { 0 }))
+    } else {
+        DASH.into()
+    }
+}
+
+fn state(state: &ProgramState) -> Line<'static> {
+    let (mark, style, words) = match state {
+        ProgramState::Alive => ("●", GOOD, "alive".into()),
+        ProgramState::Silent => ("○", BAD, "SILENT".into()),
+        ProgramState::Refused { why } => ("✗", BAD, format!("REFUSED: {why}")),
+    };
+    Line::from(vec![
+        Span::styled(mark, style),
+        Span::styled(format!(" {words}"), style),
+    ])
+}

@@ -1,0 +1,5 @@
+//! The terminal view: what it shows, that no size and no number breaks it, and `feeler run --top` in a terminal.
+
+mod any_input;
+mod scenes;
+mod screens;
