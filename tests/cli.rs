@@ -96,6 +96,39 @@ fn a_run_is_varied_from_the_command_line() {
 }
 
 #[test]
+fn a_run_that_is_held_back_is_the_same_run() {
+    let folder = folder("speed");
+    let start = [
+        "run",
+        "cap-closing",
+        "--sensing=direct",
+        "--set=task.strokes=1",
+    ];
+    let digest = |arguments: &[&str], name: &str| {
+        let out = format!("--out={name}");
+        run(&folder, &[&start, arguments, &[&out]].concat()).done();
+        let summary = fs::read_to_string(folder.join(name).join("summary.json")).unwrap();
+        let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+        assert_eq!(summary["complete"], true, "{summary}");
+        summary["digest"].clone()
+    };
+    let fast = digest(&[], "fast");
+    assert_eq!(digest(&["--speed=100"], "slow"), fast);
+    assert_eq!(digest(&["--speed=max"], "max"), fast);
+    for speed in ["--speed=0", "--speed=-1", "--speed=fast"] {
+        run(&folder, &["run", "cap-closing", speed]).refused(&["--speed", "expected, or max"]);
+    }
+}
+
+/// Nobody is at a terminal here; a build without the view says so instead.
+#[test]
+fn a_run_that_nobody_can_watch_is_refused() {
+    let folder = folder("top");
+    run(&folder, &["run", "cap-closing", "--top"]).refused(&["--top", "terminal"]);
+    assert!(!folder.join("runs").exists());
+}
+
+#[test]
 fn a_task_that_is_not_done_ends_with_status_1_and_says_why() {
     let folder = folder("not-done");
     let start = ["run", "cap-closing", "--sensing=direct", "--out"];

@@ -1,5 +1,7 @@
 //! The command line: one file per subcommand, each from arguments to an exit code.
 
+#[cfg(feature = "top")]
+mod arrivals;
 mod calibrate;
 mod check;
 mod interrupt;
@@ -11,9 +13,13 @@ mod part_file;
 mod progress;
 mod report;
 mod run;
+#[cfg_attr(not(feature = "top"), path = "no_screen.rs")]
+mod screen;
 mod sense;
 mod sensor_geometry;
 mod sweep;
+mod throttle;
+mod watcher;
 
 use clap::{Parser, Subcommand};
 use output::Output;
@@ -24,6 +30,7 @@ const EXAMPLES: &str = "\
 Examples:
   feeler run cap-closing                      simulate the reference experiment, with pictures
   feeler run cap-closing --sensing direct --seed 7 --out runs/seven
+  feeler run cap-closing --top                watch it: flags, forces, phase and programs
   feeler run my.toml --set control.slip_threshold=2.5 --set task.strokes=3
   feeler check my.toml                        say what is wrong with an experiment file
   feeler report runs/seven                    make a run's report again from its recording

@@ -1,9 +1,11 @@
 //! `feeler run`
 
 use super::interrupt::watch_for_interrupt;
-use super::progress::Progress;
 use super::report::print_claims;
+use super::screen::Screen;
 use super::sweep::one_trial;
+use super::throttle::{Throttle, parse_speed};
+use super::watcher::Watcher;
 use super::{CommandError, Outcome};
 use crate::config::Experiment;
 use crate::control::phase::Phase;
@@ -36,9 +38,26 @@ pub struct Arguments {
     /// The run's folder, which must not hold a run yet [default: runs/NAME-SENSING-seedN]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Simulate this many seconds in a second, or `max` [default: max; with --top: 1]
+    #[arg(long, value_name = "FACTOR", value_parser = parse_speed)]
+    speed: Option<f64>,
+    /// Show the run on the whole terminal while it goes on: flags, forces, torque, phase, programs.
+    #[arg(long)]
+    top: bool,
+}
+
+impl Arguments {
+    /// Simulated seconds in a real second; infinite for as many as possible.
+    fn speed(&self) -> f64 {
+        let unasked = if self.top { 1.0 } else { f64::INFINITY };
+        self.speed.unwrap_or(unasked)
+    }
 }
 
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
+    if arguments.top {
+        Screen::check()?;
+    }
     let experiment = load(arguments)?;
     let mut session = Session::new(&experiment)?;
     let folder = make_folder(arguments, &experiment)?;
@@ -47,9 +66,12 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comman
     let mut log = RunLog::new(recorder, session.layouts());
 
     let interrupted = watch_for_interrupt()?;
+    let mut watcher = Watcher::new(arguments.top, &experiment, &interrupted)?;
+    let throttle = Throttle::new(experiment.config.control.period, arguments.speed());
     let start = Instant::now();
-    let ended = simulate(&experiment, &mut session, &mut log, &interrupted);
+    let ended = simulate(&mut session, &mut log, throttle, &mut watcher, &interrupted);
     let wall_time = start.elapsed().as_secs_f64();
+    let was_interrupted = interrupted.load(Ordering::Relaxed);
     // However it ended: what was recorded is kept and reported before anything is said.
     let made = log
         .into_recorder()
@@ -58,6 +80,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comman
         .and_then(|_| Ok(make(&folder)?));
     ended?;
     let made = made?;
+    watcher.leave(&session);
 
     let sim_time = session.control_loop().state().stamp;
     let factor = sim_time / wall_time;
@@ -66,7 +89,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comman
         "{sim_time:.2} s simulated in {wall_time:.2} s, {factor:.0} x real time"
     )?;
     print_claims(&made, out)?;
-    let (outcome, reason) = outcome(&session, interrupted.load(Ordering::Relaxed));
+    let (outcome, reason) = outcome(&session, was_interrupted);
     if let Some(reason) = reason {
         writeln!(out, "{reason}")?;
     }
@@ -84,19 +107,20 @@ fn load(arguments: &Arguments) -> Result<Experiment, CommandError> {
 
 /// Goes round the control loop until the task or the time is over, or Ctrl-C.
 fn simulate(
-    experiment: &Experiment,
     session: &mut Session,
     log: &mut RunLog,
+    mut throttle: Throttle,
+    watcher: &mut Watcher,
     interrupted: &AtomicBool,
 ) -> Result<(), CommandError> {
     let start = Instant::now();
-    let mut progress = Progress::new(experiment);
     while !session.finished() && !interrupted.load(Ordering::Relaxed) {
+        throttle.wait(interrupted);
         let instruments = session.step()?;
         log.write(session, &instruments)?;
-        progress.show(session, start);
+        watcher.step(session, &instruments, throttle.late(), start);
     }
-    progress.clear();
+    watcher.run_ended();
     Ok(())
 }
 

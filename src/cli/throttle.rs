@@ -1,0 +1,104 @@
+//! Simulated time at a speed that one can watch.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// What `--speed` says for as fast as possible.
+const FASTEST: &str = "max";
+/// A step that begins this much too late is not made up for by hurrying afterwards.
+const FORGIVEN: Duration = Duration::from_millis(100);
+/// A step is not called late when the system's timer can be the cause.
+const TIMER_SLACK: Duration = Duration::from_millis(1);
+/// An interrupt is seen this soon.
+const PATIENCE: Duration = Duration::from_millis(20);
+
+/// A speed as the command line says it: simulated seconds in a real second, infinite for `max`.
+pub fn parse_speed(text: &str) -> Result<f64, String> {
+    if text == FASTEST {
+        return Ok(f64::INFINITY);
+    }
+    let speed: Option<f64> = text.parse().ok();
+    speed
+        .filter(|speed| (1e-3..=1e6).contains(speed))
+        .ok_or_else(|| format!("a number from 0.001 to 1000000 expected, or {FASTEST}"))
+}
+
+/// Holds steps back until they are due.
+pub struct Throttle {
+    /// Real time of a step; nothing for as fast as possible.
+    period: Option<Duration>,
+    due: Instant,
+    late: u64,
+}
+
+impl Throttle {
+    /// For steps of `period` simulated seconds at `speed`; the first is due now.
+    pub fn new(period: f64, speed: f64) -> Self {
+        let period = Duration::try_from_secs_f64(period / speed);
+        Self {
+            period: period.ok().filter(|period| !period.is_zero()),
+            due: Instant::now(),
+            late: 0,
+        }
+    }
+
+    /// Waits until the next step is due, or `interrupted` is raised.
+    pub fn wait(&mut self, interrupted: &AtomicBool) {
+        let Some(period) = self.period else { return };
+        let mut now = Instant::now();
+        while now < self.due && !interrupted.load(Ordering::Relaxed) {
+            thread::sleep((self.due - now).min(PATIENCE));
+            now = Instant::now();
+        }
+        let behind = now.saturating_duration_since(self.due);
+        if behind > period.max(TIMER_SLACK) {
+            self.late += 1;
+        }
+        self.due = if behind > FORGIVEN { now } else { self.due } + period;
+    }
+
+    /// Steps that began later than the next one was due; nothing when none ever is.
+    pub fn late(&self) -> Option<u64> {
+        self.period.map(|_| self.late)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_speed_is_a_number_or_max() {
+        assert_eq!(parse_speed("1"), Ok(1.0));
+        assert_eq!(parse_speed("0.25"), Ok(0.25));
+        assert_eq!(parse_speed("max"), Ok(f64::INFINITY));
+        for wrong in ["", "0", "-1", "nan", "inf", "1e9", "fast"] {
+            let said = parse_speed(wrong).unwrap_err();
+            assert!(said.contains("expected, or max"), "{said}");
+        }
+    }
+
+    #[test]
+    fn steps_take_their_real_time() {
+        let go_on = AtomicBool::new(false);
+        let mut throttle = Throttle::new(0.01, 10.0);
+        let start = Instant::now();
+        for _ in 0..=20 {
+            throttle.wait(&go_on);
+        }
+        assert!(start.elapsed() >= Duration::from_millis(20));
+        assert!(throttle.late().is_some());
+    }
+
+    #[test]
+    fn an_interrupt_ends_the_wait_and_full_speed_has_none() {
+        let mut throttle = Throttle::new(0.01, 1e-3);
+        let interrupted = AtomicBool::new(true);
+        throttle.wait(&interrupted);
+        throttle.wait(&interrupted);
+        let mut fastest = Throttle::new(0.01, f64::INFINITY);
+        fastest.wait(&AtomicBool::new(false));
+        assert_eq!(fastest.late(), None);
+    }
+}
