@@ -37,6 +37,7 @@ pub mod sensor;
 pub mod sim;
 pub mod sources;
 pub mod sweep;
+pub mod wire;
 
 /// The README's code is compiled with the documentation's tests.
 #[cfg(doctest)]

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Each room of `src/` and the rooms it may import.
-const MAY_IMPORT: [(&str, &[&str]); 11] = [
+const MAY_IMPORT: [(&str, &[&str]); 12] = [
     (
         "cli",
         &[
@@ -19,6 +19,7 @@ const MAY_IMPORT: [(&str, &[&str]); 11] = [
             "sim",
             "sources",
             "sweep",
+            "wire",
         ],
     ),
     (
@@ -27,16 +28,19 @@ const MAY_IMPORT: [(&str, &[&str]); 11] = [
     ),
     (
         "experiment",
-        &["config", "control", "hand", "record", "sensor", "sim"],
+        &[
+            "config", "control", "hand", "record", "sensor", "sim", "wire",
+        ],
     ),
     ("report", &["config", "record"]),
     ("config", &["control", "hand", "sensor", "sim"]),
-    ("record", &["control", "hand", "sensor"]),
+    ("record", &["control", "hand", "sensor", "wire"]),
     ("control", &["hand", "sensor"]),
     ("sim", &["hand", "sensor"]),
     ("sources", &["sensor"]),
     ("sensor", &[]),
     ("hand", &[]),
+    ("wire", &[]),
 ];
 
 #[test]

@@ -5,7 +5,8 @@
 
 mod support;
 
-use feeler::record::{Message, Recording};
+use feeler::record::Recording;
+use feeler::wire::Message;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use std::process::Command;

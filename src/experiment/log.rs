@@ -10,11 +10,12 @@ use crate::control::touch::{FingerTouch, TouchSource};
 use crate::hand::hand::{Hand, JointState};
 use crate::record::{
     Cap, Command, Fingertip, Flags, Joints, MessageSink, NO_ELEMENT, RecordError, Recorder,
-    RunFacts, Tactile, Task, TorqueSensor, Vector3,
+    RunFacts, Tactile, Task, TorqueSensor,
 };
 use crate::sensor::layout::ElementLayout;
 use crate::sim::config::SimConfig;
 use crate::sim::shape::ShapeConfig;
+use crate::wire::Vector3;
 use glam::{DQuat, DVec3};
 
 /// Writes control steps to a recording. Messages with lists are kept and filled again.

@@ -1,5 +1,6 @@
 //! What can go wrong with a recording.
 
+use crate::wire::WireError;
 use ::mcap::McapError;
 use std::path::{Path, PathBuf};
 
@@ -49,13 +50,8 @@ pub enum RecordError {
         stamp: f64,
     },
     /// A message could not be put into the wire format.
-    #[error("{schema}: {reason}")]
-    Encode {
-        /// Name of the message's schema.
-        schema: &'static str,
-        /// What was wrong.
-        reason: String,
-    },
+    #[error(transparent)]
+    Wire(#[from] WireError),
     /// An earlier write failed, and said why; nothing more can be written.
     #[error("recording {path}: closed after an earlier error")]
     Closed {

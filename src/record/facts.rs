@@ -1,6 +1,7 @@
 //! What a run was: the constants that a report needs beside the messages.
 
 use super::error::RecordError;
+use crate::wire::WireError;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -112,7 +113,7 @@ impl RunFacts {
 
     /// The facts as names and texts, as they stand in the recording.
     pub(super) fn to_map(&self) -> Result<BTreeMap<String, String>, RecordError> {
-        let value = serde_json::to_value(self).map_err(|e| RecordError::Encode {
+        let value = serde_json::to_value(self).map_err(|e| WireError::Encode {
             schema: "run facts",
             reason: e.to_string(),
         })?;

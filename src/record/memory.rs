@@ -1,7 +1,7 @@
 //! Where a run's messages go: to a file, or into memory when nobody wants the file.
 
 use super::channels::{
-    Cap, Command, Fingertip, Flags, Joints, Message, Tactile, Task, TorqueSensor,
+    Cap, Command, Fingertip, Flags, Joints, Stamped, Tactile, Task, TorqueSensor,
 };
 use super::error::RecordError;
 use super::facts::RunFacts;
@@ -101,7 +101,7 @@ impl MemoryRecorder {
         self.recording
     }
 
-    fn take<M: Message + Clone>(
+    fn take<M: Stamped + Clone>(
         &mut self,
         message: &M,
         list: fn(&mut Recording) -> &mut Vec<M>,
@@ -118,7 +118,7 @@ impl MemoryRecorder {
         Ok(())
     }
 
-    fn take_felt<M: Message + Clone>(
+    fn take_felt<M: Stamped + Clone>(
         &mut self,
         finger: usize,
         message: &M,

@@ -3,7 +3,6 @@
 //! Messages are ROS 2 messages (`ros2msg` schemas, `cdr` encoding), so PlotJuggler, Foxglove and
 //! Python's `mcap-ros2-support` show them without anything of ours.
 
-pub mod cdr;
 pub mod channels;
 pub mod digest;
 pub mod error;
@@ -18,8 +17,8 @@ mod sink;
 
 pub use crate::control::phase::Phase;
 pub use channels::{
-    Cap, Command, Fingertip, Flags, Joints, Message, Moments, NO_ELEMENT, Quaternion, Tactile,
-    Task, Topic, TorqueSensor, Vector3,
+    Cap, Command, Fingertip, Flags, Joints, Moments, NO_ELEMENT, Stamped, Tactile, Task, Topic,
+    TorqueSensor,
 };
 pub use digest::Digest;
 pub use error::RecordError;

@@ -1,13 +1,13 @@
 //! Writes a run's recording as the run goes.
 
-use super::cdr;
 use super::channels::{
-    Cap, Command, Fingertip, Flags, Joints, Message, Tactile, Task, Topic, TorqueSensor,
+    Cap, Command, Fingertip, Flags, Joints, Stamped, Tactile, Task, Topic, TorqueSensor,
 };
 use super::digest::Digest;
 use super::error::RecordError;
 use super::facts::RunFacts;
 use super::sink::{Batch, Entry, Sink};
+use crate::wire::cdr;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, SyncSender, channel, sync_channel};
 use std::thread::{self, JoinHandle};
@@ -186,7 +186,7 @@ impl Recorder {
         }
     }
 
-    fn write<M: Message>(&mut self, channel: usize, message: &M) -> Result<(), RecordError> {
+    fn write<M: Stamped>(&mut self, channel: usize, message: &M) -> Result<(), RecordError> {
         let stamp = message.stamp();
         let log_time = nanoseconds(stamp).ok_or_else(|| RecordError::Stamp {
             topic: self.topics[channel].clone(),

@@ -1,14 +1,14 @@
 //! Reads a recording back, whole or as far as it goes.
 
-use super::cdr;
 use super::channels::{
-    Cap, Command, Fingertip, Flags, Joints, Message, Tactile, Task, Topic, TorqueSensor,
+    Cap, Command, Fingertip, Flags, Joints, Stamped, Tactile, Task, Topic, TorqueSensor,
 };
 use super::digest::{Digest, Digester};
 use super::error::RecordError;
 use super::facts::RunFacts;
 use super::scan::scan;
 use super::sink::{END, EXPERIMENT, FACTS, digest_facts};
+use crate::wire::cdr;
 use ::mcap::records::Record;
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
@@ -114,8 +114,8 @@ impl Recording {
     }
 }
 
-fn push<M: Message>(messages: &mut Vec<M>, bytes: &[u8]) -> Result<(), String> {
-    let message: M = cdr::decode(bytes)?;
+fn push<M: Stamped>(messages: &mut Vec<M>, bytes: &[u8]) -> Result<(), String> {
+    let message: M = cdr::decode(bytes).map_err(|e| e.to_string())?;
     if !message.stamp().is_finite() {
         return Err(format!(
             "a finite stamp expected, {} found",

@@ -1,9 +1,9 @@
 //! What a sensor felt, without any run around it: one MCAP file of ROS 2 messages, written and read.
 
-use super::cdr;
-use super::channels::{Message, Moments, Tactile};
+use super::channels::{Moments, Stamped, Tactile};
 use super::error::RecordError;
 use super::scan::scan;
+use crate::wire::{Message, cdr};
 use ::mcap::records::{MessageHeader, Record};
 use ::mcap::write::NoSeek;
 use ::mcap::{McapError, WriteOptions, Writer};
@@ -132,7 +132,7 @@ pub fn read_moments(path: &Path) -> Result<Vec<Moments>, RecordError> {
                 channels.insert(channel.id);
             }
             Record::Message { header, data } if channels.contains(&header.channel_id) => {
-                moments.push(cdr::decode(&data)?);
+                moments.push(cdr::decode(&data).map_err(|e| e.to_string())?);
             }
             _ => {}
         }
@@ -164,7 +164,7 @@ fn add_channel<M: Message>(
 }
 
 /// Writes a message; the inner error is the file's.
-fn write<M: Message>(
+fn write<M: Stamped>(
     writer: &mut Writer<NoSeek<BufWriter<File>>>,
     channel: &mut Channel,
     buffer: &mut Vec<u8>,
