@@ -1,7 +1,7 @@
 //! Why a hand stops before its task is done.
 
 /// Why the hand was stopped before the task was done.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum StopReason {
     /// A finger found nothing to grasp.
     #[error("finger {finger} came {travel:.4} m from home without a grasp (limit {limit} m)")]
@@ -48,6 +48,30 @@ pub enum StopReason {
         age: f64,
         /// Greatest age allowed, s.
         limit: f64,
+    },
+    /// The joint angles are too old to act on, or none have arrived.
+    #[error("the joint angles are {age:.4} s old (limit {limit} s)")]
+    StaleState {
+        /// Age of the newest, s.
+        age: f64,
+        /// Greatest age allowed, s.
+        limit: f64,
+    },
+    /// An element's force is unknown: its sub-region is dark or saturated.
+    #[error(
+        "element {element} of finger {finger} has no valid force: its sub-region is dark or saturated"
+    )]
+    NoForce {
+        /// The finger.
+        finger: usize,
+        /// The first such element.
+        element: usize,
+    },
+    /// Somebody said so.
+    #[error("told to stop by {by}")]
+    Told {
+        /// Who.
+        by: String,
     },
     /// A force, a joint angle or a command is not a finite number.
     #[error("finger {finger} has a {what} that is not a finite number")]

@@ -1,0 +1,14 @@
+//! Several programs, one hand: what they say to each other, and what each makes of what it hears.
+//!
+//! Everything but `transport` is pure: bytes and times in, bytes and decisions out.
+
+pub mod endpoints;
+pub mod freshness;
+pub mod hand_inbox;
+pub mod message;
+pub mod peers;
+pub mod rejection;
+pub mod rig_inbox;
+pub mod topic;
+#[cfg(feature = "link")]
+pub mod transport;
