@@ -11,6 +11,7 @@ mod part_file;
 mod progress;
 mod report;
 mod run;
+mod run_folder;
 mod sense;
 mod sensor_geometry;
 mod sweep;
@@ -27,6 +28,7 @@ Examples:
   feeler run my.toml --set control.slip_threshold=2.5 --set task.strokes=3
   feeler check my.toml                        say what is wrong with an experiment file
   feeler report runs/seven                    make a run's report again from its recording
+  feeler run cap-closing --record-frames --out runs/seen
   feeler calibrate --simulated --experiment my.toml -o my.calibration.toml
   feeler sweep cap-closing --sensing direct --vary 'friction=uniform(0.3,1.2)' -o sweep
   feeler locate untouched.png -o layout.toml --preview found.png

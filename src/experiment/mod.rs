@@ -1,5 +1,6 @@
 //! One run in one process: the simulated rig, its sensors, the control loop and the recorder, wired up.
 
+mod facts;
 pub mod log;
 mod sensors;
 pub mod warnings;
