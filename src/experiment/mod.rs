@@ -2,6 +2,7 @@
 
 mod facts;
 pub mod log;
+pub mod replay;
 mod sensors;
 pub mod warnings;
 
