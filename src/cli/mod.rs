@@ -9,8 +9,10 @@ mod locate_preview;
 mod output;
 mod part_file;
 mod progress;
+mod replay;
 mod report;
 mod run;
+mod run_folder;
 mod sense;
 mod sensor_geometry;
 mod sweep;
@@ -27,6 +29,9 @@ Examples:
   feeler run my.toml --set control.slip_threshold=2.5 --set task.strokes=3
   feeler check my.toml                        say what is wrong with an experiment file
   feeler report runs/seven                    make a run's report again from its recording
+  feeler run cap-closing --record-frames --out runs/seen
+  feeler replay runs/seen --from frames       pictures -> forces -> flags -> commands again, compared bit for bit
+  feeler replay runs/seven --from forces --set control.slip_threshold=2.5 --out runs/what-if
   feeler calibrate --simulated --experiment my.toml -o my.calibration.toml
   feeler sweep cap-closing --sensing direct --vary 'friction=uniform(0.3,1.2)' -o sweep
   feeler locate untouched.png -o layout.toml --preview found.png
@@ -35,7 +40,7 @@ Examples:
 
 /// Tri-axial touch to finger motion, and a simulated hand to try it on.
 ///
-/// Exit status: 0 done; 1 the task was given up or interrupted; 2 bad input.
+/// Exit status: 0 done; 1 the task was given up or interrupted, or a replay differs; 2 bad input.
 #[derive(Debug, Parser)]
 #[command(name = "feeler", version, after_help = EXAMPLES)]
 struct Arguments {
@@ -55,6 +60,8 @@ enum Command {
     Check(check::Arguments),
     /// Make a run's report again from its recording alone.
     Report(report::Arguments),
+    /// Put a recording through the sensor stage, the control stage or both again, and compare bit for bit.
+    Replay(replay::Arguments),
     /// Calibrate a fingertip: load its elements, take pictures, fit.
     Calibrate(calibrate::Arguments),
     /// Find the sensing elements in pictures of an untouched sensor.
@@ -67,6 +74,7 @@ enum Command {
 enum Outcome {
     Done,
     GivenUp,
+    Differs,
 }
 
 type CommandError = Box<dyn std::error::Error>;
@@ -79,7 +87,7 @@ pub fn main() -> ExitCode {
         .and_then(|outcome| Ok(out.flush().map(|()| outcome)?));
     match result {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
-        Ok(Outcome::GivenUp) => ExitCode::from(1),
+        Ok(Outcome::GivenUp | Outcome::Differs) => ExitCode::from(1),
         Err(error) => {
             // Where nobody listens, the exit status says it.
             let _ = writeln!(stderr(), "feeler: {error}");
@@ -95,6 +103,7 @@ fn run_command(command: Command, out: &mut dyn Write) -> Result<Outcome, Command
         Command::List => list::list(out),
         Command::Check(arguments) => check::check(&arguments, out),
         Command::Report(arguments) => report::report(&arguments, out),
+        Command::Replay(arguments) => replay::replay(&arguments, out),
         Command::Calibrate(arguments) => calibrate::calibrate(&arguments, out),
         Command::Locate(arguments) => locate::locate(&arguments, out),
         Command::Sense(arguments) => sense::sense(&arguments),

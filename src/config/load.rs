@@ -4,8 +4,9 @@ use super::ExperimentConfig;
 use super::check::check;
 use super::checker::Problem;
 use super::settings::put;
-use crate::sensor::calibration::{Calibration, CalibrationError};
+use crate::sensor::calibration::CalibrationError;
 use crate::sensor::fingertip::FingertipConfig;
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
@@ -31,12 +32,6 @@ pub const BUILT_IN: [BuiltIn; 2] = [
         toml: include_str!("../../experiments/three-fingers.toml"),
     },
 ];
-
-/// The calibrations that the built-in experiments name.
-const BUILT_IN_CALIBRATIONS: [(&str, &str); 1] = [(
-    "reference-fingertip.calibration.toml",
-    include_str!("../../experiments/reference-fingertip.calibration.toml"),
-)];
 
 /// Longest experiment or calibration file, bytes.
 const MAX_TEXT: u64 = 16 << 20;
@@ -133,7 +128,9 @@ pub struct Experiment {
     /// The experiment file as run, with what the command line set.
     pub toml: String,
     /// The folder that file names are relative to; none for a built-in experiment.
-    folder: Option<PathBuf>,
+    pub(super) folder: Option<PathBuf>,
+    /// Calibration files that came with it, by the name that it has for each.
+    pub(super) calibrations: BTreeMap<String, String>,
 }
 
 impl Experiment {
@@ -189,6 +186,7 @@ impl Experiment {
             config,
             toml,
             folder,
+            calibrations: BTreeMap::new(),
         })
     }
 
@@ -209,34 +207,6 @@ impl Experiment {
             Some(finger) => Err(ConfigError::NoFinger { finger, fingers }),
         }
     }
-
-    /// The calibration that the experiment names for `finger`.
-    ///
-    /// # Errors
-    /// When its file cannot be read or is no calibration.
-    pub fn calibration(&self, finger: usize) -> Result<Calibration, ConfigError> {
-        let (file, key) = self.config.sensor.calibration(finger);
-        let built_in = BUILT_IN_CALIBRATIONS.iter().find(|(name, _)| *name == file);
-        let text = match (&self.folder, built_in) {
-            (None, Some((_, text))) => (*text).to_string(),
-            (folder, _) => {
-                let folder = folder.as_deref().unwrap_or(Path::new(""));
-                read(&folder.join(file), "a calibration file").map_err(|source| {
-                    ConfigError::CalibrationFile {
-                        key: key.clone(),
-                        file: file.to_string(),
-                        source: Box::new(source),
-                    }
-                })?
-            }
-        };
-        let calibration = Calibration::from_toml(&text);
-        calibration.map_err(|source| ConfigError::Calibration {
-            key,
-            file: file.to_string(),
-            source: Box::new(source),
-        })
-    }
 }
 
 /// The first of `settings` with which a good `text` is good no more.
@@ -256,7 +226,7 @@ fn to_blame(text: &str, settings: &[String]) -> Option<ConfigError> {
 }
 
 /// The text of a file, unless it is far longer than any that makes sense (a device, a recording).
-fn read(path: &Path, expected: &'static str) -> Result<String, ConfigError> {
+pub(super) fn read(path: &Path, expected: &'static str) -> Result<String, ConfigError> {
     let whole = || {
         let mut text = String::new();
         let mut file = File::open(path)?.take(MAX_TEXT + 1);

@@ -73,6 +73,9 @@ pub enum StopReason {
         /// Who.
         by: String,
     },
+    /// In a replay: somebody stopped the hand at this step on record.
+    #[error("it was stopped from outside the control law on record")]
+    OnRecord,
     /// A force, a joint angle or a command is not a finite number.
     #[error("finger {finger} has a {what} that is not a finite number")]
     NotFinite {

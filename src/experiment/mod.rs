@@ -1,6 +1,8 @@
 //! One run in one process: the simulated rig, its sensors, the control loop and the recorder, wired up.
 
+mod facts;
 pub mod log;
+pub mod replay;
 mod sensors;
 pub mod warnings;
 

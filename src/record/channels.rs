@@ -3,6 +3,7 @@
 //! The order of a struct's fields is the order of its schema's lines; both are the wire format.
 //! All stamps are seconds of the run's time (simulated or real), not of the wall clock.
 
+use super::image::Image;
 use crate::control::phase::Phase;
 use crate::wire::{Message, Quaternion, Vector3, message, vector3_schema};
 use serde::{Deserialize, Serialize};
@@ -301,10 +302,12 @@ pub enum Topic {
     Cap,
     /// [`Task`].
     Task,
+    /// [`Image`] of the camera in a finger's fingertip; only where pictures are recorded.
+    Image(usize),
 }
 
 impl Topic {
-    /// All topics of a run with `fingers` fingers, in the order of the recording's channels.
+    /// The topics that every run with `fingers` fingers has, in the order of the recording's channels.
     pub fn all(fingers: usize) -> Vec<Self> {
         let mut topics = Vec::new();
         for f in 0..fingers {
@@ -320,6 +323,11 @@ impl Topic {
         topics
     }
 
+    /// The topics of a run that records pictures, too; they follow after [`all`](Self::all) others.
+    pub fn images(fingers: usize) -> impl Iterator<Item = Self> {
+        (0..fingers).map(Self::Image)
+    }
+
     /// Name of the topic in the recording.
     pub fn name(self) -> String {
         match self {
@@ -331,6 +339,7 @@ impl Topic {
             Self::TorqueSensor => "/torque_sensor".into(),
             Self::Cap => "/cap".into(),
             Self::Task => "/task".into(),
+            Self::Image(f) => format!("/finger/{f}/image"),
         }
     }
 
@@ -345,6 +354,7 @@ impl Topic {
             Self::TorqueSensor => (TorqueSensor::SCHEMA_NAME, TorqueSensor::SCHEMA),
             Self::Cap => (Cap::SCHEMA_NAME, Cap::SCHEMA),
             Self::Task => (Task::SCHEMA_NAME, Task::SCHEMA),
+            Self::Image(_) => (Image::SCHEMA_NAME, Image::SCHEMA),
         }
     }
 }

@@ -41,6 +41,9 @@ pub enum RecordError {
         /// Finger of the message.
         actual: usize,
     },
+    /// A picture for a recording that was opened for none.
+    #[error("the recording was opened without pictures, a picture is to be written")]
+    NoPictures,
     /// A stamp that is no time of a run.
     #[error("{topic}: a stamp of 0 s or later expected, {stamp} found")]
     Stamp {

@@ -5,6 +5,7 @@ use super::channels::{
 };
 use super::error::RecordError;
 use super::facts::RunFacts;
+use super::image::Image;
 use super::recorder::{Recorder, nanoseconds};
 use super::recording::{FingerRecord, Recording};
 
@@ -50,6 +51,11 @@ pub trait MessageSink {
     /// # Errors
     /// As [`Self::tactile`].
     fn task(&mut self, message: &Task) -> Result<(), RecordError>;
+    /// Takes the picture that a finger's newest forces come from.
+    ///
+    /// # Errors
+    /// As [`Self::tactile`], and when there are to be no pictures.
+    fn image(&mut self, finger: usize, message: &Image) -> Result<(), RecordError>;
 }
 
 impl MessageSink for Recorder {
@@ -76,6 +82,9 @@ impl MessageSink for Recorder {
     }
     fn task(&mut self, message: &Task) -> Result<(), RecordError> {
         Self::task(self, message)
+    }
+    fn image(&mut self, finger: usize, message: &Image) -> Result<(), RecordError> {
+        Self::image(self, finger, message)
     }
 }
 
@@ -165,5 +174,8 @@ impl MessageSink for MemoryRecorder {
     }
     fn task(&mut self, message: &Task) -> Result<(), RecordError> {
         self.take(message, |recording| &mut recording.task)
+    }
+    fn image(&mut self, _: usize, _: &Image) -> Result<(), RecordError> {
+        Err(RecordError::NoPictures)
     }
 }

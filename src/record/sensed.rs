@@ -9,7 +9,7 @@ use ::mcap::write::NoSeek;
 use ::mcap::{McapError, WriteOptions, Writer};
 use std::collections::{BTreeMap, HashSet};
 use std::fs::File;
-use std::io::{BufWriter, Write as _};
+use std::io::{BufReader, BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
 /// Topic of the [`Moments`].
@@ -121,12 +121,12 @@ impl SensedWriter {
 /// # Errors
 /// When the file cannot be read or holds no moments.
 pub fn read_moments(path: &Path) -> Result<Vec<Moments>, RecordError> {
-    let file = std::fs::read(path).map_err(|source| RecordError::File {
+    let file = File::open(path).map_err(|source| RecordError::File {
         path: path.to_path_buf(),
         source,
     })?;
     let (mut channels, mut moments) = (HashSet::new(), Vec::new());
-    let scanned = scan(&file, &mut |record| {
+    let scanned = scan(&mut BufReader::new(file), &mut |record, _| {
         match record {
             Record::Channel(channel) if channel.topic == MOMENTS_TOPIC => {
                 channels.insert(channel.id);

@@ -147,7 +147,7 @@ fn decide(frames: &[TactileFrame], state: &HandState) -> (Option<StopReason>, Ha
         joint_velocity: vec![DVec3::ONE; 2],
     };
     controller.decide(&touches, state, &mut command);
-    (controller.stop_reason().copied(), command)
+    (controller.stop_reason().cloned(), command)
 }
 
 fn at_home() -> HandState {
@@ -222,7 +222,7 @@ fn every_fault_has_its_reason_and_stops_both_fingers() {
     }
     for (frames, state, reason) in cases {
         let (stopped, command) = decide(&frames, &state);
-        assert_eq!(stopped, Some(reason));
+        assert_eq!(stopped.as_ref(), Some(&reason));
         assert_eq!(command, HandCommand::stop(2), "{reason}");
     }
     let mut timeless = good();
@@ -243,14 +243,14 @@ fn the_first_reason_stays_and_the_hand_stays_stopped() {
     let mut analyzers = Analyzers::new(&config);
     let mut command = HandCommand::stop(2);
     controller.decide(&[], &at_home(), &mut command);
-    let reason = controller.stop_reason().copied();
+    let reason = controller.stop_reason().cloned();
     for n in 0..10 {
         let mut frames = vec![pressed(n, 0.0, 0.3); 2];
         frames[0].forces[0].x = if n == 5 { f64::NAN } else { 0.5 * n as f64 };
         let touches = analyzers.touches(&frames);
         controller.decide(&touches, &at_home(), &mut command);
         assert_eq!(command, HandCommand::stop(2));
-        assert_eq!(controller.stop_reason().copied(), reason);
+        assert_eq!(controller.stop_reason().cloned(), reason);
     }
 }
 

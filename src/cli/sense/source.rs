@@ -112,7 +112,8 @@ impl Source {
                 open_video(device, size, arguments)
             }
             Self::Recording(path) => {
-                Err(format!("{}: there are no pictures in a recording", path.display()).into())
+                let path = path.display();
+                Err(format!("{path}: the pictures of a run are for `feeler replay`").into())
             }
         }
     }
