@@ -31,6 +31,7 @@ pub mod config;
 pub mod control;
 pub mod experiment;
 pub mod hand;
+pub mod pace;
 pub mod record;
 pub mod report;
 pub mod sensor;

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Each room of `src/` and the rooms it may import.
-const MAY_IMPORT: [(&str, &[&str]); 11] = [
+const MAY_IMPORT: [(&str, &[&str]); 12] = [
     (
         "cli",
         &[
@@ -13,6 +13,7 @@ const MAY_IMPORT: [(&str, &[&str]); 11] = [
             "control",
             "experiment",
             "hand",
+            "pace",
             "record",
             "report",
             "sensor",
@@ -37,6 +38,7 @@ const MAY_IMPORT: [(&str, &[&str]); 11] = [
     ("sources", &["sensor"]),
     ("sensor", &[]),
     ("hand", &[]),
+    ("pace", &[]),
 ];
 
 #[test]
