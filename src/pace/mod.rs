@@ -22,6 +22,7 @@
 mod clock;
 mod error;
 mod punctuality;
+pub mod real_time;
 mod timer;
 
 pub use clock::{Clock, Monotonic};
