@@ -32,6 +32,7 @@ pub mod control;
 pub mod experiment;
 pub mod hand;
 pub mod link;
+pub mod pace;
 pub mod record;
 pub mod report;
 pub mod sensor;

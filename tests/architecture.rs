@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Each room of `src/` and the rooms it may import.
-const MAY_IMPORT: [(&str, &[&str]); 12] = [
+const MAY_IMPORT: [(&str, &[&str]); 14] = [
     (
         "cli",
         &[
@@ -13,6 +13,8 @@ const MAY_IMPORT: [(&str, &[&str]); 12] = [
             "control",
             "experiment",
             "hand",
+            "link",
+            "pace",
             "record",
             "report",
             "sensor",
@@ -35,12 +37,14 @@ const MAY_IMPORT: [(&str, &[&str]); 12] = [
     ("report", &["config", "record"]),
     ("config", &["control", "hand", "sensor", "sim"]),
     ("record", &["control", "hand", "sensor", "wire"]),
+    ("link", &["control", "hand", "sensor", "wire"]),
     ("control", &["hand", "sensor"]),
     ("sim", &["hand", "sensor"]),
     ("sources", &["sensor"]),
     ("sensor", &[]),
     ("hand", &[]),
     ("wire", &[]),
+    ("pace", &[]),
 ];
 
 #[test]

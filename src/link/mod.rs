@@ -2,13 +2,18 @@
 //!
 //! Everything but `transport` is pure: bytes and times in, bytes and decisions out.
 
+pub mod beacon;
 pub mod endpoints;
 pub mod freshness;
 pub mod hand_inbox;
 pub mod message;
+pub mod outlet;
 pub mod peers;
 pub mod rejection;
+pub mod remote;
 pub mod rig_inbox;
+pub mod sense_inbox;
+pub mod shared;
 pub mod topic;
 #[cfg(feature = "link")]
 pub mod transport;

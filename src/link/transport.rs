@@ -1,6 +1,7 @@
 //! Messages over Zenoh. What they say is none of its business.
 
 use super::endpoints::{LinkConfig, LinkError};
+use super::outlet::Outlet;
 use super::topic::Topic;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -39,22 +40,6 @@ impl Link {
                 subscribers: Mutex::default(),
             }),
         })
-    }
-
-    /// Sends a message. It is dropped, never waited for, where the network cannot take it: older data are
-    /// worth nothing once there are newer ones.
-    ///
-    /// # Errors
-    /// When the link is closed.
-    pub fn send(&self, topic: Topic, bytes: Vec<u8>) -> Result<(), LinkError> {
-        let mut publishers = lock(&self.shared.publishers);
-        if !publishers.contains_key(&topic) {
-            publishers.insert(topic, self.publisher(topic)?);
-        }
-        match publishers.get(&topic) {
-            Some(publisher) => publisher.put(bytes).wait().map_err(transport),
-            None => Ok(()),
-        }
     }
 
     fn publisher(&self, topic: Topic) -> Result<Publisher<'static>, LinkError> {
@@ -106,6 +91,21 @@ impl Link {
     /// When the transport says so.
     pub fn close(&self) -> Result<(), LinkError> {
         self.shared.session.close().wait().map_err(transport)
+    }
+}
+
+impl Outlet for Link {
+    /// Drops what the network cannot take, and never waits for it: older data are worth nothing once there
+    /// are newer ones.
+    fn send(&self, topic: Topic, bytes: Vec<u8>) -> Result<(), LinkError> {
+        let mut publishers = lock(&self.shared.publishers);
+        if !publishers.contains_key(&topic) {
+            publishers.insert(topic, self.publisher(topic)?);
+        }
+        match publishers.get(&topic) {
+            Some(publisher) => publisher.put(bytes).wait().map_err(transport),
+            None => Ok(()),
+        }
     }
 }
 
