@@ -51,19 +51,20 @@ pub fn replay(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Com
     // Refused before a folder is made for it.
     let replay = Replay::new(&recording, from, &experiment)?;
     let replay = match &arguments.out {
-        Some(folder) => replay.copy_to(copy(folder, &recording, &experiment)?),
+        Some(folder) => replay.copy_to(copy(folder, &recording, &experiment, from)?),
         None => replay,
     };
     let interrupted = watch_for_interrupt()?;
     let steps = replay.steps();
     let (comparison, copy, ended) = go_through(replay, &interrupted);
-    // However it ended: what was compared is said, and the copy is closed.
+    // However it ended: what was compared is said, and the copy is closed and reported.
     let closed = copy.map_or(Ok(()), |copy| copy.finish(None).map(|_| ()));
     print_comparison(&recording.facts, &comparison, steps, out)?;
+    let made = arguments.out.as_ref().map(make).transpose();
     ended?;
     closed?;
-    if let Some(folder) = &arguments.out {
-        print_claims(&make(folder)?, out)?;
+    if let Some(made) = made? {
+        print_claims(&made, out)?;
     }
     if let Some(problem) = &recording.problem {
         let (path, until) = (path.display(), recording.readable_until);
@@ -104,6 +105,7 @@ fn copy(
     folder: &Path,
     recording: &Recording,
     experiment: &Experiment,
+    from: ReplayFrom<'_>,
 ) -> Result<Recorder, CommandError> {
     run_folder::named(folder)?;
     let facts = RunFacts {
@@ -111,7 +113,10 @@ fn copy(
         ..run_facts(&experiment.config)
     };
     let options = RecordOptions {
-        calibrations: recording.calibrations.clone(),
+        calibrations: match from {
+            ReplayFrom::Frames(_) => experiment.calibration_texts()?,
+            ReplayFrom::Forces => recording.calibrations.clone(),
+        },
         pictures: false,
     };
     let file = folder.join(RECORDING);
@@ -150,6 +155,7 @@ fn print_comparison(
         experiment,
         seed,
         fingers,
+        version,
         ..
     } = facts;
     writeln!(
@@ -167,8 +173,13 @@ fn print_comparison(
             writeln!(out, "first of {kind}: {first}")?;
         }
     }
-    if comparison.same() {
+    let whole = comparison.of(Kind::Phases).compared == steps as u64;
+    if comparison.same() && whole {
         writeln!(out, "the same as on record, bit for bit")?;
+    }
+    let this = env!("CARGO_PKG_VERSION");
+    if !comparison.same() && version != this {
+        writeln!(out, "recorded by feeler {version}, replayed by {this}")?;
     }
     Ok(())
 }
