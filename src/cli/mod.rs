@@ -3,6 +3,7 @@
 mod calibrate;
 mod check;
 mod interrupt;
+mod link;
 mod list;
 mod locate;
 mod locate_preview;
@@ -18,6 +19,7 @@ mod sensor_geometry;
 mod sweep;
 
 use clap::{Parser, Subcommand};
+use link::orders::Order;
 use output::Output;
 use std::io::{Write, stderr, stdout};
 use std::process::ExitCode;
@@ -66,6 +68,16 @@ enum Command {
     Calibrate(calibrate::Arguments),
     /// Find the sensing elements in pictures of an untouched sensor.
     Locate(locate::Arguments),
+    /// Play the rig of an experiment for programs of their own: cameras, encoders, drives.
+    World(link::world::Arguments),
+    /// Control a hand whose sensors and drives are in other programs.
+    Hand(link::hand::Arguments),
+    /// Stop the hand of a rig, from anywhere.
+    Stop(link::orders::Arguments),
+    /// Let the hand of a rig go on that was stopped.
+    Resume(link::orders::Arguments),
+    /// Make the certificates that computers of a lab know each other by.
+    Certificates(link::certificates::Arguments),
     /// Sense forces: pictures, a camera or a recorded run in; a table of each element's force out.
     Sense(sense::Arguments),
 }
@@ -106,6 +118,11 @@ fn run_command(command: Command, out: &mut dyn Write) -> Result<Outcome, Command
         Command::Replay(arguments) => replay::replay(&arguments, out),
         Command::Calibrate(arguments) => calibrate::calibrate(&arguments, out),
         Command::Locate(arguments) => locate::locate(&arguments, out),
+        Command::World(arguments) => link::world::world(&arguments, out),
+        Command::Hand(arguments) => link::hand::hand(&arguments, out),
+        Command::Stop(arguments) => link::orders::order(&arguments, Order::Stop, out),
+        Command::Resume(arguments) => link::orders::order(&arguments, Order::Resume, out),
+        Command::Certificates(arguments) => link::certificates::certificates(&arguments, out),
         Command::Sense(arguments) => sense::sense(&arguments),
     }
 }

@@ -6,6 +6,7 @@ use super::report::print_claims;
 use super::sweep::one_trial;
 use super::{CommandError, Outcome, run_folder};
 use crate::config::{Experiment, Sensing};
+use crate::control::controller::Controller;
 use crate::control::phase::Phase;
 use crate::experiment::Session;
 use crate::experiment::log::{RunLog, run_facts};
@@ -46,7 +47,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comman
     let experiment = load(arguments)?;
     let options = record_options(arguments, &experiment)?;
     let mut session = Session::new(&experiment)?;
-    let folder = make_folder(arguments, &experiment)?;
+    let folder = make_folder(arguments.out.as_deref(), &experiment)?;
     let facts = run_facts(&experiment.config);
     let file = folder.join(RECORDING);
     let recorder = Recorder::create_with(file, &facts, &experiment.toml, &options)?;
@@ -75,7 +76,10 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comman
         "{sim_time:.2} s simulated in {wall_time:.2} s, {factor:.0} x real time"
     )?;
     print_claims(&made, out)?;
-    let (outcome, reason) = outcome(&session, interrupted.load(Ordering::Relaxed));
+    let (outcome, reason) = outcome(
+        session.control_loop().controller(),
+        interrupted.load(Ordering::Relaxed),
+    );
     if let Some(reason) = reason {
         writeln!(out, "{reason}")?;
     }
@@ -138,8 +142,7 @@ fn settings(arguments: &Arguments) -> Vec<String> {
 }
 
 /// How the run ended, and why the task is not done, if it is not.
-fn outcome(session: &Session, interrupted: bool) -> (Outcome, Option<String>) {
-    let controller = session.control_loop().controller();
+pub fn outcome(controller: &Controller, interrupted: bool) -> (Outcome, Option<String>) {
     let reason = if let Some(reason) = controller.stop_reason() {
         format!("the hand was stopped: {reason}")
     } else if controller.task().phase() == Phase::Done {
@@ -153,10 +156,10 @@ fn outcome(session: &Session, interrupted: bool) -> (Outcome, Option<String>) {
 }
 
 /// Makes the run's folder. Without a name given, one that does not exist yet.
-fn make_folder(arguments: &Arguments, experiment: &Experiment) -> Result<PathBuf, CommandError> {
-    if let Some(out) = &arguments.out {
+pub fn make_folder(out: Option<&Path>, experiment: &Experiment) -> Result<PathBuf, CommandError> {
+    if let Some(out) = out {
         run_folder::named(out)?;
-        return Ok(out.clone());
+        return Ok(out.to_path_buf());
     }
     let facts = run_facts(&experiment.config);
     let stem = format!("{}-{}-seed{}", facts.experiment, facts.sensing, facts.seed);

@@ -6,6 +6,7 @@ use super::checker::Problem;
 use super::settings::put;
 use crate::sensor::calibration::CalibrationError;
 use crate::sensor::fingertip::FingertipConfig;
+use crate::sensor::made_for::sha256;
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{self, Read};
@@ -188,6 +189,12 @@ impl Experiment {
             folder,
             calibrations: BTreeMap::new(),
         })
+    }
+
+    /// SHA-256 of all values, settings included; not of comments, order or layout of the text.
+    pub fn sha256(&self) -> String {
+        // Every value of an experiment came from TOML, or stands for one that can.
+        sha256(&toml::to_string(&self.config).unwrap_or_else(|e| e.to_string()))
     }
 
     /// The folder that file names are relative to.

@@ -31,8 +31,22 @@ pub struct ControlConfig {
     pub recompression_speed: f64,
     /// A moving finger whose grasp force is below this is re-compressed, too, N.
     pub minimum_grasp_force: f64,
+    /// When a hand that was stopped because data were stale goes on.
+    #[serde(default)]
+    pub resume: Resume,
     /// What no command may exceed.
     pub limits: LimitsConfig,
+}
+
+/// When a hand that was stopped because data were stale goes on.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Resume {
+    /// When somebody tells it to.
+    #[default]
+    Told,
+    /// As soon as data are fresh again.
+    Fresh,
 }
 
 impl ControlConfig {

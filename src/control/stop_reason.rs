@@ -85,3 +85,15 @@ pub enum StopReason {
         what: &'static str,
     },
 }
+
+impl StopReason {
+    /// Whether it came of data that were too old.
+    pub fn is_stale(&self) -> bool {
+        matches!(self, Self::StaleForces { .. } | Self::StaleState { .. })
+    }
+
+    /// Whether its cause may go away while the hand waits, so that it can go on.
+    pub fn may_pass(&self) -> bool {
+        self.is_stale() || matches!(self, Self::NoForce { .. } | Self::Told { .. })
+    }
+}

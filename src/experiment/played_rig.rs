@@ -97,14 +97,17 @@ impl PlayedRig {
     /// When it delivers nothing.
     pub fn expose(&mut self, finger: usize) -> Result<Exposure<'_>, SensorError> {
         match &mut self.sensors[finger] {
-            PlayedSensor::Camera(camera, frame) => {
-                camera.capture(frame)?;
-                Ok(Exposure::Picture(frame))
-            }
-            PlayedSensor::Direct(sensor, frame) => {
-                sensor.read(frame)?;
-                Ok(Exposure::Forces(frame))
-            }
+            PlayedSensor::Camera(camera, frame) => camera.capture(frame)?,
+            PlayedSensor::Direct(sensor, frame) => sensor.read(frame)?,
+        }
+        Ok(self.exposed(finger))
+    }
+
+    /// What the sensor of `finger` delivered when it was exposed last.
+    pub fn exposed(&self, finger: usize) -> Exposure<'_> {
+        match &self.sensors[finger] {
+            PlayedSensor::Camera(_, frame) => Exposure::Picture(frame),
+            PlayedSensor::Direct(_, frame) => Exposure::Forces(frame),
         }
     }
 

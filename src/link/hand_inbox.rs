@@ -1,6 +1,7 @@
 //! What the hand program has heard: forces and flags, joint angles, other programs, orders.
 
 use super::freshness::SentSteps;
+use super::inbox::Inbox;
 use super::message::{HandState, Header, NO_FINGER, PROTOCOL, Resume, Stop, TactileUpdate};
 use super::peers::{Expected, Peers};
 use super::rejection::{Rejection, Rejections};
@@ -14,8 +15,7 @@ use crate::wire::{Vector3, cdr};
 pub struct HandInbox {
     fingers: Vec<FingerInbox>,
     state: StateInbox,
-    /// The other programs.
-    pub peers: Peers,
+    peers: Peers,
     /// What was not taken.
     pub rejected: Rejections,
     /// When the control steps were sent.
@@ -49,6 +49,22 @@ pub struct StateInbox {
     earliest: f64,
 }
 
+impl Inbox for HandInbox {
+    fn take(&mut self, topic: Topic, bytes: &[u8], now: f64) -> Result<(), Rejection> {
+        let taken = if bytes.len() > topic.most_bytes() {
+            Err(Rejection::Oversized)
+        } else {
+            self.take_in(topic, bytes, now)
+        };
+        self.rejected.count(&taken);
+        taken
+    }
+
+    fn peers(&self) -> &Peers {
+        &self.peers
+    }
+}
+
 impl HandInbox {
     /// Nothing has arrived yet for a hand whose fingers have so many `elements`; programs must agree
     /// with `expected`.
@@ -70,20 +86,6 @@ impl HandInbox {
             stop: None,
             resume: false,
         }
-    }
-
-    /// Takes in a message that came at `now`, s on the hand's clock.
-    ///
-    /// # Errors
-    /// When it is not taken; it is counted then.
-    pub fn take(&mut self, topic: Topic, bytes: &[u8], now: f64) -> Result<(), Rejection> {
-        let taken = if bytes.len() > topic.most_bytes() {
-            Err(Rejection::Oversized)
-        } else {
-            self.take_in(topic, bytes, now)
-        };
-        self.rejected.count(&taken);
-        taken
     }
 
     fn take_in(&mut self, topic: Topic, bytes: &[u8], now: f64) -> Result<(), Rejection> {
@@ -169,6 +171,17 @@ impl HandInbox {
     /// The joints.
     pub fn state(&self) -> &StateInbox {
         &self.state
+    }
+
+    /// Whether a state after that of the number `answered` has come, and what all fingers felt then.
+    pub fn is_whole_after(&self, answered: u64) -> bool {
+        let state = self.state.newest.as_ref();
+        let state = state.map_or(0, |state| state.header.sequence);
+        let felt = |finger: &FingerInbox| {
+            let update = finger.newest.as_ref();
+            update.is_some_and(|update| update.header.sequence == state)
+        };
+        state > answered && self.fingers.iter().all(felt)
     }
 
     /// How much later (s) the newest update of `finger` can have been taken than the newest joint state,

@@ -3,10 +3,14 @@
 //! Everything but `transport` is pure: bytes and times in, bytes and decisions out.
 
 pub mod beacon;
+#[cfg(feature = "link")]
+pub mod certificates;
 pub mod endpoints;
 pub mod freshness;
 pub mod hand_inbox;
+pub mod inbox;
 pub mod message;
+pub mod network;
 pub mod outlet;
 pub mod peers;
 pub mod rejection;

@@ -67,6 +67,13 @@ pub enum Mismatch {
     },
 }
 
+impl Mismatch {
+    /// Whether it stays, whatever other programs do.
+    pub fn is_final(&self) -> bool {
+        !matches!(self, Self::Taken { .. })
+    }
+}
+
 /// Another program.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Peer {

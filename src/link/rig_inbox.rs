@@ -2,6 +2,7 @@
 
 use super::freshness::Echo;
 use super::hand_inbox::check_protocol;
+use super::inbox::Inbox;
 use super::message::{HandCommand, HandMode, Header, NO_FINGER};
 use super::peers::{Expected, Peers};
 use super::rejection::{Rejection, Rejections};
@@ -13,12 +14,15 @@ use glam::DVec3;
 #[derive(Debug, Clone)]
 pub struct RigInbox {
     fingers: usize,
+    /// The rig's own time, s, for its owner to keep.
+    pub time: f64,
+    /// Age from which on data are stale, s.
+    limit: f64,
     hand: Option<u64>,
     command: Option<Command>,
     /// The hand's newest step, to be echoed.
     pub echo: Echo,
-    /// The other programs.
-    pub peers: Peers,
+    peers: Peers,
     /// What was not taken.
     pub rejected: Rejections,
     /// Commands to move that were made from data older than the limit. They are not obeyed.
@@ -38,11 +42,37 @@ struct Command {
     expired: bool,
 }
 
+impl Inbox for RigInbox {
+    fn take(&mut self, topic: Topic, bytes: &[u8], now: f64) -> Result<(), Rejection> {
+        let malformed = |_| Rejection::Malformed;
+        let taken = match topic {
+            _ if bytes.len() > topic.most_bytes() => Err(Rejection::Oversized),
+            Topic::Heartbeat => self.peers.heard(bytes, now).map(|_| ()),
+            Topic::Mode => cdr::decode::<HandMode>(bytes)
+                .map_err(malformed)
+                .and_then(|mode| self.take_step(mode.header, now)),
+            Topic::Command => cdr::decode::<HandCommand>(bytes)
+                .map_err(malformed)
+                .and_then(|command| self.take_command(command, now)),
+            _ => Err(Rejection::Stranger),
+        };
+        self.rejected.count(&taken);
+        taken
+    }
+
+    fn peers(&self) -> &Peers {
+        &self.peers
+    }
+}
+
 impl RigInbox {
-    /// Nothing has arrived yet for a rig of `fingers`; programs must agree with `expected`.
-    pub fn new(fingers: usize, expected: Expected) -> Self {
+    /// Nothing has arrived yet for a rig of `fingers` that takes no commands to move from data older than
+    /// `limit`, s; programs must agree with `expected`.
+    pub fn new(fingers: usize, limit: f64, expected: Expected) -> Self {
         Self {
             fingers,
+            limit,
+            time: 0.0,
             hand: None,
             command: None,
             echo: Echo::default(),
@@ -53,40 +83,7 @@ impl RigInbox {
         }
     }
 
-    /// Takes in a message that came at `now` (s on the wall clock), when the rig's own clock was at
-    /// `time`, s. Commands to move that were made from data older than `limit` (s) are refused.
-    ///
-    /// # Errors
-    /// When it is not taken; it is counted then.
-    pub fn take(
-        &mut self,
-        topic: Topic,
-        bytes: &[u8],
-        now: f64,
-        (time, limit): (f64, f64),
-    ) -> Result<(), Rejection> {
-        let malformed = |_| Rejection::Malformed;
-        let taken = match topic {
-            _ if bytes.len() > topic.most_bytes() => Err(Rejection::Oversized),
-            Topic::Heartbeat => self.peers.heard(bytes, now).map(|_| ()),
-            Topic::Mode => cdr::decode::<HandMode>(bytes)
-                .map_err(malformed)
-                .and_then(|mode| self.take_step(mode.header, now)),
-            Topic::Command => cdr::decode::<HandCommand>(bytes)
-                .map_err(malformed)
-                .and_then(|command| self.take_command(command, now, (time, limit))),
-            _ => Err(Rejection::Stranger),
-        };
-        self.rejected.count(&taken);
-        taken
-    }
-
-    fn take_command(
-        &mut self,
-        command: HandCommand,
-        now: f64,
-        (time, limit): (f64, f64),
-    ) -> Result<(), Rejection> {
+    fn take_command(&mut self, command: HandCommand, now: f64) -> Result<(), Rejection> {
         let header = command.header;
         if command.joint_velocity.len() != self.fingers {
             return Err(Rejection::Size);
@@ -106,8 +103,8 @@ impl RigInbox {
             return Err(Rejection::Old);
         }
         self.take_step(header, now)?;
-        let age = (time - header.stamp).abs();
-        if moves && (age.is_nan() || age > limit) {
+        let age = (self.time - header.stamp).abs();
+        if moves && (age.is_nan() || age > self.limit) {
             self.stale_commands += 1;
             return Err(Rejection::Old);
         }

@@ -2,6 +2,7 @@
 
 use super::freshness::Echo;
 use super::hand_inbox::check_protocol;
+use super::inbox::Inbox;
 use super::message::{DirectForces, HandMode, Header, NO_FINGER, Picture};
 use super::peers::{Expected, Peers};
 use super::rejection::{Rejection, Rejections};
@@ -47,10 +48,35 @@ pub struct SenseInbox {
     waiting: VecDeque<Exposed>,
     /// Pictures that never came or waited too long, by their numbers.
     pub lost: u64,
-    /// The other programs.
-    pub peers: Peers,
+    peers: Peers,
     /// What was not taken.
     pub rejected: Rejections,
+}
+
+impl Inbox for SenseInbox {
+    fn take(&mut self, topic: Topic, bytes: &[u8], now: f64) -> Result<(), Rejection> {
+        let malformed = |_| Rejection::Malformed;
+        let taken = match topic {
+            _ if bytes.len() > topic.most_bytes() => Err(Rejection::Oversized),
+            Topic::Heartbeat => self.peers.heard(bytes, now).map(|_| ()),
+            Topic::Mode => cdr::decode::<HandMode>(bytes)
+                .map_err(malformed)
+                .and_then(|mode| self.take_step(mode.header, now)),
+            Topic::Picture(_) => cdr::decode::<Picture>(bytes)
+                .map_err(malformed)
+                .and_then(|picture| self.take_picture(picture)),
+            Topic::DirectForces(_) => cdr::decode::<DirectForces>(bytes)
+                .map_err(malformed)
+                .and_then(|forces| self.take_forces(forces)),
+            _ => Err(Rejection::Stranger),
+        };
+        self.rejected.count(&taken);
+        taken
+    }
+
+    fn peers(&self) -> &Peers {
+        &self.peers
+    }
 }
 
 impl SenseInbox {
@@ -73,30 +99,6 @@ impl SenseInbox {
             peers: Peers::new(expected),
             rejected: Rejections::default(),
         }
-    }
-
-    /// Takes in a message that came at `now`, s on the program's clock.
-    ///
-    /// # Errors
-    /// When it is not taken; it is counted then.
-    pub fn take(&mut self, topic: Topic, bytes: &[u8], now: f64) -> Result<(), Rejection> {
-        let malformed = |_| Rejection::Malformed;
-        let taken = match topic {
-            _ if bytes.len() > topic.most_bytes() => Err(Rejection::Oversized),
-            Topic::Heartbeat => self.peers.heard(bytes, now).map(|_| ()),
-            Topic::Mode => cdr::decode::<HandMode>(bytes)
-                .map_err(malformed)
-                .and_then(|mode| self.take_step(mode.header, now)),
-            Topic::Picture(_) => cdr::decode::<Picture>(bytes)
-                .map_err(malformed)
-                .and_then(|picture| self.take_picture(picture)),
-            Topic::DirectForces(_) => cdr::decode::<DirectForces>(bytes)
-                .map_err(malformed)
-                .and_then(|forces| self.take_forces(forces)),
-            _ => Err(Rejection::Stranger),
-        };
-        self.rejected.count(&taken);
-        taken
     }
 
     fn take_step(&mut self, header: Header, now: f64) -> Result<(), Rejection> {

@@ -1,9 +1,11 @@
 //! Messages over Zenoh. What they say is none of its business.
 
 use super::endpoints::{LinkConfig, LinkError};
+use super::network::{Heard, Network};
 use super::outlet::Outlet;
 use super::topic::Topic;
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::sync::{Arc, Mutex, PoisonError};
 use zenoh::bytes::Encoding;
 use zenoh::pubsub::{Publisher, Subscriber};
@@ -50,30 +52,33 @@ impl Link {
             Topic::Heartbeat => Priority::Data,
             _ => Priority::InteractiveHigh,
         };
-        let congestion = match topic {
-            Topic::Stop | Topic::Resume => CongestionControl::Block,
-            _ => CongestionControl::Drop,
-        };
         self.shared
             .session
             .declare_publisher(topic.key(&self.shared.rig))
             .encoding(Encoding::APPLICATION_CDR)
-            .congestion_control(congestion)
+            .congestion_control(CongestionControl::Drop)
             .priority(priority)
             .express(true)
             .wait()
             .map_err(transport)
     }
+}
 
-    /// Calls `heard` with every message of `topic`, on a thread of the link's.
-    ///
-    /// # Errors
-    /// When the link is closed.
-    pub fn listen(
-        &self,
-        topic: Topic,
-        heard: impl Fn(Topic, &[u8]) + Send + Sync + 'static,
-    ) -> Result<(), LinkError> {
+impl Outlet for Link {
+    /// Drops what the network cannot take, and never waits for it: older data are worth nothing once there
+    /// are newer ones.
+    fn send(&self, topic: Topic, bytes: Vec<u8>) -> Result<(), LinkError> {
+        let mut publishers = lock(&self.shared.publishers);
+        let publisher = match publishers.entry(topic) {
+            Entry::Occupied(entry) => entry.into_mut(),
+            Entry::Vacant(entry) => entry.insert(self.publisher(topic)?),
+        };
+        publisher.put(bytes).wait().map_err(transport)
+    }
+}
+
+impl Network for Link {
+    fn listen(&self, topic: Topic, heard: Heard) -> Result<(), LinkError> {
         let subscriber = self
             .shared
             .session
@@ -83,29 +88,6 @@ impl Link {
             .map_err(transport)?;
         lock(&self.shared.subscribers).push(subscriber);
         Ok(())
-    }
-
-    /// Leaves the link: what was sent is on its way when this returns.
-    ///
-    /// # Errors
-    /// When the transport says so.
-    pub fn close(&self) -> Result<(), LinkError> {
-        self.shared.session.close().wait().map_err(transport)
-    }
-}
-
-impl Outlet for Link {
-    /// Drops what the network cannot take, and never waits for it: older data are worth nothing once there
-    /// are newer ones.
-    fn send(&self, topic: Topic, bytes: Vec<u8>) -> Result<(), LinkError> {
-        let mut publishers = lock(&self.shared.publishers);
-        if !publishers.contains_key(&topic) {
-            publishers.insert(topic, self.publisher(topic)?);
-        }
-        match publishers.get(&topic) {
-            Some(publisher) => publisher.put(bytes).wait().map_err(transport),
-            None => Ok(()),
-        }
     }
 }
 
@@ -131,9 +113,24 @@ fn settings(config: &LinkConfig) -> Result<Config, LinkError> {
     // Only endpoints that were named are listened to or connected to, and those that they tell of.
     set("scouting/multicast/enabled", false.into())?;
     set("scouting/gossip/enabled", true.into())?;
-    // A cable that is cut shows at the latest then; that data are late shows much earlier.
-    set("transport/link/tx/lease", 2000.into())?;
-    set("transport/link/rx/max_message_size", (128 << 20).into())?;
+    // Of two programs that learn of each other, one connects, not both.
+    set(
+        "scouting/gossip/autoconnect_strategy",
+        serde_json::json!({"peer": {"to_peer": "greater-zid"}}),
+    )?;
+    // With the two places that are the default, half of what comes in a burst would be dropped.
+    for priority in ["real_time", "interactive_high", "data_high", "data"] {
+        set(
+            &format!("transport/link/tx/queue/size/{priority}"),
+            16.into(),
+        )?;
+    }
+    // A cable that is cut longer closes the link, so that no old data come in a burst afterwards.
+    set("transport/link/tx/lease", 1000.into())?;
+    let most = Topic::Picture(0).most_bytes();
+    set("transport/link/rx/max_message_size", most.into())?;
+    set("timestamping/enabled", false.into())?;
+    set("adminspace/enabled", false.into())?;
     if let Some([ca, certificate, key]) = config.certificate_files() {
         let path = |path: &std::path::Path| path.display().to_string();
         set("transport/link/tls/root_ca_certificate", path(&ca).into())?;
