@@ -49,7 +49,8 @@ impl Rejection {
     ];
 }
 
-/// How many messages were not taken, by reason. Shows as in `3 malformed, 1 late or twice`.
+/// How many messages were not taken, by reason. Shows as in `3 malformed, 1 late or twice`; messages of
+/// programs that had not said yet what they are do not count.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Rejections([u64; Rejection::ALL.len()]);
 
@@ -66,7 +67,7 @@ impl Rejections {
         self.0[rejection as usize]
     }
 
-    /// How many were rejected, but for those of programs that had not said yet what they are.
+    /// How many count.
     pub fn total(&self) -> u64 {
         self.0.iter().sum::<u64>() - self.of(Rejection::Unintroduced)
     }
@@ -75,10 +76,13 @@ impl Rejections {
 impl fmt::Display for Rejections {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut separator = "";
-        for (count, reason) in self.0.iter().zip(Rejection::ALL).filter(|(n, _)| **n > 0) {
-            write!(f, "{separator}{count} {reason}")?;
+        let counted = Rejection::ALL
+            .into_iter()
+            .filter(|rejection| *rejection != Rejection::Unintroduced && self.of(*rejection) > 0);
+        for rejection in counted {
+            write!(f, "{separator}{} {rejection}", self.of(rejection))?;
             separator = ", ";
         }
-        Ok(())
+        f.write_str(if self.total() == 0 { "nothing" } else { "" })
     }
 }

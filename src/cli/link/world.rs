@@ -88,9 +88,7 @@ pub fn world(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comm
         world.missed,
         inbox.stale_commands,
         inbox.watchdog_stops,
-        Some(inbox.rejected.to_string())
-            .filter(|r| !r.is_empty())
-            .unwrap_or("nothing".into()),
+        inbox.rejected,
     )?;
     Ok(Outcome::Done)
 }

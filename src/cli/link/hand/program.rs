@@ -6,6 +6,7 @@ use crate::config::Experiment;
 use crate::control::control_loop::ControlLoop;
 use crate::control::controller::{Controller, Resume};
 use crate::control::phase::Phase;
+use crate::control::stop_reason::StopReason;
 use crate::experiment::log::RunLog;
 use crate::experiment::{controller, fingers_at_home, layouts};
 use crate::hand::hand::{Hand, HandCommand};
@@ -28,7 +29,7 @@ use std::time::Duration;
 /// How long the hand waits for the answer of a world that waits for it, before it looks whether to stop.
 const PATIENCE: Duration = Duration::from_millis(200);
 
-/// Age at which data are stale in a world that waits for the hand, s: something hangs.
+/// How long a world that waits for the hand may take for its next step, s.
 const HANGS_AFTER: f64 = 5.0;
 
 /// Control steps between two reports of how it goes.
@@ -153,14 +154,14 @@ impl Program {
         state <= limit && fingers.all(|age| age <= limit)
     }
 
-    /// Age at which data are stale, s of the hand's own clock, and the control period; none where the world
-    /// waits for the hand.
+    /// Age at which data are stale, s of the hand's own clock, and the control period. Where the world waits
+    /// for the hand, data never are, and there is no period.
     fn limits(&self) -> (f64, Option<f64>) {
         let (inbox, now) = (self.inbox.lock(), (self.clock)());
         let speed = inbox.peers().taken("world", now).next();
         match speed.map_or(1.0, |world| world.heartbeat.speed) {
             speed if speed > 0.0 => (self.limit / speed, Some(self.period / speed)),
-            _ => (HANGS_AFTER, None),
+            _ => (f64::INFINITY, None),
         }
     }
 
@@ -178,7 +179,7 @@ impl Program {
                     return Ok(());
                 };
                 self.punctuality.record(&tick);
-            } else if !self.wait_in_step(limit, stop) {
+            } else if !self.wait_in_step(stop) {
                 return Ok(());
             }
             self.step(limit, log)?;
@@ -186,22 +187,24 @@ impl Program {
         Ok(())
     }
 
-    /// Waits for the world's next state and what all fingers felt then, or until that takes too long;
-    /// whether the program was not stopped meanwhile.
-    fn wait_in_step(&self, limit: f64, stop: &AtomicBool) -> bool {
+    /// Waits for the world's next state and what all fingers felt then. Where that takes too long, something
+    /// hangs, and the hand stops. Whether the program was not stopped meanwhile.
+    fn wait_in_step(&mut self, stop: &AtomicBool) -> bool {
         let answered = self.answered;
         let began = (self.clock)();
-        loop {
-            if stop.load(Ordering::Relaxed) {
-                return false;
+        while !stop.load(Ordering::Relaxed) {
+            if (self.inbox).wait_for(PATIENCE, |inbox| inbox.is_whole_after(answered)) {
+                return true;
             }
-            let whole = self
-                .inbox
-                .wait_for(PATIENCE, |inbox| inbox.is_whole_after(answered));
-            if whole || (self.clock)() - began > limit {
+            let age = (self.clock)() - began;
+            if age > HANGS_AFTER {
+                let limit = HANGS_AFTER;
+                let controller = self.control_loop.controller_mut();
+                controller.stop(StopReason::StaleState { age, limit });
                 return true;
             }
         }
+        false
     }
 
     /// One control step: whether data are fresh, decide, command, tell, record.
@@ -339,9 +342,11 @@ impl Program {
             self.steps
         )?;
         writeln!(out, "{}", self.punctuality.summary())?;
-        let refused = Some(inbox.rejected.to_string()).filter(|text| !text.is_empty());
-        let refused = refused.unwrap_or("nothing".into());
-        writeln!(out, "{lost} tactile updates lost; refused: {refused}")
+        writeln!(
+            out,
+            "{lost} tactile updates lost; refused: {}",
+            inbox.rejected
+        )
     }
 }
 
