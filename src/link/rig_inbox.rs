@@ -27,7 +27,7 @@ pub struct RigInbox {
     pub rejected: Rejections,
     /// Commands to move that were made from data older than the limit. They are not obeyed.
     pub stale_commands: u64,
-    /// How often the watchdog stopped the drives.
+    /// How often the watchdog stopped drives that moved.
     pub watchdog_stops: u64,
 }
 
@@ -146,7 +146,8 @@ impl RigInbox {
     pub fn drive(&mut self, now: f64, limit: f64) -> Option<&[DVec3]> {
         let command = self.command.as_mut()?;
         if now - command.heard > limit {
-            self.watchdog_stops += u64::from(!command.expired);
+            let moved = command.joint_velocity.iter().any(|v| *v != DVec3::ZERO);
+            self.watchdog_stops += u64::from(moved && !command.expired);
             command.expired = true;
         }
         (!command.expired).then_some(command.joint_velocity.as_slice())

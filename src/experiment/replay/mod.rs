@@ -4,6 +4,7 @@ mod compare;
 mod error;
 mod fields;
 mod outside;
+mod recorded_touch;
 
 pub use compare::{Comparison, Difference, Kind, Tally};
 pub use error::ReplayError;
@@ -13,10 +14,11 @@ use super::{ExperimentError, Sensor, controller, fingers_at_home, layouts};
 use crate::config::{ConfigError, Experiment};
 use crate::control::control_loop::ControlLoop;
 use crate::control::touch::AnalyzedSensor;
-use crate::record::{RecordedCamera, RecordedHand, RecordedSensor, Recorder, Recording, Tactile};
+use crate::record::{RecordedCamera, RecordedHand, Recorder, Recording, Tactile};
 use crate::sensor::optical::OpticalSensor;
 use compare::Comparer;
 use outside::Outside;
+use recorded_touch::RecordedTouch;
 use std::iter::Peekable;
 use std::path::Path;
 use std::vec::IntoIter;
@@ -173,10 +175,7 @@ fn check_rig(recording: &Recording, experiment: &Experiment) -> Result<(), Repla
 /// One sensor per finger that feels what is on record.
 fn recorded_forces(recording: &Recording, experiment: &Experiment) -> Vec<Sensor> {
     let thresholds = experiment.config.control.thresholds();
-    let sensor = |finger| {
-        let sensor = RecordedSensor::new(recording, finger);
-        Box::new(AnalyzedSensor::new(sensor, thresholds)) as Sensor
-    };
+    let sensor = |finger| Box::new(RecordedTouch::new(recording, finger, thresholds)) as Sensor;
     (0..recording.fingers.len()).map(sensor).collect()
 }
 

@@ -32,6 +32,9 @@ const PATIENCE: Duration = Duration::from_millis(200);
 /// How long a world that waits for the hand may take for its next step, s.
 const HANGS_AFTER: f64 = 5.0;
 
+/// Time between two modes that say the same, s: at the usual 100 Hz, every step says its own.
+const MODE_INTERVAL: f64 = 0.009;
+
 /// Control steps between two reports of how it goes.
 const REPORT_STEPS: u64 = 25;
 
@@ -57,6 +60,8 @@ pub struct Program {
     began: f64,
     steps: u64,
     fault: String,
+    /// The mode that was told last, and when, s.
+    told: (HandMode, f64),
 }
 
 impl Program {
@@ -102,6 +107,7 @@ impl Program {
             began: 0.0,
             steps: 0,
             fault: String::new(),
+            told: (HandMode::default(), f64::NEG_INFINITY),
         })
     }
 
@@ -224,7 +230,7 @@ impl Program {
             self.instance,
             stamp,
         );
-        send(&*self.network, Topic::Mode, &mode)?;
+        self.tell_mode(&mode)?;
         let is_new = before != self.answered;
         self.answered = before;
         if !was_stopped && !mode.stopped.is_empty() {
@@ -238,6 +244,19 @@ impl Program {
         if self.steps.is_multiple_of(REPORT_STEPS) {
             self.report(&mode);
         }
+        Ok(())
+    }
+
+    /// Tells the others what the hand is about: at once what is new, else no more often than they need it.
+    fn tell_mode(&mut self, mode: &HandMode) -> Result<(), CommandError> {
+        let now = (self.clock)();
+        let (told, at) = &self.told;
+        let about = |mode: &HandMode| (mode.phase, mode.stroke, mode.stopped.is_empty());
+        if about(told) == about(mode) && now - at < MODE_INTERVAL {
+            return Ok(());
+        }
+        send(&*self.network, Topic::Mode, mode)?;
+        self.told = (mode.clone(), now);
         Ok(())
     }
 
