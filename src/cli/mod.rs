@@ -78,6 +78,8 @@ enum Command {
     Resume(link::orders::Arguments),
     /// Make the certificates that computers of a lab know each other by.
     Certificates(link::certificates::Arguments),
+    /// Measure this computer.
+    Bench(link::bench::Arguments),
     /// Sense forces: pictures, a camera or a recorded run in; a table of each element's force out.
     Sense(sense::Arguments),
 }
@@ -118,6 +120,7 @@ fn run_command(command: Command, out: &mut dyn Write) -> Result<Outcome, Command
         Command::Replay(arguments) => replay::replay(&arguments, out),
         Command::Calibrate(arguments) => calibrate::calibrate(&arguments, out),
         Command::Locate(arguments) => locate::locate(&arguments, out),
+        Command::Bench(arguments) => link::bench::bench(&arguments, out),
         Command::World(arguments) => link::world::world(&arguments, out),
         Command::Hand(arguments) => link::hand::hand(&arguments, out),
         Command::Stop(arguments) => link::orders::order(&arguments, Order::Stop, out),

@@ -1,6 +1,6 @@
 //! `feeler hand`
 
-mod program;
+pub mod program;
 
 use super::{ExperimentArguments, LinkArguments};
 use crate::cli::interrupt::watch_for_interrupt;

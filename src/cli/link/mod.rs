@@ -1,5 +1,6 @@
 //! Programs of one rig: what their command lines have in common.
 
+pub mod bench;
 pub mod certificates;
 pub mod hand;
 pub mod orders;
@@ -44,6 +45,22 @@ pub struct LinkArguments {
 }
 
 impl LinkArguments {
+    /// Of a program that listens at `endpoint` alone.
+    fn at(endpoint: &str) -> Self {
+        Self {
+            listen: vec![endpoint.into()],
+            ..Self::default()
+        }
+    }
+
+    /// Of a program that connects to `endpoint` alone.
+    fn connecting_to(endpoint: &str) -> Self {
+        Self {
+            connect: vec![endpoint.into()],
+            ..Self::default()
+        }
+    }
+
     /// The network of the rig `name`. The hand waits for the others to connect.
     pub fn open(&self, name: &str, is_hand: bool) -> Result<Arc<dyn Network>, CommandError> {
         let or = |given: &[String], default: Option<&str>| match given {

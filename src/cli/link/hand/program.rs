@@ -195,7 +195,7 @@ impl Program {
 
     /// Waits for the world's next state and what all fingers felt then. Where that takes too long, something
     /// hangs, and the hand stops. Whether the program was not stopped meanwhile.
-    fn wait_in_step(&mut self, stop: &AtomicBool) -> bool {
+    pub fn wait_in_step(&mut self, stop: &AtomicBool) -> bool {
         let answered = self.answered;
         let began = (self.clock)();
         while !stop.load(Ordering::Relaxed) {
@@ -245,6 +245,20 @@ impl Program {
             self.report(&mode);
         }
         Ok(())
+    }
+
+    /// Goes round the control loop once, without a look at how fresh data are; the stamp of the oldest forces, s.
+    ///
+    /// # Errors
+    /// When the link fails.
+    pub fn answer(&mut self) -> Result<f64, CommandError> {
+        let (state, _) = self.newest_state();
+        self.control_loop.step()?;
+        self.answered = state;
+        let touches = self.control_loop.touches().iter();
+        Ok(touches
+            .map(|touch| touch.stamp)
+            .fold(f64::INFINITY, f64::min))
     }
 
     /// Tells the others what the hand is about: at once what is new, else no more often than they need it.
