@@ -162,10 +162,15 @@ impl Controller {
         }
     }
 
-    /// Stops all fingers at once, until told to [`resume`](Self::resume). The first reason is kept.
+    /// Stops all fingers at once, until told to [`resume`](Self::resume). The first reason is kept; but
+    /// stale data may become fresh by themselves, and that must not undo what somebody said meanwhile.
     pub fn stop(&mut self, reason: StopReason) {
         self.task.stop();
-        self.stop_reason.get_or_insert(reason);
+        let told = matches!(reason, StopReason::Told { .. });
+        match &self.stop_reason {
+            Some(first) if !(told && first.is_stale()) => {}
+            _ => self.stop_reason = Some(reason),
+        }
         for finger in &mut self.fingers {
             finger.velocity = DVec3::ZERO;
             finger.admitted = Admitted::default();

@@ -129,9 +129,10 @@ impl HandInbox {
         inbox.check(finger, &update)?;
         (self.peers).check(header.instance, "sense", update.finger)?;
         let before = inbox.newest.as_ref().map(|newest| newest.header);
-        inbox.lost += follow(before, header)?;
-        let earliest = earliest(&self.sent, header, now)?;
-        inbox.earliest = inbox.earliest.max(earliest);
+        let before = (before, inbox.earliest);
+        let (lost, earliest) = follow(before, header, &self.sent, now)?;
+        inbox.lost = inbox.lost.saturating_add(lost);
+        inbox.earliest = earliest;
         let flags = flags(&update);
         inbox.flags = Some(inbox.flags.map_or(flags, |before| before.then(flags)));
         inbox.newest = Some(update);
@@ -142,18 +143,32 @@ impl HandInbox {
         let header = state.header;
         check_protocol(header.protocol)?;
         let fingers = self.fingers.len();
-        if state.position.len() != fingers || state.velocity.len() != fingers {
+        let joints = [state.position.len(), state.velocity.len()];
+        if joints != [fingers; 2] || state.instruments.len() > 1 {
             return Err(Rejection::Size);
         }
-        let instruments = state.instruments.iter();
-        let measured = instruments.map(|i| i.torque + i.cap_angle + i.cap_torque);
+        let measured = state.instruments.iter().flat_map(|i| {
+            let centre = sum(&i.cap_centre);
+            [
+                i.torque,
+                i.bridge_voltage,
+                i.cap_angle,
+                centre,
+                i.cap_torque,
+            ]
+        });
         let joints = state.position.iter().chain(&state.velocity).map(sum);
-        check_finite(joints.chain(measured).chain([header.stamp]))?;
+        check_finite(
+            joints
+                .chain(measured)
+                .chain([header.stamp, header.echo_age]),
+        )?;
         self.peers.check(header.instance, "world", NO_FINGER)?;
         let before = self.state.newest.as_ref().map(|newest| newest.header);
-        self.state.lost += follow(before, header)?;
-        let earliest = earliest(&self.sent, header, now)?;
-        self.state.earliest = self.state.earliest.max(earliest);
+        let before = (before, self.state.earliest);
+        let (lost, earliest) = follow(before, header, &self.sent, now)?;
+        self.state.lost = self.state.lost.saturating_add(lost);
+        self.state.earliest = earliest;
         self.state.newest = Some(state);
         Ok(())
     }
@@ -249,7 +264,8 @@ impl FingerInbox {
         }
         let forces = update.forces.iter().map(sum);
         let numbers = forces.chain(update.shear_rate.iter().copied());
-        check_finite(numbers.chain([update.header.stamp, update.grasp_force]))
+        let header = update.header;
+        check_finite(numbers.chain([header.stamp, header.echo_age, update.grasp_force]))
     }
 }
 
@@ -279,12 +295,23 @@ pub(super) fn check_protocol(protocol: u32) -> Result<(), Rejection> {
     same.then_some(()).ok_or(Rejection::Protocol)
 }
 
-/// How many messages are missing between that of the header `before` and that of `header`.
-fn follow(before: Option<Header>, header: Header) -> Result<u64, Rejection> {
+/// How many messages are missing between that of the header `before` and that of `header`, and the
+/// earliest time of what the latter tells. A program tells nothing older than it told before; what another
+/// told says nothing of its data.
+fn follow(
+    (before, earliest_before): (Option<Header>, f64),
+    header: Header,
+    sent: &SentSteps,
+    now: f64,
+) -> Result<(u64, f64), Rejection> {
+    let earliest = earliest(sent, header, now)?;
     match before.filter(|before| before.instance == header.instance) {
         Some(before) if header.sequence <= before.sequence => Err(Rejection::Old),
-        Some(before) => Ok(header.sequence - before.sequence - 1),
-        None => Ok(0),
+        Some(before) => {
+            let lost = header.sequence - before.sequence - 1;
+            Ok((lost, earliest.max(earliest_before)))
+        }
+        None => Ok((0, earliest)),
     }
 }
 

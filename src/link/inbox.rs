@@ -38,10 +38,11 @@ pub fn listen<I: Inbox + Send + 'static>(
         let heard = move |topic, bytes: &[u8]| {
             let is_new = {
                 let mut inbox = inbox.lock();
-                let known = inbox.peers().all().len();
+                let last = |inbox: &I| Some(inbox.peers().all().last()?.heartbeat.instance);
+                let known = last(&inbox);
                 // What is refused is counted there.
                 let _ = inbox.take(topic, bytes, clock());
-                inbox.peers().all().len() > known
+                last(&inbox) != known
             };
             inbox.changed();
             if is_new {

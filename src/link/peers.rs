@@ -8,7 +8,10 @@ use crate::wire::cdr;
 pub const SILENT_AFTER: f64 = 1.0;
 
 /// Programs that are remembered at most; a guard against a flood.
-const MOST_PEERS: usize = 64;
+pub const MOST_PEERS: usize = 64;
+
+/// The programs that do something for the rig. Others only look or give orders.
+const WORKING: [&str; 3] = ["sense", "hand", "world"];
 
 /// What a program must agree in with this one.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -95,6 +98,16 @@ impl Peer {
     pub fn is_silent(&self, now: f64) -> bool {
         now - self.heard > SILENT_AFTER
     }
+
+    /// How much would be lost with it: 0 nothing, as it has gone, to 3.
+    fn worth(&self, now: f64) -> u8 {
+        match () {
+            () if self.is_silent(now) => 0,
+            () if self.refused.is_some() => 1,
+            () if !works(&self.heartbeat) => 2,
+            () => 3,
+        }
+    }
 }
 
 /// The other programs, as their heartbeats tell.
@@ -113,7 +126,7 @@ impl Peers {
         }
     }
 
-    /// All of them, gone or not.
+    /// All of them, gone or not; that which came last is the last.
     pub fn all(&self) -> &[Peer] {
         &self.peers
     }
@@ -146,23 +159,24 @@ impl Peers {
         let heartbeat = read(bytes)?;
         let known = |peer: &Peer| peer.heartbeat.instance == heartbeat.instance;
         if let Some(peer) = self.peers.iter_mut().find(|peer| known(peer)) {
-            if heartbeat.sequence <= peer.heartbeat.sequence {
-                return Err(Rejection::Old);
-            }
             // What it is does not change, whatever the bytes say.
-            if name(&heartbeat) != name(&peer.heartbeat) {
+            if identity(&heartbeat) != identity(&peer.heartbeat) {
                 return Err(Rejection::Stranger);
+            }
+            // Where the number stands in another version is not known.
+            let numbered = heartbeat.protocol == PROTOCOL;
+            if numbered && heartbeat.sequence <= peer.heartbeat.sequence {
+                return Err(Rejection::Old);
             }
             (peer.heartbeat, peer.heard) = (heartbeat, now);
             self.judge_again(now);
             return Ok(None);
         }
-        self.peers
-            .retain(|peer| !peer.is_silent(now) || peer.refused.is_none());
-        if self.peers.len() >= MOST_PEERS {
-            return Err(Rejection::Stranger);
-        }
+        self.make_room(now)?;
         let refused = self.mismatch(&heartbeat, now);
+        if refused.is_none() {
+            self.forget_predecessor(&heartbeat);
+        }
         self.peers.push(Peer {
             heartbeat,
             heard: now,
@@ -171,14 +185,54 @@ impl Peers {
         Ok(self.peers.last())
     }
 
+    /// Forgets refused programs that have gone and, where there are still too many, one more; none that is
+    /// there, is taken and works.
+    fn make_room(&mut self, now: f64) -> Result<(), Rejection> {
+        self.peers
+            .retain(|peer| !peer.is_silent(now) || peer.refused.is_none());
+        if self.peers.len() < MOST_PEERS {
+            return Ok(());
+        }
+        let worth = |peer: &Peer| (peer.worth(now), peer.heard);
+        let least = self.peers.iter().enumerate().min_by(|(_, a), (_, b)| {
+            let ((a, a_heard), (b, b_heard)) = (worth(a), worth(b));
+            a.cmp(&b).then(a_heard.total_cmp(&b_heard))
+        });
+        match least {
+            Some((index, peer)) if peer.worth(now) < 3 => {
+                self.peers.remove(index);
+                Ok(())
+            }
+            _ => Err(Rejection::Stranger),
+        }
+    }
+
     /// A place that was taken may have become free.
     fn judge_again(&mut self, now: f64) {
-        for index in 0..self.peers.len() {
-            let waits = matches!(self.peers[index].refused, Some(Mismatch::Taken { .. }));
-            if waits && !self.peers[index].is_silent(now) {
-                self.peers[index].refused = self.mismatch(&self.peers[index].heartbeat, now);
+        let waits = |peer: &Peer| {
+            matches!(peer.refused, Some(Mismatch::Taken { .. })) && !peer.is_silent(now)
+        };
+        let waiting = self.peers.iter().filter(|peer| waits(peer));
+        let waiting: Vec<Heartbeat> = waiting.map(|peer| peer.heartbeat.clone()).collect();
+        for heartbeat in waiting {
+            if self.mismatch(&heartbeat, now).is_none() {
+                self.forget_predecessor(&heartbeat);
+                let now_taken = |peer: &&mut Peer| peer.heartbeat.instance == heartbeat.instance;
+                if let Some(peer) = self.peers.iter_mut().find(now_taken) {
+                    peer.refused = None;
+                }
             }
         }
+    }
+
+    /// Forgets a silent program whose place another takes. Should it speak again, it is a second one.
+    fn forget_predecessor(&mut self, successor: &Heartbeat) {
+        self.peers.retain(|peer| {
+            peer.heartbeat.instance == successor.instance
+                || peer.refused.is_some()
+                || !works(successor)
+                || place(&peer.heartbeat) != place(successor)
+        });
     }
 
     fn mismatch(&self, heartbeat: &Heartbeat, now: f64) -> Option<Mismatch> {
@@ -190,9 +244,8 @@ impl Peers {
                 theirs: heartbeat.protocol,
             });
         }
-        let works = ["sense", "hand", "world"].contains(&heartbeat.program.as_str());
         let ours = &self.expected.experiment;
-        if works && heartbeat.experiment != *ours {
+        if works(heartbeat) && heartbeat.experiment != *ours {
             return Some(Mismatch::Experiment {
                 program,
                 theirs: short(&heartbeat.experiment),
@@ -200,35 +253,45 @@ impl Peers {
             });
         }
         let finger = usize::try_from(heartbeat.finger).unwrap_or(usize::MAX);
-        let ours = self.expected.fingertips.get(finger).map_or("", |f| f);
-        if heartbeat.program == "sense" && heartbeat.fingertip != ours {
+        let ours = self.expected.fingertips.get(finger);
+        if heartbeat.program == "sense" && ours != Some(&heartbeat.fingertip) {
             return Some(Mismatch::Fingertip {
                 program,
                 theirs: short(&heartbeat.fingertip),
-                ours: short(ours),
+                ours: short(ours.map_or("", |f| f)),
             });
         }
         let same = |peer: &&Peer| {
             peer.refused.is_none()
                 && peer.heartbeat.instance != heartbeat.instance
                 && !peer.is_silent(now)
-                && peer.name() == program
+                && place(&peer.heartbeat) == place(heartbeat)
         };
-        let taken = works && self.peers.iter().any(|peer| same(&peer));
+        let taken = works(heartbeat) && self.peers.iter().any(|peer| same(&peer));
         taken.then_some(Mismatch::Taken { program })
     }
 }
 
 /// Reads a heartbeat; of one of another version, what stands first in all of them.
 fn read(bytes: &[u8]) -> Result<Heartbeat, Rejection> {
+    if !bytes.starts_with(&cdr::ENCAPSULATION) {
+        return Err(Rejection::Malformed);
+    }
     let field = |at: usize, length: usize| bytes.get(at..at + length);
     let protocol = field(4, 4).and_then(|b| Some(u32::from_le_bytes(b.try_into().ok()?)));
     let protocol = protocol.ok_or(Rejection::Malformed)?;
     if protocol == PROTOCOL {
         let heartbeat: Heartbeat = cdr::decode(bytes).map_err(|_| Rejection::Malformed)?;
         let finite = [heartbeat.rate, heartbeat.speed];
-        let sound = finite.iter().all(|n| n.is_finite());
-        return sound.then_some(heartbeat).ok_or(Rejection::NotFinite);
+        if !finite.iter().all(|n| n.is_finite()) {
+            return Err(Rejection::NotFinite);
+        }
+        // Hand and world are there once, not once for each finger.
+        let is_whole = ["hand", "world"].contains(&heartbeat.program.as_str());
+        if is_whole && heartbeat.finger != NO_FINGER {
+            return Err(Rejection::Size);
+        }
+        return Ok(heartbeat);
     }
     let instance = field(12, 8).and_then(|b| Some(u64::from_le_bytes(b.try_into().ok()?)));
     Ok(Heartbeat {
@@ -240,6 +303,26 @@ fn read(bytes: &[u8]) -> Result<Heartbeat, Rejection> {
         sequence: 1,
         ..Heartbeat::default()
     })
+}
+
+fn works(heartbeat: &Heartbeat) -> bool {
+    WORKING.contains(&heartbeat.program.as_str())
+}
+
+/// What only one program can be.
+fn place(heartbeat: &Heartbeat) -> (&str, u32) {
+    (&heartbeat.program, heartbeat.finger)
+}
+
+/// What a program was taken or refused for.
+fn identity(heartbeat: &Heartbeat) -> impl PartialEq {
+    let Heartbeat {
+        protocol,
+        experiment,
+        fingertip,
+        ..
+    } = heartbeat;
+    (place(heartbeat), *protocol, experiment, fingertip)
 }
 
 fn name(heartbeat: &Heartbeat) -> String {

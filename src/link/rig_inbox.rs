@@ -85,6 +85,7 @@ impl RigInbox {
 
     fn take_command(&mut self, command: HandCommand, now: f64) -> Result<(), Rejection> {
         let header = command.header;
+        check_protocol(header.protocol)?;
         if command.joint_velocity.len() != self.fingers {
             return Err(Rejection::Size);
         }

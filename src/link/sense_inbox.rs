@@ -123,6 +123,7 @@ impl SenseInbox {
     }
 
     fn take_picture(&mut self, picture: Picture) -> Result<(), Rejection> {
+        check_protocol(picture.header.protocol)?;
         let (width, height) = self.size;
         let size = (picture.width as usize, picture.height as usize);
         if size != self.size || picture.pixels.len() != width * height {
@@ -134,6 +135,7 @@ impl SenseInbox {
     }
 
     fn take_forces(&mut self, forces: DirectForces) -> Result<(), Rejection> {
+        check_protocol(forces.header.protocol)?;
         if forces.forces.len() != self.elements {
             return Err(Rejection::Size);
         }
@@ -148,7 +150,6 @@ impl SenseInbox {
 
     /// Makes room for what comes with `header`.
     fn queue(&mut self, header: Header, finger: u32) -> Result<(), Rejection> {
-        check_protocol(header.protocol)?;
         if finger != self.finger {
             return Err(Rejection::Size);
         }
@@ -162,13 +163,16 @@ impl SenseInbox {
         match same {
             // The same again: the rig waits for an answer that may have been lost.
             Some(newest) if header.sequence < newest.sequence => return Err(Rejection::Old),
-            Some(newest) => self.lost += (header.sequence - newest.sequence).saturating_sub(1),
+            Some(newest) => {
+                let missing = (header.sequence - newest.sequence).saturating_sub(1);
+                self.lost = self.lost.saturating_add(missing);
+            }
             None => {}
         }
         self.newest = Some(header);
         if self.waiting.len() == MOST_WAITING {
             self.waiting.pop_front();
-            self.lost += 1;
+            self.lost = self.lost.saturating_add(1);
         }
         Ok(())
     }

@@ -24,8 +24,8 @@ pub enum WireError {
     },
 }
 
-/// Plain CDR, little endian, no options.
-const ENCAPSULATION: [u8; 4] = [0, 1, 0, 0];
+/// Plain CDR, little endian, no options: how every message begins.
+pub const ENCAPSULATION: [u8; 4] = [0, 1, 0, 0];
 
 /// Writes `message` behind what `buffer` holds.
 ///
