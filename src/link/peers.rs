@@ -91,6 +91,11 @@ impl Peer {
         name(&self.heartbeat)
     }
 
+    /// Whether it is part of a rig, and not there only to give an order.
+    pub fn works(&self) -> bool {
+        works(&self.heartbeat)
+    }
+
     /// Whether it has gone by `now`, s.
     pub fn is_silent(&self, now: f64) -> bool {
         now - self.heard > SILENT_AFTER
@@ -157,8 +162,9 @@ impl Peers {
             self.judge_again(now);
             return Ok(None);
         }
+        // Who only gave an order is not waited for.
         self.peers
-            .retain(|peer| !peer.is_silent(now) || peer.refused.is_none());
+            .retain(|peer| !peer.is_silent(now) || (peer.refused.is_none() && peer.works()));
         if self.peers.len() >= MOST_PEERS {
             return Err(Rejection::Stranger);
         }
@@ -168,6 +174,7 @@ impl Peers {
             heard: now,
             refused,
         });
+        self.replace_silent(self.peers.len() - 1, now);
         Ok(self.peers.last())
     }
 
@@ -179,6 +186,22 @@ impl Peers {
                 self.peers[index].refused = self.mismatch(&self.peers[index].heartbeat, now);
             }
         }
+        for index in (0..self.peers.len()).rev() {
+            self.replace_silent(index.min(self.peers.len() - 1), now);
+        }
+    }
+
+    /// Where a program has taken the place of a silent one, that is forgotten: should it come back, it finds
+    /// its place taken.
+    fn replace_silent(&mut self, index: usize, now: f64) {
+        let newer = &self.peers[index];
+        if newer.refused.is_some() || !newer.works() || newer.is_silent(now) {
+            return;
+        }
+        let (name, instance) = (newer.name(), newer.heartbeat.instance);
+        self.peers.retain(|peer| {
+            peer.heartbeat.instance == instance || !peer.is_silent(now) || peer.name() != name
+        });
     }
 
     fn mismatch(&self, heartbeat: &Heartbeat, now: f64) -> Option<Mismatch> {
@@ -190,7 +213,7 @@ impl Peers {
                 theirs: heartbeat.protocol,
             });
         }
-        let works = ["sense", "hand", "world"].contains(&heartbeat.program.as_str());
+        let works = works(heartbeat);
         let ours = &self.expected.experiment;
         if works && heartbeat.experiment != *ours {
             return Some(Mismatch::Experiment {
@@ -240,6 +263,10 @@ fn read(bytes: &[u8]) -> Result<Heartbeat, Rejection> {
         sequence: 1,
         ..Heartbeat::default()
     })
+}
+
+fn works(heartbeat: &Heartbeat) -> bool {
+    ["sense", "hand", "world"].contains(&heartbeat.program.as_str())
 }
 
 fn name(heartbeat: &Heartbeat) -> String {
