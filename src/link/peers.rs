@@ -94,6 +94,11 @@ impl Peer {
         name(&self.heartbeat)
     }
 
+    /// Whether it is part of a rig, and not there only to give an order.
+    pub fn works(&self) -> bool {
+        works(&self.heartbeat)
+    }
+
     /// Whether it has gone by `now`, s.
     pub fn is_silent(&self, now: f64) -> bool {
         now - self.heard > SILENT_AFTER
@@ -185,11 +190,11 @@ impl Peers {
         Ok(self.peers.last())
     }
 
-    /// Forgets refused programs that have gone and, where there are still too many, one more; none that is
+    /// Forgets programs that have gone and were refused or only gave an order, and, where there are still too many, one more; none that is
     /// there, is taken and works.
     fn make_room(&mut self, now: f64) -> Result<(), Rejection> {
         self.peers
-            .retain(|peer| !peer.is_silent(now) || peer.refused.is_none());
+            .retain(|peer| !peer.is_silent(now) || (peer.refused.is_none() && peer.works()));
         if self.peers.len() < MOST_PEERS {
             return Ok(());
         }

@@ -140,9 +140,16 @@ pub struct Refusals(HashSet<u64>);
 impl Refusals {
     /// Those of `peers` that are refused and have not been said.
     pub fn new_ones(&mut self, peers: &Peers) -> Vec<Mismatch> {
+        let refused = self.new_peers(peers).into_iter();
+        refused.map(|(_, mismatch)| mismatch).collect()
+    }
+
+    /// The same, each with what program it is.
+    pub fn new_peers(&mut self, peers: &Peers) -> Vec<(String, Mismatch)> {
         let refused = peers.all().iter().filter_map(|peer| {
             let mismatch = peer.refused.clone()?;
-            self.0.insert(peer.heartbeat.instance).then_some(mismatch)
+            let is_new = self.0.insert(peer.heartbeat.instance);
+            is_new.then(|| (peer.heartbeat.program.clone(), mismatch))
         });
         refused.collect()
     }

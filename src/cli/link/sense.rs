@@ -276,9 +276,14 @@ impl<'a> Program<'a> {
 
     /// Ends where a hand does not agree with this program: what is sensed would be refused.
     fn complain(&mut self) -> Result<(), CommandError> {
-        let mismatches = self.refusals.new_ones(self.inbox.lock().peers());
-        for mismatch in mismatches {
-            if mismatch.is_final() {
+        let (refused, has_hand) = {
+            let (inbox, now) = (self.inbox.lock(), (self.clock)());
+            let refused = self.refusals.new_peers(inbox.peers());
+            let has_hand = inbox.peers().taken("hand", now).next().is_some();
+            (refused, has_hand)
+        };
+        for (program, mismatch) in refused {
+            if program == "hand" && !has_hand && mismatch.is_final() {
                 return Err(mismatch.into());
             }
             self.tally.warn(&format!("refused: {mismatch}"));

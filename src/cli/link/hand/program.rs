@@ -16,6 +16,7 @@ use crate::link::inbox::{Inbox, listen};
 use crate::link::message::{HandMode, Heartbeat, Instruments, NO_FINGER};
 use crate::link::network::Network;
 use crate::link::outlet::{Clock, draw_instance, monotonic, send};
+use crate::link::peers::Mismatch;
 use crate::link::remote::{RemoteFinger, RemoteHand, mode_of, waiting_mode};
 use crate::link::shared::Shared;
 use crate::link::topic::Topic;
@@ -48,6 +49,8 @@ pub struct Program {
     control_loop: ControlLoop<RemoteFinger, RemoteHand>,
     punctuality: Punctuality,
     refusals: Refusals,
+    /// Whether another hand was there at the last report.
+    has_rival: bool,
     /// The control period, s of the rig's time.
     period: f64,
     /// Age at which data are stale, s of the rig's time.
@@ -99,6 +102,7 @@ impl Program {
             instance,
             punctuality: Punctuality::new()?,
             refusals: Refusals::default(),
+            has_rival: false,
             period: config.control.period,
             limit: config.control.stale_periods * config.control.period,
             time_limit: config.time_limit,
@@ -143,6 +147,9 @@ impl Program {
             if let Some(mismatch) = mismatches.into_iter().next() {
                 return Err(mismatch.into());
             }
+            if let Some(mismatch) = self.other_hand() {
+                return Err(mismatch.into());
+            }
             let mode = waiting_mode(&mut self.inbox.lock(), &self.clock, self.instance);
             send(&*self.network, Topic::Mode, &mode)?;
             if self.missing().is_empty() && self.is_fresh() {
@@ -151,6 +158,14 @@ impl Program {
             std::thread::sleep(Duration::from_secs_f64(self.period.min(0.01)));
         }
         Ok(false)
+    }
+
+    /// A rig has one hand.
+    fn other_hand(&self) -> Option<Mismatch> {
+        let (inbox, now) = (self.inbox.lock(), (self.clock)());
+        let other = inbox.peers().taken("hand", now).next()?;
+        let program = other.name();
+        Some(Mismatch::Taken { program })
     }
 
     fn is_fresh(&self) -> bool {
@@ -346,6 +361,11 @@ impl Program {
         for mismatch in mismatches {
             self.say(&format!("refused: {mismatch}"));
         }
+        match self.other_hand() {
+            Some(mismatch) if !self.has_rival => self.say(&format!("refused: {mismatch}")),
+            _ => {}
+        }
+        self.has_rival = self.other_hand().is_some();
         let inbox = self.inbox.lock();
         let (state, fingers) = inbox.ages((self.clock)());
         let age = fingers.fold(state, f64::max);
