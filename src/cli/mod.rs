@@ -14,6 +14,7 @@ mod replay;
 mod report;
 mod run;
 mod run_folder;
+mod schema;
 mod sense;
 mod sensor_geometry;
 mod sweep;
@@ -80,6 +81,8 @@ enum Command {
     Certificates(link::certificates::Arguments),
     /// Measure this computer.
     Bench(link::bench::Arguments),
+    /// Print the ROS 2 message text of what is recorded and what the programs of a rig say.
+    Schema(schema::Arguments),
     /// Sense forces: pictures, a camera or a recorded run in; a table of each element's force out.
     Sense(sense::Arguments),
 }
@@ -126,6 +129,7 @@ fn run_command(command: Command, out: &mut dyn Write) -> Result<Outcome, Command
         Command::Stop(arguments) => link::orders::order(&arguments, Order::Stop, out),
         Command::Resume(arguments) => link::orders::order(&arguments, Order::Resume, out),
         Command::Certificates(arguments) => link::certificates::certificates(&arguments, out),
+        Command::Schema(arguments) => schema::schema(&arguments, out),
         Command::Sense(arguments) => sense::sense(&arguments),
     }
 }
