@@ -1,37 +1,50 @@
-//! `feeler stop` and `feeler resume`.
+//! Orders from anywhere, and who may give them.
 
-use crate::faults::{DIRECT, waits};
-use crate::rig::Rig;
+use super::program::{folder, run};
+use super::rig::{Rig, Running, reasons};
 
 #[test]
-fn a_hand_stops_and_goes_on_as_it_is_told_and_closes_the_cap() {
-    let rig = Rig::new("orders", "1").with(&[DIRECT, "--set=control.stale_periods=10"]);
-    let others = rig.others(&[]);
-    let hand = rig.hand(&[]);
-    rig.wait_for_record(300_000);
-    let from = ["--from", "the one at the bench"];
-    assert_eq!(rig.order("stop", &from).status, Some(0));
-    let reason = "told to stop by the one at the bench";
-    let said = hand.wait_to_warn(reason, 0);
-    waits(&hand, said);
-    rig.resume(&hand, said);
-    let ended = hand.end();
-    others.interrupt();
-    assert_eq!(ended.status, Some(0), "{ended:?}");
-    let recorded = rig.recorded();
-    let stops = recorded.stops();
-    assert!(stops.iter().any(|stop| stop.reason == reason), "{stops:?}");
-    let alone = rig.in_one_program();
-    let turned = |recorded: &crate::promises::Recorded| recorded.summary["cap_angle"].as_f64();
-    let (here, alone) = (turned(&recorded), turned(&alone));
-    // The cap's last thread is as tight however it came there.
-    let difference = (here.unwrap() - alone.unwrap()).abs();
-    assert!(difference < 0.1, "{here:?} and {alone:?} rad");
+fn a_hand_stops_when_told_to_and_goes_on_when_told_to() {
+    let settings = ["--sensing=direct", "--set=time_limit=600"];
+    let rig = Rig::start(folder("link-orders"), "1", &settings);
+    let mut hand = rig.hand(&[]);
+    std::thread::sleep(std::time::Duration::from_secs(2));
+    rig.order("stop").done();
+    hand.wait_for("stopped: told to stop by the test");
+    rig.order("resume").done();
+    hand.wait_for("going on");
+    hand.signal("INT");
+    let (status, said) = hand.ended();
+    assert_eq!(status, Some(1), "{said}");
+    let reasons = reasons(&rig.recording());
+    assert!(
+        reasons.contains(&"told to stop by the test".to_string()),
+        "{reasons:?}"
+    );
 }
 
 #[test]
-fn an_order_to_no_hand_is_refused() {
-    let rig = Rig::new("no-hand", "1");
-    rig.order("stop", &[])
-        .refused(&["no hand of rig", "cap-closing"]);
+fn only_who_has_a_certificate_of_the_lab_takes_part() {
+    let folder = folder("link-certificates");
+    run(&folder, &["certificates", "lab", "127.0.0.1"]).done();
+    run(&folder, &["certificates", "elsewhere", "127.0.0.1"]).done();
+    run(&folder, &["certificates", "lab", "127.0.0.1"]).refused(&["there already"]);
+    let port = std::net::TcpListener::bind("127.0.0.1:0").expect("a port");
+    let endpoint = format!("tls/{}", port.local_addr().expect("its address"));
+    drop(port);
+    let hand = [
+        "hand",
+        "cap-closing",
+        "--sensing=direct",
+        "--certificates=lab/127.0.0.1",
+    ];
+    let hand = [&hand[..], &["--listen", &endpoint]].concat();
+    let mut hand = Running::start(&folder, "hand", &hand);
+    hand.wait_for("waiting for");
+    let stop = ["stop", "cap-closing", "--connect", &endpoint];
+    run(&folder, &stop).refused(&["--certificates"]);
+    let stranger = [&stop[..], &["--certificates=elsewhere/127.0.0.1"]].concat();
+    run(&folder, &stranger).refused(&["no hand of rig"]);
+    let friend = [&stop[..], &["--certificates=lab/127.0.0.1"]].concat();
+    run(&folder, &friend).done();
 }
