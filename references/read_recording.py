@@ -17,7 +17,7 @@ def plain(value):
     """A decoded message as numbers, texts, lists and dicts."""
     if hasattr(value, "__slots__"):
         return {name: plain(getattr(value, name)) for name in value.__slots__}
-    if isinstance(value, (list, tuple)):
+    if isinstance(value, (list, tuple, bytes, bytearray, memoryview)):
         return [plain(item) for item in value]
     return value
 

@@ -31,6 +31,8 @@ pub mod config;
 pub mod control;
 pub mod experiment;
 pub mod hand;
+pub mod link;
+pub mod pace;
 pub mod record;
 pub mod report;
 pub mod sensor;
@@ -39,6 +41,7 @@ pub mod sources;
 pub mod sweep;
 #[cfg(feature = "top")]
 pub mod top;
+pub mod wire;
 
 /// The README's code is compiled with the documentation's tests.
 #[cfg(doctest)]

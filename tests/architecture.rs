@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Each room of `src/` and the rooms it may import.
-const MAY_IMPORT: [(&str, &[&str]); 12] = [
+const MAY_IMPORT: [(&str, &[&str]); 15] = [
     (
         "cli",
         &[
@@ -13,6 +13,8 @@ const MAY_IMPORT: [(&str, &[&str]); 12] = [
             "control",
             "experiment",
             "hand",
+            "link",
+            "pace",
             "record",
             "report",
             "sensor",
@@ -20,6 +22,7 @@ const MAY_IMPORT: [(&str, &[&str]); 12] = [
             "sources",
             "sweep",
             "top",
+            "wire",
         ],
     ),
     (
@@ -28,17 +31,22 @@ const MAY_IMPORT: [(&str, &[&str]); 12] = [
     ),
     (
         "experiment",
-        &["config", "control", "hand", "record", "sensor", "sim"],
+        &[
+            "config", "control", "hand", "record", "sensor", "sim", "wire",
+        ],
     ),
     ("report", &["config", "record"]),
     ("config", &["control", "hand", "sensor", "sim"]),
-    ("record", &["control", "hand", "sensor"]),
+    ("record", &["control", "hand", "sensor", "wire"]),
     ("top", &["control", "sensor"]),
+    ("link", &["control", "hand", "sensor", "wire"]),
     ("control", &["hand", "sensor"]),
     ("sim", &["hand", "sensor"]),
     ("sources", &["sensor"]),
     ("sensor", &[]),
     ("hand", &[]),
+    ("wire", &[]),
+    ("pace", &[]),
 ];
 
 #[test]

@@ -15,7 +15,7 @@ fn without_arguments_it_says_how_to_go_on() {
     for word in ["Examples:", "Exit status", "calibrate", "report"] {
         assert!(help.contains(word), "{help}");
     }
-    for command in ["run", "list", "check", "report", "calibrate"] {
+    for command in ["run", "list", "check", "report", "replay", "calibrate"] {
         let help = run(&folder, &[command, "--help"]).done();
         assert!(help.contains("Usage: feeler"), "{help}");
     }

@@ -2,7 +2,8 @@
 
 mod support;
 
-use feeler::record::{Phase, RecordError, Recorder, Recording, Tactile, Vector3};
+use feeler::record::{Phase, RecordError, Recorder, Recording, Tactile};
+use feeler::wire::Vector3;
 use proptest::prelude::*;
 use std::path::PathBuf;
 use std::sync::OnceLock;

@@ -5,14 +5,17 @@
 
 use feeler::config::Experiment;
 use feeler::hand::hand::{Hand, HandState};
-use feeler::record::{RecordedHand, RecordedSensor, Recording};
+use feeler::record::{RecordedCamera, RecordedHand, RecordedSensor, Recording};
 use feeler::sensor::calibration::Calibration;
+use feeler::sensor::camera::{Camera, CameraError};
+use feeler::sensor::frame::Frame;
 use feeler::sensor::loads::read_loads;
 use feeler::sensor::located_layout::LocatedLayout;
 use feeler::sensor::moments::ElementMoments;
 use feeler::sensor::reading::{SensorError, TactileFrame, TactileSensor};
 use feeler::sources::picture::decode_picture;
 use glam::DVec2;
+use std::io::Cursor;
 use std::str::from_utf8;
 
 /// Most pixels of a layout whose sub-regions are laid out: larger ones only take time.
@@ -108,7 +111,26 @@ pub fn recording(bytes: &[u8]) -> bool {
     assert_eq!(recording.fingers.len(), recording.facts.fingers);
     assert!(recording.readable_until.is_finite());
     play_back(&recording);
+    look_again(&recording, bytes);
     true
+}
+
+/// Cameras give as many pictures as were seen, or say which is not there.
+fn look_again(recording: &Recording, bytes: &[u8]) {
+    for (finger, recorded) in recording.fingers.iter().enumerate() {
+        let mut camera = RecordedCamera::new(Cursor::new(bytes), recording, finger);
+        let mut frame = Frame::black(4, 3);
+        let mut seen = 0;
+        let end = loop {
+            match camera.capture(&mut frame) {
+                Ok(()) => seen += 1,
+                Err(end) => break end,
+            }
+        };
+        if let CameraError::Ended { count } = end {
+            assert_eq!((count, seen), (seen, recorded.tactile.len() as u64));
+        }
+    }
 }
 
 /// Sensors and hand give as many readings as were recorded, or say what does not fit.

@@ -5,14 +5,18 @@ mod arrivals;
 mod calibrate;
 mod check;
 mod interrupt;
+mod link;
 mod list;
 mod locate;
 mod locate_preview;
 mod output;
 mod part_file;
 mod progress;
+mod replay;
 mod report;
 mod run;
+mod run_folder;
+mod schema;
 #[cfg_attr(not(feature = "top"), path = "no_screen.rs")]
 mod screen;
 mod sense;
@@ -22,6 +26,7 @@ mod throttle;
 mod watcher;
 
 use clap::{Parser, Subcommand};
+use link::orders::Order;
 use output::Output;
 use std::io::{Write, stderr, stdout};
 use std::process::ExitCode;
@@ -34,6 +39,9 @@ Examples:
   feeler run my.toml --set control.slip_threshold=2.5 --set task.strokes=3
   feeler check my.toml                        say what is wrong with an experiment file
   feeler report runs/seven                    make a run's report again from its recording
+  feeler run cap-closing --record-frames --out runs/seen
+  feeler replay runs/seen --from frames       pictures -> forces -> flags -> commands again, compared bit for bit
+  feeler replay runs/seven --from forces --set control.slip_threshold=2.5 --out runs/what-if
   feeler calibrate --simulated --experiment my.toml -o my.calibration.toml
   feeler sweep cap-closing --sensing direct --vary 'friction=uniform(0.3,1.2)' -o sweep
   feeler locate untouched.png -o layout.toml --preview found.png
@@ -42,7 +50,7 @@ Examples:
 
 /// Tri-axial touch to finger motion, and a simulated hand to try it on.
 ///
-/// Exit status: 0 done; 1 the task was given up or interrupted; 2 bad input.
+/// Exit status: 0 done; 1 the task was given up or interrupted, or a replay differs; 2 bad input.
 #[derive(Debug, Parser)]
 #[command(name = "feeler", version, after_help = EXAMPLES)]
 struct Arguments {
@@ -62,10 +70,26 @@ enum Command {
     Check(check::Arguments),
     /// Make a run's report again from its recording alone.
     Report(report::Arguments),
+    /// Put a recording through the sensor stage, the control stage or both again, and compare bit for bit.
+    Replay(replay::Arguments),
     /// Calibrate a fingertip: load its elements, take pictures, fit.
     Calibrate(calibrate::Arguments),
     /// Find the sensing elements in pictures of an untouched sensor.
     Locate(locate::Arguments),
+    /// Play the rig of an experiment for programs of their own: cameras, encoders, drives.
+    World(link::world::Arguments),
+    /// Control a hand whose sensors and drives are in other programs.
+    Hand(link::hand::Arguments),
+    /// Stop the hand of a rig, from anywhere.
+    Stop(link::orders::Arguments),
+    /// Let the hand of a rig go on that was stopped.
+    Resume(link::orders::Arguments),
+    /// Make the certificates that computers of a lab know each other by.
+    Certificates(link::certificates::Arguments),
+    /// Measure this computer.
+    Bench(link::bench::Arguments),
+    /// Print the ROS 2 message text of what is recorded and what the programs of a rig say.
+    Schema(schema::Arguments),
     /// Sense forces: pictures, a camera or a recorded run in; a table of each element's force out.
     Sense(sense::Arguments),
 }
@@ -74,6 +98,7 @@ enum Command {
 enum Outcome {
     Done,
     GivenUp,
+    Differs,
 }
 
 type CommandError = Box<dyn std::error::Error>;
@@ -86,7 +111,7 @@ pub fn main() -> ExitCode {
         .and_then(|outcome| Ok(out.flush().map(|()| outcome)?));
     match result {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
-        Ok(Outcome::GivenUp) => ExitCode::from(1),
+        Ok(Outcome::GivenUp | Outcome::Differs) => ExitCode::from(1),
         Err(error) => {
             // Where nobody listens, the exit status says it.
             let _ = writeln!(stderr(), "feeler: {error}");
@@ -102,8 +127,16 @@ fn run_command(command: Command, out: &mut dyn Write) -> Result<Outcome, Command
         Command::List => list::list(out),
         Command::Check(arguments) => check::check(&arguments, out),
         Command::Report(arguments) => report::report(&arguments, out),
+        Command::Replay(arguments) => replay::replay(&arguments, out),
         Command::Calibrate(arguments) => calibrate::calibrate(&arguments, out),
         Command::Locate(arguments) => locate::locate(&arguments, out),
+        Command::Bench(arguments) => link::bench::bench(&arguments, out),
+        Command::World(arguments) => link::world::world(&arguments, out),
+        Command::Hand(arguments) => link::hand::hand(&arguments, out),
+        Command::Stop(arguments) => link::orders::order(&arguments, Order::Stop, out),
+        Command::Resume(arguments) => link::orders::order(&arguments, Order::Resume, out),
+        Command::Certificates(arguments) => link::certificates::certificates(&arguments, out),
+        Command::Schema(arguments) => schema::schema(&arguments, out),
         Command::Sense(arguments) => sense::sense(&arguments),
     }
 }

@@ -1,9 +1,9 @@
-//! How far a run is, for whoever watches it on a terminal.
+//! How far a run or a replay is, for whoever watches it on a terminal.
 
 use crate::config::Experiment;
 use crate::control::phase::Phase;
 use crate::experiment::Session;
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::time::{Duration, Instant};
 
 /// A progress bar over the run's strokes.
@@ -54,6 +54,41 @@ impl Progress {
             task.phase(),
             sim_time / (now - start).as_secs_f64()
         ));
+    }
+
+    /// Takes the bar off the screen.
+    pub fn clear(&self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+/// A progress bar over steps, for work that may be over before anyone looks.
+pub struct Steps {
+    bar: ProgressBar,
+    start: Instant,
+}
+
+impl Steps {
+    /// What takes no longer than this shows no bar.
+    const PATIENCE: Duration = Duration::from_secs(2);
+
+    /// A bar over so many steps; hidden unless standard error is a terminal.
+    pub fn new(steps: usize) -> Self {
+        let bar = ProgressBar::with_draw_target(Some(steps as u64), ProgressDrawTarget::hidden());
+        let style = ProgressStyle::with_template("{bar:32} {pos}/{len} steps, {eta} left");
+        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+        Self {
+            bar,
+            start: Instant::now(),
+        }
+    }
+
+    /// One more step is done.
+    pub fn advance(&self) {
+        self.bar.inc(1);
+        if self.bar.is_hidden() && self.start.elapsed() > Self::PATIENCE {
+            self.bar.set_draw_target(ProgressDrawTarget::stderr());
+        }
     }
 
     /// Takes the bar off the screen.

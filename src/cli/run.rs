@@ -6,14 +6,15 @@ use super::screen::Screen;
 use super::sweep::one_trial;
 use super::throttle::{Throttle, parse_speed};
 use super::watcher::Watcher;
-use super::{CommandError, Outcome};
-use crate::config::Experiment;
+use super::{CommandError, Outcome, run_folder};
+use crate::config::{Experiment, Sensing};
+use crate::control::controller::Controller;
 use crate::control::phase::Phase;
 use crate::experiment::Session;
 use crate::experiment::log::{RunLog, run_facts};
-use crate::record::Recorder;
-use crate::report::make::{RECORDING, REPORT, SUMMARY, make};
-use std::io::{self, ErrorKind, Write};
+use crate::record::{RecordOptions, Recorder};
+use crate::report::make::{RECORDING, make};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -38,6 +39,10 @@ pub struct Arguments {
     /// The run's folder, which must not hold a run yet [default: runs/NAME-SENSING-seedN]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Record the cameras' pictures, too: about 0.3 MB each, 60 MB for every simulated second of two fingers
+    /// at 100 Hz. `feeler replay --from frames` makes forces of them again, and Foxglove shows them.
+    #[arg(long)]
+    record_frames: bool,
     /// Simulate this many seconds in a second, or `max` [default: max; with --top: 1]
     #[arg(long, value_name = "FACTOR", value_parser = parse_speed)]
     speed: Option<f64>,
@@ -59,11 +64,16 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comman
         Screen::check()?;
     }
     let experiment = load(arguments)?;
+    let options = record_options(arguments, &experiment)?;
     let mut session = Session::new(&experiment)?;
-    let folder = make_folder(arguments, &experiment)?;
+    let folder = make_folder(arguments.out.as_deref(), &experiment)?;
     let facts = run_facts(&experiment.config);
-    let recorder = Recorder::create(folder.join(RECORDING), &facts, &experiment.toml)?;
+    let file = folder.join(RECORDING);
+    let recorder = Recorder::create_with(file, &facts, &experiment.toml, &options)?;
     let mut log = RunLog::new(recorder, session.layouts());
+    if options.pictures {
+        log = log.with_pictures();
+    }
 
     let interrupted = watch_for_interrupt()?;
     let mut watcher = Watcher::new(arguments.top, &experiment, &interrupted)?;
@@ -89,7 +99,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comman
         "{sim_time:.2} s simulated in {wall_time:.2} s, {factor:.0} x real time"
     )?;
     print_claims(&made, out)?;
-    let (outcome, reason) = outcome(&session, was_interrupted);
+    let (outcome, reason) = outcome(session.control_loop().controller(), was_interrupted);
     if let Some(reason) = reason {
         writeln!(out, "{reason}")?;
     }
@@ -103,6 +113,25 @@ fn load(arguments: &Arguments) -> Result<Experiment, CommandError> {
     }
     let name = arguments.experiment.as_deref().unwrap_or_default();
     Ok(Experiment::load(name, &settings(arguments))?)
+}
+
+/// What is recorded beside what always is: what forces were made of, where they were made of pictures.
+fn record_options(
+    arguments: &Arguments,
+    experiment: &Experiment,
+) -> Result<RecordOptions, CommandError> {
+    let pictures = arguments.record_frames;
+    match experiment.config.sensing {
+        Sensing::Image => Ok(RecordOptions {
+            calibrations: experiment.calibration_texts()?,
+            pictures,
+        }),
+        Sensing::Direct if pictures => Err(
+            "--record-frames: no pictures are taken with sensing = \"direct\"; expected sensing = \"image\""
+                .into(),
+        ),
+        Sensing::Direct => Ok(RecordOptions::default()),
+    }
 }
 
 /// Goes round the control loop until the task or the time is over, or Ctrl-C.
@@ -134,8 +163,7 @@ fn settings(arguments: &Arguments) -> Vec<String> {
 }
 
 /// How the run ended, and why the task is not done, if it is not.
-fn outcome(session: &Session, interrupted: bool) -> (Outcome, Option<String>) {
-    let controller = session.control_loop().controller();
+pub fn outcome(controller: &Controller, interrupted: bool) -> (Outcome, Option<String>) {
     let reason = if let Some(reason) = controller.stop_reason() {
         format!("the hand was stopped: {reason}")
     } else if controller.task().phase() == Phase::Done {
@@ -149,39 +177,13 @@ fn outcome(session: &Session, interrupted: bool) -> (Outcome, Option<String>) {
 }
 
 /// Makes the run's folder. Without a name given, one that does not exist yet.
-fn make_folder(arguments: &Arguments, experiment: &Experiment) -> Result<PathBuf, CommandError> {
-    if let Some(out) = &arguments.out {
-        if let Some(old) = [RECORDING, REPORT, SUMMARY]
-            .into_iter()
-            .find(|name| out.join(name).exists())
-        {
-            let out = out.display();
-            return Err(format!(
-                "--out {out}: there is a run already ({old}); expected a new folder"
-            )
-            .into());
-        }
-        let failed = |e| format!("--out {}: {e}; expected a new folder", out.display());
-        std::fs::create_dir_all(out).map_err(failed)?;
-        return Ok(out.clone());
+pub fn make_folder(out: Option<&Path>, experiment: &Experiment) -> Result<PathBuf, CommandError> {
+    if let Some(out) = out {
+        run_folder::named(out)?;
+        return Ok(out.to_path_buf());
     }
     let facts = run_facts(&experiment.config);
     let stem = format!("{}-{}-seed{}", facts.experiment, facts.sensing, facts.seed);
-    new_folder(Path::new("runs"), &stem)
+    run_folder::new(Path::new("runs"), &stem)
         .map_err(|e| format!("runs/{stem}: {e}; name a folder that can be made with --out").into())
-}
-
-/// Makes a folder of its own in `parent`, called `stem` or `stem-2`, `stem-3`, …
-fn new_folder(parent: &Path, stem: &str) -> io::Result<PathBuf> {
-    std::fs::create_dir_all(parent)?;
-    let mut folder = parent.join(stem);
-    for number in 2.. {
-        match std::fs::create_dir(&folder) {
-            Err(error) if error.kind() == ErrorKind::AlreadyExists => {
-                folder = parent.join(format!("{stem}-{number}"));
-            }
-            made => return made.map(|()| folder),
-        }
-    }
-    unreachable!("the numbers do not end")
 }

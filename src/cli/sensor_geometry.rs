@@ -55,7 +55,8 @@ impl SensorGeometry {
         })
     }
 
-    fn of_fingertip(config: &FingertipConfig) -> Result<Self, CommandError> {
+    /// The fingertip that `config` describes.
+    pub fn of_fingertip(config: &FingertipConfig) -> Result<Self, CommandError> {
         let (kernel, regions) = Fingertip::kernel_and_subregions(config)?;
         Ok(Self {
             size: (config.camera.width, config.camera.height),

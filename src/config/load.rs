@@ -4,8 +4,10 @@ use super::ExperimentConfig;
 use super::check::check;
 use super::checker::Problem;
 use super::settings::put;
-use crate::sensor::calibration::{Calibration, CalibrationError};
+use crate::sensor::calibration::CalibrationError;
 use crate::sensor::fingertip::FingertipConfig;
+use crate::sensor::made_for::sha256;
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
@@ -31,12 +33,6 @@ pub const BUILT_IN: [BuiltIn; 2] = [
         toml: include_str!("../../experiments/three-fingers.toml"),
     },
 ];
-
-/// The calibrations that the built-in experiments name.
-const BUILT_IN_CALIBRATIONS: [(&str, &str); 1] = [(
-    "reference-fingertip.calibration.toml",
-    include_str!("../../experiments/reference-fingertip.calibration.toml"),
-)];
 
 /// Longest experiment or calibration file, bytes.
 const MAX_TEXT: u64 = 16 << 20;
@@ -133,7 +129,9 @@ pub struct Experiment {
     /// The experiment file as run, with what the command line set.
     pub toml: String,
     /// The folder that file names are relative to; none for a built-in experiment.
-    folder: Option<PathBuf>,
+    pub(super) folder: Option<PathBuf>,
+    /// Calibration files that came with it, by the name that it has for each.
+    pub(super) calibrations: BTreeMap<String, String>,
 }
 
 impl Experiment {
@@ -189,7 +187,14 @@ impl Experiment {
             config,
             toml,
             folder,
+            calibrations: BTreeMap::new(),
         })
+    }
+
+    /// SHA-256 of all values, settings included; not of comments, order or layout of the text.
+    pub fn sha256(&self) -> String {
+        // Every value of an experiment came from TOML, or stands for one that can.
+        sha256(&toml::to_string(&self.config).unwrap_or_else(|e| e.to_string()))
     }
 
     /// The folder that file names are relative to.
@@ -208,34 +213,6 @@ impl Experiment {
             Some(finger) if finger < fingers => Ok(sensor.fingertip(finger)),
             Some(finger) => Err(ConfigError::NoFinger { finger, fingers }),
         }
-    }
-
-    /// The calibration that the experiment names for `finger`.
-    ///
-    /// # Errors
-    /// When its file cannot be read or is no calibration.
-    pub fn calibration(&self, finger: usize) -> Result<Calibration, ConfigError> {
-        let (file, key) = self.config.sensor.calibration(finger);
-        let built_in = BUILT_IN_CALIBRATIONS.iter().find(|(name, _)| *name == file);
-        let text = match (&self.folder, built_in) {
-            (None, Some((_, text))) => (*text).to_string(),
-            (folder, _) => {
-                let folder = folder.as_deref().unwrap_or(Path::new(""));
-                read(&folder.join(file), "a calibration file").map_err(|source| {
-                    ConfigError::CalibrationFile {
-                        key: key.clone(),
-                        file: file.to_string(),
-                        source: Box::new(source),
-                    }
-                })?
-            }
-        };
-        let calibration = Calibration::from_toml(&text);
-        calibration.map_err(|source| ConfigError::Calibration {
-            key,
-            file: file.to_string(),
-            source: Box::new(source),
-        })
     }
 }
 
@@ -256,7 +233,7 @@ fn to_blame(text: &str, settings: &[String]) -> Option<ConfigError> {
 }
 
 /// The text of a file, unless it is far longer than any that makes sense (a device, a recording).
-fn read(path: &Path, expected: &'static str) -> Result<String, ConfigError> {
+pub(super) fn read(path: &Path, expected: &'static str) -> Result<String, ConfigError> {
     let whole = || {
         let mut text = String::new();
         let mut file = File::open(path)?.take(MAX_TEXT + 1);

@@ -1,6 +1,7 @@
 //! The experiment file: one documented struct, read from TOML, checked once, turned once into
 //! runtime objects.
 
+mod calibrations;
 mod check;
 mod check_faults;
 mod check_objects;

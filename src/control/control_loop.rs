@@ -53,7 +53,16 @@ impl<S: TouchSource, H: Hand> ControlLoop<S, H> {
     /// # Errors
     /// When a sensor or the hand fails. The hand is then told to stop first.
     pub fn step(&mut self) -> Result<(), ControlError> {
-        if let Err(error) = self.sense() {
+        self.sense()?;
+        self.act()
+    }
+
+    /// The first half of a [`step`](Self::step): reads the hand and the sensors.
+    ///
+    /// # Errors
+    /// When one of them fails. The hand is then told to stop first.
+    pub fn sense(&mut self) -> Result<(), ControlError> {
+        if let Err(error) = self.read() {
             let what = match error {
                 ControlError::Sensor { .. } => "a tactile sensor",
                 ControlError::Hand(_) => "the hand's joint state",
@@ -64,12 +73,20 @@ impl<S: TouchSource, H: Hand> ControlLoop<S, H> {
             let _ = self.hand.command(&self.command);
             return Err(error);
         }
+        Ok(())
+    }
+
+    /// The second half of a [`step`](Self::step): decides on what was read, commands the hand.
+    ///
+    /// # Errors
+    /// When the hand fails.
+    pub fn act(&mut self) -> Result<(), ControlError> {
         self.controller
             .decide(&self.touches, &self.state, &mut self.command);
         Ok(self.hand.command(&self.command)?)
     }
 
-    fn sense(&mut self) -> Result<(), ControlError> {
+    fn read(&mut self) -> Result<(), ControlError> {
         self.hand.read(&mut self.state)?;
         for (finger, (sensor, touch)) in self.sensors.iter_mut().zip(&mut self.touches).enumerate()
         {
@@ -78,6 +95,11 @@ impl<S: TouchSource, H: Hand> ControlLoop<S, H> {
                 .map_err(|source| ControlError::Sensor { finger, source })?;
         }
         Ok(())
+    }
+
+    /// The sensors, one per finger.
+    pub fn sensors(&self) -> &[S] {
+        &self.sensors
     }
 
     /// What each finger felt.

@@ -31,8 +31,22 @@ pub struct ControlConfig {
     pub recompression_speed: f64,
     /// A moving finger whose grasp force is below this is re-compressed, too, N.
     pub minimum_grasp_force: f64,
+    /// When a hand that was stopped because data were stale goes on.
+    #[serde(default)]
+    pub resume: Resume,
     /// What no command may exceed.
     pub limits: LimitsConfig,
+}
+
+/// When a hand that was stopped because data were stale goes on.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Resume {
+    /// When somebody tells it to.
+    #[default]
+    Told,
+    /// As soon as data are fresh again.
+    Fresh,
 }
 
 impl ControlConfig {
@@ -148,10 +162,15 @@ impl Controller {
         }
     }
 
-    /// Stops all fingers at once, until told to [`resume`](Self::resume). The first reason is kept.
+    /// Stops all fingers at once, until told to [`resume`](Self::resume). The first reason is kept; but
+    /// stale data may become fresh by themselves, and that must not undo what somebody said meanwhile.
     pub fn stop(&mut self, reason: StopReason) {
         self.task.stop();
-        self.stop_reason.get_or_insert(reason);
+        let told = matches!(reason, StopReason::Told { .. });
+        match &self.stop_reason {
+            Some(first) if !(told && first.is_stale()) => {}
+            _ => self.stop_reason = Some(reason),
+        }
         for finger in &mut self.fingers {
             finger.velocity = DVec3::ZERO;
             finger.admitted = Admitted::default();

@@ -49,12 +49,33 @@ pub enum StopReason {
         /// Greatest age allowed, s.
         limit: f64,
     },
+    /// The joint angles are too old to act on, or none have arrived.
+    #[error("the joint angles are {age:.4} s old (limit {limit} s)")]
+    StaleState {
+        /// Age of the newest, s.
+        age: f64,
+        /// Greatest age allowed, s.
+        limit: f64,
+    },
+    /// An element's force is unknown: its sub-region is dark or saturated.
+    #[error(
+        "element {element} of finger {finger} has no valid force: its sub-region is dark or saturated"
+    )]
+    NoForce {
+        /// The finger.
+        finger: usize,
+        /// The first such element.
+        element: usize,
+    },
     /// Somebody said so.
     #[error("told to stop by {by}")]
     Told {
         /// Who.
         by: String,
     },
+    /// In a replay: somebody stopped the hand at this step on record.
+    #[error("it was stopped from outside the control law on record")]
+    OnRecord,
     /// A force, a joint angle or a command is not a finite number.
     #[error("finger {finger} has a {what} that is not a finite number")]
     NotFinite {
@@ -63,4 +84,16 @@ pub enum StopReason {
         /// Which quantity.
         what: &'static str,
     },
+}
+
+impl StopReason {
+    /// Whether it came of data that were too old.
+    pub fn is_stale(&self) -> bool {
+        matches!(self, Self::StaleForces { .. } | Self::StaleState { .. })
+    }
+
+    /// Whether its cause may go away while the hand waits, so that it can go on.
+    pub fn may_pass(&self) -> bool {
+        self.is_stale() || matches!(self, Self::NoForce { .. } | Self::Told { .. })
+    }
 }

@@ -1,6 +1,7 @@
 //! What a finger felt since the last control step, and where that comes from.
 
 use super::flags::{FingerFlags, FlagAnalyzer, FlagThresholds};
+use crate::sensor::frame::Frame;
 use crate::sensor::reading::{SensorError, TactileFrame, TactileSensor};
 
 /// What one finger felt: its newest forces, and the flags of all frames since the last control step.
@@ -49,6 +50,11 @@ pub trait TouchSource {
     /// # Errors
     /// When `touch` is for another number of elements, or nothing could be measured.
     fn touch(&mut self, touch: &mut FingerTouch) -> Result<(), SensorError>;
+
+    /// The picture that the newest forces come from, where there is one at hand.
+    fn frame(&self) -> Option<&Frame> {
+        None
+    }
 }
 
 /// A tactile sensor with its flag analyzer: the whole sensor program of one finger.
@@ -76,6 +82,10 @@ impl<S: TactileSensor> TouchSource for AnalyzedSensor<S> {
         touch.analyze(&mut self.analyzer);
         Ok(())
     }
+
+    fn frame(&self) -> Option<&Frame> {
+        self.sensor.frame()
+    }
 }
 
 impl<T: TouchSource + ?Sized> TouchSource for Box<T> {
@@ -85,5 +95,9 @@ impl<T: TouchSource + ?Sized> TouchSource for Box<T> {
 
     fn touch(&mut self, touch: &mut FingerTouch) -> Result<(), SensorError> {
         (**self).touch(touch)
+    }
+
+    fn frame(&self) -> Option<&Frame> {
+        (**self).frame()
     }
 }

@@ -1,7 +1,8 @@
 //! What is recorded of a run: after every control step, everything that went in and came out.
 
+pub use super::facts::run_facts;
+
 use super::{Instruments, Session};
-use crate::config::{ExperimentConfig, Sensing};
 use crate::control::control_loop::ControlLoop;
 use crate::control::controller::FingerControl;
 use crate::control::phase::Phase;
@@ -9,12 +10,12 @@ use crate::control::task::FingerSense;
 use crate::control::touch::{FingerTouch, TouchSource};
 use crate::hand::hand::{Hand, JointState};
 use crate::record::{
-    Cap, Command, Fingertip, Flags, Joints, MessageSink, NO_ELEMENT, RecordError, Recorder,
-    RunFacts, Tactile, Task, TorqueSensor, Vector3,
+    Cap, Command, Fingertip, Flags, Image, Joints, MessageSink, NO_ELEMENT, RecordError, Recorder,
+    Tactile, Task, TorqueSensor,
 };
+use crate::sensor::frame::Frame;
 use crate::sensor::layout::ElementLayout;
-use crate::sim::config::SimConfig;
-use crate::sim::shape::ShapeConfig;
+use crate::wire::Vector3;
 use glam::{DQuat, DVec3};
 
 /// Writes control steps to a recording. Messages with lists are kept and filled again.
@@ -26,6 +27,14 @@ pub struct RunLog<R = Recorder> {
     flags: Flags,
     fingertip: Fingertip,
     phase: Option<Phase>,
+    /// Each finger's newest picture, if pictures are recorded.
+    pictures: Vec<Picture>,
+}
+
+struct Picture {
+    image: Image,
+    /// Its sequence number, once there is one.
+    sequence: Option<u64>,
 }
 
 impl<R: MessageSink> RunLog<R> {
@@ -47,7 +56,24 @@ impl<R: MessageSink> RunLog<R> {
                 element_tips: Vec::new(),
             },
             phase: None,
+            pictures: Vec::new(),
         }
+    }
+
+    /// The same log with each finger's pictures in it, of which the recorder has to know.
+    #[must_use]
+    pub fn with_pictures(mut self) -> Self {
+        let picture = |finger| Picture {
+            image: Image::of_finger(finger),
+            sequence: None,
+        };
+        self.pictures = (0..self.tips.len()).map(picture).collect();
+        self
+    }
+
+    /// The recorder.
+    pub fn recorder_mut(&mut self) -> &mut R {
+        &mut self.recorder
     }
 
     /// The recorder, to finish the recording.
@@ -62,28 +88,65 @@ impl<R: MessageSink> RunLog<R> {
     pub fn write(&mut self, session: &Session, at: &Instruments) -> Result<(), RecordError> {
         let control_loop = session.control_loop();
         let stamp = control_loop.state().stamp;
-        let controller = control_loop.controller();
-        let inputs = (control_loop.touches().iter()).zip(&control_loop.state().joints);
-        let outputs = controller.fingers().iter().zip(controller.senses());
-        for (index, ((finger, sense), (touch, joints))) in outputs.zip(inputs).enumerate() {
-            self.write_felt(index, touch)?;
-            self.write_motion(index, stamp, finger, joints)?;
-            self.write_fingertip(index, stamp, finger, sense)?;
-        }
-        self.recorder.torque_sensor(&TorqueSensor {
+        let torque = TorqueSensor {
             stamp,
             torque: at.torque.torque,
             bridge_voltage: at.torque.voltage,
             counts: at.torque.counts,
-        })?;
-        self.recorder.cap(&Cap {
+        };
+        let cap = Cap {
             stamp,
             angle: at.cap.angle,
             height: at.cap_centre.z,
             centre: at.cap_centre.into(),
             resisting_torque: at.cap.torque,
-        })?;
+        };
+        self.write_step(control_loop, Some(&torque), Some(&cap))
+    }
+
+    /// Writes the newest step of `control_loop`, and what the instruments said at its time if there are any.
+    ///
+    /// # Errors
+    /// When the recording cannot be written.
+    pub fn write_step<S: TouchSource, H: Hand>(
+        &mut self,
+        control_loop: &ControlLoop<S, H>,
+        torque: Option<&TorqueSensor>,
+        cap: Option<&Cap>,
+    ) -> Result<(), RecordError> {
+        let stamp = control_loop.state().stamp;
+        let controller = control_loop.controller();
+        let sensors = control_loop.sensors().iter();
+        let inputs = sensors.zip(control_loop.touches());
+        let inputs = inputs.zip(&control_loop.state().joints);
+        let outputs = controller.fingers().iter().zip(controller.senses());
+        for (index, ((finger, sense), ((sensor, touch), joints))) in outputs.zip(inputs).enumerate()
+        {
+            // Before the forces, so that a recording that is cut off has the picture of all that it has.
+            self.write_picture(index, sensor.frame())?;
+            self.write_felt(index, touch)?;
+            self.write_motion(index, stamp, finger, joints)?;
+            self.write_fingertip(index, stamp, finger, sense)?;
+        }
+        if let Some(torque) = torque {
+            self.recorder.torque_sensor(torque)?;
+        }
+        if let Some(cap) = cap {
+            self.recorder.cap(cap)?;
+        }
         self.write_task(stamp, control_loop)
+    }
+
+    /// Writes a finger's picture, if it is to be recorded and has not been.
+    fn write_picture(&mut self, index: usize, frame: Option<&Frame>) -> Result<(), RecordError> {
+        let (Some(picture), Some(frame)) = (self.pictures.get_mut(index), frame) else {
+            return Ok(());
+        };
+        if picture.sequence.replace(frame.sequence) == Some(frame.sequence) {
+            return Ok(());
+        }
+        picture.image.fill(frame)?;
+        self.recorder.image(index, &picture.image)
     }
 
     fn write_felt(&mut self, index: usize, touch: &FingerTouch) -> Result<(), RecordError> {
@@ -170,45 +233,5 @@ impl<R: MessageSink> RunLog<R> {
             stroke: controller.task().stroke(),
             reason,
         })
-    }
-}
-
-/// The constants of a run of `config` that its report needs.
-pub fn run_facts(config: &ExperimentConfig) -> RunFacts {
-    let directions = |pick: fn(&crate::control::task::FingerPathConfig) -> [f64; 3]| {
-        let paths = config.task.finger.iter();
-        paths
-            .map(|path| DVec3::from_array(pick(path)).normalize_or_zero().to_array())
-            .collect()
-    };
-    RunFacts {
-        experiment: config.name.clone(),
-        seed: config.seed,
-        version: env!("CARGO_PKG_VERSION").to_string(),
-        sensing: match config.sensing {
-            Sensing::Image => "image".to_string(),
-            Sensing::Direct => "direct".to_string(),
-        },
-        control_period: config.control.period,
-        fingers: config.hand.finger.len(),
-        cap_radius: cap_radius(&config.sim),
-        feeler_tip_radius: config.sim.feeler.tip_radius,
-        touch_force_threshold: config.control.touch_force,
-        over_force_threshold: config.control.over_force,
-        slip_threshold: config.control.slip_threshold,
-        grasp_force_threshold: config.task.grasp_force,
-        approach: directions(|path| path.approach),
-        stroke_direction: directions(|path| path.stroke),
-        stroke_count: config.task.strokes,
-    }
-}
-
-/// Radius of the cap at its widest, m; 0 when there is no cap.
-fn cap_radius(sim: &SimConfig) -> f64 {
-    match sim.cap().map(|(_, object, _)| &object.shape) {
-        Some(
-            &ShapeConfig::Cylinder { radius, .. } | &ShapeConfig::KnurledCylinder { radius, .. },
-        ) => radius,
-        _ => 0.0,
     }
 }

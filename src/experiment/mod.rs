@@ -1,6 +1,9 @@
 //! One run in one process: the simulated rig, its sensors, the control loop and the recorder, wired up.
 
+mod facts;
 pub mod log;
+pub mod played_rig;
+pub mod replay;
 mod sensors;
 pub mod warnings;
 
@@ -98,6 +101,20 @@ pub struct Instruments {
     pub cap_centre: DVec3,
 }
 
+impl Instruments {
+    /// Reads those of `rig`, whose object `cap` is on a thread.
+    fn read(rig: &Rig, cap: Option<usize>) -> Self {
+        let mut world = rig.world();
+        let torque = world.read_torque();
+        let cap = cap.and_then(|cap| world.state().objects.get(cap));
+        Self {
+            torque,
+            cap: cap.map_or_else(Turn::default, |cap| cap.turn),
+            cap_centre: cap.map_or(DVec3::ZERO, |cap| cap.pose.position),
+        }
+    }
+}
+
 impl Session {
     /// Sets up a run of `experiment`: fingers at home, cap open.
     ///
@@ -108,15 +125,9 @@ impl Session {
         let layouts = layouts(config)?;
         let (fingers, _) = fingers_at_home(config)?;
         let controller = controller(config, &fingers, &layouts);
-        let world = world(experiment)?;
-        let cap = config
-            .sim
-            .cap()
-            .and_then(|(name, ..)| world.model().object(name));
-        let rig = Rig::new(world);
+        let (rig, cap) = rig(experiment)?;
         let sensors = sensors::sensors(experiment, &rig, &layouts)?;
-        let steps_per_command = (config.control.period / config.sim.step).round() as usize;
-        let hand = SimHand::new(rig.clone(), steps_per_command);
+        let hand = SimHand::new(rig.clone(), steps_per_command(config));
         Ok(Self {
             rig,
             control_loop: ControlLoop::new(sensors, hand, controller),
@@ -131,20 +142,9 @@ impl Session {
     /// # Errors
     /// When a sensor or the hand fails.
     pub fn step(&mut self) -> Result<Instruments, ExperimentError> {
-        let instruments = self.read_instruments();
+        let instruments = Instruments::read(&self.rig, self.cap);
         self.control_loop.step()?;
         Ok(instruments)
-    }
-
-    fn read_instruments(&self) -> Instruments {
-        let mut world = self.rig.world();
-        let torque = world.read_torque();
-        let cap = self.cap.and_then(|cap| world.state().objects.get(cap));
-        Instruments {
-            torque,
-            cap: cap.map_or_else(Turn::default, |cap| cap.turn),
-            cap_centre: cap.map_or(DVec3::ZERO, |cap| cap.pose.position),
-        }
     }
 
     /// Whether the task is done or was given up, or the time is over. A hand that was told to stop may
@@ -185,6 +185,19 @@ impl Session {
     pub fn rig(&self) -> &Rig {
         &self.rig
     }
+}
+
+/// The rig of `experiment`, and its object on a thread.
+fn rig(experiment: &Experiment) -> Result<(Rig, Option<usize>), ExperimentError> {
+    let world = world(experiment)?;
+    let cap = experiment.config.sim.cap();
+    let cap = cap.and_then(|(name, ..)| world.model().object(name));
+    Ok((Rig::new(world), cap))
+}
+
+/// Steps of the world in a control period.
+fn steps_per_command(config: &ExperimentConfig) -> usize {
+    (config.control.period / config.sim.step).round() as usize
 }
 
 /// The simulated world of `experiment`, without sensors or control: fingers at home, objects where they

@@ -11,59 +11,71 @@ use crate::sim::rig::Rig;
 use crate::sim::sensor_faults::SensorFaults;
 use crate::sim::sim_camera::SimCamera;
 
-/// One sensor per finger.
+/// What the rig has of a finger's sensor.
+pub(super) enum RigSensor {
+    /// The camera in its fingertip.
+    Camera(Box<SimCamera>),
+    /// Forces without pictures.
+    Direct(DirectSensor),
+}
+
+/// One sensor per finger, with its flag analyzer.
 pub(super) fn sensors(
     experiment: &Experiment,
     rig: &Rig,
     layouts: &[ElementLayout],
 ) -> Result<Vec<Sensor>, ExperimentError> {
     let config = &experiment.config;
-    let mut fingertips = Fingertips::default();
-    let fingers = layouts.iter().enumerate();
+    let thresholds = config.control.thresholds();
+    let rig_sensors = rig_sensors(experiment, rig, layouts)?;
+    let fingers = rig_sensors.into_iter().enumerate();
     fingers
-        .map(|(finger, layout)| -> Result<Sensor, ExperimentError> {
-            let (elements, period) = (layout.elements.len(), config.control.period);
-            let faults = &config.sim.fault;
-            let faults = SensorFaults::new(faults, finger, elements, period, config.seed);
-            match config.sensing {
-                Sensing::Image => image_sensor(experiment, rig, finger, faults, &mut fingertips),
-                Sensing::Direct => {
-                    let (rig, noise) = (rig.clone(), config.sim.direct_sensing.clone());
-                    let sensor = DirectSensor::new(rig, finger, noise, faults, config.seed);
-                    Ok(Box::new(AnalyzedSensor::new(
-                        sensor,
-                        config.control.thresholds(),
-                    )))
+        .map(|(finger, sensor)| -> Result<Sensor, ExperimentError> {
+            let camera = match sensor {
+                RigSensor::Direct(sensor) => {
+                    return Ok(Box::new(AnalyzedSensor::new(sensor, thresholds)));
                 }
-            }
+                RigSensor::Camera(camera) => *camera,
+            };
+            let calibration = experiment.calibration(finger)?;
+            let fingertip = config.sensor.fingertip(finger);
+            let sensor = OpticalSensor::new(camera, fingertip, calibration);
+            let sensor = sensor.map_err(|source| ExperimentError::Sensor {
+                finger,
+                source: Box::new(source),
+            })?;
+            Ok(Box::new(AnalyzedSensor::new(sensor, thresholds)))
         })
         .collect()
 }
 
-fn image_sensor(
+/// What the rig has of each finger's sensor.
+pub(super) fn rig_sensors(
     experiment: &Experiment,
     rig: &Rig,
-    finger: usize,
-    faults: SensorFaults,
-    fingertips: &mut Fingertips,
-) -> Result<Sensor, ExperimentError> {
+    layouts: &[ElementLayout],
+) -> Result<Vec<RigSensor>, ExperimentError> {
     let config = &experiment.config;
-    let (optics, seed) = (&config.sim.optics, config.seed);
-    let own = config.sensor.fingertip(finger);
-    let calibration = experiment.calibration(finger)?;
-    let fingertip = fingertips
-        .get(own)
-        .map_err(|source| ExperimentError::Fingertip { finger, source })?;
-    let camera = SimCamera::new(rig.clone(), finger, fingertip, optics, faults, seed)?;
-    OpticalSensor::new(camera, own, calibration)
-        .map(|sensor| {
-            let analyzed = AnalyzedSensor::new(sensor, config.control.thresholds());
-            Box::new(analyzed) as Sensor
+    let mut fingertips = Fingertips::default();
+    let fingers = layouts.iter().enumerate();
+    fingers
+        .map(|(finger, layout)| {
+            let (elements, period) = (layout.elements.len(), config.control.period);
+            let (seed, rig) = (config.seed, rig.clone());
+            let faults = SensorFaults::new(&config.sim.fault, finger, elements, period, seed);
+            if config.sensing == Sensing::Direct {
+                let noise = config.sim.direct_sensing.clone();
+                let sensor = DirectSensor::new(rig, finger, noise, faults, seed);
+                return Ok(RigSensor::Direct(sensor));
+            }
+            let fingertip = fingertips
+                .get(config.sensor.fingertip(finger))
+                .map_err(|source| ExperimentError::Fingertip { finger, source })?;
+            let optics = &config.sim.optics;
+            let camera = SimCamera::new(rig, finger, fingertip, optics, faults, seed)?;
+            Ok(RigSensor::Camera(Box::new(camera)))
         })
-        .map_err(|source| ExperimentError::Sensor {
-            finger,
-            source: Box::new(source),
-        })
+        .collect()
 }
 
 /// Fingertips, each built once for all fingers that carry one like it: building takes its time.

@@ -3,90 +3,42 @@
 //! The order of a struct's fields is the order of its schema's lines; both are the wire format.
 //! All stamps are seconds of the run's time (simulated or real), not of the wall clock.
 
+use super::image::Image;
 use crate::control::phase::Phase;
-use glam::{DQuat, DVec3};
-use serde::{Deserialize, Serialize, de::DeserializeOwned};
+use crate::wire::{Message, Quaternion, Vector3, message, vector3_schema};
+use serde::{Deserialize, Serialize};
 
 /// [`Flags::largest_element`] when no element touches.
 pub const NO_ELEMENT: u32 = u32::MAX;
 
 /// A message that a recording can hold.
-pub trait Message: Serialize + DeserializeOwned {
-    /// ROS 2 name of the message type.
-    const SCHEMA_NAME: &'static str;
-    /// ROS 2 message text, with the text of every nested type after it.
-    const SCHEMA: &'static str;
+pub trait Stamped: Message {
     /// Time of the message, s.
     fn stamp(&self) -> f64;
 }
 
-/// A vector, as ROS 2's `geometry_msgs/Vector3`; unit and frame stand with the field that holds it.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-pub struct Vector3 {
-    /// Component along x.
-    pub x: f64,
-    /// Component along y.
-    pub y: f64,
-    /// Component along z.
-    pub z: f64,
-}
-
-impl From<DVec3> for Vector3 {
-    fn from(v: DVec3) -> Self {
-        let DVec3 { x, y, z } = v;
-        Self { x, y, z }
-    }
-}
-
-impl From<Vector3> for DVec3 {
-    fn from(v: Vector3) -> Self {
-        DVec3::new(v.x, v.y, v.z)
-    }
-}
-
-/// A rotation, as ROS 2's `geometry_msgs/Quaternion`.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Quaternion {
-    /// Imaginary part along x.
-    pub x: f64,
-    /// Imaginary part along y.
-    pub y: f64,
-    /// Imaginary part along z.
-    pub z: f64,
-    /// Real part.
-    pub w: f64,
-}
-
-impl From<DQuat> for Quaternion {
-    fn from(q: DQuat) -> Self {
-        let [x, y, z, w] = q.to_array();
-        Self { x, y, z, w }
-    }
-}
-
-/// Implements [`Message`] for a struct with a `stamp`.
-macro_rules! message {
-    ($type:ident, $name:literal, $($line:expr),+ $(,)?) => {
-        impl Message for $type {
-            const SCHEMA_NAME: &'static str = concat!("feeler_msgs/msg/", $name);
-            const SCHEMA: &'static str = concat!($($line, "\n"),+);
+/// Implements [`Stamped`] for structs with a `stamp`.
+macro_rules! stamped {
+    ($($type:ident),+ $(,)?) => {
+        $(impl Stamped for $type {
             fn stamp(&self) -> f64 {
                 self.stamp
             }
-        }
+        })+
     };
 }
 
-/// The text of `geometry_msgs/Vector3`, to stand after a schema that uses it.
-macro_rules! vector3_schema {
-    () => {
-        "================================================================================\n\
-         MSG: geometry_msgs/Vector3\n\
-         float64 x\n\
-         float64 y\n\
-         float64 z"
-    };
-}
+stamped!(
+    Tactile,
+    Moments,
+    Flags,
+    Joints,
+    Command,
+    Fingertip,
+    TorqueSensor,
+    Cap,
+    Task
+);
 
 /// One fingertip's tri-axial forces.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -350,10 +302,12 @@ pub enum Topic {
     Cap,
     /// [`Task`].
     Task,
+    /// [`Image`] of the camera in a finger's fingertip; only where pictures are recorded.
+    Image(usize),
 }
 
 impl Topic {
-    /// All topics of a run with `fingers` fingers, in the order of the recording's channels.
+    /// The topics that every run with `fingers` fingers has, in the order of the recording's channels.
     pub fn all(fingers: usize) -> Vec<Self> {
         let mut topics = Vec::new();
         for f in 0..fingers {
@@ -369,6 +323,11 @@ impl Topic {
         topics
     }
 
+    /// The topics of a run that records pictures, too; they follow after [`all`](Self::all) others.
+    pub fn images(fingers: usize) -> impl Iterator<Item = Self> {
+        (0..fingers).map(Self::Image)
+    }
+
     /// Name of the topic in the recording.
     pub fn name(self) -> String {
         match self {
@@ -380,6 +339,7 @@ impl Topic {
             Self::TorqueSensor => "/torque_sensor".into(),
             Self::Cap => "/cap".into(),
             Self::Task => "/task".into(),
+            Self::Image(f) => format!("/finger/{f}/image"),
         }
     }
 
@@ -394,6 +354,7 @@ impl Topic {
             Self::TorqueSensor => (TorqueSensor::SCHEMA_NAME, TorqueSensor::SCHEMA),
             Self::Cap => (Cap::SCHEMA_NAME, Cap::SCHEMA),
             Self::Task => (Task::SCHEMA_NAME, Task::SCHEMA),
+            Self::Image(_) => (Image::SCHEMA_NAME, Image::SCHEMA),
         }
     }
 }

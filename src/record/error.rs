@@ -1,5 +1,6 @@
 //! What can go wrong with a recording.
 
+use crate::wire::WireError;
 use ::mcap::McapError;
 use std::path::{Path, PathBuf};
 
@@ -40,6 +41,9 @@ pub enum RecordError {
         /// Finger of the message.
         actual: usize,
     },
+    /// A picture for a recording that was opened for none.
+    #[error("the recording was opened without pictures, a picture is to be written")]
+    NoPictures,
     /// A stamp that is no time of a run.
     #[error("{topic}: a stamp of 0 s or later expected, {stamp} found")]
     Stamp {
@@ -49,13 +53,8 @@ pub enum RecordError {
         stamp: f64,
     },
     /// A message could not be put into the wire format.
-    #[error("{schema}: {reason}")]
-    Encode {
-        /// Name of the message's schema.
-        schema: &'static str,
-        /// What was wrong.
-        reason: String,
-    },
+    #[error(transparent)]
+    Wire(#[from] WireError),
     /// An earlier write failed, and said why; nothing more can be written.
     #[error("recording {path}: closed after an earlier error")]
     Closed {

@@ -1,6 +1,7 @@
 //! What a run was: the constants that a report needs beside the messages.
 
 use super::error::RecordError;
+use crate::wire::WireError;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -12,7 +13,7 @@ pub const MAX_FINGERS: usize = 16;
 const PERIODS: std::ops::RangeInclusive<f64> = 1e-4..=1.0;
 
 /// Facts whose value is a text, written as it stands; all others are written as JSON.
-const TEXT_FIELDS: [&str; 3] = ["experiment", "version", "sensing"];
+const TEXT_FIELDS: [&str; 4] = ["experiment", "version", "sensing", "replay_of"];
 
 /// The constants of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -47,6 +48,10 @@ pub struct RunFacts {
     pub stroke_direction: Vec<[f64; 3]>,
     /// Number of strokes to make.
     pub stroke_count: u32,
+    /// Of a replay: the digest of what was replayed. Joint angles, torque and cap are from there, and did
+    /// not follow from this recording's commands.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub replay_of: Option<String>,
 }
 
 impl RunFacts {
@@ -112,7 +117,7 @@ impl RunFacts {
 
     /// The facts as names and texts, as they stand in the recording.
     pub(super) fn to_map(&self) -> Result<BTreeMap<String, String>, RecordError> {
-        let value = serde_json::to_value(self).map_err(|e| RecordError::Encode {
+        let value = serde_json::to_value(self).map_err(|e| WireError::Encode {
             schema: "run facts",
             reason: e.to_string(),
         })?;

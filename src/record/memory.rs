@@ -1,10 +1,11 @@
 //! Where a run's messages go: to a file, or into memory when nobody wants the file.
 
 use super::channels::{
-    Cap, Command, Fingertip, Flags, Joints, Message, Tactile, Task, TorqueSensor,
+    Cap, Command, Fingertip, Flags, Joints, Stamped, Tactile, Task, TorqueSensor,
 };
 use super::error::RecordError;
 use super::facts::RunFacts;
+use super::image::Image;
 use super::recorder::{Recorder, nanoseconds};
 use super::recording::{FingerRecord, Recording};
 
@@ -50,6 +51,11 @@ pub trait MessageSink {
     /// # Errors
     /// As [`Self::tactile`].
     fn task(&mut self, message: &Task) -> Result<(), RecordError>;
+    /// Takes the picture that a finger's newest forces come from.
+    ///
+    /// # Errors
+    /// As [`Self::tactile`], and when there are to be no pictures.
+    fn image(&mut self, finger: usize, message: &Image) -> Result<(), RecordError>;
 }
 
 impl MessageSink for Recorder {
@@ -77,6 +83,9 @@ impl MessageSink for Recorder {
     fn task(&mut self, message: &Task) -> Result<(), RecordError> {
         Self::task(self, message)
     }
+    fn image(&mut self, finger: usize, message: &Image) -> Result<(), RecordError> {
+        Self::image(self, finger, message)
+    }
 }
 
 /// A run's messages in memory: what reading its recording would give, but for the digest, which
@@ -101,7 +110,7 @@ impl MemoryRecorder {
         self.recording
     }
 
-    fn take<M: Message + Clone>(
+    fn take<M: Stamped + Clone>(
         &mut self,
         message: &M,
         list: fn(&mut Recording) -> &mut Vec<M>,
@@ -118,7 +127,7 @@ impl MemoryRecorder {
         Ok(())
     }
 
-    fn take_felt<M: Message + Clone>(
+    fn take_felt<M: Stamped + Clone>(
         &mut self,
         finger: usize,
         message: &M,
@@ -165,5 +174,8 @@ impl MessageSink for MemoryRecorder {
     }
     fn task(&mut self, message: &Task) -> Result<(), RecordError> {
         self.take(message, |recording| &mut recording.task)
+    }
+    fn image(&mut self, _: usize, _: &Image) -> Result<(), RecordError> {
+        Err(RecordError::NoPictures)
     }
 }

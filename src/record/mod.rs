@@ -3,12 +3,13 @@
 //! Messages are ROS 2 messages (`ros2msg` schemas, `cdr` encoding), so PlotJuggler, Foxglove and
 //! Python's `mcap-ros2-support` show them without anything of ours.
 
-pub mod cdr;
 pub mod channels;
 pub mod digest;
 pub mod error;
 pub mod facts;
+pub mod image;
 pub mod memory;
+pub mod recorded_camera;
 pub mod recorder;
 pub mod recording;
 pub mod replay;
@@ -18,14 +19,16 @@ mod sink;
 
 pub use crate::control::phase::Phase;
 pub use channels::{
-    Cap, Command, Fingertip, Flags, Joints, Message, Moments, NO_ELEMENT, Quaternion, Tactile,
-    Task, Topic, TorqueSensor, Vector3,
+    Cap, Command, Fingertip, Flags, Joints, Moments, NO_ELEMENT, Stamped, Tactile, Task, Topic,
+    TorqueSensor,
 };
 pub use digest::Digest;
 pub use error::RecordError;
 pub use facts::RunFacts;
+pub use image::Image;
 pub use memory::{MemoryRecorder, MessageSink};
-pub use recorder::Recorder;
-pub use recording::{FingerRecord, Recording};
+pub use recorded_camera::RecordedCamera;
+pub use recorder::{RecordOptions, Recorder};
+pub use recording::{FingerRecord, PictureAt, Recording};
 pub use replay::{RecordedHand, RecordedSensor};
 pub use sensed::{SensedWriter, read_moments};

@@ -1,13 +1,15 @@
 //! Writes a run's recording as the run goes.
 
-use super::cdr;
 use super::channels::{
-    Cap, Command, Fingertip, Flags, Joints, Message, Tactile, Task, Topic, TorqueSensor,
+    Cap, Command, Fingertip, Flags, Joints, Stamped, Tactile, Task, Topic, TorqueSensor,
 };
 use super::digest::Digest;
 use super::error::RecordError;
 use super::facts::RunFacts;
+use super::image::Image;
 use super::sink::{Batch, Entry, Sink};
+use crate::wire::cdr;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, SyncSender, channel, sync_channel};
 use std::thread::{self, JoinHandle};
@@ -24,6 +26,19 @@ const WAITING_CHUNKS: usize = 4;
 /// Channels of one finger, in the order of [`Topic::all`].
 const FINGER_CHANNELS: usize = 5;
 
+/// Messages of a step that belong to no finger: torque sensor, cap, task.
+const OTHER_CHANNELS: usize = 3;
+
+/// What a recording holds beside the messages that every run has.
+#[derive(Debug, Clone, Default)]
+pub struct RecordOptions {
+    /// The text of each calibration file that the experiment names, by that name. They are no part of the
+    /// digest: another calibration shows in the forces.
+    pub calibrations: BTreeMap<String, String>,
+    /// Whether there will be pictures.
+    pub pictures: bool,
+}
+
 /// Writes one run's recording.
 ///
 /// A write only encodes the message; digest and the file itself are a thread's work,
@@ -35,6 +50,7 @@ pub struct Recorder {
     path: PathBuf,
     topics: Vec<String>,
     fingers: usize,
+    pictures: bool,
     batch: Batch,
     /// Batches that have been written and can be filled again.
     spare: Receiver<Batch>,
@@ -65,8 +81,26 @@ impl Recorder {
         facts: &RunFacts,
         experiment_toml: &str,
     ) -> Result<Self, RecordError> {
+        Self::create_with(path, facts, experiment_toml, &RecordOptions::default())
+    }
+
+    /// Creates the file of a recording that holds more than every one does.
+    ///
+    /// # Errors
+    /// As [`Self::create`].
+    pub fn create_with(
+        path: impl AsRef<Path>,
+        facts: &RunFacts,
+        experiment_toml: &str,
+        options: &RecordOptions,
+    ) -> Result<Self, RecordError> {
         let path = path.as_ref().to_path_buf();
-        let mut sink = Sink::create(&path, facts, experiment_toml)?;
+        let mut topics = Topic::all(facts.fingers);
+        if options.pictures {
+            topics.extend(Topic::images(facts.fingers));
+        }
+        let calibrations = &options.calibrations;
+        let mut sink = Sink::create(&path, facts, experiment_toml, calibrations, &topics)?;
         let (batches, receiver) = sync_channel::<Batch>(WAITING_CHUNKS);
         let (give_back, spare) = channel();
         let write_all = move || {
@@ -87,11 +121,9 @@ impl Recorder {
             })?;
         Ok(Self {
             path,
-            topics: Topic::all(facts.fingers)
-                .into_iter()
-                .map(Topic::name)
-                .collect(),
+            topics: topics.into_iter().map(Topic::name).collect(),
             fingers: facts.fingers,
+            pictures: options.pictures,
             batch: Batch::with_capacity(BATCH_ROOM),
             spare,
             thread: Some(WriterThread { batches, handle }),
@@ -163,6 +195,19 @@ impl Recorder {
         self.write(self.fingers * FINGER_CHANNELS + 2, message)
     }
 
+    /// Writes the picture that a finger's newest forces come from.
+    ///
+    /// # Errors
+    /// As [`Self::tactile`], and when the recording was opened for none.
+    pub fn image(&mut self, finger: usize, message: &Image) -> Result<(), RecordError> {
+        if !self.pictures {
+            return Err(RecordError::NoPictures);
+        }
+        self.finger_channel(finger, 0)?;
+        let others = self.fingers * FINGER_CHANNELS + OTHER_CHANNELS;
+        self.write(others + finger, message)
+    }
+
     /// Writes wall time (s; none if not measured) and digest, and closes the file.
     ///
     /// # Errors
@@ -186,7 +231,7 @@ impl Recorder {
         }
     }
 
-    fn write<M: Message>(&mut self, channel: usize, message: &M) -> Result<(), RecordError> {
+    fn write<M: Stamped>(&mut self, channel: usize, message: &M) -> Result<(), RecordError> {
         let stamp = message.stamp();
         let log_time = nanoseconds(stamp).ok_or_else(|| RecordError::Stamp {
             topic: self.topics[channel].clone(),

@@ -1,16 +1,19 @@
 //! Reads a recording back, whole or as far as it goes.
 
-use super::cdr;
 use super::channels::{
-    Cap, Command, Fingertip, Flags, Joints, Message, Tactile, Task, Topic, TorqueSensor,
+    Cap, Command, Fingertip, Flags, Joints, Stamped, Tactile, Task, Topic, TorqueSensor,
 };
 use super::digest::{Digest, Digester};
 use super::error::RecordError;
 use super::facts::RunFacts;
+use super::image::Image;
 use super::scan::scan;
-use super::sink::{END, EXPERIMENT, FACTS, digest_facts};
+use super::sink::{CALIBRATION, END, EXPERIMENT, FACTS, digest_facts};
+use crate::wire::cdr;
 use ::mcap::records::Record;
 use std::collections::{BTreeMap, HashMap};
+use std::fs::File;
+use std::io::{BufReader, Read};
 use std::path::Path;
 
 /// What one finger recorded, each list in the order of time.
@@ -26,6 +29,19 @@ pub struct FingerRecord {
     pub command: Vec<Command>,
     /// Fingertip poses.
     pub fingertip: Vec<Fingertip>,
+    /// Where its camera's pictures are, if they were recorded: one for each sequence number of `tactile`.
+    pub pictures: Vec<PictureAt>,
+}
+
+/// A picture that was left in its file: there are far more of them than fit into memory.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PictureAt {
+    /// Time of the picture, ns.
+    pub log_time: u64,
+    /// Where its message begins in the file, bytes from the start.
+    pub offset: u64,
+    /// Length of the message, bytes.
+    pub length: usize,
 }
 
 /// A recording in memory.
@@ -35,6 +51,9 @@ pub struct Recording {
     pub facts: RunFacts,
     /// The experiment as run (TOML).
     pub experiment: String,
+    /// The calibration files that the experiment names: name to text. Empty in a recording of forces that were
+    /// not calibrated.
+    pub calibrations: BTreeMap<String, String>,
     /// Wall time of the run, s, if it was written.
     pub wall_time: Option<f64>,
     /// Digest of what was read.
@@ -63,13 +82,15 @@ impl Recording {
     /// When the file cannot be read or not even the run's facts are in it.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, RecordError> {
         let path = path.as_ref();
-        let file = std::fs::read(path).map_err(|source| RecordError::File {
+        let file = File::open(path).map_err(|source| RecordError::File {
             path: path.to_path_buf(),
             source,
         })?;
-        Self::from_bytes(&file).map_err(|reason| RecordError::NothingReadable {
-            path: path.to_path_buf(),
-            reason,
+        Self::from_reader(&mut BufReader::new(file)).map_err(|reason| {
+            RecordError::NothingReadable {
+                path: path.to_path_buf(),
+                reason,
+            }
         })
     }
 
@@ -77,9 +98,13 @@ impl Recording {
     ///
     /// # Errors
     /// When not even the run's facts are readable: why, in words.
-    pub fn from_bytes(file: &[u8]) -> Result<Self, String> {
+    pub fn from_bytes(mut file: &[u8]) -> Result<Self, String> {
+        Self::from_reader(&mut file)
+    }
+
+    fn from_reader(file: &mut dyn Read) -> Result<Self, String> {
         let mut collector = Collector::default();
-        let scanned = scan(file, &mut |record| collector.take(record));
+        let scanned = scan(file, &mut |record, offset| collector.take(record, offset));
         collector.finish(scanned.err())
     }
 
@@ -88,6 +113,7 @@ impl Recording {
             fingers: vec![FingerRecord::default(); facts.fingers],
             facts,
             experiment: String::new(),
+            calibrations: BTreeMap::new(),
             wall_time: None,
             digest: Digester::default().finish(),
             complete: false,
@@ -99,8 +125,8 @@ impl Recording {
         }
     }
 
-    /// Stores one message.
-    fn push(&mut self, topic: Topic, bytes: &[u8]) -> Result<(), String> {
+    /// Stores one message; of a picture, that there is one.
+    fn push(&mut self, topic: Topic, bytes: &[u8], at: PictureAt) -> Result<(), String> {
         match topic {
             Topic::Tactile(f) => push(&mut self.fingers[f].tactile, bytes),
             Topic::Flags(f) => push(&mut self.fingers[f].flags, bytes),
@@ -110,12 +136,18 @@ impl Recording {
             Topic::TorqueSensor => push(&mut self.torque_sensor, bytes),
             Topic::Cap => push(&mut self.cap, bytes),
             Topic::Task => push(&mut self.task, bytes),
+            Topic::Image(f) => {
+                let image: Image = cdr::decode(bytes).map_err(|e| e.to_string())?;
+                image.check()?;
+                self.fingers[f].pictures.push(at);
+                Ok(())
+            }
         }
     }
 }
 
-fn push<M: Message>(messages: &mut Vec<M>, bytes: &[u8]) -> Result<(), String> {
-    let message: M = cdr::decode(bytes)?;
+fn push<M: Stamped>(messages: &mut Vec<M>, bytes: &[u8]) -> Result<(), String> {
+    let message: M = cdr::decode(bytes).map_err(|e| e.to_string())?;
     if !message.stamp().is_finite() {
         return Err(format!(
             "a finite stamp expected, {} found",
@@ -125,6 +157,15 @@ fn push<M: Message>(messages: &mut Vec<M>, bytes: &[u8]) -> Result<(), String> {
     messages.push(message);
     Ok(())
 }
+
+/// The text of the attachment called `name`.
+fn text(name: &str, data: &[u8]) -> Result<String, String> {
+    let text = std::str::from_utf8(data).map_err(|_| format!("{name} is not UTF-8 text"))?;
+    Ok(text.to_string())
+}
+
+/// What stands before a message's bytes in its record: channel, sequence number and two times.
+const MESSAGE_HEAD: u64 = 2 + 4 + 8 + 8;
 
 /// Takes the records in and makes a [`Recording`] of them.
 #[derive(Default)]
@@ -138,7 +179,8 @@ struct Collector {
 }
 
 impl Collector {
-    fn take(&mut self, record: Record<'_>) -> Result<(), String> {
+    /// Takes a record whose body begins at `offset` in the file.
+    fn take(&mut self, record: Record<'_>, offset: u64) -> Result<(), String> {
         match record {
             Record::Metadata(m) if m.name == FACTS && self.recording.is_none() => {
                 self.recording = Some(Recording::empty(RunFacts::from_map(&m.metadata)?));
@@ -146,19 +188,31 @@ impl Collector {
             }
             Record::Metadata(m) if m.name == END => self.end = Some(m.metadata),
             Record::Attachment { header, data, .. } if header.name == EXPERIMENT => {
-                let text = String::from_utf8(data.into_owned());
-                let text = text.map_err(|_| format!("{EXPERIMENT} is not UTF-8 text"))?;
-                self.recording()?.experiment = text;
+                self.recording()?.experiment = text(EXPERIMENT, &data)?;
                 self.has_experiment = true;
             }
+            Record::Attachment { header, data, .. } => {
+                if let Some(name) = header.name.strip_prefix(CALIBRATION) {
+                    let text = text(&header.name, &data)?;
+                    self.recording()?.calibrations.insert(name.into(), text);
+                }
+            }
             Record::Channel(channel) => {
-                let topics = Topic::all(self.recording()?.facts.fingers);
-                if let Some(topic) = topics.into_iter().find(|t| t.name() == channel.topic) {
+                let fingers = self.recording()?.facts.fingers;
+                let mut topics = Topic::all(fingers)
+                    .into_iter()
+                    .chain(Topic::images(fingers));
+                if let Some(topic) = topics.find(|t| t.name() == channel.topic) {
                     self.channels.insert(channel.id, (topic, channel.topic));
                 }
             }
             Record::Message { header, data } => {
-                self.message(header.channel_id, header.log_time, &data)?;
+                let at = PictureAt {
+                    log_time: header.log_time,
+                    offset: offset + MESSAGE_HEAD,
+                    length: data.len(),
+                };
+                self.message(header.channel_id, &data, at)?;
             }
             _ => {}
         }
@@ -169,14 +223,15 @@ impl Collector {
         (self.recording.as_mut()).ok_or_else(|| format!("no metadata {FACTS:?} before the data"))
     }
 
-    fn message(&mut self, channel: u16, log_time: u64, bytes: &[u8]) -> Result<(), String> {
+    fn message(&mut self, channel: u16, bytes: &[u8], at: PictureAt) -> Result<(), String> {
+        let log_time = at.log_time;
         let recording = (self.recording.as_mut())
             .ok_or_else(|| format!("no metadata {FACTS:?} before the data"))?;
         let Some((topic, name)) = self.channels.get(&channel) else {
             return Ok(()); // a channel of someone else's
         };
         recording
-            .push(*topic, bytes)
+            .push(*topic, bytes, at)
             .map_err(|e| format!("message on {name}: {e}"))?;
         let digester = self.digester.get_or_insert_with(|| {
             let mut digester = Digester::default();

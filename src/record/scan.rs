@@ -3,10 +3,11 @@
 //! The MCAP library's own readers stop at the first fault without saying what was good before it,
 //! and take lengths in the file at their word. Here a chunk is used only when its checksum holds,
 //! no length is believed beyond the bytes that are there, and what was read before a fault stays.
+//! No more than one record of the file is in memory at a time: pictures make recordings large.
 
 use ::mcap::records::Record;
-use ::mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use ::mcap::{MAGIC, parse_record};
+use std::io::Read;
 
 const CHUNK: u8 = 0x06;
 const ATTACHMENT: u8 = 0x09;
@@ -15,58 +16,87 @@ const DATA_END: u8 = 0x0F;
 const CHECKSUM: usize = 4;
 /// Opcode and length before every record's body.
 const RECORD_HEAD: usize = 9;
-/// Largest chunk that is unpacked, bytes. Ours are a quarter MiB.
-const MAX_CHUNK: usize = 64 << 20;
+/// What stands in a chunk before its records: two times, size, checksum, the length of no compression's
+/// name, length.
+const CHUNK_HEAD: usize = 8 + 8 + 8 + 4 + 4 + 8;
+/// Longest record, bytes. Our chunks are of a quarter MiB and a picture.
+const MAX_RECORD: u64 = 64 << 20;
+
+/// Takes a record and where its body begins in the file, bytes from the start.
+pub type Visit<'a> = dyn FnMut(Record<'_>, u64) -> Result<(), String> + 'a;
 
 /// Hands every record of `file` before the summary to `visit`, in order, chunks unpacked.
 ///
 /// # Errors
 /// Why it stopped before the end of the data, in words; all records before that were visited.
-pub fn scan(
-    file: &[u8],
-    visit: &mut dyn FnMut(Record<'_>) -> Result<(), String>,
-) -> Result<(), String> {
-    let mut rest = file
-        .strip_prefix(MAGIC)
-        .ok_or("it does not start with the MCAP magic bytes")?;
+pub fn scan(file: &mut dyn Read, visit: &mut Visit<'_>) -> Result<(), String> {
+    let mut body = Vec::new();
+    read_up_to(file, MAGIC.len() as u64, &mut body)?;
+    if body != MAGIC {
+        return Err("it does not start with the MCAP magic bytes".into());
+    }
+    let mut offset = MAGIC.len() as u64;
     loop {
-        let offset = file.len() - rest.len();
-        let at = |reason: String| format!("at byte {offset} of {}: {reason}", file.len());
-        let (opcode, record, body) = split_record(rest).map_err(at)?;
+        let at = |reason: String| format!("at byte {offset}: {reason}");
+        let opcode = read_record(file, &mut body).map_err(at)?;
+        let start = offset + RECORD_HEAD as u64;
         match opcode {
             DATA_END => return Ok(()),
-            CHUNK => scan_chunk(record, body, visit).map_err(at)?,
+            CHUNK => scan_chunk(&body, start, visit).map_err(at)?,
             _ => {
-                let record = parse(opcode, body).map_err(at)?;
-                visit(record).map_err(at)?;
+                let record = parse(opcode, &body).map_err(at)?;
+                visit(record, start).map_err(at)?;
             }
         }
-        rest = &rest[record.len()..];
+        offset = start + body.len() as u64;
     }
 }
 
-/// Opcode, whole bytes and body of the first record.
-fn split_record(bytes: &[u8]) -> Result<(u8, &[u8], &[u8]), String> {
-    let cut = || "the file ends within a record".to_string();
-    let (&opcode, rest) = bytes
+/// Reads one record's body; its opcode.
+fn read_record(file: &mut dyn Read, body: &mut Vec<u8>) -> Result<u8, String> {
+    read_up_to(file, RECORD_HEAD as u64, body)?;
+    let (&opcode, length) = body
         .split_first()
         .ok_or("the file ends without its end mark")?;
-    let (length, rest) = rest.split_first_chunk::<8>().ok_or_else(cut)?;
-    let length = usize::try_from(u64::from_le_bytes(*length)).map_err(|_| cut())?;
-    let body = rest.get(..length).ok_or_else(cut)?;
-    let record = bytes.get(..RECORD_HEAD + length).ok_or_else(cut)?;
-    Ok((opcode, record, body))
+    let length = length.first_chunk::<8>().ok_or(CUT)?;
+    let length = u64::from_le_bytes(*length);
+    if length > MAX_RECORD {
+        return Err(format!(
+            "a record of at most {MAX_RECORD} bytes expected, one of {length} found"
+        ));
+    }
+    read_up_to(file, length, body)?;
+    if body.len() as u64 != length {
+        return Err(CUT.into());
+    }
+    Ok(opcode)
+}
+
+const CUT: &str = "the file ends within a record";
+
+/// Puts the next `length` bytes into `bytes`, or what there is. Makes room only for what comes.
+fn read_up_to(file: &mut dyn Read, length: u64, bytes: &mut Vec<u8>) -> Result<(), String> {
+    bytes.clear();
+    let read = file.take(length).read_to_end(bytes);
+    read.map(|_| ()).map_err(|e| e.to_string())
+}
+
+/// Opcode, body and length with head of the first record.
+fn split_record(bytes: &[u8]) -> Option<(u8, &[u8], usize)> {
+    let (&opcode, rest) = bytes.split_first()?;
+    let (length, rest) = rest.split_first_chunk::<8>()?;
+    let length = usize::try_from(u64::from_le_bytes(*length)).ok()?;
+    let body = rest.get(..length)?;
+    Some((opcode, body, RECORD_HEAD + length))
 }
 
 /// Parses a record whose body may be anything.
-fn parse(opcode: u8, body: &[u8]) -> Result<Record<'static>, String> {
+fn parse(opcode: u8, body: &[u8]) -> Result<Record<'_>, String> {
     // The library takes it for granted that an attachment's checksum follows its head.
     if opcode == ATTACHMENT && attachment_rest(body).is_none_or(|rest| rest.len() < CHECKSUM) {
         return Err("an attachment that is too short for its head and checksum".into());
     }
-    parse_record(opcode, body)
-        .map(Record::into_owned)
-        .map_err(|e| e.to_string())
+    parse_record(opcode, body).map_err(|e| e.to_string())
 }
 
 /// What follows an attachment's head (two times, two texts, the length of its data), if that is whole.
@@ -81,44 +111,34 @@ fn attachment_rest(body: &[u8]) -> Option<&[u8]> {
     length.get(8..)
 }
 
-/// Checks and unpacks one chunk.
-fn scan_chunk(
-    record: &[u8],
-    body: &[u8],
-    visit: &mut dyn FnMut(Record<'_>) -> Result<(), String>,
-) -> Result<(), String> {
-    if let Record::Chunk { header, data } = parse(CHUNK, body)? {
-        if !header.compression.is_empty() {
-            let found = header.compression;
-            return Err(format!(
-                "an uncompressed chunk expected, one compressed by {found:?} found"
-            ));
-        }
-        // The library takes it for granted that no record reaches beyond the chunk.
-        let mut rest = &data[..];
-        while !rest.is_empty() {
-            let (_, record, _) = split_record(rest).map_err(|_| "a chunk ends within a record")?;
-            rest = &rest[record.len()..];
-        }
+/// Checks and unpacks one chunk, whose body begins at `start`.
+fn scan_chunk(body: &[u8], start: u64, visit: &mut Visit<'_>) -> Result<(), String> {
+    let Record::Chunk { header, data } = parse(CHUNK, body)? else {
+        return Ok(());
+    };
+    if !header.compression.is_empty() {
+        let found = header.compression;
+        return Err(format!(
+            "an uncompressed chunk expected, one compressed by {found:?} found"
+        ));
     }
-    let mut reader = LinearReader::new_with_options(
-        LinearReaderOptions::default()
-            .with_skip_start_magic(true)
-            .with_skip_end_magic(true)
-            .with_prevalidate_chunk_crcs(true)
-            .with_record_length_limit(MAX_CHUNK),
-    );
-    let mut rest = record;
-    while let Some(event) = reader.next_event() {
-        match event.map_err(|e| e.to_string())? {
-            LinearReadEvent::ReadRequest(need) => {
-                let length = need.min(rest.len());
-                reader.insert(length).copy_from_slice(&rest[..length]);
-                reader.notify_read(length);
-                rest = &rest[length..];
-            }
-            LinearReadEvent::Record { opcode, data } => visit(parse(opcode, data)?)?,
-        }
+    let (expected, actual) = (header.uncompressed_crc, crc32fast::hash(&data));
+    // No checksum is written as 0.
+    if expected != 0 && expected != actual {
+        return Err(format!(
+            "a chunk with checksum {expected:08x} expected, {actual:08x} found"
+        ));
+    }
+    let mut rest = &data[..];
+    let mut records = Vec::new();
+    while !rest.is_empty() {
+        let (opcode, body, length) = split_record(rest).ok_or("a chunk ends within a record")?;
+        let offset = data.len() - rest.len() + RECORD_HEAD + CHUNK_HEAD;
+        records.push((opcode, body, start + offset as u64));
+        rest = &rest[length..];
+    }
+    for (opcode, body, offset) in records {
+        visit(parse(opcode, body)?, offset)?;
     }
     Ok(())
 }

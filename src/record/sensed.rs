@@ -1,15 +1,15 @@
 //! What a sensor felt, without any run around it: one MCAP file of ROS 2 messages, written and read.
 
-use super::cdr;
-use super::channels::{Message, Moments, Tactile};
+use super::channels::{Moments, Stamped, Tactile};
 use super::error::RecordError;
 use super::scan::scan;
+use crate::wire::{Message, cdr};
 use ::mcap::records::{MessageHeader, Record};
 use ::mcap::write::NoSeek;
 use ::mcap::{McapError, WriteOptions, Writer};
 use std::collections::{BTreeMap, HashSet};
 use std::fs::File;
-use std::io::{BufWriter, Write as _};
+use std::io::{BufReader, BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
 /// Topic of the [`Moments`].
@@ -121,18 +121,18 @@ impl SensedWriter {
 /// # Errors
 /// When the file cannot be read or holds no moments.
 pub fn read_moments(path: &Path) -> Result<Vec<Moments>, RecordError> {
-    let file = std::fs::read(path).map_err(|source| RecordError::File {
+    let file = File::open(path).map_err(|source| RecordError::File {
         path: path.to_path_buf(),
         source,
     })?;
     let (mut channels, mut moments) = (HashSet::new(), Vec::new());
-    let scanned = scan(&file, &mut |record| {
+    let scanned = scan(&mut BufReader::new(file), &mut |record, _| {
         match record {
             Record::Channel(channel) if channel.topic == MOMENTS_TOPIC => {
                 channels.insert(channel.id);
             }
             Record::Message { header, data } if channels.contains(&header.channel_id) => {
-                moments.push(cdr::decode(&data)?);
+                moments.push(cdr::decode(&data).map_err(|e| e.to_string())?);
             }
             _ => {}
         }
@@ -164,7 +164,7 @@ fn add_channel<M: Message>(
 }
 
 /// Writes a message; the inner error is the file's.
-fn write<M: Message>(
+fn write<M: Stamped>(
     writer: &mut Writer<NoSeek<BufWriter<File>>>,
     channel: &mut Channel,
     buffer: &mut Vec<u8>,

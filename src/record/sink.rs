@@ -20,6 +20,9 @@ pub const END: &str = "feeler.end";
 /// Name of the attachment that holds the experiment as run.
 pub const EXPERIMENT: &str = "experiment.toml";
 
+/// What stands before the experiment's name of a calibration in the name of its attachment.
+pub const CALIBRATION: &str = "calibration/";
+
 /// Encoded messages on their way to the file.
 pub struct Batch {
     /// The messages' bytes, one after the other.
@@ -30,7 +33,7 @@ pub struct Batch {
 
 /// One message of a [`Batch`].
 pub struct Entry {
-    /// Index of its channel in [`Topic::all`].
+    /// Index of its channel among the sink's topics.
     pub channel: usize,
     /// Its time, ns.
     pub log_time: u64,
@@ -69,8 +72,14 @@ struct Channel {
 }
 
 impl Sink {
-    /// Creates the file and writes facts, experiment and channels.
-    pub fn create(path: &Path, facts: &RunFacts, experiment: &str) -> Result<Self, RecordError> {
+    /// Creates the file and writes facts, experiment, calibrations (name to text) and the channels of `topics`.
+    pub fn create(
+        path: &Path,
+        facts: &RunFacts,
+        experiment: &str,
+        calibrations: &BTreeMap<String, String>,
+        topics: &[Topic],
+    ) -> Result<Self, RecordError> {
         facts.validate()?;
         let file = File::create(path).map_err(|source| file_error(path, source))?;
         let options = WriteOptions::new()
@@ -89,29 +98,33 @@ impl Sink {
         };
         let map = facts.to_map()?;
         digest_facts(&mut sink.digester, &map, experiment);
-        sink.start(map, facts.fingers, experiment)
+        let facts = Metadata {
+            name: FACTS.into(),
+            metadata: map,
+        };
+        (sink.writer.write_metadata(&facts))
+            .and_then(|()| sink.attach(EXPERIMENT.into(), experiment))
+            .and_then(|()| {
+                let mut texts = calibrations.iter();
+                texts.try_for_each(|(name, text)| sink.attach(format!("{CALIBRATION}{name}"), text))
+            })
+            .and_then(|()| sink.open_channels(topics))
             .map_err(|source| mcap_error(path, source))?;
         Ok(sink)
     }
 
-    fn start(
-        &mut self,
-        facts: BTreeMap<String, String>,
-        fingers: usize,
-        experiment: &str,
-    ) -> Result<(), McapError> {
-        self.writer.write_metadata(&Metadata {
-            name: FACTS.into(),
-            metadata: facts,
-        })?;
+    fn attach(&mut self, name: String, text: &str) -> Result<(), McapError> {
         self.writer.attach(&Attachment {
             log_time: 0,
             create_time: 0,
-            name: EXPERIMENT.into(),
+            name,
             media_type: "application/toml".into(),
-            data: Cow::Borrowed(experiment.as_bytes()),
-        })?;
-        for topic in Topic::all(fingers) {
+            data: Cow::Borrowed(text.as_bytes()),
+        })
+    }
+
+    fn open_channels(&mut self, topics: &[Topic]) -> Result<(), McapError> {
+        for topic in topics {
             let (name, text) = topic.schema();
             let schema = (self.writer).add_schema(name, "ros2msg", text.as_bytes())?;
             let topic = topic.name();

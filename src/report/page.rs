@@ -30,6 +30,12 @@ pub fn page(recording: &Recording, summary: &Summary, figures: &[Figure]) -> Str
             body {
                 (banner(recording))
                 h1 { "Run report: " (name) }
+                @if let Some(original) = &facts.replay_of {
+                    p.note {
+                        "A replay. Joint angles, torque and cap are those on record and did not follow from the "
+                        "commands here. Replayed was the recording with digest " span.digest { (original) } "."
+                    }
+                }
                 p.verdict { (verdict(recording, summary)) }
                 h2 { "The paper's claims" }
                 (claims_table(&summary.claims))

@@ -1,7 +1,7 @@
 //! A recording as time-aligned columns: one row per control step, split into strokes.
 
 use crate::record::{
-    Cap, FingerRecord, Fingertip, Flags, Message, NO_ELEMENT, Phase, Recording, RunFacts, Tactile,
+    Cap, FingerRecord, Fingertip, Flags, NO_ELEMENT, Phase, Recording, RunFacts, Stamped, Tactile,
     Task, TorqueSensor,
 };
 use glam::DVec3;
@@ -164,7 +164,7 @@ struct Newest<'a, M> {
     next: usize,
 }
 
-impl<'a, M: Message> Newest<'a, M> {
+impl<'a, M: Stamped> Newest<'a, M> {
     fn new(messages: &'a [M]) -> Self {
         Self { messages, next: 0 }
     }

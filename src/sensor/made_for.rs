@@ -117,7 +117,8 @@ impl MadeFor {
 }
 
 /// SHA-256 of `text` in hexadecimal digits.
-fn sha256(text: &str) -> String {
+/// The SHA-256 of `text`, in hexadecimal digits.
+pub fn sha256(text: &str) -> String {
     let mut digits = String::with_capacity(64);
     for byte in Sha256::digest(text.as_bytes()) {
         // Writing to a string cannot fail.

@@ -114,4 +114,8 @@ impl<C: Camera> TactileSensor for OpticalSensor<C> {
         reading.stamp = self.frame.stamp;
         Ok(())
     }
+
+    fn frame(&self) -> Option<&Frame> {
+        Some(&self.frame)
+    }
 }

@@ -1,6 +1,6 @@
 //! What a tactile sensor says: one tri-axial force for every sensing element.
 
-use super::{camera::CameraError, moments_config::MomentsError};
+use super::{camera::CameraError, frame::Frame, moments_config::MomentsError};
 use glam::DVec3;
 
 /// The forces on all sensing elements of one fingertip at one time.
@@ -64,6 +64,11 @@ pub trait TactileSensor {
     /// # Errors
     /// When `reading` is for another number of elements, or nothing could be measured.
     fn read(&mut self, reading: &mut TactileFrame) -> Result<(), SensorError>;
+
+    /// The picture that the newest forces come from, where they come from one.
+    fn frame(&self) -> Option<&Frame> {
+        None
+    }
 }
 
 impl<T: TactileSensor + ?Sized> TactileSensor for Box<T> {
@@ -73,5 +78,9 @@ impl<T: TactileSensor + ?Sized> TactileSensor for Box<T> {
 
     fn read(&mut self, reading: &mut TactileFrame) -> Result<(), SensorError> {
         (**self).read(reading)
+    }
+
+    fn frame(&self) -> Option<&Frame> {
+        (**self).frame()
     }
 }

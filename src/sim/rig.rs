@@ -57,6 +57,30 @@ impl SimHand {
     }
 }
 
+impl SimHand {
+    /// Begins a control period: joint velocities are those since the last time.
+    pub fn begin_period(&mut self) {
+        let world = self.rig.world();
+        let fingers = world.state().fingers.iter();
+        for (finger, before) in fingers.zip(&mut self.encoded_before) {
+            *before = world.model().servo.encode(finger.joints.position);
+        }
+    }
+
+    /// Advances the world by one step, in which the drives do what `command` says.
+    ///
+    /// # Errors
+    /// When the command is for another number of fingers, or the world cannot go on.
+    pub fn advance(&mut self, command: &HandCommand) -> Result<(), HandError> {
+        check_finger_count(self.fingers, command.joint_velocity.len())?;
+        let mut world = self.rig.world();
+        for (finger, &velocity) in command.joint_velocity.iter().enumerate() {
+            world.command(finger, velocity);
+        }
+        world.step().map_err(|e| HandError::Failed(e.to_string()))
+    }
+}
+
 impl Hand for SimHand {
     fn finger_count(&self) -> usize {
         self.fingers
@@ -75,16 +99,7 @@ impl Hand for SimHand {
     }
 
     fn command(&mut self, command: &HandCommand) -> Result<(), HandError> {
-        check_finger_count(self.fingers, command.joint_velocity.len())?;
-        let mut world = self.rig.world();
-        for (finger, &velocity) in command.joint_velocity.iter().enumerate() {
-            let position = world.state().fingers[finger].joints.position;
-            self.encoded_before[finger] = world.model().servo.encode(position);
-            world.command(finger, velocity);
-        }
-        for _ in 0..self.steps_per_command {
-            world.step().map_err(|e| HandError::Failed(e.to_string()))?;
-        }
-        Ok(())
+        self.begin_period();
+        (0..self.steps_per_command).try_for_each(|_| self.advance(command))
     }
 }

@@ -3,8 +3,9 @@
 use super::program::{Ended, feeler, folder, run, whole_run};
 use super::rendered::{CALIBRATION, Loaded, dimming, fingertip, image, pictures, raw, save};
 use super::table::{Row, WITH_FORCES, WITHOUT_FORCES, rows};
-use feeler::record::{Message, Moments, Recording, Tactile, cdr};
+use feeler::record::{Moments, Recording, Tactile};
 use feeler::sensor::calibration::Calibration;
+use feeler::wire::{Message, cdr};
 use glam::DVec3;
 use image::DynamicImage;
 use std::fs;

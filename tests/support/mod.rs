@@ -1,9 +1,10 @@
 //! A made-up run, plausible enough to look at: two fingers close a cap in four strokes.
 
 use feeler::record::{
-    Cap, Command, Digest, Fingertip, Flags, Joints, NO_ELEMENT, Phase, Quaternion, RecordError,
-    Recorder, RunFacts, Tactile, Task, TorqueSensor, Vector3,
+    Cap, Command, Digest, Fingertip, Flags, Joints, NO_ELEMENT, Phase, RecordError, Recorder,
+    RunFacts, Tactile, Task, TorqueSensor,
 };
+use feeler::wire::{Quaternion, Vector3};
 use glam::DVec3;
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -41,6 +42,7 @@ pub fn facts() -> RunFacts {
         approach: vec![[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]],
         stroke_direction: vec![[0.0, 1.0, 0.0], [0.0, -1.0, 0.0]],
         stroke_count: 4,
+        replay_of: None,
     }
 }
 

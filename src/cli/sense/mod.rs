@@ -1,13 +1,14 @@
 //! `feeler sense`
 
 mod frames;
-mod output;
+pub(super) mod output;
 mod recorded;
-mod sensor;
-mod source;
-mod tally;
+pub(super) mod sensor;
+pub(super) mod source;
+pub(super) mod tally;
 
 use super::interrupt::watch_for_interrupt;
+use super::link::{self, ExperimentArguments, LinkArguments};
 use super::{CommandError, Outcome};
 use crate::sensor::exposure::DEFAULT_MAX_SATURATED;
 use output::Output;
@@ -28,27 +29,27 @@ u counts from where the centroids are without load: as the calibration says; wit
 #[command(after_long_help = DETAILS)]
 pub struct Arguments {
     /// Folder or files of pictures (in the natural order of names), a recorded run, a camera
-    /// (/dev/video0), or - for raw grey frames on standard input.
+    /// (/dev/video0), rig: for what `feeler world` plays, or - for raw grey frames on standard input.
     #[arg(required = true, value_name = "SOURCE")]
     sources: Vec<PathBuf>,
     /// The sensing elements as `feeler locate` found them, instead of an experiment's; without the
     /// dome's geometry in it, G is in grey levels px² and u in px.
     #[arg(long, value_name = "LAYOUT.toml", conflicts_with = "experiment")]
-    layout: Option<PathBuf>,
+    pub(super) layout: Option<PathBuf>,
     /// The experiment whose fingertip the pictures are of: a file, or a built-in one.
     #[arg(long, default_value = "cap-closing")]
-    experiment: String,
+    pub(super) experiment: String,
     /// Calibration of the fingertip, as `feeler calibrate` writes it.
     #[arg(long, value_name = "FILE")]
-    calibration: Option<PathBuf>,
+    pub(super) calibration: Option<PathBuf>,
     /// Take out a lamp that dims or brightens: the quarter of the elements that have brightened least are
     /// taken for untouched, if they agree and have not moved, and tell the change for all. Needs a quarter
     /// of the elements free of touch; while there are fewer, the last known change is kept.
     #[arg(long, requires = "calibration")]
-    drift_correction: bool,
+    pub(super) drift_correction: bool,
     /// Where to write: .csv, .jsonl or .mcap [default: a table on standard output]
     #[arg(short, long, value_name = "FILE")]
-    output: Option<PathBuf>,
+    pub(super) output: Option<PathBuf>,
     /// Size of the raw frames on standard input, px.
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size)]
     raw: Option<(usize, usize)>,
@@ -74,7 +75,14 @@ pub struct Arguments {
     /// Finger of a recorded run, from 0 [default: 0]; of pictures, the finger of the experiment whose
     /// fingertip they are of [default: what fingers have without one of their own]
     #[arg(long, value_name = "NUMBER")]
-    finger: Option<usize>,
+    pub(super) finger: Option<usize>,
+    /// Publish what the finger feels, for `feeler hand`. Without --calibration, by the experiment's own.
+    #[arg(long)]
+    pub(super) publish: bool,
+    #[command(flatten)]
+    pub(super) values: ExperimentArguments,
+    #[command(flatten)]
+    pub(super) link: LinkArguments,
 }
 
 pub fn sense(arguments: &Arguments) -> Result<Outcome, CommandError> {
@@ -83,8 +91,18 @@ pub fn sense(arguments: &Arguments) -> Result<Outcome, CommandError> {
     let interrupted = watch_for_interrupt()?;
     let mut tally = Tally::new();
     match source {
+        Source::Recording(_) if arguments.publish => {
+            let message = "--publish: expected pictures, a camera or rig:, not a recorded run";
+            return Err(message.into());
+        }
+        Source::Rig if !arguments.publish => {
+            return Err("rig: is sensed for the hand; expected --publish beside it".into());
+        }
         Source::Recording(path) => {
             recorded::sense(arguments, &path, &mut tally, &interrupted)?;
+        }
+        source if arguments.publish => {
+            link::sense::publish(arguments, &source, &mut tally, &interrupted)?;
         }
         source => frames::sense(arguments, &source, &mut tally, &interrupted)?,
     }
@@ -104,7 +122,7 @@ pub fn sense(arguments: &Arguments) -> Result<Outcome, CommandError> {
 /// Closes `output` however sensing `ended`, and says how it went.
 ///
 /// A reader that has had enough is no error.
-fn close(
+pub(super) fn close(
     output: Box<dyn Output>,
     tally: &Tally,
     ended: Result<(), CommandError>,
@@ -128,7 +146,7 @@ fn is_closed_pipe(error: &CommandError) -> bool {
 }
 
 /// Whether to stop.
-fn is_raised(flag: &AtomicBool) -> bool {
+pub(super) fn is_raised(flag: &AtomicBool) -> bool {
     flag.load(Ordering::Relaxed)
 }
 

@@ -1,8 +1,9 @@
 //! Where readings go: a table, lines of JSON, or MCAP.
 
 use super::CommandError;
-use crate::record::{Moments, SensedWriter, Tactile, Vector3};
+use crate::record::{Moments, SensedWriter, Tactile};
 use crate::sensor::sensing::ElementReading;
+use crate::wire::Vector3;
 use glam::{DVec2, DVec3};
 use serde::Serialize;
 use std::fs::File;

@@ -2,6 +2,7 @@
 
 use super::{Arguments, CommandError};
 use crate::cli::sensor_geometry::SensorGeometry;
+use crate::config::Experiment;
 use crate::sensor::drift::DriftConfig;
 use crate::sensor::sensing::{ElementReading, Reference, Sensing};
 use crate::sources::picture::read_picture;
@@ -34,6 +35,43 @@ pub fn sensor(arguments: &Arguments) -> Result<Sensing, CommandError> {
         sensing.set_reference(reference)?;
     }
     Ok(sensing)
+}
+
+/// The sensor of one finger for the hand program.
+pub struct SensorOf {
+    /// Senses its pictures, forces included.
+    pub sensing: Sensing,
+    /// SHA-256 of its fingertip or layout, by which the hand knows it.
+    pub sha256: String,
+}
+
+/// The sensor of `finger` of `experiment`, by the arguments' layout and calibration or the experiment's own.
+pub fn for_the_hand(
+    arguments: &Arguments,
+    experiment: &Experiment,
+    finger: usize,
+) -> Result<SensorOf, CommandError> {
+    let geometry = match &arguments.layout {
+        Some(path) => SensorGeometry::of(&arguments.experiment, None, Some(path))?,
+        None => SensorGeometry::of_fingertip(experiment.fingertip(Some(finger))?)?,
+    };
+    let calibration = match &arguments.calibration {
+        Some(path) => geometry.read_calibration(path)?,
+        None => {
+            let calibration = experiment.calibration(finger)?;
+            geometry.made_for.check_same(&calibration.made_for)?;
+            calibration
+        }
+    };
+    let (size, sha256) = (geometry.size, geometry.made_for.sha256);
+    let max_saturated = arguments.max_saturated;
+    let sensing = Sensing::new(size, geometry.kernel, &geometry.regions, max_saturated)?;
+    let sensing = sensing.with_calibration(calibration)?;
+    let sensing = match arguments.drift_correction {
+        true => sensing.with_drift_correction(DriftConfig::default()),
+        false => sensing,
+    };
+    Ok(SensorOf { sensing, sha256 })
 }
 
 /// Where the centroids are in the picture at `path`.

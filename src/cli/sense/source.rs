@@ -19,6 +19,8 @@ pub enum Source {
     Video(PathBuf),
     /// A run's recording.
     Recording(PathBuf),
+    /// The rig that another program plays.
+    Rig,
 }
 
 impl Source {
@@ -75,6 +77,9 @@ impl Source {
         let [path] = paths else {
             return Ok(Self::Pictures(paths.to_vec()));
         };
+        if path == Path::new("rig:") {
+            return Ok(Self::Rig);
+        }
         if path == Path::new("-") {
             let size = raw.ok_or("-: expected --raw WIDTHxHEIGHT, the size of the frames")?;
             return Ok(Self::Raw(size));
@@ -111,8 +116,10 @@ impl Source {
                 check_size("--size", arguments.size.unwrap_or(size), size)?;
                 open_video(device, size, arguments)
             }
+            Self::Rig => Err("rig: its pictures come over the link".into()),
             Self::Recording(path) => {
-                Err(format!("{}: there are no pictures in a recording", path.display()).into())
+                let path = path.display();
+                Err(format!("{path}: the pictures of a run are for `feeler replay`").into())
             }
         }
     }

@@ -1,0 +1,152 @@
+"""Watches what the fingers of a rig feel, and stops the hand when one grasps too hard.
+
+    pip install eclipse-zenoh==1.10.2 mcap-ros2-support==0.6.0
+    python examples/python/watch_forces.py cap-closing --stop-above 1.5
+    python examples/python/watch_forces.py cap-closing --connect tls/10.0.0.5:7447 --certificates lab/10.0.0.6
+
+The text of the messages is asked of the `feeler` program, so it is always that of the rig's own version.
+docs/link.md says what they mean.
+"""
+
+import argparse
+import json
+import struct
+import subprocess
+import threading
+import time
+
+import zenoh
+from mcap.records import Schema
+from mcap_ros2.decoder import DecoderFactory
+
+PROTOCOL = 1  # version of the messages that this program knows
+NOBODY = 0xFFFFFFFF  # no element, no finger
+PRINT_INTERVAL = 0.1  # s between two lines of one finger
+
+
+def decoder(feeler, name):
+    """Reads messages of a type: CDR, as `feeler schema NAME` describes it."""
+    asked = subprocess.run([feeler, "schema", name], check=True, capture_output=True)
+    schema = Schema(id=1, name=f"feeler_msgs/msg/{name}", encoding="ros2msg", data=asked.stdout)
+    return DecoderFactory().decoder_for("cdr", schema)
+
+
+def protocol_of(data):
+    """Version of a message: the first number after the four bytes that say how it is encoded."""
+    return int.from_bytes(data[4:8], "little")
+
+
+def stop_message(sender):
+    """A Stop in CDR: little endian, version, length of the text with its zero byte, text."""
+    text = sender.encode() + b"\0"
+    return struct.pack("<4sII", b"\0\1\0\0", PROTOCOL, len(text)) + text
+
+
+def configuration(arguments):
+    """Takes part as a peer that connects to the hand, is told of the others by it, and listens nowhere."""
+    config = zenoh.Config()
+    settings = {
+        "mode": "peer",
+        "scouting/multicast/enabled": False,
+        "connect/endpoints": [arguments.connect],
+        "listen/endpoints": [],
+    }
+    if arguments.certificates:
+        tls, folder = "transport/link/tls", arguments.certificates
+        settings |= {
+            f"{tls}/root_ca_certificate": f"{folder}/ca.pem",
+            f"{tls}/enable_mtls": True,
+            f"{tls}/connect_certificate": f"{folder}/cert.pem",
+            f"{tls}/connect_private_key": f"{folder}/key.pem",
+        }
+    for key, value in settings.items():
+        config.insert_json5(key, json.dumps(value))
+    return config
+
+
+class Watcher:
+    """Says what arrives, and stops the hand where a force is too large."""
+
+    def __init__(self, session, arguments):
+        self.limit, self.sender = arguments.stop_above, arguments.sender
+        self.decode_update = decoder(arguments.feeler, "TactileUpdate")
+        self.decode_heartbeat = decoder(arguments.feeler, "Heartbeat")
+        self.stop = session.declare_publisher(
+            f"feeler/{arguments.rig}/stop", priority=zenoh.Priority.REAL_TIME, express=True
+        )
+        self.lock = threading.Lock()
+        self.programs, self.above, self.printed = set(), set(), {}
+
+    def heartbeat(self, sample):
+        data = sample.payload.to_bytes()
+        if protocol_of(data) != PROTOCOL:
+            print(f"a program speaks version {protocol_of(data)} of the messages, this one {PROTOCOL}", flush=True)
+            return
+        program = self.decode_heartbeat(data)
+        with self.lock:
+            is_new = program.instance not in self.programs
+            self.programs.add(program.instance)
+        if is_new:
+            of_finger = "" if program.finger == NOBODY else f" of finger {program.finger}"
+            print(f"there is {program.program}{of_finger}, feeler {program.version}", flush=True)
+
+    def update(self, sample):
+        data = sample.payload.to_bytes()
+        if protocol_of(data) != PROTOCOL:
+            return  # its heartbeat has been complained of
+        update = self.decode_update(data)
+        with self.lock:
+            self.guard(update)
+            now = time.monotonic()
+            if now - self.printed.get(update.finger, 0.0) >= PRINT_INTERVAL:
+                self.printed[update.finger] = now
+                print(line(update), flush=True)
+
+    def guard(self, update):
+        """Says stop with every update that is too large, so that it does not matter when one is lost. The hand
+        then stays stopped for as long as this program runs. What is not a number is too large."""
+        if self.limit is None or update.grasp_force <= self.limit:
+            self.above.discard(update.finger)
+            return
+        self.stop.put(stop_message(self.sender))
+        if update.finger not in self.above:
+            self.above.add(update.finger)
+            print(f"{line(update)}: more than {self.limit} N, hand told to stop", flush=True)
+
+
+def line(update):
+    """What one finger feels, in words."""
+    flags = [name for name in ("touch", "slip", "over") if getattr(update, name)]
+    felt = f"{update.header.stamp:8.3f} s  finger {update.finger}  {update.grasp_force:7.4f} N  {' '.join(flags):15}"
+    if update.largest_element == NOBODY:
+        return felt.rstrip()
+    force = update.forces[update.largest_element]
+    return f"{felt} element {update.largest_element:2}: {force.x:7.4f} {force.y:7.4f} {force.z:7.4f} N"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("rig", help="name of the rig: that of the experiment, unless its programs were given another")
+    parser.add_argument("--connect", default="tcp/127.0.0.1:7447", help="the hand's endpoint [default: %(default)s]")
+    parser.add_argument("--stop-above", type=float, metavar="N", help="grasp force of a finger that stops the hand, N")
+    parser.add_argument("--certificates", metavar="DIR", help="this computer's certificates, for tls/ endpoints")
+    parser.add_argument("--from", dest="sender", default="watch_forces.py", help="who says stop [default: %(default)s]")
+    parser.add_argument("--feeler", default="feeler", help="the program, to ask for the messages [default: %(default)s]")
+    arguments = parser.parse_args()
+    with zenoh.open(configuration(arguments)) as session:
+        watcher = Watcher(session, arguments)
+        key = f"feeler/{arguments.rig}"
+        subscribers = [
+            session.declare_subscriber(f"{key}/finger/*/tactile", watcher.update),
+            session.declare_subscriber(f"{key}/heartbeat", watcher.heartbeat),
+        ]
+        print(f"watching {key}; Ctrl-C ends it", flush=True)
+        try:
+            threading.Event().wait()
+        except KeyboardInterrupt:
+            for subscriber in subscribers:
+                subscriber.undeclare()
+
+
+if __name__ == "__main__":
+    main()

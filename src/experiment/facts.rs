@@ -1,0 +1,49 @@
+//! The constants of a run, for its recording.
+
+use crate::config::{ExperimentConfig, Sensing};
+use crate::control::task::FingerPathConfig;
+use crate::record::RunFacts;
+use crate::sim::config::SimConfig;
+use crate::sim::shape::ShapeConfig;
+use glam::DVec3;
+
+/// The constants of a run of `config` that its report needs.
+pub fn run_facts(config: &ExperimentConfig) -> RunFacts {
+    let directions = |pick: fn(&FingerPathConfig) -> [f64; 3]| {
+        let paths = config.task.finger.iter();
+        paths
+            .map(|path| DVec3::from_array(pick(path)).normalize_or_zero().to_array())
+            .collect()
+    };
+    RunFacts {
+        experiment: config.name.clone(),
+        seed: config.seed,
+        version: env!("CARGO_PKG_VERSION").to_string(),
+        sensing: match config.sensing {
+            Sensing::Image => "image".to_string(),
+            Sensing::Direct => "direct".to_string(),
+        },
+        control_period: config.control.period,
+        fingers: config.hand.finger.len(),
+        cap_radius: cap_radius(&config.sim),
+        feeler_tip_radius: config.sim.feeler.tip_radius,
+        touch_force_threshold: config.control.touch_force,
+        over_force_threshold: config.control.over_force,
+        slip_threshold: config.control.slip_threshold,
+        grasp_force_threshold: config.task.grasp_force,
+        approach: directions(|path| path.approach),
+        stroke_direction: directions(|path| path.stroke),
+        stroke_count: config.task.strokes,
+        replay_of: None,
+    }
+}
+
+/// Radius of the cap at its widest, m; 0 when there is no cap.
+fn cap_radius(sim: &SimConfig) -> f64 {
+    match sim.cap().map(|(_, object, _)| &object.shape) {
+        Some(
+            &ShapeConfig::Cylinder { radius, .. } | &ShapeConfig::KnurledCylinder { radius, .. },
+        ) => radius,
+        _ => 0.0,
+    }
+}

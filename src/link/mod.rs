@@ -1,0 +1,23 @@
+//! Several programs, one hand: what they say to each other, and what each makes of what it hears.
+//!
+//! Everything but `transport` is pure: bytes and times in, bytes and decisions out.
+
+pub mod beacon;
+#[cfg(feature = "link")]
+pub mod certificates;
+pub mod endpoints;
+pub mod freshness;
+pub mod hand_inbox;
+pub mod inbox;
+pub mod message;
+pub mod network;
+pub mod outlet;
+pub mod peers;
+pub mod rejection;
+pub mod remote;
+pub mod rig_inbox;
+pub mod sense_inbox;
+pub mod shared;
+pub mod topic;
+#[cfg(feature = "link")]
+pub mod transport;

@@ -1,0 +1,156 @@
+//! What the rig (the world, or real drives) has heard of the hand, and what it makes its drives do.
+
+use super::freshness::Echo;
+use super::hand_inbox::check_protocol;
+use super::inbox::Inbox;
+use super::message::{HandCommand, HandMode, Header, NO_FINGER};
+use super::peers::{Expected, Peers};
+use super::rejection::{Rejection, Rejections};
+use super::topic::Topic;
+use crate::wire::cdr;
+use glam::DVec3;
+
+/// Everything that has arrived for the rig, and its watchdog.
+#[derive(Debug, Clone)]
+pub struct RigInbox {
+    fingers: usize,
+    /// The rig's own time, s, for its owner to keep.
+    pub time: f64,
+    /// Age from which on data are stale, s.
+    limit: f64,
+    hand: Option<u64>,
+    command: Option<Command>,
+    /// The hand's newest step, to be echoed.
+    pub echo: Echo,
+    peers: Peers,
+    /// What was not taken.
+    pub rejected: Rejections,
+    /// Commands to move that were made from data older than the limit. They are not obeyed.
+    pub stale_commands: u64,
+    /// How often the watchdog stopped drives that moved.
+    pub watchdog_stops: u64,
+}
+
+#[derive(Debug, Clone)]
+struct Command {
+    header: Header,
+    state_sequence: u64,
+    joint_velocity: Vec<DVec3>,
+    /// When it came, s on the rig's wall clock.
+    heard: f64,
+    /// Whether the watchdog has stopped the drives since.
+    expired: bool,
+}
+
+impl Inbox for RigInbox {
+    fn take(&mut self, topic: Topic, bytes: &[u8], now: f64) -> Result<(), Rejection> {
+        let malformed = |_| Rejection::Malformed;
+        let taken = match topic {
+            _ if bytes.len() > topic.most_bytes() => Err(Rejection::Oversized),
+            Topic::Heartbeat => self.peers.heard(bytes, now).map(|_| ()),
+            Topic::Mode => cdr::decode::<HandMode>(bytes)
+                .map_err(malformed)
+                .and_then(|mode| self.take_step(mode.header, now)),
+            Topic::Command => cdr::decode::<HandCommand>(bytes)
+                .map_err(malformed)
+                .and_then(|command| self.take_command(command, now)),
+            _ => Err(Rejection::Stranger),
+        };
+        self.rejected.count(&taken);
+        taken
+    }
+
+    fn peers(&self) -> &Peers {
+        &self.peers
+    }
+}
+
+impl RigInbox {
+    /// Nothing has arrived yet for a rig of `fingers` that takes no commands to move from data older than
+    /// `limit`, s; programs must agree with `expected`.
+    pub fn new(fingers: usize, limit: f64, expected: Expected) -> Self {
+        Self {
+            fingers,
+            limit,
+            time: 0.0,
+            hand: None,
+            command: None,
+            echo: Echo::default(),
+            peers: Peers::new(expected),
+            rejected: Rejections::default(),
+            stale_commands: 0,
+            watchdog_stops: 0,
+        }
+    }
+
+    fn take_command(&mut self, command: HandCommand, now: f64) -> Result<(), Rejection> {
+        let header = command.header;
+        check_protocol(header.protocol)?;
+        if command.joint_velocity.len() != self.fingers {
+            return Err(Rejection::Size);
+        }
+        let joint_velocity: Vec<DVec3> = command
+            .joint_velocity
+            .into_iter()
+            .map(DVec3::from)
+            .collect();
+        if !joint_velocity.iter().all(|v| v.is_finite()) {
+            return Err(Rejection::NotFinite);
+        }
+        let moves = joint_velocity.iter().any(|v| *v != DVec3::ZERO);
+        let newest = self.command.as_ref().map(|command| command.header);
+        let same = newest.filter(|newest| newest.instance == header.instance);
+        if same.is_some_and(|newest| header.sequence <= newest.sequence) {
+            return Err(Rejection::Old);
+        }
+        self.take_step(header, now)?;
+        let age = (self.time - header.stamp).abs();
+        if moves && (age.is_nan() || age > self.limit) {
+            self.stale_commands += 1;
+            return Err(Rejection::Old);
+        }
+        self.command = Some(Command {
+            header,
+            state_sequence: command.state_sequence,
+            joint_velocity,
+            heard: now,
+            expired: false,
+        });
+        Ok(())
+    }
+
+    /// Takes in that the hand is at a step.
+    fn take_step(&mut self, header: Header, now: f64) -> Result<(), Rejection> {
+        check_protocol(header.protocol)?;
+        self.peers.check(header.instance, "hand", NO_FINGER)?;
+        if self.hand != Some(header.instance) {
+            self.hand = Some(header.instance);
+            self.echo.forget();
+        }
+        self.echo.heard(header.sequence, now);
+        Ok(())
+    }
+
+    /// Whether a command has ever come.
+    pub fn is_commanded(&self) -> bool {
+        self.command.is_some()
+    }
+
+    /// Whether a command has come that was made from the hand state of this number.
+    pub fn has_answered(&self, state_sequence: u64) -> bool {
+        let command = self.command.as_ref();
+        command.is_some_and(|command| command.state_sequence >= state_sequence)
+    }
+
+    /// What the drives do at `now` (s): the newest command's joint velocities, rad/s; none, so that all
+    /// stand still, when that came more than `limit` (s) ago. That is the watchdog.
+    pub fn drive(&mut self, now: f64, limit: f64) -> Option<&[DVec3]> {
+        let command = self.command.as_mut()?;
+        if now - command.heard > limit {
+            let moved = command.joint_velocity.iter().any(|v| *v != DVec3::ZERO);
+            self.watchdog_stops += u64::from(moved && !command.expired);
+            command.expired = true;
+        }
+        (!command.expired).then_some(command.joint_velocity.as_slice())
+    }
+}

@@ -1,0 +1,191 @@
+//! What the sensor program of one finger has heard: the hand's steps, and pictures of a rig elsewhere.
+
+use super::freshness::Echo;
+use super::hand_inbox::check_protocol;
+use super::inbox::Inbox;
+use super::message::{DirectForces, HandMode, Header, NO_FINGER, Picture};
+use super::peers::{Expected, Peers};
+use super::rejection::{Rejection, Rejections};
+use super::topic::Topic;
+use crate::wire::cdr;
+use glam::DVec3;
+use std::collections::VecDeque;
+
+/// Pictures that may wait. More are too old to be of use before they are sensed.
+const MOST_WAITING: usize = 8;
+
+/// Steps of the hand that are remembered, to find that before a picture.
+const REMEMBERED: usize = 16;
+
+/// What came of the rig.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Exposed {
+    /// A picture.
+    Picture(Picture),
+    /// Forces without pictures.
+    Forces(DirectForces),
+}
+
+impl Exposed {
+    /// Its header, and the number of its picture.
+    pub fn header(&self) -> (Header, u64) {
+        match self {
+            Self::Picture(picture) => (picture.header, picture.frame),
+            Self::Forces(forces) => (forces.header, forces.frame),
+        }
+    }
+}
+
+/// Everything that has arrived for one finger's sensor program.
+#[derive(Debug, Clone)]
+pub struct SenseInbox {
+    finger: u32,
+    elements: usize,
+    size: (usize, usize),
+    hand: Option<u64>,
+    echoes: VecDeque<Echo>,
+    newest: Option<Header>,
+    waiting: VecDeque<Exposed>,
+    /// Pictures that never came or waited too long, by their numbers.
+    pub lost: u64,
+    peers: Peers,
+    /// What was not taken.
+    pub rejected: Rejections,
+}
+
+impl Inbox for SenseInbox {
+    fn take(&mut self, topic: Topic, bytes: &[u8], now: f64) -> Result<(), Rejection> {
+        let malformed = |_| Rejection::Malformed;
+        let taken = match topic {
+            _ if bytes.len() > topic.most_bytes() => Err(Rejection::Oversized),
+            Topic::Heartbeat => self.peers.heard(bytes, now).map(|_| ()),
+            Topic::Mode => cdr::decode::<HandMode>(bytes)
+                .map_err(malformed)
+                .and_then(|mode| self.take_step(mode.header, now)),
+            Topic::Picture(_) => cdr::decode::<Picture>(bytes)
+                .map_err(malformed)
+                .and_then(|picture| self.take_picture(picture)),
+            Topic::DirectForces(_) => cdr::decode::<DirectForces>(bytes)
+                .map_err(malformed)
+                .and_then(|forces| self.take_forces(forces)),
+            _ => Err(Rejection::Stranger),
+        };
+        self.rejected.count(&taken);
+        taken
+    }
+
+    fn peers(&self) -> &Peers {
+        &self.peers
+    }
+}
+
+impl SenseInbox {
+    /// Nothing has arrived yet for `finger`, of so many `elements` and pictures of `size` (columns, rows)
+    /// px; programs must agree with `expected`.
+    pub fn new(
+        (finger, elements): (usize, usize),
+        size: (usize, usize),
+        expected: Expected,
+    ) -> Self {
+        Self {
+            finger: finger as u32,
+            elements,
+            size,
+            hand: None,
+            echoes: VecDeque::with_capacity(REMEMBERED),
+            newest: None,
+            waiting: VecDeque::with_capacity(MOST_WAITING),
+            lost: 0,
+            peers: Peers::new(expected),
+            rejected: Rejections::default(),
+        }
+    }
+
+    fn take_step(&mut self, header: Header, now: f64) -> Result<(), Rejection> {
+        check_protocol(header.protocol)?;
+        self.peers.check(header.instance, "hand", NO_FINGER)?;
+        if self.hand != Some(header.instance) {
+            self.hand = Some(header.instance);
+            self.echoes.clear();
+        }
+        let newest = self.echoes.back().copied().unwrap_or_default();
+        if header.sequence <= newest.step {
+            return Err(Rejection::Old);
+        }
+        if self.echoes.len() == REMEMBERED {
+            self.echoes.pop_front();
+        }
+        self.echoes.push_back(Echo {
+            step: header.sequence,
+            arrived: now,
+        });
+        Ok(())
+    }
+
+    fn take_picture(&mut self, picture: Picture) -> Result<(), Rejection> {
+        check_protocol(picture.header.protocol)?;
+        let (width, height) = self.size;
+        let size = (picture.width as usize, picture.height as usize);
+        if size != self.size || picture.pixels.len() != width * height {
+            return Err(Rejection::Size);
+        }
+        self.queue(picture.header, picture.finger)?;
+        self.waiting.push_back(Exposed::Picture(picture));
+        Ok(())
+    }
+
+    fn take_forces(&mut self, forces: DirectForces) -> Result<(), Rejection> {
+        check_protocol(forces.header.protocol)?;
+        if forces.forces.len() != self.elements {
+            return Err(Rejection::Size);
+        }
+        let finite = |&force: &_| DVec3::from(force).is_finite();
+        if !forces.forces.iter().all(finite) {
+            return Err(Rejection::NotFinite);
+        }
+        self.queue(forces.header, forces.finger)?;
+        self.waiting.push_back(Exposed::Forces(forces));
+        Ok(())
+    }
+
+    /// Makes room for what comes with `header`.
+    fn queue(&mut self, header: Header, finger: u32) -> Result<(), Rejection> {
+        if finger != self.finger {
+            return Err(Rejection::Size);
+        }
+        if !header.stamp.is_finite() {
+            return Err(Rejection::NotFinite);
+        }
+        self.peers.check(header.instance, "world", NO_FINGER)?;
+        let same = self
+            .newest
+            .filter(|newest| newest.instance == header.instance);
+        match same {
+            // The same again: the rig waits for an answer that may have been lost.
+            Some(newest) if header.sequence < newest.sequence => return Err(Rejection::Old),
+            Some(newest) => {
+                let missing = (header.sequence - newest.sequence).saturating_sub(1);
+                self.lost = self.lost.saturating_add(missing);
+            }
+            None => {}
+        }
+        self.newest = Some(header);
+        if self.waiting.len() == MOST_WAITING {
+            self.waiting.pop_front();
+            self.lost = self.lost.saturating_add(1);
+        }
+        Ok(())
+    }
+
+    /// The oldest that waits, to be sensed.
+    pub fn take_next(&mut self) -> Option<Exposed> {
+        self.waiting.pop_front()
+    }
+
+    /// The newest step of the hand that had arrived by `at`, s on the program's clock: what a picture of that
+    /// time echoes.
+    pub fn echo_at(&self, at: f64) -> Echo {
+        let before = self.echoes.iter().rev().find(|echo| echo.arrived <= at);
+        before.copied().unwrap_or_default()
+    }
+}

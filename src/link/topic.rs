@@ -1,0 +1,57 @@
+//! Under which keys messages go.
+
+use std::fmt;
+
+/// What a message is about. Its key is `feeler/RIG/` and what it displays as.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Topic {
+    /// [`super::message::TactileUpdate`] of a finger.
+    Tactile(usize),
+    /// [`super::message::Picture`] of a finger.
+    Picture(usize),
+    /// [`super::message::DirectForces`] of a finger.
+    DirectForces(usize),
+    /// [`super::message::HandMode`].
+    Mode,
+    /// [`super::message::HandCommand`].
+    Command,
+    /// [`super::message::HandState`].
+    State,
+    /// [`super::message::Heartbeat`] of any program.
+    Heartbeat,
+    /// [`super::message::Stop`].
+    Stop,
+    /// [`super::message::Resume`].
+    Resume,
+}
+
+impl Topic {
+    /// The whole key, for the rig called `rig`.
+    pub fn key(self, rig: &str) -> String {
+        format!("feeler/{rig}/{self}")
+    }
+
+    /// Most bytes that a message of this topic may have; more is refused unread.
+    pub fn most_bytes(self) -> usize {
+        match self {
+            Self::Picture(_) => 64 << 20,
+            _ => 64 << 10,
+        }
+    }
+}
+
+impl fmt::Display for Topic {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Tactile(finger) => write!(f, "finger/{finger}/tactile"),
+            Self::Picture(finger) => write!(f, "finger/{finger}/picture"),
+            Self::DirectForces(finger) => write!(f, "finger/{finger}/forces"),
+            Self::Mode => f.write_str("hand/mode"),
+            Self::Command => f.write_str("hand/command"),
+            Self::State => f.write_str("hand/state"),
+            Self::Heartbeat => f.write_str("heartbeat"),
+            Self::Stop => f.write_str("stop"),
+            Self::Resume => f.write_str("resume"),
+        }
+    }
+}

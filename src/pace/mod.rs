@@ -1,0 +1,31 @@
+//! The control period on the wall clock: when the next step is due, and how punctual the steps were.
+//!
+//! Nothing in the control loop reads a clock. Who hosts it on a real hand waits here between its steps:
+//!
+//! ```no_run
+//! use feeler::pace::{Pace, Punctuality};
+//! # use std::sync::atomic::AtomicBool;
+//! # fn main() -> Result<(), feeler::pace::PaceError> {
+//! # let interrupted = AtomicBool::new(false);
+//! # let step = |_| ();
+//! let mut punctuality = Punctuality::new()?;
+//! let mut pace = Pace::new(0.01)?;
+//! while let Some(tick) = pace.wait_unless(&interrupted) {
+//!     punctuality.record(&tick);
+//!     step(tick.missed);
+//! }
+//! println!("{}", punctuality.summary());
+//! # Ok(())
+//! # }
+//! ```
+
+mod clock;
+mod error;
+mod punctuality;
+pub mod real_time;
+mod timer;
+
+pub use clock::{Clock, Monotonic};
+pub use error::PaceError;
+pub use punctuality::{Punctuality, PunctualitySummary};
+pub use timer::{Pace, Tick};

@@ -1,0 +1,18 @@
+//! Where feeler does not know how to ask.
+
+use super::Refusal;
+
+pub fn raise_priority(_priority: u8) -> Result<(), Refusal> {
+    let what = "real-time priority";
+    Err(Refusal::Unsupported { what })
+}
+
+pub fn lock_memory() -> Result<(), Refusal> {
+    let what = "locked memory";
+    Err(Refusal::Unsupported { what })
+}
+
+pub fn fine_timer() -> Result<(), Refusal> {
+    let what = "fine timer";
+    Err(Refusal::Unsupported { what })
+}

@@ -1,0 +1,11 @@
+//! Sensors, hand and world as programs of their own.
+
+#![cfg(all(feature = "link", unix))]
+
+#[path = "../support/program.rs"]
+mod program;
+
+mod faults;
+mod orders;
+mod rig;
+mod together;
