@@ -23,7 +23,7 @@ const FRAME_INTERVAL: Duration = Duration::from_nanos(1_000_000_000 / 30);
 /// The drawing thread looks this often whether there is something to do.
 const PATIENCE: Duration = Duration::from_millis(10);
 
-/// The drawing thread is waited for this long in the end.
+/// A thread is waited for this long in the end.
 const FAREWELL: Duration = Duration::from_millis(500);
 
 /// Whether the terminal shows the view at the moment. There is one terminal, so there is one of these.
@@ -35,6 +35,11 @@ pub enum ViewError {
     /// There is nobody to look at it.
     #[error("{0} is not a terminal; expected to be started in one, without redirection")]
     NoTerminal(&'static str),
+    /// Whoever takes the terminal from the background is halted by the system, and hears no signal.
+    #[error(
+        "this program is in the background of its terminal; expected in the foreground: without &, and with timeout --foreground"
+    )]
+    Background,
     /// The terminal does not do what is needed.
     #[error("the terminal cannot be used: {0}")]
     Terminal(#[from] io::Error),
@@ -63,13 +68,16 @@ impl View {
     /// Whether there is a terminal to show something on.
     ///
     /// # Errors
-    /// When standard input or standard error is none.
+    /// When standard input or standard error is none, or this program is in its background.
     pub fn check_terminal() -> Result<(), ViewError> {
         if !stderr().is_terminal() {
             return Err(ViewError::NoTerminal("standard error"));
         }
         if !stdin().is_terminal() {
             return Err(ViewError::NoTerminal("standard input"));
+        }
+        if is_in_background() {
+            return Err(ViewError::Background);
         }
         Ok(())
     }
@@ -127,36 +135,60 @@ impl View {
     pub fn wait_for_quit(&mut self, snapshot: Snapshot) {
         let newest = self.shared.newest.lock();
         *newest.unwrap_or_else(PoisonError::into_inner) = Some(snapshot);
-        while self.is_drawing() && !self.shared.quit.load(Ordering::Relaxed) {
+        while self.is_open() && !self.shared.quit.load(Ordering::Relaxed) {
             thread::sleep(PATIENCE);
         }
     }
 
-    fn is_drawing(&self) -> bool {
-        let thread = self.thread.as_ref();
-        thread.is_some_and(|thread| !thread.is_finished())
+    /// Whether the terminal still shows what it is given.
+    pub fn is_open(&self) -> bool {
+        self.thread
+            .as_ref()
+            .is_some_and(|thread| !thread.is_finished())
     }
 }
 
 impl Drop for View {
     fn drop(&mut self) {
         self.shared.closing.store(true, Ordering::Relaxed);
-        // Where the terminal went away, crossterm reads on for ever. The thread is left to end with the
-        // program then, and nobody is there to be told.
-        let start = Instant::now();
-        while self.is_drawing() && start.elapsed() < FAREWELL {
-            thread::sleep(PATIENCE);
+        // Where the terminal went away, crossterm reads on for ever; where it takes nothing any more, writing
+        // waits for ever. The threads are left to end with the program then, and nobody is there to be told.
+        wait_for(self.thread.as_ref());
+        match thread::Builder::new().spawn(restore) {
+            Ok(restoring) => wait_for(Some(&restoring)),
+            Err(_) => restore(),
         }
-        restore();
     }
+}
+
+/// Waits for `thread` to end, but not for ever.
+fn wait_for<T>(thread: Option<&JoinHandle<T>>) {
+    let start = Instant::now();
+    while thread.is_some_and(|thread| !thread.is_finished()) && start.elapsed() < FAREWELL {
+        thread::sleep(PATIENCE);
+    }
+}
+
+/// Whether another program has the terminal that would be drawn on.
+#[cfg(target_os = "linux")]
+fn is_in_background() -> bool {
+    let foreground = rustix::termios::tcgetpgrp(stderr());
+    // A terminal that is not this session's own halts nobody.
+    foreground.is_ok_and(|foreground| foreground != rustix::process::getpgrp())
+}
+
+/// Whether another program has the terminal that would be drawn on; not known here.
+#[cfg(not(target_os = "linux"))]
+fn is_in_background() -> bool {
+    false
 }
 
 /// Gives the terminal back, if the view has it.
 fn restore() {
     if SHOWN.swap(false, Ordering::Relaxed) {
         // As above: a terminal that went away.
-        let _ = execute!(stderr(), LeaveAlternateScreen, Show);
         let _ = disable_raw_mode();
+        let _ = execute!(stderr(), LeaveAlternateScreen, Show);
     }
 }
 

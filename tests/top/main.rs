@@ -3,6 +3,10 @@
 #[path = "../support/program.rs"]
 mod program;
 
+#[cfg(target_os = "linux")]
+#[path = "../support/terminal.rs"]
+mod in_terminal;
+
 mod any_input;
 mod no_terminal;
 mod scenes;

@@ -1,72 +1,16 @@
-//! The view in a terminal of its own, which `script` of util-linux makes.
+//! The view in a terminal of its own.
 
+use crate::in_terminal::InTerminal;
 use crate::program::{experiment, folder, run, whole_run};
 use feeler::top::View;
 use std::fs;
-use std::io::{Read, Write};
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
+use std::process::Command;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 const ENTER: &str = "\u{1b}[?1049h";
 const LEAVE: &str = "\u{1b}[?1049l";
-
-/// A program in a terminal, and what it has drawn so far.
-struct InTerminal {
-    child: Child,
-    drawn: String,
-}
-
-impl InTerminal {
-    /// Starts `command` in `folder`; nothing where there is no `script`.
-    fn start(folder: &Path, command: &str) -> Option<Self> {
-        let command = format!("stty rows 24 cols 80; exec {command}");
-        let child = Command::new("script")
-            .args(["-qec", &command, "/dev/null"])
-            .current_dir(folder)
-            .env("TERM", "xterm-256color")
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .spawn();
-        let Ok(child) = child else {
-            eprintln!("skipped: there is no program `script`, which makes a terminal (util-linux)");
-            return None;
-        };
-        let drawn = String::new();
-        Some(Self { child, drawn })
-    }
-
-    /// Reads on until `word` is drawn.
-    fn wait_for(&mut self, word: &str) {
-        let from = self.drawn.len();
-        while !self.drawn[from..].contains(word) {
-            let mut bytes = [0; 1024];
-            let output = self.child.stdout.as_mut().expect("output");
-            let read = output.read(&mut bytes).expect("what it draws");
-            assert!(read > 0, "it ended without {word:?}: {:?}", self.drawn);
-            let text = String::from_utf8_lossy(&bytes[..read]);
-            self.drawn.push_str(&text);
-        }
-    }
-
-    fn press(&mut self, key: &str) {
-        let input = self.child.stdin.as_mut().expect("input");
-        input.write_all(key.as_bytes()).expect("a key");
-        input.flush().expect("a key");
-    }
-
-    /// All that it drew, and its exit status.
-    fn end(mut self) -> (String, Option<i32>) {
-        let output = self.child.stdout.as_mut().expect("output");
-        let mut rest = Vec::new();
-        // A terminal whose program has ended may give an error instead of an end.
-        let _ = output.read_to_end(&mut rest);
-        self.drawn.push_str(&String::from_utf8_lossy(&rest));
-        let status = self.child.wait().expect("its state");
-        (self.drawn, status.code())
-    }
-}
 
 fn digest(run: &Path) -> serde_json::Value {
     let text = fs::read_to_string(run.join("summary.json")).expect("a summary");
@@ -123,24 +67,70 @@ fn keys_stop_the_hand_and_let_it_go_on_and_leave() {
     assert!(recording.windows(words.len()).any(|part| part == words));
 }
 
-/// Whoever closes the window ends the run as with Ctrl-C.
-#[test]
-fn a_terminal_that_goes_away_ends_the_run() {
-    let folder = folder("top-gone");
-    experiment(&folder, "seat_angle = 0.48", "seat_angle = 1e6");
+/// A run in `folder` that never ends, and its number among the system's programs.
+fn endless(folder: &Path) -> Option<(InTerminal, String)> {
+    experiment(folder, "seat_angle = 0.48", "seat_angle = 1e6");
     let feeler = env!("CARGO_BIN_EXE_feeler");
     let endless = "--set=task.strokes=1000 --set=time_limit=90000 --sensing direct";
     // Replaces the shell, so that the number is its own.
     let command = format!("{feeler} run my.toml {endless} --top --speed 5 --out run");
     let command = format!("sh -c 'echo $$ > number; exec {command}'");
-    let Some(mut terminal) = InTerminal::start(&folder, &command) else {
-        return;
-    };
+    let mut terminal = InTerminal::start(folder, &command)?;
     terminal.wait_for("simulated");
     let number = fs::read_to_string(folder.join("number")).expect("its number");
+    Some((terminal, number.trim().to_string()))
+}
+
+/// The system's signals and the key end it alike.
+#[test]
+fn who_is_told_to_end_gives_the_terminal_back_and_keeps_the_record() {
+    for how in ["TERM", "INT", "q"] {
+        let folder = folder(&format!("top-ended-by-{how}"));
+        let Some((mut terminal, number)) = endless(&folder) else {
+            return;
+        };
+        if how == "q" {
+            terminal.press(how);
+        } else {
+            let signal = format!("-{how}");
+            let sent = Command::new("kill").args([&signal, &number]).status();
+            assert!(sent.expect("kill").success());
+        }
+        let (drawn, status) = terminal.end();
+        assert_eq!(status, Some(1), "{how}: {drawn}");
+        let (_, said) = drawn.split_once(LEAVE).expect("the terminal given back");
+        assert!(said.contains("interrupted"), "{how}: {said}");
+        run(&folder, &["report", "run"]).done();
+    }
+}
+
+/// Taking the terminal from there would halt the program, and then it hears no signal.
+#[test]
+fn in_the_background_the_run_is_refused() {
+    let folder = folder("top-background");
+    let feeler = env!("CARGO_BIN_EXE_feeler");
+    let command = format!("{feeler} run cap-closing --sensing direct --top --out run");
+    // With its jobs on, a shell puts each in a group of its own.
+    let command = format!("sh -c 'set -m; {command} & wait $!; echo it ended with $?'");
+    let Some(terminal) = InTerminal::start(&folder, &command) else {
+        return;
+    };
+    let (drawn, _) = terminal.end();
+    assert!(drawn.contains("in the background"), "{drawn}");
+    assert!(drawn.contains("it ended with 2"), "{drawn}");
+    assert!(!folder.join("run").exists());
+}
+
+/// Whoever closes the window ends the run as with Ctrl-C.
+#[test]
+fn a_terminal_that_goes_away_ends_the_run() {
+    let folder = folder("top-gone");
+    let Some((mut terminal, number)) = endless(&folder) else {
+        return;
+    };
     terminal.child.kill().expect("a terminal");
     terminal.child.wait().expect("its state");
-    let program = Path::new("/proc").join(number.trim()).join("exe");
+    let program = Path::new("/proc").join(number).join("exe");
     while fs::read_link(&program).is_ok() {
         std::thread::yield_now();
     }
