@@ -126,7 +126,7 @@ impl HandInbox {
         let header = update.header;
         check_protocol(header.protocol)?;
         let inbox = self.fingers.get_mut(finger).ok_or(Rejection::Size)?;
-        inbox.check(finger, &update)?;
+        check_update(finger, inbox.elements, &update)?;
         (self.peers).check(header.instance, "sense", update.finger)?;
         let before = inbox.newest.as_ref().map(|newest| newest.header);
         let before = (before, inbox.earliest);
@@ -142,27 +142,7 @@ impl HandInbox {
     fn take_state(&mut self, state: HandState, now: f64) -> Result<(), Rejection> {
         let header = state.header;
         check_protocol(header.protocol)?;
-        let fingers = self.fingers.len();
-        let joints = [state.position.len(), state.velocity.len()];
-        if joints != [fingers; 2] || state.instruments.len() > 1 {
-            return Err(Rejection::Size);
-        }
-        let measured = state.instruments.iter().flat_map(|i| {
-            let centre = sum(&i.cap_centre);
-            [
-                i.torque,
-                i.bridge_voltage,
-                i.cap_angle,
-                centre,
-                i.cap_torque,
-            ]
-        });
-        let joints = state.position.iter().chain(&state.velocity).map(sum);
-        check_finite(
-            joints
-                .chain(measured)
-                .chain([header.stamp, header.echo_age]),
-        )?;
+        check_state(self.fingers.len(), &state)?;
         self.peers.check(header.instance, "world", NO_FINGER)?;
         let before = self.state.newest.as_ref().map(|newest| newest.header);
         let before = (before, self.state.earliest);
@@ -251,26 +231,56 @@ impl FingerInbox {
         let newest = || self.newest.as_ref().map(flags);
         self.flags.take().or_else(newest).unwrap_or_default()
     }
+}
 
-    fn check(&self, finger: usize, update: &TactileUpdate) -> Result<(), Rejection> {
-        let mask = self.elements.div_ceil(8);
-        let sizes = usize::try_from(update.finger) == Ok(finger)
-            && update.forces.len() == self.elements
-            && update.shear_rate.len() == self.elements
-            && update.slip_mask.len() == mask
-            && update.invalid_mask.len() == mask;
-        if !sizes {
-            return Err(Rejection::Size);
-        }
-        let forces = update.forces.iter().map(sum);
-        let numbers = forces.chain(update.shear_rate.iter().copied());
-        let header = update.header;
-        check_finite(numbers.chain([header.stamp, header.echo_age, update.grasp_force]))
+/// Holds an update to a `finger` of so many `elements`.
+pub(super) fn check_update(
+    finger: usize,
+    elements: usize,
+    update: &TactileUpdate,
+) -> Result<(), Rejection> {
+    let mask = elements.div_ceil(8);
+    let sizes = usize::try_from(update.finger) == Ok(finger)
+        && update.forces.len() == elements
+        && update.shear_rate.len() == elements
+        && update.slip_mask.len() == mask
+        && update.invalid_mask.len() == mask;
+    if !sizes {
+        return Err(Rejection::Size);
     }
+    let forces = update.forces.iter().map(sum);
+    let numbers = forces.chain(update.shear_rate.iter().copied());
+    let header = update.header;
+    check_finite(numbers.chain([header.stamp, header.echo_age, update.grasp_force]))
+}
+
+/// Holds a state to a hand of so many `fingers`.
+pub(super) fn check_state(fingers: usize, state: &HandState) -> Result<(), Rejection> {
+    let joints = [state.position.len(), state.velocity.len()];
+    if joints != [fingers; 2] || state.instruments.len() > 1 {
+        return Err(Rejection::Size);
+    }
+    let measured = state.instruments.iter().flat_map(|i| {
+        let centre = sum(&i.cap_centre);
+        [
+            i.torque,
+            i.bridge_voltage,
+            i.cap_angle,
+            centre,
+            i.cap_torque,
+        ]
+    });
+    let joints = state.position.iter().chain(&state.velocity).map(sum);
+    let header = state.header;
+    check_finite(
+        joints
+            .chain(measured)
+            .chain([header.stamp, header.echo_age]),
+    )
 }
 
 /// The flags of an update.
-fn flags(update: &TactileUpdate) -> FingerFlags {
+pub(super) fn flags(update: &TactileUpdate) -> FingerFlags {
     let element = usize::try_from(update.largest_element).ok();
     FingerFlags {
         touch: update.touch,

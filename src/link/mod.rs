@@ -21,3 +21,4 @@ pub mod shared;
 pub mod topic;
 #[cfg(feature = "link")]
 pub mod transport;
+pub mod watch_inbox;

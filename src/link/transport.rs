@@ -116,10 +116,16 @@ fn settings(config: &LinkConfig) -> Result<Config, LinkError> {
     // Only endpoints that were named are listened to or connected to, and those that they tell of.
     set("scouting/multicast/enabled", false.into())?;
     set("scouting/gossip/enabled", true.into())?;
-    // Of two programs that learn of each other, one connects, not both.
+    // Of two programs that learn of each other, one connects, not both; one that nobody can connect to
+    // connects to all.
+    let connects = if config.listen.is_empty() {
+        "always"
+    } else {
+        "greater-zid"
+    };
     set(
         "scouting/gossip/autoconnect_strategy",
-        serde_json::json!({"peer": {"to_peer": "greater-zid"}}),
+        serde_json::json!({"peer": {"to_peer": connects}}),
     )?;
     // With the two places that are the default, half of what comes in a burst would be dropped.
     for priority in ["real_time", "interactive_high", "data_high", "data"] {
