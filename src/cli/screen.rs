@@ -18,8 +18,6 @@ use std::time::{Duration, Instant};
 
 /// Who stops the hand when a key is pressed.
 const BY: &str = "the keyboard";
-/// Time between two bars of the torque, s, and how many of them are kept.
-const TORQUE_HISTORY: (f64, usize) = (0.2, 200);
 
 /// A run on the terminal view.
 pub struct Screen {
@@ -92,12 +90,11 @@ impl RunState {
             Sensing::Image => "pictures",
             Sensing::Direct => "direct sensing",
         };
-        let (interval, length) = TORQUE_HISTORY;
         Self {
             title: format!("{}, {sensing}, seed {}", config.name, config.seed),
             frames: vec![Arrivals::default(); config.hand.finger.len()],
             steps: Arrivals::default(),
-            torque: History::new(interval, length),
+            torque: History::default(),
             fault: None,
             speed: Speedometer::new(),
             late: None,
@@ -162,6 +159,7 @@ impl RunState {
             programs: self.programs(control_loop),
             fault: self.fault.clone(),
             hand_listens: true,
+            missed: None,
             notice: String::new(),
         }
     }
@@ -226,7 +224,7 @@ fn program(name: &str, arrivals: &Arrivals, age: f64) -> Program {
         version: env!("CARGO_PKG_VERSION").into(),
         rate: arrivals.rate(),
         age,
-        received: arrivals.received(),
+        received: Some(arrivals.received()),
         lost: arrivals.lost(),
         late: None,
         state: ProgramState::Alive,

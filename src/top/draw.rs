@@ -63,11 +63,11 @@ fn draw_fingers(frame: &mut Frame, area: Rect, snapshot: &Snapshot) {
 
 fn draw_band(frame: &mut Frame, area: Rect, snapshot: &Snapshot) {
     if area.width < LEAST_WIDTH_OF_TORQUE {
-        draw_programs(frame, area, &snapshot.programs);
+        draw_programs(frame, area, snapshot);
         return;
     }
     let halves = [Constraint::Fill(1), Constraint::Length(area.width * 5 / 8)];
     let [torque, programs] = Layout::horizontal(halves).areas(area);
     draw_torque(frame, torque, snapshot.torque.as_ref());
-    draw_programs(frame, programs, &snapshot.programs);
+    draw_programs(frame, programs, snapshot);
 }

@@ -59,7 +59,13 @@ fn draw_forces(frame: &mut Frame, area: Rect, finger: &Finger) {
     let mut lines = vec![Line::styled(title, TITLE)];
     let pressed = hardest_pressed(finger, usize::from(area.height.saturating_sub(1)));
     if pressed.is_empty() {
-        lines.push(Line::styled("  no contact", QUIET));
+        let is_known = finger.forces.iter().any(|force| force.z.is_finite());
+        let words = if is_known {
+            "  no contact"
+        } else {
+            "  not known"
+        };
+        lines.push(Line::styled(words, QUIET));
     }
     let row = |element| row(finger, element, by_component);
     lines.extend(pressed.into_iter().map(row));

@@ -13,6 +13,13 @@ pub struct History {
     begun: f64,
 }
 
+impl Default for History {
+    /// Of the last 40 s, the peaks of each 0.2 s.
+    fn default() -> Self {
+        Self::new(0.2, 200)
+    }
+}
+
 impl History {
     /// A history of `length` intervals of `interval` seconds.
     pub fn new(interval: f64, length: usize) -> Self {

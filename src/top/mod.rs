@@ -14,6 +14,7 @@ mod palette;
 mod programs;
 mod snapshot;
 mod status;
+mod text;
 mod torque;
 mod view;
 mod words;
@@ -24,4 +25,5 @@ pub use history::History;
 pub use snapshot::{
     Clock, Fault, Finger, Program, ProgramState, Snapshot, TaskState, Torque, UNKNOWN,
 };
+pub use text::text;
 pub use view::{View, ViewError};

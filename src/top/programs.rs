@@ -1,7 +1,7 @@
 //! The table of the programs.
 
 use super::palette::{BAD, FRAME, GOOD, QUIET, TITLE, WARNING};
-use super::snapshot::{Program, ProgramState};
+use super::snapshot::{Program, ProgramState, Snapshot};
 use super::words::{DASH, age, number, per_cent};
 use ratatui::Frame;
 use ratatui::layout::{Constraint, Rect};
@@ -12,12 +12,18 @@ use ratatui::widgets::{Block, BorderType, Cell, Row, Table};
 /// From this width on, versions are shown.
 const WIDTH_OF_VERSIONS: u16 = 60;
 
-/// Draws what is known of `programs`; those that do not fit are counted.
-pub fn draw_programs(frame: &mut Frame, area: Rect, programs: &[Program]) {
+/// Draws what is known of the programs; those that do not fit are counted, and what the view missed.
+pub fn draw_programs(frame: &mut Frame, area: Rect, snapshot: &Snapshot) {
+    let programs = &snapshot.programs;
     let mut block = Block::bordered()
         .border_type(BorderType::Rounded)
         .border_style(FRAME)
         .title_top(Line::styled(" programs ", TITLE));
+    if let Some(missed) = snapshot.missed {
+        let words = format!(" {missed} missed here ");
+        let style = if missed > 0 { WARNING } else { QUIET };
+        block = block.title_bottom(Line::styled(words, style));
+    }
     let shown = usize::from(area.height.saturating_sub(3));
     if programs.len() > shown {
         let more = format!(" and {} more ", programs.len() - shown);
@@ -60,9 +66,9 @@ fn row(program: &Program, with_version: bool) -> Row<'static> {
     cells.extend([
         right(rate(program.rate), Style::new()),
         right(age(program.age), if silent { BAD } else { Style::new() }),
-        right(per_cent(program.lost_part()), warn(program.lost > 0)),
+        right(lost(program), warn(program.lost > 0)),
         right(late, warn(program.late.is_some_and(|late| late > 0))),
-        Cell::from(state(&program.state)),
+        Cell::from(state(program, with_version)),
     ]);
     Row::new(cells)
 }
@@ -75,9 +81,21 @@ fn rate(rate: f64) -> String {
     }
 }
 
-fn state(state: &ProgramState) -> Line<'static> {
-    let (mark, style, words) = match state {
+/// The part that was lost, or how many where the whole is not known.
+fn lost(program: &Program) -> String {
+    match program.received {
+        Some(_) => per_cent(program.lost_part()),
+        None => number(program.lost as f64, 0),
+    }
+}
+
+fn state(program: &Program, has_room: bool) -> Line<'static> {
+    let (mark, style, words) = match &program.state {
         ProgramState::Alive => ("●", GOOD, "alive".into()),
+        ProgramState::Silent if !program.age.is_finite() => ("○", WARNING, "unheard".into()),
+        ProgramState::Silent if has_room => {
+            ("○", BAD, format!("not heard for {}", age(program.age)))
+        }
         ProgramState::Silent => ("○", BAD, "SILENT".into()),
         ProgramState::Refused { why } => ("✗", BAD, format!("REFUSED: {why}")),
     };

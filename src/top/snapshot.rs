@@ -32,6 +32,9 @@ pub struct Snapshot {
     pub fault: Option<Fault>,
     /// Whether the keys that stop and resume the hand do so.
     pub hand_listens: bool,
+    /// Messages that the view itself missed, so that what it shows may be incomplete; nothing where it
+    /// misses none.
+    pub missed: Option<u64>,
     /// Something that whoever watches should know now; empty for nothing.
     pub notice: String,
 }
@@ -104,11 +107,12 @@ pub struct Program {
     pub version: String,
     /// How often its data come, Hz.
     pub rate: f64,
-    /// Age of its newest data, s.
+    /// Age of its newest data, s; of a silent one, for how long it has been.
     pub age: f64,
-    /// Messages of it that arrived.
-    pub received: u64,
-    /// Messages of it that did not, as their numbers tell.
+    /// Messages that arrived; nothing where that is not known.
+    pub received: Option<u64>,
+    /// Messages that did not, as their numbers tell: those of this program, or where it counts for itself,
+    /// those that it should have got.
     pub lost: u64,
     /// Periods in which it was late; nothing where it has none to keep.
     pub late: Option<u64>,
@@ -117,10 +121,10 @@ pub struct Program {
 }
 
 impl Program {
-    /// The part of its messages that was lost; nothing before there was one.
+    /// The part of the messages that was lost; nothing before there was one, or where it is not known.
     pub fn lost_part(&self) -> Option<f64> {
         // In floating point, where no count is too great for the sum.
-        let (received, lost) = (self.received as f64, self.lost as f64);
+        let (received, lost) = (self.received? as f64, self.lost as f64);
         let sent = received + lost;
         (sent > 0.0).then(|| lost / sent)
     }
@@ -144,7 +148,7 @@ pub enum ProgramState {
 /// Something that went wrong.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fault {
-    /// When, s, on the snapshot's clock.
+    /// When, s, on the snapshot's clock; not a number where that is not known.
     pub time: f64,
     /// What.
     pub words: String,

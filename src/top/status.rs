@@ -40,7 +40,7 @@ fn time(snapshot: &Snapshot) -> Line<'static> {
 /// The second line: phase and stroke, and how far the cap is.
 pub fn draw_task(frame: &mut Frame, area: Rect, snapshot: &Snapshot) {
     let task = snapshot.task.map_or_else(
-        || Line::styled(" no hand heard of yet", QUIET),
+        || Line::styled(" no hand is heard", QUIET),
         |task| task_line(&task),
     );
     let cap = snapshot.true_cap_angle.map(|angle| {
@@ -84,7 +84,12 @@ pub fn draw_fault(frame: &mut Frame, area: Rect, snapshot: &Snapshot) {
             } else {
                 ("✗", BAD.add_modifier(Modifier::BOLD))
             };
-            let text = format!(" {mark} {} s: {words}", number(*time, 2));
+            let time = if time.is_finite() {
+                format!("{} s: ", number(*time, 2))
+            } else {
+                String::new()
+            };
+            let text = format!(" {mark} {time}{words}");
             Line::styled(clipped(&text, width), style)
         }
     };

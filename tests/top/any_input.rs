@@ -78,7 +78,8 @@ prop_compose! {
         name in "\\PC{0,20}",
         finger in proptest::option::of(any::<usize>()),
         [rate, age] in [number(), number()],
-        [received, lost] in any::<[u64; 2]>(),
+        received in any::<Option<u64>>(),
+        lost in any::<u64>(),
         late in any::<Option<u64>>(),
         state in prop_oneof![
             Just(ProgramState::Silent),
@@ -98,7 +99,7 @@ prop_compose! {
         phase in (0_u8..6).prop_map(|number| Phase::try_from(number).unwrap_or_default()),
         [stroke, strokes] in any::<[u32; 2]>(),
         (title, words, notice) in ("\\PC{0,60}", "\\PC{0,200}", "\\PC{0,100}"),
-        over in any::<bool>(),
+        (over, missed) in any::<(bool, Option<u64>)>(),
     ) -> Snapshot {
         Snapshot {
             title,
@@ -111,6 +112,7 @@ prop_compose! {
             programs,
             fault: Some(Fault { time, words, over }),
             hand_listens: true,
+            missed,
             notice,
         }
     }

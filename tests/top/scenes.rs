@@ -3,10 +3,9 @@
 use feeler::control::flags::{FingerFlags, FlagThresholds};
 use feeler::control::phase::Phase;
 use feeler::sensor::layout::{ElementLayout, LayoutConfig};
-use feeler::top::{Clock, Fault, Finger, Program, ProgramState, Snapshot, TaskState, Torque, draw};
+pub use feeler::top::text as screen;
+use feeler::top::{Clock, Fault, Finger, Program, ProgramState, Snapshot, TaskState, Torque};
 use glam::DVec3;
-use ratatui::Terminal;
-use ratatui::backend::TestBackend;
 
 /// A finger of the reference fingertip that feels nothing.
 pub fn finger(number: usize) -> Finger {
@@ -34,7 +33,7 @@ pub fn program(name: &str, finger: Option<usize>) -> Program {
         version: "0.1.0".into(),
         rate: 100.0,
         age: 0.012,
-        received: 990,
+        received: Some(990),
         lost: 10,
         late: Some(3),
         state: ProgramState::Alive,
@@ -67,6 +66,7 @@ pub fn idle() -> Snapshot {
         ],
         fault: None,
         hand_listens: true,
+        missed: None,
         notice: String::new(),
     }
 }
@@ -122,20 +122,10 @@ pub fn silent() -> Snapshot {
     snapshot.true_cap_angle = None;
     snapshot.programs[1].state = ProgramState::Silent;
     snapshot.programs[1].age = 2.5;
+    snapshot.programs[1].received = None;
+    snapshot.missed = Some(7);
     snapshot.programs[3].state = ProgramState::Refused {
         why: "another experiment".into(),
     };
     snapshot
-}
-
-/// What a screen of `width` and `height` shows of `snapshot`, line by line.
-pub fn screen(snapshot: &Snapshot, width: u16, height: u16) -> String {
-    let mut terminal = Terminal::new(TestBackend::new(width, height)).expect("a terminal");
-    terminal
-        .draw(|frame| draw(frame, snapshot))
-        .expect("a frame");
-    let buffer = terminal.backend().buffer();
-    let lines = buffer.content.chunks(usize::from(width.max(1)));
-    let lines = lines.map(|line| line.iter().map(|cell| cell.symbol()).collect::<String>());
-    lines.collect::<Vec<_>>().join("\n")
 }

@@ -100,16 +100,20 @@ fn a_hand_that_stopped() {
 
 #[test]
 fn a_program_that_is_silent_and_one_that_is_refused() {
-    let words = ["○ SILENT", "2.5 s", "✗ REFUSE", " 0.50 s"];
+    let words = ["2.5 s", "✗ REFUSE", " 0.50 s", "7 missed here"];
     check(&silent(), &words, &["simulated", "truth"]);
     let wide = screen(&silent(), 120, 40);
-    assert!(wide.contains("✗ REFUSED: another"), "{wide}");
+    for word in ["✗ REFUSED: another", "○ not heard for 2.5 s"] {
+        assert!(wide.contains(word), "no {word:?} in\n{wide}");
+    }
+    let narrow = screen(&silent(), 80, 24);
+    assert!(narrow.contains("2.5 s     10     3 ○ SILENT"), "{narrow}");
 }
 
 #[test]
 fn nothing_is_known_yet() {
     let words = [
-        "no hand heard of yet",
+        "no hand is heard",
         "no finger heard of yet",
         "no torque sensor",
     ];

@@ -1,0 +1,17 @@
+//! A picture as text, for where there is no terminal.
+
+use super::draw::draw;
+use super::snapshot::Snapshot;
+use ratatui::Terminal;
+use ratatui::backend::TestBackend;
+
+/// What a screen of `width` columns and `height` rows shows of `snapshot`, line by line, without colours.
+pub fn text(snapshot: &Snapshot, width: u16, height: u16) -> String {
+    // A screen in memory never fails.
+    let Ok(mut terminal) = Terminal::new(TestBackend::new(width, height));
+    let Ok(_) = terminal.draw(|frame| draw(frame, snapshot));
+    let cells = &terminal.backend().buffer().content;
+    let lines = cells.chunks(usize::from(width.max(1)));
+    let lines = lines.map(|line| line.iter().map(|cell| cell.symbol()).collect::<String>());
+    lines.collect::<Vec<_>>().join("\n")
+}
