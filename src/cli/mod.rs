@@ -80,6 +80,8 @@ enum Command {
     World(link::world::Arguments),
     /// Control a hand whose sensors and drives are in other programs.
     Hand(link::hand::Arguments),
+    /// Show a running rig of several programs on the terminal.
+    Top(link::top::Arguments),
     /// Stop the hand of a rig, from anywhere.
     Stop(link::orders::Arguments),
     /// Let the hand of a rig go on that was stopped.
@@ -133,6 +135,7 @@ fn run_command(command: Command, out: &mut dyn Write) -> Result<Outcome, Command
         Command::Bench(arguments) => link::bench::bench(&arguments, out),
         Command::World(arguments) => link::world::world(&arguments, out),
         Command::Hand(arguments) => link::hand::hand(&arguments, out),
+        Command::Top(arguments) => link::top::top(&arguments, out),
         Command::Stop(arguments) => link::orders::order(&arguments, Order::Stop, out),
         Command::Resume(arguments) => link::orders::order(&arguments, Order::Resume, out),
         Command::Certificates(arguments) => link::certificates::certificates(&arguments, out),

@@ -13,3 +13,10 @@ fn without_a_terminal_the_run_is_refused_before_it_begins() {
         assert!(matches!(error, ViewError::NoTerminal(_)), "{error}");
     }
 }
+
+#[test]
+fn without_a_terminal_a_rig_is_shown_once_or_not_at_all() {
+    let folder = folder("top-no-terminal-rig");
+    let refused = run(&folder, &["top", "cap-closing"]);
+    refused.refused(&["standard error is not a terminal", "--once"]);
+}

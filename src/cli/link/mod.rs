@@ -5,6 +5,7 @@ pub mod certificates;
 pub mod hand;
 pub mod orders;
 pub mod sense;
+pub mod top;
 pub mod world;
 
 use super::CommandError;
@@ -25,7 +26,7 @@ pub struct LinkArguments {
     #[arg(long, value_name = "NAME")]
     rig: Option<String>,
     /// Where to listen, as in tls/0.0.0.0:7447; several times for several places [default: the hand
-    /// tcp/127.0.0.1:7447, the others any port of this computer]
+    /// tcp/127.0.0.1:7447, top nowhere, the others any port of this computer]
     #[arg(long, value_name = "ENDPOINT")]
     listen: Vec<String>,
     /// Whom to connect to, as in tls/10.0.0.5:7447; tried until it is there [default: the hand on this
@@ -61,21 +62,40 @@ impl LinkArguments {
         }
     }
 
+    /// Name of the rig, which is that of the experiment unless said otherwise.
+    pub fn rig(&self, experiment: &str) -> String {
+        self.rig.clone().unwrap_or_else(|| experiment.into())
+    }
+
     /// The network of the rig `name`. The hand waits for the others to connect.
     pub fn open(&self, name: &str, is_hand: bool) -> Result<Arc<dyn Network>, CommandError> {
+        if is_hand {
+            self.network(name, Some(HAND_ENDPOINT), None)
+        } else {
+            self.network(name, Some(LOCAL_ENDPOINT), Some(HAND_ENDPOINT))
+        }
+    }
+
+    /// The network of the rig `name` for somebody who only watches: nobody need connect to it.
+    pub fn watch(&self, name: &str) -> Result<Arc<dyn Network>, CommandError> {
+        self.network(name, None, Some(HAND_ENDPOINT))
+    }
+
+    /// The network of the rig `name`, with the places to `listen` and to `connect` to where none are given.
+    fn network(
+        &self,
+        name: &str,
+        listen: Option<&str>,
+        connect: Option<&str>,
+    ) -> Result<Arc<dyn Network>, CommandError> {
         let or = |given: &[String], default: Option<&str>| match given {
             [] => default.map(String::from).into_iter().collect(),
             given => given.to_vec(),
         };
-        let listen = if is_hand {
-            HAND_ENDPOINT
-        } else {
-            LOCAL_ENDPOINT
-        };
         let config = LinkConfig {
-            rig: self.rig.clone().unwrap_or_else(|| name.into()),
-            listen: or(&self.listen, Some(listen)),
-            connect: or(&self.connect, (!is_hand).then_some(HAND_ENDPOINT)),
+            rig: self.rig(name),
+            listen: or(&self.listen, listen),
+            connect: or(&self.connect, connect),
             certificates: self.certificates.clone(),
             insecure: self.insecure,
         };

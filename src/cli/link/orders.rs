@@ -3,8 +3,10 @@
 use super::LinkArguments;
 use crate::cli::{CommandError, Outcome};
 use crate::link::beacon::Beacon;
+use crate::link::endpoints::LinkError;
 use crate::link::inbox::{Inbox, listen};
 use crate::link::message::{Heartbeat, NO_FINGER, PROTOCOL, Resume, Stop};
+use crate::link::network::Network;
 use crate::link::outlet::{draw_instance, monotonic, send};
 use crate::link::peers::{Expected, Peers};
 use crate::link::rejection::Rejection;
@@ -54,6 +56,17 @@ impl Inbox for Lookout {
     }
 }
 
+impl Order {
+    /// Says it once to whatever hand hears it, on behalf of `from`.
+    pub fn send(self, network: &dyn Network, from: &str) -> Result<(), LinkError> {
+        let (protocol, from) = (PROTOCOL, from.to_string());
+        match self {
+            Self::Stop => send(network, Topic::Stop, &Stop { protocol, from }),
+            Self::Resume => send(network, Topic::Resume, &Resume { protocol, from }),
+        }
+    }
+}
+
 /// Says `order` to the hand of a rig.
 pub fn order(
     arguments: &Arguments,
@@ -80,14 +93,9 @@ pub fn order(
         let rig = &arguments.rig;
         return Err(format!("no hand of rig {rig:?} was heard within {LONGEST:?}").into());
     }
-    let (protocol, from) = (PROTOCOL, arguments.from.clone());
     // More than once: a message that the network cannot take is dropped.
     for _ in 0..REPEATS {
-        let from = from.clone();
-        match order {
-            Order::Stop => send(&*network, Topic::Stop, &Stop { protocol, from })?,
-            Order::Resume => send(&*network, Topic::Resume, &Resume { protocol, from })?,
-        }
+        order.send(&*network, &arguments.from)?;
         std::thread::sleep(INTERVAL);
     }
     writeln!(out, "said")?;

@@ -1,0 +1,92 @@
+//! What `feeler top` shows of a rig, and that its keys reach the hand.
+
+use super::in_terminal::InTerminal;
+use super::program::{folder, run};
+use super::rig::Rig;
+use std::net::TcpListener;
+
+/// Wide enough for a program's state in words.
+const WIDE: (u16, u16) = (120, 40);
+
+/// The rig, as it should be: nobody disagrees, and it goes on for long.
+const SETTINGS: [&str; 2] = ["--sensing=direct", "--set=time_limit=600"];
+
+/// What `feeler top --once` prints of `rig`, with `more` arguments.
+fn picture(rig: &Rig, more: &[&str]) -> String {
+    let arguments = ["top", "cap-closing", "--once", "--connect", &rig.endpoint];
+    let arguments = [&arguments[..], &SETTINGS, more].concat();
+    run(&rig.folder, &arguments).done()
+}
+
+/// The number before `unit` in the line of `picture` that begins with `name`.
+fn number_before(picture: &str, name: &str, unit: &str) -> Option<f64> {
+    let line = picture.lines().find(|line| line.contains(name))?;
+    let (_, rest) = line.split_once(name)?;
+    let (before, _) = rest.split_once(unit)?;
+    before.split_whitespace().last()?.parse().ok()
+}
+
+#[test]
+fn a_rig_is_shown_with_its_programs_flags_and_phase() {
+    let rig = Rig::start(folder("link-top"), "1", &SETTINGS);
+    let mut hand = rig.hand(&[]);
+    hand.wait_for("waiting for");
+    // It takes a moment until all are at work.
+    let start = std::time::Instant::now();
+    let mut shown = picture(&rig, &[]);
+    while !(shown.matches("● alive").count() == 4 && shown.contains("stroke 1 of 4")) {
+        assert!(start.elapsed().as_secs() < 90, "{shown}");
+        shown = picture(&rig, &[]);
+    }
+    for name in ["sense 0", "sense 1", "hand ", "world "] {
+        let rate = number_before(&shown, name, " Hz");
+        assert!(rate.is_some_and(|rate| rate > 1.0), "{name}: {shown}");
+    }
+    let phases = [" SEARCH ", " MOVE ", " RELEASE ", " RETURN "];
+    let lit = phases.iter().filter(|phase| shown.contains(*phase));
+    assert_eq!(lit.count(), 1, "{shown}");
+    let flags = shown.lines().find(|line| line.contains("╭ finger 0"));
+    let flags = flags.expect("the fingers").to_lowercase();
+    assert_eq!(flags.matches(" touch  slip  over ").count(), 2, "{shown}");
+    assert!(
+        shown.contains("N·m") && shown.contains(" missed here"),
+        "{shown}"
+    );
+    // Of a bad network, the picture says that it may be incomplete.
+    let bad = picture(&rig, &["--rehearse=loss=0.3"]);
+    let missed = number_before(&bad, "╰ last", " missed here");
+    assert!(missed.is_some_and(|missed| missed > 0.0), "{bad}");
+}
+
+#[test]
+fn keys_reach_the_hand_and_it_is_missed_when_it_is_gone() {
+    let rig = Rig::start(folder("link-top-keys"), "1", &SETTINGS);
+    let mut hand = rig.hand(&[]);
+    let feeler = env!("CARGO_BIN_EXE_feeler");
+    let (endpoint, settings) = (&rig.endpoint, SETTINGS.join(" "));
+    let command = format!("{feeler} top cap-closing --connect {endpoint} {settings}");
+    let Some(mut terminal) = InTerminal::start_in(&rig.folder, WIDE, &command) else {
+        return;
+    };
+    terminal.wait_for("MOVE");
+    terminal.press("s");
+    terminal.wait_for("STOPPED");
+    hand.wait_for("stopped: told to stop by the keyboard of feeler top");
+    terminal.press("r");
+    hand.wait_for("going on");
+    hand.signal("KILL");
+    terminal.wait_for("not heard");
+    terminal.press("q");
+    let (drawn, status) = terminal.end();
+    assert_eq!(status, Some(0), "{drawn}");
+}
+
+#[test]
+fn a_rig_that_is_not_there_is_not_shown() {
+    let port = TcpListener::bind("127.0.0.1:0").expect("a port");
+    let endpoint = format!("tcp/{}", port.local_addr().expect("its address"));
+    drop(port);
+    let arguments = ["top", "cap-closing", "--once", "--connect", &endpoint];
+    let nobody = run(&folder("link-top-nobody"), &arguments);
+    nobody.refused(&["no program of rig \"cap-closing\""]);
+}
