@@ -77,6 +77,7 @@ impl LinkArguments {
     }
 
     /// The network of the rig `name` for somebody who only watches: nobody need connect to it.
+    #[cfg(feature = "top")]
     pub fn watch(&self, name: &str) -> Result<Arc<dyn Network>, CommandError> {
         self.network(name, None, Some(HAND_ENDPOINT))
     }
