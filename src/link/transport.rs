@@ -10,6 +10,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use zenoh::bytes::Encoding;
 use zenoh::pubsub::{Publisher, Subscriber};
 use zenoh::qos::{CongestionControl, Priority};
+use zenoh::sample::Locality;
 use zenoh::{Config, Session, Wait};
 
 /// A program's place in the link.
@@ -56,6 +57,8 @@ impl Link {
             .session
             .declare_publisher(topic.key(&self.shared.rig))
             .encoding(Encoding::APPLICATION_CDR)
+            // A program does not hear itself.
+            .allowed_destination(Locality::Remote)
             .congestion_control(CongestionControl::Drop)
             .priority(priority)
             .express(true)

@@ -27,9 +27,9 @@ fn moving(name: &str, more: &[&str]) -> (Rig, Running) {
 
 /// Ends the hand and holds its record to the promises: a reason for each stop, among them `words`, and no
 /// move on stale data.
-fn check(rig: &Rig, hand: Running, words: &str) {
+fn check(rig: &Rig, mut hand: Running, words: &str) {
     hand.signal("INT");
-    let (status, said) = hand.ended();
+    let (status, said) = hand.wait();
     assert_eq!(status, Some(1), "{said}");
     let recording = rig.recording();
     let reasons = reasons(&recording);
@@ -43,9 +43,8 @@ fn check(rig: &Rig, hand: Running, words: &str) {
 }
 
 /// What the world says at its end.
-fn worlds_end(rig: Rig) -> String {
-    let Rig { world, .. } = rig;
-    let (status, said) = world.ended();
+fn worlds_end(rig: &mut Rig) -> String {
+    let (status, said) = rig.world.wait();
     assert_eq!(status, Some(0), "{said}");
     assert!(said.contains("0 stale commands refused"), "{said}");
     said
@@ -64,14 +63,14 @@ fn a_sensor_program_that_is_killed_stops_the_hand_until_it_is_told_to_go_on() {
         rig.order("resume").done();
     }
     check(&rig, hand, "the forces of finger 1");
-    worlds_end(rig);
+    worlds_end(&mut rig);
 }
 
 #[test]
 fn a_sensor_program_that_is_frozen_stops_the_hand_which_may_go_on_by_itself() {
     let settings = ["--set=control.resume=fresh"];
     let all = ["--sensing=direct", "--set=time_limit=600", settings[0]];
-    let rig = Rig::start(folder("link-frozen"), "1", &all);
+    let mut rig = Rig::start(folder("link-frozen"), "1", &all);
     let mut hand = rig.hand(&[]);
     std::thread::sleep(std::time::Duration::from_secs(2));
     rig.senses[0].signal("STOP");
@@ -79,44 +78,44 @@ fn a_sensor_program_that_is_frozen_stops_the_hand_which_may_go_on_by_itself() {
     rig.senses[0].signal("CONT");
     hand.wait_for("going on");
     check(&rig, hand, "the forces of finger 0");
-    worlds_end(rig);
+    worlds_end(&mut rig);
 }
 
 #[test]
 fn a_world_that_is_frozen_stops_the_hand() {
-    let (rig, mut hand) = moving("link-still", &[]);
+    let (mut rig, mut hand) = moving("link-still", &[]);
     rig.world.signal("STOP");
     hand.wait_for("stopped: the joint angles");
     rig.world.signal("CONT");
     check(&rig, hand, "the joint angles");
-    worlds_end(rig);
+    worlds_end(&mut rig);
 }
 
 #[test]
 fn a_bad_network_stops_the_hand_and_never_makes_it_move_on_stale_data() {
-    let (rig, mut hand) = moving(
+    let (mut rig, mut hand) = moving(
         "link-bad",
         &["--rehearse=loss=0.2,jitter=0.05,duplicate=0.1"],
     );
     hand.wait_for("stopped:");
     check(&rig, hand, "s old (limit");
-    worlds_end(rig);
+    worlds_end(&mut rig);
 }
 
 #[test]
 fn a_hand_that_is_killed_leaves_the_rig_to_its_watchdog() {
-    let (rig, hand) = moving("link-watchdog", &[]);
+    let (mut rig, hand) = moving("link-watchdog", &[]);
     hand.signal("KILL");
     std::thread::sleep(std::time::Duration::from_millis(500));
     rig.world.signal("INT");
-    let said = worlds_end(rig);
+    let said = worlds_end(&mut rig);
     assert!(said.contains("1 stops by the watchdog"), "{said}");
 }
 
 #[test]
 fn programs_that_do_not_agree_are_refused_and_both_are_named() {
     let rig = Rig::start(folder("link-other"), "1", &["--sensing=direct"]);
-    let (status, said) = rig.hand(&["--seed=9"]).ended();
+    let (status, said) = rig.hand(&["--seed=9"]).wait();
     assert_eq!(status, Some(2), "{said}");
     assert!(
         said.contains("works by experiment") && said.contains("this by"),

@@ -1,7 +1,7 @@
 //! Orders from anywhere, and who may give them.
 
 use super::program::{folder, run};
-use super::rig::{Rig, Running, reasons};
+use super::rig::{Rig, Running, alone, reasons};
 
 #[test]
 fn a_hand_stops_when_told_to_and_goes_on_when_told_to() {
@@ -14,7 +14,7 @@ fn a_hand_stops_when_told_to_and_goes_on_when_told_to() {
     rig.order("resume").done();
     hand.wait_for("going on");
     hand.signal("INT");
-    let (status, said) = hand.ended();
+    let (status, said) = hand.wait();
     assert_eq!(status, Some(1), "{said}");
     let reasons = reasons(&rig.recording());
     assert!(
@@ -25,6 +25,7 @@ fn a_hand_stops_when_told_to_and_goes_on_when_told_to() {
 
 #[test]
 fn only_who_has_a_certificate_of_the_lab_takes_part() {
+    let _alone = alone();
     let folder = folder("link-certificates");
     run(&folder, &["certificates", "lab", "127.0.0.1"]).done();
     run(&folder, &["certificates", "elsewhere", "127.0.0.1"]).done();

@@ -6,10 +6,20 @@ use std::fs::{self, File};
 use std::net::TcpListener;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 /// After this a program is taken to hang: far longer than any takes on a busy machine.
 const HANGS: Duration = Duration::from_secs(90);
+
+/// Programs in real time need the computer for themselves, and free ports stay free.
+static ALONE: Mutex<()> = Mutex::new(());
+
+/// Holds back the other tests of programs until it is dropped.
+pub fn alone() -> MutexGuard<'static, ()> {
+    // A test that failed has ended its programs, too.
+    ALONE.lock().unwrap_or_else(PoisonError::into_inner)
+}
 
 /// A program that runs, its output in files.
 pub struct Running {
@@ -56,7 +66,7 @@ impl Running {
     }
 
     /// Its exit status and all it said, once it has ended.
-    pub fn ended(mut self) -> (Option<i32>, String) {
+    pub fn wait(&mut self) -> (Option<i32>, String) {
         let start = Instant::now();
         loop {
             if let Some(status) = self.child.try_wait().expect("its status") {
@@ -83,11 +93,14 @@ pub struct Rig {
     pub settings: Vec<String>,
     pub world: Running,
     pub senses: Vec<Running>,
+    /// Released last: after the programs have ended.
+    _alone: MutexGuard<'static, ()>,
 }
 
 impl Rig {
     /// The programs, all but the hand: `settings` for each, `speed` for the world.
     pub fn start(folder: PathBuf, speed: &str, settings: &[&str]) -> Self {
+        let _alone = alone();
         let port = TcpListener::bind("127.0.0.1:0").expect("a port");
         let endpoint = format!("tcp/{}", port.local_addr().expect("its address"));
         drop(port);
@@ -109,6 +122,7 @@ impl Rig {
             folder,
             endpoint,
             settings,
+            _alone,
         }
     }
 

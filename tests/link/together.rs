@@ -19,7 +19,7 @@ fn a_world_that_waits_gives_the_run_of_one_process_bit_for_bit() {
     ] {
         let settings = [sensing, "--set=time_limit=4"];
         let rig = Rig::start(folder(name), "max", &settings);
-        let (status, said) = rig.hand(&[]).ended();
+        let (status, said) = rig.hand(&[]).wait();
         // It ends at the time limit, before the cap is closed.
         assert_eq!(status, Some(1), "{said}");
         let one = ["run", "cap-closing", "--out=one", settings[0], settings[1]];
@@ -32,7 +32,7 @@ fn a_world_that_waits_gives_the_run_of_one_process_bit_for_bit() {
 #[test]
 fn the_cap_is_closed_in_real_time_and_the_record_replays() {
     let rig = Rig::start(folder("link-real-time"), "1", &["--sensing=direct"]);
-    let (status, said) = rig.hand(&[]).ended();
+    let (status, said) = rig.hand(&[]).wait();
     let recording = rig.recording();
     // A busy machine may stop the hand for want of fresh data; it never moves it without.
     let limit = 0.035 + 1e-9;
