@@ -5,6 +5,7 @@
 #[path = "../support/program.rs"]
 mod program;
 
+mod cable;
 mod faults;
 mod orders;
 mod rig;
