@@ -1,6 +1,6 @@
 //! A cable between two hosts that is cut and mended: network namespaces, where the system lets us.
 
-use super::faults::{NO_HURRY, check};
+use super::faults::{LastWords, NO_HURRY, check};
 use super::rig::Setup;
 use std::process::Command;
 use std::time::Duration;
@@ -82,7 +82,7 @@ fn cut(name: &str, seconds: u64, by_itself: bool) {
     }
     hand.wait_for("going on");
     std::thread::sleep(Duration::from_millis(300));
-    let world = check(&mut rig, hand, "s old (limit");
+    let LastWords { world, .. } = check(&mut rig, hand, "s old (limit");
     assert!(!world.contains(" 0 stops by the watchdog"), "{world}");
 }
 

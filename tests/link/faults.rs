@@ -9,9 +9,15 @@ pub const STALE: f64 = 0.035 + 1e-9;
 /// Longer than any test takes.
 pub const NO_HURRY: &str = "time_limit=600";
 
+/// What programs say in the end.
+pub struct LastWords {
+    pub hand: String,
+    pub world: String,
+}
+
 /// Ends the hand and holds its record to the promises: a reason for each stop, among them `words`, and no
-/// move on stale data. What the world says in the end.
-pub fn check(rig: &mut Rig, mut hand: Running, words: &str) -> String {
+/// move on stale data. What hand and world say in the end.
+pub fn check(rig: &mut Rig, mut hand: Running, words: &str) -> LastWords {
     hand.signal("INT");
     let (status, said) = hand.wait();
     assert_eq!(status, Some(1), "{said}");
@@ -21,7 +27,10 @@ pub fn check(rig: &mut Rig, mut hand: Running, words: &str) -> String {
     assert!(named, "{reasons:?}, {said}");
     let oldest = ages_of_moves(&recording).into_iter().fold(0.0, f64::max);
     assert!(oldest <= STALE, "{oldest} s, {said}");
-    worlds_end(rig)
+    LastWords {
+        hand: said,
+        world: worlds_end(rig),
+    }
 }
 
 fn worlds_end(rig: &mut Rig) -> String {

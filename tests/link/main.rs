@@ -7,6 +7,7 @@ mod program;
 
 mod cable;
 mod faults;
+mod hostile;
 mod orders;
 mod rig;
 mod together;

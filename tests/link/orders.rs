@@ -47,7 +47,7 @@ fn only_who_has_a_certificate_of_the_lab_takes_part() {
     rig.setup
         .order("stop", &elsewhere)
         .refused(&["no hand of rig"]);
-    assert!(!hand.said().contains("stopped"), "{}", hand.said());
+    assert!(!hand.said().contains("told to stop"), "{}", hand.said());
     rig.setup.order("stop", &lab).done();
     hand.wait_for("stopped: told to stop by the test");
     check(&mut rig, hand, "told to stop by the test");
