@@ -10,4 +10,5 @@ mod faults;
 mod hostile;
 mod orders;
 mod rig;
+mod soak;
 mod together;

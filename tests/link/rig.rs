@@ -56,6 +56,15 @@ impl Running {
         }
     }
 
+    /// Its memory that is resident, KiB.
+    pub fn resident(&self) -> u64 {
+        let path = format!("/proc/{}/status", self.child.id());
+        let status = fs::read_to_string(path).expect("its status");
+        let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"));
+        let number = line.and_then(|line| line.trim().split(' ').next());
+        number.expect("its memory").parse().expect("KiB")
+    }
+
     /// Sends it a signal, as in `KILL`.
     pub fn signal(&self, signal: &str) {
         let signal = format!("-{signal}");
