@@ -5,6 +5,13 @@
 
 use feeler::config::Experiment;
 use feeler::hand::hand::{Hand, HandState};
+use feeler::link::hand_inbox::HandInbox;
+use feeler::link::inbox::Inbox;
+use feeler::link::message::{Heartbeat, NO_FINGER, PROTOCOL};
+use feeler::link::peers::{Expected, MOST_PEERS};
+use feeler::link::rig_inbox::RigInbox;
+use feeler::link::sense_inbox::SenseInbox;
+use feeler::link::topic::Topic;
 use feeler::record::{RecordedCamera, RecordedHand, RecordedSensor, Recording};
 use feeler::sensor::calibration::Calibration;
 use feeler::sensor::camera::{Camera, CameraError};
@@ -14,6 +21,7 @@ use feeler::sensor::located_layout::LocatedLayout;
 use feeler::sensor::moments::ElementMoments;
 use feeler::sensor::reading::{SensorError, TactileFrame, TactileSensor};
 use feeler::sources::picture::decode_picture;
+use feeler::wire::cdr;
 use glam::DVec2;
 use std::io::Cursor;
 use std::str::from_utf8;
@@ -162,6 +170,97 @@ fn play_back(recording: &Recording) {
     }
     let end = hand.read(&mut state);
     assert!(recording.fingers.is_empty() || end.is_err(), "{state:?}");
+}
+
+/// Whatever other programs say, a hand, a rig and a sensor program of two elements keep nothing that is not
+/// finite or of another size. The bytes are messages: topic (its place in [`TOPICS`]), length (2 bytes, little
+/// endian) and the message itself.
+pub fn link(bytes: &[u8]) -> bool {
+    let expected = Expected {
+        fingertips: vec![String::new()],
+        ..Expected::default()
+    };
+    let mut hand = HandInbox::new(&[2], expected.clone());
+    let mut rig = RigInbox::new(1, 0.045, expected.clone());
+    let mut sense = SenseInbox::new((0, 2), (3, 2), expected);
+    let (mut now, mut bytes, mut sound) = (0.0, bytes, false);
+    for introduction in introductions() {
+        for inbox in [&mut hand as &mut dyn Inbox, &mut rig, &mut sense] {
+            let taken = inbox.take(Topic::Heartbeat, &introduction, now);
+            taken.expect("a heartbeat of a program that agrees");
+        }
+    }
+    while let [topic, low, high, rest @ ..] = bytes {
+        let topic = TOPICS[usize::from(*topic) % TOPICS.len()];
+        let length = usize::from(u16::from_le_bytes([*low, *high])).min(rest.len());
+        let (message, rest) = rest.split_at(length);
+        (now, bytes) = (now + 0.01, rest);
+        let step = hand.sent.newest() + 1;
+        hand.sent.sent(step, now);
+        for inbox in [&mut hand as &mut dyn Inbox, &mut rig, &mut sense] {
+            sound |= inbox.take(topic, message, now).is_ok();
+            assert!(inbox.peers().all().len() <= MOST_PEERS);
+        }
+        check_hand(&mut hand, now);
+        rig.time = now;
+        let drive = rig.drive(now, 0.045).unwrap_or_default();
+        assert!(drive.iter().all(|velocity| velocity.is_finite()));
+        let _ = sense.take_next().map(|exposed| exposed.header());
+        let _ = sense.echo_at(now);
+    }
+    sound
+}
+
+/// The topics of the link, as its fuzz target numbers them.
+pub const TOPICS: [Topic; 9] = [
+    Topic::Tactile(0),
+    Topic::Picture(0),
+    Topic::DirectForces(0),
+    Topic::Mode,
+    Topic::Command,
+    Topic::State,
+    Topic::Heartbeat,
+    Topic::Stop,
+    Topic::Resume,
+];
+
+/// The first heartbeats of a hand, a world and a sensor program, whose instances are 1, 2 and 3.
+fn introductions() -> [Vec<u8>; 3] {
+    let programs = [("hand", NO_FINGER), ("world", NO_FINGER), ("sense", 0)];
+    let mut instance = 0;
+    programs.map(|(program, finger)| {
+        instance += 1;
+        let heartbeat = Heartbeat {
+            protocol: PROTOCOL,
+            instance,
+            program: program.into(),
+            finger,
+            sequence: 1,
+            ..Heartbeat::default()
+        };
+        let mut bytes = Vec::new();
+        cdr::encode(&heartbeat, &mut bytes).expect("a heartbeat's bytes");
+        bytes
+    })
+}
+
+/// What the hand keeps is whole and finite, and no data are from a time to come.
+fn check_hand(hand: &mut HandInbox, now: f64) {
+    let _ = hand.fault(now, 0.035);
+    let _ = hand.take_resume();
+    let (state, mut fingers) = hand.ages(now);
+    assert!(state >= 0.0 && fingers.all(|age| age >= 0.0), "{now} s");
+    for update in hand.fingers().iter().filter_map(|f| f.newest.as_ref()) {
+        assert_eq!((update.forces.len(), update.shear_rate.len()), (2, 2));
+        let forces = update.forces.iter().flat_map(|f| [f.x, f.y, f.z]);
+        assert!(forces.chain([update.grasp_force]).all(f64::is_finite));
+    }
+    if let Some(state) = &hand.state().newest {
+        let joints = state.position.iter().chain(&state.velocity);
+        let joints: Vec<_> = joints.flat_map(|j| [j.x, j.y, j.z]).collect();
+        assert_eq!(joints.len(), 6);
+        assert!(joints.into_iter().all(f64::is_finite));
+    }
 }
 
 fn text(bytes: &[u8]) -> Option<&str> {

@@ -149,8 +149,8 @@ fn check_task(task: &TaskConfig, checker: &mut Checker) {
     checker.require(
         "task.strokes",
         task.strokes.to_string(),
-        (1..=1000).contains(&task.strokes),
-        "1 to 1000",
+        (1..=100_000).contains(&task.strokes),
+        "1 to 100000",
     );
     let positive = [
         ("search_speed", task.search_speed),

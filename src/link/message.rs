@@ -3,6 +3,7 @@
 //! All stamps are seconds on the clock of the program that `Header::clock` names: in a system with
 //! simulated cameras, that of the world.
 
+use crate::control::phase::Phase;
 use crate::wire::{Vector3, message, vector3_schema};
 use serde::{Deserialize, Serialize};
 
@@ -172,6 +173,14 @@ pub struct HandMode {
     pub stroke: u32,
     /// Why the hand is stopped; empty when it is not.
     pub stopped: String,
+}
+
+impl HandMode {
+    /// Whether the hand has not begun: its rig is not whole yet.
+    pub fn is_waiting(&self) -> bool {
+        // A hand at work is in a phase, and says so by flag where that is SEARCH.
+        self.phase == u8::from(Phase::Search) && !self.search
+    }
 }
 
 message!(

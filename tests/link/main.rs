@@ -9,9 +9,12 @@ mod program;
 #[path = "../support/terminal.rs"]
 mod in_terminal;
 
+mod cable;
 mod faults;
+mod hostile;
 mod orders;
 mod rig;
+mod soak;
 mod together;
 #[cfg(all(feature = "top", target_os = "linux"))]
 mod watched;

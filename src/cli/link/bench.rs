@@ -172,6 +172,14 @@ impl Sensors {
             if stop.load(Ordering::Relaxed) || pace.wait_unless(stop).is_none() {
                 break;
             }
+            // As in a rig: the joints are known before pictures have become forces.
+            let state = HandState {
+                header: header(self.world, sequence, now()),
+                position: still.clone(),
+                velocity: still.clone(),
+                instruments: Vec::new(),
+            };
+            self.say(Topic::State, &state)?;
             for (finger, &instance) in self.fingers.iter().enumerate() {
                 let mut update = TactileUpdate {
                     header: header(instance, sequence, now()),
@@ -187,13 +195,6 @@ impl Sensors {
                 update.header.clock = self.world;
                 self.say(Topic::Tactile(finger), &update)?;
             }
-            let state = HandState {
-                header: header(self.world, sequence, now()),
-                position: still.clone(),
-                velocity: still.clone(),
-                instruments: Vec::new(),
-            };
-            self.say(Topic::State, &state)?;
         }
         Ok(Outcome::Done)
     }

@@ -5,13 +5,14 @@ use crate::cli::{CommandError, Outcome};
 use crate::link::beacon::Beacon;
 use crate::link::endpoints::LinkError;
 use crate::link::inbox::{Inbox, listen};
-use crate::link::message::{Heartbeat, NO_FINGER, PROTOCOL, Resume, Stop};
+use crate::link::message::{HandMode, Heartbeat, NO_FINGER, PROTOCOL, Resume, Stop};
 use crate::link::network::Network;
 use crate::link::outlet::{draw_instance, monotonic, send};
 use crate::link::peers::{Expected, Peers};
 use crate::link::rejection::Rejection;
 use crate::link::shared::Shared;
 use crate::link::topic::Topic;
+use crate::wire::cdr;
 use std::io::Write;
 use std::sync::Arc;
 use std::time::Duration;
@@ -19,9 +20,9 @@ use std::time::Duration;
 /// How long to look for a hand.
 const LONGEST: Duration = Duration::from_secs(5);
 
-/// How often an order is said, and the time between.
-const REPEATS: usize = 3;
-const INTERVAL: Duration = Duration::from_millis(20);
+/// How often an order is said at most, and how long the hand may take to heed it before it is said again.
+const REPEATS: usize = 5;
+const INTERVAL: Duration = Duration::from_millis(200);
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
@@ -43,16 +44,24 @@ pub enum Order {
     Resume,
 }
 
-/// Looks for other programs, and takes nothing else.
-struct Lookout(Peers);
+/// Looks for the hand, and hears what it is about.
+struct Lookout {
+    peers: Peers,
+    mode: Option<HandMode>,
+}
 
 impl Inbox for Lookout {
-    fn take(&mut self, _: Topic, bytes: &[u8], now: f64) -> Result<(), Rejection> {
-        self.0.heard(bytes, now).map(|_| ())
+    fn take(&mut self, topic: Topic, bytes: &[u8], now: f64) -> Result<(), Rejection> {
+        if topic == Topic::Mode {
+            let mode = cdr::decode(bytes).map_err(|_| Rejection::Malformed)?;
+            self.mode = Some(mode);
+            return Ok(());
+        }
+        self.peers.heard(bytes, now).map(|_| ())
     }
 
     fn peers(&self) -> &Peers {
-        &self.0
+        &self.peers
     }
 }
 
@@ -65,9 +74,13 @@ impl Order {
             Self::Resume => send(network, Topic::Resume, &Resume { protocol, from }),
         }
     }
+
+    fn is_heeded(self, mode: &HandMode) -> bool {
+        mode.stopped.is_empty() == (self == Self::Resume)
+    }
 }
 
-/// Says `order` to the hand of a rig.
+/// Says `order` to the hand of a rig, and whether it heeds it.
 pub fn order(
     arguments: &Arguments,
     order: Order,
@@ -83,10 +96,14 @@ pub fn order(
         ..Heartbeat::default()
     };
     let beacon = Arc::new(Beacon::start(network.clone(), heartbeat)?);
-    let lookout = Shared::new(Lookout(Peers::new(Expected::default())));
-    listen(&*network, &[Topic::Heartbeat], &lookout, &clock, &beacon)?;
+    let lookout = Shared::new(Lookout {
+        peers: Peers::new(Expected::default()),
+        mode: None,
+    });
+    let topics = [Topic::Heartbeat, Topic::Mode];
+    listen(&*network, &topics, &lookout, &clock, &beacon)?;
     let is_hand = |lookout: &mut Lookout| {
-        let mut peers = lookout.0.all().iter();
+        let mut peers = lookout.peers.all().iter();
         peers.any(|peer| peer.heartbeat.program == "hand")
     };
     if !lookout.wait_for(LONGEST, is_hand) {
@@ -95,9 +112,44 @@ pub fn order(
     }
     // More than once: a message that the network cannot take is dropped.
     for _ in 0..REPEATS {
+        lookout.lock().mode = None;
         order.send(&*network, &arguments.from)?;
-        std::thread::sleep(INTERVAL);
+        let heeded =
+            |lookout: &mut Lookout| lookout.mode.as_ref().is_some_and(|m| order.is_heeded(m));
+        if lookout.wait_for(INTERVAL, heeded) {
+            let mode = lookout.lock().mode.clone().unwrap_or_default();
+            return said(&mode, out);
+        }
     }
-    writeln!(out, "said")?;
+    let mode = lookout.lock().mode.clone();
+    unheeded(mode.as_ref(), out)
+}
+
+fn said(mode: &HandMode, out: &mut dyn Write) -> Result<Outcome, CommandError> {
+    match mode.stopped.as_str() {
+        "" => writeln!(out, "the hand goes on")?,
+        reason => writeln!(out, "the hand stands still: {reason}")?,
+    }
     Ok(Outcome::Done)
+}
+
+/// What is said of a hand that does not do as it was told.
+fn unheeded(mode: Option<&HandMode>, out: &mut dyn Write) -> Result<Outcome, CommandError> {
+    match mode {
+        None => writeln!(
+            out,
+            "the hand was told to, but does not say whether it does"
+        )?,
+        // It heeds a stop when it begins.
+        Some(mode) if mode.is_waiting() => {
+            writeln!(
+                out,
+                "the hand waits for its rig, and will stand still when it is there"
+            )?;
+            return Ok(Outcome::Done);
+        }
+        Some(mode) if mode.stopped.is_empty() => writeln!(out, "the hand goes on")?,
+        Some(mode) => writeln!(out, "the hand stays stopped: {}", mode.stopped)?,
+    }
+    Ok(Outcome::GivenUp)
 }

@@ -231,8 +231,8 @@ impl Program {
     /// One control step: whether data are fresh, decide, command, tell, record.
     fn step(&mut self, limit: f64, log: &mut RunLog) -> Result<(), CommandError> {
         self.steps += 1;
-        let was_stopped = self.controller().stop_reason().is_some();
-        self.heed(limit);
+        let stopped_by = self.controller().stop_reason().map(ToString::to_string);
+        let went_on = self.heed(limit);
         let (before, instruments) = self.newest_state();
         self.control_loop.step()?;
         let stamp = self.control_loop.state().stamp;
@@ -248,11 +248,12 @@ impl Program {
         self.tell_mode(&mode)?;
         let is_new = before != self.answered;
         self.answered = before;
-        if !was_stopped && !mode.stopped.is_empty() {
+        let still_stopped = !went_on && stopped_by.as_ref() == Some(&mode.stopped);
+        if !still_stopped && !mode.stopped.is_empty() {
             self.say(&format!("stopped: {}", mode.stopped));
         }
         // A hand that stands still for want of data has nothing to add to the record.
-        if is_new || !was_stopped {
+        if is_new || !still_stopped {
             let (torque, cap) = recorded(stamp, instruments);
             log.write_step(&self.control_loop, torque.as_ref(), cap.as_ref())?;
         }
@@ -289,8 +290,9 @@ impl Program {
         Ok(())
     }
 
-    /// Stops the hand where data are stale or somebody says so, and lets it go on where it may.
-    fn heed(&mut self, limit: f64) {
+    /// Stops the hand where data are stale or somebody says so, and lets it go on where it may; whether it
+    /// does go on.
+    fn heed(&mut self, limit: f64) -> bool {
         let (fault, resume) = {
             let (mut inbox, now) = (self.inbox.lock(), (self.clock)());
             (inbox.fault(now, limit), inbox.take_resume())
@@ -304,10 +306,12 @@ impl Program {
                 if resume || by_itself {
                     controller.resume();
                     self.say("going on");
+                    return true;
                 }
             }
             _ => {}
         }
+        false
     }
 
     fn newest_state(&self) -> (u64, Option<Instruments>) {

@@ -164,8 +164,7 @@ impl Watched {
 
     fn notice(&self, heard: &Heard) -> String {
         let theirs = heard.inbox.experiment();
-        // A hand that waits for the others is in no stroke yet.
-        if heard.mode.is_some_and(|mode| mode.stroke == 0) {
+        if heard.mode.is_some_and(HandMode::is_waiting) {
             "the hand waits for the others".into()
         } else if !theirs.is_empty() && theirs != self.experiment {
             "the rig has other settings".into()
