@@ -1,21 +1,26 @@
 //! What `feeler top` shows of a rig, and that its keys reach the hand.
 
+use super::faults::NO_HURRY;
 use super::in_terminal::InTerminal;
 use super::program::{folder, run};
-use super::rig::Rig;
+use super::rig::{Rig, Setup};
 use std::net::TcpListener;
 
 /// Wide enough for a program's state in words.
 const WIDE: (u16, u16) = (120, 40);
 
-/// The rig, as it should be: nobody disagrees, and it goes on for long.
-const SETTINGS: [&str; 2] = ["--sensing=direct", "--set=time_limit=600"];
-
 /// What `feeler top --once` prints of `rig`, with `more` arguments.
 fn picture(rig: &Rig, more: &[&str]) -> String {
-    let arguments = ["top", "cap-closing", "--once", "--connect", &rig.endpoint];
-    let arguments = [&arguments[..], &SETTINGS, more].concat();
-    run(&rig.folder, &arguments).done()
+    let Setup {
+        endpoint,
+        folder,
+        settings,
+        ..
+    } = &rig.setup;
+    let mut arguments = vec!["top", "cap-closing", "--once", "--connect", endpoint];
+    arguments.extend(settings.iter().map(String::as_str));
+    arguments.extend(more);
+    run(folder, &arguments).done()
 }
 
 /// The number before `unit` in the line of `picture` that begins with `name`.
@@ -28,8 +33,8 @@ fn number_before(picture: &str, name: &str, unit: &str) -> Option<f64> {
 
 #[test]
 fn a_rig_is_shown_with_its_programs_flags_and_phase() {
-    let rig = Rig::start(folder("link-top"), "1", &SETTINGS);
-    let mut hand = rig.hand(&[]);
+    let rig = Setup::new("link-top").with(&[NO_HURRY]).start();
+    let mut hand = rig.setup.hand(&[]);
     hand.wait_for("waiting for");
     // It takes a moment until all are at work.
     let start = std::time::Instant::now();
@@ -60,12 +65,12 @@ fn a_rig_is_shown_with_its_programs_flags_and_phase() {
 
 #[test]
 fn keys_reach_the_hand_and_it_is_missed_when_it_is_gone() {
-    let rig = Rig::start(folder("link-top-keys"), "1", &SETTINGS);
-    let mut hand = rig.hand(&[]);
+    let rig = Setup::new("link-top-keys").with(&[NO_HURRY]).start();
+    let mut hand = rig.setup.hand(&[]);
     let feeler = env!("CARGO_BIN_EXE_feeler");
-    let (endpoint, settings) = (&rig.endpoint, SETTINGS.join(" "));
+    let (endpoint, settings) = (&rig.setup.endpoint, rig.setup.settings.join(" "));
     let command = format!("{feeler} top cap-closing --connect {endpoint} {settings}");
-    let Some(mut terminal) = InTerminal::start_in(&rig.folder, WIDE, &command) else {
+    let Some(mut terminal) = InTerminal::start_in(&rig.setup.folder, WIDE, &command) else {
         return;
     };
     terminal.wait_for("MOVE");
