@@ -134,6 +134,14 @@ fn settings(config: &LinkConfig) -> Result<Config, LinkError> {
             16.into(),
         )?;
     }
+    // Nobody waits for a program that is frozen and does not read. A picture larger than the queue needs a moment
+    // until its first pieces have left.
+    let drop = "transport/link/tx/queue/congestion_control/drop";
+    set(&format!("{drop}/wait_before_drop"), 0.into())?;
+    set(
+        &format!("{drop}/max_wait_before_drop_fragments"),
+        5000.into(),
+    )?;
     // A cable that is cut longer closes the link, so that no old data come in a burst afterwards.
     set("transport/link/tx/lease", 1000.into())?;
     let most = Topic::Picture(0).most_bytes();
