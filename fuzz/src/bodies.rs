@@ -173,7 +173,7 @@ fn play_back(recording: &Recording) {
 }
 
 /// Whatever other programs say, a hand, a rig and a sensor program of two elements keep nothing that is not
-/// finite or of another size. The bytes are messages: topic (its place in [`TOPICS`]), length (2 bytes, little
+/// finite or of another size. The bytes are messages: topic (its place in [`Topic::all`]), length (2 bytes, little
 /// endian) and the message itself.
 pub fn link(bytes: &[u8]) -> bool {
     let expected = Expected {
@@ -184,6 +184,7 @@ pub fn link(bytes: &[u8]) -> bool {
     let mut rig = RigInbox::new(1, 0.045, expected.clone());
     let mut sense = SenseInbox::new((0, 2), (3, 2), expected);
     let (mut now, mut bytes, mut sound) = (0.0, bytes, false);
+    let topics = Topic::all(0);
     for introduction in introductions() {
         for inbox in [&mut hand as &mut dyn Inbox, &mut rig, &mut sense] {
             let taken = inbox.take(Topic::Heartbeat, &introduction, now);
@@ -191,7 +192,7 @@ pub fn link(bytes: &[u8]) -> bool {
         }
     }
     while let [topic, low, high, rest @ ..] = bytes {
-        let topic = TOPICS[usize::from(*topic) % TOPICS.len()];
+        let topic = topics[usize::from(*topic) % topics.len()];
         let length = usize::from(u16::from_le_bytes([*low, *high])).min(rest.len());
         let (message, rest) = rest.split_at(length);
         (now, bytes) = (now + 0.01, rest);
@@ -210,19 +211,6 @@ pub fn link(bytes: &[u8]) -> bool {
     }
     sound
 }
-
-/// The topics of the link, as its fuzz target numbers them.
-pub const TOPICS: [Topic; 9] = [
-    Topic::Tactile(0),
-    Topic::Picture(0),
-    Topic::DirectForces(0),
-    Topic::Mode,
-    Topic::Command,
-    Topic::State,
-    Topic::Heartbeat,
-    Topic::Stop,
-    Topic::Resume,
-];
 
 /// The first heartbeats of a hand, a world and a sensor program, whose instances are 1, 2 and 3.
 fn introductions() -> [Vec<u8>; 3] {

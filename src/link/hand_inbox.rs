@@ -1,14 +1,14 @@
 //! What the hand program has heard: forces and flags, joint angles, other programs, orders.
 
 use super::freshness::SentSteps;
-use super::inbox::Inbox;
+use super::inbox::{Inbox, read};
 use super::message::{HandState, Header, NO_FINGER, PROTOCOL, Resume, Stop, TactileUpdate};
 use super::peers::{Expected, Peers};
 use super::rejection::{Rejection, Rejections};
 use super::topic::Topic;
 use crate::control::flags::FingerFlags;
 use crate::control::stop_reason::StopReason;
-use crate::wire::{Vector3, cdr};
+use crate::wire::Vector3;
 
 /// Everything that has arrived for the hand. Bytes and the hand's clock in, decisions out.
 #[derive(Debug, Clone)]
@@ -50,18 +50,40 @@ pub struct StateInbox {
 }
 
 impl Inbox for HandInbox {
-    fn take(&mut self, topic: Topic, bytes: &[u8], now: f64) -> Result<(), Rejection> {
-        let taken = if bytes.len() > topic.most_bytes() {
-            Err(Rejection::Oversized)
-        } else {
-            self.take_in(topic, bytes, now)
-        };
-        self.rejected.count(&taken);
-        taken
+    fn take_in(&mut self, topic: Topic, bytes: &[u8], now: f64) -> Result<(), Rejection> {
+        match topic {
+            Topic::Tactile(finger) => {
+                let update: TactileUpdate = read(bytes)?;
+                self.take_update(finger, update, now)
+            }
+            Topic::State => {
+                let state: HandState = read(bytes)?;
+                self.take_state(state, now)
+            }
+            Topic::Heartbeat => self.peers.heard(bytes, now).map(|_| ()),
+            Topic::Stop => {
+                let stop: Stop = read(bytes)?;
+                // Of whatever version: that it is to stop is all that counts.
+                self.stop = Some(stop.from);
+                self.resume = false;
+                Ok(())
+            }
+            Topic::Resume => {
+                let resume: Resume = read(bytes)?;
+                check_protocol(resume.protocol)?;
+                self.resume = true;
+                Ok(())
+            }
+            _ => Err(Rejection::Stranger),
+        }
     }
 
     fn peers(&self) -> &Peers {
         &self.peers
+    }
+
+    fn rejected(&mut self) -> &mut Rejections {
+        &mut self.rejected
     }
 }
 
@@ -85,35 +107,6 @@ impl HandInbox {
             sent: SentSteps::default(),
             stop: None,
             resume: false,
-        }
-    }
-
-    fn take_in(&mut self, topic: Topic, bytes: &[u8], now: f64) -> Result<(), Rejection> {
-        let malformed = |_| Rejection::Malformed;
-        match topic {
-            Topic::Tactile(finger) => {
-                let update: TactileUpdate = cdr::decode(bytes).map_err(malformed)?;
-                self.take_update(finger, update, now)
-            }
-            Topic::State => {
-                let state: HandState = cdr::decode(bytes).map_err(malformed)?;
-                self.take_state(state, now)
-            }
-            Topic::Heartbeat => self.peers.heard(bytes, now).map(|_| ()),
-            Topic::Stop => {
-                let stop: Stop = cdr::decode(bytes).map_err(malformed)?;
-                // Of whatever version: that it is to stop is all that counts.
-                self.stop = Some(stop.from);
-                self.resume = false;
-                Ok(())
-            }
-            Topic::Resume => {
-                let resume: Resume = cdr::decode(bytes).map_err(malformed)?;
-                check_protocol(resume.protocol)?;
-                self.resume = true;
-                Ok(())
-            }
-            _ => Err(Rejection::Stranger),
         }
     }
 

@@ -5,21 +5,47 @@ use super::endpoints::LinkError;
 use super::network::Network;
 use super::outlet::Clock;
 use super::peers::Peers;
-use super::rejection::Rejection;
+use super::rejection::{Rejection, Rejections};
 use super::shared::Shared;
 use super::topic::Topic;
+use crate::wire::{Message, cdr};
 use std::sync::Arc;
 
 /// Takes in what arrives for a program.
 pub trait Inbox {
-    /// Takes in a message that came at `now`, s on the program's clock.
+    /// Takes in a message that came at `now`, s on the program's clock; no longer than its topic allows.
     ///
     /// # Errors
-    /// When it is not taken; it is counted then.
-    fn take(&mut self, topic: Topic, bytes: &[u8], now: f64) -> Result<(), Rejection>;
+    /// When it is not taken.
+    fn take_in(&mut self, topic: Topic, bytes: &[u8], now: f64) -> Result<(), Rejection>;
 
     /// The other programs.
     fn peers(&self) -> &Peers;
+
+    /// What was not taken, for [`take`](Self::take) to count.
+    fn rejected(&mut self) -> &mut Rejections;
+
+    /// Takes in a message that came at `now`, s on the program's clock, or counts it as rejected.
+    ///
+    /// # Errors
+    /// When it is not taken.
+    fn take(&mut self, topic: Topic, bytes: &[u8], now: f64) -> Result<(), Rejection> {
+        let taken = if bytes.len() > topic.most_bytes() {
+            Err(Rejection::Oversized)
+        } else {
+            self.take_in(topic, bytes, now)
+        };
+        self.rejected().count(&taken);
+        taken
+    }
+}
+
+/// Reads a message.
+///
+/// # Errors
+/// When the bytes are not those of one.
+pub fn read<M: Message>(bytes: &[u8]) -> Result<M, Rejection> {
+    cdr::decode(bytes).map_err(|_| Rejection::Malformed)
 }
 
 /// Lets `inbox` take in all messages of `topics`, and `beacon` greet programs that are new.

@@ -1,5 +1,6 @@
 //! Which programs there are, and which of them are taken for what.
 
+use super::inbox;
 use super::message::{Heartbeat, NO_FINGER, PROTOCOL};
 use super::rejection::Rejection;
 use crate::wire::cdr;
@@ -286,7 +287,7 @@ fn read(bytes: &[u8]) -> Result<Heartbeat, Rejection> {
     let protocol = field(4, 4).and_then(|b| Some(u32::from_le_bytes(b.try_into().ok()?)));
     let protocol = protocol.ok_or(Rejection::Malformed)?;
     if protocol == PROTOCOL {
-        let heartbeat: Heartbeat = cdr::decode(bytes).map_err(|_| Rejection::Malformed)?;
+        let heartbeat: Heartbeat = inbox::read(bytes)?;
         let finite = [heartbeat.rate, heartbeat.speed];
         if !finite.iter().all(|n| n.is_finite()) {
             return Err(Rejection::NotFinite);

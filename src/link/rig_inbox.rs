@@ -2,12 +2,11 @@
 
 use super::freshness::Echo;
 use super::hand_inbox::check_protocol;
-use super::inbox::Inbox;
+use super::inbox::{Inbox, read};
 use super::message::{HandCommand, HandMode, Header, NO_FINGER};
 use super::peers::{Expected, Peers};
 use super::rejection::{Rejection, Rejections};
 use super::topic::Topic;
-use crate::wire::cdr;
 use glam::DVec3;
 
 /// Everything that has arrived for the rig, and its watchdog.
@@ -43,25 +42,23 @@ struct Command {
 }
 
 impl Inbox for RigInbox {
-    fn take(&mut self, topic: Topic, bytes: &[u8], now: f64) -> Result<(), Rejection> {
-        let malformed = |_| Rejection::Malformed;
-        let taken = match topic {
-            _ if bytes.len() > topic.most_bytes() => Err(Rejection::Oversized),
+    fn take_in(&mut self, topic: Topic, bytes: &[u8], now: f64) -> Result<(), Rejection> {
+        match topic {
             Topic::Heartbeat => self.peers.heard(bytes, now).map(|_| ()),
-            Topic::Mode => cdr::decode::<HandMode>(bytes)
-                .map_err(malformed)
-                .and_then(|mode| self.take_step(mode.header, now)),
-            Topic::Command => cdr::decode::<HandCommand>(bytes)
-                .map_err(malformed)
-                .and_then(|command| self.take_command(command, now)),
+            Topic::Mode => {
+                read::<HandMode>(bytes).and_then(|mode| self.take_step(mode.header, now))
+            }
+            Topic::Command => read(bytes).and_then(|command| self.take_command(command, now)),
             _ => Err(Rejection::Stranger),
-        };
-        self.rejected.count(&taken);
-        taken
+        }
     }
 
     fn peers(&self) -> &Peers {
         &self.peers
+    }
+
+    fn rejected(&mut self) -> &mut Rejections {
+        &mut self.rejected
     }
 }
 

@@ -2,12 +2,11 @@
 
 use super::freshness::Echo;
 use super::hand_inbox::check_protocol;
-use super::inbox::Inbox;
+use super::inbox::{Inbox, read};
 use super::message::{DirectForces, HandMode, Header, NO_FINGER, Picture};
 use super::peers::{Expected, Peers};
 use super::rejection::{Rejection, Rejections};
 use super::topic::Topic;
-use crate::wire::cdr;
 use glam::DVec3;
 use std::collections::VecDeque;
 
@@ -54,28 +53,24 @@ pub struct SenseInbox {
 }
 
 impl Inbox for SenseInbox {
-    fn take(&mut self, topic: Topic, bytes: &[u8], now: f64) -> Result<(), Rejection> {
-        let malformed = |_| Rejection::Malformed;
-        let taken = match topic {
-            _ if bytes.len() > topic.most_bytes() => Err(Rejection::Oversized),
+    fn take_in(&mut self, topic: Topic, bytes: &[u8], now: f64) -> Result<(), Rejection> {
+        match topic {
             Topic::Heartbeat => self.peers.heard(bytes, now).map(|_| ()),
-            Topic::Mode => cdr::decode::<HandMode>(bytes)
-                .map_err(malformed)
-                .and_then(|mode| self.take_step(mode.header, now)),
-            Topic::Picture(_) => cdr::decode::<Picture>(bytes)
-                .map_err(malformed)
-                .and_then(|picture| self.take_picture(picture)),
-            Topic::DirectForces(_) => cdr::decode::<DirectForces>(bytes)
-                .map_err(malformed)
-                .and_then(|forces| self.take_forces(forces)),
+            Topic::Mode => {
+                read::<HandMode>(bytes).and_then(|mode| self.take_step(mode.header, now))
+            }
+            Topic::Picture(_) => read(bytes).and_then(|picture| self.take_picture(picture)),
+            Topic::DirectForces(_) => read(bytes).and_then(|forces| self.take_forces(forces)),
             _ => Err(Rejection::Stranger),
-        };
-        self.rejected.count(&taken);
-        taken
+        }
     }
 
     fn peers(&self) -> &Peers {
         &self.peers
+    }
+
+    fn rejected(&mut self) -> &mut Rejections {
+        &mut self.rejected
     }
 }
 

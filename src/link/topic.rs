@@ -26,6 +26,21 @@ pub enum Topic {
 }
 
 impl Topic {
+    /// Every topic of a rig whose only finger is `finger`.
+    pub fn all(finger: usize) -> [Self; 9] {
+        [
+            Self::Tactile(finger),
+            Self::Picture(finger),
+            Self::DirectForces(finger),
+            Self::Mode,
+            Self::Command,
+            Self::State,
+            Self::Heartbeat,
+            Self::Stop,
+            Self::Resume,
+        ]
+    }
+
     /// The whole key, for the rig called `rig`.
     pub fn key(self, rig: &str) -> String {
         format!("feeler/{rig}/{self}")

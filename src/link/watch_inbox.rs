@@ -3,7 +3,7 @@
 //! Nothing of it is answered, so no program of the rig can tell whether it is watched.
 
 use super::hand_inbox::{check_protocol, check_state, check_update, flags};
-use super::inbox::Inbox;
+use super::inbox::{Inbox, read};
 use super::message::{HandMode, HandState, Header, Heartbeat, NO_FINGER, TactileUpdate};
 use super::peers::{Expected, Peers};
 use super::rejection::{Rejection, Rejections};
@@ -28,31 +28,27 @@ pub struct WatchInbox {
 }
 
 impl Inbox for WatchInbox {
-    fn take(&mut self, topic: Topic, bytes: &[u8], now: f64) -> Result<(), Rejection> {
-        let malformed = |_| Rejection::Malformed;
-        let taken = match topic {
-            _ if bytes.len() > topic.most_bytes() => Err(Rejection::Oversized),
+    fn take_in(&mut self, topic: Topic, bytes: &[u8], now: f64) -> Result<(), Rejection> {
+        match topic {
             Topic::Heartbeat => {
                 self.agree(bytes, now);
                 self.peers.heard(bytes, now).map(|_| ())
             }
-            Topic::Tactile(finger) => cdr::decode(bytes)
-                .map_err(malformed)
-                .and_then(|update| self.take_update(finger, update)),
-            Topic::State => cdr::decode(bytes)
-                .map_err(malformed)
-                .and_then(|state| self.take_state(state)),
-            Topic::Mode => cdr::decode(bytes)
-                .map_err(malformed)
-                .and_then(|mode| self.take_mode(mode)),
+            Topic::Tactile(finger) => {
+                read(bytes).and_then(|update| self.take_update(finger, update))
+            }
+            Topic::State => read(bytes).and_then(|state| self.take_state(state)),
+            Topic::Mode => read(bytes).and_then(|mode| self.take_mode(mode)),
             _ => Err(Rejection::Stranger),
-        };
-        self.rejected.count(&taken);
-        taken
+        }
     }
 
     fn peers(&self) -> &Peers {
         &self.peers
+    }
+
+    fn rejected(&mut self) -> &mut Rejections {
+        &mut self.rejected
     }
 }
 

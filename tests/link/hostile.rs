@@ -19,18 +19,6 @@ const NOT_A_NUMBER: Vector3 = Vector3 {
     z: 0.0,
 };
 
-/// The topics that hand, world or sensor programs listen to.
-const TOPICS: [Topic; 8] = [
-    Topic::Tactile(0),
-    Topic::DirectForces(0),
-    Topic::Mode,
-    Topic::Command,
-    Topic::State,
-    Topic::Heartbeat,
-    Topic::Stop,
-    Topic::Resume,
-];
-
 #[test]
 fn a_hostile_peer_is_counted_and_moves_nothing() {
     let mut rig = Setup::new("link-hostile").with(&[NO_HURRY]).start();
@@ -94,7 +82,7 @@ fn say_garbage(peer: &Link) {
     // Its first field says that it is as long as can be.
     let boast = [&cdr::ENCAPSULATION[..], &[0xff; 60]].concat();
     let long = vec![0; Topic::Tactile(0).most_bytes() + 1];
-    for topic in TOPICS {
+    for topic in Topic::all(0) {
         // An order is an order from whoever is in the link: without certificates, everybody on the computer.
         let pieces = [&[][..], &noise, &whole[..whole.len() - 9], &boast, &long];
         for piece in pieces {

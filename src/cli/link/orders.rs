@@ -4,15 +4,14 @@ use super::LinkArguments;
 use crate::cli::{CommandError, Outcome};
 use crate::link::beacon::Beacon;
 use crate::link::endpoints::LinkError;
-use crate::link::inbox::{Inbox, listen};
+use crate::link::inbox::{Inbox, listen, read};
 use crate::link::message::{HandMode, Heartbeat, NO_FINGER, PROTOCOL, Resume, Stop};
 use crate::link::network::Network;
 use crate::link::outlet::{draw_instance, monotonic, send};
 use crate::link::peers::{Expected, Peers};
-use crate::link::rejection::Rejection;
+use crate::link::rejection::{Rejection, Rejections};
 use crate::link::shared::Shared;
 use crate::link::topic::Topic;
-use crate::wire::cdr;
 use std::io::Write;
 use std::sync::Arc;
 use std::time::Duration;
@@ -48,13 +47,13 @@ pub enum Order {
 struct Lookout {
     peers: Peers,
     mode: Option<HandMode>,
+    rejected: Rejections,
 }
 
 impl Inbox for Lookout {
-    fn take(&mut self, topic: Topic, bytes: &[u8], now: f64) -> Result<(), Rejection> {
+    fn take_in(&mut self, topic: Topic, bytes: &[u8], now: f64) -> Result<(), Rejection> {
         if topic == Topic::Mode {
-            let mode = cdr::decode(bytes).map_err(|_| Rejection::Malformed)?;
-            self.mode = Some(mode);
+            self.mode = Some(read(bytes)?);
             return Ok(());
         }
         self.peers.heard(bytes, now).map(|_| ())
@@ -62,6 +61,10 @@ impl Inbox for Lookout {
 
     fn peers(&self) -> &Peers {
         &self.peers
+    }
+
+    fn rejected(&mut self) -> &mut Rejections {
+        &mut self.rejected
     }
 }
 
@@ -99,6 +102,7 @@ pub fn order(
     let lookout = Shared::new(Lookout {
         peers: Peers::new(Expected::default()),
         mode: None,
+        rejected: Rejections::default(),
     });
     let topics = [Topic::Heartbeat, Topic::Mode];
     listen(&*network, &topics, &lookout, &clock, &beacon)?;
