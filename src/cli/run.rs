@@ -145,7 +145,7 @@ fn settings(arguments: &Arguments) -> Vec<String> {
 pub fn outcome(controller: &Controller, interrupted: bool) -> (Outcome, Option<String>) {
     let reason = if let Some(reason) = controller.stop_reason() {
         format!("the hand was stopped: {reason}")
-    } else if controller.task().phase() == Phase::Done {
+    } else if controller.phase() == Phase::Done {
         return (Outcome::Done, None);
     } else if interrupted {
         "interrupted: the report shows the run so far".into()

@@ -1,7 +1,8 @@
 //! The constants of a run, for its recording.
 
 use crate::config::{ExperimentConfig, Sensing};
-use crate::control::task::FingerPathConfig;
+use crate::control::task::TaskConfig;
+use crate::control::task::screw::FingerPathConfig;
 use crate::record::RunFacts;
 use crate::sim::config::SimConfig;
 use crate::sim::shape::ShapeConfig;
@@ -9,14 +10,16 @@ use glam::DVec3;
 
 /// The constants of a run of `config` that its report needs.
 pub fn run_facts(config: &ExperimentConfig) -> RunFacts {
+    let TaskConfig::Screw(screw) = &config.task;
     let directions = |pick: fn(&FingerPathConfig) -> [f64; 3]| {
-        let paths = config.task.finger.iter();
+        let paths = screw.finger.iter();
         paths
             .map(|path| DVec3::from_array(pick(path)).normalize_or_zero().to_array())
             .collect()
     };
     RunFacts {
         experiment: config.name.clone(),
+        task: config.task.name().to_string(),
         seed: config.seed,
         version: env!("CARGO_PKG_VERSION").to_string(),
         sensing: match config.sensing {
@@ -30,10 +33,10 @@ pub fn run_facts(config: &ExperimentConfig) -> RunFacts {
         touch_force_threshold: config.control.touch_force,
         over_force_threshold: config.control.over_force,
         slip_threshold: config.control.slip_threshold,
-        grasp_force_threshold: config.task.grasp_force,
+        grasp_force_threshold: screw.grasp_force,
         approach: directions(|path| path.approach),
         stroke_direction: directions(|path| path.stroke),
-        stroke_count: config.task.strokes,
+        stroke_count: config.task.strokes(),
         replay_of: None,
     }
 }

@@ -40,8 +40,10 @@ pub enum ExperimentError {
         source: FingerError,
     },
     /// A finger cannot reach its home.
-    #[error("task.finger[{finger}].home = {home:?} cannot be reached: {source}")]
+    #[error("task.{task}.finger[{finger}].home = {home:?} cannot be reached: {source}")]
     Home {
+        /// The task.
+        task: &'static str,
         /// The finger.
         finger: usize,
         /// Where it should be, m, in W.
@@ -148,7 +150,7 @@ impl Session {
 
     /// Whether the task is done or was given up, or the time is over.
     pub fn finished(&self) -> bool {
-        let phase = self.control_loop.controller().task().phase();
+        let phase = self.control_loop.controller().phase();
         matches!(phase, Phase::Done | Phase::Stopped)
             || self.control_loop.state().stamp >= self.time_limit
     }
@@ -207,8 +209,7 @@ pub fn controller(
     fingers: &[FingerGeometry],
     layouts: &[ElementLayout],
 ) -> Controller {
-    let (control, task) = (config.control.clone(), config.task.clone());
-    Controller::new(control, task, fingers, layouts)
+    Controller::new(config.control.clone(), &config.task, fingers, layouts)
 }
 
 /// The elements of each finger's fingertip.
@@ -233,16 +234,16 @@ pub fn layouts(config: &ExperimentConfig) -> Result<Vec<ElementLayout>, Experime
 pub fn fingers_at_home(
     config: &ExperimentConfig,
 ) -> Result<(Vec<FingerGeometry>, Vec<DVec3>), ExperimentError> {
-    let fingers = config.hand.finger.iter().zip(&config.task.finger);
+    let fingers = config.hand.finger.iter().zip(config.task.homes());
     fingers
         .enumerate()
-        .map(|(finger, (hand, path))| {
+        .map(|(finger, (hand, home))| {
             let geometry = FingerGeometry::new(hand)
                 .map_err(|source| ExperimentError::Finger { finger, source })?;
             let middle = (geometry.joint_lower() + geometry.joint_upper()) / 2.0;
-            let home = path.home;
             let joints = inverse_kinematics(&geometry, DVec3::from_array(home), middle).map_err(
                 |source| ExperimentError::Home {
+                    task: config.task.name(),
                     finger,
                     home,
                     source: Box::new(source),

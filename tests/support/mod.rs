@@ -28,6 +28,7 @@ pub const EXPERIMENT: &str = "# A made-up run.\nname = \"made up <&> \\\"quoted\
 pub fn facts() -> RunFacts {
     RunFacts {
         experiment: "made-up".into(),
+        task: "screw".into(),
         seed: u64::MAX,
         version: "0.1.0".into(),
         sensing: "direct".into(),
