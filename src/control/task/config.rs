@@ -1,6 +1,7 @@
 //! Which task an experiment is about.
 
 use super::Task;
+use super::friction_scan::{FrictionScan, FrictionScanConfig};
 use super::screw::{ScrewConfig, ScrewTask};
 use serde::{Deserialize, Serialize};
 
@@ -10,6 +11,8 @@ use serde::{Deserialize, Serialize};
 pub enum TaskConfig {
     /// Turns something by touching, moving and releasing it, again and again.
     Screw(ScrewConfig),
+    /// Slides over a flat specimen and measures its friction.
+    FrictionScan(FrictionScanConfig),
 }
 
 impl TaskConfig {
@@ -17,6 +20,7 @@ impl TaskConfig {
     pub fn task(&self) -> Box<dyn Task> {
         match self {
             Self::Screw(config) => Box::new(ScrewTask::new(config)),
+            Self::FrictionScan(config) => Box::new(FrictionScan::new(config)),
         }
     }
 
@@ -24,6 +28,7 @@ impl TaskConfig {
     pub fn name(&self) -> &'static str {
         match self {
             Self::Screw(_) => "screw",
+            Self::FrictionScan(_) => "friction_scan",
         }
     }
 
@@ -31,6 +36,7 @@ impl TaskConfig {
     pub fn homes(&self) -> Vec<[f64; 3]> {
         match self {
             Self::Screw(config) => config.finger.iter().map(|path| path.home).collect(),
+            Self::FrictionScan(config) => vec![config.home],
         }
     }
 
@@ -38,6 +44,7 @@ impl TaskConfig {
     pub fn strokes(&self) -> u32 {
         match self {
             Self::Screw(config) => config.strokes,
+            Self::FrictionScan(config) => config.strokes,
         }
     }
 }
@@ -47,13 +54,18 @@ impl TaskConfig {
 #[serde(deny_unknown_fields)]
 struct Tasks {
     screw: Option<ScrewConfig>,
+    friction_scan: Option<FrictionScanConfig>,
 }
 
 impl TryFrom<Tasks> for TaskConfig {
     type Error = &'static str;
 
     fn try_from(tasks: Tasks) -> Result<Self, Self::Error> {
-        let mut found = [tasks.screw.map(Self::Screw)].into_iter().flatten();
+        let found = [
+            tasks.screw.map(Self::Screw),
+            tasks.friction_scan.map(Self::FrictionScan),
+        ];
+        let mut found = found.into_iter().flatten();
         match (found.next(), found.next()) {
             (Some(task), None) => Ok(task),
             (None, _) => Err("a task expected, as in [task.screw]; there is none"),

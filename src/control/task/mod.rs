@@ -5,6 +5,8 @@
 //! [limits](super::limits)'.
 
 mod config;
+pub mod friction_scan;
+mod homing;
 pub mod screw;
 
 pub use config::TaskConfig;
