@@ -43,11 +43,10 @@ fn decide_in_contact(bencher: Bencher) {
     let fingers: Vec<_> = (config.hand.finger.iter())
         .map(|finger| FingerGeometry::new(finger).expect("a finger"))
         .collect();
-    let (control, task) = (config.control.clone(), config.task.clone());
     let layouts = vec![layout; fingers.len()];
-    let mut controller = Controller::new(control, task, &fingers, &layouts);
+    let mut controller = Controller::new(config.control.clone(), &config.task, &fingers, &layouts);
     let mut state = HandState::zero(fingers.len());
-    let homes = config.task.finger.iter().map(|path| path.home);
+    let homes = config.task.homes();
     for ((joints, geometry), home) in state.joints.iter_mut().zip(&fingers).zip(homes) {
         let middle = (geometry.joint_lower() + geometry.joint_upper()) / 2.0;
         joints.position = inverse_kinematics(geometry, home.into(), middle).expect("home");

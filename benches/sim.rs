@@ -44,7 +44,7 @@ fn physics(bencher: Bencher, timed: fn(Phase) -> bool) {
     while !session.finished() {
         session.step().expect("a step");
         let control_loop = session.control_loop();
-        phases.push(control_loop.controller().task().phase());
+        phases.push(control_loop.controller().phase());
         commands.push(control_loop.command().joint_velocity.clone());
     }
     let start = phases.iter().position(|&p| timed(p)).expect("the phase");

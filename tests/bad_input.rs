@@ -35,7 +35,7 @@ fn values_out_of_range() {
             "nan",
             "grasp_force = 1.0",
             "grasp_force = nan",
-            &["task.grasp_force = NaN", "more than 0"],
+            &["task.screw.grasp_force = NaN", "more than 0"],
         ),
         (
             "f1-f2",
@@ -59,7 +59,7 @@ fn values_out_of_range() {
             "home",
             "home = [-0.038",
             "home = [-1.5",
-            &["task.finger[0].home = [-1.5", "cannot be reached"],
+            &["task.screw.finger[0].home = [-1.5", "cannot be reached"],
         ),
         (
             "unknown-experiment-key",
@@ -143,7 +143,7 @@ fn calibrations_that_do_not_fit() {
 #[test]
 fn settings_that_make_no_sense() {
     let folder = folder("settings");
-    let cases: [(&str, &[&str]); 8] = [
+    let cases: [(&str, &[&str]); 10] = [
         (
             "control.nope=1",
             &["--set control.nope=1", "unknown field `nope`", "`period`"],
@@ -155,10 +155,25 @@ fn settings_that_make_no_sense() {
             &["--set control.period=soon", "\"soon\"", "expected f64"],
         ),
         ("control.period.x=1", &["control.period.x", "single value"]),
-        ("task.finger.2.home=[0, 0, 0]", &["task.finger.2", "0 to 1"]),
+        (
+            "task.screw.finger.2.home=[0, 0, 0]",
+            &["task.screw.finger.2", "0 to 1"],
+        ),
         (
             "sensor.fingertip.layout.rings.x.elements=1",
             &["rings.x", "0 to 3"],
+        ),
+        (
+            "control.law=telepathy",
+            &["--set control.law", "`telepathy`", "expected `tri-axial`"],
+        ),
+        (
+            "task.strokes=3",
+            &[
+                "--set task.strokes=3",
+                "unknown field `strokes`",
+                "expected `screw`",
+            ],
         ),
         ("", &["expected key=value"]),
     ];
@@ -183,6 +198,19 @@ fn experiments_that_are_none() {
     run(&folder, &["check", "latin.toml"]).refused(&["latin.toml", "UTF-8"]);
     fs::write(folder.join("empty.toml"), b"").unwrap();
     run(&folder, &["check", "empty.toml"]).refused(&["empty.toml", "missing field `name`"]);
+    let cap_closing = include_str!("../experiments/cap-closing.toml");
+    let (before, after) = cap_closing.split_once("[task.screw]").unwrap();
+    let (_, after) = after.split_once("[sim]").unwrap();
+    fs::write(
+        folder.join("idle.toml"),
+        format!("{before}[task]\n[sim]{after}"),
+    )
+    .unwrap();
+    run(&folder, &["check", "idle.toml"]).refused(&[
+        "idle.toml",
+        "a task expected",
+        "[task.screw]",
+    ]);
     fs::write(folder.join("half.toml"), b"name = [").unwrap();
     run(&folder, &["check", "half.toml"]).refused(&["half.toml", "line 1"]);
     if cfg!(target_os = "linux") {

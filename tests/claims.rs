@@ -89,8 +89,8 @@ fn the_keys_of_the_summary_are_stable() {
     };
     assert_eq!(
         keys(&json),
-        "cap_angle claims complete digest experiment real_time_factor seed sensing sim_time \
-         strokes version wall_time"
+        "cap_angle claims complete digest experiment findings outcome real_time_factor seed sensing \
+         sim_time strokes version wall_time"
     );
     assert_eq!(
         keys(&json["strokes"][0]),

@@ -37,7 +37,7 @@ fn it_lists_and_checks_experiments() {
     experiment(&folder, "strokes = 4", "strokes = 3");
     let good = run(&folder, &["check", "my.toml"]).done();
     assert!(good.contains("3 strokes"), "{good}");
-    let set = ["check", "my.toml", "--set", "task.strokes=2"];
+    let set = ["check", "my.toml", "--set", "task.screw.strokes=2"];
     assert!(run(&folder, &set).done().contains("2 strokes"));
 }
 
@@ -79,7 +79,7 @@ fn a_run_is_varied_from_the_command_line() {
         "cap-closing",
         "--sensing=direct",
         "--seed=7",
-        "--set=task.strokes=1",
+        "--set=task.screw.strokes=1",
         "--set=sensor.fingertip.camera.centre_px=[319.0, 240.0]",
         "--set=hand.finger.1.joint_speed_limit.0=1.5",
     ];
@@ -102,7 +102,7 @@ fn a_run_that_is_held_back_is_the_same_run() {
         "run",
         "cap-closing",
         "--sensing=direct",
-        "--set=task.strokes=1",
+        "--set=task.screw.strokes=1",
     ];
     let digest = |arguments: &[&str], name: &str| {
         let out = format!("--out={name}");
@@ -138,7 +138,7 @@ fn a_task_that_is_not_done_ends_with_status_1_and_says_why() {
     );
     assert_eq!(ended.status, Some(1), "{ended:?}");
     assert!(ended.stdout.contains("time limit"), "{ended:?}");
-    let limit = "--set=task.search_limit=0.001";
+    let limit = "--set=task.screw.search_limit=0.001";
     let ended = run(&folder, &[&start[..], &["b", limit]].concat());
     assert_eq!(ended.status, Some(1), "{ended:?}");
     assert!(ended.stdout.contains("stopped"), "{ended:?}");

@@ -53,7 +53,7 @@ fn hand(folder: &Path, fingers: usize, sensors: &str) {
             (turned(-0.038, -0.001), turned(1.0, 0.0), turned(0.0, -1.0));
         writeln!(
             paths,
-            "[[task.finger]]\nhome = [{x}, {y}, 0.1]\napproach = [{}, {}, 0.0]\nstroke = [{}, {}, 0.0]",
+            "[[task.screw.finger]]\nhome = [{x}, {y}, 0.1]\napproach = [{}, {}, 0.0]\nstroke = [{}, {}, 0.0]",
             approach.0, approach.1, stroke.0, stroke.1,
         )
         .unwrap();

@@ -19,7 +19,7 @@ fn start_long_run(folder: &Path, bytes: u64) -> Child {
         "run",
         "my.toml",
         "--sensing=direct",
-        "--set=task.strokes=1000",
+        "--set=task.screw.strokes=1000",
         "--set=time_limit=90000",
         "--out=run",
     ];

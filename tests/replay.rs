@@ -136,11 +136,11 @@ fn stops_from_outside_are_repeated() {
 /// The control law stops by itself; with another limit it need not, and nobody else stops it.
 #[test]
 fn stops_of_the_control_law_are_its_own() {
-    let recording = recorded_run(&["task.search_limit=0.001"], "own-stop");
+    let recording = recorded_run(&["task.screw.search_limit=0.001"], "own-stop");
     assert_eq!(recording.task.last().unwrap().phase, Phase::Stopped);
     let same = replay(&recording, ReplayFrom::Forces, &[]);
     assert!(same.same(), "{same:?}");
-    let setting = "task.search_limit=0.012".to_string();
+    let setting = "task.screw.search_limit=0.012".to_string();
     let comparison = replay(&recording, ReplayFrom::Forces, &[setting]);
     let phases = comparison.of(Kind::Phases);
     assert_eq!(phases.differing, 1);

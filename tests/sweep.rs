@@ -67,7 +67,7 @@ fn jobs_shards_and_stops_change_nothing() {
     ] {
         assert!(page.contains(word), "no {word:?}");
     }
-    let others = sweep(&["--resume", "-o=two", "--set=task.strokes=3"]);
+    let others = sweep(&["--resume", "-o=two", "--set=task.screw.strokes=3"]);
     run(&folder, &others).refused(&["another experiment", "strokes"]);
     run(&folder, &sweep(&["-o=two"])).refused(&["there is a sweep already"]);
 }

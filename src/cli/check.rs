@@ -31,7 +31,7 @@ pub fn check(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comm
         config.name,
         config.hand.finger.len(),
         elements(&session),
-        config.task.strokes,
+        config.task.strokes(),
     )?;
     Ok(Outcome::Done)
 }

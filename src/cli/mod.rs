@@ -36,7 +36,7 @@ Examples:
   feeler run cap-closing                      simulate the reference experiment, with pictures
   feeler run cap-closing --sensing direct --seed 7 --out runs/seven
   feeler run cap-closing --top                watch it: flags, forces, phase and programs
-  feeler run my.toml --set control.slip_threshold=2.5 --set task.strokes=3
+  feeler run my.toml --set control.slip_threshold=2.5 --set task.screw.strokes=3
   feeler check my.toml                        say what is wrong with an experiment file
   feeler report runs/seven                    make a run's report again from its recording
   feeler run cap-closing --record-frames --out runs/seen

@@ -19,7 +19,7 @@ impl Progress {
 
     /// A bar for a run of `experiment`; hidden unless standard error is a terminal.
     pub fn new(experiment: &Experiment) -> Self {
-        let strokes = u64::from(experiment.config.task.strokes);
+        let strokes = u64::from(experiment.config.task.strokes());
         let bar = ProgressBar::new(strokes * Self::PHASES_PER_STROKE);
         let style = ProgressStyle::with_template("{bar:32} {msg}");
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
@@ -36,10 +36,11 @@ impl Progress {
             return;
         }
         self.shown = now;
-        let task = session.control_loop().controller().task();
+        let controller = session.control_loop().controller();
+        let (stroke, phase) = (controller.task().stroke(), controller.phase());
         let sim_time = session.control_loop().state().stamp;
-        let strokes_done = u64::from(task.stroke().saturating_sub(1));
-        let phases_done = match task.phase() {
+        let strokes_done = u64::from(stroke.saturating_sub(1));
+        let phases_done = match phase {
             Phase::Search => 0,
             Phase::Move => 1,
             Phase::Release => 2,
@@ -49,9 +50,7 @@ impl Progress {
         self.bar
             .set_position(strokes_done * Self::PHASES_PER_STROKE + phases_done);
         self.bar.set_message(format!(
-            "{sim_time:5.1} s simulated, stroke {} {}, {:.0} x real time",
-            task.stroke(),
-            task.phase(),
+            "{sim_time:5.1} s simulated, stroke {stroke} {phase}, {:.0} x real time",
             sim_time / (now - start).as_secs_f64()
         ));
     }

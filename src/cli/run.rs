@@ -67,7 +67,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comman
     let options = record_options(arguments, &experiment)?;
     let mut session = Session::new(&experiment)?;
     let folder = make_folder(arguments.out.as_deref(), &experiment)?;
-    let facts = run_facts(&experiment.config);
+    let facts = session.facts(&experiment.config);
     let file = folder.join(RECORDING);
     let recorder = Recorder::create_with(file, &facts, &experiment.toml, &options)?;
     let mut log = RunLog::new(recorder, session.layouts());
@@ -166,7 +166,7 @@ fn settings(arguments: &Arguments) -> Vec<String> {
 pub fn outcome(controller: &Controller, interrupted: bool) -> (Outcome, Option<String>) {
     let reason = if let Some(reason) = controller.stop_reason() {
         format!("the hand was stopped: {reason}")
-    } else if controller.task().phase() == Phase::Done {
+    } else if controller.phase() == Phase::Done {
         return (Outcome::Done, None);
     } else if interrupted {
         "interrupted: the report shows the run so far".into()

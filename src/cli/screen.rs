@@ -137,7 +137,7 @@ impl RunState {
 
     fn snapshot(&self, session: &Session) -> Snapshot {
         let control_loop = session.control_loop();
-        let task = control_loop.controller().task();
+        let controller = control_loop.controller();
         Snapshot {
             title: self.title.clone(),
             time: control_loop.state().stamp,
@@ -145,9 +145,9 @@ impl RunState {
                 speed: self.speed.speed,
             },
             task: Some(TaskState {
-                phase: task.phase(),
-                stroke: task.stroke(),
-                strokes: Some(self.config.task.strokes),
+                phase: controller.phase(),
+                stroke: controller.task().stroke(),
+                strokes: Some(self.config.task.strokes()),
             }),
             fingers: self.fingers(session.layouts(), control_loop),
             torque: Some(Torque {
@@ -176,7 +176,7 @@ impl RunState {
                 number,
                 flags: touch.flags,
                 thresholds: self.config.control.thresholds(),
-                grasp_target: self.config.task.grasp_force,
+                grasp_target: self.config.task.grasp_force(),
                 elements: layout.elements.clone(),
                 forces: touch.frame.forces.clone(),
                 shear_rates: touch.shear_rate.clone(),

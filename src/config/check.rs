@@ -3,9 +3,9 @@
 use super::ExperimentConfig;
 use super::check_faults::check_faults;
 use super::check_sim::check_sim;
+use super::check_task::check_task;
 use super::checker::{Checker, MAX, Problem};
 use crate::control::controller::ControlConfig;
-use crate::control::task::TaskConfig;
 use crate::sensor::fingertip::{FingertipConfig, MAX_ELEMENTS};
 
 /// Physics steps in one control period at most: beyond, a run would seem to hang.
@@ -37,7 +37,7 @@ pub fn check(config: &ExperimentConfig) -> Vec<Problem> {
     }
     check_fingers(config, &mut checker);
     check_control(&config.control, &mut checker);
-    check_task(&config.task, &mut checker);
+    check_task(&config.task, &config.control, &mut checker);
     check_sim(&config.sim, &mut checker);
     check_faults(config, &mut checker);
     let steps = config.control.period / config.sim.step;
@@ -91,7 +91,7 @@ fn check_fingertip(key: &str, fingertip: &FingertipConfig, checker: &mut Checker
 }
 
 fn check_fingers(config: &ExperimentConfig, checker: &mut Checker) {
-    let (hand, task) = (config.hand.finger.len(), config.task.finger.len());
+    let (hand, task) = (config.hand.finger.len(), config.task.homes().len());
     checker.require(
         "hand.finger",
         format!("{hand} fingers"),
@@ -99,7 +99,7 @@ fn check_fingers(config: &ExperimentConfig, checker: &mut Checker) {
         "1 to 5 fingers",
     );
     checker.require(
-        "task.finger",
+        &format!("task.{}.finger", config.task.name()),
         format!("{task} fingers"),
         task == hand,
         &format!("as many fingers as hand.finger has, {hand}"),
@@ -143,31 +143,4 @@ fn check_control(control: &ControlConfig, checker: &mut Checker) {
         upper.iter().zip(lower).all(|(&u, l)| u <= 10.0 && u > l),
         &format!("more than control.limits.workspace_lower = {lower:?}, at most 10"),
     );
-}
-
-fn check_task(task: &TaskConfig, checker: &mut Checker) {
-    checker.require(
-        "task.strokes",
-        task.strokes.to_string(),
-        (1..=100_000).contains(&task.strokes),
-        "1 to 100000",
-    );
-    let positive = [
-        ("search_speed", task.search_speed),
-        ("grasp_force", task.grasp_force),
-        ("search_limit", task.search_limit),
-        ("move_speed", task.move_speed),
-        ("travel", task.travel),
-        ("return_speed", task.return_speed),
-        ("home_tolerance", task.home_tolerance),
-    ];
-    for (field, value) in positive {
-        checker.positive(&format!("task.{field}"), value);
-    }
-    for (index, finger) in task.finger.iter().enumerate() {
-        checker.vector(&format!("task.finger[{index}].home"), finger.home);
-        for (field, direction) in [("approach", finger.approach), ("stroke", finger.stroke)] {
-            checker.direction(&format!("task.finger[{index}].{field}"), direction);
-        }
-    }
 }

@@ -6,6 +6,7 @@ mod check;
 mod check_faults;
 mod check_objects;
 mod check_sim;
+mod check_task;
 mod checker;
 mod load;
 mod settings;

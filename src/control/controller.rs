@@ -1,16 +1,19 @@
 //! The hand program's decision: from tactile frames and joint angles to joint velocities.
 
 use super::flags::FlagThresholds;
+use super::law::{Law, LawConfig};
 use super::limits::{Admitted, LimitsConfig, Request};
-use super::speed::{FingerSpeedEstimator, Reflex};
+use super::phase::Phase;
+use super::plan::Plan;
+use super::sense::{FingertipPose, HandSense};
 use super::stop_reason::StopReason;
-use super::task::{FingerSense, ScrewTask, TaskConfig};
+use super::task::{Task, TaskConfig};
 use super::touch::FingerTouch;
 use crate::hand::finger::FingerGeometry;
 use crate::hand::hand::{HandCommand, HandState, JointState};
 use crate::hand::kinematics::fingertip_pose;
 use crate::sensor::layout::ElementLayout;
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 /// Everything that the control law can be tuned by.
@@ -34,6 +37,9 @@ pub struct ControlConfig {
     /// When a hand that was stopped because data were stale goes on.
     #[serde(default)]
     pub resume: Resume,
+    /// How a finger does what the task wants.
+    #[serde(default)]
+    pub law: LawConfig,
     /// What no command may exceed.
     pub limits: LimitsConfig,
 }
@@ -58,37 +64,27 @@ impl ControlConfig {
             slip_threshold: self.slip_threshold,
         }
     }
-
-    fn reflex(&self) -> Reflex {
-        Reflex {
-            recompression_speed: self.recompression_speed,
-            minimum_grasp_force: self.minimum_grasp_force,
-        }
-    }
 }
 
-/// One finger as the controller sees it.
+/// One finger as the controller drives it.
 #[derive(Debug, Clone)]
 pub struct FingerControl {
     geometry: FingerGeometry,
-    /// Outward normals of its elements in its fingertip frame `T`.
-    normals: Vec<DVec3>,
-    estimator: FingerSpeedEstimator,
-    /// Rotation from its fingertip frame `T` to W, by the encoders.
-    pub rotation: DMat3,
+    law: Box<dyn Law>,
     /// The velocity that the control law wants of it, m/s, in W.
     pub velocity: DVec3,
     /// What the limits made of that.
     pub admitted: Admitted,
 }
 
-/// The whole control law with its memory.
+/// Task, law and limits with their memory.
 #[derive(Debug, Clone)]
 pub struct Controller {
     config: ControlConfig,
     fingers: Vec<FingerControl>,
-    senses: Vec<FingerSense>,
-    task: ScrewTask,
+    poses: Vec<FingertipPose>,
+    layouts: Vec<ElementLayout>,
+    task: Box<dyn Task>,
     stop_reason: Option<StopReason>,
 }
 
@@ -96,25 +92,32 @@ impl Controller {
     /// A controller for a hand of `fingers`, each with the elements of its own of `layouts`.
     pub fn new(
         config: ControlConfig,
-        task: TaskConfig,
+        task: &TaskConfig,
         fingers: &[FingerGeometry],
         layouts: &[ElementLayout],
     ) -> Self {
+        Self::with_task(config, task.task(), fingers, layouts)
+    }
+
+    /// The same for a task that is not among those of [`TaskConfig`].
+    pub fn with_task(
+        config: ControlConfig,
+        task: Box<dyn Task>,
+        fingers: &[FingerGeometry],
+        layouts: &[ElementLayout],
+    ) -> Self {
+        let finger = |geometry: &FingerGeometry| FingerControl {
+            geometry: geometry.clone(),
+            law: config.law.law(&config),
+            velocity: DVec3::ZERO,
+            admitted: Admitted::default(),
+        };
+        let count = fingers.len().min(layouts.len());
         Self {
-            fingers: fingers
-                .iter()
-                .zip(layouts)
-                .map(|(geometry, layout)| FingerControl {
-                    geometry: geometry.clone(),
-                    normals: layout.elements.iter().map(|e| e.normal()).collect(),
-                    estimator: FingerSpeedEstimator::new(config.reflex()),
-                    rotation: DMat3::IDENTITY,
-                    velocity: DVec3::ZERO,
-                    admitted: Admitted::default(),
-                })
-                .collect(),
-            senses: vec![FingerSense::default(); fingers.len().min(layouts.len())],
-            task: ScrewTask::new(task),
+            fingers: fingers[..count].iter().map(finger).collect(),
+            poses: vec![FingertipPose::default(); count],
+            layouts: layouts[..count].to_vec(),
+            task,
             stop_reason: None,
             config,
         }
@@ -125,14 +128,22 @@ impl Controller {
         &self.fingers
     }
 
-    /// What each finger feels and where it is, as of the newest decision.
-    pub fn senses(&self) -> &[FingerSense] {
-        &self.senses
+    /// Where each fingertip is, by the encoders, as of the newest decision.
+    pub fn poses(&self) -> &[FingertipPose] {
+        &self.poses
     }
 
     /// The task as of the newest decision.
-    pub fn task(&self) -> &ScrewTask {
-        &self.task
+    pub fn task(&self) -> &dyn Task {
+        &*self.task
+    }
+
+    /// Where the task stands: [`Phase::Stopped`] while the hand is stopped.
+    pub fn phase(&self) -> Phase {
+        match self.stop_reason {
+            Some(_) => Phase::Stopped,
+            None => self.task.phase(),
+        }
     }
 
     /// Why the hand was stopped, if it was.
@@ -150,10 +161,9 @@ impl Controller {
         command: &mut HandCommand,
     ) {
         command.joint_velocity.fill(DVec3::ZERO);
-        let decided = self.feel(touches, state).and_then(|()| {
-            self.task.advance(&self.senses)?;
-            self.plan(state)
-        });
+        let decided = self
+            .feel(touches, state)
+            .and_then(|()| self.plan(touches, state));
         if let Err(reason) = decided {
             self.stop(reason);
         }
@@ -165,7 +175,6 @@ impl Controller {
     /// Stops all fingers at once, until told to [`resume`](Self::resume). The first reason is kept; but
     /// stale data may become fresh by themselves, and that must not undo what somebody said meanwhile.
     pub fn stop(&mut self, reason: StopReason) {
-        self.task.stop();
         let told = matches!(reason, StopReason::Told { .. });
         match &self.stop_reason {
             Some(first) if !(told && first.is_stale()) => {}
@@ -179,46 +188,54 @@ impl Controller {
 
     /// Goes on where the hand was stopped. Where the cause is still there, the next decision stops it again.
     pub fn resume(&mut self) {
-        if self.stop_reason.take().is_some() {
-            self.task.resume();
-        }
+        self.stop_reason = None;
     }
 
-    /// Where each finger is and what it feels.
+    /// Checks what arrived, and where each finger is.
     fn feel(&mut self, touches: &[FingerTouch], state: &HandState) -> Result<(), StopReason> {
         let expected = self.fingers.len();
         check_count("tactile frames", expected, touches.len())?;
         check_count("joint states", expected, state.joints.len())?;
         let limit = self.config.stale_periods * self.config.period;
         let inputs = touches.iter().zip(&state.joints);
-        let outputs = self.fingers.iter_mut().zip(&mut self.senses);
-        for (finger, ((touch, joints), (control, sense))) in inputs.zip(outputs).enumerate() {
-            check_input(finger, control.normals.len(), touch, joints)?;
-            sense.flags = touch.flags;
+        let geometries = self.fingers.iter().map(|finger| &finger.geometry);
+        let fingers = geometries.zip(&self.layouts).zip(&mut self.poses);
+        for (finger, ((touch, joints), ((geometry, layout), pose))) in
+            inputs.zip(fingers).enumerate()
+        {
+            check_input(finger, layout.elements.len(), touch, joints)?;
             let age = state.stamp - touch.stamp;
             // Also refuses an age that is not a number, and forces from a time to come.
             if age.is_nan() || age.abs() > limit {
                 return Err(StopReason::StaleForces { finger, age, limit });
             }
-            (sense.position, control.rotation) = fingertip_pose(&control.geometry, joints.position);
+            (pose.position, pose.rotation) = fingertip_pose(geometry, joints.position);
         }
         Ok(())
     }
 
-    /// What each finger is to do about it.
-    fn plan(&mut self, state: &HandState) -> Result<(), StopReason> {
-        let inputs = self.senses.iter().zip(&state.joints);
-        for (index, (finger, (sense, joints))) in self.fingers.iter_mut().zip(inputs).enumerate() {
-            let plan = self.task.plan(index, sense);
-            let normal = sense
-                .flags
-                .largest_element
-                .and_then(|e| finger.normals.get(e));
-            let pressing = normal.map(|&normal| finger.rotation * normal);
-            finger.velocity = finger.estimator.estimate(&plan, &sense.flags, pressing);
+    /// What the task wants, what the law makes of it, and what the limits let through.
+    fn plan(&mut self, touches: &[FingerTouch], state: &HandState) -> Result<(), StopReason> {
+        let hand = HandSense {
+            stamp: state.stamp,
+            poses: &self.poses,
+            touches,
+            layouts: &self.layouts,
+        };
+        let stopped = self.stop_reason.is_some();
+        if !stopped {
+            self.task.advance(&hand)?;
+        }
+        let fingers = self.fingers.iter_mut().zip(hand.fingers());
+        for (index, ((finger, sense), joints)) in fingers.zip(&state.joints).enumerate() {
+            let plan = match stopped {
+                true => Plan::default(),
+                false => self.task.plan(index, &hand),
+            };
+            finger.velocity = finger.law.velocity(&plan, &sense);
             let request = Request {
                 velocity: finger.velocity,
-                position: sense.position,
+                position: sense.pose.position,
                 theta: joints.position,
                 previous: finger.admitted.joint_velocity,
             };

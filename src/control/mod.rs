@@ -3,9 +3,11 @@
 pub mod control_loop;
 pub mod controller;
 pub mod flags;
+pub mod law;
 pub mod limits;
 pub mod phase;
-pub mod speed;
+pub mod plan;
+pub mod sense;
 pub mod stop_reason;
 pub mod task;
 pub mod touch;

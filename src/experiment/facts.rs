@@ -1,22 +1,27 @@
 //! The constants of a run, for its recording.
 
 use crate::config::{ExperimentConfig, Sensing};
-use crate::control::task::FingerPathConfig;
+use crate::control::task::TaskConfig;
 use crate::record::RunFacts;
 use crate::sim::config::SimConfig;
 use crate::sim::shape::ShapeConfig;
+use crate::sim::world::World;
 use glam::DVec3;
+use std::collections::BTreeMap;
 
 /// The constants of a run of `config` that its report needs.
 pub fn run_facts(config: &ExperimentConfig) -> RunFacts {
-    let directions = |pick: fn(&FingerPathConfig) -> [f64; 3]| {
-        let paths = config.task.finger.iter();
-        paths
-            .map(|path| DVec3::from_array(pick(path)).normalize_or_zero().to_array())
-            .collect()
+    let paths: Vec<([f64; 3], [f64; 3])> = match &config.task {
+        TaskConfig::Screw(screw) => {
+            let fingers = screw.finger.iter();
+            fingers.map(|path| (path.approach, path.stroke)).collect()
+        }
+        TaskConfig::FrictionScan(scan) => vec![(scan.approach, scan.slide)],
     };
+    let unit = |direction| DVec3::from_array(direction).normalize_or_zero().to_array();
     RunFacts {
         experiment: config.name.clone(),
+        task: config.task.name().to_string(),
         seed: config.seed,
         version: env!("CARGO_PKG_VERSION").to_string(),
         sensing: match config.sensing {
@@ -30,11 +35,35 @@ pub fn run_facts(config: &ExperimentConfig) -> RunFacts {
         touch_force_threshold: config.control.touch_force,
         over_force_threshold: config.control.over_force,
         slip_threshold: config.control.slip_threshold,
-        grasp_force_threshold: config.task.grasp_force,
-        approach: directions(|path| path.approach),
-        stroke_direction: directions(|path| path.stroke),
-        stroke_count: config.task.strokes,
+        grasp_force_threshold: match &config.task {
+            TaskConfig::Screw(screw) => screw.grasp_force,
+            TaskConfig::FrictionScan(scan) => scan.load,
+        },
+        approach: paths.iter().map(|path| unit(path.0)).collect(),
+        stroke_direction: paths.iter().map(|path| unit(path.1)).collect(),
+        stroke_count: config.task.strokes(),
+        truth: BTreeMap::new(),
         replay_of: None,
+    }
+}
+
+/// The constants of a run of `config` in `world`, with what only that knows: friction on objects that have some of their own.
+pub fn simulated_facts(config: &ExperimentConfig, world: &World) -> RunFacts {
+    let objects = world.model().objects.iter();
+    let truth = objects
+        .filter_map(|object| Some((&object.name, object.friction?)))
+        .flat_map(|(name, friction)| {
+            [
+                (format!("{name}.static_friction"), friction.static_friction),
+                (
+                    format!("{name}.kinetic_friction"),
+                    friction.kinetic_friction,
+                ),
+            ]
+        });
+    RunFacts {
+        truth: truth.collect(),
+        ..run_facts(config)
     }
 }
 

@@ -4,14 +4,15 @@ pub use super::facts::run_facts;
 
 use super::{Instruments, Session};
 use crate::control::control_loop::ControlLoop;
-use crate::control::controller::FingerControl;
+use crate::control::controller::{Controller, FingerControl};
 use crate::control::phase::Phase;
-use crate::control::task::FingerSense;
+use crate::control::sense::FingertipPose;
+use crate::control::task::Task as ControlTask;
 use crate::control::touch::{FingerTouch, TouchSource};
 use crate::hand::hand::{Hand, JointState};
 use crate::record::{
-    Cap, Command, Fingertip, Flags, Image, Joints, MessageSink, NO_ELEMENT, RecordError, Recorder,
-    Tactile, Task, TorqueSensor,
+    Cap, Command, Findings, Fingertip, Flags, Image, Joints, MessageSink, NO_ELEMENT, RecordError,
+    Recorder, Tactile, Task, TorqueSensor,
 };
 use crate::sensor::frame::Frame;
 use crate::sensor::layout::ElementLayout;
@@ -27,6 +28,7 @@ pub struct RunLog<R = Recorder> {
     flags: Flags,
     fingertip: Fingertip,
     phase: Option<Phase>,
+    findings: Findings,
     /// Each finger's newest picture, if pictures are recorded.
     pictures: Vec<Picture>,
 }
@@ -56,6 +58,7 @@ impl<R: MessageSink> RunLog<R> {
                 element_tips: Vec::new(),
             },
             phase: None,
+            findings: Findings::default(),
             pictures: Vec::new(),
         }
     }
@@ -119,14 +122,14 @@ impl<R: MessageSink> RunLog<R> {
         let sensors = control_loop.sensors().iter();
         let inputs = sensors.zip(control_loop.touches());
         let inputs = inputs.zip(&control_loop.state().joints);
-        let outputs = controller.fingers().iter().zip(controller.senses());
-        for (index, ((finger, sense), ((sensor, touch), joints))) in outputs.zip(inputs).enumerate()
+        let outputs = controller.fingers().iter().zip(controller.poses());
+        for (index, ((finger, pose), ((sensor, touch), joints))) in outputs.zip(inputs).enumerate()
         {
             // Before the forces, so that a recording that is cut off has the picture of all that it has.
             self.write_picture(index, sensor.frame())?;
             self.write_felt(index, touch)?;
             self.write_motion(index, stamp, finger, joints)?;
-            self.write_fingertip(index, stamp, finger, sense)?;
+            self.write_fingertip(index, stamp, pose)?;
         }
         if let Some(torque) = torque {
             self.recorder.torque_sensor(torque)?;
@@ -134,7 +137,8 @@ impl<R: MessageSink> RunLog<R> {
         if let Some(cap) = cap {
             self.recorder.cap(cap)?;
         }
-        self.write_task(stamp, control_loop)
+        self.write_findings(stamp, controller.task())?;
+        self.write_task(stamp, controller)
     }
 
     /// Writes a finger's picture, if it is to be recorded and has not been.
@@ -201,10 +205,9 @@ impl<R: MessageSink> RunLog<R> {
         &mut self,
         index: usize,
         stamp: f64,
-        finger: &FingerControl,
-        sense: &FingerSense,
+        pose: &FingertipPose,
     ) -> Result<(), RecordError> {
-        let (position, rotation) = (sense.position, finger.rotation);
+        let FingertipPose { position, rotation } = *pose;
         self.fingertip.stamp = stamp;
         self.fingertip.position = position.into();
         self.fingertip.orientation = DQuat::from_mat3(&rotation).into();
@@ -215,13 +218,30 @@ impl<R: MessageSink> RunLog<R> {
         self.recorder.fingertip(index, &self.fingertip)
     }
 
-    fn write_task<S: TouchSource, H: Hand>(
-        &mut self,
-        stamp: f64,
-        control_loop: &ControlLoop<S, H>,
-    ) -> Result<(), RecordError> {
-        let controller = control_loop.controller();
-        let phase = controller.task().phase();
+    /// Writes what the task found out, if that is more than it was.
+    fn write_findings(&mut self, stamp: f64, task: &dyn ControlTask) -> Result<(), RecordError> {
+        let (found, outcome) = (task.findings(), task.outcome().unwrap_or_default());
+        let written = self.findings.names.iter().zip(&self.findings.values);
+        // To the bit, so that what is not a number is not new for ever.
+        let same = written
+            .map(|(name, value)| (name.as_str(), value.to_bits()))
+            .eq(found
+                .iter()
+                .map(|finding| (finding.name, finding.value.to_bits())));
+        if same && self.findings.outcome == outcome {
+            return Ok(());
+        }
+        self.findings = Findings {
+            stamp,
+            outcome: outcome.to_string(),
+            names: found.iter().map(|f| f.name.to_string()).collect(),
+            values: found.iter().map(|f| f.value).collect(),
+        };
+        self.recorder.findings(&self.findings)
+    }
+
+    fn write_task(&mut self, stamp: f64, controller: &Controller) -> Result<(), RecordError> {
+        let phase = controller.phase();
         let entered = self.phase.replace(phase) != Some(phase);
         let reason = match controller.stop_reason() {
             Some(reason) if entered => reason.to_string(),

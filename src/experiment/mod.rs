@@ -5,6 +5,7 @@ pub mod log;
 pub mod played_rig;
 pub mod replay;
 mod sensors;
+pub mod specimen;
 pub mod warnings;
 
 use crate::config::{ConfigError, Experiment, ExperimentConfig};
@@ -15,6 +16,7 @@ use crate::control::stop_reason::StopReason;
 use crate::control::touch::TouchSource;
 use crate::hand::finger::{FingerError, FingerGeometry};
 use crate::hand::inverse_kinematics::{KinematicsError, inverse_kinematics};
+use crate::record::RunFacts;
 use crate::sensor::fingertip::{Fingertip, FingertipError};
 use crate::sensor::layout::ElementLayout;
 use crate::sensor::optical::OpticalSensorError;
@@ -24,7 +26,9 @@ use crate::sim::rig::{Rig, SimHand};
 use crate::sim::thread::Turn;
 use crate::sim::torque_sensor::TorqueReading;
 use crate::sim::world::World;
+use facts::simulated_facts;
 use glam::DVec3;
+use specimen::{SpecimenError, check_specimen};
 
 /// Why a run could not be set up or go on.
 #[derive(Debug, thiserror::Error)]
@@ -41,8 +45,10 @@ pub enum ExperimentError {
         source: FingerError,
     },
     /// A finger cannot reach its home.
-    #[error("task.finger[{finger}].home = {home:?} cannot be reached: {source}")]
+    #[error("task.{task}.finger[{finger}].home = {home:?} cannot be reached: {source}")]
     Home {
+        /// The task.
+        task: &'static str,
         /// The finger.
         finger: usize,
         /// Where it should be, m, in W.
@@ -64,6 +70,9 @@ pub enum ExperimentError {
     /// The simulated world cannot be built.
     #[error(transparent)]
     Sim(#[from] SimError),
+    /// There is nothing to touch where the task expects it.
+    #[error(transparent)]
+    Specimen(#[from] SpecimenError),
     /// A sensor cannot be built.
     #[error("sensor: finger {finger}: {source}")]
     Sensor {
@@ -126,6 +135,7 @@ impl Session {
         let (fingers, _) = fingers_at_home(config)?;
         let controller = controller(config, &fingers, &layouts);
         let (rig, cap) = rig(experiment)?;
+        check_specimen(config, &fingers, &rig.world())?;
         let sensors = sensors::sensors(experiment, &rig, &layouts)?;
         let hand = SimHand::new(rig.clone(), steps_per_command(config));
         Ok(Self {
@@ -151,7 +161,7 @@ impl Session {
     /// be told to go on, so that ends nothing.
     pub fn finished(&self) -> bool {
         let controller = self.control_loop.controller();
-        let over = match controller.task().phase() {
+        let over = match controller.phase() {
             Phase::Done => true,
             Phase::Stopped => !matches!(controller.stop_reason(), Some(StopReason::Told { .. })),
             _ => false,
@@ -174,6 +184,11 @@ impl Session {
     /// The control loop, as of the newest step.
     pub fn control_loop(&self) -> &ControlLoop<Sensor, SimHand> {
         &self.control_loop
+    }
+
+    /// The constants of the run, with what only the simulated world knows.
+    pub fn facts(&self, config: &ExperimentConfig) -> RunFacts {
+        simulated_facts(config, &self.rig.world())
     }
 
     /// The elements of each finger's fingertip.
@@ -225,8 +240,7 @@ pub fn controller(
     fingers: &[FingerGeometry],
     layouts: &[ElementLayout],
 ) -> Controller {
-    let (control, task) = (config.control.clone(), config.task.clone());
-    Controller::new(control, task, fingers, layouts)
+    Controller::new(config.control.clone(), &config.task, fingers, layouts)
 }
 
 /// The elements of each finger's fingertip.
@@ -251,16 +265,16 @@ pub fn layouts(config: &ExperimentConfig) -> Result<Vec<ElementLayout>, Experime
 pub fn fingers_at_home(
     config: &ExperimentConfig,
 ) -> Result<(Vec<FingerGeometry>, Vec<DVec3>), ExperimentError> {
-    let fingers = config.hand.finger.iter().zip(&config.task.finger);
+    let fingers = config.hand.finger.iter().zip(config.task.homes());
     fingers
         .enumerate()
-        .map(|(finger, (hand, path))| {
+        .map(|(finger, (hand, home))| {
             let geometry = FingerGeometry::new(hand)
                 .map_err(|source| ExperimentError::Finger { finger, source })?;
             let middle = (geometry.joint_lower() + geometry.joint_upper()) / 2.0;
-            let home = path.home;
             let joints = inverse_kinematics(&geometry, DVec3::from_array(home), middle).map_err(
                 |source| ExperimentError::Home {
+                    task: config.task.name(),
                     finger,
                     home,
                     source: Box::new(source),

@@ -158,7 +158,7 @@ fn next_step(inbox: &mut HandInbox, clock: &Clock) -> u64 {
 
 /// What the hand is about in the control step whose command was sent last.
 pub fn mode_of(inbox: &HandInbox, controller: &Controller, instance: u64, stamp: f64) -> HandMode {
-    let phase = controller.task().phase();
+    let phase = controller.phase();
     HandMode {
         header: header(instance, inbox.sent.newest(), stamp),
         search: phase == Phase::Search,

@@ -37,7 +37,8 @@ stamped!(
     Fingertip,
     TorqueSensor,
     Cap,
-    Task
+    Task,
+    Findings
 );
 
 /// One fingertip's tri-axial forces.
@@ -270,7 +271,7 @@ pub struct Task {
 message!(
     Task,
     "Task",
-    "# Where the screwing task stands",
+    "# Where the task stands",
     "uint8 SEARCH=0",
     "uint8 MOVE=1",
     "uint8 RELEASE=2",
@@ -281,6 +282,29 @@ message!(
     "uint8 phase",
     "uint32 stroke  # from 1; 0 before the first",
     "string reason  # why the phase was entered",
+);
+
+/// What the task found out so far; written when that changes.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Findings {
+    /// Time of the control step, s.
+    pub stamp: f64,
+    /// What came of the task, in a few words; empty until it can tell.
+    pub outcome: String,
+    /// What each finding is called.
+    pub names: Vec<String>,
+    /// The value of each, in SI units.
+    pub values: Vec<f64>,
+}
+
+message!(
+    Findings,
+    "Findings",
+    "# What the task found out so far; sent when that changes",
+    "float64 stamp  # s",
+    "string outcome  # in a few words; empty until the task can tell",
+    "string[] names",
+    "float64[] values  # SI units",
 );
 
 /// The topics of a recording.
@@ -302,6 +326,8 @@ pub enum Topic {
     Cap,
     /// [`Task`].
     Task,
+    /// [`Findings`].
+    Findings,
     /// [`Image`] of the camera in a finger's fingertip; only where pictures are recorded.
     Image(usize),
 }
@@ -319,7 +345,7 @@ impl Topic {
                 Self::Fingertip(f),
             ]);
         }
-        topics.extend([Self::TorqueSensor, Self::Cap, Self::Task]);
+        topics.extend([Self::TorqueSensor, Self::Cap, Self::Task, Self::Findings]);
         topics
     }
 
@@ -339,6 +365,7 @@ impl Topic {
             Self::TorqueSensor => "/torque_sensor".into(),
             Self::Cap => "/cap".into(),
             Self::Task => "/task".into(),
+            Self::Findings => "/findings".into(),
             Self::Image(f) => format!("/finger/{f}/image"),
         }
     }
@@ -354,6 +381,7 @@ impl Topic {
             Self::TorqueSensor => (TorqueSensor::SCHEMA_NAME, TorqueSensor::SCHEMA),
             Self::Cap => (Cap::SCHEMA_NAME, Cap::SCHEMA),
             Self::Task => (Task::SCHEMA_NAME, Task::SCHEMA),
+            Self::Findings => (Findings::SCHEMA_NAME, Findings::SCHEMA),
             Self::Image(_) => (Image::SCHEMA_NAME, Image::SCHEMA),
         }
     }

@@ -13,13 +13,16 @@ pub const MAX_FINGERS: usize = 16;
 const PERIODS: std::ops::RangeInclusive<f64> = 1e-4..=1.0;
 
 /// Facts whose value is a text, written as it stands; all others are written as JSON.
-const TEXT_FIELDS: [&str; 4] = ["experiment", "version", "sensing", "replay_of"];
+const TEXT_FIELDS: [&str; 5] = ["experiment", "task", "version", "sensing", "replay_of"];
 
 /// The constants of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RunFacts {
     /// Name of the experiment.
     pub experiment: String,
+    /// Which task it was, as in the experiment file: `screw`.
+    #[serde(default = "screw")]
+    pub task: String,
     /// Seed of every random quantity.
     pub seed: u64,
     /// Version of the program that ran it.
@@ -30,7 +33,7 @@ pub struct RunFacts {
     pub control_period: f64,
     /// Number of fingers.
     pub fingers: usize,
-    /// Radius of the cap, m.
+    /// Radius of the cap, m; 0 where there is none.
     pub cap_radius: f64,
     /// Radius of a feeler's tip, m.
     pub feeler_tip_radius: f64,
@@ -40,7 +43,7 @@ pub struct RunFacts {
     pub over_force_threshold: f64,
     /// dr: an element whose shear rate exceeds this slips, N/s.
     pub slip_threshold: f64,
-    /// Grasp force of a finger at which SEARCH ends, N.
+    /// Grasp force or load of a finger at which SEARCH ends, N.
     pub grasp_force_threshold: f64,
     /// Direction in which each finger approaches the object, unit vector in `W`.
     pub approach: Vec<[f64; 3]>,
@@ -48,10 +51,18 @@ pub struct RunFacts {
     pub stroke_direction: Vec<[f64; 3]>,
     /// Number of strokes to make.
     pub stroke_count: u32,
+    /// What a simulated world knows and the hand does not, by name, in SI units: `specimen.static_friction`.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub truth: BTreeMap<String, f64>,
     /// Of a replay: the digest of what was replayed. Joint angles, torque and cap are from there, and did
     /// not follow from this recording's commands.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub replay_of: Option<String>,
+}
+
+/// The only task that there was when recordings did not name theirs.
+fn screw() -> String {
+    "screw".into()
 }
 
 impl RunFacts {
@@ -72,14 +83,8 @@ impl RunFacts {
                 self.control_period,
             ));
         }
-        if !(self.cap_radius.is_finite() && self.cap_radius > 0.0) {
-            return Err(facts_error(
-                "cap_radius",
-                "a positive number",
-                self.cap_radius,
-            ));
-        }
         let finite = [
+            ("cap_radius", self.cap_radius),
             ("feeler_tip_radius", self.feeler_tip_radius),
             ("touch_force_threshold", self.touch_force_threshold),
             ("over_force_threshold", self.over_force_threshold),

@@ -1,7 +1,7 @@
 //! Where a run's messages go: to a file, or into memory when nobody wants the file.
 
 use super::channels::{
-    Cap, Command, Fingertip, Flags, Joints, Stamped, Tactile, Task, TorqueSensor,
+    Cap, Command, Findings, Fingertip, Flags, Joints, Stamped, Tactile, Task, TorqueSensor,
 };
 use super::error::RecordError;
 use super::facts::RunFacts;
@@ -51,6 +51,11 @@ pub trait MessageSink {
     /// # Errors
     /// As [`Self::tactile`].
     fn task(&mut self, message: &Task) -> Result<(), RecordError>;
+    /// Takes what the task found out.
+    ///
+    /// # Errors
+    /// As [`Self::tactile`].
+    fn findings(&mut self, message: &Findings) -> Result<(), RecordError>;
     /// Takes the picture that a finger's newest forces come from.
     ///
     /// # Errors
@@ -82,6 +87,9 @@ impl MessageSink for Recorder {
     }
     fn task(&mut self, message: &Task) -> Result<(), RecordError> {
         Self::task(self, message)
+    }
+    fn findings(&mut self, message: &Findings) -> Result<(), RecordError> {
+        Self::findings(self, message)
     }
     fn image(&mut self, finger: usize, message: &Image) -> Result<(), RecordError> {
         Self::image(self, finger, message)
@@ -174,6 +182,9 @@ impl MessageSink for MemoryRecorder {
     }
     fn task(&mut self, message: &Task) -> Result<(), RecordError> {
         self.take(message, |recording| &mut recording.task)
+    }
+    fn findings(&mut self, message: &Findings) -> Result<(), RecordError> {
+        self.take(message, |recording| &mut recording.findings)
     }
     fn image(&mut self, _: usize, _: &Image) -> Result<(), RecordError> {
         Err(RecordError::NoPictures)

@@ -1,7 +1,7 @@
 //! Writes a run's recording as the run goes.
 
 use super::channels::{
-    Cap, Command, Fingertip, Flags, Joints, Stamped, Tactile, Task, Topic, TorqueSensor,
+    Cap, Command, Findings, Fingertip, Flags, Joints, Stamped, Tactile, Task, Topic, TorqueSensor,
 };
 use super::digest::Digest;
 use super::error::RecordError;
@@ -26,8 +26,8 @@ const WAITING_CHUNKS: usize = 4;
 /// Channels of one finger, in the order of [`Topic::all`].
 const FINGER_CHANNELS: usize = 5;
 
-/// Messages of a step that belong to no finger: torque sensor, cap, task.
-const OTHER_CHANNELS: usize = 3;
+/// Channels that belong to no finger: torque sensor, cap, task, findings.
+const OTHER_CHANNELS: usize = 4;
 
 /// What a recording holds beside the messages that every run has.
 #[derive(Debug, Clone, Default)]
@@ -193,6 +193,14 @@ impl Recorder {
     /// As [`Self::tactile`].
     pub fn task(&mut self, message: &Task) -> Result<(), RecordError> {
         self.write(self.fingers * FINGER_CHANNELS + 2, message)
+    }
+
+    /// Writes what the task found out.
+    ///
+    /// # Errors
+    /// As [`Self::tactile`].
+    pub fn findings(&mut self, message: &Findings) -> Result<(), RecordError> {
+        self.write(self.fingers * FINGER_CHANNELS + 3, message)
     }
 
     /// Writes the picture that a finger's newest forces come from.

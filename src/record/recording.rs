@@ -1,7 +1,7 @@
 //! Reads a recording back, whole or as far as it goes.
 
 use super::channels::{
-    Cap, Command, Fingertip, Flags, Joints, Stamped, Tactile, Task, Topic, TorqueSensor,
+    Cap, Command, Findings, Fingertip, Flags, Joints, Stamped, Tactile, Task, Topic, TorqueSensor,
 };
 use super::digest::{Digest, Digester};
 use super::error::RecordError;
@@ -72,6 +72,8 @@ pub struct Recording {
     pub cap: Vec<Cap>,
     /// Where the task stood.
     pub task: Vec<Task>,
+    /// What the task found out, each time that it found out more.
+    pub findings: Vec<Findings>,
 }
 
 impl Recording {
@@ -122,6 +124,7 @@ impl Recording {
             torque_sensor: Vec::new(),
             cap: Vec::new(),
             task: Vec::new(),
+            findings: Vec::new(),
         }
     }
 
@@ -136,6 +139,7 @@ impl Recording {
             Topic::TorqueSensor => push(&mut self.torque_sensor, bytes),
             Topic::Cap => push(&mut self.cap, bytes),
             Topic::Task => push(&mut self.task, bytes),
+            Topic::Findings => push(&mut self.findings, bytes),
             Topic::Image(f) => {
                 let image: Image = cdr::decode(bytes).map_err(|e| e.to_string())?;
                 image.check()?;

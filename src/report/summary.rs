@@ -7,6 +7,7 @@ use super::series::finite;
 use super::strokes::StrokeMeasures;
 use crate::record::Recording;
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// A run in numbers. The field names are the keys of `summary.json`; what is not known is null.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -29,6 +30,10 @@ pub struct Summary {
     pub real_time_factor: Option<f64>,
     /// The strokes, in the order of time.
     pub strokes: Vec<StrokeMeasures>,
+    /// What came of the task, in a few words, if it could tell.
+    pub outcome: Option<String>,
+    /// What the task found out, by name, in SI units.
+    pub findings: BTreeMap<String, Option<f64>>,
     /// The paper's claims.
     pub claims: Vec<Claim>,
     /// Angle the cap has turned at the end, rad, positive = closing.
@@ -41,6 +46,7 @@ impl Summary {
     /// Summarises a recording.
     pub fn new(recording: &Recording, data: &RunData) -> Self {
         let facts = &recording.facts;
+        let found = recording.findings.last();
         let factor = |seconds| finite(recording.readable_until / seconds);
         Self {
             experiment: facts.experiment.clone(),
@@ -53,6 +59,11 @@ impl Summary {
             real_time_factor: recording.wall_time.and_then(factor),
             strokes: (data.strokes.iter())
                 .map(|stroke| StrokeMeasures::new(data, stroke))
+                .collect(),
+            outcome: found.and_then(|f| (!f.outcome.is_empty()).then(|| f.outcome.clone())),
+            findings: (found.into_iter())
+                .flat_map(|f| f.names.iter().cloned().zip(&f.values))
+                .map(|(name, &value)| (name, finite(value)))
                 .collect(),
             claims: claims(data),
             cap_angle: (recording.cap.last()).and_then(|cap| finite(cap.angle)),

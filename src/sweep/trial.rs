@@ -69,7 +69,7 @@ impl Trials {
         } else {
             Vec::new()
         };
-        let strokes = config.task.strokes.min(MAX_STROKES);
+        let strokes = config.task.strokes().min(MAX_STROKES);
         Ok(Self {
             plan: plan.clone(),
             parameters,
@@ -182,7 +182,7 @@ impl Trials {
             Ok(session) => session,
             Err(error) => return Ran::failed("invalid", error.to_string()),
         };
-        let recorder = match MemoryRecorder::new(&run_facts(&experiment.config)) {
+        let recorder = match MemoryRecorder::new(&session.facts(&experiment.config)) {
             Ok(recorder) => recorder,
             Err(error) => return Ran::failed("invalid", error.to_string()),
         };
@@ -198,7 +198,7 @@ impl Trials {
         let (outcome, reason) = match (failed, controller.stop_reason()) {
             (Some(error), _) => ("error", error),
             (None, Some(reason)) => ("stopped", reason.to_string()),
-            (None, None) if controller.task().phase() == Phase::Done => ("done", String::new()),
+            (None, None) if controller.phase() == Phase::Done => ("done", String::new()),
             (None, None) => ("time_limit", String::new()),
         };
         Ran {

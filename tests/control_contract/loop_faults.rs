@@ -125,7 +125,7 @@ fn stale_forces_stop_both_fingers_within_one_period() {
         );
         let (_, after) = run(fault, 25);
         assert_eq!(*after.command(), HandCommand::stop(2));
-        assert_eq!(after.controller().task().phase(), Phase::Stopped);
+        assert_eq!(after.controller().phase(), Phase::Stopped);
         let Some(&StopReason::StaleForces {
             finger: 1,
             age,
@@ -263,17 +263,17 @@ fn a_stopped_hand_goes_on_when_told_to_and_stops_again_while_the_cause_is_there(
     let mut broken = good(1);
     broken[0].forces[0].x = f64::NAN;
     controller.decide(&analyzers.touches(&broken), &at_home(), &mut command);
-    assert_eq!(controller.task().phase(), Phase::Stopped);
+    assert_eq!(controller.phase(), Phase::Stopped);
 
     controller.resume();
     assert_eq!(controller.stop_reason(), None);
     controller.decide(&analyzers.touches(&broken), &at_home(), &mut command);
-    assert_eq!(controller.task().phase(), Phase::Stopped);
+    assert_eq!(controller.phase(), Phase::Stopped);
     assert_eq!(command, HandCommand::stop(2));
 
     controller.resume();
     controller.decide(&analyzers.touches(&good(3)), &at_home(), &mut command);
-    assert_eq!(controller.task().phase(), Phase::Search);
+    assert_eq!(controller.phase(), Phase::Search);
     let velocities = &command.joint_velocity;
     assert!(velocities.iter().all(|v| *v != DVec3::ZERO), "{command:?}");
 }

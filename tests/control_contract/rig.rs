@@ -3,6 +3,8 @@
 use feeler::config::{Experiment, ExperimentConfig};
 use feeler::control::controller::Controller;
 use feeler::control::flags::FlagAnalyzer;
+use feeler::control::task::TaskConfig;
+use feeler::control::task::screw::ScrewConfig;
 use feeler::control::touch::FingerTouch;
 use feeler::hand::finger::FingerGeometry;
 use feeler::hand::hand::{Hand, HandCommand, HandError, HandState, JointState};
@@ -30,17 +32,29 @@ pub fn geometries(config: &ExperimentConfig) -> Vec<FingerGeometry> {
 pub fn controller(config: &ExperimentConfig) -> Controller {
     let layout = ElementLayout::new(&config.sensor.fingertip.layout);
     let layouts = vec![layout; config.hand.finger.len()];
-    let (control, task) = (config.control.clone(), config.task.clone());
-    Controller::new(control, task, &geometries(config), &layouts)
+    Controller::new(
+        config.control.clone(),
+        &config.task,
+        &geometries(config),
+        &layouts,
+    )
+}
+
+/// What the reference experiment's task is tuned by.
+pub fn screw(config: &mut ExperimentConfig) -> &mut ScrewConfig {
+    let TaskConfig::Screw(screw) = &mut config.task else {
+        panic!("a screw task")
+    };
+    screw
 }
 
 /// Joint angles, rad, with each finger at home.
 pub fn home(config: &ExperimentConfig) -> Vec<DVec3> {
-    let fingers = geometries(config).into_iter().zip(&config.task.finger);
+    let fingers = geometries(config).into_iter().zip(config.task.homes());
     fingers
-        .map(|(geometry, path)| {
+        .map(|(geometry, home)| {
             let middle = (geometry.joint_lower() + geometry.joint_upper()) / 2.0;
-            inverse_kinematics(&geometry, path.home.into(), middle).expect("home")
+            inverse_kinematics(&geometry, home.into(), middle).expect("home")
         })
         .collect()
 }

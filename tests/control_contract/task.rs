@@ -1,10 +1,11 @@
 //! The screw task, with a hand that does exactly what it is told and an object that is a wall.
 
-use super::rig::{Analyzers, IdealHand, config, controller, geometries, pressed};
+use super::rig::{Analyzers, IdealHand, config, controller, geometries, pressed, screw};
 use feeler::config::ExperimentConfig;
 use feeler::control::controller::Controller;
 use feeler::control::phase::Phase;
 use feeler::control::stop_reason::StopReason;
+use feeler::control::task::screw::ScrewConfig;
 use feeler::hand::hand::{Hand, HandCommand};
 use feeler::hand::kinematics::fingertip_pose;
 use glam::DVec3;
@@ -15,17 +16,22 @@ const STIFFNESS: f64 = 2000.0;
 
 struct Run {
     config: ExperimentConfig,
+    screw: ScrewConfig,
     controller: Controller,
     analyzers: Analyzers,
     hand: IdealHand,
     periods: u64,
+    /// Of finger 0 when it decided, N.
+    grasp_force: f64,
 }
 
 impl Run {
-    fn new(config: ExperimentConfig) -> Self {
+    fn new(mut config: ExperimentConfig) -> Self {
         let (controller, hand) = (controller(&config), IdealHand::at_home(&config));
         Self {
             analyzers: Analyzers::new(&config),
+            screw: screw(&mut config).clone(),
+            grasp_force: 0.0,
             config,
             controller,
             hand,
@@ -40,7 +46,7 @@ impl Run {
 
     /// Goes round once; `wall` is how far from home the wall is, m.
     fn step(&mut self, wall: f64) {
-        let fingers = self.config.task.finger.iter().enumerate();
+        let fingers = self.screw.finger.iter().enumerate();
         let frames: Vec<_> = fingers
             .map(|(finger, path)| {
                 let from_home = self.position(finger) - DVec3::from(path.home);
@@ -49,11 +55,10 @@ impl Run {
             })
             .collect();
         let mut command = HandCommand::stop(2);
-        self.controller.decide(
-            &self.analyzers.touches(&frames),
-            &self.hand.state(),
-            &mut command,
-        );
+        let touches = self.analyzers.touches(&frames);
+        self.grasp_force = touches[0].flags.grasp_force;
+        self.controller
+            .decide(&touches, &self.hand.state(), &mut command);
         self.hand.command(&command).expect("an ideal hand");
         self.periods += 1;
     }
@@ -63,32 +68,28 @@ impl Run {
 fn four_strokes_go_through_the_phases_in_order_and_travel_as_configured() {
     let mut run = Run::new(config());
     let (mut phases, mut start) = (vec![], [DVec3::ZERO; 2]);
-    while run.periods < 3000 && run.controller.task().phase() != Phase::Done {
+    while run.periods < 3000 && run.controller.phase() != Phase::Done {
         run.step(WALL);
-        let task = run.controller.task();
-        let now = (task.stroke(), task.phase());
+        let now = (run.controller.task().stroke(), run.controller.phase());
         if phases.last() == Some(&now) {
             continue;
         }
         phases.push(now);
         for (finger, start) in start.iter_mut().enumerate() {
             // Where the controller saw the finger when it decided.
-            let position = run.controller.senses()[finger].position;
-            let path = &run.config.task.finger[finger];
+            let position = run.controller.poses()[finger].position;
+            let path = &run.screw.finger[finger];
             match now.1 {
                 Phase::Move => *start = position,
                 Phase::Release => {
                     let travel = (position - *start).dot(path.stroke.into());
                     // It stops at the first period past the end: one period's way further.
-                    let most = run.config.task.travel + 1.1 * run.config.task.move_speed * 0.01;
-                    assert!(
-                        (run.config.task.travel..most).contains(&travel),
-                        "{travel} m"
-                    );
+                    let most = run.screw.travel + 1.1 * run.screw.move_speed * 0.01;
+                    assert!((run.screw.travel..most).contains(&travel), "{travel} m");
                 }
                 Phase::Search | Phase::Done => {
                     let off = (position - DVec3::from(path.home)).length();
-                    let most = run.config.task.home_tolerance + 1e-4;
+                    let most = run.screw.home_tolerance + 1e-4;
                     assert!(off < most, "{off} m from home");
                 }
                 _ => {}
@@ -113,30 +114,30 @@ fn four_strokes_go_through_the_phases_in_order_and_travel_as_configured() {
 #[test]
 fn each_finger_waits_at_its_own_grasp_for_the_other() {
     let mut run = Run::new(config());
-    while run.controller.senses()[0].flags.grasp_force < run.config.task.grasp_force {
+    while run.grasp_force < run.screw.grasp_force {
         run.step(WALL);
         assert!(run.periods < 1000);
     }
     // Both touch alike; a finger whose wall is out of reach keeps the first waiting.
     let mut run = Run::new(config());
-    run.config.task.finger[1].home[0] -= 0.004;
+    run.screw.finger[1].home[0] -= 0.004;
     for _ in 0..150 {
         run.step(WALL);
     }
     let speed = |finger: usize| run.controller.fingers()[finger].velocity.length();
-    assert_eq!(run.controller.task().phase(), Phase::Search);
+    assert_eq!(run.controller.phase(), Phase::Search);
     assert_eq!(speed(0), 0.0);
-    assert_eq!(speed(1), run.config.task.search_speed);
+    assert_eq!(speed(1), run.screw.search_speed);
 }
 
 #[test]
 fn a_hand_that_finds_nothing_stops_and_says_so() {
     let mut run = Run::new(config());
-    while run.periods < 1000 && run.controller.task().phase() == Phase::Search {
+    while run.periods < 1000 && run.controller.phase() == Phase::Search {
         run.step(1.0);
     }
-    assert_eq!(run.controller.task().phase(), Phase::Stopped);
-    let limit = run.config.task.search_limit;
+    assert_eq!(run.controller.phase(), Phase::Stopped);
+    let limit = run.screw.search_limit;
     let Some(&StopReason::NothingToGrasp { travel, .. }) = run.controller.stop_reason() else {
         panic!("{:?}", run.controller.stop_reason())
     };

@@ -20,7 +20,7 @@ fn for_a_long_time_memory_stays_and_every_step_is_accounted_for() {
     let seconds = std::env::var("FEELER_SOAK_SECONDS").ok();
     let seconds: f64 = seconds.map_or(60.0, |s| s.parse().expect("FEELER_SOAK_SECONDS in s"));
     let endless = [
-        "task.strokes=100000",
+        "task.screw.strokes=100000",
         "time_limit=1e5",
         "control.resume=fresh",
     ];

@@ -84,11 +84,11 @@ fn the_hand_turns_a_seated_cap_loose_without_upsetting_the_world() {
     let experiment = experiment(&[
         "sim.object.cap.motion.thread.seat_angle=0",
         "sim.variation.seat_angle=0",
-        "task.strokes=2",
-        "task.finger.0.stroke=[0.0, 1.0, 0.0]",
-        "task.finger.1.stroke=[0.0, -1.0, 0.0]",
-        "task.finger.0.home=[-0.038, 0.001, 0.1]",
-        "task.finger.1.home=[0.038, -0.001, 0.1]",
+        "task.screw.strokes=2",
+        "task.screw.finger.0.stroke=[0.0, 1.0, 0.0]",
+        "task.screw.finger.1.stroke=[0.0, -1.0, 0.0]",
+        "task.screw.finger.0.home=[-0.038, 0.001, 0.1]",
+        "task.screw.finger.1.home=[0.038, -0.001, 0.1]",
     ]);
     let commands = commands(&experiment);
     let mut world = world(&experiment, &commands.start);

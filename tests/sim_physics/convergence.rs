@@ -21,7 +21,7 @@ struct Torques {
 /// The torques of a run of `settings` under `commands`.
 fn torques(settings: &[&str], commands: &Commands) -> Torques {
     let experiment = experiment(settings);
-    let strokes = experiment.config.task.strokes as usize;
+    let strokes = experiment.config.task.strokes() as usize;
     let mut world = world(&experiment, &commands.start);
     let (mut peak, mut sum, mut steps) = (
         vec![0.0_f64; strokes],

@@ -6,6 +6,7 @@ use feeler::record::{
 };
 use feeler::wire::{Quaternion, Vector3};
 use glam::DVec3;
+use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::path::Path;
 
@@ -28,6 +29,7 @@ pub const EXPERIMENT: &str = "# A made-up run.\nname = \"made up <&> \\\"quoted\
 pub fn facts() -> RunFacts {
     RunFacts {
         experiment: "made-up".into(),
+        task: "screw".into(),
         seed: u64::MAX,
         version: "0.1.0".into(),
         sensing: "direct".into(),
@@ -42,6 +44,7 @@ pub fn facts() -> RunFacts {
         approach: vec![[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]],
         stroke_direction: vec![[0.0, 1.0, 0.0], [0.0, -1.0, 0.0]],
         stroke_count: 4,
+        truth: BTreeMap::new(),
         replay_of: None,
     }
 }

@@ -44,7 +44,7 @@ fn keys_stop_the_hand_and_let_it_go_on_and_leave() {
     // Strokes go on for ever: the cap never meets its seat.
     experiment(&folder, "seat_angle = 0.48", "seat_angle = 1e6");
     let feeler = env!("CARGO_BIN_EXE_feeler");
-    let endless = "--set=task.strokes=1000 --set=time_limit=90000 --sensing direct";
+    let endless = "--set=task.screw.strokes=1000 --set=time_limit=90000 --sensing direct";
     let command = format!("{feeler} run my.toml {endless} --top --speed 5 --out run");
     let Some(mut terminal) = InTerminal::start(&folder, &command) else {
         return;
@@ -71,7 +71,7 @@ fn keys_stop_the_hand_and_let_it_go_on_and_leave() {
 fn endless(folder: &Path) -> Option<(InTerminal, String)> {
     experiment(folder, "seat_angle = 0.48", "seat_angle = 1e6");
     let feeler = env!("CARGO_BIN_EXE_feeler");
-    let endless = "--set=task.strokes=1000 --set=time_limit=90000 --sensing direct";
+    let endless = "--set=task.screw.strokes=1000 --set=time_limit=90000 --sensing direct";
     // Replaces the shell, so that the number is its own.
     let command = format!("{feeler} run my.toml {endless} --top --speed 5 --out run");
     let command = format!("sh -c 'echo $$ > number; exec {command}'");

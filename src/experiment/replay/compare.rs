@@ -1,9 +1,9 @@
 //! What a replay gives, held against what is on record.
 
-use super::fields::{Field, of_command, of_flags, of_tactile, of_task};
+use super::fields::{Field, of_command, of_findings, of_flags, of_tactile, of_task};
 use crate::record::{
-    Cap, Command, FingerRecord, Fingertip, Flags, Image, Joints, MessageSink, RecordError,
-    Recorder, Recording, Tactile, Task, TorqueSensor,
+    Cap, Command, Findings, FingerRecord, Fingertip, Flags, Image, Joints, MessageSink,
+    RecordError, Recorder, Recording, Tactile, Task, TorqueSensor,
 };
 use std::fmt;
 
@@ -16,13 +16,21 @@ pub enum Kind {
     Flags,
     /// Phase and stroke of the task.
     Phases,
+    /// What the task found out.
+    Findings,
     /// The command of one finger.
     Commands,
 }
 
 impl Kind {
     /// All of them, in the order in which one follows from the other.
-    pub const ALL: [Self; 4] = [Self::Forces, Self::Flags, Self::Phases, Self::Commands];
+    pub const ALL: [Self; 5] = [
+        Self::Forces,
+        Self::Flags,
+        Self::Phases,
+        Self::Findings,
+        Self::Commands,
+    ];
 }
 
 impl fmt::Display for Kind {
@@ -31,6 +39,7 @@ impl fmt::Display for Kind {
             Self::Forces => "forces",
             Self::Flags => "flags",
             Self::Phases => "phases",
+            Self::Findings => "findings",
             Self::Commands => "commands",
         })
     }
@@ -105,6 +114,10 @@ pub(super) struct Comparer<'a> {
     forces: bool,
     step: usize,
     time: f64,
+    /// What the task has found out.
+    found: Findings,
+    /// How many messages about that are on record until here.
+    found_on_record: usize,
     pub comparison: Comparison,
     pub copy: Option<Recorder>,
 }
@@ -116,17 +129,19 @@ impl<'a> Comparer<'a> {
             forces,
             step: 0,
             time: 0.0,
+            found: Findings::default(),
+            found_on_record: 0,
             comparison: Comparison::default(),
             copy: None,
         }
     }
 
-    fn compare<M: 'a, F: Iterator<Item = Field>>(
+    fn compare<'b, M: 'b, F: Iterator<Item = Field<'b>>>(
         &mut self,
         kind: Kind,
         finger: Option<usize>,
-        expected: Option<&'a M>,
-        fields: impl FnOnce(&'a M) -> F,
+        expected: Option<&'b M>,
+        fields: impl FnOnce(&'b M) -> F,
     ) {
         // There is no step that is not on record.
         let Some(expected) = expected else { return };
@@ -153,6 +168,24 @@ impl<'a> Comparer<'a> {
         list: impl FnOnce(&'a FingerRecord) -> &'a Vec<M>,
     ) -> Option<&'a M> {
         list(self.recording.fingers.get(finger)?).get(self.step)
+    }
+
+    /// What the task has found out until this step, where there is anything.
+    fn compare_findings(&mut self) {
+        let on_record = &self.recording.findings;
+        let later = on_record.get(self.found_on_record..).unwrap_or_default();
+        let now = later.iter().take_while(|found| found.stamp <= self.time);
+        self.found_on_record += now.count();
+        let nothing = Findings::default();
+        let found = std::mem::take(&mut self.found);
+        let expected = on_record[..self.found_on_record].last();
+        if expected.is_some() || found != nothing {
+            let expected = Some(expected.unwrap_or(&nothing));
+            self.compare(Kind::Findings, None, expected, |expected| {
+                of_findings(expected, &found)
+            });
+        }
+        self.found = found;
     }
 
     fn pass_on(
@@ -214,8 +247,14 @@ impl MessageSink for Comparer<'_> {
         self.compare(Kind::Phases, None, expected, |expected| {
             of_task(expected, message)
         });
+        self.compare_findings();
         self.step += 1;
         self.pass_on(|copy| copy.task(message))
+    }
+
+    fn findings(&mut self, message: &Findings) -> Result<(), RecordError> {
+        self.found.clone_from(message);
+        self.pass_on(|copy| copy.findings(message))
     }
 
     fn image(&mut self, finger: usize, message: &Image) -> Result<(), RecordError> {

@@ -1,20 +1,21 @@
 //! Messages as lists of named values, to be compared one by one.
 
 use crate::control::phase::Phase;
-use crate::record::{Command, Flags, Tactile, Task};
+use crate::record::{Command, Findings, Flags, Tactile, Task};
 use crate::wire::Vector3;
 use std::fmt;
 
 /// One value of a message.
 #[derive(Debug, Clone, Copy)]
-pub enum Value {
+pub enum Value<'a> {
     Number(f64),
     Count(u64),
     Flag(bool),
     Phase(Phase),
+    Text(&'a str),
 }
 
-impl Value {
+impl Value<'_> {
     /// Whether it is the same to the bit.
     fn same(self, other: Self) -> bool {
         match (self, other) {
@@ -22,12 +23,13 @@ impl Value {
             (Self::Count(a), Self::Count(b)) => a == b,
             (Self::Flag(a), Self::Flag(b)) => a == b,
             (Self::Phase(a), Self::Phase(b)) => a == b,
+            (Self::Text(a), Self::Text(b)) => a == b,
             _ => false,
         }
     }
 }
 
-impl fmt::Display for Value {
+impl fmt::Display for Value<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             // NaNs look alike and need not be.
@@ -37,23 +39,24 @@ impl fmt::Display for Value {
             Self::Count(count) => count.fmt(f),
             Self::Flag(flag) => flag.fmt(f),
             Self::Phase(phase) => phase.fmt(f),
+            Self::Text(text) => write!(f, "{text:?}"),
         }
     }
 }
 
 /// The same value of two messages, with its name: `list[index]part`.
 #[derive(Debug, Clone, Copy)]
-pub struct Field {
-    list: &'static str,
+pub struct Field<'a> {
+    list: &'a str,
     index: Option<usize>,
     part: &'static str,
     /// As it is on record.
-    pub expected: Value,
+    pub expected: Value<'a>,
     /// As it is now.
-    pub actual: Value,
+    pub actual: Value<'a>,
 }
 
-impl Field {
+impl Field<'_> {
     pub fn differs(&self) -> bool {
         !self.expected.same(self.actual)
     }
@@ -68,7 +71,7 @@ impl Field {
     }
 }
 
-fn one(name: &'static str, expected: Value, actual: Value) -> Field {
+fn one<'a>(name: &'a str, expected: Value<'a>, actual: Value<'a>) -> Field<'a> {
     Field {
         list: name,
         index: None,
@@ -78,21 +81,21 @@ fn one(name: &'static str, expected: Value, actual: Value) -> Field {
     }
 }
 
-fn number(name: &'static str, expected: f64, actual: f64) -> Field {
+fn number(name: &str, expected: f64, actual: f64) -> Field<'_> {
     one(name, Value::Number(expected), Value::Number(actual))
 }
 
-fn flag(name: &'static str, expected: bool, actual: bool) -> Field {
+fn flag(name: &str, expected: bool, actual: bool) -> Field<'_> {
     one(name, Value::Flag(expected), Value::Flag(actual))
 }
 
 /// The lengths of two lists, and the numbers that are in both.
-fn numbers(
+fn numbers<'a>(
     list: &'static str,
     length: &'static str,
-    expected: &[f64],
-    actual: &[f64],
-) -> impl Iterator<Item = Field> {
+    expected: &'a [f64],
+    actual: &'a [f64],
+) -> impl Iterator<Item = Field<'a>> {
     let count = |list: &[f64]| Value::Count(list.len() as u64);
     let lengths = one(length, count(expected), count(actual));
     let numbers = expected.iter().zip(actual).enumerate();
@@ -103,12 +106,12 @@ fn numbers(
     std::iter::once(lengths).chain(numbers)
 }
 
-fn vector(
+fn vector<'a>(
     list: &'static str,
     index: Option<usize>,
     expected: Vector3,
     actual: Vector3,
-) -> impl Iterator<Item = Field> {
+) -> impl Iterator<Item = Field<'a>> {
     let parts = [
         (".x", expected.x, actual.x),
         (".y", expected.y, actual.y),
@@ -124,7 +127,10 @@ fn vector(
 }
 
 /// Stamp and forces of two tactile frames.
-pub fn of_tactile(expected: &Tactile, actual: &Tactile) -> impl Iterator<Item = Field> {
+pub fn of_tactile<'a>(
+    expected: &'a Tactile,
+    actual: &'a Tactile,
+) -> impl Iterator<Item = Field<'a>> {
     let count = |frame: &Tactile| Value::Count(frame.forces.len() as u64);
     let forces = expected.forces.iter().zip(&actual.forces).enumerate();
     let forces = forces.flat_map(|(index, (&was, &is))| vector("forces", Some(index), was, is));
@@ -137,7 +143,7 @@ pub fn of_tactile(expected: &Tactile, actual: &Tactile) -> impl Iterator<Item = 
 }
 
 /// All that the flag analyzer said.
-pub fn of_flags(expected: &Flags, actual: &Flags) -> impl Iterator<Item = Field> {
+pub fn of_flags<'a>(expected: &'a Flags, actual: &'a Flags) -> impl Iterator<Item = Field<'a>> {
     let element = |flags: &Flags| Value::Count(flags.largest_element.into());
     let rates = (&expected.shear_rate, &actual.shear_rate);
     [
@@ -157,7 +163,10 @@ pub fn of_flags(expected: &Flags, actual: &Flags) -> impl Iterator<Item = Field>
 }
 
 /// All that a finger's drives were told, and what it was made of.
-pub fn of_command(expected: &Command, actual: &Command) -> impl Iterator<Item = Field> {
+pub fn of_command<'a>(
+    expected: &'a Command,
+    actual: &'a Command,
+) -> impl Iterator<Item = Field<'a>> {
     let joints = expected.joint_velocity.iter().zip(&actual.joint_velocity);
     let joints = joints.enumerate().map(|(joint, (&was, &is))| Field {
         index: Some(joint),
@@ -173,7 +182,7 @@ pub fn of_command(expected: &Command, actual: &Command) -> impl Iterator<Item = 
 }
 
 /// Where the task stands. Reasons are words, which may become better ones.
-pub fn of_task(expected: &Task, actual: &Task) -> impl Iterator<Item = Field> {
+pub fn of_task<'a>(expected: &'a Task, actual: &'a Task) -> impl Iterator<Item = Field<'a>> {
     let stroke = |task: &Task| Value::Count(task.stroke.into());
     let phase = |task: &Task| Value::Phase(task.phase);
     [
@@ -181,4 +190,25 @@ pub fn of_task(expected: &Task, actual: &Task) -> impl Iterator<Item = Field> {
         one("stroke", stroke(expected), stroke(actual)),
     ]
     .into_iter()
+}
+
+/// All that the task found out; none where it had found out nothing yet.
+pub fn of_findings<'a>(
+    expected: &'a Findings,
+    actual: &'a Findings,
+) -> impl Iterator<Item = Field<'a>> {
+    let count = |findings: &Findings| Value::Count(findings.values.len() as u64);
+    let names = expected.names.iter().zip(&actual.names);
+    let names = names.map(|(was, is)| one("name", Value::Text(was), Value::Text(is)));
+    let values = expected.values.iter().zip(&actual.values);
+    let values = expected.names.iter().zip(values);
+    let values = values.map(|(name, (&was, &is))| number(name, was, is));
+    let (was, is) = (&expected.outcome, &actual.outcome);
+    [
+        one("outcome", Value::Text(was), Value::Text(is)),
+        one("number of findings", count(expected), count(actual)),
+    ]
+    .into_iter()
+    .chain(names)
+    .chain(values)
 }

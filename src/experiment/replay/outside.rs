@@ -75,5 +75,5 @@ fn stops(
     command: &mut HandCommand,
 ) -> bool {
     controller.decide(touches, state, command);
-    controller.task().phase() == Phase::Stopped
+    controller.phase() == Phase::Stopped
 }

@@ -327,7 +327,7 @@ impl Program {
         let given_up = controller
             .stop_reason()
             .is_some_and(|reason| !reason.may_pass());
-        controller.task().phase() == Phase::Done
+        controller.phase() == Phase::Done
             || given_up
             || self.control_loop.state().stamp - self.began >= self.time_limit
     }

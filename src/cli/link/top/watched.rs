@@ -135,7 +135,7 @@ impl Watched {
         Some(TaskState {
             phase: Phase::try_from(mode.phase).ok()?,
             stroke: mode.stroke,
-            strokes: Some(self.config.task.strokes),
+            strokes: Some(self.config.task.strokes()),
         })
     }
 
@@ -152,7 +152,7 @@ impl Watched {
                     number,
                     flags,
                     thresholds: self.config.control.thresholds(),
-                    grasp_target: self.config.task.grasp_force,
+                    grasp_target: self.config.task.grasp_force(),
                     elements: layout.elements.clone(),
                     forces,
                     shear_rates,

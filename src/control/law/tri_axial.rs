@@ -1,6 +1,9 @@
 //! The finger speed estimator (paper, Fig. 5): from the mode and the flags to a fingertip velocity.
 
-use super::flags::FingerFlags;
+use super::Law;
+use crate::control::flags::FingerFlags;
+use crate::control::plan::Plan;
+use crate::control::sense::FingerSense;
 use glam::DVec3;
 
 /// The reflex that presses a slipping or weakly grasping finger into the object.
@@ -10,19 +13,6 @@ pub struct Reflex {
     pub recompression_speed: f64,
     /// A moving finger whose grasp force is below this is re-compressed, too, N.
     pub minimum_grasp_force: f64,
-}
-
-/// What the task wants of a finger until further notice.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Plan {
-    /// Velocity of the fingertip, m/s, in W: v_0 in SEARCH, v_m in MOVE.
-    pub velocity: DVec3,
-    /// Where the object is thought to be: a unit vector in W.
-    pub towards_object: DVec3,
-    /// Whether the finger re-compresses when it slips.
-    pub reflex: bool,
-    /// Whether the finger re-compresses when its grasp force is low.
-    pub keep_grasp: bool,
 }
 
 /// Estimates one finger's velocity and keeps it while neither plan nor flags change.
@@ -41,6 +31,14 @@ struct Situation {
     slip: bool,
     over: bool,
     weak: bool,
+}
+
+impl Law for FingerSpeedEstimator {
+    fn velocity(&mut self, plan: &Plan, finger: &FingerSense<'_>) -> DVec3 {
+        let flags = finger.flags();
+        let pressing = flags.largest_element.and_then(|e| finger.normal(e));
+        self.estimate(plan, flags, pressing)
+    }
 }
 
 impl FingerSpeedEstimator {

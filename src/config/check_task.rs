@@ -1,0 +1,102 @@
+//! What every value of a task must be.
+
+use super::checker::Checker;
+use crate::control::controller::ControlConfig;
+use crate::control::task::TaskConfig;
+use crate::control::task::friction_scan::FrictionScanConfig;
+use crate::control::task::screw::ScrewConfig;
+use glam::DVec3;
+
+/// Sliding and pressing are this far apart at least, degrees.
+const MIN_SLIDE: f64 = 5.0;
+/// Control periods that a friction scan settles for at least: half of them tell the noise.
+const MIN_PERIODS_AT_REST: f64 = 20.0;
+
+pub(super) fn check_task(task: &TaskConfig, control: &ControlConfig, checker: &mut Checker) {
+    let key = format!("task.{}", task.name());
+    match task {
+        TaskConfig::Screw(screw) => check_screw(&key, screw, checker),
+        TaskConfig::FrictionScan(scan) => check_friction_scan(&key, scan, control, checker),
+    }
+}
+
+fn check_screw(key: &str, screw: &ScrewConfig, checker: &mut Checker) {
+    checker.require(
+        &format!("{key}.strokes"),
+        screw.strokes.to_string(),
+        (1..=100_000).contains(&screw.strokes),
+        "1 to 100000",
+    );
+    let positive = [
+        ("search_speed", screw.search_speed),
+        ("grasp_force", screw.grasp_force),
+        ("search_limit", screw.search_limit),
+        ("move_speed", screw.move_speed),
+        ("travel", screw.travel),
+        ("return_speed", screw.return_speed),
+        ("home_tolerance", screw.home_tolerance),
+    ];
+    for (field, value) in positive {
+        checker.positive(&format!("{key}.{field}"), value);
+    }
+    for (index, finger) in screw.finger.iter().enumerate() {
+        checker.vector(&format!("{key}.finger[{index}].home"), finger.home);
+        for (field, direction) in [("approach", finger.approach), ("stroke", finger.stroke)] {
+            checker.direction(&format!("{key}.finger[{index}].{field}"), direction);
+        }
+    }
+}
+
+fn check_friction_scan(
+    key: &str,
+    scan: &FrictionScanConfig,
+    control: &ControlConfig,
+    checker: &mut Checker,
+) {
+    checker.vector(&format!("{key}.home"), scan.home);
+    checker.direction(&format!("{key}.approach"), scan.approach);
+    let [approach, slide] = [scan.approach, scan.slide].map(DVec3::from_array);
+    checker.require(
+        &format!("{key}.slide"),
+        format!("{:?}", scan.slide),
+        slide
+            .normalize_or_zero()
+            .cross(approach.normalize_or_zero())
+            .length()
+            >= MIN_SLIDE.to_radians().sin(),
+        &format!(
+            "a direction {MIN_SLIDE} degrees or more off {key}.approach = {:?}",
+            scan.approach
+        ),
+    );
+    let positive = [
+        ("search_speed", scan.search_speed),
+        ("search_limit", scan.search_limit),
+        ("load_gain", scan.load_gain),
+        ("slide_speed", scan.slide_speed),
+        ("travel", scan.travel),
+        ("slide_limit", scan.slide_limit),
+        ("return_speed", scan.return_speed),
+        ("home_tolerance", scan.home_tolerance),
+    ];
+    for (field, value) in positive {
+        checker.positive(&format!("{key}.{field}"), value);
+    }
+    let (touch, over) = (control.touch_force, control.over_force);
+    checker.require(
+        &format!("{key}.load"),
+        scan.load.to_string(),
+        scan.load > touch && scan.load < over,
+        &format!(
+            "more than control.touch_force (F1) = {touch}, less than control.over_force (F2) = {over}"
+        ),
+    );
+    let least = MIN_PERIODS_AT_REST * control.period;
+    checker.between(&format!("{key}.settle_time"), scan.settle_time, least, 1e3);
+    checker.require(
+        &format!("{key}.strokes"),
+        scan.strokes.to_string(),
+        (3..=1000).contains(&scan.strokes),
+        "3 to 1000: one that does not count, one each way",
+    );
+}

@@ -1,0 +1,93 @@
+//! What a hand feels in one control step: all that tasks and control laws decide on.
+
+use super::flags::FingerFlags;
+use super::touch::FingerTouch;
+use crate::sensor::layout::ElementLayout;
+use glam::{DMat3, DVec3};
+
+/// Where a fingertip is, by its encoders.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FingertipPose {
+    /// Its dome's centre, m, in W.
+    pub position: DVec3,
+    /// Rotation from its frame `T` to W.
+    pub rotation: DMat3,
+}
+
+impl Default for FingertipPose {
+    fn default() -> Self {
+        Self {
+            position: DVec3::ZERO,
+            rotation: DMat3::IDENTITY,
+        }
+    }
+}
+
+/// What one finger feels, and where.
+#[derive(Debug, Clone, Copy)]
+pub struct FingerSense<'a> {
+    /// Where its fingertip is.
+    pub pose: FingertipPose,
+    /// The forces on all its elements, their shear rates and the flags.
+    pub touch: &'a FingerTouch,
+    /// Where its elements sit on the dome.
+    pub layout: &'a ElementLayout,
+}
+
+impl FingerSense<'_> {
+    /// TOUCH, SLIP, OVER and grasp force.
+    pub fn flags(&self) -> &FingerFlags {
+        &self.touch.flags
+    }
+
+    /// The dome's outward normal at `element`, a unit vector in W; none where there is no such element.
+    pub fn normal(&self, element: usize) -> Option<DVec3> {
+        let element = self.layout.elements.get(element)?;
+        Some(self.pose.rotation * element.normal())
+    }
+
+    /// Force on the feeler of `element` by what it touches, N, in W; zero where there is no such element.
+    pub fn force(&self, element: usize) -> DVec3 {
+        let force = self.touch.frame.forces.get(element);
+        let element = self.layout.elements.get(element);
+        let (Some(force), Some(element)) = (force, element) else {
+            return DVec3::ZERO;
+        };
+        // Compression is positive along the inward normal.
+        self.pose.rotation * (element.rotation * force.with_z(-force.z))
+    }
+}
+
+/// What the whole hand feels in one control step.
+#[derive(Debug, Clone, Copy)]
+pub struct HandSense<'a> {
+    /// Time of the control step, s.
+    pub stamp: f64,
+    /// Where each fingertip is.
+    pub poses: &'a [FingertipPose],
+    /// What each finger felt since the last control step.
+    pub touches: &'a [FingerTouch],
+    /// The elements of each finger.
+    pub layouts: &'a [ElementLayout],
+}
+
+impl<'a> HandSense<'a> {
+    /// One finger, if there is such a finger.
+    pub fn finger(&self, finger: usize) -> Option<FingerSense<'a>> {
+        Some(FingerSense {
+            pose: *self.poses.get(finger)?,
+            touch: self.touches.get(finger)?,
+            layout: self.layouts.get(finger)?,
+        })
+    }
+
+    /// The fingers, one after the other.
+    pub fn fingers(&self) -> impl Iterator<Item = FingerSense<'a>> + use<'a> {
+        let fingers = self.poses.iter().zip(self.touches).zip(self.layouts);
+        fingers.map(|((&pose, touch), layout)| FingerSense {
+            pose,
+            touch,
+            layout,
+        })
+    }
+}

@@ -1,0 +1,83 @@
+//! Which task an experiment is about.
+
+use super::Task;
+use super::friction_scan::{FrictionScan, FrictionScanConfig};
+use super::screw::{ScrewConfig, ScrewTask};
+use serde::{Deserialize, Serialize};
+
+/// Which task, and everything that it can be tuned by.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", try_from = "Tasks")]
+pub enum TaskConfig {
+    /// Turns something by touching, moving and releasing it, again and again.
+    Screw(ScrewConfig),
+    /// Slides over a flat specimen and measures its friction.
+    FrictionScan(FrictionScanConfig),
+}
+
+impl TaskConfig {
+    /// The task at its beginning.
+    pub fn task(&self) -> Box<dyn Task> {
+        match self {
+            Self::Screw(config) => Box::new(ScrewTask::new(config)),
+            Self::FrictionScan(config) => Box::new(FrictionScan::new(config)),
+        }
+    }
+
+    /// Its name, as in an experiment file.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Screw(_) => "screw",
+            Self::FrictionScan(_) => "friction_scan",
+        }
+    }
+
+    /// Where the dome's centre of each finger starts from, m, in W.
+    pub fn homes(&self) -> Vec<[f64; 3]> {
+        match self {
+            Self::Screw(config) => config.finger.iter().map(|path| path.home).collect(),
+            Self::FrictionScan(config) => vec![config.home],
+        }
+    }
+
+    /// How many times the fingers touch and release.
+    pub fn strokes(&self) -> u32 {
+        match self {
+            Self::Screw(config) => config.strokes,
+            Self::FrictionScan(config) => config.strokes,
+        }
+    }
+
+    /// The grasp force that each finger is to reach before it moves on, N.
+    pub fn grasp_force(&self) -> f64 {
+        match self {
+            Self::Screw(config) => config.grasp_force,
+            Self::FrictionScan(config) => config.load,
+        }
+    }
+}
+
+/// The tasks as a file may have them: one of them. An enum would do, but for its words where a key is unknown.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Tasks {
+    screw: Option<ScrewConfig>,
+    friction_scan: Option<FrictionScanConfig>,
+}
+
+impl TryFrom<Tasks> for TaskConfig {
+    type Error = &'static str;
+
+    fn try_from(tasks: Tasks) -> Result<Self, Self::Error> {
+        let found = [
+            tasks.screw.map(Self::Screw),
+            tasks.friction_scan.map(Self::FrictionScan),
+        ];
+        let mut found = found.into_iter().flatten();
+        match (found.next(), found.next()) {
+            (Some(task), None) => Ok(task),
+            (None, _) => Err("a task expected, as in [task.screw]; there is none"),
+            (Some(_), Some(_)) => Err("one task expected, as in [task.screw]; there are several"),
+        }
+    }
+}

@@ -1,0 +1,197 @@
+//! The screw task: SEARCH, MOVE, RELEASE, RETURN, again and again (paper, section V.B).
+
+use super::Task;
+use super::homing::homeward;
+use crate::control::phase::Phase;
+use crate::control::plan::Plan;
+use crate::control::sense::{FingerSense, HandSense};
+use crate::control::stop_reason::StopReason;
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+/// The roughly planned rectangle that each finger goes round.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ScrewConfig {
+    /// How many times the fingers touch, turn and release.
+    pub strokes: u32,
+    /// v_0: speed of the approach, m/s.
+    pub search_speed: f64,
+    /// A finger that searches stops at this grasp force, N; all fingers there start to move.
+    pub grasp_force: f64,
+    /// A finger that has come this far from home and feels no grasp stops the task, m.
+    pub search_limit: f64,
+    /// v_m: speed of the stroke, m/s.
+    pub move_speed: f64,
+    /// Length of the stroke, m.
+    pub travel: f64,
+    /// Speed of release and return, m/s.
+    pub return_speed: f64,
+    /// A finger is home within this distance, m.
+    pub home_tolerance: f64,
+    /// Each finger's rectangle.
+    pub finger: Vec<FingerPathConfig>,
+}
+
+/// One finger's rectangle.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FingerPathConfig {
+    /// Where the dome's centre starts from, m, in W.
+    pub home: [f64; 3],
+    /// Direction in which the finger searches for the object, in W; its length does not matter.
+    pub approach: [f64; 3],
+    /// Direction of the stroke, in W; its length does not matter.
+    pub stroke: [f64; 3],
+}
+
+/// The state machine of the task.
+#[derive(Debug, Clone)]
+pub struct ScrewTask {
+    config: ScrewConfig,
+    paths: Vec<Path>,
+    phase: Phase,
+    stroke: u32,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Path {
+    home: DVec3,
+    approach: DVec3,
+    stroke: DVec3,
+    /// Where the stroke began, m, in W.
+    stroke_start: DVec3,
+}
+
+impl ScrewTask {
+    /// The task at its beginning, before the first stroke.
+    pub fn new(config: &ScrewConfig) -> Self {
+        Self {
+            paths: config.finger.iter().map(Path::new).collect(),
+            config: config.clone(),
+            phase: Phase::Search,
+            stroke: 1,
+        }
+    }
+
+    fn end_stroke(&mut self) {
+        if self.stroke < self.config.strokes {
+            self.stroke += 1;
+            self.phase = Phase::Search;
+        } else {
+            self.phase = Phase::Done;
+        }
+    }
+
+    fn all(&self, hand: &HandSense<'_>, through: impl Fn(&Path, &FingerSense<'_>) -> bool) -> bool {
+        let mut fingers = self.paths.iter().zip(hand.fingers());
+        fingers.all(|(path, finger)| through(path, &finger))
+    }
+
+    fn check_search(&self, hand: &HandSense<'_>) -> Result<(), StopReason> {
+        let limit = self.config.search_limit;
+        for (finger, (path, sense)) in self.paths.iter().zip(hand.fingers()).enumerate() {
+            let travel = path.approached(sense.pose.position);
+            if travel > limit && sense.flags().grasp_force < self.config.grasp_force {
+                return Err(StopReason::NothingToGrasp {
+                    finger,
+                    travel,
+                    limit,
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Task for ScrewTask {
+    /// Goes on to the next phase once every finger is through with this one.
+    fn advance(&mut self, hand: &HandSense<'_>) -> Result<(), StopReason> {
+        let config = &self.config;
+        match self.phase {
+            Phase::Search => {
+                self.check_search(hand)?;
+                if self.all(hand, |_, f| f.flags().grasp_force >= config.grasp_force) {
+                    for (path, finger) in self.paths.iter_mut().zip(hand.poses) {
+                        path.stroke_start = finger.position;
+                    }
+                    self.phase = Phase::Move;
+                }
+            }
+            Phase::Move => {
+                if self.all(hand, |p, f| p.travelled(f.pose.position) >= config.travel) {
+                    self.phase = Phase::Release;
+                }
+            }
+            Phase::Release => {
+                if self.all(hand, |p, f| p.approached(f.pose.position) <= 0.0) {
+                    self.phase = Phase::Return;
+                }
+            }
+            Phase::Return => {
+                let home = |p: &Path, f: &FingerSense<'_>| {
+                    p.home.distance(f.pose.position) <= config.home_tolerance
+                };
+                if self.all(hand, home) {
+                    self.end_stroke();
+                }
+            }
+            Phase::Done | Phase::Stopped => {}
+        }
+        Ok(())
+    }
+
+    fn plan(&self, finger: usize, hand: &HandSense<'_>) -> Plan {
+        let (Some(path), Some(sense)) = (self.paths.get(finger), hand.finger(finger)) else {
+            return Plan::default();
+        };
+        let position = sense.pose.position;
+        let velocity = match self.phase {
+            Phase::Search if sense.flags().grasp_force < self.config.grasp_force => {
+                self.config.search_speed * path.approach
+            }
+            Phase::Move if path.travelled(position) < self.config.travel => {
+                self.config.move_speed * path.stroke
+            }
+            Phase::Release => -self.config.return_speed * path.approach,
+            Phase::Return => homeward(path.home - position, self.config.return_speed),
+            _ => DVec3::ZERO,
+        };
+        Plan {
+            velocity,
+            towards_object: path.approach,
+            reflex: matches!(self.phase, Phase::Search | Phase::Move),
+            keep_grasp: self.phase == Phase::Move,
+        }
+    }
+
+    fn phase(&self) -> Phase {
+        self.phase
+    }
+
+    fn stroke(&self) -> u32 {
+        self.stroke
+    }
+}
+
+impl Path {
+    fn new(config: &FingerPathConfig) -> Self {
+        let home = DVec3::from_array(config.home);
+        Self {
+            home,
+            approach: DVec3::from_array(config.approach).normalize_or_zero(),
+            stroke: DVec3::from_array(config.stroke).normalize_or_zero(),
+            stroke_start: home,
+        }
+    }
+
+    /// How far along the stroke a finger at `position` is, m.
+    fn travelled(&self, position: DVec3) -> f64 {
+        (position - self.stroke_start).dot(self.stroke)
+    }
+
+    /// How far from home towards the object a finger at `position` is, m.
+    fn approached(&self, position: DVec3) -> f64 {
+        (position - self.home).dot(self.approach)
+    }
+}
