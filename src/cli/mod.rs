@@ -2,6 +2,7 @@
 
 mod calibrate;
 mod check;
+mod compare;
 mod interrupt;
 mod link;
 mod list;
@@ -37,6 +38,7 @@ Examples:
   feeler replay runs/seven --from forces --set control.slip_threshold=2.5 --out runs/what-if
   feeler calibrate --simulated --experiment my.toml -o my.calibration.toml
   feeler sweep cap-closing --sensing direct --vary 'friction=uniform(0.3,1.2)' -o sweep
+  feeler compare cap-closing -o compare       the paper's control law against others, on the same trials
   feeler locate untouched.png -o layout.toml --preview found.png
   feeler sense pictures/ --calibration my.calibration.toml -o forces.csv
   ffmpeg -i video.mkv -f rawvideo -pix_fmt gray - | feeler sense - --raw 640x480";
@@ -57,6 +59,8 @@ enum Command {
     Run(run::Arguments),
     /// Run many randomised trials of an experiment; a table and a summary.
     Sweep(sweep::Arguments),
+    /// Run all control laws on the same randomised trials; a page that compares them.
+    Compare(compare::Arguments),
     /// List the built-in experiments.
     List,
     /// Check an experiment file without running it.
@@ -117,6 +121,7 @@ fn run_command(command: Command, out: &mut dyn Write) -> Result<Outcome, Command
     match command {
         Command::Run(arguments) => run::run(&arguments, out),
         Command::Sweep(arguments) => sweep::sweep(&arguments, out),
+        Command::Compare(arguments) => compare::compare(&arguments, out),
         Command::List => list::list(out),
         Command::Check(arguments) => check::check(&arguments, out),
         Command::Report(arguments) => report::report(&arguments, out),

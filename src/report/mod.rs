@@ -3,6 +3,7 @@
 pub mod calibration_page;
 pub mod claim;
 pub mod claims;
+pub mod compare_page;
 pub mod figures;
 pub mod make;
 pub mod measures;

@@ -2,6 +2,7 @@
 
 pub mod calibration;
 mod canvas;
+pub mod compare;
 mod paths;
 pub mod sweep;
 mod time;
