@@ -16,6 +16,7 @@ mod report;
 mod run;
 mod run_folder;
 mod schema;
+mod score_slip;
 mod sense;
 mod sensor_geometry;
 mod sweep;
@@ -61,6 +62,8 @@ enum Command {
     Sweep(sweep::Arguments),
     /// Run all control laws on the same randomised trials; a page that compares them.
     Compare(compare::Arguments),
+    /// Score slip detectors against the simulator's truth; a page with their characteristics.
+    ScoreSlip(score_slip::Arguments),
     /// List the built-in experiments.
     List,
     /// Check an experiment file without running it.
@@ -122,6 +125,7 @@ fn run_command(command: Command, out: &mut dyn Write) -> Result<Outcome, Command
         Command::Run(arguments) => run::run(&arguments, out),
         Command::Sweep(arguments) => sweep::sweep(&arguments, out),
         Command::Compare(arguments) => compare::compare(&arguments, out),
+        Command::ScoreSlip(arguments) => score_slip::score_slip(&arguments, out),
         Command::List => list::list(out),
         Command::Check(arguments) => check::check(&arguments, out),
         Command::Report(arguments) => report::report(&arguments, out),

@@ -5,6 +5,7 @@ pub mod log;
 pub mod played_rig;
 pub mod replay;
 mod sensors;
+pub mod slip_bench;
 pub mod truth;
 pub mod warnings;
 

@@ -122,9 +122,9 @@ pub fn compare_page(page: &ComparePage) -> String {
                 }
                 p { code { (page.varied) } }
                 h2 { "Means" }
-                (table(page, |row| row.value, number))
+                (table(page, true, |row| row.value, number))
                 h2 { "Differences from " (page.laws.first().map_or("", |law| law.name)) }
-                (table(page, |row| row.difference, signed))
+                (table(page, false, |row| row.difference, signed))
                 h2 { "Against what varies" }
                 div.figures {
                     @for (index, figure) in page.figures.iter().enumerate() {
@@ -145,9 +145,10 @@ pub fn compare_page(page: &ComparePage) -> String {
     .into_string()
 }
 
-/// A row for each measure, a column for each law.
+/// A row for each measure, and for the lines of code where wanted; a column for each law.
 fn table(
     page: &ComparePage,
+    lines: bool,
     which: impl Fn(&Row) -> Option<[f64; 3]>,
     text: impl Fn([f64; 3]) -> String,
 ) -> Markup {
@@ -165,9 +166,11 @@ fn table(
                             }
                         }
                     }
-                    tr {
-                        td { "lines of code of the law" }
-                        @for law in &page.laws { td.number { (law.lines) } }
+                    @if lines {
+                        tr {
+                            td { "lines of code of the law" }
+                            @for law in &page.laws { td.number { (law.lines) } }
+                        }
                     }
                 }
             }

@@ -10,6 +10,7 @@ pub mod measures;
 pub mod page;
 pub mod run_data;
 pub mod series;
+pub mod slip_page;
 pub mod strokes;
 pub mod summary;
 pub mod sweep_page;

@@ -17,24 +17,30 @@ pub struct Estimate {
     pub high: f64,
 }
 
-/// The mean of `values`, with the percentile bootstrap's interval; none of no values. The same for the same
-/// values, as its draws have a seed of their own.
+/// The mean of `values`, with the percentile bootstrap's interval; none of no values.
 pub fn bootstrap(values: &[f64]) -> Option<Estimate> {
-    let count = values.len();
-    let mean = |sum: f64| sum / count as f64;
-    if count == 0 || !values.iter().all(|value| value.is_finite()) {
-        return None;
-    }
-    let mut random = Pcg64::seed_from_u64(count as u64);
-    let mut draw = || values[random.random_range(0..count)];
-    let mut means: Vec<f64> = (0..RESAMPLES)
-        .map(|_| mean((0..count).map(|_| draw()).sum()))
-        .collect();
-    means.sort_by(f64::total_cmp);
+    bootstrap_of(values, |drawn| {
+        drawn.iter().copied().sum::<f64>() / drawn.len() as f64
+    })
+}
+
+/// What `quantity` makes of `values`, with the percentile bootstrap's interval; none of no values, or where it is
+/// not a number. The same for the same values, as its draws have a seed of their own.
+pub fn bootstrap_of<T>(values: &[T], quantity: impl Fn(&[&T]) -> f64) -> Option<Estimate> {
+    let all: Vec<&T> = values.iter().collect();
+    let mean = Some(quantity(&all)).filter(|mean| !all.is_empty() && mean.is_finite())?;
+    let mut random = Pcg64::seed_from_u64(values.len() as u64);
+    let mut drawn = all.clone();
+    let mut resample = || {
+        drawn.fill_with(|| all[random.random_range(0..all.len())]);
+        quantity(&drawn)
+    };
+    let mut found: Vec<f64> = (0..RESAMPLES).map(|_| resample()).collect();
+    found.sort_by(f64::total_cmp);
     Some(Estimate {
-        low: means[RESAMPLES * 25 / 1000],
-        mean: mean(values.iter().sum()),
-        high: means[RESAMPLES * 975 / 1000 - 1],
+        low: found[RESAMPLES * 25 / 1000],
+        mean,
+        high: found[RESAMPLES * 975 / 1000 - 1],
     })
 }
 

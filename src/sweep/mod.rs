@@ -9,6 +9,7 @@ pub mod engine;
 pub mod interval;
 pub mod parameter;
 pub mod plan;
+pub mod slip_score;
 pub mod store;
 pub mod summary;
 pub mod table;

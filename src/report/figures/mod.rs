@@ -4,6 +4,7 @@ pub mod calibration;
 mod canvas;
 pub mod compare;
 mod paths;
+pub mod slip;
 pub mod sweep;
 mod time;
 
