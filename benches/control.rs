@@ -4,6 +4,9 @@ use divan::{Bencher, black_box};
 use feeler::config::{Experiment, ExperimentConfig};
 use feeler::control::controller::Controller;
 use feeler::control::flags::FlagAnalyzer;
+use feeler::control::law::LawConfig;
+use feeler::control::plan::Plan;
+use feeler::control::sense::{FingerSense, FingertipPose};
 use feeler::control::touch::FingerTouch;
 use feeler::hand::finger::FingerGeometry;
 use feeler::hand::hand::{HandCommand, HandState};
@@ -35,10 +38,11 @@ fn in_contact() -> TactileFrame {
     frame
 }
 
-/// One decision for two fingers of 41 elements in contact.
-#[divan::bench]
-fn decide_in_contact(bencher: Bencher) {
-    let config = config();
+/// One decision for two fingers of 41 elements in contact, under each control law.
+#[divan::bench(args = LawConfig::NAMES)]
+fn decide_in_contact(bencher: Bencher, law: &str) {
+    let mut config = config();
+    config.control.law = LawConfig::named(law).expect("a law");
     let layout = ElementLayout::new(&config.sensor.fingertip.layout);
     let fingers: Vec<_> = (config.hand.finger.iter())
         .map(|finger| FingerGeometry::new(finger).expect("a finger"))
@@ -68,6 +72,35 @@ fn decide_in_contact(bencher: Bencher) {
         controller.decide(black_box(&touches), black_box(&state), &mut command);
     });
     assert_eq!(controller.stop_reason(), None);
+}
+
+/// One finger's velocity by each control law, while it keeps its grasp.
+#[divan::bench(args = LawConfig::NAMES)]
+fn law_in_contact(bencher: Bencher, law: &str) {
+    let config = config();
+    let mut law = LawConfig::named(law)
+        .expect("a law")
+        .law(&config.control, ELEMENTS);
+    let layout = ElementLayout::new(&config.sensor.fingertip.layout);
+    let mut analyzer = FlagAnalyzer::new(config.control.thresholds(), ELEMENTS);
+    let mut touch = FingerTouch::none(ELEMENTS);
+    touch.frame = in_contact();
+    touch.analyze(&mut analyzer);
+    let plan = Plan {
+        velocity: DVec3::new(0.0, 0.01, 0.0),
+        towards_object: DVec3::X,
+        reflex: true,
+        keep_grasp: true,
+    };
+    bencher.bench_local(|| {
+        touch.frame.sequence += 1;
+        let sense = FingerSense {
+            pose: FingertipPose::default(),
+            touch: &touch,
+            layout: &layout,
+        };
+        law.velocity(black_box(&plan), black_box(&sense))
+    });
 }
 
 /// The flags of one finger.

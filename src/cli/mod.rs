@@ -4,6 +4,7 @@
 mod arrivals;
 mod calibrate;
 mod check;
+mod compare;
 mod interrupt;
 mod link;
 mod list;
@@ -17,6 +18,7 @@ mod report;
 mod run;
 mod run_folder;
 mod schema;
+mod score_slip;
 #[cfg_attr(not(feature = "top"), path = "no_screen.rs")]
 mod screen;
 mod sense;
@@ -44,6 +46,7 @@ Examples:
   feeler replay runs/seven --from forces --set control.slip_threshold=2.5 --out runs/what-if
   feeler calibrate --simulated --experiment my.toml -o my.calibration.toml
   feeler sweep cap-closing --sensing direct --vary 'friction=uniform(0.3,1.2)' -o sweep
+  feeler compare cap-closing -o compare       the paper's control law against others, on the same trials
   feeler locate untouched.png -o layout.toml --preview found.png
   feeler sense pictures/ --calibration my.calibration.toml -o forces.csv
   ffmpeg -i video.mkv -f rawvideo -pix_fmt gray - | feeler sense - --raw 640x480";
@@ -64,6 +67,10 @@ enum Command {
     Run(run::Arguments),
     /// Run many randomised trials of an experiment; a table and a summary.
     Sweep(sweep::Arguments),
+    /// Run all control laws on the same randomised trials; a page that compares them.
+    Compare(compare::Arguments),
+    /// Score slip detectors against the simulator's truth; a page with their characteristics.
+    ScoreSlip(score_slip::Arguments),
     /// List the built-in experiments.
     List,
     /// Check an experiment file without running it.
@@ -126,6 +133,8 @@ fn run_command(command: Command, out: &mut dyn Write) -> Result<Outcome, Command
     match command {
         Command::Run(arguments) => run::run(&arguments, out),
         Command::Sweep(arguments) => sweep::sweep(&arguments, out),
+        Command::Compare(arguments) => compare::compare(&arguments, out),
+        Command::ScoreSlip(arguments) => score_slip::score_slip(&arguments, out),
         Command::List => list::list(out),
         Command::Check(arguments) => check::check(&arguments, out),
         Command::Report(arguments) => report::report(&arguments, out),

@@ -92,7 +92,7 @@ pub fn sweep(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comm
     let before = store.table.rows.len();
     let start = Instant::now();
     let mut bar = Bar::new(before as u64);
-    let ended = engine::run(&trials, &mut store, jobs, &stop, &mut bar);
+    let ended = engine::run(&trials, &mut store, plan.trials, jobs, &stop, &mut bar);
     bar.bar.finish_and_clear();
     let ended = ended?;
     let ran = store.table.rows.len() - before;
@@ -240,7 +240,7 @@ pub fn one_trial(folder: &Path, trial: &str) -> Result<Experiment, CommandError>
     Ok(trials.experiment(number)?)
 }
 
-fn cores() -> usize {
+pub(super) fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, std::num::NonZero::get)
 }
 

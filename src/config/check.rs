@@ -2,6 +2,7 @@
 
 use super::ExperimentConfig;
 use super::check_faults::check_faults;
+use super::check_law::check_law;
 use super::check_sim::check_sim;
 use super::check_task::check_task;
 use super::checker::{Checker, MAX, Problem};
@@ -129,6 +130,7 @@ fn check_control(control: &ControlConfig, checker: &mut Checker) {
     );
     checker.not_negative("control.recompression_speed", control.recompression_speed);
     checker.not_negative("control.minimum_grasp_force", control.minimum_grasp_force);
+    check_law(control, checker);
     let limits = &control.limits;
     checker.positive("control.limits.fingertip_speed", limits.fingertip_speed);
     checker.positive(

@@ -4,6 +4,7 @@
 mod calibrations;
 mod check;
 mod check_faults;
+mod check_law;
 mod check_objects;
 mod check_sim;
 mod check_task;

@@ -106,15 +106,15 @@ impl Controller {
         fingers: &[FingerGeometry],
         layouts: &[ElementLayout],
     ) -> Self {
-        let finger = |geometry: &FingerGeometry| FingerControl {
+        let finger = |(geometry, layout): (&FingerGeometry, &ElementLayout)| FingerControl {
             geometry: geometry.clone(),
-            law: config.law.law(&config),
+            law: config.law.law(&config, layout.elements.len()),
             velocity: DVec3::ZERO,
             admitted: Admitted::default(),
         };
         let count = fingers.len().min(layouts.len());
         Self {
-            fingers: fingers[..count].iter().map(finger).collect(),
+            fingers: fingers.iter().zip(layouts).map(finger).collect(),
             poses: vec![FingertipPose::default(); count],
             layouts: layouts[..count].to_vec(),
             task,

@@ -8,6 +8,7 @@ pub mod limits;
 pub mod phase;
 pub mod plan;
 pub mod sense;
+pub mod slip_detector;
 pub mod stop_reason;
 pub mod task;
 pub mod touch;

@@ -5,7 +5,9 @@ pub mod log;
 pub mod played_rig;
 pub mod replay;
 mod sensors;
+pub mod slip_bench;
 pub mod specimen;
+pub mod truth;
 pub mod warnings;
 
 use crate::config::{ConfigError, Experiment, ExperimentConfig};

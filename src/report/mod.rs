@@ -3,12 +3,14 @@
 pub mod calibration_page;
 pub mod claim;
 pub mod claims;
+pub mod compare_page;
 pub mod figures;
 pub mod make;
 pub mod measures;
 pub mod page;
 pub mod run_data;
 pub mod series;
+pub mod slip_page;
 pub mod strokes;
 pub mod summary;
 pub mod sweep_page;

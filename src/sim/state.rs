@@ -56,8 +56,26 @@ pub struct FingerState {
     pub(super) rolled: Vec<DMat3>,
     /// Force on what it touches by each feeler, N, in W.
     pub forces: Vec<DVec3>,
+    /// What each feeler lost by slipping since the beginning.
+    pub slipped: Vec<Slipped>,
     /// What spares free feelers the search for a surface.
     pub(super) watch: Watch,
+}
+
+/// How far a feeler has slipped, and what that cost.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Slipped {
+    /// Way of its tip over what it touches, m, without what it rolled.
+    pub way: f64,
+    /// Work that friction took, J.
+    pub work: f64,
+}
+
+impl std::ops::AddAssign for Slipped {
+    fn add_assign(&mut self, more: Self) {
+        self.way += more.way;
+        self.work += more.work;
+    }
 }
 
 /// A feeler that touches.
@@ -105,6 +123,7 @@ impl State {
                 contacts: Vec::with_capacity(elements),
                 rolled: vec![DMat3::IDENTITY; objects.len()],
                 forces: vec![DVec3::ZERO; elements],
+                slipped: vec![Slipped::default(); elements],
                 watch: Watch {
                     seen: objects.iter().map(|o| tip.seen_from(&o.pose)).collect(),
                     travelled: 0.0,
@@ -119,6 +138,13 @@ impl State {
             objects,
             filtered_torque: 0.0,
         }
+    }
+
+    /// Work that friction took from all feelers that slipped, J.
+    pub fn slip_work(&self) -> f64 {
+        let fingers = self.fingers.iter();
+        let slipped = fingers.flat_map(|finger| &finger.slipped);
+        slipped.map(|slipped| slipped.work).sum()
     }
 
     /// Torque on what stands on the torque sensor, N·m.

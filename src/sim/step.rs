@@ -1,11 +1,11 @@
 //! One step of the physics: joints move, feelers touch, objects give way, feelers slip.
 
-use super::feeler::{Friction, Overload, Tip, within_cone};
+use super::feeler::{Anchor, FeelerConfig, Friction, Overload, Tip, within_cone};
 use super::free_bodies::FreeBodies;
 use super::model::{Finger, Model};
 use super::object::{Motion, Object};
 use super::pose::Pose;
-use super::state::{Contact, FingerState, ObjectState, State};
+use super::state::{Contact, FingerState, ObjectState, Slipped, State};
 use super::thread::{Grip, Hinge};
 use crate::hand::kinematics::fingertip_pose;
 use glam::DVec3;
@@ -238,6 +238,7 @@ fn settle(
         let FingerState {
             contacts,
             forces,
+            slipped,
             watch,
             ..
         } = state;
@@ -261,8 +262,11 @@ fn settle(
                 watch.due[contact.element] = watch.travelled;
                 return false;
             };
-            slips += usize::from(anchor != contact.anchor);
-            contact.anchor = anchor;
+            if anchor != contact.anchor {
+                slips += 1;
+                slipped[contact.element] += slip(feeler, &tip, &contact.anchor, &anchor);
+                contact.anchor = anchor;
+            }
             if feeler.is_damped() {
                 force += feeler.damping_times(tip.axis, velocity);
                 force = within_cone(force, anchor.normal, friction);
@@ -272,6 +276,18 @@ fn settle(
         });
     }
     slips
+}
+
+/// What a slip from one anchor to another takes. The feeler has no mass and its force falls in proportion,
+/// so that friction takes the mean of both forces times the way: all that the spring loses.
+fn slip(feeler: &FeelerConfig, tip: &Tip, from: &Anchor, to: &Anchor) -> Slipped {
+    let way = to.position - from.position;
+    let before = feeler.elastic_force(tip, from.position);
+    let after = feeler.elastic_force(tip, to.position);
+    Slipped {
+        way: way.length(),
+        work: 0.5 * (before + after).dot(way),
+    }
 }
 
 /// Puts tips that have rolled along the tangent back on the surface.

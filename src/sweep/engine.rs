@@ -10,7 +10,7 @@ use std::thread;
 /// Whether everything was run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ended {
-    /// Every trial of the shard is finished.
+    /// Every trial that was asked for is finished.
     Whole,
     /// Somebody stopped it; trials are left.
     Stopped,
@@ -22,14 +22,15 @@ pub trait Progress {
     fn show(&mut self, finished: u64, of: u64, successes: u64);
 }
 
-/// Runs what is left of the shard on `jobs` threads, until done or `stop` is raised. Trials under
-/// way are finished and kept.
+/// Runs what is left of the shard below trial `end` on `jobs` threads, until done or `stop` is raised.
+/// Trials under way are finished and kept.
 ///
 /// # Errors
 /// When a row cannot be written; what was written is kept.
 pub fn run(
     trials: &Trials,
     store: &mut Store,
+    end: u64,
     jobs: usize,
     stop: &AtomicBool,
     progress: &mut dyn Progress,
@@ -37,7 +38,7 @@ pub fn run(
     let plan = trials.plan();
     let mine = |trial: &u64| plan.shard.has(*trial);
     let of = (0..plan.trials).filter(mine).count() as u64;
-    let left: Vec<u64> = (0..plan.trials)
+    let left: Vec<u64> = (0..plan.trials.min(end))
         .filter(mine)
         .filter(|trial| !store.table.rows.contains_key(trial))
         .collect();
@@ -73,7 +74,8 @@ pub fn run(
         }
         Ok(())
     })?;
-    match store.table.rows.len() as u64 == of {
+    let finished = |trial: &u64| store.table.rows.contains_key(trial);
+    match left.iter().all(finished) {
         true => Ok(Ended::Whole),
         false => Ok(Ended::Stopped),
     }

@@ -3,10 +3,13 @@
 //! Trial `k` draws all that it is made of from streams of its own, which sweep seed and `k` alone
 //! determine. So it comes out the same whatever ran before it, beside it, or on another machine.
 
+pub mod comparison;
 pub mod distribution;
 pub mod engine;
+pub mod interval;
 pub mod parameter;
 pub mod plan;
+pub mod slip_score;
 pub mod store;
 pub mod summary;
 pub mod table;

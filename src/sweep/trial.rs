@@ -7,6 +7,7 @@ use crate::config::Experiment;
 use crate::control::phase::Phase;
 use crate::experiment::Session;
 use crate::experiment::log::{RunLog, run_facts};
+use crate::experiment::truth::Truth;
 use crate::record::{MemoryRecorder, Recording};
 use crate::report::claims::claims;
 use crate::report::{RunData, StrokeMeasures, Summary};
@@ -113,6 +114,7 @@ impl Trials {
         for stroke in 1..=self.strokes {
             header.extend(MEASURES.map(|(name, _)| format!("stroke{stroke}.{name}")));
         }
+        header.extend(["cap_torque", "slip_work"].map(String::from));
         header
     }
 
@@ -163,8 +165,11 @@ impl Trials {
         let mut row = vec![trial.to_string(), drawn.seed.to_string()];
         row.extend(drawn.values);
         row.extend([ran.outcome.to_string(), one_line(&ran.reason)]);
-        match &ran.recording {
-            Some(recording) => row.extend(self.results(ran.outcome, recording)),
+        match &ran.came_of_it {
+            Some((recording, truth)) => {
+                row.extend(self.results(ran.outcome, recording));
+                row.extend([number(truth.cap_torque), number(Some(truth.slip_work))]);
+            }
             None => {
                 row.push("0".to_string());
                 row.resize(self.header().len(), String::new());
@@ -204,11 +209,11 @@ impl Trials {
         Ran {
             outcome,
             reason,
-            recording: Some(log.into_recorder().into_recording()),
+            came_of_it: Some((log.into_recorder().into_recording(), Truth::of(&session))),
         }
     }
 
-    /// The columns from `success` on, by the very code that makes a run's report.
+    /// The columns from `success` to the strokes', by the very code that makes a run's report.
     pub fn results(&self, outcome: &str, recording: &Recording) -> Vec<String> {
         let summary = Summary::new(recording, &RunData::new(recording));
         let held = summary.claims.iter().filter(|claim| claim.holds).count();
@@ -241,7 +246,8 @@ impl Trials {
 struct Ran {
     outcome: &'static str,
     reason: String,
-    recording: Option<Recording>,
+    /// What the hand recorded, and what the simulator knows beside.
+    came_of_it: Option<(Recording, Truth)>,
 }
 
 impl Ran {
@@ -249,7 +255,7 @@ impl Ran {
         Self {
             outcome,
             reason,
-            recording: None,
+            came_of_it: None,
         }
     }
 }

@@ -8,6 +8,7 @@ use assert_no_alloc::AllocDisabler;
 mod allocation;
 mod flags;
 mod hostile;
+mod laws;
 mod limits;
 mod loop_faults;
 mod physics;

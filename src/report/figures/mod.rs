@@ -2,7 +2,9 @@
 
 pub mod calibration;
 mod canvas;
+pub mod compare;
 mod paths;
+pub mod slip;
 pub mod sweep;
 mod time;
 

@@ -1,0 +1,131 @@
+//! Which control law, and what it is tuned by.
+
+use super::Law;
+use super::best::{Best, BestConfig};
+use super::normal_only::{NormalOnly, NormalOnlyConfig};
+use super::open_loop::{OpenLoop, OpenLoopConfig};
+use super::tri_axial::{FingerSpeedEstimator, Reflex};
+use crate::control::controller::ControlConfig;
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{Error, MapAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
+use std::fmt;
+
+/// Which control law. In a file either its name, as in `law = "best"`, or its name with what it is tuned
+/// by, as in `law.best = { margin = 1.5 }`.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum LawConfig {
+    /// The paper's (Fig. 5): re-compression on slip, which tri-axial forces show.
+    #[default]
+    TriAxial,
+    /// Compression alone, with an assumed friction and load.
+    NormalOnly(NormalOnlyConfig),
+    /// The plan, without touch.
+    OpenLoop(OpenLoopConfig),
+    /// Grip before slip, with friction learnt from touch.
+    Best(BestConfig),
+}
+
+impl LawConfig {
+    /// The names of all laws.
+    pub const NAMES: [&str; 4] = ["tri-axial", "normal-only", "open-loop", "best"];
+
+    /// The law of this name with its defaults, if there is one.
+    pub fn named(name: &str) -> Option<Self> {
+        Some(match name {
+            "tri-axial" => Self::TriAxial,
+            "normal-only" => Self::NormalOnly(NormalOnlyConfig::default()),
+            "open-loop" => Self::OpenLoop(OpenLoopConfig::default()),
+            "best" => Self::Best(BestConfig::default()),
+            _ => return None,
+        })
+    }
+
+    /// Its name, as in an experiment file.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::TriAxial => "tri-axial",
+            Self::NormalOnly(_) => "normal-only",
+            Self::OpenLoop(_) => "open-loop",
+            Self::Best(_) => "best",
+        }
+    }
+
+    /// The law's source, for whoever asks how simple it is.
+    pub fn source(&self) -> &'static str {
+        match self {
+            Self::TriAxial => include_str!("tri_axial.rs"),
+            Self::NormalOnly(_) => include_str!("normal_only.rs"),
+            Self::OpenLoop(_) => include_str!("open_loop.rs"),
+            Self::Best(_) => include_str!("best.rs"),
+        }
+    }
+
+    /// The law for one finger of `elements` elements, at rest, in the controller that `control` tunes.
+    pub fn law(&self, control: &ControlConfig, elements: usize) -> Box<dyn Law> {
+        match self {
+            Self::TriAxial => Box::new(FingerSpeedEstimator::new(Reflex {
+                recompression_speed: control.recompression_speed,
+                minimum_grasp_force: control.minimum_grasp_force,
+            })),
+            Self::NormalOnly(config) => Box::new(NormalOnly::new(config.clone())),
+            Self::OpenLoop(config) => Box::new(OpenLoop::new(config.clone())),
+            Self::Best(config) => Box::new(Best::new(config.clone(), elements)),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for LawConfig {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(NameOrTable)
+    }
+}
+
+/// The laws as a table may have them: one of them.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+struct Laws {
+    normal_only: Option<NormalOnlyConfig>,
+    open_loop: Option<OpenLoopConfig>,
+    best: Option<BestConfig>,
+}
+
+struct NameOrTable;
+
+impl<'de> Visitor<'de> for NameOrTable {
+    type Value = LawConfig;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let names = LawConfig::NAMES.join(", ");
+        write!(
+            f,
+            "a control law: one of {names}, or a table as in law.best = {{ margin = 1.5 }}"
+        )
+    }
+
+    fn visit_str<E: Error>(self, name: &str) -> Result<LawConfig, E> {
+        LawConfig::named(name).ok_or_else(|| {
+            let names = LawConfig::NAMES.join(", ");
+            E::custom(format!(
+                "there is no control law {name:?}: expected one of {names}"
+            ))
+        })
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<LawConfig, A::Error> {
+        let laws = Laws::deserialize(MapAccessDeserializer::new(map))?;
+        let found = [
+            laws.normal_only.map(LawConfig::NormalOnly),
+            laws.open_loop.map(LawConfig::OpenLoop),
+            laws.best.map(LawConfig::Best),
+        ];
+        let mut found = found.into_iter().flatten();
+        match (found.next(), found.next()) {
+            (Some(law), None) => Ok(law),
+            _ => Err(A::Error::custom(
+                "one control law expected, as in law.best = { margin = 1.5 }",
+            )),
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! What a sensor of compression alone allows: it feels no shear, so neither slip nor how much of the
+//! friction is used. The grasp force is kept at what an assumed friction needs for an assumed load.
+
+use super::Law;
+use crate::control::plan::Plan;
+use crate::control::sense::FingerSense;
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+/// What is assumed because it cannot be felt, and how the grasp force is kept.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct NormalOnlyConfig {
+    /// Assumed coefficient of friction.
+    pub friction: f64,
+    /// Assumed tangential load on a finger, N.
+    pub tangential_load: f64,
+    /// Speed of pressing per missing grasp force, m/(N·s).
+    pub gain: f64,
+    /// Greatest speed of pressing or giving way, m/s.
+    pub pressing_speed: f64,
+}
+
+impl Default for NormalOnlyConfig {
+    /// The load is that of 50 mN·m on a cap of 14 mm between two fingers.
+    fn default() -> Self {
+        Self {
+            friction: 0.8,
+            tangential_load: 1.8,
+            gain: 0.01,
+            pressing_speed: 0.006,
+        }
+    }
+}
+
+/// One finger that keeps its grasp force.
+#[derive(Debug, Clone)]
+pub struct NormalOnly {
+    config: NormalOnlyConfig,
+}
+
+impl NormalOnly {
+    /// A finger at rest.
+    pub fn new(config: NormalOnlyConfig) -> Self {
+        Self { config }
+    }
+}
+
+impl Law for NormalOnly {
+    fn velocity(&mut self, plan: &Plan, finger: &FingerSense<'_>) -> DVec3 {
+        if !plan.keep_grasp {
+            return plan.velocity;
+        }
+        // Of the flags, only those that come of compression: neither TOUCH nor SLIP.
+        let flags = finger.flags();
+        let pressing = flags.largest_element.and_then(|e| finger.normal(e));
+        let direction = pressing.unwrap_or(plan.towards_object);
+        let needed = self.config.tangential_load / self.config.friction;
+        let most = if flags.over {
+            0.0
+        } else {
+            self.config.pressing_speed
+        };
+        let speed = self.config.gain * (needed - flags.grasp_force);
+        plan.velocity + speed.clamp(-self.config.pressing_speed, most) * direction
+    }
+}

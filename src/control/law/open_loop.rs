@@ -1,0 +1,67 @@
+//! The plan, carried out without touch: what a hand does that knows where the object is, and no more.
+//!
+//! The task's approach ends by its own grasp force under every law; that is where a stroke begins, not
+//! part of the law. From there a planner would press in by a planned distance, so that the straight
+//! stroke does not leave the round object, and then hold its course whatever happens.
+
+use super::Law;
+use crate::control::plan::Plan;
+use crate::control::sense::FingerSense;
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+/// What the plan adds to the task's path.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct OpenLoopConfig {
+    /// How far a finger that grasps is pressed on towards the object, m.
+    pub squeeze: f64,
+    /// How fast, m/s.
+    pub squeeze_speed: f64,
+}
+
+impl Default for OpenLoopConfig {
+    /// The stroke of the reference task, 6.9 mm past the cap's apex, leaves the circle of 33.5 mm on which
+    /// fingertip and cap touch by 0.7 mm: the squeeze makes up for that, and presses a little on.
+    fn default() -> Self {
+        Self {
+            squeeze: 0.001,
+            squeeze_speed: 0.004,
+        }
+    }
+}
+
+/// One finger that follows its plan.
+#[derive(Debug, Clone)]
+pub struct OpenLoop {
+    config: OpenLoopConfig,
+    /// Where the grasp began, m, in W, while the plan is to keep one.
+    grasped_at: Option<DVec3>,
+}
+
+impl OpenLoop {
+    /// A finger at rest.
+    pub fn new(config: OpenLoopConfig) -> Self {
+        Self {
+            config,
+            grasped_at: None,
+        }
+    }
+}
+
+impl Law for OpenLoop {
+    fn velocity(&mut self, plan: &Plan, finger: &FingerSense<'_>) -> DVec3 {
+        if !plan.keep_grasp {
+            self.grasped_at = None;
+            return plan.velocity;
+        }
+        let position = finger.pose.position;
+        let start = *self.grasped_at.get_or_insert(position);
+        let pressed = (position - start).dot(plan.towards_object);
+        if pressed < self.config.squeeze {
+            plan.velocity + self.config.squeeze_speed * plan.towards_object
+        } else {
+            plan.velocity
+        }
+    }
+}

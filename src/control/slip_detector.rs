@@ -1,0 +1,107 @@
+//! Slip of each element: the shear that is missing.
+//!
+//! A feeler that sticks to something at rest is a spring between its tip and a fixed point, so that the
+//! fingertip's own motion foretells its next shear force. What is missing from that has been lost by slipping. The
+//! paper's detector, by contrast, takes the rate of shear alone ([`FlagAnalyzer`](super::flags::FlagAnalyzer)),
+//! to which a feeler that sticks to a fast fingertip looks like one that slips.
+//!
+//! On something that moves with the fingertip, all that sticks misses shear alike: this detector is for
+//! what stands still.
+
+use super::sense::{FingerSense, FingertipPose};
+use glam::DVec3;
+
+/// What a hand knows of its own fingertip's rubber.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SlipDetectorConfig {
+    /// Stiffness along a feeler's axis, N/m.
+    pub normal_stiffness: f64,
+    /// Stiffness across it, N/m.
+    pub shear_stiffness: f64,
+    /// Radius of a feeler's rounded tip, m, on which it rolls.
+    pub tip_radius: f64,
+}
+
+impl Default for SlipDetectorConfig {
+    /// The nominal rubber of the reference fingertip.
+    fn default() -> Self {
+        Self {
+            normal_stiffness: 1090.0,
+            shear_stiffness: 413.0,
+            tip_radius: 0.0015,
+        }
+    }
+}
+
+/// Foretells shear from frame to frame.
+#[derive(Debug, Clone)]
+pub struct SlipDetector {
+    config: SlipDetectorConfig,
+    /// Where the fingertip was at the frame before.
+    before: Option<FingertipPose>,
+    /// Forces at the frame before, N.
+    forces: Vec<DVec3>,
+    /// Shear lost by slipping since then, N.
+    missing: Vec<f64>,
+}
+
+impl SlipDetector {
+    /// A detector for a finger of `elements` elements that has felt nothing yet.
+    pub fn new(config: SlipDetectorConfig, elements: usize) -> Self {
+        Self {
+            config,
+            before: None,
+            forces: vec![DVec3::ZERO; elements],
+            missing: vec![0.0; elements],
+        }
+    }
+
+    /// Shear (N) that each element has lost by slipping since the frame before; about 0 where it sticks, touches
+    /// nothing, or has only begun to touch. To be called once a frame.
+    pub fn detect(&mut self, finger: &FingerSense<'_>) -> &[f64] {
+        let now = finger.pose;
+        let before = self.before.replace(now).unwrap_or(now);
+        let forces = &finger.touch.frame.forces;
+        let elements = finger.layout.elements.iter().zip(forces);
+        let own = self.forces.iter_mut().zip(&mut self.missing);
+        for (index, ((element, force), (last, missing))) in elements.zip(own).enumerate() {
+            *missing = 0.0;
+            if last.z > 0.0 && force.z > 0.0 {
+                let tip = finger.layout.tip(index);
+                let poses = [before, now].map(|pose| FingertipPose {
+                    position: pose.position + pose.rotation * tip,
+                    rotation: pose.rotation * element.rotation,
+                });
+                let foretold = self.config.foretold(&poses, *last).with_z(0.0);
+                *missing = (foretold - force.with_z(0.0)).dot(foretold.normalize_or_zero());
+            }
+            *last = *force;
+        }
+        &self.missing
+    }
+}
+
+impl SlipDetectorConfig {
+    /// Force of an element that sticks, after its undeformed tip and frame have gone from one pose to the other;
+    /// its force before was `last`.
+    fn foretold(&self, [before, now]: &[FingertipPose; 2], last: DVec3) -> DVec3 {
+        // How far the tip is pushed off its rest, in its own frame: back along z, along its shear across it.
+        let pushed = DVec3::new(
+            last.x / self.shear_stiffness,
+            last.y / self.shear_stiffness,
+            -last.z / self.normal_stiffness,
+        );
+        let held = before.position + before.rotation * pushed;
+        // The tip's sphere rolls as the fingertip turns, on a surface that faces the feeler.
+        let twice = before.rotation.x_axis.cross(now.rotation.x_axis)
+            + before.rotation.y_axis.cross(now.rotation.y_axis)
+            + before.rotation.z_axis.cross(now.rotation.z_axis);
+        let rolled = self.tip_radius * (0.5 * twice).cross(-before.rotation.z_axis);
+        let pushed = now.rotation.transpose() * (held + rolled - now.position);
+        DVec3::new(
+            pushed.x * self.shear_stiffness,
+            pushed.y * self.shear_stiffness,
+            -pushed.z * self.normal_stiffness,
+        )
+    }
+}

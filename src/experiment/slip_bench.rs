@@ -1,0 +1,250 @@
+//! A bench for slip detectors: a simulated fingertip presses, drags, twists and holds still on a specimen, and
+//! the simulator says which feelers slipped in each frame.
+
+use super::{ExperimentError, fingers_at_home, layouts};
+use crate::config::Experiment;
+use crate::control::flags::FlagAnalyzer;
+use crate::control::sense::{FingerSense, FingertipPose};
+use crate::control::slip_detector::{SlipDetector, SlipDetectorConfig};
+use crate::control::touch::FingerTouch;
+use crate::sim::feeler::Friction;
+use crate::sim::object::{MotionConfig, ObjectConfig};
+use crate::sim::pose::Pose;
+use crate::sim::random::normal;
+use crate::sim::shape::ShapeConfig;
+use crate::sim::world::World;
+use glam::{DMat3, DVec3};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+
+/// Detectors that are scored, in the order of a sample's scores.
+pub const DETECTORS: [&str; 2] = ["shear rate (the paper's)", "missing shear"];
+
+/// One element in one frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sample {
+    /// The frame.
+    pub frame: u32,
+    /// The element.
+    pub element: u32,
+    /// Whether it slipped since the frame before, in truth.
+    pub slipped: bool,
+    /// What each detector makes of it: shear rate, N/s; missing shear, N.
+    pub scores: [f64; 2],
+}
+
+/// Motions of a trial after the first press.
+const MOTIONS: usize = 5;
+/// Depths of the fingertip's pole in the specimen, m.
+const DEPTH: (f64, f64) = (0.0004, 0.002);
+/// Distance from the specimen at the start, m.
+const GAP: f64 = 0.0002;
+
+/// Where the fingertip is relative to the specimen, and how it moves.
+struct Course {
+    /// The specimen's surface under the fingertip, and its outward normal and tangents, in W.
+    surface: DVec3,
+    frame: DMat3,
+    /// The fingertip's rotation before any twist.
+    rotation: DMat3,
+    /// How far its pole is in the surface, m.
+    depth: f64,
+    /// How far it was dragged along both tangents, m.
+    dragged: [f64; 2],
+    /// How far it was twisted about the surface's normal, rad.
+    twist: f64,
+}
+
+/// A velocity of a course: of depth, m/s, along the tangents, m/s, and of the twist, rad/s; and for how long, s.
+struct Motion {
+    depth: f64,
+    drag: [f64; 2],
+    twist: f64,
+    duration: f64,
+}
+
+/// One trial with the fingertip of finger 0 of `experiment`; every sample is of an element that was pressed harder than
+/// F1 at the frame before, in truth.
+///
+/// # Errors
+/// When a part of the experiment makes no sense.
+pub fn trial(experiment: &Experiment, seed: u64) -> Result<Vec<Sample>, ExperimentError> {
+    let mut random = Pcg64::seed_from_u64(seed);
+    let config = &experiment.config;
+    let layout = layouts(config)?.swap_remove(0);
+    let elements = layout.elements.len();
+    let (mut world, mut course) = on_specimen(experiment, &mut random)?;
+    let reach = layout.dome_radius + config.sim.feeler.tip_radius;
+    let steps = (config.control.period / config.sim.step).round() as usize;
+    let noise = &config.sim.direct_sensing;
+    let mut analyzer = FlagAnalyzer::new(config.control.thresholds(), elements);
+    let mut detector = SlipDetector::new(SlipDetectorConfig::default(), elements);
+    let mut touch = FingerTouch::none(elements);
+    let mut truth = vec![DVec3::ZERO; elements];
+    let (mut pressed, mut way) = (vec![false; elements], vec![0.0; elements]);
+    let (mut samples, mut frame) = (Vec::new(), 0);
+    for number in 0..=MOTIONS {
+        let motion = Motion::draw(number, &course, &mut random);
+        let frames = (motion.duration / config.control.period).round() as u32;
+        for _ in 0..frames {
+            for _ in 0..steps {
+                course.advance(&motion, config.sim.step);
+                world.hold_fingertip(0, Some(course.pose(reach)));
+                world.step()?;
+            }
+            frame += 1;
+            world.element_forces(0, &mut truth);
+            touch.frame.sequence = u64::from(frame);
+            touch.frame.stamp = world.state().time;
+            for (felt, force) in touch.frame.forces.iter_mut().zip(&truth) {
+                let mut draw = |deviation| normal(&mut random, deviation);
+                let (across, along) = (noise.shear_noise, noise.normal_noise);
+                *felt = *force + DVec3::new(draw(across), draw(across), draw(along));
+            }
+            touch.analyze(&mut analyzer);
+            let pose = course.pose(reach);
+            let sense = FingerSense {
+                pose: FingertipPose {
+                    position: pose.position,
+                    rotation: pose.rotation,
+                },
+                touch: &touch,
+                layout: &layout,
+            };
+            let missing = detector.detect(&sense);
+            for element in 0..elements {
+                let gone = world.state().fingers[0].slipped[element].way;
+                if pressed[element] {
+                    samples.push(Sample {
+                        frame,
+                        element: element as u32,
+                        slipped: gone > way[element],
+                        scores: [touch.shear_rate[element], missing[element]],
+                    });
+                }
+                way[element] = gone;
+                pressed[element] = truth[element].z > config.control.touch_force;
+            }
+        }
+    }
+    Ok(samples)
+}
+
+/// A specimen of unknown shape and friction, felt with rubber that is not quite the nominal one, and a fingertip over it.
+fn on_specimen(
+    experiment: &Experiment,
+    random: &mut Pcg64,
+) -> Result<(World, Course), ExperimentError> {
+    let config = &experiment.config;
+    let mut between = |low: f64, high: f64| low + (high - low) * random.random::<f64>();
+    let mut sim = config.sim.clone();
+    let stiffness = between(0.9, 1.1);
+    sim.feeler.normal_stiffness *= stiffness;
+    sim.feeler.shear_stiffness *= stiffness;
+    sim.fault.clear();
+    let static_friction = between(0.3, 1.2);
+    let friction = Friction {
+        static_friction,
+        kinetic_friction: static_friction * between(0.6, 0.95),
+        stribeck_speed: 0.0,
+    };
+    // Far below the fingers, which stay at home.
+    let centre = DVec3::new(0.0, 0.0, -1.0);
+    let radius = between(0.012, 0.05);
+    let (shape, surface, normal) = match (3.0 * between(0.0, 1.0)) as u32 {
+        0 => (ShapeConfig::HalfSpace, centre, DVec3::Z),
+        1 => (
+            ShapeConfig::Sphere { radius },
+            centre + radius * DVec3::X,
+            DVec3::X,
+        ),
+        _ => {
+            let shape = ShapeConfig::Cylinder {
+                radius,
+                height: 0.2,
+            };
+            (shape, centre + radius * DVec3::X, DVec3::X)
+        }
+    };
+    let specimen = ObjectConfig {
+        shape,
+        motion: MotionConfig::Fixed,
+        position: centre.to_array(),
+        orientation_deg: [0.0; 3],
+        offset: [0.0; 3],
+        friction: Some(friction),
+    };
+    sim.object = BTreeMap::from([("specimen".to_string(), specimen)]);
+    let tangent = normal.any_orthonormal_vector();
+    let frame = DMat3::from_cols(tangent, normal.cross(tangent), normal);
+    // The dome's axis into the surface, leaning by up to 25 degrees anywhere, and turned anyhow about itself.
+    let lean = DMat3::from_axis_angle(
+        frame
+            * DVec3::new(between(-1.0, 1.0), between(-1.0, 1.0), 1e-3)
+                .with_z(0.0)
+                .normalize(),
+        between(0.0, 25_f64.to_radians()),
+    );
+    let onto = DMat3::from_cols(-normal, frame.x_axis, -frame.y_axis);
+    let rotation = lean * onto * DMat3::from_rotation_x(between(0.0, TAU));
+    let (fingers, joints) = fingers_at_home(config)?;
+    let fingers: Vec<_> = fingers.into_iter().zip(layouts(config)?).collect();
+    let world = World::new(&sim, &fingers, &joints, experiment.folder(), config.seed)?;
+    let course = Course {
+        surface,
+        frame,
+        rotation,
+        depth: -GAP,
+        dragged: [0.0; 2],
+        twist: 0.0,
+    };
+    Ok((world, course))
+}
+
+impl Motion {
+    /// First a press from outside; then presses, drags, twists and holds, as they come.
+    fn draw(number: usize, course: &Course, random: &mut Pcg64) -> Self {
+        let mut between = |low: f64, high: f64| low + (high - low) * random.random::<f64>();
+        let duration = between(0.3, 0.8);
+        let mut motion = Self {
+            depth: 0.0,
+            drag: [0.0; 2],
+            twist: 0.0,
+            duration,
+        };
+        let kind = match number {
+            0 => 0,
+            _ => (4.0 * between(0.0, 1.0)) as u32,
+        };
+        match kind {
+            0 => motion.depth = (between(DEPTH.0, DEPTH.1) - course.depth) / duration,
+            1 => {
+                let (speed, angle) = (between(0.001, 0.015), between(0.0, TAU));
+                motion.drag = [speed * angle.cos(), speed * angle.sin()];
+            }
+            2 => motion.twist = between(-1.5, 1.5),
+            _ => {}
+        }
+        motion
+    }
+}
+
+impl Course {
+    fn advance(&mut self, motion: &Motion, duration: f64) {
+        self.depth += motion.depth * duration;
+        self.dragged[0] += motion.drag[0] * duration;
+        self.dragged[1] += motion.drag[1] * duration;
+        self.twist += motion.twist * duration;
+    }
+
+    /// The fingertip, whose dome reaches as far as `reach` (m).
+    fn pose(&self, reach: f64) -> Pose {
+        let [x, y] = self.dragged;
+        Pose {
+            position: self.surface + self.frame * DVec3::new(x, y, reach - self.depth),
+            rotation: DMat3::from_axis_angle(self.frame.z_axis, self.twist) * self.rotation,
+        }
+    }
+}
