@@ -8,7 +8,7 @@ use crate::report::slip_page::{OperatingPoint, Roc};
 const QUIET: u32 = 5;
 /// Frames within which a slip must be noticed, or it has been missed.
 const PATIENCE: u32 = 10;
-/// Precision that a threshold is chosen for: with a margin over the 95 % that are asked for.
+/// Precision that a threshold is chosen for, with a margin over the 95 % that are asked for.
 const PRECISION: f64 = 0.96;
 /// Points of a curve.
 const POINTS: usize = 200;
@@ -70,8 +70,8 @@ impl Counts {
     }
 }
 
-/// The threshold at which `detector` notices most on `trials` while it is right as often as [`PRECISION`] says; where it
-/// never is, the one of the largest harmonic mean of precision and recall.
+/// The threshold at which `detector` notices most on `trials` while it is right in 96 % of what it
+/// says; where it never is, the one of the largest harmonic mean of precision and recall.
 pub fn tune(trials: &[Vec<Sample>], detector: usize) -> f64 {
     let all = trials.concat();
     let counted = thresholds(&all, detector)
