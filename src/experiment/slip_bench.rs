@@ -1,12 +1,14 @@
 //! A bench for slip detectors: a simulated fingertip presses, drags, twists and holds still on a specimen, and
 //! the simulator says which feelers slipped in each frame.
 
-use super::{ExperimentError, fingers_at_home, layouts};
-use crate::config::Experiment;
+use super::{ExperimentError, fingers_at_home, layouts, steps_per_command};
+use crate::config::{Experiment, ExperimentConfig};
 use crate::control::flags::FlagAnalyzer;
 use crate::control::sense::{FingerSense, FingertipPose};
 use crate::control::slip_detector::{SlipDetector, SlipDetectorConfig};
 use crate::control::touch::FingerTouch;
+use crate::sensor::layout::ElementLayout;
+use crate::sim::config::DirectSensingConfig;
 use crate::sim::feeler::Friction;
 use crate::sim::object::{MotionConfig, ObjectConfig};
 use crate::sim::pose::Pose;
@@ -73,66 +75,99 @@ struct Motion {
 pub fn trial(experiment: &Experiment, seed: u64) -> Result<Vec<Sample>, ExperimentError> {
     let mut random = Pcg64::seed_from_u64(seed);
     let config = &experiment.config;
-    let layout = layouts(config)?.swap_remove(0);
-    let elements = layout.elements.len();
+    let mut judge = Judge::new(config, layouts(config)?.swap_remove(0));
     let (mut world, mut course) = on_specimen(experiment, &mut random)?;
-    let reach = layout.dome_radius + config.sim.feeler.tip_radius;
-    let steps = (config.control.period / config.sim.step).round() as usize;
-    let noise = &config.sim.direct_sensing;
-    let mut analyzer = FlagAnalyzer::new(config.control.thresholds(), elements);
-    let mut detector = SlipDetector::new(SlipDetectorConfig::default(), elements);
-    let mut touch = FingerTouch::none(elements);
-    let mut truth = vec![DVec3::ZERO; elements];
-    let (mut pressed, mut way) = (vec![false; elements], vec![0.0; elements]);
-    let (mut samples, mut frame) = (Vec::new(), 0);
+    let reach = judge.layout.dome_radius + config.sim.feeler.tip_radius;
     for number in 0..=MOTIONS {
         let motion = Motion::draw(number, &course, &mut random);
         let frames = (motion.duration / config.control.period).round() as u32;
         for _ in 0..frames {
-            for _ in 0..steps {
+            for _ in 0..steps_per_command(config) {
                 course.advance(&motion, config.sim.step);
                 world.hold_fingertip(0, Some(course.pose(reach)));
                 world.step()?;
             }
-            frame += 1;
-            world.element_forces(0, &mut truth);
-            touch.frame.sequence = u64::from(frame);
-            touch.frame.stamp = world.state().time;
-            for (felt, force) in touch.frame.forces.iter_mut().zip(&truth) {
-                let mut draw = |deviation| normal(&mut random, deviation);
-                let (across, along) = (noise.shear_noise, noise.normal_noise);
-                *felt = *force + DVec3::new(draw(across), draw(across), draw(along));
-            }
-            touch.analyze(&mut analyzer);
-            let pose = course.pose(reach);
-            let sense = FingerSense {
-                pose: FingertipPose {
-                    position: pose.position,
-                    rotation: pose.rotation,
-                },
-                touch: &touch,
-                layout: &layout,
-            };
-            let missing = detector.detect(&sense);
-            for element in 0..elements {
-                let gone = world.state().fingers[0].slipped[element].way;
-                if pressed[element] {
-                    samples.push(Sample {
-                        frame,
-                        element: element as u32,
-                        slipped: gone > way[element],
-                        scores: [touch.shear_rate[element], missing[element]],
-                    });
-                }
-                way[element] = gone;
-                pressed[element] = truth[element].z > config.control.touch_force;
-            }
+            judge.feel(&world, &config.sim.direct_sensing, &mut random);
+            judge.judge(&world, &course.pose(reach));
         }
     }
-    Ok(samples)
+    Ok(judge.samples)
 }
 
-/// A specimen of unknown shape and friction, felt with rubber that is not quite the nominal one, and a fingertip over it.
+/// The detectors, what they feel, and what is true.
+struct Judge {
+    layout: ElementLayout,
+    touch_force: f64,
+    analyzer: FlagAnalyzer,
+    detector: SlipDetector,
+    touch: FingerTouch,
+    /// Forces on the elements, N.
+    truth: Vec<DVec3>,
+    /// Which elements were pressed harder than F1 at the frame before.
+    pressed: Vec<bool>,
+    /// How far each feeler had slipped by the frame before, m.
+    way: Vec<f64>,
+    samples: Vec<Sample>,
+}
+
+impl Judge {
+    fn new(config: &ExperimentConfig, layout: ElementLayout) -> Self {
+        let elements = layout.elements.len();
+        Self {
+            layout,
+            touch_force: config.control.touch_force,
+            analyzer: FlagAnalyzer::new(config.control.thresholds(), elements),
+            detector: SlipDetector::new(SlipDetectorConfig::default(), elements),
+            touch: FingerTouch::none(elements),
+            truth: vec![DVec3::ZERO; elements],
+            pressed: vec![false; elements],
+            way: vec![0.0; elements],
+            samples: Vec::new(),
+        }
+    }
+
+    /// Takes the next frame: the true forces with `noise`.
+    fn feel(&mut self, world: &World, noise: &DirectSensingConfig, random: &mut Pcg64) {
+        world.element_forces(0, &mut self.truth);
+        let frame = &mut self.touch.frame;
+        frame.sequence += 1;
+        frame.stamp = world.state().time;
+        for (felt, force) in frame.forces.iter_mut().zip(&self.truth) {
+            let mut draw = |deviation| normal(random, deviation);
+            let (across, along) = (noise.shear_noise, noise.normal_noise);
+            *felt = *force + DVec3::new(draw(across), draw(across), draw(along));
+        }
+        self.touch.analyze(&mut self.analyzer);
+    }
+
+    /// Asks the detectors about the newest frame, and the simulator.
+    fn judge(&mut self, world: &World, pose: &Pose) {
+        let finger = FingerSense {
+            pose: FingertipPose {
+                position: pose.position,
+                rotation: pose.rotation,
+            },
+            touch: &self.touch,
+            layout: &self.layout,
+        };
+        let missing = self.detector.detect(&finger);
+        let slipped = &world.state().fingers[0].slipped;
+        for (element, slipped) in slipped.iter().enumerate() {
+            if self.pressed[element] {
+                self.samples.push(Sample {
+                    frame: self.touch.frame.sequence as u32,
+                    element: element as u32,
+                    slipped: slipped.way > self.way[element],
+                    scores: [self.touch.shear_rate[element], missing[element]],
+                });
+            }
+            self.way[element] = slipped.way;
+            self.pressed[element] = self.truth[element].z > self.touch_force;
+        }
+    }
+}
+
+/// A fingertip over a specimen, with rubber that is not quite the nominal one.
 fn on_specimen(
     experiment: &Experiment,
     random: &mut Pcg64,
@@ -144,49 +179,14 @@ fn on_specimen(
     sim.feeler.normal_stiffness *= stiffness;
     sim.feeler.shear_stiffness *= stiffness;
     sim.fault.clear();
-    let static_friction = between(0.3, 1.2);
-    let friction = Friction {
-        static_friction,
-        kinetic_friction: static_friction * between(0.6, 0.95),
-        stribeck_speed: 0.0,
-    };
-    // Far below the fingers, which stay at home.
-    let centre = DVec3::new(0.0, 0.0, -1.0);
-    let radius = between(0.012, 0.05);
-    let (shape, surface, normal) = match (3.0 * between(0.0, 1.0)) as u32 {
-        0 => (ShapeConfig::HalfSpace, centre, DVec3::Z),
-        1 => (
-            ShapeConfig::Sphere { radius },
-            centre + radius * DVec3::X,
-            DVec3::X,
-        ),
-        _ => {
-            let shape = ShapeConfig::Cylinder {
-                radius,
-                height: 0.2,
-            };
-            (shape, centre + radius * DVec3::X, DVec3::X)
-        }
-    };
-    let specimen = ObjectConfig {
-        shape,
-        motion: MotionConfig::Fixed,
-        position: centre.to_array(),
-        orientation_deg: [0.0; 3],
-        offset: [0.0; 3],
-        friction: Some(friction),
-    };
+    let (specimen, surface, normal) = specimen(&mut between);
     sim.object = BTreeMap::from([("specimen".to_string(), specimen)]);
     let tangent = normal.any_orthonormal_vector();
     let frame = DMat3::from_cols(tangent, normal.cross(tangent), normal);
     // The dome's axis into the surface, leaning by up to 25 degrees anywhere, and turned anyhow about itself.
-    let lean = DMat3::from_axis_angle(
-        frame
-            * DVec3::new(between(-1.0, 1.0), between(-1.0, 1.0), 1e-3)
-                .with_z(0.0)
-                .normalize(),
-        between(0.0, 25_f64.to_radians()),
-    );
+    let towards = between(0.0, TAU);
+    let axis = frame * DVec3::new(towards.cos(), towards.sin(), 0.0);
+    let lean = DMat3::from_axis_angle(axis, between(0.0, 25_f64.to_radians()));
     let onto = DMat3::from_cols(-normal, frame.x_axis, -frame.y_axis);
     let rotation = lean * onto * DMat3::from_rotation_x(between(0.0, TAU));
     let (fingers, joints) = fingers_at_home(config)?;
@@ -201,6 +201,37 @@ fn on_specimen(
         twist: 0.0,
     };
     Ok((world, course))
+}
+
+/// A specimen of unknown shape and friction, and a point on it (m, in W) with its outward normal.
+fn specimen(between: &mut impl FnMut(f64, f64) -> f64) -> (ObjectConfig, DVec3, DVec3) {
+    let static_friction = between(0.3, 1.2);
+    let friction = Friction {
+        static_friction,
+        kinetic_friction: static_friction * between(0.6, 0.95),
+        stribeck_speed: 0.0,
+    };
+    // Far below the fingers, which stay at home.
+    let centre = DVec3::new(0.0, 0.0, -1.0);
+    let radius = between(0.012, 0.05);
+    let side = centre + radius * DVec3::X;
+    let (shape, surface, normal) = match (3.0 * between(0.0, 1.0)) as u32 {
+        0 => (ShapeConfig::HalfSpace, centre, DVec3::Z),
+        1 => (ShapeConfig::Sphere { radius }, side, DVec3::X),
+        _ => {
+            let height = 0.2;
+            (ShapeConfig::Cylinder { radius, height }, side, DVec3::X)
+        }
+    };
+    let specimen = ObjectConfig {
+        shape,
+        motion: MotionConfig::Fixed,
+        position: centre.to_array(),
+        orientation_deg: [0.0; 3],
+        offset: [0.0; 3],
+        friction: Some(friction),
+    };
+    (specimen, surface, normal)
 }
 
 impl Motion {

@@ -166,3 +166,44 @@ fn an_element_at_rest_holds_its_shear_for_ten_seconds() {
         assert_eq!(force(&world), held);
     }
 }
+
+#[test]
+fn every_slip_loses_what_the_spring_loses_between_both_limits() {
+    let mut world = one_element();
+    let start = tip(&world);
+    for n in 1..=10 {
+        move_tip(&mut world, start + DVec3::X * (DEPTH * f64::from(n) / 10.0));
+    }
+    let before = world.state().fingers[0].slipped[0];
+    let origin = tip(&world);
+    let (mut slips, mut shear) = (0.0, 0.0);
+    for n in 1..=400 {
+        move_tip(
+            &mut world,
+            origin + DVec3::Z * (SPEED * STEP * f64::from(n)),
+        );
+        let now = force(&world).z;
+        slips += f64::from(u8::from(now < shear));
+        shear = now;
+    }
+    assert!(slips >= 4.0, "{slips}");
+    let feeler = &world.model().fingers[0].feelers[0];
+    let normal_force = feeler.normal_stiffness * DEPTH;
+    let limits = [feeler.static_friction, feeler.kinetic_friction].map(|mu| mu * normal_force);
+    let way = slips * (limits[0] - limits[1]) / feeler.shear_stiffness;
+    let work = slips * (limits[0].powi(2) - limits[1].powi(2)) / (2.0 * feeler.shear_stiffness);
+    let slipped = world.state().fingers[0].slipped[0];
+    // The finger tilts by 4 mm over its link while it drags, which turns some of the shear into normal force: up to
+    // (k_n - k_t) / k_n of it, 0.7 %. Work goes as the square of the force, and a step's drive goes on
+    // while the feeler slips: up to 4 mN of 0.45 N, half of it on average.
+    let leaning = 1.0 - feeler.shear_stiffness / feeler.normal_stiffness;
+    let leaning = leaning * 0.004 / LINK * (limits[0] / feeler.shear_stiffness) / DEPTH;
+    let tolerance = TILT + leaning;
+    let (way_off, work_off) = (
+        (slipped.way - before.way) / way - 1.0,
+        (slipped.work - before.work) / work - 1.0,
+    );
+    assert!(way_off.abs() < tolerance, "{way_off}");
+    assert!(work_off.abs() < 2.0 * tolerance + 0.005, "{work_off}");
+    assert_eq!(world.state().slip_work(), slipped.work);
+}

@@ -52,6 +52,8 @@ impl Default for BestConfig {
     }
 }
 
+/// An element that is pressed less than this may be noise, N.
+const NOISE: f64 = 0.02;
 /// An element that is pressed less than this says nothing about friction, N.
 const TELLING_FORCE: f64 = 0.15;
 /// An element whose shear force falls by this much from one frame to the next has slipped, N.
@@ -119,7 +121,7 @@ impl Best {
             ..Grip::default()
         };
         for (element, (last, local)) in self.loads.iter_mut().zip(&frame.forces).enumerate() {
-            let pressed = local.z > 0.0;
+            let pressed = local.z > NOISE;
             let load = match pressed {
                 true => Load::new(finger.force(element), inward),
                 false => Load::default(),
@@ -177,7 +179,7 @@ impl Load {
 /// The dome's outward normal where it touches: the mean of the elements', weighted by their force.
 fn inward(finger: &FingerSense<'_>) -> Option<DVec3> {
     let forces = finger.touch.frame.forces.iter().enumerate();
-    let weighted = forces.filter(|(_, force)| force.z > 0.0);
+    let weighted = forces.filter(|(_, force)| force.z > NOISE);
     let sum: DVec3 = weighted
         .filter_map(|(element, force)| Some(force.z * finger.normal(element)?))
         .sum();
