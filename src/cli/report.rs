@@ -46,11 +46,14 @@ fn folder(path: &Path) -> Result<&Path, CommandError> {
 pub fn print_claims(made: &ReportOutcome, out: &mut dyn Write) -> io::Result<()> {
     let claims = made.claims();
     let holding = claims.iter().filter(|claim| claim.holds).count();
-    writeln!(
-        out,
-        "{holding} of {} of the paper's claims hold",
-        claims.len()
-    )?;
+    let whose = match made.summary.task.as_str() {
+        "screw" => "of the paper's claims",
+        _ => "claims",
+    };
+    writeln!(out, "{holding} of {} {whose} hold", claims.len())?;
+    if let Some(outcome) = &made.summary.outcome {
+        writeln!(out, "outcome: {outcome}")?;
+    }
     for claim in claims.iter().filter(|claim| !claim.holds) {
         let why = if claim.is_measured() {
             "does not hold"

@@ -23,7 +23,7 @@ pub struct BuiltIn {
 }
 
 /// The experiments that come with the program.
-pub const BUILT_IN: [BuiltIn; 2] = [
+pub const BUILT_IN: [BuiltIn; 3] = [
     BuiltIn {
         name: "cap-closing",
         toml: include_str!("../../experiments/cap-closing.toml"),
@@ -31,6 +31,10 @@ pub const BUILT_IN: [BuiltIn; 2] = [
     BuiltIn {
         name: "three-fingers",
         toml: include_str!("../../experiments/three-fingers.toml"),
+    },
+    BuiltIn {
+        name: "contour",
+        toml: include_str!("../../experiments/contour.toml"),
     },
 ];
 

@@ -18,7 +18,9 @@ use crate::sensor::fingertip::{Fingertip, FingertipError};
 use crate::sensor::layout::ElementLayout;
 use crate::sensor::optical::OpticalSensorError;
 use crate::sim::error::SimError;
+use crate::sim::object::Motion;
 use crate::sim::optics_config::OpticsError;
+use crate::sim::pose::Pose;
 use crate::sim::rig::{Rig, SimHand};
 use crate::sim::thread::Turn;
 use crate::sim::torque_sensor::TorqueReading;
@@ -100,6 +102,8 @@ pub struct Instruments {
     pub cap: Turn,
     /// Where its origin is, m, in W.
     pub cap_centre: DVec3,
+    /// Where the object is that is carried, in truth, in W: the first free object, if there is one.
+    pub object: Option<Pose>,
 }
 
 impl Instruments {
@@ -107,11 +111,18 @@ impl Instruments {
     fn read(rig: &Rig, cap: Option<usize>) -> Self {
         let mut world = rig.world();
         let torque = world.read_torque();
+        let objects = world.model().objects.iter();
+        let free = objects.zip(&world.state().objects);
+        let object = free
+            .filter(|(object, _)| matches!(object.motion, Motion::Free(_)))
+            .map(|(_, state)| state.pose)
+            .next();
         let cap = cap.and_then(|cap| world.state().objects.get(cap));
         Self {
             torque,
             cap: cap.map_or_else(Turn::default, |cap| cap.turn),
             cap_centre: cap.map_or(DVec3::ZERO, |cap| cap.pose.position),
+            object,
         }
     }
 }

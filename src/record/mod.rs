@@ -19,7 +19,7 @@ mod sink;
 
 pub use crate::control::phase::Phase;
 pub use channels::{
-    Cap, Command, Findings, Fingertip, Flags, Joints, Moments, NO_ELEMENT, Stamped, Tactile, Task,
+    Cap, Command, Findings, Fingertip, Flags, Joints, Moments, NO_ELEMENT, ObjectPose, Stamped, Tactile, Task,
     Topic, TorqueSensor,
 };
 pub use digest::Digest;

@@ -4,6 +4,7 @@ use super::claim::{Claim, ClaimPart, Relation};
 use super::figures::Figure;
 use super::strokes::StrokeMeasures;
 use super::summary::Summary;
+use super::tasks::claims_heading;
 use crate::record::{Phase, Recording, RunFacts};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
@@ -37,10 +38,15 @@ pub fn page(recording: &Recording, summary: &Summary, figures: &[Figure]) -> Str
                     }
                 }
                 p.verdict { (verdict(recording, summary)) }
-                h2 { "The paper's claims" }
+                h2 { (claims_heading(&facts.task)) }
                 (claims_table(&summary.claims))
-                h2 { "Strokes" }
-                (strokes_table(&summary.strokes))
+                @if facts.task == "screw" {
+                    h2 { "Strokes" }
+                    (strokes_table(&summary.strokes))
+                } @else {
+                    h2 { "What the task found out" }
+                    (findings_table(summary))
+                }
                 h2 { "Figures" }
                 div.figures { @for figure in figures { (figure_markup(figure)) } }
                 h2 { "The run" }
@@ -50,10 +56,14 @@ pub fn page(recording: &Recording, summary: &Summary, figures: &[Figure]) -> Str
                     pre { (recording.experiment) }
                 }
                 p { "Digest of the recording's content (SHA-256):" br; span.digest { (summary.digest) } }
+                @if facts.task != "screw" {
+                    p.note { "Everything on this page is computed from the recording." }
+                } @else {
                 p.note {
                     "Claims and figures refer to M. Ohka, N. Morisawa and H. B. Yussof, “Trajectory "
                     "Generation of Robotic Fingers Based on Tri-axial Tactile Data for Cap Screwing "
                     "Task”, 2009. Everything on this page is computed from the recording."
+                }
                 }
             }
         }
@@ -82,25 +92,33 @@ fn verdict(recording: &Recording, summary: &Summary) -> Markup {
         let claims = summary.claims.iter().filter(|claim| wanted(claim));
         claims.map(|claim| claim.id).collect::<Vec<_>>().join(", ")
     };
+    let of_the_paper = match recording.facts.task.as_str() {
+        "screw" => " of the paper",
+        _ => "",
+    };
     let failed = ids(|claim| !claim.holds && claim.is_measured());
     let unmeasured = ids(|claim| !claim.is_measured());
     let peak = (summary.strokes.iter())
         .filter_map(|stroke| stroke.peak_torque)
         .reduce(f64::max);
     html! {
-        "In " (significant(summary.sim_time)) " s the hand made " (strokes_made(recording)) " of "
-        (recording.facts.stroke_count) " strokes"
-        @if let Some(angle) = summary.cap_angle {
+        "In " (significant(summary.sim_time)) " s the hand "
+        @if recording.facts.task == "screw" {
+            "made " (strokes_made(recording)) " of " (recording.facts.stroke_count) " strokes"
+        } @else {
+            "ended with: " (summary.outcome.as_deref().unwrap_or("nothing that it could tell"))
+        }
+        @if let Some(angle) = summary.cap_angle.filter(|_| recording.facts.task == "screw") {
             ", turned the cap by " (significant(angle.to_degrees())) "°"
         }
-        @if let Some(peak) = peak {
+        @if let Some(peak) = peak.filter(|_| recording.facts.task == "screw") {
             " and reached " (significant(1e3 * peak)) " mN·m of torque"
         }
         ". "
         @if held == total {
-            span.holds { "All " (total) " claims of the paper hold." }
+            span.holds { "All " (total) " claims" (of_the_paper) " hold." }
         } @else {
-            span.fails { (held) " of the paper's " (total) " claims hold" }
+            span.fails { (held) " of " (total) " claims" (of_the_paper) " hold" }
             @if !failed.is_empty() { "; not: " (failed) }
             @if !unmeasured.is_empty() { "; not measured: " (unmeasured) }
             "."
@@ -109,6 +127,19 @@ fn verdict(recording: &Recording, summary: &Summary) -> Markup {
             " The task was not done: the run ended in " (task.phase) " of stroke " (task.stroke)
             @if !task.reason.is_empty() { ", because " (task.reason) }
             "."
+        }
+    }
+}
+
+/// What the task found out, by name.
+fn findings_table(summary: &Summary) -> Markup {
+    html! {
+        table {
+            tbody {
+                @for (name, found) in &summary.findings {
+                    tr { th scope="row" { code { (name) } } td.number { (value(*found)) } }
+                }
+            }
         }
     }
 }

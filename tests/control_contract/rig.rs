@@ -42,7 +42,9 @@ pub fn controller(config: &ExperimentConfig) -> Controller {
 
 /// What the reference experiment's task is tuned by.
 pub fn screw(config: &mut ExperimentConfig) -> &mut ScrewConfig {
-    let TaskConfig::Screw(screw) = &mut config.task;
+    let TaskConfig::Screw(screw) = &mut config.task else {
+        panic!("a screw task")
+    };
     screw
 }
 

@@ -1,6 +1,8 @@
 //! Which task an experiment is about.
 
 use super::Task;
+use super::carry::{Carry, CarryConfig};
+use super::contour::{Contour, ContourConfig};
 use super::screw::{ScrewConfig, ScrewTask};
 use serde::{Deserialize, Serialize};
 
@@ -10,6 +12,10 @@ use serde::{Deserialize, Serialize};
 pub enum TaskConfig {
     /// Turns something by touching, moving and releasing it, again and again.
     Screw(ScrewConfig),
+    /// Goes round an upright object and draws its outline.
+    Contour(ContourConfig),
+    /// Slides or lifts an object along a path.
+    Carry(CarryConfig),
 }
 
 impl TaskConfig {
@@ -17,6 +23,8 @@ impl TaskConfig {
     pub fn task(&self) -> Box<dyn Task> {
         match self {
             Self::Screw(config) => Box::new(ScrewTask::new(config)),
+            Self::Contour(config) => Box::new(Contour::new(config)),
+            Self::Carry(config) => Box::new(Carry::new(config)),
         }
     }
 
@@ -24,6 +32,8 @@ impl TaskConfig {
     pub fn name(&self) -> &'static str {
         match self {
             Self::Screw(_) => "screw",
+            Self::Contour(_) => "contour",
+            Self::Carry(_) => "carry",
         }
     }
 
@@ -31,6 +41,8 @@ impl TaskConfig {
     pub fn homes(&self) -> Vec<[f64; 3]> {
         match self {
             Self::Screw(config) => config.finger.iter().map(|path| path.home).collect(),
+            Self::Contour(config) => vec![config.home],
+            Self::Carry(config) => config.finger.iter().map(|finger| finger.home).collect(),
         }
     }
 
@@ -38,6 +50,7 @@ impl TaskConfig {
     pub fn strokes(&self) -> u32 {
         match self {
             Self::Screw(config) => config.strokes,
+            Self::Contour(_) | Self::Carry(_) => 1,
         }
     }
 }
@@ -47,13 +60,20 @@ impl TaskConfig {
 #[serde(deny_unknown_fields)]
 struct Tasks {
     screw: Option<ScrewConfig>,
+    contour: Option<ContourConfig>,
+    carry: Option<CarryConfig>,
 }
 
 impl TryFrom<Tasks> for TaskConfig {
     type Error = &'static str;
 
     fn try_from(tasks: Tasks) -> Result<Self, Self::Error> {
-        let mut found = [tasks.screw.map(Self::Screw)].into_iter().flatten();
+        let found = [
+            tasks.screw.map(Self::Screw),
+            tasks.contour.map(Self::Contour),
+            tasks.carry.map(Self::Carry),
+        ];
+        let mut found = found.into_iter().flatten();
         match (found.next(), found.next()) {
             (Some(task), None) => Ok(task),
             (None, _) => Err("a task expected, as in [task.screw]; there is none"),

@@ -4,8 +4,12 @@
 //! losing or crushing what it holds is the [law](super::law)'s work, and what it may never do the
 //! [limits](super::limits)'.
 
+pub mod carry;
 mod config;
+pub mod contour;
+mod motion;
 pub mod screw;
+pub mod surface;
 
 pub use config::TaskConfig;
 

@@ -1,6 +1,7 @@
 //! The screw task: SEARCH, MOVE, RELEASE, RETURN, again and again (paper, section V.B).
 
 use super::Task;
+use super::motion::{check_search, towards};
 use crate::control::phase::Phase;
 use crate::control::plan::Plan;
 use crate::control::sense::{FingerSense, HandSense};
@@ -91,12 +92,8 @@ impl ScrewTask {
         let limit = self.config.search_limit;
         for (finger, (path, sense)) in self.paths.iter().zip(hand.fingers()).enumerate() {
             let travel = path.approached(sense.pose.position);
-            if travel > limit && sense.flags().grasp_force < self.config.grasp_force {
-                return Err(StopReason::NothingToGrasp {
-                    finger,
-                    travel,
-                    limit,
-                });
+            if sense.flags().grasp_force < self.config.grasp_force {
+                check_search(finger, travel, limit)?;
             }
         }
         Ok(())
@@ -153,9 +150,7 @@ impl Task for ScrewTask {
                 self.config.move_speed * path.stroke
             }
             Phase::Release => -self.config.return_speed * path.approach,
-            Phase::Return => {
-                ((path.home - position) / HOMING_TIME).clamp_length_max(self.config.return_speed)
-            }
+            Phase::Return => towards(path.home, position, self.config.return_speed),
             _ => DVec3::ZERO,
         };
         Plan {
@@ -174,10 +169,6 @@ impl Task for ScrewTask {
         self.stroke
     }
 }
-
-/// A finger that returns has a velocity of its distance from home over this time, s, and no more
-/// than the return speed.
-const HOMING_TIME: f64 = 0.1;
 
 impl Path {
     fn new(config: &FingerPathConfig) -> Self {

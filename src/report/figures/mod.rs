@@ -1,7 +1,7 @@
 //! The paper's Figs. 8 to 13, drawn from a run.
 
 pub mod calibration;
-mod canvas;
+pub(super) mod canvas;
 mod paths;
 pub mod sweep;
 mod time;
