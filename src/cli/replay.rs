@@ -110,6 +110,7 @@ fn copy(
     run_folder::named(folder)?;
     let facts = RunFacts {
         replay_of: Some(recording.digest.to_string()),
+        truth: recording.facts.truth.clone(),
         ..run_facts(&experiment.config)
     };
     let options = RecordOptions {

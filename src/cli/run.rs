@@ -48,7 +48,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comman
     let options = record_options(arguments, &experiment)?;
     let mut session = Session::new(&experiment)?;
     let folder = make_folder(arguments.out.as_deref(), &experiment)?;
-    let facts = run_facts(&experiment.config);
+    let facts = session.facts(&experiment.config);
     let file = folder.join(RECORDING);
     let recorder = Recorder::create_with(file, &facts, &experiment.toml, &options)?;
     let mut log = RunLog::new(recorder, session.layouts());

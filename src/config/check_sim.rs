@@ -113,5 +113,11 @@ fn check_variation(sim: &SimConfig, checker: &mut Checker) {
     checker.not_negative("sim.variation.bottle_position", variation.bottle_position);
     checker.not_negative("sim.variation.cap_angle", variation.cap_angle);
     checker.between("sim.variation.friction", variation.friction, 0.0, 0.99);
+    checker.between(
+        "sim.variation.kinetic_friction",
+        variation.kinetic_friction,
+        0.0,
+        0.99,
+    );
     checker.between("sim.variation.seat_angle", variation.seat_angle, 0.0, 0.99);
 }

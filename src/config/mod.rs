@@ -7,6 +7,7 @@ mod check_faults;
 mod check_objects;
 mod check_sim;
 mod check_task;
+mod check_touch_tasks;
 mod checker;
 mod load;
 mod settings;

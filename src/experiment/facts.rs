@@ -2,27 +2,28 @@
 
 use crate::config::{ExperimentConfig, Sensing};
 use crate::control::task::TaskConfig;
-use crate::control::task::screw::FingerPathConfig;
 use crate::record::RunFacts;
 use crate::sim::config::SimConfig;
 use crate::sim::object::Object;
 use crate::sim::section::section;
 use crate::sim::shape::ShapeConfig;
+use crate::sim::world::World;
 use glam::DVec3;
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// The constants of a run of `config` that its report needs.
 pub fn run_facts(config: &ExperimentConfig) -> RunFacts {
-    let screw = match &config.task {
-        TaskConfig::Screw(screw) => Some(screw),
-        _ => None,
+    let paths: Vec<([f64; 3], [f64; 3])> = match &config.task {
+        TaskConfig::Screw(screw) => {
+            let fingers = screw.finger.iter();
+            fingers.map(|path| (path.approach, path.stroke)).collect()
+        }
+        TaskConfig::FrictionScan(scan) => vec![(scan.approach, scan.slide)],
+        // Where these go is told by what they feel.
+        TaskConfig::Contour(_) | TaskConfig::Carry(_) => Vec::new(),
     };
-    let directions = |pick: fn(&FingerPathConfig) -> [f64; 3]| {
-        let paths = screw.into_iter().flat_map(|screw| &screw.finger);
-        paths
-            .map(|path| DVec3::from_array(pick(path)).normalize_or_zero().to_array())
-            .collect()
-    };
+    let unit = |direction| DVec3::from_array(direction).normalize_or_zero().to_array();
     RunFacts {
         experiment: config.name.clone(),
         task: config.task.name().to_string(),
@@ -39,12 +40,38 @@ pub fn run_facts(config: &ExperimentConfig) -> RunFacts {
         touch_force_threshold: config.control.touch_force,
         over_force_threshold: config.control.over_force,
         slip_threshold: config.control.slip_threshold,
-        grasp_force_threshold: screw.map_or(0.0, |screw| screw.grasp_force),
-        approach: directions(|path| path.approach),
-        stroke_direction: directions(|path| path.stroke),
+        grasp_force_threshold: match &config.task {
+            TaskConfig::Screw(screw) => screw.grasp_force,
+            TaskConfig::FrictionScan(scan) => scan.load,
+            TaskConfig::Contour(contour) => contour.contact_force,
+            TaskConfig::Carry(carry) => carry.grip_force,
+        },
+        approach: paths.iter().map(|path| unit(path.0)).collect(),
+        stroke_direction: paths.iter().map(|path| unit(path.1)).collect(),
         stroke_count: config.task.strokes(),
+        truth: BTreeMap::new(),
         section: true_section(config),
         replay_of: None,
+    }
+}
+
+/// The constants of a run of `config` in `world`, with what only that knows: friction on objects that have some of their own.
+pub fn simulated_facts(config: &ExperimentConfig, world: &World) -> RunFacts {
+    let objects = world.model().objects.iter();
+    let truth = objects
+        .filter_map(|object| Some((&object.name, object.friction?)))
+        .flat_map(|(name, friction)| {
+            [
+                (format!("{name}.static_friction"), friction.static_friction),
+                (
+                    format!("{name}.kinetic_friction"),
+                    friction.kinetic_friction,
+                ),
+            ]
+        });
+    RunFacts {
+        truth: truth.collect(),
+        ..run_facts(config)
     }
 }
 

@@ -5,15 +5,18 @@ pub mod log;
 pub mod played_rig;
 pub mod replay;
 mod sensors;
+pub mod specimen;
 pub mod warnings;
 
 use crate::config::{ConfigError, Experiment, ExperimentConfig};
 use crate::control::control_loop::{ControlError, ControlLoop};
 use crate::control::controller::Controller;
 use crate::control::phase::Phase;
+use crate::control::task::Task;
 use crate::control::touch::TouchSource;
 use crate::hand::finger::{FingerError, FingerGeometry};
 use crate::hand::inverse_kinematics::{KinematicsError, inverse_kinematics};
+use crate::record::RunFacts;
 use crate::sensor::fingertip::{Fingertip, FingertipError};
 use crate::sensor::layout::ElementLayout;
 use crate::sensor::optical::OpticalSensorError;
@@ -25,7 +28,9 @@ use crate::sim::rig::{Rig, SimHand};
 use crate::sim::thread::Turn;
 use crate::sim::torque_sensor::TorqueReading;
 use crate::sim::world::World;
+use facts::simulated_facts;
 use glam::DVec3;
+use specimen::{SpecimenError, check_specimen};
 
 /// Why a run could not be set up or go on.
 #[derive(Debug, thiserror::Error)]
@@ -67,6 +72,9 @@ pub enum ExperimentError {
     /// The simulated world cannot be built.
     #[error(transparent)]
     Sim(#[from] SimError),
+    /// There is nothing to touch where the task expects it.
+    #[error(transparent)]
+    Specimen(#[from] SpecimenError),
     /// A sensor cannot be built.
     #[error("sensor: finger {finger}: {source}")]
     Sensor {
@@ -133,11 +141,23 @@ impl Session {
     /// # Errors
     /// When a part of the experiment makes no sense.
     pub fn new(experiment: &Experiment) -> Result<Self, ExperimentError> {
+        Self::with_task(experiment, experiment.config.task.task())
+    }
+
+    /// The same with `task` in place of the experiment's, whose homes the fingers start from.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn with_task(
+        experiment: &Experiment,
+        task: Box<dyn Task>,
+    ) -> Result<Self, ExperimentError> {
         let config = &experiment.config;
         let layouts = layouts(config)?;
         let (fingers, _) = fingers_at_home(config)?;
-        let controller = controller(config, &fingers, &layouts);
+        let controller = Controller::with_task(config.control.clone(), task, &fingers, &layouts);
         let (rig, cap) = rig(experiment)?;
+        check_specimen(config, &fingers, &rig.world())?;
         let sensors = sensors::sensors(experiment, &rig, &layouts)?;
         let hand = SimHand::new(rig.clone(), steps_per_command(config));
         Ok(Self {
@@ -169,6 +189,11 @@ impl Session {
     /// The control loop, as of the newest step.
     pub fn control_loop(&self) -> &ControlLoop<Sensor, SimHand> {
         &self.control_loop
+    }
+
+    /// The constants of the run, with what only the simulated world knows.
+    pub fn facts(&self, config: &ExperimentConfig) -> RunFacts {
+        simulated_facts(config, &self.rig.world())
     }
 
     /// The elements of each finger's fingertip.

@@ -43,7 +43,7 @@ pub struct RunFacts {
     pub over_force_threshold: f64,
     /// dr: an element whose shear rate exceeds this slips, N/s.
     pub slip_threshold: f64,
-    /// Grasp force of a finger at which SEARCH ends, N.
+    /// Grasp force or load of a finger at which SEARCH ends, N.
     pub grasp_force_threshold: f64,
     /// Direction in which each finger approaches the object, unit vector in `W`.
     pub approach: Vec<[f64; 3]>,
@@ -55,6 +55,9 @@ pub struct RunFacts {
     /// after the other. Only simulated worlds know it.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub section: Vec<[f64; 2]>,
+    /// What a simulated world knows and the hand does not, by name, in SI units: `specimen.static_friction`.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub truth: BTreeMap<String, f64>,
     /// Of a replay: the digest of what was replayed. Joint angles, torque and cap are from there, and did
     /// not follow from this recording's commands.
     #[serde(default, skip_serializing_if = "Option::is_none")]

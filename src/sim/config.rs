@@ -17,8 +17,11 @@ use std::collections::BTreeMap;
 pub struct VariationConfig {
     /// Greatest offset of what stands on a thread from its place along W's x and y, m.
     pub bottle_position: f64,
-    /// Greatest relative change of all friction coefficients of feelers.
+    /// Greatest relative change of all friction coefficients, of feelers and of objects.
     pub friction: f64,
+    /// Greatest relative change of the kinetic coefficients alone; none comes out above its static one.
+    #[serde(default)]
+    pub kinetic_friction: f64,
     /// Greatest relative change of the seat angle.
     pub seat_angle: f64,
     /// Greatest rotation of a cap at the start, rad. A round cap shows none of it.

@@ -125,11 +125,15 @@ fn vary(config: &mut SimConfig, seed: u64) -> f64 {
     let friction = 1.0 + uniform(&mut random, variation.friction);
     let seat_angle = 1.0 + uniform(&mut random, variation.seat_angle);
     let cap_angle = uniform(&mut random, variation.cap_angle).rem_euclid(TAU);
-    config.feeler.static_friction *= friction;
-    config.feeler.kinetic_friction *= friction;
+    let kinetic = 1.0 + uniform(&mut random, variation.kinetic_friction);
+    let feeler = &mut config.feeler;
+    feeler.static_friction *= friction;
+    feeler.kinetic_friction *= friction * kinetic;
+    feeler.kinetic_friction = feeler.kinetic_friction.min(feeler.static_friction);
     for object in config.object.values_mut() {
         if let Some(own) = &mut object.friction {
             *own = own.scaled(friction);
+            own.kinetic_friction = (kinetic * own.kinetic_friction).min(own.static_friction);
         }
         if let Some(thread) = object.thread_mut() {
             thread.seat_angle *= seat_angle;

@@ -69,6 +69,20 @@ impl World {
         &self.state
     }
 
+    /// The object whose surface is nearest to `point` (m, in W), and its distance, m; negative inside it. None where
+    /// there is no object.
+    pub fn nearest_object(&self, point: DVec3) -> Option<(&str, f64)> {
+        let objects = self.model.objects.iter().zip(&self.state.objects);
+        let distances = objects.map(|(object, now)| {
+            let to_object = now.pose.rotation.transpose();
+            let seen = to_object * (point - now.pose.position);
+            // On the surface to within rounding there is no nearest point.
+            let distance = object.nearest(seen).map_or(0.0, |surface| surface.distance);
+            (object.name.as_str(), distance)
+        });
+        distances.min_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
     /// Sets the velocities that the drives of `finger` are to follow, rad/s.
     pub fn command(&mut self, finger: usize, joint_velocity: DVec3) {
         if let Some(finger) = self.state.fingers.get_mut(finger) {

@@ -182,7 +182,7 @@ impl Trials {
             Ok(session) => session,
             Err(error) => return Ran::failed("invalid", error.to_string()),
         };
-        let recorder = match MemoryRecorder::new(&run_facts(&experiment.config)) {
+        let recorder = match MemoryRecorder::new(&session.facts(&experiment.config)) {
             Ok(recorder) => recorder,
             Err(error) => return Ran::failed("invalid", error.to_string()),
         };

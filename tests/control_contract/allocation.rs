@@ -3,8 +3,11 @@
 
 use super::rig::{Analyzers, IdealHand, config, controller, pressed};
 use assert_no_alloc::assert_no_alloc;
+use feeler::config::{BUILT_IN, Experiment};
 use feeler::control::control_loop::ControlLoop;
+use feeler::control::phase::Phase;
 use feeler::control::touch::AnalyzedSensor;
+use feeler::experiment::{self, Session, fingers_at_home, layouts};
 use feeler::hand::hand::HandCommand;
 use feeler::sensor::calibration::Calibration;
 use feeler::sensor::camera::{Camera, CameraError};
@@ -62,6 +65,28 @@ fn deciding_does_not_allocate() {
     }
     assert_eq!(controller.stop_reason(), None);
     assert!(controller.task().stroke() > 1);
+}
+
+/// The tasks of all built-in experiments, over whole runs: what a session's controller decided is decided again.
+#[test]
+fn no_task_allocates() {
+    for built_in in BUILT_IN {
+        let settings = ["sensing=\"direct\"".to_string()];
+        let experiment = Experiment::load(built_in.name, &settings).expect("an experiment");
+        let (fingers, _) = fingers_at_home(&experiment.config).expect("fingers");
+        let layouts = layouts(&experiment.config).expect("fingertips");
+        let mut controller = experiment::controller(&experiment.config, &fingers, &layouts);
+        let mut command = HandCommand::stop(fingers.len());
+        let mut session = Session::new(&experiment).expect("a session");
+        while !session.finished() {
+            session.step().expect("a step");
+            let control_loop = session.control_loop();
+            let (touches, state) = (control_loop.touches(), control_loop.state());
+            assert_no_alloc(|| controller.decide(touches, state, &mut command));
+            assert_eq!(command, *control_loop.command(), "{}", built_in.name);
+        }
+        assert_eq!(controller.phase(), Phase::Done, "{}", built_in.name);
+    }
 }
 
 /// A sensor that presses harder from frame to frame, and fails in the end.

@@ -6,6 +6,7 @@ use feeler::record::{
 };
 use feeler::wire::{Quaternion, Vector3};
 use glam::DVec3;
+use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::path::Path;
 
@@ -44,6 +45,7 @@ pub fn facts() -> RunFacts {
         stroke_direction: vec![[0.0, 1.0, 0.0], [0.0, -1.0, 0.0]],
         stroke_count: 4,
         section: Vec::new(),
+        truth: BTreeMap::new(),
         replay_of: None,
     }
 }

@@ -3,6 +3,7 @@
 use super::Task;
 use super::carry::{Carry, CarryConfig};
 use super::contour::{Contour, ContourConfig};
+use super::friction_scan::{FrictionScan, FrictionScanConfig};
 use super::screw::{ScrewConfig, ScrewTask};
 use serde::{Deserialize, Serialize};
 
@@ -16,6 +17,8 @@ pub enum TaskConfig {
     Contour(ContourConfig),
     /// Slides or lifts an object along a path.
     Carry(CarryConfig),
+    /// Slides over a flat specimen and measures its friction.
+    FrictionScan(FrictionScanConfig),
 }
 
 impl TaskConfig {
@@ -25,6 +28,7 @@ impl TaskConfig {
             Self::Screw(config) => Box::new(ScrewTask::new(config)),
             Self::Contour(config) => Box::new(Contour::new(config)),
             Self::Carry(config) => Box::new(Carry::new(config)),
+            Self::FrictionScan(config) => Box::new(FrictionScan::new(config)),
         }
     }
 
@@ -34,6 +38,7 @@ impl TaskConfig {
             Self::Screw(_) => "screw",
             Self::Contour(_) => "contour",
             Self::Carry(_) => "carry",
+            Self::FrictionScan(_) => "friction_scan",
         }
     }
 
@@ -43,6 +48,7 @@ impl TaskConfig {
             Self::Screw(config) => config.finger.iter().map(|path| path.home).collect(),
             Self::Contour(config) => vec![config.home],
             Self::Carry(config) => config.finger.iter().map(|finger| finger.home).collect(),
+            Self::FrictionScan(config) => vec![config.home],
         }
     }
 
@@ -51,6 +57,7 @@ impl TaskConfig {
         match self {
             Self::Screw(config) => config.strokes,
             Self::Contour(_) | Self::Carry(_) => 1,
+            Self::FrictionScan(config) => config.strokes,
         }
     }
 }
@@ -62,6 +69,7 @@ struct Tasks {
     screw: Option<ScrewConfig>,
     contour: Option<ContourConfig>,
     carry: Option<CarryConfig>,
+    friction_scan: Option<FrictionScanConfig>,
 }
 
 impl TryFrom<Tasks> for TaskConfig {
@@ -72,6 +80,7 @@ impl TryFrom<Tasks> for TaskConfig {
             tasks.screw.map(Self::Screw),
             tasks.contour.map(Self::Contour),
             tasks.carry.map(Self::Carry),
+            tasks.friction_scan.map(Self::FrictionScan),
         ];
         let mut found = found.into_iter().flatten();
         match (found.next(), found.next()) {

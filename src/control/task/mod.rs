@@ -7,8 +7,10 @@
 pub mod carry;
 mod config;
 pub mod contour;
-mod motion;
+pub mod friction_scan;
+mod homing;
 pub mod screw;
+mod search;
 pub mod surface;
 
 pub use config::TaskConfig;

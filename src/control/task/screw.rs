@@ -1,7 +1,7 @@
 //! The screw task: SEARCH, MOVE, RELEASE, RETURN, again and again (paper, section V.B).
 
 use super::Task;
-use super::motion::{check_search, towards};
+use super::homing::homeward;
 use crate::control::phase::Phase;
 use crate::control::plan::Plan;
 use crate::control::sense::{FingerSense, HandSense};
@@ -92,8 +92,12 @@ impl ScrewTask {
         let limit = self.config.search_limit;
         for (finger, (path, sense)) in self.paths.iter().zip(hand.fingers()).enumerate() {
             let travel = path.approached(sense.pose.position);
-            if sense.flags().grasp_force < self.config.grasp_force {
-                check_search(finger, travel, limit)?;
+            if travel > limit && sense.flags().grasp_force < self.config.grasp_force {
+                return Err(StopReason::NothingToGrasp {
+                    finger,
+                    travel,
+                    limit,
+                });
             }
         }
         Ok(())
@@ -150,7 +154,7 @@ impl Task for ScrewTask {
                 self.config.move_speed * path.stroke
             }
             Phase::Release => -self.config.return_speed * path.approach,
-            Phase::Return => towards(path.home, position, self.config.return_speed),
+            Phase::Return => homeward(path.home - position, self.config.return_speed),
             _ => DVec3::ZERO,
         };
         Plan {

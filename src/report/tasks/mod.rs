@@ -1,5 +1,6 @@
 //! What a report shows of each task: the claims that it is held to, and its figures.
 
+mod carry;
 mod contour;
 
 use super::claim::Claim;
@@ -14,6 +15,7 @@ pub fn claims(recording: &Recording, data: &RunData) -> Vec<Claim> {
     match recording.facts.task.as_str() {
         "screw" => screw_claims(data),
         "contour" => contour::claims(recording),
+        "carry" => carry::claims(recording, data),
         _ => Vec::new(),
     }
 }
@@ -23,6 +25,7 @@ pub fn figures(recording: &Recording, data: &RunData) -> Vec<Figure> {
     match recording.facts.task.as_str() {
         "screw" => screw_figures(data),
         "contour" => contour::figures(recording, data),
+        "carry" => carry::figures(recording, data),
         _ => Vec::new(),
     }
 }

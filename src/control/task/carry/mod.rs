@@ -7,7 +7,8 @@
 pub mod grip;
 mod odometry;
 
-use super::motion::{check_search, towards};
+use super::homing::homeward;
+use super::search::check_search;
 use super::surface::{FeelerShape, touching};
 use super::{Finding, Task};
 use crate::control::phase::Phase;
@@ -134,7 +135,7 @@ impl Carry {
                 config.friction,
                 config.margin,
                 config.grip_force,
-                config.crush_force,
+                RESERVE * config.crush_force,
             ),
             config: config.clone(),
             odometry: Odometry::new(),
@@ -227,6 +228,8 @@ impl Carry {
         let count = self.holders.len().max(1) as f64;
         let pressing = self.holders.iter().map(|h| h.pressing).sum::<f64>() / count;
         let friction = self.grip.friction();
+        // The few tips of one finger are too close together to tell a turn.
+        let turned = if self.holders.len() > 1 { turned } else { f64::NAN };
         let values = [moved.x, moved.y, moved.z, turned, pressing, friction];
         for (finding, value) in self.findings.iter_mut().zip(values) {
             finding.value = value;
@@ -260,7 +263,10 @@ impl Carry {
             // What pushes the object makes one finger press harder than the other: the mean counts.
             self.holders.iter().map(|h| h.wanted - h.pressing).sum::<f64>() / count
         };
-        let press = (config.force_gain * missing).clamp(-config.press_speed, config.press_speed);
+        // An element that is over its limit is pressed no further, whatever is missing.
+        let over = hand.fingers().any(|finger| finger.flags().over);
+        let most = if over { 0.0 } else { config.press_speed };
+        let press = (config.force_gain * missing).clamp(-config.press_speed, most);
         let middle = hand.poses.iter().map(|pose| pose.position).sum::<DVec3>() / count;
         let turn_back = DVec3::Z * (-config.place_gain * self.odometry.turned);
         place.clamp_length_max(2.0 * config.carry_speed)
@@ -321,7 +327,7 @@ impl Task for Carry {
             }
             Phase::Move => self.holding(holder, position, hand),
             Phase::Release => -config.return_speed * holder.approach,
-            Phase::Return => towards(holder.home, position, config.return_speed),
+            Phase::Return => homeward(holder.home - position, config.return_speed),
             _ => DVec3::ZERO,
         };
         Plan {
@@ -344,6 +350,10 @@ impl Task for Carry {
         self.outcome
     }
 }
+
+/// What part of the crushing force the grip goes up to: the elements' compressions add up to somewhat more than they press together,
+/// and a force that is kept is never kept exactly.
+const RESERVE: f64 = 0.85;
 
 /// How far a finger moves off the object before it returns, m.
 const CLEARANCE: f64 = 0.004;

@@ -7,7 +7,8 @@
 
 mod outline;
 
-use super::motion::{check_search, towards};
+use super::homing::homeward;
+use super::search::check_search;
 use super::surface::{FeelerShape, touching};
 use super::{Finding, Task};
 use crate::control::phase::Phase;
@@ -251,7 +252,7 @@ impl Task for Contour {
             Phase::Search => config.search_speed * self.approach,
             Phase::Move => self.along_surface() + keep_height(self.home, position, config),
             Phase::Release => config.return_speed * outward,
-            Phase::Return => towards(self.home, position, config.return_speed),
+            Phase::Return => homeward(self.home - position, config.return_speed),
             _ => DVec3::ZERO,
         };
         Plan {
@@ -278,5 +279,5 @@ impl Task for Contour {
 /// Velocity that keeps a finger at the height of its home, m/s.
 fn keep_height(home: DVec3, position: DVec3, config: &ContourConfig) -> DVec3 {
     let level = home.with_x(position.x).with_y(position.y);
-    towards(level, position, config.follow_speed)
+    homeward(level - position, config.follow_speed)
 }

@@ -1,0 +1,279 @@
+//! The friction scan: one finger presses on a flat specimen, slides back and forth, and tells both
+//! coefficients of friction from tri-axial forces alone (first task of the paper's earlier study).
+//!
+//! The specimen may be tilted. In the plane of pressing and sliding its tilt cancels out between both ways (see
+//! [`stick_slip`]); across it, by an angle `b`, it makes the coefficients too large by `1 / cos b`, 0.4 % at 5 degrees.
+
+mod angle_sum;
+mod config;
+pub mod stick_slip;
+
+pub use config::FrictionScanConfig;
+
+use super::homing::homeward;
+use super::{Finding, Task};
+use crate::control::phase::Phase;
+use crate::control::plan::Plan;
+use crate::control::sense::{FingerSense, HandSense};
+use crate::control::stop_reason::StopReason;
+use angle_sum::AngleSum;
+use glam::DVec3;
+use stick_slip::{Friction, Slips, StickSlip};
+
+/// An element that is pressed with less than this does not count in the load, N: the errors of many that touch
+/// nothing would add up.
+const TOUCHING: f64 = 0.05;
+/// No rubber holds on harder than this: an element that still sticks is held by something else, and is spared.
+const GREATEST_FRICTION: f64 = 3.0;
+/// Frames at rest that tell their noise to about a fifth.
+const FRAMES_AT_REST: u64 = 10;
+
+/// The state machine of the task.
+#[derive(Debug, Clone)]
+pub struct FrictionScan {
+    config: FrictionScanConfig,
+    home: DVec3,
+    /// Unit vectors in W, across each other.
+    approach: DVec3,
+    slide: DVec3,
+    phase: Phase,
+    stroke: u32,
+    /// Since when the finger has been settling, s; none before and after.
+    settling_since: Option<f64>,
+    /// The element that is looked at in this stroke: that of largest F_z when it began.
+    element: usize,
+    /// Sequence number of the newest frame that was looked at.
+    sequence: Option<u64>,
+    /// The angle at rest.
+    rest: AngleSum,
+    stick_slip: StickSlip,
+    /// Where the stroke began, m, in W.
+    stroke_start: DVec3,
+    /// How far the finger had come in this stroke at its first slip, m.
+    first_slip: Option<f64>,
+    /// What the angle did on the ways back and forth.
+    slips: [Slips; 2],
+    findings: [Finding; 4],
+    outcome: Option<&'static str>,
+}
+
+impl FrictionScan {
+    /// The task at its beginning.
+    pub fn new(config: &FrictionScanConfig) -> Self {
+        let approach = DVec3::from_array(config.approach).normalize_or_zero();
+        let slide = DVec3::from_array(config.slide).reject_from_normalized(approach);
+        let unknown = |name| Finding {
+            name,
+            value: f64::NAN,
+        };
+        Self {
+            config: config.clone(),
+            home: DVec3::from_array(config.home),
+            approach,
+            slide: slide.normalize_or_zero(),
+            phase: Phase::Search,
+            stroke: 1,
+            settling_since: None,
+            element: 0,
+            sequence: None,
+            rest: AngleSum::default(),
+            stick_slip: StickSlip::new(0.0),
+            stroke_start: DVec3::ZERO,
+            first_slip: None,
+            slips: [Slips::default(); 2],
+            findings: [
+                unknown("static_friction"),
+                unknown("kinetic_friction"),
+                unknown("tilt"),
+                unknown("slips"),
+            ],
+            outcome: None,
+        }
+    }
+
+    /// The way of this stroke, a unit vector in W.
+    fn way(&self) -> DVec3 {
+        match self.stroke % 2 {
+            1 => self.slide,
+            _ => -self.slide,
+        }
+    }
+
+    /// The force with which the finger presses, N.
+    fn load(&self, finger: &FingerSense<'_>) -> f64 {
+        let forces = finger.touch.frame.forces.iter().enumerate();
+        let touching = forces.filter(|(_, force)| force.z > TOUCHING);
+        let on_finger: DVec3 = touching.map(|(element, _)| finger.force(element)).sum();
+        -on_finger.dot(self.approach)
+    }
+
+    /// The angle of the looked-at element's force, rad, if there is a new frame in which it touches.
+    fn new_angle(&mut self, finger: &FingerSense<'_>) -> Option<f64> {
+        let frame = &finger.touch.frame;
+        if self.sequence.replace(frame.sequence) == Some(frame.sequence) {
+            return None;
+        }
+        let touches = frame.forces.get(self.element)?.z > TOUCHING;
+        let force = finger.force(self.element);
+        let against = |direction: DVec3| -force.dot(direction);
+        touches.then(|| against(self.way()).atan2(against(self.approach)))
+    }
+
+    fn noise(&self) -> f64 {
+        self.rest.variance().unwrap_or_default()
+    }
+
+    /// Holds still and measures the noise, from when the drives have come to rest.
+    fn settle(&mut self, finger: &FingerSense<'_>, settling_for: f64) {
+        let angle = self.new_angle(finger);
+        if let Some(angle) = angle.filter(|_| settling_for >= 0.5 * self.config.settle_time) {
+            self.rest.add(angle);
+        }
+        if settling_for >= self.config.settle_time && self.rest.count() >= FRAMES_AT_REST {
+            self.settling_since = None;
+            self.begin_stroke(finger);
+        }
+    }
+
+    fn begin_stroke(&mut self, finger: &FingerSense<'_>) {
+        self.element = finger.flags().largest_element.unwrap_or(self.element);
+        self.stick_slip = StickSlip::new(self.noise());
+        self.stroke_start = finger.pose.position;
+        self.first_slip = None;
+    }
+
+    fn slide(&mut self, finger: &FingerSense<'_>) {
+        if let Some(angle) = self.new_angle(finger) {
+            if angle > GREATEST_FRICTION.atan() {
+                return self.end("no slip");
+            }
+            // Pressing leaves shear in every direction, which the first stroke wipes away.
+            let mut ignored = Slips::default();
+            let slips = match self.stroke {
+                1 => &mut ignored,
+                stroke => &mut self.slips[(stroke % 2) as usize],
+            };
+            self.stick_slip.see(angle, slips);
+        }
+        let along = (finger.pose.position - self.stroke_start).dot(self.way());
+        if self.stick_slip.slides() && self.first_slip.is_none() {
+            self.first_slip = Some(along);
+        }
+        match self.first_slip {
+            Some(first) if along - first >= self.config.travel => self.end_stroke(finger),
+            None if along >= self.config.slide_limit => self.end("no slip"),
+            _ => {}
+        }
+    }
+
+    fn end_stroke(&mut self, finger: &FingerSense<'_>) {
+        let [backward, forward] = &self.slips;
+        if let Some(found) = Friction::estimate(forward, backward, self.noise()) {
+            let falls = (forward.falls() + backward.falls()) as f64;
+            let values = [
+                found.static_friction,
+                found.kinetic_friction,
+                found.tilt,
+                falls,
+            ];
+            for (finding, value) in self.findings.iter_mut().zip(values) {
+                finding.value = value;
+            }
+        }
+        if self.stroke < self.config.strokes {
+            self.stroke += 1;
+            self.begin_stroke(finger);
+        } else {
+            self.end("measured");
+        }
+    }
+
+    fn end(&mut self, outcome: &'static str) {
+        self.outcome = Some(outcome);
+        self.phase = Phase::Release;
+    }
+
+    /// Slides along, and presses harder or less hard as the load wants it.
+    fn sliding_velocity(&self, finger: &FingerSense<'_>) -> DVec3 {
+        let config = &self.config;
+        let fastest = match finger.flags().over {
+            true => 0.0,
+            false => config.search_speed,
+        };
+        let press = config.load_gain * (config.load - self.load(finger));
+        let press = press.clamp(-config.search_speed, fastest);
+        config.slide_speed * self.way() + press * self.approach
+    }
+}
+
+impl Task for FrictionScan {
+    fn advance(&mut self, hand: &HandSense<'_>) -> Result<(), StopReason> {
+        let Some(finger) = hand.finger(0) else {
+            return Ok(());
+        };
+        let from_home = finger.pose.position - self.home;
+        let (travel, limit) = (from_home.dot(self.approach), self.config.search_limit);
+        let pressing = matches!(self.phase, Phase::Search | Phase::Move);
+        if pressing && travel > limit {
+            let finger = 0;
+            return Err(StopReason::NothingToGrasp {
+                finger,
+                travel,
+                limit,
+            });
+        }
+        match self.phase {
+            Phase::Search if self.load(&finger) >= self.config.load => {
+                self.phase = Phase::Move;
+                self.settling_since = Some(hand.stamp);
+                self.element = finger.flags().largest_element.unwrap_or_default();
+            }
+            Phase::Move => match self.settling_since {
+                Some(since) => self.settle(&finger, hand.stamp - since),
+                None => self.slide(&finger),
+            },
+            Phase::Release if travel <= 0.0 => self.phase = Phase::Return,
+            Phase::Return if from_home.length() <= self.config.home_tolerance => {
+                self.phase = Phase::Done;
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn plan(&self, finger: usize, hand: &HandSense<'_>) -> Plan {
+        let Some(sense) = hand.finger(finger) else {
+            return Plan::default();
+        };
+        let velocity = match self.phase {
+            Phase::Search => self.config.search_speed * self.approach,
+            Phase::Move if self.settling_since.is_none() => self.sliding_velocity(&sense),
+            Phase::Release => -self.config.return_speed * self.approach,
+            Phase::Return => homeward(self.home - sense.pose.position, self.config.return_speed),
+            _ => DVec3::ZERO,
+        };
+        Plan {
+            velocity,
+            towards_object: self.approach,
+            // It is to slip.
+            reflex: false,
+            keep_grasp: false,
+        }
+    }
+
+    fn phase(&self) -> Phase {
+        self.phase
+    }
+
+    fn stroke(&self) -> u32 {
+        self.stroke
+    }
+
+    fn findings(&self) -> &[Finding] {
+        &self.findings
+    }
+
+    fn outcome(&self) -> Option<&'static str> {
+        self.outcome
+    }
+}
