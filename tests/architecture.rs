@@ -34,7 +34,7 @@ const MAY_IMPORT: [(&str, &[&str]); 14] = [
             "config", "control", "hand", "record", "sensor", "sim", "wire",
         ],
     ),
-    ("report", &["config", "record"]),
+    ("report", &["config", "record", "sensor"]),
     ("config", &["control", "hand", "sensor", "sim"]),
     ("record", &["control", "hand", "sensor", "wire"]),
     ("link", &["control", "hand", "sensor", "wire"]),

@@ -11,7 +11,10 @@ use std::path::Path;
 /// Runs `experiment` with `settings`; `summary.json` of the run.
 fn carry(folder: &Path, name: &str, experiment: &str, settings: &[String]) -> Value {
     let mut arguments = vec!["run", experiment, "--out", name];
-    if !settings.iter().any(|setting| setting.starts_with("sensing")) {
+    if !settings
+        .iter()
+        .any(|setting| setting.starts_with("sensing"))
+    {
         arguments.extend(["--sensing", "direct"]);
     }
     for setting in settings {
@@ -89,12 +92,30 @@ fn impossible_grips_and_unknown_objects_are_refused() {
     let refused = |setting: &str, words: &[&str]| {
         run(&folder, &["run", "lift", "--set", setting]).refused(words);
     };
-    refused("task.carry.crush_force=0.5", &["task.carry.crush_force = 0.5", "more than task.carry.grip_force"]);
-    refused("task.carry.margin=0.5", &["task.carry.margin = 0.5", "1 to 10"]);
-    refused("task.carry.waypoint=[]", &["task.carry.waypoint = 0 waypoints"]);
+    refused(
+        "task.carry.crush_force=0.5",
+        &[
+            "task.carry.crush_force = 0.5",
+            "more than task.carry.grip_force",
+        ],
+    );
+    refused(
+        "task.carry.margin=0.5",
+        &["task.carry.margin = 0.5", "1 to 10"],
+    );
+    refused(
+        "task.carry.waypoint=[]",
+        &["task.carry.waypoint = 0 waypoints"],
+    );
     refused(
         "sim.fault.0.kind.mass_change.object=stand",
-        &["sim.fault[0].kind.mass_change.object = \"stand\"", "a free object: box"],
+        &[
+            "sim.fault[0].kind.mass_change.object = \"stand\"",
+            "a free object: box",
+        ],
     );
-    refused("sim.fault.0.kind.mass_change.mass=0.0", &["mass_change.mass = 0"]);
+    refused(
+        "sim.fault.0.kind.mass_change.mass=0.0",
+        &["mass_change.mass = 0"],
+    );
 }

@@ -77,7 +77,14 @@ fn friction_is_learnt_on_the_way() {
         let setting = format!(
             "sim.object.specimen.friction={{ static_friction = {friction}, kinetic_friction = {friction} }}"
         );
-        let more = ["--sensing", "direct", "--set", &setting, "--set", "sim.variation.friction=0.0"];
+        let more = [
+            "--sensing",
+            "direct",
+            "--set",
+            &setting,
+            "--set",
+            "sim.variation.friction=0.0",
+        ];
         let summary = draw(&folder, &format!("friction-{friction}"), CYLINDER, 0, &more);
         let learnt = summary["findings"]["friction"].as_f64().unwrap();
         // The force is kept to a few percent, and what is missing of it leans by as much.
@@ -92,7 +99,8 @@ fn an_object_that_is_not_there_or_out_of_reach_is_told() {
     let words = ["sim.object", "reach", "workspace"];
     run(&folder, &["run", "contour", "--set", place]).refused(&words[..2]);
     let home = "task.contour.home=[0.2, 0.0, 0.1]";
-    run(&folder, &["run", "contour", "--set", home]).refused(&["home of finger 0", "control.limits"]);
+    run(&folder, &["run", "contour", "--set", home])
+        .refused(&["home of finger 0", "control.limits"]);
     let force = "task.contour.contact_force=0.01";
     run(&folder, &["run", "contour", "--set", force]).refused(&[
         "task.contour.contact_force = 0.01",
@@ -102,7 +110,16 @@ fn an_object_that_is_not_there_or_out_of_reach_is_told() {
     let beside = "sim.object.specimen.position=[0.0, -0.055, 0.1]";
     let ended = run(
         &folder,
-        &["run", "contour", "--sensing", "direct", "--out", "beside", "--set", beside],
+        &[
+            "run",
+            "contour",
+            "--sensing",
+            "direct",
+            "--out",
+            "beside",
+            "--set",
+            beside,
+        ],
     );
     assert_eq!(ended.status, Some(1), "{ended:?}");
     assert!(ended.stdout.contains("without a grasp"), "{ended:?}");

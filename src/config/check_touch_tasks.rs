@@ -56,7 +56,14 @@ pub(super) fn check_contour(key: &str, contour: &ContourConfig, checker: &mut Ch
     ];
     check_positive(key, &positive, checker);
     checker.not_negative(&format!("{key}.friction_gain"), contour.friction_gain);
-    more_than(key, "contact_force", contour.contact_force, "touch_force", contour.touch_force, checker);
+    more_than(
+        key,
+        "contact_force",
+        contour.contact_force,
+        "touch_force",
+        contour.touch_force,
+        checker,
+    );
     check_feeler(key, &contour.feeler, checker);
 }
 
@@ -77,8 +84,22 @@ pub(super) fn check_carry(key: &str, carry: &CarryConfig, checker: &mut Checker)
     check_positive(key, &positive, checker);
     checker.between(&format!("{key}.margin"), carry.margin, 1.0, 10.0);
     checker.not_negative(&format!("{key}.place_gain"), carry.place_gain);
-    more_than(key, "grip_force", carry.grip_force, "touch_force", carry.touch_force, checker);
-    more_than(key, "crush_force", carry.crush_force, "grip_force", carry.grip_force, checker);
+    more_than(
+        key,
+        "grip_force",
+        carry.grip_force,
+        "touch_force",
+        carry.touch_force,
+        checker,
+    );
+    more_than(
+        key,
+        "crush_force",
+        carry.crush_force,
+        "grip_force",
+        carry.grip_force,
+        checker,
+    );
     checker.require(
         &format!("{key}.waypoint"),
         format!("{} waypoints", carry.waypoint.len()),

@@ -11,8 +11,8 @@ use crate::control::task::Task as ControlTask;
 use crate::control::touch::{FingerTouch, TouchSource};
 use crate::hand::hand::{Hand, JointState};
 use crate::record::{
-    Cap, Command, Findings, Fingertip, Flags, Image, Joints, MessageSink, NO_ELEMENT, ObjectPose, RecordError,
-    Recorder, Tactile, Task, TorqueSensor,
+    Cap, Command, Findings, Fingertip, Flags, Image, Joints, MessageSink, NO_ELEMENT, ObjectPose,
+    RecordError, Recorder, Tactile, Task, TorqueSensor,
 };
 use crate::sensor::frame::Frame;
 use crate::sensor::layout::ElementLayout;

@@ -1,7 +1,8 @@
 //! Where a run's messages go: to a file, or into memory when nobody wants the file.
 
 use super::channels::{
-    Cap, Command, Findings, Fingertip, Flags, Joints, ObjectPose, Stamped, Tactile, Task, TorqueSensor,
+    Cap, Command, Findings, Fingertip, Flags, Joints, ObjectPose, Stamped, Tactile, Task,
+    TorqueSensor,
 };
 use super::error::RecordError;
 use super::facts::RunFacts;

@@ -1,7 +1,8 @@
 //! Writes a run's recording as the run goes.
 
 use super::channels::{
-    Cap, Command, Findings, Fingertip, Flags, Joints, ObjectPose, Stamped, Tactile, Task, Topic, TorqueSensor,
+    Cap, Command, Findings, Fingertip, Flags, Joints, ObjectPose, Stamped, Tactile, Task, Topic,
+    TorqueSensor,
 };
 use super::digest::Digest;
 use super::error::RecordError;

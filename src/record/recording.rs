@@ -1,7 +1,8 @@
 //! Reads a recording back, whole or as far as it goes.
 
 use super::channels::{
-    Cap, Command, Findings, Fingertip, Flags, Joints, ObjectPose, Stamped, Tactile, Task, Topic, TorqueSensor,
+    Cap, Command, Findings, Fingertip, Flags, Joints, ObjectPose, Stamped, Tactile, Task, Topic,
+    TorqueSensor,
 };
 use super::digest::{Digest, Digester};
 use super::error::RecordError;

@@ -13,6 +13,7 @@ pub mod strokes;
 pub mod summary;
 pub mod sweep_page;
 pub mod tasks;
+pub mod text;
 
 pub use claim::{Claim, ClaimPart, Relation};
 pub use make::{ReportError, ReportOutcome, make};

@@ -4,7 +4,7 @@ use super::claim::Claim;
 use super::run_data::RunData;
 use super::series::finite;
 use super::strokes::StrokeMeasures;
-use super::tasks::claims;
+use super::tasks;
 use crate::record::Recording;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 pub struct Summary {
     /// Name of the experiment.
     pub experiment: String,
-    /// The task, as in the experiment file: `screw`.
+    /// Which task it was.
     pub task: String,
     /// Seed of every random quantity.
     pub seed: u64,
@@ -36,7 +36,7 @@ pub struct Summary {
     pub outcome: Option<String>,
     /// What the task found out, by name, in SI units.
     pub findings: BTreeMap<String, Option<f64>>,
-    /// What the run is held to: the paper's claims, where its task is the paper's.
+    /// The claims of the task.
     pub claims: Vec<Claim>,
     /// Angle the cap has turned at the end, rad, positive = closing.
     pub cap_angle: Option<f64>,
@@ -68,7 +68,7 @@ impl Summary {
                 .flat_map(|f| f.names.iter().cloned().zip(&f.values))
                 .map(|(name, &value)| (name, finite(value)))
                 .collect(),
-            claims: claims(recording, data),
+            claims: tasks::of(&facts.task).claims(recording, data),
             cap_angle: (recording.cap.last()).and_then(|cap| finite(cap.angle)),
             digest: recording.digest.to_string(),
         }

@@ -118,7 +118,9 @@ pub enum ShapeError {
 
 /// The prism over a section.
 fn drawn_out(section: &[DVec2], height: f64) -> Result<Form, ShapeError> {
-    prism(section, height).map(Form::Other).ok_or(ShapeError::NoArea)
+    prism(section, height)
+        .map(Form::Other)
+        .ok_or(ShapeError::NoArea)
 }
 
 /// The mesh in `file`, relative to `folder`.

@@ -1,13 +1,16 @@
 //! The carry task: where the object went, against where it should go, and how hard it was gripped.
 
-use super::super::claim::{Claim, ClaimPart, Relation};
-use super::super::figures::Figure;
-use super::super::figures::canvas::{CAP, Pen, finger_colour, frame, line, panel, range};
-use super::super::run_data::RunData;
-use super::super::series::{finite, maximum};
+use super::{TaskReport, findings};
 use crate::record::{ObjectPose, Recording};
+use crate::report::claim::{Claim, ClaimPart, Relation};
+use crate::report::figures::Figure;
+use crate::report::figures::canvas::{CAP, Pen, finger_colour, frame, line, panel, range};
+use crate::report::run_data::RunData;
+use crate::report::series::{finite, maximum};
+use crate::report::summary::Summary;
 use glam::{DQuat, DVec3};
 use kuva::render::figure::Figure as Panels;
+use maud::Markup;
 
 /// How far the object may end from its goal, m.
 const PLACE: f64 = 2e-3;
@@ -69,8 +72,33 @@ fn turned(from: &ObjectPose, to: &ObjectPose) -> (f64, f64) {
     (side.y.atan2(side.x), upright.angle_between(DVec3::Z))
 }
 
+/// The report of this task.
+pub struct CarryReport;
+
+impl TaskReport for CarryReport {
+    fn whose(&self) -> &'static str {
+        "of this task"
+    }
+
+    fn claims(&self, recording: &Recording, data: &RunData) -> Vec<Claim> {
+        claims(recording, data)
+    }
+
+    fn figures(&self, recording: &Recording, data: &RunData) -> Vec<Figure> {
+        figures(recording, data)
+    }
+
+    fn verdict(&self, _: &Recording, summary: &Summary) -> Markup {
+        findings::verdict(summary)
+    }
+
+    fn measured(&self, _: &Recording, summary: &Summary) -> Markup {
+        findings::table(summary)
+    }
+}
+
 /// What the task is held to.
-pub fn claims(recording: &Recording, data: &RunData) -> Vec<Claim> {
+fn claims(recording: &Recording, data: &RunData) -> Vec<Claim> {
     let goal = Goal::new(recording);
     let ends = recording.object.first().zip(recording.object.last());
     let end_error = ends.zip(goal.as_ref()).map(|((first, last), goal)| {
@@ -84,9 +112,15 @@ pub fn claims(recording: &Recording, data: &RunData) -> Vec<Claim> {
     let rise = ends.and_then(|(first, _)| {
         maximum((recording.object.iter()).map(|pose| position(pose).z - position(first).z))
     });
-    let below = rise.zip(goal.as_ref()).map(|(rise, goal)| MM * (goal.highest - rise));
+    let below = rise
+        .zip(goal.as_ref())
+        .map(|(rise, goal)| MM * (goal.highest - rise));
     let carried = (recording.findings.last()).map(|f| f64::from(u8::from(f.outcome == "carried")));
-    let pressing = maximum(data.fingers.iter().flat_map(|finger| finger.grasp_force.iter().copied()));
+    let pressing = maximum(
+        data.fingers
+            .iter()
+            .flat_map(|finger| finger.grasp_force.iter().copied()),
+    );
     let crush_force = goal.as_ref().map_or(0.0, |goal| goal.crush_force);
     vec![
         Claim::new(
@@ -94,8 +128,15 @@ pub fn claims(recording: &Recording, data: &RunData) -> Vec<Claim> {
             "The object is carried to the path's end.",
             vec![
                 ClaimPart::new("carried", carried, Relation::Equals, 1.0),
-                ClaimPart::new("distance from the path's end", end_error, Relation::AtMost, MM * PLACE).in_unit("mm"),
-                ClaimPart::new("turned about the upright", turn, Relation::Within, TURN).in_unit("°"),
+                ClaimPart::new(
+                    "distance from the path's end",
+                    end_error,
+                    Relation::AtMost,
+                    MM * PLACE,
+                )
+                .in_unit("mm"),
+                ClaimPart::new("turned about the upright", turn, Relation::Within, TURN)
+                    .in_unit("°"),
             ],
         ),
         Claim::new(
@@ -103,19 +144,33 @@ pub fn claims(recording: &Recording, data: &RunData) -> Vec<Claim> {
             "It neither tips nor stays behind.",
             vec![
                 ClaimPart::new("tipped", tip, Relation::AtMost, TURN).in_unit("°"),
-                ClaimPart::new("highest place below the path's", below, Relation::AtMost, MM * DROP).in_unit("mm"),
+                ClaimPart::new(
+                    "highest place below the path's",
+                    below,
+                    Relation::AtMost,
+                    MM * DROP,
+                )
+                .in_unit("mm"),
             ],
         ),
         Claim::new(
             "not-crushed",
             "No finger presses harder than it may.",
-            vec![ClaimPart::new("largest grasp force of a finger", pressing, Relation::AtMost, crush_force).in_unit("N")],
+            vec![
+                ClaimPart::new(
+                    "largest grasp force of a finger",
+                    pressing,
+                    Relation::AtMost,
+                    crush_force,
+                )
+                .in_unit("N"),
+            ],
         ),
     ]
 }
 
 /// Where the object went, and how hard it was gripped.
-pub fn figures(recording: &Recording, data: &RunData) -> Vec<Figure> {
+fn figures(recording: &Recording, data: &RunData) -> Vec<Figure> {
     vec![way(recording), grip(data)]
 }
 
@@ -147,11 +202,15 @@ fn way(recording: &Recording) -> Figure {
     }
     legend.push(("as felt", Pen::dashed(CAP, 1.0)));
     let ranges = range(all.iter().map(|p| p.0)).zip(range(all.iter().map(|p| p.1)));
-    let svg = ranges.filter(|_| !recording.object.is_empty()).map(|(time, way)| {
-        let layout = panel(time, way, "Time (s)", "Moved (mm)");
-        let panels = Panels::new(1, 1).with_plots(vec![plots]).with_layouts(vec![layout]);
-        frame(1, title, &legend, panels, 320.0)
-    });
+    let svg = ranges
+        .filter(|_| !recording.object.is_empty())
+        .map(|(time, way)| {
+            let layout = panel(time, way, "Time (s)", "Moved (mm)");
+            let panels = Panels::new(1, 1)
+                .with_plots(vec![plots])
+                .with_layouts(vec![layout]);
+            frame(1, title, &legend, panels, 320.0)
+        });
     Figure {
         number: 1,
         title: title.into(),
@@ -175,7 +234,9 @@ fn grip(data: &RunData) -> Figure {
     }
     let svg = range(data.time.iter().copied()).map(|time| {
         let layout = panel(time, (0.0, most), "Time (s)", "Grasp force (N)");
-        let panels = Panels::new(1, 1).with_plots(vec![plots]).with_layouts(vec![layout]);
+        let panels = Panels::new(1, 1)
+            .with_plots(vec![plots])
+            .with_layouts(vec![layout]);
         frame(2, title, &legend, panels, 300.0)
     });
     Figure {

@@ -1,14 +1,15 @@
 //! The contour task: the outline that was drawn, against the true section.
 
-use super::super::claim::{Claim, ClaimPart, Relation};
-use super::super::figures::Figure;
-use super::super::figures::canvas::{CAP, Pen, finger_colour, frame, line, panel, range};
-use super::super::measures::distance_to_path;
-use super::super::run_data::RunData;
-use super::super::series::{finite, longest_stretch, maximum, rms};
+use super::{TaskReport, findings};
 use crate::record::{Phase, Recording};
+use crate::report::claim::{Claim, ClaimPart, Relation};
+use crate::report::figures::{Figure, outline};
+use crate::report::measures::distance_to_path;
+use crate::report::run_data::RunData;
+use crate::report::series::{finite, longest_stretch, maximum, rms};
+use crate::report::summary::Summary;
 use glam::DVec2;
-use kuva::render::figure::Figure as Panels;
+use maud::Markup;
 
 /// The outline is off by no more than this, RMS, m.
 const RMS_ERROR: f64 = 0.5e-3;
@@ -27,7 +28,7 @@ const CORNER_LENGTH: f64 = 0.4e-3;
 const MM: f64 = 1e3;
 
 /// The points that were drawn, with their times, s; m, in W.
-fn drawn(recording: &Recording) -> Vec<(f64, DVec2)> {
+pub fn drawn(recording: &Recording) -> Vec<(f64, DVec2)> {
     let points = recording.findings.iter().filter_map(|found| {
         let value = |name: &str| {
             let place = found.names.iter().position(|n| n == name)?;
@@ -40,7 +41,7 @@ fn drawn(recording: &Recording) -> Vec<(f64, DVec2)> {
 }
 
 /// The true section as a closed path, m, in W.
-fn section(recording: &Recording) -> Vec<DVec2> {
+pub fn section(recording: &Recording) -> Vec<DVec2> {
     let points = recording.facts.section.iter();
     let mut path: Vec<_> = points.map(|&point| DVec2::from_array(point)).collect();
     path.extend(path.first().copied());
@@ -52,7 +53,10 @@ fn corners(section: &[DVec2]) -> Vec<DVec2> {
     let Some(ring) = section.len().checked_sub(1).filter(|&count| count > 2) else {
         return Vec::new();
     };
-    let length: f64 = section.windows(2).map(|pair| pair[0].distance(pair[1])).sum();
+    let length: f64 = section
+        .windows(2)
+        .map(|pair| pair[0].distance(pair[1]))
+        .sum();
     let reach = (CORNER_LENGTH / length * ring as f64).ceil() as usize;
     let at = |place: usize| section[place % ring];
     let turn = |place: usize| {
@@ -69,7 +73,10 @@ fn corners(section: &[DVec2]) -> Vec<DVec2> {
     for place in (0..ring).filter(sharpest) {
         let corner = at(place);
         // Two neighbours that turn alike are one corner.
-        if found.iter().all(|other| other.distance(corner) > CORNER_LENGTH) {
+        if found
+            .iter()
+            .all(|other| other.distance(corner) > CORNER_LENGTH)
+        {
             found.push(corner);
         }
     }
@@ -79,32 +86,74 @@ fn corners(section: &[DVec2]) -> Vec<DVec2> {
 /// Longest time without touch while the finger followed, s.
 fn longest_loss(recording: &Recording) -> Option<f64> {
     let following = |stamp: f64| {
-        let steps = recording.task.partition_point(|task| task.stamp <= stamp + 1e-9);
+        let steps = recording
+            .task
+            .partition_point(|task| task.stamp <= stamp + 1e-9);
         let step = steps.checked_sub(1).map(|step| &recording.task[step]);
         step.is_some_and(|task| task.phase == Phase::Move)
     };
     let threshold = recording.facts.touch_force_threshold;
     let frames = &recording.fingers.first()?.tactile;
-    let mut frames = frames.iter().filter(|frame| following(frame.stamp)).peekable();
+    let mut frames = frames
+        .iter()
+        .filter(|frame| following(frame.stamp))
+        .peekable();
     frames.peek()?;
     let lost = frames.map(|frame| {
         let forces = frame.forces.iter().map(|&force| glam::DVec3::from(force));
-        !forces.map(|force| force.length()).any(|force| force > threshold)
+        !forces
+            .map(|force| force.length())
+            .any(|force| force > threshold)
     });
     Some(longest_stretch(lost) as f64 * recording.facts.control_period)
 }
 
+/// The report of this task.
+pub struct ContourReport;
+
+impl TaskReport for ContourReport {
+    fn whose(&self) -> &'static str {
+        "of this task"
+    }
+
+    fn claims(&self, recording: &Recording, _: &RunData) -> Vec<Claim> {
+        claims(recording)
+    }
+
+    fn figures(&self, recording: &Recording, data: &RunData) -> Vec<Figure> {
+        outline::figures(recording, data)
+    }
+
+    fn verdict(&self, _: &Recording, summary: &Summary) -> Markup {
+        findings::verdict(summary)
+    }
+
+    fn measured(&self, _: &Recording, summary: &Summary) -> Markup {
+        findings::table(summary)
+    }
+}
+
 /// What the task is held to.
-pub fn claims(recording: &Recording) -> Vec<Claim> {
+fn claims(recording: &Recording) -> Vec<Claim> {
     let section = section(recording);
     let drawn: Vec<_> = drawn(recording).into_iter().map(|(_, p)| p).collect();
     let known = section.len() > 1 && !drawn.is_empty();
     let known = |value: Option<f64>| value.filter(|_| known);
     let errors = || drawn.iter().map(|&point| distance_to_path(point, &section));
-    let nearest = |point: DVec2| drawn.iter().map(|d| d.distance(point)).fold(f64::INFINITY, f64::min);
+    let nearest = |point: DVec2| {
+        drawn
+            .iter()
+            .map(|d| d.distance(point))
+            .fold(f64::INFINITY, f64::min)
+    };
     let corners = corners(&section);
-    let passed = corners.iter().filter(|&&corner| nearest(corner) <= CORNER_DISTANCE);
-    let closed = recording.findings.last().map(|found| f64::from(u8::from(found.outcome == "closed")));
+    let passed = corners
+        .iter()
+        .filter(|&&corner| nearest(corner) <= CORNER_DISTANCE);
+    let closed = recording
+        .findings
+        .last()
+        .map(|found| f64::from(u8::from(found.outcome == "closed")));
     let millimetres = |value: Option<f64>| known(value).map(|v| MM * v);
     let gap = maximum(section.iter().map(|&point| nearest(point)));
     vec![
@@ -113,92 +162,52 @@ pub fn claims(recording: &Recording) -> Vec<Claim> {
             "The finger goes all the way round and notices it.",
             vec![
                 ClaimPart::new("closed", closed, Relation::Equals, 1.0),
-                ClaimPart::new("largest distance of the section from the outline", millimetres(gap), Relation::AtMost, MM * GREATEST_GAP)
-                    .in_unit("mm"),
+                ClaimPart::new(
+                    "largest distance of the section from the outline",
+                    millimetres(gap),
+                    Relation::AtMost,
+                    MM * GREATEST_GAP,
+                )
+                .in_unit("mm"),
             ],
         ),
         Claim::new(
             "outline-true",
             "The outline is the object's section.",
             vec![
-                ClaimPart::new("RMS error", millimetres(rms(errors())), Relation::AtMost, MM * RMS_ERROR).in_unit("mm"),
+                ClaimPart::new(
+                    "RMS error",
+                    millimetres(rms(errors())),
+                    Relation::AtMost,
+                    MM * RMS_ERROR,
+                )
+                .in_unit("mm"),
             ],
         ),
         Claim::new(
             "corners-passed",
             "No corner is left out.",
-            vec![ClaimPart::new("corners passed", known(Some(passed.count() as f64)), Relation::Equals, corners.len() as f64)],
+            vec![ClaimPart::new(
+                "corners passed",
+                known(Some(passed.count() as f64)),
+                Relation::Equals,
+                corners.len() as f64,
+            )],
         ),
         Claim::new(
             "contact-kept",
             "The finger does not lose the object.",
-            vec![ClaimPart::new("longest time without touch", longest_loss(recording), Relation::AtMost, LOST_TIME).in_unit("s")],
+            vec![
+                ClaimPart::new(
+                    "longest time without touch",
+                    longest_loss(recording),
+                    Relation::AtMost,
+                    LOST_TIME,
+                )
+                .in_unit("s"),
+            ],
         ),
     ]
-}
-
-/// The outline from above, and its error along the way.
-pub fn figures(recording: &Recording, data: &RunData) -> Vec<Figure> {
-    vec![outline(recording, data), error(recording)]
-}
-
-fn outline(recording: &Recording, data: &RunData) -> Figure {
-    let title = "The outline as felt, from above";
-    let (section, drawn) = (section(recording), drawn(recording));
-    let millimetres = |p: DVec2| (MM * p.x, MM * p.y);
-    let centre = data.fingers.first().map(|finger| {
-        let rows = (0..data.time.len()).filter(|&row| data.phase[row] == Phase::Move);
-        rows.map(|row| finger.position[row].truncate()).collect::<Vec<_>>()
-    });
-    let centre = centre.unwrap_or_default();
-    let truth = Pen::solid(CAP, 1.2);
-    let felt = Pen::solid(finger_colour(1), 1.6);
-    let path = Pen::dashed("#888888", 1.0);
-    let all = || section.iter().chain(&centre).copied().chain(drawn.iter().map(|d| d.1));
-    let ranges = range(all().map(|p| MM * p.x)).zip(range(all().map(|p| MM * p.y)));
-    let svg = ranges.filter(|_| !drawn.is_empty()).map(|(x, y)| {
-        let plots = vec![
-            line(centre.iter().copied().map(millimetres), path),
-            line(drawn.iter().map(|d| millimetres(d.1)), felt),
-            line(section.iter().copied().map(millimetres), truth),
-        ];
-        let layout = panel(x, y, "x (mm)", "y (mm)").with_equal_aspect();
-        let panels = Panels::new(1, 1).with_plots(vec![plots]).with_layouts(vec![layout]);
-        let legend = [("felt", felt), ("true section", truth), ("dome's centre", path)];
-        frame(1, title, &legend, panels, 480.0)
-    });
-    Figure {
-        number: 1,
-        title: title.into(),
-        caption: "Every point is where the feeler with the largest force on it touches, by that force, its stiffness and \
-            where the arm is. At a corner the finger goes from feeler to feeler, and its path has steps. The true section \
-            is the simulator's; the hand does not know it."
-            .into(),
-        svg,
-    }
-}
-
-fn error(recording: &Recording) -> Figure {
-    let title = "Error of the outline";
-    let (section, drawn) = (section(recording), drawn(recording));
-    let pen = Pen::solid(finger_colour(0), 1.4);
-    let points: Vec<_> = (drawn.iter().filter(|_| section.len() > 1))
-        .map(|&(time, point)| (time, MM * distance_to_path(point, &section)))
-        .collect();
-    let ranges = range(points.iter().map(|p| p.0)).zip(range(points.iter().map(|p| p.1)));
-    let svg = ranges.map(|(time, (_, most))| {
-        let layout = panel(time, (0.0, most), "Time (s)", "Distance (mm)");
-        let panels = Panels::new(1, 1)
-            .with_plots(vec![vec![line(points.iter().copied(), pen)]])
-            .with_layouts(vec![layout]);
-        frame(2, title, &[("felt point to true section", pen)], panels, 300.0)
-    });
-    Figure {
-        number: 2,
-        title: title.into(),
-        caption: "Distance of each point felt from the true section.".into(),
-        svg,
-    }
 }
 
 #[cfg(test)]
@@ -223,7 +232,10 @@ mod tests {
         let ends = [(0.01, 0.01), (-0.01, 0.01), (-0.01, -0.01), (0.01, -0.01)];
         let found = corners_of(ends.map(DVec2::from));
         assert_eq!(found.len(), 4, "{found:?}");
-        assert!(ends.iter().all(|&end| found.iter().any(|f| f.distance(end.into()) < 1e-9)));
+        assert!(
+            ends.iter()
+                .all(|&end| found.iter().any(|f| f.distance(end.into()) < 1e-9))
+        );
 
         let circle = (0..800).map(|i| 0.01 * DVec2::from_angle(TAU * f64::from(i) / 800.0));
         assert_eq!(corners(&closed(circle.collect())), []);

@@ -1,39 +1,42 @@
-//! What a report shows of each task: the claims that it is held to, and its figures.
+//! What the report of each task shows that no other task's does: its claims, measures and figures.
 
 mod carry;
-mod contour;
+pub mod contour;
+mod findings;
+mod friction_scan;
+mod screw;
 
 use super::claim::Claim;
-use super::claims::claims as screw_claims;
 use super::figures::Figure;
-use super::figures::figures as screw_figures;
 use super::run_data::RunData;
+use super::summary::Summary;
 use crate::record::Recording;
+use maud::Markup;
 
-/// The claims that a run is held to.
-pub fn claims(recording: &Recording, data: &RunData) -> Vec<Claim> {
-    match recording.facts.task.as_str() {
-        "screw" => screw_claims(data),
-        "contour" => contour::claims(recording),
-        "carry" => carry::claims(recording, data),
-        _ => Vec::new(),
-    }
+/// The part of a report that a task brings.
+pub trait TaskReport: Sync {
+    /// Whose its claims are, after the word "claims".
+    fn whose(&self) -> &'static str;
+
+    /// Its claims, measured on a run.
+    fn claims(&self, recording: &Recording, data: &RunData) -> Vec<Claim>;
+
+    /// Its figures.
+    fn figures(&self, recording: &Recording, data: &RunData) -> Vec<Figure>;
+
+    /// What came of the run, in a sentence.
+    fn verdict(&self, recording: &Recording, summary: &Summary) -> Markup;
+
+    /// What the run measured: sections with headings.
+    fn measured(&self, recording: &Recording, summary: &Summary) -> Markup;
 }
 
-/// The figures of a run.
-pub fn figures(recording: &Recording, data: &RunData) -> Vec<Figure> {
-    match recording.facts.task.as_str() {
-        "screw" => screw_figures(data),
-        "contour" => contour::figures(recording, data),
-        "carry" => carry::figures(recording, data),
-        _ => Vec::new(),
-    }
-}
-
-/// What the claims of a task are called: the paper makes claims of the screwing alone.
-pub fn claims_heading(task: &str) -> &'static str {
+/// The report of the task of this name; of one that is not known, as of the first that there was.
+pub fn of(task: &str) -> &'static dyn TaskReport {
     match task {
-        "screw" => "The paper's claims",
-        _ => "What the task is held to",
+        "carry" => &carry::CarryReport,
+        "contour" => &contour::ContourReport,
+        "friction_scan" => &friction_scan::FrictionScanReport,
+        _ => &screw::ScrewReport,
     }
 }

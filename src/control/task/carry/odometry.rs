@@ -97,16 +97,18 @@ fn steps<'a>(
 ) -> impl Iterator<Item = Step> + 'a {
     let fingers = tips.iter().zip(hand.fingers());
     fingers.flat_map(move |(tips, finger)| {
-        tips.iter().enumerate().filter_map(move |(element, &before)| {
-            let before = before?;
-            let weight = finger.force(element).length();
-            let slips = finger.touch.shear_rate.get(element)? > &slip_threshold;
-            let tip = feeler.tip(&finger, element)?;
-            (weight > touch_force && !slips).then_some(Step {
-                tip,
-                moved: tip - before,
-                weight,
+        tips.iter()
+            .enumerate()
+            .filter_map(move |(element, &before)| {
+                let before = before?;
+                let weight = finger.force(element).length();
+                let slips = finger.touch.shear_rate.get(element)? > &slip_threshold;
+                let tip = feeler.tip(&finger, element)?;
+                (weight > touch_force && !slips).then_some(Step {
+                    tip,
+                    moved: tip - before,
+                    weight,
+                })
             })
-        })
     })
 }

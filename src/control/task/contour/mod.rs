@@ -190,7 +190,8 @@ impl Contour {
     fn follow(&mut self, finger: &FingerSense<'_>, stamp: f64) {
         self.draw(finger);
         let config = &self.config;
-        let closed = self.outline.turned() >= MOST_OF_A_TURN && self.outline.gap() <= config.closing_distance;
+        let closed = self.outline.turned() >= MOST_OF_A_TURN
+            && self.outline.gap() <= config.closing_distance;
         let outcome = if closed {
             Some("closed")
         } else if stamp - self.touched > config.lost_time {
