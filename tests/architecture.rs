@@ -35,7 +35,7 @@ const MAY_IMPORT: [(&str, &[&str]); 15] = [
             "config", "control", "hand", "record", "sensor", "sim", "wire",
         ],
     ),
-    ("report", &["config", "record"]),
+    ("report", &["config", "record", "sensor"]),
     ("config", &["control", "hand", "sensor", "sim"]),
     ("record", &["control", "hand", "sensor", "wire"]),
     ("top", &["control", "sensor"]),

@@ -90,7 +90,7 @@ fn the_keys_of_the_summary_are_stable() {
     assert_eq!(
         keys(&json),
         "cap_angle claims complete digest experiment findings outcome real_time_factor seed sensing \
-         sim_time strokes version wall_time"
+         sim_time strokes task version wall_time"
     );
     assert_eq!(
         keys(&json["strokes"][0]),

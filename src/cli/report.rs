@@ -2,6 +2,7 @@
 
 use super::{CommandError, Outcome};
 use crate::report::make::{RECORDING, ReportOutcome, make};
+use crate::report::tasks;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -46,11 +47,8 @@ fn folder(path: &Path) -> Result<&Path, CommandError> {
 pub fn print_claims(made: &ReportOutcome, out: &mut dyn Write) -> io::Result<()> {
     let claims = made.claims();
     let holding = claims.iter().filter(|claim| claim.holds).count();
-    writeln!(
-        out,
-        "{holding} of {} of the paper's claims hold",
-        claims.len()
-    )?;
+    let whose = tasks::of(&made.summary.task).whose();
+    writeln!(out, "{holding} of {} claims {whose} hold", claims.len())?;
     for claim in claims.iter().filter(|claim| !claim.holds) {
         let why = if claim.is_measured() {
             "does not hold"

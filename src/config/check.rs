@@ -38,7 +38,7 @@ pub fn check(config: &ExperimentConfig) -> Vec<Problem> {
     }
     check_fingers(config, &mut checker);
     check_control(&config.control, &mut checker);
-    check_task(&config.task, &config.control, &mut checker);
+    check_task(config, &mut checker);
     check_sim(&config.sim, &mut checker);
     check_faults(config, &mut checker);
     let steps = config.control.period / config.sim.step;

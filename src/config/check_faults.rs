@@ -3,6 +3,7 @@
 use super::ExperimentConfig;
 use super::checker::Checker;
 use crate::sim::fault::{FaultConfig, FaultKind};
+use crate::sim::object::MotionConfig;
 
 /// Most faults: each is looked at in every step.
 const MAX_FAULTS: usize = 256;
@@ -94,6 +95,19 @@ fn check_kind(key: &str, kind: &FaultKind, config: &ExperimentConfig, checker: &
                 &format!("the name of an object: {}", names.join(", ")),
             );
         }
+        FaultKind::MassChange { object, mass, over } => {
+            checker.positive(&format!("{key}.mass"), *mass);
+            checker.not_negative(&format!("{key}.over"), *over);
+            let objects = config.sim.object.iter();
+            let free = objects.filter(|(_, o)| matches!(o.motion, MotionConfig::Free(_)));
+            let names: Vec<_> = free.map(|(name, _)| name.as_str()).collect();
+            checker.require(
+                &format!("{key}.object"),
+                format!("{object:?}"),
+                names.contains(&object.as_str()),
+                &format!("the name of a free object: {}", names.join(", ")),
+            );
+        }
     }
 }
 
@@ -121,5 +135,6 @@ fn name(kind: &FaultKind) -> &'static str {
         FaultKind::ServoStall { .. } => "servo_stall",
         FaultKind::Backlash { .. } => "backlash",
         FaultKind::FrictionDrop { .. } => "friction_drop",
+        FaultKind::MassChange { .. } => "mass_change",
     }
 }

@@ -8,6 +8,9 @@ use crate::sim::shape::ShapeConfig;
 /// Most knurls around a cylinder: finer ones than a feeler could ever feel.
 const MAX_KNURLS: u32 = 10_000;
 
+/// Most corners of a section: each becomes hundreds when it is rounded.
+const MAX_CORNERS: usize = 32;
+
 pub(super) fn check_object(key: &str, object: &ObjectConfig, checker: &mut Checker) {
     checker.vector(&format!("{key}.position"), object.position);
     checker.vector(&format!("{key}.offset"), object.offset);
@@ -110,6 +113,30 @@ fn check_shape(key: &str, shape: &ShapeConfig, checker: &mut Checker) {
                 knurls.to_string(),
                 knurls <= MAX_KNURLS,
                 &format!("0 to {MAX_KNURLS}"),
+            );
+        }
+        ShapeConfig::EllipticCylinder {
+            semi_axes: [x, y],
+            height,
+        } => {
+            let fields = [("semi_axes.x", x), ("semi_axes.y", y), ("height", height)];
+            positive("elliptic_cylinder", &fields);
+        }
+        ShapeConfig::RoundedPrism {
+            ref corners,
+            rounding,
+            height,
+        } => {
+            positive(
+                "rounded_prism",
+                &[("rounding", rounding), ("height", height)],
+            );
+            checker.require(
+                &format!("{key}.rounded_prism.corners"),
+                format!("{} corners", corners.len()),
+                (1..=MAX_CORNERS).contains(&corners.len())
+                    && corners.iter().flatten().all(|c| c.abs() <= 10.0),
+                &format!("1 to {MAX_CORNERS} corners, each of two numbers from -10 to 10"),
             );
         }
         ShapeConfig::Box { size: [x, y, z] } => {

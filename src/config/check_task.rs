@@ -1,5 +1,7 @@
 //! What every value of a task must be.
 
+use super::ExperimentConfig;
+use super::check_touch_tasks::{check_carry, check_contour, check_within_reach};
 use super::checker::Checker;
 use crate::control::controller::ControlConfig;
 use crate::control::task::TaskConfig;
@@ -12,11 +14,19 @@ const MIN_SLIDE: f64 = 5.0;
 /// Control periods that a friction scan settles for at least: half of them tell the noise.
 const MIN_PERIODS_AT_REST: f64 = 20.0;
 
-pub(super) fn check_task(task: &TaskConfig, control: &ControlConfig, checker: &mut Checker) {
-    let key = format!("task.{}", task.name());
-    match task {
+pub(super) fn check_task(config: &ExperimentConfig, checker: &mut Checker) {
+    let key = format!("task.{}", config.task.name());
+    match &config.task {
         TaskConfig::Screw(screw) => check_screw(&key, screw, checker),
-        TaskConfig::FrictionScan(scan) => check_friction_scan(&key, scan, control, checker),
+        TaskConfig::FrictionScan(scan) => check_friction_scan(&key, scan, &config.control, checker),
+        TaskConfig::Contour(contour) => {
+            check_contour(&key, contour, checker);
+            check_within_reach(&key, config, checker);
+        }
+        TaskConfig::Carry(carry) => {
+            check_carry(&key, carry, checker);
+            check_within_reach(&key, config, checker);
+        }
     }
 }
 

@@ -23,7 +23,7 @@ pub struct BuiltIn {
 }
 
 /// The experiments that come with the program.
-pub const BUILT_IN: [BuiltIn; 3] = [
+pub const BUILT_IN: [BuiltIn; 7] = [
     BuiltIn {
         name: "cap-closing",
         toml: include_str!("../../experiments/cap-closing.toml"),
@@ -33,8 +33,24 @@ pub const BUILT_IN: [BuiltIn; 3] = [
         toml: include_str!("../../experiments/three-fingers.toml"),
     },
     BuiltIn {
+        name: "contour",
+        toml: include_str!("../../experiments/contour.toml"),
+    },
+    BuiltIn {
         name: "friction-scan",
         toml: include_str!("../../experiments/friction-scan.toml"),
+    },
+    BuiltIn {
+        name: "slide-box",
+        toml: include_str!("../../experiments/slide-box.toml"),
+    },
+    BuiltIn {
+        name: "slide-box-two",
+        toml: include_str!("../../experiments/slide-box-two.toml"),
+    },
+    BuiltIn {
+        name: "lift",
+        toml: include_str!("../../experiments/lift.toml"),
     },
 ];
 

@@ -8,6 +8,7 @@ mod check_law;
 mod check_objects;
 mod check_sim;
 mod check_task;
+mod check_touch_tasks;
 mod checker;
 mod load;
 mod settings;

@@ -4,10 +4,13 @@ use crate::config::{ExperimentConfig, Sensing};
 use crate::control::task::TaskConfig;
 use crate::record::RunFacts;
 use crate::sim::config::SimConfig;
+use crate::sim::object::Object;
+use crate::sim::section::section;
 use crate::sim::shape::ShapeConfig;
 use crate::sim::world::World;
 use glam::DVec3;
 use std::collections::BTreeMap;
+use std::path::Path;
 
 /// The constants of a run of `config` that its report needs.
 pub fn run_facts(config: &ExperimentConfig) -> RunFacts {
@@ -17,6 +20,8 @@ pub fn run_facts(config: &ExperimentConfig) -> RunFacts {
             fingers.map(|path| (path.approach, path.stroke)).collect()
         }
         TaskConfig::FrictionScan(scan) => vec![(scan.approach, scan.slide)],
+        // Where these go is told by what they feel.
+        TaskConfig::Contour(_) | TaskConfig::Carry(_) => Vec::new(),
     };
     let unit = |direction| DVec3::from_array(direction).normalize_or_zero().to_array();
     RunFacts {
@@ -38,11 +43,14 @@ pub fn run_facts(config: &ExperimentConfig) -> RunFacts {
         grasp_force_threshold: match &config.task {
             TaskConfig::Screw(screw) => screw.grasp_force,
             TaskConfig::FrictionScan(scan) => scan.load,
+            TaskConfig::Contour(contour) => contour.contact_force,
+            TaskConfig::Carry(carry) => carry.grip_force,
         },
         approach: paths.iter().map(|path| unit(path.0)).collect(),
         stroke_direction: paths.iter().map(|path| unit(path.1)).collect(),
         stroke_count: config.task.strokes(),
         truth: BTreeMap::new(),
+        section: true_section(config),
         replay_of: None,
     }
 }
@@ -75,4 +83,19 @@ fn cap_radius(sim: &SimConfig) -> f64 {
         ) => radius,
         _ => 0.0,
     }
+}
+
+/// The true section of the object whose outline is to be drawn; none where that is not the task, or a file would have to be
+/// read for it.
+fn true_section(config: &ExperimentConfig) -> Vec<[f64; 2]> {
+    let TaskConfig::Contour(contour) = &config.task else {
+        return Vec::new();
+    };
+    let mut objects = config.sim.object.iter();
+    let Some((name, object)) = objects.find(|(_, o)| o.shape != ShapeConfig::HalfSpace) else {
+        return Vec::new();
+    };
+    Object::new(name, object, 0.0, Path::new(""))
+        .map(|object| section(&object, contour.home[2]))
+        .unwrap_or_default()
 }

@@ -11,11 +11,12 @@ use crate::control::task::Task as ControlTask;
 use crate::control::touch::{FingerTouch, TouchSource};
 use crate::hand::hand::{Hand, JointState};
 use crate::record::{
-    Cap, Command, Findings, Fingertip, Flags, Image, Joints, MessageSink, NO_ELEMENT, RecordError,
-    Recorder, Tactile, Task, TorqueSensor,
+    Cap, Command, Findings, Fingertip, Flags, Image, Joints, MessageSink, NO_ELEMENT, ObjectPose,
+    RecordError, Recorder, Tactile, Task, TorqueSensor,
 };
 use crate::sensor::frame::Frame;
 use crate::sensor::layout::ElementLayout;
+use crate::sim::pose::Pose;
 use crate::wire::Vector3;
 use glam::{DQuat, DVec3};
 
@@ -104,7 +105,18 @@ impl<R: MessageSink> RunLog<R> {
             centre: at.cap_centre.into(),
             resisting_torque: at.cap.torque,
         };
+        if let Some(pose) = &at.object {
+            self.write_object(&object_pose(stamp, pose))?;
+        }
         self.write_step(control_loop, Some(&torque), Some(&cap))
+    }
+
+    /// Writes where the carried object is.
+    ///
+    /// # Errors
+    /// When the recording cannot be written.
+    pub fn write_object(&mut self, pose: &ObjectPose) -> Result<(), RecordError> {
+        self.recorder.object(pose)
     }
 
     /// Writes the newest step of `control_loop`, and what the instruments said at its time if there are any.
@@ -253,5 +265,13 @@ impl<R: MessageSink> RunLog<R> {
             stroke: controller.task().stroke(),
             reason,
         })
+    }
+}
+
+fn object_pose(stamp: f64, pose: &Pose) -> ObjectPose {
+    ObjectPose {
+        stamp,
+        position: pose.position.into(),
+        orientation: DQuat::from_mat3(&pose.rotation).into(),
     }
 }

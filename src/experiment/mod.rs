@@ -15,6 +15,7 @@ use crate::control::control_loop::{ControlError, ControlLoop};
 use crate::control::controller::Controller;
 use crate::control::phase::Phase;
 use crate::control::stop_reason::StopReason;
+use crate::control::task::Task;
 use crate::control::touch::TouchSource;
 use crate::hand::finger::{FingerError, FingerGeometry};
 use crate::hand::inverse_kinematics::{KinematicsError, inverse_kinematics};
@@ -23,7 +24,9 @@ use crate::sensor::fingertip::{Fingertip, FingertipError};
 use crate::sensor::layout::ElementLayout;
 use crate::sensor::optical::OpticalSensorError;
 use crate::sim::error::SimError;
+use crate::sim::object::Motion;
 use crate::sim::optics_config::OpticsError;
+use crate::sim::pose::Pose;
 use crate::sim::rig::{Rig, SimHand};
 use crate::sim::thread::Turn;
 use crate::sim::torque_sensor::TorqueReading;
@@ -110,6 +113,8 @@ pub struct Instruments {
     pub cap: Turn,
     /// Where its origin is, m, in W.
     pub cap_centre: DVec3,
+    /// Where the object is that is carried, in truth, in W: the first free object, if there is one.
+    pub object: Option<Pose>,
 }
 
 impl Instruments {
@@ -117,11 +122,18 @@ impl Instruments {
     fn read(rig: &Rig, cap: Option<usize>) -> Self {
         let mut world = rig.world();
         let torque = world.read_torque();
+        let objects = world.model().objects.iter();
+        let free = objects.zip(&world.state().objects);
+        let object = free
+            .filter(|(object, _)| matches!(object.motion, Motion::Free(_)))
+            .map(|(_, state)| state.pose)
+            .next();
         let cap = cap.and_then(|cap| world.state().objects.get(cap));
         Self {
             torque,
             cap: cap.map_or_else(Turn::default, |cap| cap.turn),
             cap_centre: cap.map_or(DVec3::ZERO, |cap| cap.pose.position),
+            object,
         }
     }
 }
@@ -132,10 +144,21 @@ impl Session {
     /// # Errors
     /// When a part of the experiment makes no sense.
     pub fn new(experiment: &Experiment) -> Result<Self, ExperimentError> {
+        Self::with_task(experiment, experiment.config.task.task())
+    }
+
+    /// The same with `task` in place of the experiment's, whose homes the fingers start from.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn with_task(
+        experiment: &Experiment,
+        task: Box<dyn Task>,
+    ) -> Result<Self, ExperimentError> {
         let config = &experiment.config;
         let layouts = layouts(config)?;
         let (fingers, _) = fingers_at_home(config)?;
-        let controller = controller(config, &fingers, &layouts);
+        let controller = Controller::with_task(config.control.clone(), task, &fingers, &layouts);
         let (rig, cap) = rig(experiment)?;
         check_specimen(config, &fingers, &rig.world())?;
         let sensors = sensors::sensors(experiment, &rig, &layouts)?;

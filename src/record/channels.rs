@@ -38,7 +38,8 @@ stamped!(
     TorqueSensor,
     Cap,
     Task,
-    Findings
+    Findings,
+    ObjectPose
 );
 
 /// One fingertip's tri-axial forces.
@@ -307,6 +308,33 @@ message!(
     "float64[] values  # SI units",
 );
 
+/// Where the object is that is carried; only a simulated world knows it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ObjectPose {
+    /// Time, s.
+    pub stamp: f64,
+    /// Its origin, m in `W`.
+    pub position: Vector3,
+    /// Orientation of its frame in `W`.
+    pub orientation: Quaternion,
+}
+
+message!(
+    ObjectPose,
+    "ObjectPose",
+    "# True pose of the object that is carried (simulated worlds only)",
+    "float64 stamp  # s",
+    "geometry_msgs/Vector3 position  # m in the world frame",
+    "geometry_msgs/Quaternion orientation  # of its frame in the world frame",
+    vector3_schema!(),
+    "================================================================================",
+    "MSG: geometry_msgs/Quaternion",
+    "float64 x",
+    "float64 y",
+    "float64 z",
+    "float64 w",
+);
+
 /// The topics of a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Topic {
@@ -328,6 +356,8 @@ pub enum Topic {
     Task,
     /// [`Findings`].
     Findings,
+    /// [`ObjectPose`]; without messages where no object is free.
+    Object,
     /// [`Image`] of the camera in a finger's fingertip; only where pictures are recorded.
     Image(usize),
 }
@@ -345,7 +375,8 @@ impl Topic {
                 Self::Fingertip(f),
             ]);
         }
-        topics.extend([Self::TorqueSensor, Self::Cap, Self::Task, Self::Findings]);
+        topics.extend([Self::TorqueSensor, Self::Cap, Self::Task]);
+        topics.extend([Self::Findings, Self::Object]);
         topics
     }
 
@@ -366,6 +397,7 @@ impl Topic {
             Self::Cap => "/cap".into(),
             Self::Task => "/task".into(),
             Self::Findings => "/findings".into(),
+            Self::Object => "/object".into(),
             Self::Image(f) => format!("/finger/{f}/image"),
         }
     }
@@ -382,6 +414,7 @@ impl Topic {
             Self::Cap => (Cap::SCHEMA_NAME, Cap::SCHEMA),
             Self::Task => (Task::SCHEMA_NAME, Task::SCHEMA),
             Self::Findings => (Findings::SCHEMA_NAME, Findings::SCHEMA),
+            Self::Object => (ObjectPose::SCHEMA_NAME, ObjectPose::SCHEMA),
             Self::Image(_) => (Image::SCHEMA_NAME, Image::SCHEMA),
         }
     }

@@ -1,7 +1,8 @@
 //! Where a run's messages go: to a file, or into memory when nobody wants the file.
 
 use super::channels::{
-    Cap, Command, Findings, Fingertip, Flags, Joints, Stamped, Tactile, Task, TorqueSensor,
+    Cap, Command, Findings, Fingertip, Flags, Joints, ObjectPose, Stamped, Tactile, Task,
+    TorqueSensor,
 };
 use super::error::RecordError;
 use super::facts::RunFacts;
@@ -56,6 +57,11 @@ pub trait MessageSink {
     /// # Errors
     /// As [`Self::tactile`].
     fn findings(&mut self, message: &Findings) -> Result<(), RecordError>;
+    /// Takes where the carried object is.
+    ///
+    /// # Errors
+    /// As [`Self::tactile`].
+    fn object(&mut self, message: &ObjectPose) -> Result<(), RecordError>;
     /// Takes the picture that a finger's newest forces come from.
     ///
     /// # Errors
@@ -90,6 +96,9 @@ impl MessageSink for Recorder {
     }
     fn findings(&mut self, message: &Findings) -> Result<(), RecordError> {
         Self::findings(self, message)
+    }
+    fn object(&mut self, message: &ObjectPose) -> Result<(), RecordError> {
+        Self::object(self, message)
     }
     fn image(&mut self, finger: usize, message: &Image) -> Result<(), RecordError> {
         Self::image(self, finger, message)
@@ -185,6 +194,9 @@ impl MessageSink for MemoryRecorder {
     }
     fn findings(&mut self, message: &Findings) -> Result<(), RecordError> {
         self.take(message, |recording| &mut recording.findings)
+    }
+    fn object(&mut self, message: &ObjectPose) -> Result<(), RecordError> {
+        self.take(message, |recording| &mut recording.object)
     }
     fn image(&mut self, _: usize, _: &Image) -> Result<(), RecordError> {
         Err(RecordError::NoPictures)

@@ -19,8 +19,8 @@ mod sink;
 
 pub use crate::control::phase::Phase;
 pub use channels::{
-    Cap, Command, Findings, Fingertip, Flags, Joints, Moments, NO_ELEMENT, Stamped, Tactile, Task,
-    Topic, TorqueSensor,
+    Cap, Command, Findings, Fingertip, Flags, Joints, Moments, NO_ELEMENT, ObjectPose, Stamped,
+    Tactile, Task, Topic, TorqueSensor,
 };
 pub use digest::Digest;
 pub use error::RecordError;

@@ -1,7 +1,8 @@
 //! Writes a run's recording as the run goes.
 
 use super::channels::{
-    Cap, Command, Findings, Fingertip, Flags, Joints, Stamped, Tactile, Task, Topic, TorqueSensor,
+    Cap, Command, Findings, Fingertip, Flags, Joints, ObjectPose, Stamped, Tactile, Task, Topic,
+    TorqueSensor,
 };
 use super::digest::Digest;
 use super::error::RecordError;
@@ -26,8 +27,8 @@ const WAITING_CHUNKS: usize = 4;
 /// Channels of one finger, in the order of [`Topic::all`].
 const FINGER_CHANNELS: usize = 5;
 
-/// Channels that belong to no finger: torque sensor, cap, task, findings.
-const OTHER_CHANNELS: usize = 4;
+/// Channels that belong to no finger: torque sensor, cap, task, findings, object.
+const OTHER_CHANNELS: usize = 5;
 
 /// What a recording holds beside the messages that every run has.
 #[derive(Debug, Clone, Default)]
@@ -201,6 +202,14 @@ impl Recorder {
     /// As [`Self::tactile`].
     pub fn findings(&mut self, message: &Findings) -> Result<(), RecordError> {
         self.write(self.fingers * FINGER_CHANNELS + 3, message)
+    }
+
+    /// Writes where the carried object is.
+    ///
+    /// # Errors
+    /// As [`Self::tactile`].
+    pub fn object(&mut self, message: &ObjectPose) -> Result<(), RecordError> {
+        self.write(self.fingers * FINGER_CHANNELS + 4, message)
     }
 
     /// Writes the picture that a finger's newest forces come from.

@@ -1,7 +1,8 @@
 //! Reads a recording back, whole or as far as it goes.
 
 use super::channels::{
-    Cap, Command, Findings, Fingertip, Flags, Joints, Stamped, Tactile, Task, Topic, TorqueSensor,
+    Cap, Command, Findings, Fingertip, Flags, Joints, ObjectPose, Stamped, Tactile, Task, Topic,
+    TorqueSensor,
 };
 use super::digest::{Digest, Digester};
 use super::error::RecordError;
@@ -74,6 +75,8 @@ pub struct Recording {
     pub task: Vec<Task>,
     /// What the task found out, each time that it found out more.
     pub findings: Vec<Findings>,
+    /// Where the carried object was, if one is free.
+    pub object: Vec<ObjectPose>,
 }
 
 impl Recording {
@@ -125,6 +128,7 @@ impl Recording {
             cap: Vec::new(),
             task: Vec::new(),
             findings: Vec::new(),
+            object: Vec::new(),
         }
     }
 
@@ -140,6 +144,7 @@ impl Recording {
             Topic::Cap => push(&mut self.cap, bytes),
             Topic::Task => push(&mut self.task, bytes),
             Topic::Findings => push(&mut self.findings, bytes),
+            Topic::Object => push(&mut self.object, bytes),
             Topic::Image(f) => {
                 let image: Image = cdr::decode(bytes).map_err(|e| e.to_string())?;
                 image.check()?;

@@ -63,7 +63,7 @@ pub struct ClaimPart {
     pub holds: bool,
 }
 
-/// One claim of the paper.
+/// One claim.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Claim {
     /// Stable name.

@@ -8,6 +8,7 @@ use super::measures::{LaggedCorrelation, distance_between_paths, lagged_correlat
 use super::run_data::{RunData, Stroke};
 use super::series::{absolute_rate, count_heaps, longest_stretch, mean, moving_mean};
 use super::strokes::StrokeMeasures;
+use glam::DVec3;
 
 /// Strokes that the paper's experiment makes.
 const STROKES: u32 = 4;
@@ -231,14 +232,14 @@ fn path_saturates(data: &RunData) -> Claim {
     )
 }
 
-fn no_damage(data: &RunData) -> Claim {
+pub(super) fn no_damage(data: &RunData) -> Claim {
     let limit = DAMAGE_FORCE * data.facts.over_force_threshold;
     let longest = (data.fingers.iter())
         .flat_map(|finger| {
-            let elements = finger.compression.iter().map(Vec::len).max().unwrap_or(0);
+            let elements = finger.forces.iter().map(Vec::len).max().unwrap_or(0);
             (0..elements).map(move |element| {
-                let force = |row: &Vec<f64>| row.get(element).copied().unwrap_or(0.0);
-                longest_stretch(finger.compression.iter().map(|row| force(row) > limit))
+                let force = |row: &Vec<DVec3>| row.get(element).map_or(0.0, |force| force.z);
+                longest_stretch(finger.forces.iter().map(|row| force(row) > limit))
             })
         })
         .max();

@@ -1,10 +1,10 @@
 //! Makes a run's report from its recording.
 
 use super::claim::Claim;
-use super::figures::figures;
 use super::page::page;
 use super::run_data::RunData;
 use super::summary::Summary;
+use super::tasks;
 use crate::record::{RecordError, Recording};
 use std::fs;
 use std::io::Write;
@@ -65,7 +65,7 @@ pub struct ReportOutcome {
 }
 
 impl ReportOutcome {
-    /// The paper's claims.
+    /// The claims of the task.
     pub fn claims(&self) -> &[Claim] {
         &self.summary.claims
     }
@@ -83,7 +83,7 @@ pub fn make(run_dir: impl AsRef<Path>) -> Result<ReportOutcome, ReportError> {
     let recording = read(run_dir)?;
     let data = RunData::new(&recording);
     let summary = Summary::new(&recording, &data);
-    let figures = figures(&data);
+    let figures = tasks::of(&recording.facts.task).figures(&recording, &data);
     let html = page(&recording, &summary, &figures);
     // Should anything go wrong from here on, no earlier report is left beside half of a new one.
     remove(&run_dir.join(REPORT))?;

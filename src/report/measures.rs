@@ -36,8 +36,8 @@ pub fn distance_between_paths(a: &[DVec3], b: &[DVec3]) -> Option<f64> {
     rms(there.chain(back))
 }
 
-/// Distance of a point from a path of straight pieces.
-fn distance_to_path(point: DVec2, path: &[DVec2]) -> f64 {
+/// Distance of a point from a path of straight pieces; not a number where the path has no points.
+pub fn distance_to_path(point: DVec2, path: &[DVec2]) -> f64 {
     let to_piece = |piece: &[DVec2]| {
         let (start, along) = (piece[0], piece[1] - piece[0]);
         let length_squared = along.length_squared();

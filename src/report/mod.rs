@@ -14,6 +14,8 @@ pub mod slip_page;
 pub mod strokes;
 pub mod summary;
 pub mod sweep_page;
+pub mod tasks;
+pub mod text;
 
 pub use claim::{Claim, ClaimPart, Relation};
 pub use make::{ReportError, ReportOutcome, make};

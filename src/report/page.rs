@@ -2,8 +2,9 @@
 
 use super::claim::{Claim, ClaimPart, Relation};
 use super::figures::Figure;
-use super::strokes::StrokeMeasures;
 use super::summary::Summary;
+use super::tasks::{self, TaskReport};
+use super::text::{significant, value};
 use crate::record::{Phase, Recording, RunFacts};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
@@ -12,6 +13,7 @@ const STYLE: &str = include_str!("page.css");
 /// The page, as HTML text.
 pub fn page(recording: &Recording, summary: &Summary, figures: &[Figure]) -> String {
     let facts = &recording.facts;
+    let task = tasks::of(&facts.task);
     let name = format!("{}, seed {}", facts.experiment, facts.seed);
     let mark = if recording.complete {
         ""
@@ -36,11 +38,10 @@ pub fn page(recording: &Recording, summary: &Summary, figures: &[Figure]) -> Str
                         "commands here. Replayed was the recording with digest " span.digest { (original) } "."
                     }
                 }
-                p.verdict { (verdict(recording, summary)) }
-                h2 { "The paper's claims" }
+                p.verdict { (verdict(recording, summary, task)) }
+                h2 { "Claims " (task.whose()) }
                 (claims_table(&summary.claims))
-                h2 { "Strokes" }
-                (strokes_table(&summary.strokes))
+                (task.measured(recording, summary))
                 h2 { "Figures" }
                 div.figures { @for figure in figures { (figure_markup(figure)) } }
                 h2 { "The run" }
@@ -51,9 +52,9 @@ pub fn page(recording: &Recording, summary: &Summary, figures: &[Figure]) -> Str
                 }
                 p { "Digest of the recording's content (SHA-256):" br; span.digest { (summary.digest) } }
                 p.note {
-                    "Claims and figures refer to M. Ohka, N. Morisawa and H. B. Yussof, “Trajectory "
-                    "Generation of Robotic Fingers Based on Tri-axial Tactile Data for Cap Screwing "
-                    "Task”, 2009. Everything on this page is computed from the recording."
+                    "The paper is M. Ohka, N. Morisawa and H. B. Yussof, “Trajectory Generation of Robotic "
+                    "Fingers Based on Tri-axial Tactile Data for Cap Screwing Task”, 2009. Everything on this "
+                    "page is computed from the recording."
                 }
             }
         }
@@ -75,7 +76,7 @@ fn banner(recording: &Recording) -> Markup {
 }
 
 /// The run in one paragraph.
-fn verdict(recording: &Recording, summary: &Summary) -> Markup {
+fn verdict(recording: &Recording, summary: &Summary, task: &dyn TaskReport) -> Markup {
     let total = summary.claims.len();
     let held = summary.claims.iter().filter(|claim| claim.holds).count();
     let ids = |wanted: fn(&Claim) -> bool| {
@@ -84,23 +85,12 @@ fn verdict(recording: &Recording, summary: &Summary) -> Markup {
     };
     let failed = ids(|claim| !claim.holds && claim.is_measured());
     let unmeasured = ids(|claim| !claim.is_measured());
-    let peak = (summary.strokes.iter())
-        .filter_map(|stroke| stroke.peak_torque)
-        .reduce(f64::max);
     html! {
-        "In " (significant(summary.sim_time)) " s the hand made " (strokes_made(recording)) " of "
-        (recording.facts.stroke_count) " strokes"
-        @if let Some(angle) = summary.cap_angle {
-            ", turned the cap by " (significant(angle.to_degrees())) "°"
-        }
-        @if let Some(peak) = peak {
-            " and reached " (significant(1e3 * peak)) " mN·m of torque"
-        }
-        ". "
+        (task.verdict(recording, summary)) " "
         @if held == total {
-            span.holds { "All " (total) " claims of the paper hold." }
+            span.holds { "All " (total) " claims " (task.whose()) " hold." }
         } @else {
-            span.fails { (held) " of the paper's " (total) " claims hold" }
+            span.fails { (held) " of the " (total) " claims " (task.whose()) " hold" }
             @if !failed.is_empty() { "; not: " (failed) }
             @if !unmeasured.is_empty() { "; not measured: " (unmeasured) }
             "."
@@ -111,14 +101,6 @@ fn verdict(recording: &Recording, summary: &Summary) -> Markup {
             "."
         }
     }
-}
-
-/// Strokes that were made from SEARCH to RETURN.
-fn strokes_made(recording: &Recording) -> u32 {
-    recording.task.last().map_or(0, |task| match task.phase {
-        Phase::Done => task.stroke,
-        _ => task.stroke.saturating_sub(1),
-    })
 }
 
 fn claims_table(claims: &[Claim]) -> Markup {
@@ -165,51 +147,6 @@ fn holds(holds: bool) -> Markup {
     }
 }
 
-/// One column of the strokes' table: name, unit, and the measure in that unit.
-type Column = (
-    &'static str,
-    &'static str,
-    fn(&StrokeMeasures) -> Option<f64>,
-);
-
-const STROKE_COLUMNS: [Column; 9] = [
-    ("Peak torque", "mN·m", |s| s.peak_torque.map(|v| 1e3 * v)),
-    ("Mean grasp force", "N", |s| s.mean_grasp_force),
-    ("Peak grasp force", "N", |s| s.peak_grasp_force),
-    ("Cap turn", "°", |s| s.cap_turn.map(f64::to_degrees)),
-    ("Peak shear rate", "N/s", |s| s.peak_shear_rate),
-    ("Slip", "% of MOVE", |s| s.slip_fraction.map(|v| 1e2 * v)),
-    ("Inward bend", "mm", |s| s.path_inward_bend.map(|v| 1e3 * v)),
-    ("RMS to contour", "mm", |s| {
-        s.path_rms_to_contour.map(|v| 1e3 * v)
-    }),
-    ("Peak element force", "N", |s| s.peak_element_force),
-];
-
-/// Measures down, strokes across: four strokes fit a phone.
-fn strokes_table(strokes: &[StrokeMeasures]) -> Markup {
-    html! {
-        div.scroll {
-            table {
-                thead {
-                    tr {
-                        th { "Stroke" }
-                        @for stroke in strokes { th.number { (stroke.index) } }
-                    }
-                }
-                tbody {
-                    @for (name, unit, measure) in STROKE_COLUMNS {
-                        tr {
-                            td { (name) " " span.unit { "(" (unit) ")" } }
-                            @for stroke in strokes { td.number { (value(measure(stroke))) } }
-                        }
-                    }
-                }
-            }
-        }
-    }
-}
-
 fn figure_markup(figure: &Figure) -> Markup {
     html! {
         figure id=(format!("fig-{:02}", figure.number)) {
@@ -229,6 +166,7 @@ fn facts_table(facts: &RunFacts, summary: &Summary) -> Markup {
     let unknown = || "unknown".to_string();
     let rows = [
         ("Experiment", facts.experiment.clone()),
+        ("Task", facts.task.clone()),
         ("Seed", facts.seed.to_string()),
         ("Version of feeler", facts.version.clone()),
         ("Sensing", facts.sensing.clone()),
@@ -236,10 +174,6 @@ fn facts_table(facts: &RunFacts, summary: &Summary) -> Markup {
         (
             "Control period",
             format!("{} ms", significant(1e3 * facts.control_period)),
-        ),
-        (
-            "Cap radius",
-            format!("{} mm", significant(1e3 * facts.cap_radius)),
         ),
         (
             "Feeler tip radius",
@@ -258,7 +192,7 @@ fn facts_table(facts: &RunFacts, summary: &Summary) -> Markup {
             format!("{} N/s", significant(facts.slip_threshold)),
         ),
         (
-            "Grasp threshold",
+            "Grasp threshold or load",
             format!("{} N", significant(facts.grasp_force_threshold)),
         ),
         (
@@ -282,47 +216,5 @@ fn facts_table(facts: &RunFacts, summary: &Summary) -> Markup {
                 @for (name, value) in rows { tr { th scope="row" { (name) } td { (value) } } }
             }
         }
-    }
-}
-
-/// A value, or a dash where there is none.
-fn value(value: Option<f64>) -> String {
-    value.map_or_else(|| "–".into(), significant)
-}
-
-/// A number to three significant digits (whole numbers to all), with a true minus sign.
-fn significant(value: f64) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return "0".into();
-    }
-    let magnitude = value.abs();
-    let decimals = (2 - magnitude.log10().floor() as i32).clamp(0, 9) as usize;
-    let text = format!("{magnitude:.decimals$}");
-    let text = if text.contains('.') {
-        text.trim_end_matches('0').trim_end_matches('.')
-    } else {
-        &text
-    };
-    match text {
-        "0" => "0".into(),
-        text if value < 0.0 => format!("\u{2212}{text}"),
-        text => text.into(),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::significant;
-
-    #[test]
-    fn numbers_have_three_significant_digits() {
-        assert_eq!(significant(0.0), "0");
-        assert_eq!(significant(4.0), "4");
-        assert_eq!(significant(0.029_34), "0.0293");
-        assert_eq!(significant(-12.345), "\u{2212}12.3");
-        assert_eq!(significant(48.76), "48.8");
-        assert_eq!(significant(123_456.0), "123456");
-        assert_eq!(significant(-1e-13), "0");
-        assert_eq!(significant(0.15), "0.15");
     }
 }

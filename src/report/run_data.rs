@@ -4,7 +4,9 @@ use crate::record::{
     Cap, FingerRecord, Fingertip, Flags, NO_ELEMENT, Phase, Recording, RunFacts, Stamped, Tactile,
     Task, TorqueSensor,
 };
-use glam::DVec3;
+use crate::sensor::layout::SensingElement;
+use glam::{DQuat, DVec3};
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// One finger's columns; all have as many rows as [`RunData::time`].
@@ -18,10 +20,12 @@ pub struct FingerColumns {
     pub largest_element: Vec<Option<usize>>,
     /// Shear rate of that element, N/s; 0 when none touches.
     pub shear_rate: Vec<f64>,
-    /// F_z of every element, N.
-    pub compression: Vec<Vec<f64>>,
+    /// Force on every element in its frame, N; z is compression.
+    pub forces: Vec<Vec<DVec3>>,
     /// Centre of the dome, m in `W`.
     pub position: Vec<DVec3>,
+    /// From the fingertip frame `T` to `W`.
+    pub rotation: Vec<DQuat>,
     /// Undeformed tip of every element's feeler, m in `W`.
     pub element_tips: Vec<Vec<DVec3>>,
 }
@@ -36,6 +40,16 @@ impl FingerColumns {
         tips.collect()
     }
 
+    /// Force on the feeler of `element` by what it touches at a row, N, in `W`.
+    pub fn force_in_world(&self, row: usize, element: usize) -> Option<DVec3> {
+        let force = self.forces.get(row)?.get(element)?;
+        let (centre, rotation) = (self.position.get(row)?, self.rotation.get(row)?);
+        let tip = self.element_tips.get(row)?.get(element)?;
+        let outward = rotation.inverse() * (*tip - *centre).normalize_or_zero();
+        let element = SensingElement::facing(outward).rotation;
+        Some(*rotation * (element * force.with_z(-force.z)))
+    }
+
     fn push(&mut self, tactile: &Tactile, flags: &Flags, fingertip: &Fingertip) {
         let largest = (flags.largest_element != NO_ELEMENT)
             .then_some(flags.largest_element as usize)
@@ -45,9 +59,10 @@ impl FingerColumns {
         self.largest_element.push(largest);
         let shear_rate = largest.map_or(0.0, |element| flags.shear_rate[element]);
         self.shear_rate.push(shear_rate);
-        let compression = tactile.forces.iter().map(|force| force.z);
-        self.compression.push(compression.collect());
+        let forces = tactile.forces.iter().map(|&force| force.into());
+        self.forces.push(forces.collect());
         self.position.push(fingertip.position.into());
+        self.rotation.push(fingertip.orientation.into());
         let tips = fingertip.element_tips.iter().map(|&tip| tip.into());
         self.element_tips.push(tips.collect());
     }
@@ -85,6 +100,8 @@ pub struct RunData {
     pub fingers: Vec<FingerColumns>,
     /// The strokes, in the order of time.
     pub strokes: Vec<Stroke>,
+    /// What the task found out in the end, by name.
+    pub findings: BTreeMap<String, f64>,
 }
 
 impl RunData {
@@ -100,6 +117,7 @@ impl RunData {
             cap_centre: Vec::new(),
             fingers: vec![FingerColumns::default(); recording.fingers.len()],
             strokes: Vec::new(),
+            findings: findings(recording),
         };
         let mut torque = Newest::new(&recording.torque_sensor);
         let mut cap = Newest::new(&recording.cap);
@@ -156,6 +174,20 @@ impl RunData {
             columns.push(tactile, flags, fingertip);
         }
     }
+}
+
+/// What the task found out in the end, as far as it is known.
+fn findings(recording: &Recording) -> BTreeMap<String, f64> {
+    let last = recording.findings.last().into_iter();
+    last.flat_map(|found| {
+        found
+            .names
+            .iter()
+            .cloned()
+            .zip(found.values.iter().copied())
+    })
+    .filter(|(_, value)| value.is_finite())
+    .collect()
 }
 
 /// Walks one channel: the newest message that is not younger than a time.

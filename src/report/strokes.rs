@@ -56,8 +56,8 @@ impl StrokeMeasures {
             path_rms_to_contour: path_rms_to_contour(data, stroke),
             peak_element_force: maximum(
                 (data.fingers.iter())
-                    .flat_map(|finger| rows().flat_map(|row| finger.compression[row].iter()))
-                    .copied(),
+                    .flat_map(|finger| rows().flat_map(|row| finger.forces[row].iter()))
+                    .map(|force| force.z),
             ),
         }
     }

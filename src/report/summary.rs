@@ -1,10 +1,10 @@
 //! `summary.json`: a run in numbers, with stable keys.
 
 use super::claim::Claim;
-use super::claims::claims;
 use super::run_data::RunData;
 use super::series::finite;
 use super::strokes::StrokeMeasures;
+use super::tasks;
 use crate::record::Recording;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -14,6 +14,8 @@ use std::collections::BTreeMap;
 pub struct Summary {
     /// Name of the experiment.
     pub experiment: String,
+    /// Which task it was.
+    pub task: String,
     /// Seed of every random quantity.
     pub seed: u64,
     /// Version of the program that ran it.
@@ -34,7 +36,7 @@ pub struct Summary {
     pub outcome: Option<String>,
     /// What the task found out, by name, in SI units.
     pub findings: BTreeMap<String, Option<f64>>,
-    /// The paper's claims.
+    /// The claims of the task.
     pub claims: Vec<Claim>,
     /// Angle the cap has turned at the end, rad, positive = closing.
     pub cap_angle: Option<f64>,
@@ -50,6 +52,7 @@ impl Summary {
         let factor = |seconds| finite(recording.readable_until / seconds);
         Self {
             experiment: facts.experiment.clone(),
+            task: facts.task.clone(),
             seed: facts.seed,
             version: facts.version.clone(),
             sensing: facts.sensing.clone(),
@@ -65,7 +68,7 @@ impl Summary {
                 .flat_map(|f| f.names.iter().cloned().zip(&f.values))
                 .map(|(name, &value)| (name, finite(value)))
                 .collect(),
-            claims: claims(data),
+            claims: tasks::of(&facts.task).claims(recording, data),
             cap_angle: (recording.cap.last()).and_then(|cap| finite(cap.angle)),
             digest: recording.digest.to_string(),
         }

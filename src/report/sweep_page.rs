@@ -80,7 +80,7 @@ pub fn sweep_page(page: &SweepPage) -> String {
                 h2 { "How trials ended" }
                 (counts_table("Outcome", &page.outcomes.iter().map(|(name, n)| (name.clone(), trials, *n)).collect::<Vec<_>>()))
                 @if !page.claims.is_empty() {
-                    h2 { "The paper's claims" }
+                    h2 { "Claims" }
                     (counts_table("Claim holds", &page.claims))
                 }
                 h2 { "Success against what varied" }

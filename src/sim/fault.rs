@@ -100,6 +100,17 @@ pub enum FaultKind {
         /// Factor on all coefficients of feelers on it.
         factor: f64,
     },
+    /// A free object that becomes heavier or lighter, as a vessel into which water is poured. Its moments of inertia go
+    /// with its mass, its centre of mass stays.
+    MassChange {
+        /// The object's name.
+        object: String,
+        /// Its mass in the end, kg.
+        mass: f64,
+        /// How long it takes, s; the mass changes evenly.
+        #[serde(default)]
+        over: f64,
+    },
 }
 
 impl FaultKind {
@@ -113,7 +124,7 @@ impl FaultKind {
             | Self::CameraLatency { finger, .. }
             | Self::ServoStall { finger, .. }
             | Self::Backlash { finger, .. } => Some(finger),
-            Self::FrictionDrop { .. } => None,
+            Self::FrictionDrop { .. } | Self::MassChange { .. } => None,
         }
     }
 }

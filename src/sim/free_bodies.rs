@@ -40,6 +40,10 @@ pub struct FreeBodies {
 
 struct FreeBody {
     handle: RigidBodyHandle,
+    /// As it was at the start.
+    properties: MassProperties,
+    /// Now, kg.
+    mass: f64,
     inverse_mass: f64,
     /// Largest of the inverse moments of inertia, 1/(kg m²).
     inverse_inertia: f64,
@@ -107,6 +111,8 @@ impl FreeBodies {
         let (handle, _) = self.world.insert(body, collider);
         Some(FreeBody {
             handle,
+            properties: mass,
+            mass: mass.mass(),
             inverse_mass: mass.inv_mass,
             inverse_inertia: mass.inv_principal_inertia.max_element(),
         })
@@ -145,6 +151,28 @@ impl FreeBodies {
         }
         let parts = (model.step * most.sqrt() / MAX_PHASE).ceil();
         (parts as usize).clamp(1, MAX_PARTS)
+    }
+
+    /// Gives the bodies the masses that `objects` have now.
+    pub fn weigh(&mut self, objects: &[ObjectState]) {
+        for (body, object) in self.free.iter_mut().zip(objects) {
+            let Some(body) = body else { continue };
+            if object.mass == body.mass {
+                continue;
+            }
+            let start = &body.properties;
+            let share = object.mass / start.mass();
+            let now = MassProperties::with_principal_inertia_frame(
+                start.local_com,
+                object.mass,
+                start.principal_inertia() * share,
+                start.principal_inertia_local_frame,
+            );
+            self.world.bodies[body.handle].set_additional_mass_properties(now, false);
+            body.mass = object.mass;
+            body.inverse_mass = now.inv_mass;
+            body.inverse_inertia = now.inv_principal_inertia.max_element();
+        }
     }
 
     /// Puts a force (N) and a torque about the object's origin (N·m), both in W, on a free body, in

@@ -149,6 +149,15 @@ impl Object {
         })
     }
 
+    /// Mass of a free object, kg, at the start; none of what is not free.
+    pub fn mass(&self) -> Option<f64> {
+        let Motion::Free(config) = &self.motion else {
+            return None;
+        };
+        let own = || self.shape.mass_properties(config.density).mass();
+        Some(config.mass.unwrap_or_else(own))
+    }
+
     /// The surface point nearest to `point`, both m in the object's frame; `None` when `point` lies
     /// on the surface to within rounding.
     pub fn nearest(&self, point: DVec3) -> Option<SurfacePoint> {

@@ -14,6 +14,28 @@ enum Part {
     Stall(usize, usize),
     Backlash(usize, usize, f64),
     Friction(Vec<usize>, f64),
+    Mass(usize, MassChange),
+}
+
+/// A mass that changes evenly.
+struct MassChange {
+    /// When it begins, s, and how long it takes, s.
+    from: f64,
+    over: f64,
+    /// Mass before and after, kg.
+    before: f64,
+    after: f64,
+}
+
+impl MassChange {
+    fn at(&self, time: f64) -> f64 {
+        let share = if self.over > 0.0 {
+            ((time - self.from) / self.over).clamp(0.0, 1.0)
+        } else {
+            1.0
+        };
+        self.before + share * (self.after - self.before)
+    }
 }
 
 impl RigFaults {
@@ -32,6 +54,20 @@ impl RigFaults {
                     None => (0..model.objects.len()).collect(),
                 };
                 Some(Part::Friction(objects, factor))
+            }
+            FaultKind::MassChange {
+                ref object,
+                mass,
+                over,
+            } => {
+                let index = model.object(object)?;
+                let change = MassChange {
+                    from: fault.from,
+                    over,
+                    before: model.objects[index].mass()?,
+                    after: mass,
+                };
+                Some(Part::Mass(index, change))
             }
             _ => None,
         };
@@ -66,6 +102,7 @@ impl Part {
                     state.objects[object].friction_factor = 1.0;
                 }
             }
+            Self::Mass(object, change) => state.objects[*object].mass = change.before,
         }
     }
 
@@ -81,6 +118,7 @@ impl Part {
                     state.objects[object].friction_factor *= factor;
                 }
             }
+            Self::Mass(object, change) => state.objects[*object].mass = change.at(state.time),
         }
     }
 }

@@ -2,7 +2,8 @@
 
 use super::knurled_cylinder::KnurledCylinder;
 use super::mesh_file::{MeshError, TriangleMesh, read_mesh};
-use glam::DVec3;
+use super::prism::{ellipse, prism, rounded};
+use glam::{DVec2, DVec3};
 use parry3d_f64::mass_properties::MassProperties;
 use parry3d_f64::math::{Pose as LibraryPose, Rotation, Vector};
 use parry3d_f64::shape::{Cylinder, SharedShape, TriMeshFlags};
@@ -33,6 +34,22 @@ pub enum ShapeConfig {
         /// Relative excess of the radius along x, and lack of it along y.
         #[serde(default)]
         ovality: f64,
+    },
+    /// An upright cylinder whose section is an ellipse.
+    EllipticCylinder {
+        /// Semi-axes along x and y, m.
+        semi_axes: [f64; 2],
+        /// Height, m.
+        height: f64,
+    },
+    /// An upright prism with a convex section and rounded edges.
+    RoundedPrism {
+        /// The section's corners before they are rounded, x and y, m: their hull.
+        corners: Vec<[f64; 2]>,
+        /// Everything within this distance of the hull belongs to the section, m.
+        rounding: f64,
+        /// Height, m.
+        height: f64,
     },
     /// A box.
     Box {
@@ -86,6 +103,9 @@ pub enum ShapeError {
         /// What is wrong with it.
         source: Box<MeshError>,
     },
+    /// A section has no area.
+    #[error("expected a section with an area")]
+    NoArea,
     /// The library refuses the mesh, or its corners have no hull.
     #[error("{}: expected {expected}", file.display())]
     Unfit {
@@ -94,6 +114,13 @@ pub enum ShapeError {
         /// What is needed.
         expected: &'static str,
     },
+}
+
+/// The prism over a section.
+fn drawn_out(section: &[DVec2], height: f64) -> Result<Form, ShapeError> {
+    prism(section, height)
+        .map(Form::Other)
+        .ok_or(ShapeError::NoArea)
 }
 
 /// The mesh in `file`, relative to `folder`.
@@ -150,6 +177,14 @@ impl Shape {
                 Box::new(KnurledCylinder::new(radius, height, knurls, depth, ovality)),
                 Cylinder::new(height / 2.0, radius * (1.0 + ovality.abs())),
             ),
+            &ShapeConfig::EllipticCylinder { semi_axes, height } => {
+                drawn_out(&ellipse(semi_axes), height)?
+            }
+            ShapeConfig::RoundedPrism {
+                corners,
+                rounding,
+                height,
+            } => drawn_out(&rounded(corners, *rounding), *height)?,
             &ShapeConfig::Box { size } => {
                 let [x, y, z] = size.map(|s| s / 2.0);
                 Form::Other(SharedShape::cuboid(x, y, z))

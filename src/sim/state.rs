@@ -37,6 +37,8 @@ pub struct ObjectState {
     pub angular_velocity: DVec3,
     /// Force on a free body from outside, N, in W, and its torque about the object's origin, N·m.
     pub outside: (DVec3, DVec3),
+    /// Mass of a free body, kg; 0 of what is not free.
+    pub mass: f64,
     /// Factor on the friction of feelers on it.
     pub friction_factor: f64,
 }
@@ -165,6 +167,7 @@ impl ObjectState {
             velocity: DVec3::ZERO,
             angular_velocity: DVec3::ZERO,
             outside: (DVec3::ZERO, DVec3::ZERO),
+            mass: object.mass().unwrap_or(0.0),
             friction_factor: 1.0,
         }
     }

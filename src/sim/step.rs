@@ -317,6 +317,7 @@ fn remember_tips(model: &Model, state: &mut State, index: usize) {
 
 /// Moves the free bodies over one step, in as many parts as their contacts' stiffness asks for.
 fn move_bodies(model: &Model, state: &mut State, bodies: &mut FreeBodies) {
+    bodies.weigh(&state.objects);
     let parts = bodies.parts(model, state);
     let duration = model.step / parts as f64;
     for part in 0..parts {

@@ -55,7 +55,7 @@ fn page(trials: &Trials, table: &Table) -> SweepPage {
     SweepPage {
         name: plan.origin.clone(),
         success: match trials.has_claims() {
-            true => "the task was done and all of the paper's claims hold",
+            true => "the task was done and all its claims hold",
             false => "the task was done",
         },
         counts: table.successes(),
@@ -113,17 +113,32 @@ fn claims(table: &Table) -> Vec<Counted> {
         .collect()
 }
 
-/// The measures of the first stroke and the last one that has columns.
+/// What the task found out, and the measures of the first stroke and the last one that has columns.
 fn measures(table: &Table) -> Vec<Measured> {
+    let numbers = |name: &str| {
+        let values = column(table, name).filter_map(|text| text.parse::<f64>().ok());
+        values.collect::<Vec<_>>()
+    };
+    let found = table
+        .header
+        .iter()
+        .filter(|name| name.starts_with("found."));
+    let mut measured: Vec<_> = found
+        .map(|name| Measured {
+            name: name.clone(),
+            values: numbers(name),
+        })
+        .collect();
+    if table.column("stroke1.peak_torque").is_none() {
+        return measured;
+    }
     let strokes = (1..).take_while(|s| table.column(&format!("stroke{s}.peak_torque")).is_some());
     let last = strokes.last().unwrap_or(1);
     let strokes = if last > 1 { vec![1, last] } else { vec![1] };
-    let mut measured = Vec::new();
     for (name, title, factor) in SHOWN {
         for stroke in &strokes {
             let name = format!("stroke{stroke}.{name}");
-            let values = column(table, &name);
-            let values = values.filter_map(|text| text.parse::<f64>().ok());
+            let values = numbers(&name).into_iter();
             measured.push(Measured {
                 name: format!("{stroke}: {title}"),
                 values: values.map(|value| factor * value).collect(),

@@ -5,12 +5,12 @@ use super::parameter::Parameter;
 use super::plan::Plan;
 use crate::config::Experiment;
 use crate::control::phase::Phase;
+use crate::control::task::TaskConfig;
 use crate::experiment::Session;
 use crate::experiment::log::{RunLog, run_facts};
 use crate::experiment::truth::Truth;
 use crate::record::{MemoryRecorder, Recording};
-use crate::report::claims::claims;
-use crate::report::{RunData, StrokeMeasures, Summary};
+use crate::report::{RunData, StrokeMeasures, Summary, tasks};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use sha2::{Digest as _, Sha256};
@@ -40,6 +40,8 @@ pub struct Trials {
     plan: Plan,
     parameters: Vec<Parameter>,
     claims: Vec<&'static str>,
+    /// What the task may find out.
+    findings: Vec<&'static str>,
     strokes: u32,
 }
 
@@ -60,21 +62,29 @@ impl Trials {
     pub fn new(plan: &Plan) -> Result<Self, SweepError> {
         let (experiment, parameters) = plan.load()?;
         let config = &experiment.config;
-        // The claims are the paper's, of a cap that is screwed on.
-        let claims = if config.sim.cap().is_some() {
-            let nothing = MemoryRecorder::new(&run_facts(config))?.into_recording();
-            claims(&RunData::new(&nothing))
-                .iter()
-                .map(|c| c.id)
-                .collect()
+        let screws = matches!(config.task, TaskConfig::Screw(_));
+        // The claims about screwing are the paper's, of a cap that is screwed on.
+        let claims = if !screws || config.sim.cap().is_some() {
+            let facts = run_facts(config);
+            let nothing = MemoryRecorder::new(&facts)?.into_recording();
+            let claims = tasks::of(&facts.task).claims(&nothing, &RunData::new(&nothing));
+            claims.iter().map(|c| c.id).collect()
         } else {
             Vec::new()
         };
-        let strokes = config.task.strokes().min(MAX_STROKES);
+        let task = config.task.task();
+        let findings = task.findings().iter().map(|finding| finding.name).collect();
+        // The measures of a stroke are of a screw's.
+        let strokes = if screws {
+            config.task.strokes().min(MAX_STROKES)
+        } else {
+            0
+        };
         Ok(Self {
             plan: plan.clone(),
             parameters,
             claims,
+            findings,
             strokes,
         })
     }
@@ -110,6 +120,10 @@ impl Trials {
         header.extend(fixed.map(String::from));
         for claim in &self.claims {
             header.extend([format!("claim.{claim}"), format!("claim.{claim}.value")]);
+        }
+        if !self.findings.is_empty() {
+            header.push("found".to_string());
+            header.extend(self.findings.iter().map(|name| format!("found.{name}")));
         }
         for stroke in 1..=self.strokes {
             header.extend(MEASURES.map(|(name, _)| format!("stroke{stroke}.{name}")));
@@ -233,6 +247,11 @@ impl Trials {
             }
         } else {
             row.extend([String::new(), String::new()]);
+        }
+        if !self.findings.is_empty() {
+            row.push(summary.outcome.clone().unwrap_or_default());
+            let found = |name: &&str| number(summary.findings.get(*name).copied().flatten());
+            row.extend(self.findings.iter().map(found));
         }
         for stroke in 1..=self.strokes {
             let measured = summary.strokes.iter().find(|s| s.index == stroke);

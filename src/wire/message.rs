@@ -49,6 +49,12 @@ pub struct Quaternion {
     pub w: f64,
 }
 
+impl From<Quaternion> for DQuat {
+    fn from(q: Quaternion) -> Self {
+        Self::from_xyzw(q.x, q.y, q.z, q.w)
+    }
+}
+
 impl From<DQuat> for Quaternion {
     fn from(q: DQuat) -> Self {
         let [x, y, z, w] = q.to_array();

@@ -44,6 +44,7 @@ pub fn facts() -> RunFacts {
         approach: vec![[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]],
         stroke_direction: vec![[0.0, 1.0, 0.0], [0.0, -1.0, 0.0]],
         stroke_count: 4,
+        section: Vec::new(),
         truth: BTreeMap::new(),
         replay_of: None,
     }

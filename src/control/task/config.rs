@@ -1,6 +1,8 @@
 //! Which task an experiment is about.
 
 use super::Task;
+use super::carry::{Carry, CarryConfig};
+use super::contour::{Contour, ContourConfig};
 use super::friction_scan::{FrictionScan, FrictionScanConfig};
 use super::screw::{ScrewConfig, ScrewTask};
 use serde::{Deserialize, Serialize};
@@ -11,6 +13,10 @@ use serde::{Deserialize, Serialize};
 pub enum TaskConfig {
     /// Turns something by touching, moving and releasing it, again and again.
     Screw(ScrewConfig),
+    /// Goes round an upright object and draws its outline.
+    Contour(ContourConfig),
+    /// Slides or lifts an object along a path.
+    Carry(CarryConfig),
     /// Slides over a flat specimen and measures its friction.
     FrictionScan(FrictionScanConfig),
 }
@@ -20,6 +26,8 @@ impl TaskConfig {
     pub fn task(&self) -> Box<dyn Task> {
         match self {
             Self::Screw(config) => Box::new(ScrewTask::new(config)),
+            Self::Contour(config) => Box::new(Contour::new(config)),
+            Self::Carry(config) => Box::new(Carry::new(config)),
             Self::FrictionScan(config) => Box::new(FrictionScan::new(config)),
         }
     }
@@ -28,6 +36,8 @@ impl TaskConfig {
     pub fn name(&self) -> &'static str {
         match self {
             Self::Screw(_) => "screw",
+            Self::Contour(_) => "contour",
+            Self::Carry(_) => "carry",
             Self::FrictionScan(_) => "friction_scan",
         }
     }
@@ -36,6 +46,8 @@ impl TaskConfig {
     pub fn homes(&self) -> Vec<[f64; 3]> {
         match self {
             Self::Screw(config) => config.finger.iter().map(|path| path.home).collect(),
+            Self::Contour(config) => vec![config.home],
+            Self::Carry(config) => config.finger.iter().map(|finger| finger.home).collect(),
             Self::FrictionScan(config) => vec![config.home],
         }
     }
@@ -44,6 +56,7 @@ impl TaskConfig {
     pub fn strokes(&self) -> u32 {
         match self {
             Self::Screw(config) => config.strokes,
+            Self::Contour(_) | Self::Carry(_) => 1,
             Self::FrictionScan(config) => config.strokes,
         }
     }
@@ -53,6 +66,8 @@ impl TaskConfig {
         match self {
             Self::Screw(config) => config.grasp_force,
             Self::FrictionScan(config) => config.load,
+            Self::Contour(config) => config.contact_force,
+            Self::Carry(config) => config.grip_force,
         }
     }
 }
@@ -62,6 +77,8 @@ impl TaskConfig {
 #[serde(deny_unknown_fields)]
 struct Tasks {
     screw: Option<ScrewConfig>,
+    contour: Option<ContourConfig>,
+    carry: Option<CarryConfig>,
     friction_scan: Option<FrictionScanConfig>,
 }
 
@@ -71,6 +88,8 @@ impl TryFrom<Tasks> for TaskConfig {
     fn try_from(tasks: Tasks) -> Result<Self, Self::Error> {
         let found = [
             tasks.screw.map(Self::Screw),
+            tasks.contour.map(Self::Contour),
+            tasks.carry.map(Self::Carry),
             tasks.friction_scan.map(Self::FrictionScan),
         ];
         let mut found = found.into_iter().flatten();

@@ -4,10 +4,14 @@
 //! losing or crushing what it holds is the [law](super::law)'s work, and what it may never do the
 //! [limits](super::limits)'.
 
+pub mod carry;
 mod config;
+pub mod contour;
 pub mod friction_scan;
 mod homing;
 pub mod screw;
+mod search;
+pub mod surface;
 
 pub use config::TaskConfig;
 

@@ -2,7 +2,7 @@
 
 use super::fields::{Field, of_command, of_findings, of_flags, of_tactile, of_task};
 use crate::record::{
-    Cap, Command, Findings, FingerRecord, Fingertip, Flags, Image, Joints, MessageSink,
+    Cap, Command, Findings, FingerRecord, Fingertip, Flags, Image, Joints, MessageSink, ObjectPose,
     RecordError, Recorder, Recording, Tactile, Task, TorqueSensor,
 };
 use std::fmt;
@@ -255,6 +255,10 @@ impl MessageSink for Comparer<'_> {
     fn findings(&mut self, message: &Findings) -> Result<(), RecordError> {
         self.found.clone_from(message);
         self.pass_on(|copy| copy.findings(message))
+    }
+
+    fn object(&mut self, message: &ObjectPose) -> Result<(), RecordError> {
+        self.pass_on(|copy| copy.object(message))
     }
 
     fn image(&mut self, finger: usize, message: &Image) -> Result<(), RecordError> {

@@ -1,19 +1,20 @@
-//! The paper's Figs. 8 to 13, drawn from a run.
+//! Figures, drawn from a run: the paper's Figs. 8 to 13, and those of other tasks.
 
 pub mod calibration;
-mod canvas;
+pub(super) mod canvas;
 pub mod compare;
-mod paths;
+pub mod friction;
+mod friction_samples;
+pub mod outline;
+pub mod paths;
 pub mod slip;
 pub mod sweep;
-mod time;
-
-use super::run_data::RunData;
+pub mod time;
 
 /// One figure of the report.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
-    /// Number of the paper's figure that it answers.
+    /// Its number; where it answers a figure of the paper, that figure's.
     pub number: u32,
     /// What it shows.
     pub title: String,
@@ -28,16 +29,4 @@ impl Figure {
     pub fn file_name(&self) -> String {
         format!("fig-{:02}.svg", self.number)
     }
-}
-
-/// Draws all figures.
-pub fn figures(data: &RunData) -> Vec<Figure> {
-    vec![
-        time::grasp_force_and_torque(data),
-        time::shear_rate_and_torque(data),
-        time::stroke_in_detail(data, 10, 1),
-        time::stroke_in_detail(data, 11, 4),
-        paths::before_closing(data),
-        paths::after_closing(data),
-    ]
 }

@@ -134,13 +134,13 @@ fn finger_paths(data: &RunData, stroke: &Stroke, finger: usize) -> Vec<Plot> {
     let columns = &data.fingers[finger];
     let mut plots = Vec::new();
     let elements = (stroke.moving.clone())
-        .map(|row| columns.compression[row].len())
+        .map(|row| columns.forces[row].len())
         .max()
         .unwrap_or(0);
     for element in 0..elements {
         let touching = |row: usize| {
-            let force = columns.compression[row].get(element)?;
-            (*force > data.facts.touch_force_threshold)
+            let force = columns.forces[row].get(element)?;
+            (force.z > data.facts.touch_force_threshold)
                 .then(|| columns.element_tips[row].get(element).copied())?
         };
         let pen = Pen::solid("#888888", TOUCHING);

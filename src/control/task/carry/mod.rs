@@ -1,0 +1,306 @@
+//! The carry task: one finger or several take hold of an object, bring it along a path by touch, and let go.
+//!
+//! One finger presses from above and slides it over a table; several grasp it and may lift it. The grip
+//! follows what the object pulls, and slip ([`grip`]). Where the object is, is told by the tips that stick
+//! to it ([`odometry`]), and that is what is brought along the path.
+
+mod config;
+pub mod grip;
+mod odometry;
+
+pub use config::{CarryConfig, CarryFinger, Waypoint};
+
+use super::homing::homeward;
+use super::search::check_search;
+use super::surface::touching;
+use super::{Finding, Task};
+use crate::control::phase::Phase;
+use crate::control::plan::Plan;
+use crate::control::sense::{FingerSense, HandSense};
+use crate::control::stop_reason::StopReason;
+use glam::DVec3;
+use grip::Grip;
+use odometry::{MAX_FINGERS, Odometry};
+
+/// What one finger does.
+#[derive(Debug, Clone, Copy, Default)]
+struct Holder {
+    home: DVec3,
+    approach: DVec3,
+    /// Where it let go, m, in W.
+    let_go: DVec3,
+    /// How hard it presses, N, and how hard it is to.
+    pressing: f64,
+    wanted: f64,
+    /// When it touched last, s.
+    touched: f64,
+}
+
+/// The state machine of the task.
+#[derive(Debug, Clone)]
+pub struct Carry {
+    config: CarryConfig,
+    holders: Vec<Holder>,
+    grip: Grip,
+    odometry: Odometry,
+    phase: Phase,
+    /// The waypoint that the object is on its way to, and since when it has been there, s.
+    next: usize,
+    arrived: Option<f64>,
+    /// Where the object should be, m from where it was taken, and how fast that moves, m/s.
+    wanted: DVec3,
+    pace: DVec3,
+    previous: f64,
+    findings: [Finding; 6],
+    outcome: Option<&'static str>,
+}
+
+impl Carry {
+    /// The task at its beginning.
+    pub fn new(config: &CarryConfig) -> Self {
+        let holder = |finger: &CarryFinger| Holder {
+            home: finger.home.into(),
+            approach: DVec3::from_array(finger.approach).normalize_or_zero(),
+            wanted: config.grip_force,
+            ..Holder::default()
+        };
+        let finding = |name| Finding {
+            name,
+            value: f64::NAN,
+        };
+        Self {
+            holders: config.finger.iter().take(MAX_FINGERS).map(holder).collect(),
+            grip: Grip::new(
+                config.friction,
+                config.margin,
+                config.grip_force,
+                RESERVE * config.crush_force,
+            ),
+            config: config.clone(),
+            odometry: Odometry::new(),
+            phase: Phase::Search,
+            next: 0,
+            arrived: None,
+            wanted: DVec3::ZERO,
+            pace: DVec3::ZERO,
+            previous: f64::NAN,
+            findings: [
+                finding("moved_x_m"),
+                finding("moved_y_m"),
+                finding("moved_z_m"),
+                finding("turned_rad"),
+                finding("pressing_n"),
+                finding("friction"),
+            ],
+            outcome: None,
+        }
+    }
+
+    /// Feels how hard each finger presses and what the object pulls, and fits the grip to it.
+    fn feel(&mut self, hand: &HandSense<'_>) {
+        let mut shear_sum = 0.0;
+        for (holder, finger) in self.holders.iter_mut().zip(hand.fingers()) {
+            let forces = touching(&finger, self.config.touch_force);
+            let force: DVec3 = forces.map(|(_, force)| force).sum();
+            holder.pressing = -force.dot(holder.approach);
+            shear_sum += force.reject_from_normalized(holder.approach).length();
+            if force != DVec3::ZERO {
+                holder.touched = hand.stamp;
+            }
+        }
+        if self.phase != Phase::Move {
+            return;
+        }
+        if hand.fingers().any(|finger| finger.flags().slip) {
+            self.grip.slipped();
+        }
+        let shear = shear_sum / self.holders.len().max(1) as f64;
+        for holder in &mut self.holders {
+            holder.wanted = self.grip.pressing(shear);
+        }
+    }
+
+    /// Moves the place where the object should be along the path; whether it is at the path's end.
+    fn go_on(&mut self, stamp: f64) -> bool {
+        let elapsed = stamp - self.previous;
+        let Some(waypoint) = self.config.waypoint.get(self.next) else {
+            return true;
+        };
+        let way = DVec3::from_array(waypoint.to) - self.wanted;
+        let step = self.config.carry_speed * elapsed;
+        // Not before the grip is firm enough to pull.
+        let firm = self.holders.iter().all(|h| h.pressing >= 0.8 * h.wanted);
+        if way.length() > step {
+            self.pace = if firm {
+                self.config.carry_speed * way.normalize_or_zero()
+            } else {
+                DVec3::ZERO
+            };
+            self.wanted += elapsed * self.pace;
+            return false;
+        }
+        self.wanted = waypoint.to.into();
+        self.pace = DVec3::ZERO;
+        let since = *self.arrived.get_or_insert(stamp);
+        if stamp - since >= waypoint.hold {
+            self.next += 1;
+            self.arrived = None;
+        }
+        false
+    }
+
+    fn carry(&mut self, hand: &HandSense<'_>) {
+        let config = &self.config;
+        self.odometry.follow(
+            hand,
+            &config.feeler,
+            config.touch_force,
+            config.slip_threshold,
+        );
+        let lost = |h: &Holder| hand.stamp - h.touched > config.lost_time;
+        if self.holders.iter().any(lost) {
+            self.let_go(hand, "lost");
+        } else if self.go_on(hand.stamp) {
+            self.let_go(hand, "carried");
+        }
+        let Odometry { moved, turned, .. } = self.odometry;
+        let count = self.holders.len().max(1) as f64;
+        let pressing = self.holders.iter().map(|h| h.pressing).sum::<f64>() / count;
+        let friction = self.grip.friction();
+        // The few tips of one finger are too close together to tell a turn.
+        let turned = if self.holders.len() > 1 {
+            turned
+        } else {
+            f64::NAN
+        };
+        let values = [moved.x, moved.y, moved.z, turned, pressing, friction];
+        for (finding, value) in self.findings.iter_mut().zip(values) {
+            finding.value = value;
+        }
+    }
+
+    fn let_go(&mut self, hand: &HandSense<'_>, outcome: &'static str) {
+        for (holder, pose) in self.holders.iter_mut().zip(hand.poses) {
+            holder.let_go = pose.position;
+        }
+        self.outcome = Some(outcome);
+        self.phase = Phase::Release;
+    }
+
+    fn all(&self, hand: &HandSense<'_>, done: impl Fn(&Holder, &FingerSense<'_>) -> bool) -> bool {
+        let mut fingers = self.holders.iter().zip(hand.fingers());
+        fingers.all(|(holder, finger)| done(holder, &finger))
+    }
+
+    /// Velocity of a finger that holds the object, m/s, in W.
+    fn holding(&self, holder: &Holder, position: DVec3, hand: &HandSense<'_>) -> DVec3 {
+        let config = &self.config;
+        let error = self.wanted - self.odometry.moved;
+        let mut place = self.pace + config.place_gain * error;
+        let count = self.holders.len().max(1) as f64;
+        let missing = if self.holders.len() == 1 {
+            // The table carries what it presses on: along the approach only the force counts.
+            place = place.reject_from_normalized(holder.approach);
+            holder.wanted - holder.pressing
+        } else {
+            // What pushes the object makes one finger press harder than the other: the mean counts.
+            self.holders
+                .iter()
+                .map(|h| h.wanted - h.pressing)
+                .sum::<f64>()
+                / count
+        };
+        // An element that is over its limit is pressed no further, whatever is missing.
+        let over = hand.fingers().any(|finger| finger.flags().over);
+        let most = if over { 0.0 } else { config.press_speed };
+        let press = (config.force_gain * missing).clamp(-config.press_speed, most);
+        let middle = hand.poses.iter().map(|pose| pose.position).sum::<DVec3>() / count;
+        let turn_back = DVec3::Z * (-config.place_gain * self.odometry.turned);
+        place.clamp_length_max(2.0 * config.carry_speed)
+            + press * holder.approach
+            + turn_back.cross(position - middle)
+    }
+}
+
+impl Task for Carry {
+    fn advance(&mut self, hand: &HandSense<'_>) -> Result<(), StopReason> {
+        self.feel(hand);
+        let config = &self.config;
+        match self.phase {
+            Phase::Search => {
+                for (index, (holder, pose)) in self.holders.iter().zip(hand.poses).enumerate() {
+                    if holder.pressing < config.grip_force {
+                        let travel = (pose.position - holder.home).dot(holder.approach);
+                        check_search(index, travel, config.search_limit)?;
+                    }
+                }
+                if self.all(hand, |h, _| h.pressing >= config.grip_force) {
+                    self.odometry.reset();
+                    self.phase = Phase::Move;
+                }
+            }
+            Phase::Move => self.carry(hand),
+            Phase::Release => {
+                let clear = |h: &Holder, f: &FingerSense<'_>| {
+                    (f.pose.position - h.let_go).dot(h.approach) <= -CLEARANCE
+                };
+                if self.all(hand, clear) {
+                    self.phase = Phase::Return;
+                }
+            }
+            Phase::Return => {
+                let home = |h: &Holder, f: &FingerSense<'_>| {
+                    h.home.distance(f.pose.position) <= config.home_tolerance
+                };
+                if self.all(hand, home) {
+                    self.phase = Phase::Done;
+                }
+            }
+            Phase::Done | Phase::Stopped => {}
+        }
+        self.previous = hand.stamp;
+        Ok(())
+    }
+
+    fn plan(&self, finger: usize, hand: &HandSense<'_>) -> Plan {
+        let (Some(holder), Some(sense)) = (self.holders.get(finger), hand.finger(finger)) else {
+            return Plan::default();
+        };
+        let config = &self.config;
+        let position = sense.pose.position;
+        let velocity = match self.phase {
+            Phase::Search if holder.pressing < config.grip_force => {
+                config.search_speed * holder.approach
+            }
+            Phase::Move => self.holding(holder, position, hand),
+            Phase::Release => -config.return_speed * holder.approach,
+            Phase::Return => homeward(holder.home - position, config.return_speed),
+            _ => DVec3::ZERO,
+        };
+        Plan {
+            velocity,
+            towards_object: holder.approach,
+            reflex: false,
+            keep_grasp: false,
+        }
+    }
+
+    fn phase(&self) -> Phase {
+        self.phase
+    }
+
+    fn findings(&self) -> &[Finding] {
+        &self.findings
+    }
+
+    fn outcome(&self) -> Option<&'static str> {
+        self.outcome
+    }
+}
+
+/// What part of the crushing force the grip goes up to: the elements' compressions add up to somewhat more than they press together,
+/// and a force that is kept is never kept exactly.
+const RESERVE: f64 = 0.85;
+
+/// How far a finger moves off the object before it returns, m.
+const CLEARANCE: f64 = 0.004;

@@ -1,0 +1,284 @@
+//! The contour task: one finger goes once round an upright object that it does not know, and draws its
+//! outline from touch alone.
+//!
+//! The finger keeps its height and its force on the object, and moves along the surface, which
+//! it has on its left. Where that runs is told by the force: normal and friction together lean back from the
+//! surface's normal by the angle of friction, which is learnt on the way.
+
+mod outline;
+
+use super::homing::homeward;
+use super::search::check_search;
+use super::surface::{FeelerShape, touching};
+use super::{Finding, Task};
+use crate::control::phase::Phase;
+use crate::control::plan::Plan;
+use crate::control::sense::{FingerSense, HandSense};
+use crate::control::stop_reason::StopReason;
+use glam::{DVec2, DVec3};
+use outline::Outline;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
+
+/// How the finger goes round.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ContourConfig {
+    /// Where the dome's centre starts from, m, in W. It keeps this height.
+    pub home: [f64; 3],
+    /// Horizontal direction in which the finger searches for the object, in W; its length does not matter.
+    pub approach: [f64; 3],
+    /// Speed of the approach, m/s.
+    pub search_speed: f64,
+    /// A finger that has come this far from home and feels nothing stops the task, m.
+    pub search_limit: f64,
+    /// Speed along the surface, m/s.
+    pub follow_speed: f64,
+    /// Horizontal force that is kept, N.
+    pub contact_force: f64,
+    /// Elements pressed harder than this count, N.
+    pub touch_force: f64,
+    /// Speed at which the finger presses harder for each newton that is missing, m/(s N).
+    pub force_gain: f64,
+    /// Greatest speed at which it presses or gives way, m/s.
+    pub press_speed: f64,
+    /// How fast the angle of friction is learnt from a force that is off, rad/(s N).
+    pub friction_gain: f64,
+    /// The outline is closed where it comes back to its first point within this distance, m.
+    pub closing_distance: f64,
+    /// A finger that has felt nothing for so long gives up, s.
+    pub lost_time: f64,
+    /// A finger that has gone on for so long gives up, s.
+    pub follow_limit: f64,
+    /// How far the finger moves off the object before it returns, m.
+    pub clearance: f64,
+    /// Speed of release and return, m/s.
+    pub return_speed: f64,
+    /// The finger is home within this distance, m.
+    pub home_tolerance: f64,
+    /// The feelers of the fingertip.
+    pub feeler: FeelerShape,
+}
+
+/// Greatest angle of friction that is believed, rad: a coefficient of 3.
+const MAX_LEAN: f64 = 1.25;
+
+/// A finger that comes back to where it began has gone round if the normal has turned by so much, rad: not by a whole turn where it
+/// began at a corner, or before it knew the friction.
+const MOST_OF_A_TURN: f64 = 0.75 * TAU;
+
+/// The state machine of the task.
+#[derive(Debug, Clone)]
+pub struct Contour {
+    config: ContourConfig,
+    home: DVec3,
+    approach: DVec3,
+    phase: Phase,
+    /// The surface's outward normal, a horizontal unit vector in W.
+    normal: DVec2,
+    /// By how much the force leans back from the normal, rad: the angle of friction.
+    lean: f64,
+    /// Force along the normal, N; 0 while nothing is felt.
+    force: f64,
+    /// When the finger began to follow, when it last touched, and when it decided last, s.
+    began: f64,
+    touched: f64,
+    previous: f64,
+    /// Where it let go, m, in W.
+    release_start: DVec3,
+    outline: Outline,
+    findings: [Finding; 6],
+    outcome: Option<&'static str>,
+}
+
+impl Contour {
+    /// The task at its beginning.
+    pub fn new(config: &ContourConfig) -> Self {
+        let home = DVec3::from_array(config.home);
+        let approach = DVec3::from_array(config.approach).with_z(0.0);
+        let approach = approach.normalize_or_zero();
+        let finding = |name| Finding {
+            name,
+            value: f64::NAN,
+        };
+        Self {
+            config: config.clone(),
+            home,
+            approach,
+            phase: Phase::Search,
+            normal: -approach.truncate(),
+            lean: 0.0,
+            force: 0.0,
+            began: 0.0,
+            touched: 0.0,
+            previous: f64::NAN,
+            release_start: home,
+            outline: Outline::new(),
+            findings: [
+                finding("surface_x_m"),
+                finding("surface_y_m"),
+                finding("size_x_m"),
+                finding("size_y_m"),
+                finding("turned_rad"),
+                finding("friction"),
+            ],
+            outcome: None,
+        }
+    }
+
+    /// Feels where the surface runs, and learns the angle of friction.
+    fn feel(&mut self, finger: &FingerSense<'_>, stamp: f64) {
+        let elapsed = stamp - self.previous;
+        let elapsed = if elapsed.is_finite() { elapsed } else { 0.0 };
+        let config = &self.config;
+        let force: DVec3 = touching(finger, config.touch_force).map(|(_, f)| f).sum();
+        let force = force.truncate();
+        if let Some(direction) = force.try_normalize() {
+            self.normal = DVec2::from_angle(self.lean).rotate(direction);
+            self.force = force.dot(self.normal);
+            self.touched = stamp;
+            if self.phase == Phase::Move {
+                let missing = config.contact_force - self.force;
+                let lean = self.lean + config.friction_gain * elapsed * missing;
+                self.lean = lean.clamp(0.0, MAX_LEAN);
+            }
+        } else {
+            self.force = 0.0;
+        }
+    }
+
+    /// Velocity along the surface, with what brings the force to what it should be, m/s, in W.
+    ///
+    /// Where the force is low, as at a corner, the finger presses first and goes on afterwards.
+    fn along_surface(&self) -> DVec3 {
+        let config = &self.config;
+        let excess = self.force - config.contact_force;
+        let off = if self.force == 0.0 {
+            -config.press_speed
+        } else {
+            (config.force_gain * excess).clamp(-config.press_speed, config.press_speed)
+        };
+        let share = (self.force / config.contact_force).clamp(0.0, 1.0);
+        let along = share * config.follow_speed;
+        (along * self.normal.perp() + off * self.normal).extend(0.0)
+    }
+
+    /// Draws where the element touches on which the largest force is.
+    fn draw(&mut self, finger: &FingerSense<'_>) {
+        let touching = touching(finger, self.config.touch_force);
+        let touching = touching.map(|(element, force)| (element, force.truncate()));
+        let hardest = touching.max_by(|(_, a), (_, b)| a.length().total_cmp(&b.length()));
+        let Some((element, force)) = hardest else {
+            return;
+        };
+        let (Some(tip), Some(direction)) = (
+            self.config.feeler.tip(finger, element),
+            force.try_normalize(),
+        ) else {
+            return;
+        };
+        let normal = DVec2::from_angle(self.lean).rotate(direction);
+        let point = tip.truncate() - self.config.feeler.tip_radius * normal;
+        self.outline.add(point, normal);
+        let (size, turned) = (self.outline.size(), self.outline.turned());
+        let values = [point.x, point.y, size.x, size.y, turned, self.lean.tan()];
+        for (finding, value) in self.findings.iter_mut().zip(values) {
+            finding.value = value;
+        }
+    }
+
+    fn follow(&mut self, finger: &FingerSense<'_>, stamp: f64) {
+        self.draw(finger);
+        let config = &self.config;
+        let closed = self.outline.turned() >= MOST_OF_A_TURN
+            && self.outline.gap() <= config.closing_distance;
+        let outcome = if closed {
+            Some("closed")
+        } else if stamp - self.touched > config.lost_time {
+            Some("contact lost")
+        } else if stamp - self.began > config.follow_limit {
+            Some("not closed")
+        } else {
+            None
+        };
+        if outcome.is_some() {
+            self.outcome = outcome;
+            self.release_start = finger.pose.position;
+            self.phase = Phase::Release;
+        }
+    }
+}
+
+impl Task for Contour {
+    fn advance(&mut self, hand: &HandSense<'_>) -> Result<(), StopReason> {
+        let Some(finger) = hand.finger(0) else {
+            return Ok(());
+        };
+        let position = finger.pose.position;
+        match self.phase {
+            Phase::Search => {
+                self.feel(&finger, hand.stamp);
+                if self.force >= self.config.contact_force {
+                    self.began = hand.stamp;
+                    self.phase = Phase::Move;
+                } else {
+                    let travel = (position - self.home).dot(self.approach);
+                    check_search(0, travel, self.config.search_limit)?;
+                }
+            }
+            Phase::Move => {
+                self.feel(&finger, hand.stamp);
+                self.follow(&finger, hand.stamp);
+            }
+            Phase::Release if position.distance(self.release_start) >= self.config.clearance => {
+                self.phase = Phase::Return;
+            }
+            Phase::Return if position.distance(self.home) <= self.config.home_tolerance => {
+                self.phase = Phase::Done;
+            }
+            _ => {}
+        }
+        self.previous = hand.stamp;
+        Ok(())
+    }
+
+    fn plan(&self, finger: usize, hand: &HandSense<'_>) -> Plan {
+        let Some(sense) = hand.finger(finger) else {
+            return Plan::default();
+        };
+        let config = &self.config;
+        let position = sense.pose.position;
+        let outward = self.normal.extend(0.0);
+        let velocity = match self.phase {
+            Phase::Search => config.search_speed * self.approach,
+            Phase::Move => self.along_surface() + keep_height(self.home, position, config),
+            Phase::Release => config.return_speed * outward,
+            Phase::Return => homeward(self.home - position, config.return_speed),
+            _ => DVec3::ZERO,
+        };
+        Plan {
+            velocity,
+            towards_object: -outward,
+            reflex: false,
+            keep_grasp: false,
+        }
+    }
+
+    fn phase(&self) -> Phase {
+        self.phase
+    }
+
+    fn findings(&self) -> &[Finding] {
+        &self.findings
+    }
+
+    fn outcome(&self) -> Option<&'static str> {
+        self.outcome
+    }
+}
+
+/// Velocity that keeps a finger at the height of its home, m/s.
+fn keep_height(home: DVec3, position: DVec3, config: &ContourConfig) -> DVec3 {
+    let level = home.with_x(position.x).with_y(position.y);
+    homeward(level - position, config.follow_speed)
+}

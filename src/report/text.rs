@@ -1,0 +1,43 @@
+//! Numbers as a reader would write them.
+
+/// A value, or a dash where there is none.
+pub fn value(value: Option<f64>) -> String {
+    value.map_or_else(|| "–".into(), significant)
+}
+
+/// A number to three significant digits (whole numbers to all), with a true minus sign.
+pub fn significant(value: f64) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return "0".into();
+    }
+    let magnitude = value.abs();
+    let decimals = (2 - magnitude.log10().floor() as i32).clamp(0, 9) as usize;
+    let text = format!("{magnitude:.decimals$}");
+    let text = if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.')
+    } else {
+        &text
+    };
+    match text {
+        "0" => "0".into(),
+        text if value < 0.0 => format!("\u{2212}{text}"),
+        text => text.into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::significant;
+
+    #[test]
+    fn numbers_have_three_significant_digits() {
+        assert_eq!(significant(0.0), "0");
+        assert_eq!(significant(4.0), "4");
+        assert_eq!(significant(0.029_34), "0.0293");
+        assert_eq!(significant(-12.345), "\u{2212}12.3");
+        assert_eq!(significant(48.76), "48.8");
+        assert_eq!(significant(123_456.0), "123456");
+        assert_eq!(significant(-1e-13), "0");
+        assert_eq!(significant(0.15), "0.15");
+    }
+}

@@ -1,0 +1,121 @@
+//! Carrying objects by touch through the program: slid over a table, lifted, made heavier and slippery.
+
+#[path = "support/program.rs"]
+mod program;
+
+use program::{folder, run};
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+
+/// Runs `experiment` with `settings`; `summary.json` of the run.
+fn carry(folder: &Path, name: &str, experiment: &str, settings: &[String]) -> Value {
+    let mut arguments = vec!["run", experiment, "--out", name];
+    if !settings
+        .iter()
+        .any(|setting| setting.starts_with("sensing"))
+    {
+        arguments.extend(["--sensing", "direct"]);
+    }
+    for setting in settings {
+        arguments.extend(["--set", setting]);
+    }
+    run(folder, &arguments).done();
+    let summary = fs::read_to_string(folder.join(name).join("summary.json")).unwrap();
+    serde_json::from_str(&summary).unwrap()
+}
+
+/// The value of a part of a claim.
+fn part(summary: &Value, name: &str) -> f64 {
+    let claims = summary["claims"].as_array().unwrap().iter();
+    let mut parts = claims.flat_map(|claim| claim["parts"].as_array().unwrap());
+    let part = parts.find(|part| part["name"] == name);
+    part.and_then(|part| part["value"].as_f64())
+        .unwrap_or_else(|| panic!("no {name:?} in {summary}"))
+}
+
+/// Within 2 mm and 3 degrees of the path's end, by the simulator's own poses, and never tipped.
+fn assert_carried(summary: &Value, what: &str) {
+    assert_eq!(summary["outcome"], "carried", "{what}");
+    let distance = part(summary, "distance from the path's end");
+    assert!(distance <= 2.0, "{what}: {distance} mm");
+    let turned = part(summary, "turned about the upright");
+    assert!(turned.abs() <= 3.0, "{what}: {turned} degrees");
+    let tipped = part(summary, "tipped");
+    assert!(tipped <= 3.0, "{what}: {tipped} degrees");
+}
+
+#[test]
+fn boxes_of_any_mass_are_slid_over_tables_of_any_friction() {
+    let folder = folder("carry-slide");
+    for experiment in ["slide-box", "slide-box-two"] {
+        for (seed, mass) in [0.03, 0.09, 0.15].into_iter().enumerate() {
+            for friction in [0.2, 0.4, 0.6] {
+                let settings = [
+                    format!("sim.object.box.motion.free.mass={mass}"),
+                    format!("sim.object.box.motion.free.friction={friction}"),
+                    format!("seed={seed}"),
+                ];
+                let name = format!("{experiment}-{mass}-{friction}");
+                let summary = carry(&folder, &name, experiment, &settings);
+                assert_carried(&summary, &name);
+            }
+        }
+    }
+}
+
+#[test]
+fn what_grows_heavier_and_slippery_is_neither_dropped_nor_crushed() {
+    let folder = folder("carry-lift");
+    let shapes = [
+        "{ box = { size = [0.024, 0.024, 0.040] } }",
+        "{ cylinder = { radius = 0.012, height = 0.040 } }",
+    ];
+    for (index, shape) in shapes.into_iter().enumerate() {
+        let settings = [format!("sim.object.box.shape={shape}")];
+        let summary = carry(&folder, &format!("lift-{index}"), "lift", &settings);
+        assert_carried(&summary, shape);
+        // It was lifted by 20 mm, and stood on the table again in the end.
+        let below = part(&summary, "highest place below the path's");
+        assert!(below <= 5.0, "{shape}: {below} mm");
+        let force = part(&summary, "largest grasp force of a finger");
+        assert!(force <= 5.0, "{shape}: {force} N");
+        // Half of 0.12 kg for each finger, at a friction of 1.02 at most: less could not have held it.
+        let least = 0.5 * 0.12 * 9.81 / (1.02 * 1.05);
+        assert!(force >= least, "{shape}: {force} N");
+    }
+}
+
+#[test]
+fn impossible_grips_and_unknown_objects_are_refused() {
+    let folder = folder("carry-refused");
+    let refused = |setting: &str, words: &[&str]| {
+        run(&folder, &["run", "lift", "--set", setting]).refused(words);
+    };
+    refused(
+        "task.carry.crush_force=0.5",
+        &[
+            "task.carry.crush_force = 0.5",
+            "more than task.carry.grip_force",
+        ],
+    );
+    refused(
+        "task.carry.margin=0.5",
+        &["task.carry.margin = 0.5", "1 to 10"],
+    );
+    refused(
+        "task.carry.waypoint=[]",
+        &["task.carry.waypoint = 0 waypoints"],
+    );
+    refused(
+        "sim.fault.0.kind.mass_change.object=stand",
+        &[
+            "sim.fault[0].kind.mass_change.object = \"stand\"",
+            "a free object: box",
+        ],
+    );
+    refused(
+        "sim.fault.0.kind.mass_change.mass=0.0",
+        &["mass_change.mass = 0"],
+    );
+}
