@@ -51,7 +51,8 @@ pub struct RunFacts {
     pub stroke_direction: Vec<[f64; 3]>,
     /// Number of strokes to make.
     pub stroke_count: u32,
-    /// What a simulated world knows and the hand does not, by name, in SI units: `specimen.static_friction`.
+    /// What a simulated world knows and the hand does not, by name, in SI units: `specimen.static_friction`. Not
+    /// part of the digest.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub truth: BTreeMap<String, f64>,
     /// Of a replay: the digest of what was replayed. Joint angles, torque and cap are from there, and did
