@@ -52,10 +52,12 @@ pub struct RunFacts {
     /// Number of strokes to make.
     pub stroke_count: u32,
     /// True section of the object whose outline is to be drawn, at the height of the finger: points in `W`, m, one
-    /// after the other. Only simulated worlds know it.
+    /// after the other. Only simulated worlds know it. Not
+    /// part of the digest.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub section: Vec<[f64; 2]>,
-    /// What a simulated world knows and the hand does not, by name, in SI units: `specimen.static_friction`.
+    /// What a simulated world knows and the hand does not, by name, in SI units: `specimen.static_friction`. Not
+    /// part of the digest.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub truth: BTreeMap<String, f64>,
     /// Of a replay: the digest of what was replayed. Joint angles, torque and cap are from there, and did

@@ -181,13 +181,20 @@ impl Sink {
     }
 }
 
+/// The facts that are no part of the digest: what only a simulated world knows shows in the forces, and a hand in a
+/// program of its own does not know it.
+const TRUTH: [&str; 2] = ["truth", "section"];
+
 /// Takes in the facts and the experiment, as they stand before all messages.
 pub fn digest_facts(
     digester: &mut Digester,
     facts: &BTreeMap<String, String>,
     experiment_toml: &str,
 ) {
-    for (key, value) in facts {
+    for (key, value) in facts
+        .iter()
+        .filter(|(key, _)| !TRUTH.contains(&key.as_str()))
+    {
         digester.block(key.as_bytes());
         digester.block(value.as_bytes());
     }
