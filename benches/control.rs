@@ -18,8 +18,8 @@ fn main() {
     divan::main();
 }
 
-fn config() -> ExperimentConfig {
-    let experiment = Experiment::load("cap-closing", &[]);
+fn config(name: &str) -> ExperimentConfig {
+    let experiment = Experiment::load(name, &[]);
     experiment.expect("the built-in experiment").config
 }
 
@@ -35,10 +35,10 @@ fn in_contact() -> TactileFrame {
     frame
 }
 
-/// One decision for two fingers of 41 elements in contact.
-#[divan::bench]
-fn decide_in_contact(bencher: Bencher) {
-    let config = config();
+/// One decision for fingers of 41 elements in contact: two that screw, or one that slides.
+#[divan::bench(args = ["cap-closing", "friction-scan"])]
+fn decide_in_contact(bencher: Bencher, experiment: &str) {
+    let config = config(experiment);
     let layout = ElementLayout::new(&config.sensor.fingertip.layout);
     let fingers: Vec<_> = (config.hand.finger.iter())
         .map(|finger| FingerGeometry::new(finger).expect("a finger"))
@@ -73,7 +73,7 @@ fn decide_in_contact(bencher: Bencher) {
 /// The flags of one finger.
 #[divan::bench]
 fn analyze_flags(bencher: Bencher) {
-    let control = config().control;
+    let control = config("cap-closing").control;
     let mut analyzer = FlagAnalyzer::new(control.thresholds(), ELEMENTS);
     let mut frame = in_contact();
     bencher.bench_local(|| {
