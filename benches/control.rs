@@ -21,8 +21,8 @@ fn main() {
     divan::main();
 }
 
-fn config() -> ExperimentConfig {
-    let experiment = Experiment::load("cap-closing", &[]);
+fn config(name: &str) -> ExperimentConfig {
+    let experiment = Experiment::load(name, &[]);
     experiment.expect("the built-in experiment").config
 }
 
@@ -40,9 +40,19 @@ fn in_contact() -> TactileFrame {
 
 /// One decision for two fingers of 41 elements in contact, under each control law.
 #[divan::bench(args = LawConfig::NAMES)]
-fn decide_in_contact(bencher: Bencher, law: &str) {
-    let mut config = config();
+fn decide_by_law(bencher: Bencher, law: &str) {
+    let mut config = config("cap-closing");
     config.control.law = LawConfig::named(law).expect("a law");
+    decide_in_contact(bencher, &config);
+}
+
+/// One decision for the fingers of each task in contact.
+#[divan::bench(args = ["cap-closing", "friction-scan"])]
+fn decide_by_task(bencher: Bencher, experiment: &str) {
+    decide_in_contact(bencher, &config(experiment));
+}
+
+fn decide_in_contact(bencher: Bencher, config: &ExperimentConfig) {
     let layout = ElementLayout::new(&config.sensor.fingertip.layout);
     let fingers: Vec<_> = (config.hand.finger.iter())
         .map(|finger| FingerGeometry::new(finger).expect("a finger"))
@@ -77,7 +87,7 @@ fn decide_in_contact(bencher: Bencher, law: &str) {
 /// One finger's velocity by each control law, while it keeps its grasp.
 #[divan::bench(args = LawConfig::NAMES)]
 fn law_in_contact(bencher: Bencher, law: &str) {
-    let config = config();
+    let config = config("cap-closing");
     let mut law = LawConfig::named(law)
         .expect("a law")
         .law(&config.control, ELEMENTS);
@@ -106,7 +116,7 @@ fn law_in_contact(bencher: Bencher, law: &str) {
 /// The flags of one finger.
 #[divan::bench]
 fn analyze_flags(bencher: Bencher) {
-    let control = config().control;
+    let control = config("cap-closing").control;
     let mut analyzer = FlagAnalyzer::new(control.thresholds(), ELEMENTS);
     let mut frame = in_contact();
     bencher.bench_local(|| {
