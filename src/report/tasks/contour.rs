@@ -222,9 +222,9 @@ mod tests {
 
     #[test]
     fn a_square_has_four_corners_and_a_circle_none() {
-        let corners_of = |corners: [DVec2; 4]| {
+        let corners_of = |ends: [DVec2; 4]| {
             let sides = (0..4).flat_map(|side| {
-                let (from, to) = (corners[side], corners[(side + 1) % 4]);
+                let (from, to) = (ends[side], ends[(side + 1) % 4]);
                 (0..200).map(move |step| from.lerp(to, f64::from(step) / 200.0))
             });
             corners(&closed(sides.collect()))
