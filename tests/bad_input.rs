@@ -172,7 +172,7 @@ fn settings_that_make_no_sense() {
             &[
                 "--set task.strokes=3",
                 "unknown field `strokes`",
-                "expected `screw`",
+                "expected one of `screw`",
             ],
         ),
         ("", &["expected key=value"]),
