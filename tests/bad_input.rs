@@ -44,6 +44,15 @@ fn values_out_of_range() {
             &["control.over_force = 1.98", "(F1) = 2.5"],
         ),
         (
+            "overload",
+            "joint_acceleration = 20.0",
+            "element_force = 1.0\njoint_acceleration = 20.0",
+            &[
+                "control.limits.element_force = 1",
+                "more than control.over_force",
+            ],
+        ),
+        (
             "empty-ring",
             "elements = 8",
             "elements = 0",

@@ -137,6 +137,14 @@ fn check_control(control: &ControlConfig, checker: &mut Checker) {
         "control.limits.joint_acceleration",
         limits.joint_acceleration,
     );
+    if let Some(limit) = limits.element_force {
+        checker.require(
+            "control.limits.element_force",
+            limit.to_string(),
+            limit.is_finite() && limit > control.over_force,
+            &format!("more than control.over_force = {}", control.over_force),
+        );
+    }
     checker.vector("control.limits.workspace_lower", limits.workspace_lower);
     let (lower, upper) = (limits.workspace_lower, limits.workspace_upper);
     checker.require(

@@ -209,6 +209,7 @@ impl Controller {
             if age.is_nan() || age.abs() > limit {
                 return Err(StopReason::StaleForces { finger, age, limit });
             }
+            check_load(finger, touch, self.config.limits.element_force)?;
             (pose.position, pose.rotation) = fingertip_pose(geometry, joints.position);
         }
         Ok(())
@@ -286,4 +287,19 @@ fn check_input(
         return not_finite("joint state");
     }
     Ok(())
+}
+
+/// No element is pressed harder than `limit`, N, where there is one.
+fn check_load(finger: usize, touch: &FingerTouch, limit: Option<f64>) -> Result<(), StopReason> {
+    let Some(limit) = limit else { return Ok(()) };
+    let mut forces = touch.frame.forces.iter().enumerate();
+    match forces.find(|(_, force)| force.z > limit) {
+        Some((element, force)) => Err(StopReason::Overload {
+            finger,
+            element,
+            force: force.z,
+            limit,
+        }),
+        None => Ok(()),
+    }
 }

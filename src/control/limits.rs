@@ -18,6 +18,10 @@ pub struct LimitsConfig {
     pub fingertip_speed: f64,
     /// Greatest acceleration of a joint, rad/s².
     pub joint_acceleration: f64,
+    /// An element that is pressed harder than this stops the hand for good, N: something has gone wrong that no
+    /// task foresaw. Without it, nothing does.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub element_force: Option<f64>,
 }
 
 /// What is asked of one finger, and where it stands.

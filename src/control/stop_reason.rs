@@ -67,6 +67,18 @@ pub enum StopReason {
         /// The first such element.
         element: usize,
     },
+    /// An element is pressed harder than the limits allow.
+    #[error("element {element} of finger {finger} is pressed with {force:.2} N (limit {limit} N)")]
+    Overload {
+        /// The finger.
+        finger: usize,
+        /// The first such element.
+        element: usize,
+        /// Its compression, N.
+        force: f64,
+        /// The limit, N.
+        limit: f64,
+    },
     /// Somebody said so.
     #[error("told to stop by {by}")]
     Told {

@@ -150,3 +150,23 @@ fn a_hand_that_finds_nothing_stops_and_says_so() {
     let after = &run.hand.commands[commands - 1..];
     assert!(after.iter().all(|c| *c == HandCommand::stop(2)));
 }
+
+#[test]
+fn an_element_that_is_pressed_beyond_the_limit_stops_the_hand_for_good() {
+    let mut config = config();
+    config.control.limits.element_force = Some(5.0);
+    let mut run = Run::new(config);
+    while run.controller.phase() == Phase::Search {
+        run.step(WALL);
+        assert_eq!(run.controller.stop_reason(), None);
+    }
+    // The wall has come 5 mm nearer: 10 N more.
+    run.step(WALL - 0.005);
+    let Some(&StopReason::Overload { finger, force, .. }) = run.controller.stop_reason() else {
+        panic!("{:?}", run.controller.stop_reason())
+    };
+    assert_eq!(finger, 0);
+    assert!(force > 10.0, "{force} N");
+    assert!(!StopReason::may_pass(run.controller.stop_reason().unwrap()));
+    assert_eq!(run.hand.commands.last(), Some(&HandCommand::stop(2)));
+}
