@@ -5,10 +5,16 @@ use crate::sensor::calibration::Calibration;
 use std::collections::BTreeMap;
 
 /// The calibrations that the built-in experiments name.
-const BUILT_IN_CALIBRATIONS: [(&str, &str); 1] = [(
-    "reference-fingertip.calibration.toml",
-    include_str!("../../experiments/reference-fingertip.calibration.toml"),
-)];
+const BUILT_IN_CALIBRATIONS: [(&str, &str); 2] = [
+    (
+        "reference-fingertip.calibration.toml",
+        include_str!("../../experiments/reference-fingertip.calibration.toml"),
+    ),
+    (
+        "reference-fingertip-coupled.calibration.toml",
+        include_str!("../../experiments/reference-fingertip-coupled.calibration.toml"),
+    ),
+];
 
 impl Experiment {
     /// The same experiment with these calibration files, by the name that it has for each, in place of

@@ -2,8 +2,9 @@
 
 use crate::config::{ExperimentConfig, Sensing};
 use crate::control::task::TaskConfig;
-use crate::control::task::screw::FingerPathConfig;
-use crate::record::RunFacts;
+use crate::control::task::cap_config::Until;
+use crate::control::task::screw::{FingerPathConfig, ScrewConfig};
+use crate::record::{CapFacts, RunFacts};
 use crate::sim::config::SimConfig;
 use crate::sim::shape::ShapeConfig;
 use glam::DVec3;
@@ -37,8 +38,29 @@ pub fn run_facts(config: &ExperimentConfig) -> RunFacts {
         approach: directions(|path| path.approach),
         stroke_direction: directions(|path| path.stroke),
         stroke_count: config.task.strokes(),
+        cap: cap_facts(config, screw),
         replay_of: None,
     }
+}
+
+/// What the cap is held to, unless strokes are counted. A simulated world knows its friction; what varies of it from seed to seed is
+/// left out.
+fn cap_facts(config: &ExperimentConfig, screw: &ScrewConfig) -> Option<CapFacts> {
+    let known = screw.cap.as_ref()?;
+    let (_, object, _) = config.sim.cap()?;
+    let own = object.friction.unwrap_or(config.sim.feeler.friction());
+    let limit = own.static_friction * known.grip * cap_radius(&config.sim);
+    let limit = limit * config.hand.finger.len() as f64;
+    let sense = match screw.until {
+        Until::Strokes => return None,
+        Until::Closed => 1.0,
+        Until::Open => -1.0,
+    };
+    (limit > 0.0).then_some(CapFacts {
+        sense,
+        friction_limit: limit,
+        damage_force: known.damage_force,
+    })
 }
 
 /// Radius of the cap at its widest, m; 0 when there is no cap.

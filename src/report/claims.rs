@@ -25,8 +25,11 @@ const DAMAGE_FORCE: f64 = 1.25;
 /// …if it stays there for longer than this, s.
 const DAMAGE_TIME: f64 = 0.05;
 
-/// The claims, in the order of the paper.
+/// The claims, in the order of the paper; none where the strokes were not counted, for the paper's were.
 pub fn claims(data: &RunData) -> Vec<Claim> {
+    if data.facts.cap.is_some() {
+        return Vec::new();
+    }
     vec![
         four_heaps(data),
         first_stroke_torque_rises(data),
@@ -233,16 +236,7 @@ fn path_saturates(data: &RunData) -> Claim {
 
 fn no_damage(data: &RunData) -> Claim {
     let limit = DAMAGE_FORCE * data.facts.over_force_threshold;
-    let longest = (data.fingers.iter())
-        .flat_map(|finger| {
-            let elements = finger.compression.iter().map(Vec::len).max().unwrap_or(0);
-            (0..elements).map(move |element| {
-                let force = |row: &Vec<f64>| row.get(element).copied().unwrap_or(0.0);
-                longest_stretch(finger.compression.iter().map(|row| force(row) > limit))
-            })
-        })
-        .max();
-    let longest = longest.map(|rows| rows as f64 * data.facts.control_period);
+    let longest = (!data.fingers.is_empty()).then(|| longest_above(data, limit));
     Claim::new(
         "no-damage",
         "OVER protects the elements.",
@@ -256,6 +250,20 @@ fn no_damage(data: &RunData) -> Claim {
             .in_unit("s"),
         ],
     )
+}
+
+/// Longest time of an element pressed harder than `limit` (N), s.
+pub(super) fn longest_above(data: &RunData, limit: f64) -> f64 {
+    let longest = (data.fingers.iter())
+        .flat_map(|finger| {
+            let elements = finger.compression.iter().map(Vec::len).max().unwrap_or(0);
+            (0..elements).map(move |element| {
+                let force = |row: &Vec<f64>| row.get(element).copied().unwrap_or(0.0);
+                longest_stretch(finger.compression.iter().map(|row| force(row) > limit))
+            })
+        })
+        .max();
+    longest.unwrap_or(0) as f64 * data.facts.control_period
 }
 
 fn measures(data: &RunData, index: u32) -> Option<StrokeMeasures> {

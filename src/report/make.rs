@@ -1,7 +1,7 @@
 //! Makes a run's report from its recording.
 
 use super::claim::Claim;
-use super::figures::figures;
+use super::figures::{cap, figures};
 use super::page::page;
 use super::run_data::RunData;
 use super::summary::Summary;
@@ -83,7 +83,10 @@ pub fn make(run_dir: impl AsRef<Path>) -> Result<ReportOutcome, ReportError> {
     let recording = read(run_dir)?;
     let data = RunData::new(&recording);
     let summary = Summary::new(&recording, &data);
-    let figures = figures(&data);
+    let figures = match &summary.cap {
+        Some(measured) => cap::figures(&recording, &data, measured),
+        None => figures(&data),
+    };
     let html = page(&recording, &summary, &figures);
     // Should anything go wrong from here on, no earlier report is left beside half of a new one.
     remove(&run_dir.join(REPORT))?;

@@ -1,6 +1,8 @@
 //! The report of a run: measures, claims, figures and page, all from its recording alone.
 
 pub mod calibration_page;
+pub mod cap;
+mod cap_section;
 pub mod claim;
 pub mod claims;
 pub mod figures;

@@ -1,5 +1,6 @@
 //! `report.html`: one self-contained page for phone, desk and print.
 
+use super::cap_section::cap_section;
 use super::claim::{Claim, ClaimPart, Relation};
 use super::figures::Figure;
 use super::strokes::StrokeMeasures;
@@ -37,10 +38,14 @@ pub fn page(recording: &Recording, summary: &Summary, figures: &[Figure]) -> Str
                     }
                 }
                 p.verdict { (verdict(recording, summary)) }
-                h2 { "The paper's claims" }
-                (claims_table(&summary.claims))
-                h2 { "Strokes" }
-                (strokes_table(&summary.strokes))
+                @if let Some(cap) = &summary.cap {
+                    (cap_section(summary, cap))
+                } @else {
+                    h2 { "The paper's claims" }
+                    (claims_table(&summary.claims))
+                    h2 { "Strokes" }
+                    (strokes_table(&summary.strokes))
+                }
                 h2 { "Figures" }
                 div.figures { @for figure in figures { (figure_markup(figure)) } }
                 h2 { "The run" }
@@ -97,7 +102,8 @@ fn verdict(recording: &Recording, summary: &Summary) -> Markup {
             " and reached " (significant(1e3 * peak)) " mN·m of torque"
         }
         ". "
-        @if held == total {
+        @if total == 0 {
+        } @else if held == total {
             span.holds { "All " (total) " claims of the paper hold." }
         } @else {
             span.fails { (held) " of the paper's " (total) " claims hold" }
@@ -286,12 +292,12 @@ fn facts_table(facts: &RunFacts, summary: &Summary) -> Markup {
 }
 
 /// A value, or a dash where there is none.
-fn value(value: Option<f64>) -> String {
+pub(super) fn value(value: Option<f64>) -> String {
     value.map_or_else(|| "–".into(), significant)
 }
 
 /// A number to three significant digits (whole numbers to all), with a true minus sign.
-fn significant(value: f64) -> String {
+pub(super) fn significant(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return "0".into();
     }

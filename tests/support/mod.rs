@@ -43,6 +43,7 @@ pub fn facts() -> RunFacts {
         approach: vec![[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]],
         stroke_direction: vec![[0.0, 1.0, 0.0], [0.0, -1.0, 0.0]],
         stroke_count: 4,
+        cap: None,
         replay_of: None,
     }
 }

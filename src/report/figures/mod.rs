@@ -2,6 +2,7 @@
 
 pub mod calibration;
 mod canvas;
+pub mod cap;
 mod paths;
 pub mod sweep;
 mod time;
@@ -11,7 +12,7 @@ use super::run_data::RunData;
 /// One figure of the report.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
-    /// Number of the paper's figure that it answers.
+    /// Number of the paper's figure that it answers; of a task that is not the paper's, just its number.
     pub number: u32,
     /// What it shows.
     pub title: String,
