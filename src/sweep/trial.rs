@@ -39,6 +39,10 @@ pub struct Trials {
     plan: Plan,
     parameters: Vec<Parameter>,
     claims: Vec<&'static str>,
+    /// What the task finds out.
+    findings: Vec<&'static str>,
+    /// Whether a cap is screwed until the hand knows what became of it.
+    has_cap: bool,
     strokes: u32,
 }
 
@@ -74,6 +78,14 @@ impl Trials {
             plan: plan.clone(),
             parameters,
             claims,
+            findings: config
+                .task
+                .task()
+                .findings()
+                .iter()
+                .map(|f| f.name)
+                .collect(),
+            has_cap: run_facts(config).cap.is_some(),
             strokes,
         })
     }
@@ -93,6 +105,17 @@ impl Trials {
         !self.claims.is_empty()
     }
 
+    /// What a success is, in words.
+    pub fn success(&self) -> &'static str {
+        if self.has_claims() {
+            "done, and all of the paper's claims hold"
+        } else if self.has_cap {
+            "the cap was found closed, is tight, and no element was harmed"
+        } else {
+            "done"
+        }
+    }
+
     /// The names of a row's columns.
     pub fn header(&self) -> Vec<String> {
         let mut header: Vec<String> = ["trial", "seed"].map(String::from).to_vec();
@@ -109,6 +132,13 @@ impl Trials {
         header.extend(fixed.map(String::from));
         for claim in &self.claims {
             header.extend([format!("claim.{claim}"), format!("claim.{claim}.value")]);
+        }
+        if !self.findings.is_empty() {
+            header.push("found".to_string());
+            header.extend(self.findings.iter().map(|name| format!("found.{name}")));
+        }
+        if self.has_cap {
+            header.extend(["torque_ratio", "time_over_damage"].map(String::from));
         }
         for stroke in 1..=self.strokes {
             header.extend(MEASURES.map(|(name, _)| format!("stroke{stroke}.{name}")));
@@ -212,10 +242,12 @@ impl Trials {
     pub fn results(&self, outcome: &str, recording: &Recording) -> Vec<String> {
         let summary = Summary::new(recording, &RunData::new(recording));
         let held = summary.claims.iter().filter(|claim| claim.holds).count();
-        let success = match self.has_claims() {
-            true => held == self.claims.len() && outcome == "done",
-            false => outcome == "done",
-        };
+        let found = summary.outcome.as_deref();
+        let well = summary
+            .cap
+            .as_ref()
+            .is_none_or(|cap| cap.closed_well(found));
+        let success = held == self.claims.len() && outcome == "done" && well;
         let mut row = vec![
             flag(success),
             format!("{:?}", summary.sim_time),
@@ -227,7 +259,18 @@ impl Trials {
                 row.extend([flag(claim.holds), number(claim.value)]);
             }
         } else {
-            row.extend([String::new(), String::new()]);
+            let angle = summary.cap_angle.filter(|_| self.has_cap);
+            row.extend([number(angle), String::new()]);
+        }
+        if !self.findings.is_empty() {
+            row.push(found.unwrap_or_default().to_string());
+            let values = self.findings.iter();
+            row.extend(values.map(|&name| number(summary.findings.get(name).copied().flatten())));
+        }
+        if self.has_cap {
+            let cap = summary.cap.as_ref();
+            row.push(number(cap.and_then(|cap| cap.torque_ratio)));
+            row.push(number(cap.map(|cap| cap.time_over_damage)));
         }
         for stroke in 1..=self.strokes {
             let measured = summary.strokes.iter().find(|s| s.index == stroke);
