@@ -24,7 +24,7 @@ fn refused(name: &str, from: &str, to: &str, words: &[&str]) {
 
 #[test]
 fn values_out_of_range() {
-    let cases: [(&str, &str, &str, &[&str]); 13] = [
+    let cases: [(&str, &str, &str, &[&str]); 14] = [
         (
             "stiffness",
             "normal_stiffness = 1090.0",

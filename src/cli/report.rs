@@ -1,6 +1,7 @@
 //! `feeler report`
 
 use super::{CommandError, Outcome};
+use crate::report::cap::CapMeasures;
 use crate::report::make::{RECORDING, ReportOutcome, make};
 use crate::report::tasks;
 use std::io::{self, Write};
@@ -45,10 +46,13 @@ fn folder(path: &Path) -> Result<&Path, CommandError> {
 
 /// Prints the verdict and where to read more.
 pub fn print_claims(made: &ReportOutcome, out: &mut dyn Write) -> io::Result<()> {
+    if let Some(cap) = &made.summary.cap {
+        return print_cap(made, cap, out);
+    }
     let claims = made.claims();
     let holding = claims.iter().filter(|claim| claim.holds).count();
-    let whose = tasks::of(&made.summary.task).whose();
-    writeln!(out, "{holding} of {} claims {whose} hold", claims.len())?;
+    let (count, whose) = (claims.len(), made.whose);
+    writeln!(out, "{holding} of {count} claims {whose} hold")?;
     for claim in claims.iter().filter(|claim| !claim.holds) {
         let why = if claim.is_measured() {
             "does not hold"
@@ -56,6 +60,23 @@ pub fn print_claims(made: &ReportOutcome, out: &mut dyn Write) -> io::Result<()>
             "not measured"
         };
         writeln!(out, "  {why}: {} ({})", claim.id, claim.bound)?;
+    }
+    writeln!(out, "{}", made.report_path.display())
+}
+
+/// Prints what became of a cap and where to read more.
+fn print_cap(made: &ReportOutcome, cap: &CapMeasures, out: &mut dyn Write) -> io::Result<()> {
+    let outcome = made.summary.outcome.as_deref().unwrap_or("none");
+    writeln!(out, "outcome: {outcome}")?;
+    let share = cap.torque_ratio.filter(|_| cap.sense > 0.0);
+    if let (Some(torque), Some(share)) = (cap.final_torque, share) {
+        let (torque, share) = (1e3 * torque, 1e2 * share);
+        writeln!(
+            out,
+            "torque of the last stroke: {torque:.1} mN m, {share:.0} % of what friction allows"
+        )?;
+    } else if let Some(torque) = cap.largest_torque {
+        writeln!(out, "largest torque: {:.1} mN m", 1e3 * torque)?;
     }
     writeln!(out, "{}", made.report_path.display())
 }

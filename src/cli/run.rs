@@ -166,6 +166,9 @@ fn settings(arguments: &Arguments) -> Vec<String> {
 pub fn outcome(controller: &Controller, interrupted: bool) -> (Outcome, Option<String>) {
     let reason = if let Some(reason) = controller.stop_reason() {
         format!("the hand was stopped: {reason}")
+    } else if controller.phase() == Phase::Done && controller.task().failed() {
+        let found = controller.task().outcome().unwrap_or_default();
+        format!("the task ended, but not as it should have: {found}")
     } else if controller.phase() == Phase::Done {
         return (Outcome::Done, None);
     } else if interrupted {

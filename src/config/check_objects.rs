@@ -1,9 +1,10 @@
 //! What every value of an object must be. Files of shapes are looked at when they are read.
 
 use super::check_sim::check_friction;
-use super::checker::Checker;
+use super::checker::{Checker, MAX};
 use crate::sim::object::{FreeConfig, MotionConfig, ObjectConfig};
 use crate::sim::shape::ShapeConfig;
+use crate::sim::thread::ThreadFault;
 
 /// Most knurls around a cylinder: finer ones than a feeler could ever feel.
 const MAX_KNURLS: u32 = 10_000;
@@ -40,9 +41,14 @@ pub(super) fn check_object(key: &str, object: &ObjectConfig, checker: &mut Check
         }
         MotionConfig::Thread(thread) => {
             let key = format!("{key}.motion.thread");
+            checker.between(&format!("{key}.seat_angle"), thread.seat_angle, -10.0, MAX);
+            if let Some(ThreadFault::CrossThreaded { angle, stiffness }) = &thread.fault {
+                let key = format!("{key}.fault.cross_threaded");
+                checker.between(&format!("{key}.angle"), *angle, -10.0, MAX);
+                checker.positive(&format!("{key}.stiffness"), *stiffness);
+            }
             let not_negative = [
                 ("running_torque", thread.running_torque),
-                ("seat_angle", thread.seat_angle),
                 ("seat_stiffness", thread.seat_stiffness),
                 ("lead", thread.lead),
             ];

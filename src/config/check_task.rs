@@ -2,9 +2,10 @@
 
 use super::ExperimentConfig;
 use super::check_touch_tasks::{check_carry, check_contour, check_within_reach};
-use super::checker::Checker;
+use super::checker::{Checker, MAX};
 use crate::control::controller::ControlConfig;
 use crate::control::task::TaskConfig;
+use crate::control::task::cap_config::{CapConfig, Until};
 use crate::control::task::friction_scan::FrictionScanConfig;
 use crate::control::task::screw::ScrewConfig;
 use glam::DVec3;
@@ -48,6 +49,17 @@ fn check_screw(key: &str, screw: &ScrewConfig, checker: &mut Checker) {
     ];
     for (field, value) in positive {
         checker.positive(&format!("{key}.{field}"), value);
+    }
+    checker.require(
+        &format!("{key}.cap"),
+        "none".to_string(),
+        screw.until == Until::Strokes || screw.cap.is_some(),
+        &format!(
+            "what is known of the cap, as in [{key}.cap], because the strokes are not counted"
+        ),
+    );
+    if let Some(cap) = &screw.cap {
+        check_cap(&format!("{key}.cap"), screw, cap, checker);
     }
     for (index, finger) in screw.finger.iter().enumerate() {
         checker.vector(&format!("{key}.finger[{index}].home"), finger.home);
@@ -108,5 +120,41 @@ fn check_friction_scan(
         scan.strokes.to_string(),
         (3..=1000).contains(&scan.strokes),
         "3 to 1000: one that does not count, one each way",
+    );
+}
+
+fn check_cap(key: &str, screw: &ScrewConfig, cap: &CapConfig, checker: &mut Checker) {
+    let [x, y] = cap.axis;
+    checker.vector(&format!("{key}.axis"), [x, y, 0.0]);
+    let positive = [
+        ("grip_gain", cap.grip_gain),
+        ("clearance", cap.clearance),
+        ("still_turn", cap.still_turn),
+        ("most_friction", cap.most_friction),
+        ("most_turns", cap.most_turns),
+        ("open_turns", cap.open_turns),
+        ("feeler.normal_stiffness", cap.feeler.normal_stiffness),
+        ("feeler.shear_stiffness", cap.feeler.shear_stiffness),
+        ("feeler.tip_radius", cap.feeler.tip_radius),
+    ];
+    for (field, value) in positive {
+        checker.positive(&format!("{key}.{field}"), value);
+    }
+    checker.not_negative(&format!("{key}.softest_seat"), cap.softest_seat);
+    checker.require(
+        &format!("{key}.grip"),
+        cap.grip.to_string(),
+        cap.grip >= screw.grasp_force && cap.grip <= MAX,
+        &format!(
+            "from task.screw.grasp_force = {} to {MAX:e}",
+            screw.grasp_force
+        ),
+    );
+    checker.positive(&format!("{key}.damage_force"), cap.damage_force);
+    checker.require(
+        &format!("{key}.least_turns"),
+        cap.least_turns.to_string(),
+        (0.0..cap.most_turns).contains(&cap.least_turns),
+        &format!("from 0 to less than {key}.most_turns = {}", cap.most_turns),
     );
 }

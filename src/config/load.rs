@@ -23,10 +23,18 @@ pub struct BuiltIn {
 }
 
 /// The experiments that come with the program.
-pub const BUILT_IN: [BuiltIn; 7] = [
+pub const BUILT_IN: [BuiltIn; 9] = [
     BuiltIn {
         name: "cap-closing",
         toml: include_str!("../../experiments/cap-closing.toml"),
+    },
+    BuiltIn {
+        name: "cap-opening",
+        toml: include_str!("../../experiments/cap-opening.toml"),
+    },
+    BuiltIn {
+        name: "cap-until-closed",
+        toml: include_str!("../../experiments/cap-until-closed.toml"),
     },
     BuiltIn {
         name: "three-fingers",

@@ -2,7 +2,8 @@
 
 use crate::config::{ExperimentConfig, Sensing};
 use crate::control::task::TaskConfig;
-use crate::record::RunFacts;
+use crate::control::task::cap_config::Until;
+use crate::record::{CapFacts, RunFacts};
 use crate::sim::config::SimConfig;
 use crate::sim::object::Object;
 use crate::sim::section::section;
@@ -51,6 +52,7 @@ pub fn run_facts(config: &ExperimentConfig) -> RunFacts {
         stroke_count: config.task.strokes(),
         truth: BTreeMap::new(),
         section: true_section(config),
+        cap: cap_facts(config),
         replay_of: None,
     }
 }
@@ -73,6 +75,29 @@ pub fn simulated_facts(config: &ExperimentConfig, world: &World) -> RunFacts {
         truth: truth.collect(),
         ..run_facts(config)
     }
+}
+
+/// What the cap is held to, unless strokes are counted. A simulated world knows its friction; what varies of it from seed to seed is
+/// left out.
+fn cap_facts(config: &ExperimentConfig) -> Option<CapFacts> {
+    let TaskConfig::Screw(screw) = &config.task else {
+        return None;
+    };
+    let known = screw.cap.as_ref()?;
+    let (_, object, _) = config.sim.cap()?;
+    let own = object.friction.unwrap_or(config.sim.feeler.friction());
+    let limit = own.static_friction * known.grip * cap_radius(&config.sim);
+    let limit = limit * config.hand.finger.len() as f64;
+    let sense = match screw.until {
+        Until::Strokes => return None,
+        Until::Closed => 1.0,
+        Until::Open => -1.0,
+    };
+    (limit > 0.0).then_some(CapFacts {
+        sense,
+        friction_limit: limit,
+        damage_force: known.damage_force,
+    })
 }
 
 /// Radius of the cap at its widest, m; 0 when there is no cap.

@@ -60,10 +60,24 @@ pub struct RunFacts {
     /// part of the digest.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub truth: BTreeMap<String, f64>,
+    /// What a cap that is screwed until it is closed or open is held to; none where strokes are counted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cap: Option<CapFacts>,
     /// Of a replay: the digest of what was replayed. Joint angles, torque and cap are from there, and did
     /// not follow from this recording's commands.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub replay_of: Option<String>,
+}
+
+/// What a cap that is screwed until it is closed or open is held to.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct CapFacts {
+    /// 1 where the strokes close the cap, -1 where they open it.
+    pub sense: f64,
+    /// Torque that friction allows: static coefficient times the grip allowed times radius times fingers, N·m, more than 0.
+    pub friction_limit: f64,
+    /// Force on an element that damages it if it stays, N.
+    pub damage_force: f64,
 }
 
 /// The only task that there was when recordings did not name theirs.
@@ -100,6 +114,13 @@ impl RunFacts {
         for (field, value) in finite {
             if !(value.is_finite() && value >= 0.0) {
                 return Err(facts_error(field, "a number from 0", value));
+            }
+        }
+        if let Some(cap) = &self.cap {
+            let good = |value: f64| value.is_finite() && value > 0.0;
+            if !(cap.sense.abs() == 1.0 && good(cap.friction_limit) && good(cap.damage_force)) {
+                let expected = "sense 1 or -1, friction_limit and damage_force above 0";
+                return Err(facts_error("cap", expected, format!("{cap:?}")));
             }
         }
         self.validate_directions("approach", &self.approach)?;

@@ -24,7 +24,7 @@ pub use channels::{
 };
 pub use digest::Digest;
 pub use error::RecordError;
-pub use facts::RunFacts;
+pub use facts::{CapFacts, RunFacts};
 pub use image::Image;
 pub use memory::{MemoryRecorder, MessageSink};
 pub use recorded_camera::RecordedCamera;

@@ -234,16 +234,7 @@ fn path_saturates(data: &RunData) -> Claim {
 
 pub(super) fn no_damage(data: &RunData) -> Claim {
     let limit = DAMAGE_FORCE * data.facts.over_force_threshold;
-    let longest = (data.fingers.iter())
-        .flat_map(|finger| {
-            let elements = finger.forces.iter().map(Vec::len).max().unwrap_or(0);
-            (0..elements).map(move |element| {
-                let force = |row: &Vec<DVec3>| row.get(element).map_or(0.0, |force| force.z);
-                longest_stretch(finger.forces.iter().map(|row| force(row) > limit))
-            })
-        })
-        .max();
-    let longest = longest.map(|rows| rows as f64 * data.facts.control_period);
+    let longest = (!data.fingers.is_empty()).then(|| longest_above(data, limit));
     Claim::new(
         "no-damage",
         "OVER protects the elements.",
@@ -257,6 +248,20 @@ pub(super) fn no_damage(data: &RunData) -> Claim {
             .in_unit("s"),
         ],
     )
+}
+
+/// Longest time of an element pressed harder than `limit` (N), s.
+pub(super) fn longest_above(data: &RunData, limit: f64) -> f64 {
+    let longest = (data.fingers.iter())
+        .flat_map(|finger| {
+            let elements = finger.compression.iter().map(Vec::len).max().unwrap_or(0);
+            (0..elements).map(move |element| {
+                let force = |row: &Vec<f64>| row.get(element).copied().unwrap_or(0.0);
+                longest_stretch(finger.compression.iter().map(|row| force(row) > limit))
+            })
+        })
+        .max();
+    longest.unwrap_or(0) as f64 * data.facts.control_period
 }
 
 fn measures(data: &RunData, index: u32) -> Option<StrokeMeasures> {

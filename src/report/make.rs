@@ -62,6 +62,8 @@ pub struct ReportOutcome {
     pub readable_until: f64,
     /// What stands in `summary.json`.
     pub summary: Summary,
+    /// Whose the claims are, after the word "claims".
+    pub whose: &'static str,
 }
 
 impl ReportOutcome {
@@ -83,7 +85,8 @@ pub fn make(run_dir: impl AsRef<Path>) -> Result<ReportOutcome, ReportError> {
     let recording = read(run_dir)?;
     let data = RunData::new(&recording);
     let summary = Summary::new(&recording, &data);
-    let figures = tasks::of(&recording.facts.task).figures(&recording, &data);
+    let task = tasks::of(&recording.facts);
+    let figures = task.figures(&recording, &data);
     let html = page(&recording, &summary, &figures);
     // Should anything go wrong from here on, no earlier report is left beside half of a new one.
     remove(&run_dir.join(REPORT))?;
@@ -115,6 +118,7 @@ pub fn make(run_dir: impl AsRef<Path>) -> Result<ReportOutcome, ReportError> {
         problem: recording.problem,
         readable_until: recording.readable_until,
         summary,
+        whose: task.whose(),
     })
 }
 

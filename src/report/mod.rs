@@ -1,6 +1,7 @@
 //! The report of a run: measures, claims, figures and page, all from its recording alone.
 
 pub mod calibration_page;
+pub mod cap;
 pub mod claim;
 pub mod claims;
 pub mod compare_page;

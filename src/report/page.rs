@@ -13,7 +13,7 @@ const STYLE: &str = include_str!("page.css");
 /// The page, as HTML text.
 pub fn page(recording: &Recording, summary: &Summary, figures: &[Figure]) -> String {
     let facts = &recording.facts;
-    let task = tasks::of(&facts.task);
+    let task = tasks::of(facts);
     let name = format!("{}, seed {}", facts.experiment, facts.seed);
     let mark = if recording.complete {
         ""
@@ -39,8 +39,10 @@ pub fn page(recording: &Recording, summary: &Summary, figures: &[Figure]) -> Str
                     }
                 }
                 p.verdict { (verdict(recording, summary, task)) }
-                h2 { "Claims " (task.whose()) }
-                (claims_table(&summary.claims))
+                @if !summary.claims.is_empty() {
+                    h2 { "Claims " (task.whose()) }
+                    (claims_table(&summary.claims))
+                }
                 (task.measured(recording, summary))
                 h2 { "Figures" }
                 div.figures { @for figure in figures { (figure_markup(figure)) } }
@@ -87,7 +89,8 @@ fn verdict(recording: &Recording, summary: &Summary, task: &dyn TaskReport) -> M
     let unmeasured = ids(|claim| !claim.is_measured());
     html! {
         (task.verdict(recording, summary)) " "
-        @if held == total {
+        @if total == 0 {
+        } @else if held == total {
             span.holds { "All " (total) " claims " (task.whose()) " hold." }
         } @else {
             span.fails { (held) " of the " (total) " claims " (task.whose()) " hold" }

@@ -1,5 +1,6 @@
 //! `summary.json`: a run in numbers, with stable keys.
 
+use super::cap::CapMeasures;
 use super::claim::Claim;
 use super::run_data::RunData;
 use super::series::finite;
@@ -38,6 +39,9 @@ pub struct Summary {
     pub findings: BTreeMap<String, Option<f64>>,
     /// The claims of the task.
     pub claims: Vec<Claim>,
+    /// How the cap was closed or opened, where that was not merely a count of strokes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cap: Option<CapMeasures>,
     /// Angle the cap has turned at the end, rad, positive = closing.
     pub cap_angle: Option<f64>,
     /// Digest of the recording's content.
@@ -68,7 +72,8 @@ impl Summary {
                 .flat_map(|f| f.names.iter().cloned().zip(&f.values))
                 .map(|(name, &value)| (name, finite(value)))
                 .collect(),
-            claims: tasks::of(&facts.task).claims(recording, data),
+            claims: tasks::of(facts).claims(recording, data),
+            cap: CapMeasures::new(recording, data),
             cap_angle: (recording.cap.last()).and_then(|cap| finite(cap.angle)),
             digest: recording.digest.to_string(),
         }

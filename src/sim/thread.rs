@@ -17,7 +17,7 @@ const TORQUE_TOLERANCE: f64 = 1e-9;
 pub struct ThreadConfig {
     /// Torque that turns the cap before it is seated, N·m.
     pub running_torque: f64,
-    /// Angle by which the cap turns before it meets its seat, rad.
+    /// Angle by which the cap turns before it meets its seat, rad; negative where it starts on its seat, tightened by so much.
     pub seat_angle: f64,
     /// Rise of the resisting torque once the cap is on its seat, N·m/rad.
     pub seat_stiffness: f64,
@@ -25,6 +25,24 @@ pub struct ThreadConfig {
     pub static_factor: f64,
     /// Descent per turn, m.
     pub lead: f64,
+    /// What is wrong with it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fault: Option<ThreadFault>,
+}
+
+/// What may be wrong with a thread.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum ThreadFault {
+    /// Nothing seats the cap: it turns for ever.
+    Stripped,
+    /// The cap sits askew: its thread rides up on the bottle's, and the resisting torque rises before the seat.
+    CrossThreaded {
+        /// Angle at which it begins to jam, rad.
+        angle: f64,
+        /// Rise of the resisting torque from there, N·m/rad. Crossed threads give way where a seat does not.
+        stiffness: f64,
+    },
 }
 
 /// A hinge with friction.
@@ -85,6 +103,7 @@ impl Hinge {
                 seat_stiffness: 0.0,
                 static_factor: hinge.static_factor,
                 lead: 0.0,
+                fault: None,
             },
             on_torque_sensor: false,
         }
@@ -164,16 +183,28 @@ impl Hinge {
 impl ThreadConfig {
     /// Torque that resists turning at `angle` (rad) while the cap turns, N·m.
     pub fn resisting_torque(&self, angle: f64) -> f64 {
-        self.running_torque + self.seat_stiffness * (angle - self.seat_angle).max(0.0)
+        let stops = self.stops().into_iter();
+        let rise = stops.map(|(met, stiffness)| stiffness * (angle - met).max(0.0));
+        self.running_torque + rise.sum::<f64>()
     }
 
     /// Rise of the resisting torque per angle in the direction of `torque`. A seated cap that comes
     /// loose meets less and less resistance; counting that as 0 keeps the steps stable.
     fn resistance_slope(&self, angle: f64, torque: f64) -> f64 {
-        if torque > 0.0 && angle >= self.seat_angle {
-            self.seat_stiffness
-        } else {
-            0.0
+        let met = |(at, stiffness)| if angle >= at { stiffness } else { 0.0 };
+        match torque > 0.0 {
+            true => self.stops().into_iter().map(met).sum(),
+            false => 0.0,
+        }
+    }
+
+    /// What stops the cap: the angle (rad) at which it meets each, and the rise of the torque from there, N·m/rad.
+    fn stops(&self) -> [(f64, f64); 2] {
+        let seat = (self.seat_angle, self.seat_stiffness);
+        match self.fault {
+            None => [seat, (0.0, 0.0)],
+            Some(ThreadFault::Stripped) => [(0.0, 0.0); 2],
+            Some(ThreadFault::CrossThreaded { angle, stiffness }) => [seat, (angle, stiffness)],
         }
     }
 }
@@ -189,6 +220,7 @@ mod tests {
             seat_stiffness: 0.5,
             static_factor: 1.05,
             lead: 0.003,
+            fault: None,
         })
     }
 
@@ -246,5 +278,25 @@ mod tests {
         hinge.turn(&mut state, 50.0, spring(0.2, 1.5));
         assert!((state.angle - 1.5).abs() < 1e-8, "{}", state.angle);
         assert_eq!(state.twist, 0.0);
+    }
+
+    #[test]
+    fn crossed_threads_resist_before_the_seat_and_stripped_ones_never() {
+        let Hinge { thread, .. } = cap();
+        let crossed = ThreadConfig {
+            fault: Some(ThreadFault::CrossThreaded {
+                angle: 0.1,
+                stiffness: 0.04,
+            }),
+            ..thread.clone()
+        };
+        // By hand: 3 mN·m, 0.04 * 0.2, and on the seat 0.04 * 0.3 + 0.5 * 0.05.
+        assert!((crossed.resisting_torque(0.3) - 0.011).abs() < 1e-12);
+        assert!((crossed.resisting_torque(0.4) - 0.040).abs() < 1e-12);
+        let stripped = ThreadConfig {
+            fault: Some(ThreadFault::Stripped),
+            ..thread
+        };
+        assert_eq!(stripped.resisting_torque(20.0), 0.003);
     }
 }

@@ -50,14 +50,16 @@ fn page(trials: &Trials, table: &Table) -> SweepPage {
             _ => words.push((parameter.name.clone(), count(values.into_iter()))),
         }
     }
-    let outcomes = count(column(table, "outcome").map(|outcome| (outcome, "0")));
+    // What the task found out says more than that it was done.
+    let told = match table.column("found") {
+        Some(_) => "found",
+        None => "outcome",
+    };
+    let outcomes = count(column(table, told).map(|outcome| (outcome, "0")));
     let (worst_header, worst) = worst(trials, table);
     SweepPage {
         name: plan.origin.clone(),
-        success: match trials.has_claims() {
-            true => "the task was done and all its claims hold",
-            false => "the task was done",
-        },
+        success: trials.success(),
         counts: table.successes(),
         outcomes: outcomes
             .into_iter()

@@ -42,6 +42,8 @@ pub struct Trials {
     claims: Vec<&'static str>,
     /// What the task may find out.
     findings: Vec<&'static str>,
+    /// Whether a cap is screwed until the hand knows what became of it.
+    has_cap: bool,
     strokes: u32,
 }
 
@@ -67,7 +69,7 @@ impl Trials {
         let claims = if !screws || config.sim.cap().is_some() {
             let facts = run_facts(config);
             let nothing = MemoryRecorder::new(&facts)?.into_recording();
-            let claims = tasks::of(&facts.task).claims(&nothing, &RunData::new(&nothing));
+            let claims = tasks::of(&facts).claims(&nothing, &RunData::new(&nothing));
             claims.iter().map(|c| c.id).collect()
         } else {
             Vec::new()
@@ -85,6 +87,7 @@ impl Trials {
             parameters,
             claims,
             findings,
+            has_cap: run_facts(config).cap.is_some(),
             strokes,
         })
     }
@@ -102,6 +105,17 @@ impl Trials {
     /// Whether success means that all claims hold, rather than that the task is done.
     pub fn has_claims(&self) -> bool {
         !self.claims.is_empty()
+    }
+
+    /// What a success is, in words.
+    pub fn success(&self) -> &'static str {
+        if self.has_claims() {
+            "the task was done and all its claims hold"
+        } else if self.has_cap {
+            "the cap was found closed, is tight, and no element was harmed"
+        } else {
+            "the task was done"
+        }
     }
 
     /// The names of a row's columns.
@@ -124,6 +138,9 @@ impl Trials {
         if !self.findings.is_empty() {
             header.push("found".to_string());
             header.extend(self.findings.iter().map(|name| format!("found.{name}")));
+        }
+        if self.has_cap {
+            header.extend(["torque_ratio", "time_over_damage"].map(String::from));
         }
         for stroke in 1..=self.strokes {
             header.extend(MEASURES.map(|(name, _)| format!("stroke{stroke}.{name}")));
@@ -231,10 +248,12 @@ impl Trials {
     pub fn results(&self, outcome: &str, recording: &Recording) -> Vec<String> {
         let summary = Summary::new(recording, &RunData::new(recording));
         let held = summary.claims.iter().filter(|claim| claim.holds).count();
-        let success = match self.has_claims() {
-            true => held == self.claims.len() && outcome == "done",
-            false => outcome == "done",
-        };
+        let found = summary.outcome.as_deref();
+        let well = summary
+            .cap
+            .as_ref()
+            .is_none_or(|cap| cap.closed_well(found));
+        let success = held == self.claims.len() && outcome == "done" && well;
         let mut row = vec![
             flag(success),
             format!("{:?}", summary.sim_time),
@@ -246,12 +265,18 @@ impl Trials {
                 row.extend([flag(claim.holds), number(claim.value)]);
             }
         } else {
-            row.extend([String::new(), String::new()]);
+            let angle = summary.cap_angle.filter(|_| self.has_cap);
+            row.extend([number(angle), String::new()]);
         }
         if !self.findings.is_empty() {
             row.push(summary.outcome.clone().unwrap_or_default());
             let found = |name: &&str| number(summary.findings.get(*name).copied().flatten());
             row.extend(self.findings.iter().map(found));
+        }
+        if self.has_cap {
+            let cap = summary.cap.as_ref();
+            row.push(number(cap.and_then(|cap| cap.torque_ratio)));
+            row.push(number(cap.map(|cap| cap.time_over_damage)));
         }
         for stroke in 1..=self.strokes {
             let measured = summary.strokes.iter().find(|s| s.index == stroke);

@@ -120,3 +120,20 @@ fn going_round_the_loop_does_not_allocate_nor_does_failing() {
     let failed = assert_no_alloc(|| (0..400).find_map(|_| control_loop.step().err()));
     assert!(failed.is_some());
 }
+
+#[test]
+fn closing_and_opening_a_cap_by_touch_does_not_allocate() {
+    for (name, outcome) in [("cap-until-closed", "closed"), ("cap-opening", "open")] {
+        let experiment = Experiment::load(name, &[]).expect("an experiment");
+        let mut session = Session::new(&experiment).expect("a session");
+        let failed = assert_no_alloc(|| {
+            while !session.finished() {
+                session.step()?;
+            }
+            Ok::<_, feeler::experiment::ExperimentError>(())
+        });
+        assert!(failed.is_ok(), "{failed:?}");
+        let task = session.control_loop().controller().task();
+        assert_eq!(task.outcome(), Some(outcome));
+    }
+}

@@ -14,6 +14,7 @@ const CAP: Hinge = Hinge {
         seat_stiffness: 0.9,
         static_factor: 1.05,
         lead: 0.00318,
+        fault: None,
     },
     on_torque_sensor: true,
 };

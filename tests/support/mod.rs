@@ -46,6 +46,7 @@ pub fn facts() -> RunFacts {
         stroke_count: 4,
         section: Vec::new(),
         truth: BTreeMap::new(),
+        cap: None,
         replay_of: None,
     }
 }

@@ -100,6 +100,7 @@ impl Scene {
             seat_stiffness: header.cap.seat_stiffness,
             static_factor: 1.0,
             lead: 0.0,
+            fault: None,
         });
         let layout = LayoutConfig::default();
         assert!((layout.dome_radius - header.dome_radius).abs() < 1e-12);

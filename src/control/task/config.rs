@@ -1,6 +1,8 @@
 //! Which task an experiment is about.
 
 use super::Task;
+use super::cap::CapTask;
+use super::cap_config::Until;
 use super::carry::{Carry, CarryConfig};
 use super::contour::{Contour, ContourConfig};
 use super::friction_scan::{FrictionScan, FrictionScanConfig};
@@ -25,7 +27,10 @@ impl TaskConfig {
     /// The task at its beginning.
     pub fn task(&self) -> Box<dyn Task> {
         match self {
-            Self::Screw(config) => Box::new(ScrewTask::new(config)),
+            Self::Screw(config) => match (config.until, &config.cap) {
+                (Until::Closed | Until::Open, Some(cap)) => Box::new(CapTask::new(config, cap)),
+                _ => Box::new(ScrewTask::new(config)),
+            },
             Self::Contour(config) => Box::new(Contour::new(config)),
             Self::Carry(config) => Box::new(Carry::new(config)),
             Self::FrictionScan(config) => Box::new(FrictionScan::new(config)),

@@ -4,6 +4,10 @@
 //! losing or crushing what it holds is the [law](super::law)'s work, and what it may never do the
 //! [limits](super::limits)'.
 
+pub mod cap;
+pub mod cap_config;
+mod cap_touch;
+mod cap_verdict;
 pub mod carry;
 mod config;
 pub mod contour;
@@ -13,6 +17,7 @@ pub mod screw;
 mod search;
 pub mod surface;
 
+pub use cap_touch::FeelerCompliance;
 pub use config::TaskConfig;
 
 use super::phase::Phase;
@@ -53,6 +58,11 @@ pub trait Task: DynClone + Debug + Send {
     /// What came of the task, in a few words ("closed", "no cap"), once it can tell.
     fn outcome(&self) -> Option<&'static str> {
         None
+    }
+
+    /// Whether what came of the task is something else than it was for.
+    fn failed(&self) -> bool {
+        false
     }
 }
 

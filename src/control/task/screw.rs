@@ -1,6 +1,7 @@
 //! The screw task: SEARCH, MOVE, RELEASE, RETURN, again and again (paper, section V.B).
 
 use super::Task;
+use super::cap_config::{CapConfig, Until};
 use super::homing::homeward;
 use crate::control::phase::Phase;
 use crate::control::plan::Plan;
@@ -13,7 +14,10 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ScrewConfig {
-    /// How many times the fingers touch, turn and release.
+    /// When the strokes end.
+    #[serde(default)]
+    pub until: Until,
+    /// How many times the fingers touch, turn and release; at most, unless it is until this count.
     pub strokes: u32,
     /// v_0: speed of the approach, m/s.
     pub search_speed: f64,
@@ -29,6 +33,9 @@ pub struct ScrewConfig {
     pub return_speed: f64,
     /// A finger is home within this distance, m.
     pub home_tolerance: f64,
+    /// What is known of the cap; needed unless the strokes are counted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cap: Option<CapConfig>,
     /// Each finger's rectangle.
     pub finger: Vec<FingerPathConfig>,
 }
@@ -54,13 +61,19 @@ pub struct ScrewTask {
     stroke: u32,
 }
 
+/// One finger's rectangle, under way.
 #[derive(Debug, Clone, Copy)]
-struct Path {
-    home: DVec3,
-    approach: DVec3,
-    stroke: DVec3,
+pub(super) struct Path {
+    /// Where the finger returns to, m, in W.
+    pub home: DVec3,
+    /// Where it was at the beginning of the task, m, in W.
+    start: DVec3,
+    /// Unit vector towards the object, in W.
+    pub approach: DVec3,
+    /// Unit vector along the stroke, in W.
+    pub stroke: DVec3,
     /// Where the stroke began, m, in W.
-    stroke_start: DVec3,
+    pub stroke_start: DVec3,
 }
 
 impl ScrewTask {
@@ -175,10 +188,12 @@ impl Task for ScrewTask {
 }
 
 impl Path {
-    fn new(config: &FingerPathConfig) -> Self {
+    /// The rectangle of `config`, at its beginning.
+    pub fn new(config: &FingerPathConfig) -> Self {
         let home = DVec3::from_array(config.home);
         Self {
             home,
+            start: home,
             approach: DVec3::from_array(config.approach).normalize_or_zero(),
             stroke: DVec3::from_array(config.stroke).normalize_or_zero(),
             stroke_start: home,
@@ -186,12 +201,23 @@ impl Path {
     }
 
     /// How far along the stroke a finger at `position` is, m.
-    fn travelled(&self, position: DVec3) -> f64 {
+    pub fn travelled(&self, position: DVec3) -> f64 {
         (position - self.stroke_start).dot(self.stroke)
     }
 
     /// How far from home towards the object a finger at `position` is, m.
-    fn approached(&self, position: DVec3) -> f64 {
+    pub fn approached(&self, position: DVec3) -> f64 {
         (position - self.home).dot(self.approach)
+    }
+
+    /// From now on the finger returns no farther than `clearance` (m) off where this stroke began.
+    pub fn stay_near(&mut self, clearance: f64) {
+        let way = self.searched(self.stroke_start) - clearance;
+        self.home = self.start + way.max(0.0) * self.approach;
+    }
+
+    /// How far towards the object from where the task began a finger at `position` is, m.
+    pub fn searched(&self, position: DVec3) -> f64 {
+        (position - self.start).dot(self.approach)
     }
 }

@@ -2,6 +2,7 @@
 
 pub mod calibration;
 pub(super) mod canvas;
+pub mod cap;
 pub mod compare;
 pub mod friction;
 mod friction_samples;

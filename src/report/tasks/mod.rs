@@ -1,5 +1,6 @@
 //! What the report of each task shows that no other task's does: its claims, measures and figures.
 
+mod cap;
 mod carry;
 pub mod contour;
 mod findings;
@@ -10,7 +11,7 @@ use super::claim::Claim;
 use super::figures::Figure;
 use super::run_data::RunData;
 use super::summary::Summary;
-use crate::record::Recording;
+use crate::record::{Recording, RunFacts};
 use maud::Markup;
 
 /// The part of a report that a task brings.
@@ -31,12 +32,13 @@ pub trait TaskReport: Sync {
     fn measured(&self, recording: &Recording, summary: &Summary) -> Markup;
 }
 
-/// The report of the task of this name; of one that is not known, as of the first that there was.
-pub fn of(task: &str) -> &'static dyn TaskReport {
-    match task {
+/// The report of the task of a run with these facts; of one that is not known, as of the first that there was.
+pub fn of(facts: &RunFacts) -> &'static dyn TaskReport {
+    match facts.task.as_str() {
         "carry" => &carry::CarryReport,
         "contour" => &contour::ContourReport,
         "friction_scan" => &friction_scan::FrictionScanReport,
+        _ if facts.cap.is_some() => &cap::CapReport,
         _ => &screw::ScrewReport,
     }
 }

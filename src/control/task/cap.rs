@@ -1,0 +1,300 @@
+//! A cap that is screwed until the hand feels that it is closed, or unscrewed until it is open.
+//!
+//! The strokes are those of the [screw task](super::screw), with two differences. The task itself holds the grip: it presses each finger
+//! as hard as it is to be, no harder, whether it slips or not. And it goes on until it knows what became of the cap:
+//! first gently; once a stroke turns the cap less than half as far as it should, with the whole grip allowed; and when
+//! the fingers have slipped over a cap that stands still in two strokes, by what it resisted on the way.
+
+use super::Finding;
+use super::Task;
+use super::cap_config::{CapConfig, Until};
+use super::cap_touch::CapTouch;
+use super::cap_verdict::ResistanceCurve;
+use super::screw::{Path, ScrewConfig};
+use crate::control::phase::Phase;
+use crate::control::plan::Plan;
+use crate::control::sense::{FingerSense, HandSense};
+use crate::control::stop_reason::StopReason;
+use glam::{DVec2, DVec3};
+use std::f64::consts::TAU;
+
+/// Strokes that a cap must stand still in.
+const STILL_STROKES: u32 = 2;
+/// A stroke that turns the cap less than this share of its travel meets resistance.
+const FREE_SHARE: f64 = 0.5;
+/// A finger grips when it has this share of the grip wanted.
+const GRIPPING: f64 = 0.9;
+/// Elements are pressed no harder than this share of what damages them: shear and noise come on top.
+const GUARDED: f64 = 0.85;
+/// A finger that returns has a velocity of its distance from home over this time, s.
+const HOMING_TIME: f64 = 0.1;
+
+/// The state machine.
+#[derive(Debug, Clone)]
+pub struct CapTask {
+    config: ScrewConfig,
+    cap: CapConfig,
+    paths: Vec<Path>,
+    touch: CapTouch,
+    curve: ResistanceCurve,
+    phase: Phase,
+    stroke: u32,
+    /// Whether the whole grip allowed is used.
+    firm: bool,
+    /// Strokes in a row in which the cap stood still.
+    still: u32,
+    /// How far the cap was turned before this stroke, and in it, rad.
+    turned: f64,
+    stroke_turn: f64,
+    outcome: Option<&'static str>,
+    findings: [Finding; 6],
+}
+
+impl CapTask {
+    /// The task at its beginning.
+    pub fn new(config: &ScrewConfig, cap: &CapConfig) -> Self {
+        let axis = DVec2::from_array(cap.axis);
+        let paths: Vec<_> = config.finger.iter().map(Path::new).collect();
+        let sense = paths.first().map_or(1.0, |path| {
+            (path.home.truncate() - axis).perp_dot(path.stroke.truncate())
+        });
+        let mut task = Self {
+            touch: CapTouch::new(axis, cap.feeler, sense, paths.len()),
+            paths,
+            config: config.clone(),
+            cap: cap.clone(),
+            curve: ResistanceCurve::default(),
+            phase: Phase::Search,
+            stroke: 1,
+            firm: config.until == Until::Open,
+            still: 0,
+            turned: 0.0,
+            stroke_turn: 0.0,
+            outcome: None,
+            findings: [Finding {
+                name: "",
+                value: 0.0,
+            }; 6],
+        };
+        task.note(0.0);
+        task
+    }
+
+    /// The grip force of each finger that is wanted now, N.
+    fn grip(&self) -> f64 {
+        match self.firm {
+            true => self.cap.grip,
+            false => self.config.grasp_force.min(self.cap.grip),
+        }
+    }
+
+    fn search(&mut self, hand: &HandSense<'_>) {
+        let limit = self.config.search_limit;
+        let mut fingers = self.paths.iter().zip(hand.fingers());
+        let lost = fingers.any(|(path, finger)| {
+            path.searched(finger.pose.position) > limit && !finger.flags().touch
+        });
+        let enough = GRIPPING * self.grip();
+        if lost {
+            self.end("no cap");
+            self.phase = Phase::Release;
+        } else if self
+            .touch
+            .fingers
+            .iter()
+            .all(|finger| finger.grip >= enough)
+        {
+            for (path, pose) in self.paths.iter_mut().zip(hand.poses) {
+                path.stroke_start = pose.position;
+                path.stay_near(self.cap.clearance);
+            }
+            self.touch.begin_stroke();
+            self.stroke_turn = 0.0;
+            self.phase = Phase::Move;
+        }
+    }
+
+    fn screw(&mut self, hand: &HandSense<'_>) {
+        self.stroke_turn += self.touch.turned();
+        let torque = self.touch.torque();
+        self.curve.push(torque, self.turned + self.stroke_turn);
+        self.note(torque);
+        let mut fingers = self.paths.iter().zip(hand.fingers());
+        if fingers.all(|(p, f)| p.travelled(f.pose.position) >= self.config.travel) {
+            self.turned += self.stroke_turn;
+            self.judge();
+            self.stroke_turn = 0.0;
+            self.note(0.0);
+            self.phase = Phase::Release;
+        }
+    }
+
+    /// What the stroke that has just been made says.
+    fn judge(&mut self) {
+        let Some(radius) = self.touch.radius() else {
+            return self.end("no cap");
+        };
+        let free = FREE_SHARE * self.config.travel / radius.max(f64::MIN_POSITIVE);
+        let at_limit = self.touch.fingers.iter().all(|finger| finger.slid)
+            || self.curve.largest > self.cap.most_friction * self.grip() * self.lever(radius);
+        match self.stroke_turn < self.cap.still_turn && self.firm && at_limit {
+            true => self.still += 1,
+            false => self.still = 0,
+        }
+        let most = match self.config.until {
+            Until::Open => self.cap.open_turns,
+            _ => self.cap.most_turns,
+        };
+        if self.turned > TAU * most {
+            self.end(match self.config.until {
+                Until::Open => "open",
+                _ => "spinning freely",
+            });
+        } else if self.still >= STILL_STROKES {
+            self.end(self.verdict());
+        } else if self.stroke >= self.config.strokes {
+            self.end("undecided");
+        }
+        let resists = self.stroke_turn < free;
+        // A cap that closes resists more and more; one that opens does so no longer once it has given way.
+        self.firm = resists || (self.firm && self.config.until == Until::Closed);
+    }
+
+    /// What a cap is that cannot be turned any further.
+    fn verdict(&self) -> &'static str {
+        let too_early = self.turned < TAU * self.cap.least_turns;
+        let stiffness = self.stiffness().unwrap_or(f64::INFINITY);
+        match self.config.until {
+            Until::Open => "stuck",
+            _ if too_early || stiffness < self.cap.softest_seat => "cross-threaded",
+            _ => "closed",
+        }
+    }
+
+    /// Stiffness of what the cap has met, as felt, N·m/rad.
+    fn stiffness(&self) -> Option<f64> {
+        self.curve
+            .stiffness(self.config.grasp_force / self.cap.grip)
+    }
+
+    /// Torque of a unit of shear on every finger, m.
+    fn lever(&self, radius: f64) -> f64 {
+        radius * self.touch.fingers.len() as f64
+    }
+
+    fn end(&mut self, outcome: &'static str) {
+        self.outcome = self.outcome.or(Some(outcome));
+    }
+
+    /// Keeps what was found out, the torque being `torque`.
+    fn note(&mut self, torque: f64) {
+        let grips = self.touch.fingers.iter().map(|finger| finger.grip);
+        let found = [
+            ("torque_nm", torque),
+            ("turned_rad", self.turned + self.stroke_turn),
+            ("grip_n", grips.fold(f64::INFINITY, f64::min)),
+            ("radius_m", self.touch.radius().unwrap_or(0.0)),
+            ("largest_torque_nm", self.curve.largest),
+            ("stiffness_nm_per_rad", self.stiffness().unwrap_or(0.0)),
+        ];
+        self.findings = found.map(|(name, value)| Finding { name, value });
+    }
+
+    /// Speed towards the axis that makes the grip of `finger` what it is to be, m/s.
+    fn press(&self, finger: usize) -> f64 {
+        let Some(felt) = self.touch.fingers.get(finger) else {
+            return 0.0;
+        };
+        let missing = self.grip() - felt.grip;
+        let left = GUARDED * self.cap.damage_force - felt.largest;
+        let (inward, outward) = (self.config.search_speed, self.config.return_speed);
+        (self.cap.grip_gain * missing.min(left)).clamp(-outward, inward)
+    }
+
+    /// Speed of the stroke of `finger`, m/s: less where it would press an element too hard.
+    fn pace(&self, finger: usize) -> f64 {
+        let largest = self.touch.fingers.get(finger).map_or(0.0, |f| f.largest);
+        let left = 1.0 - largest / self.cap.damage_force;
+        self.config.move_speed * (left / (1.0 - GUARDED)).clamp(0.0, 1.0)
+    }
+}
+
+impl Task for CapTask {
+    fn advance(&mut self, hand: &HandSense<'_>) -> Result<(), StopReason> {
+        self.touch.feel(hand);
+        let all = |through: &dyn Fn(&Path, &FingerSense<'_>) -> bool| {
+            let mut fingers = self.paths.iter().zip(hand.fingers());
+            fingers.all(|(path, finger)| through(path, &finger))
+        };
+        match self.phase {
+            Phase::Search => self.search(hand),
+            Phase::Move => self.screw(hand),
+            Phase::Release => {
+                if all(&|p, f| p.approached(f.pose.position) <= 0.0) {
+                    self.phase = Phase::Return;
+                }
+            }
+            Phase::Return => {
+                let tolerance = self.config.home_tolerance;
+                if all(&|p, f| p.home.distance(f.pose.position) <= tolerance) {
+                    if self.outcome.is_some() {
+                        self.phase = Phase::Done;
+                    } else {
+                        self.stroke += 1;
+                        self.phase = Phase::Search;
+                    }
+                }
+            }
+            Phase::Done | Phase::Stopped => {}
+        }
+        Ok(())
+    }
+
+    fn plan(&self, finger: usize, hand: &HandSense<'_>) -> Plan {
+        let (Some(path), Some(sense)) = (self.paths.get(finger), hand.finger(finger)) else {
+            return Plan::default();
+        };
+        let position = sense.pose.position;
+        let (away, along) = self.touch.directions(position);
+        let velocity = match self.phase {
+            Phase::Search => self.press(finger) * path.approach,
+            Phase::Move if path.travelled(position) < self.config.travel => {
+                self.pace(finger) * along - self.press(finger) * away
+            }
+            Phase::Move => -self.press(finger) * away,
+            Phase::Release => -self.config.return_speed * path.approach,
+            Phase::Return => {
+                ((path.home - position) / HOMING_TIME).clamp_length_max(self.config.return_speed)
+            }
+            Phase::Done | Phase::Stopped => DVec3::ZERO,
+        };
+        // The grip is the task's: a finger that presses more because it slips would never find the limit of a definite grip.
+        Plan {
+            velocity,
+            towards_object: path.approach,
+            reflex: false,
+            keep_grasp: false,
+        }
+    }
+
+    fn phase(&self) -> Phase {
+        self.phase
+    }
+
+    fn stroke(&self) -> u32 {
+        self.stroke
+    }
+
+    fn findings(&self) -> &[Finding] {
+        &self.findings
+    }
+
+    fn outcome(&self) -> Option<&'static str> {
+        self.outcome
+    }
+
+    fn failed(&self) -> bool {
+        self.outcome
+            .is_some_and(|o| !["closed", "open"].contains(&o))
+    }
+}

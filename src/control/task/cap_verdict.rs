@@ -1,0 +1,108 @@
+//! What the strokes on a cap come to: from turn and torque as felt to "closed", "cross-threaded", "spinning freely".
+
+/// Lowest torque that the curve has a point for, N·m.
+const LOWEST: f64 = 1e-3;
+/// Each point's torque relative to the one before.
+const RATIO: f64 = 1.03;
+/// Points: up to 0.4 N·m.
+const POINTS: usize = 204;
+/// The stiffness of what the cap meets is taken up to this share of the largest torque: below the limit of friction, where fingers
+/// slip and feel turns that are none…
+const HIGHEST: f64 = 0.9;
+/// …and from so many times the limit of gentle strokes, in which they have slipped, too…
+const ABOVE_GENTLE: f64 = 1.2;
+/// …but over a span of this share of the largest torque at least.
+const SPAN: f64 = 0.2;
+
+/// How far the cap had turned when the torque first rose above each of a row of values.
+///
+/// A cap turns only while the torque balances what resists it, and resistance on a seat only grows: where the
+/// torque is larger than ever before, it is the resistance at that angle.
+#[derive(Debug, Clone)]
+pub struct ResistanceCurve {
+    turn: [f64; POINTS],
+    reached: usize,
+    /// Largest torque so far, N·m.
+    pub largest: f64,
+}
+
+impl Default for ResistanceCurve {
+    fn default() -> Self {
+        Self {
+            turn: [0.0; POINTS],
+            reached: 0,
+            largest: 0.0,
+        }
+    }
+}
+
+impl ResistanceCurve {
+    /// Takes in the torque (N·m) at an angle (rad).
+    pub fn push(&mut self, torque: f64, turn: f64) {
+        self.largest = self.largest.max(torque);
+        while let Some(point) = self.turn.get_mut(self.reached) {
+            if torque < LOWEST * RATIO.powi(self.reached as i32) {
+                break;
+            }
+            *point = turn;
+            self.reached += 1;
+        }
+    }
+
+    /// Stiffness of what the cap has met, N·m/rad, once there is a largest torque; infinite where it gave way by nothing. Gentle
+    /// strokes grip with a share `gentle` of what the firm ones do.
+    pub fn stiffness(&self, gentle: f64) -> Option<f64> {
+        let lowest = (ABOVE_GENTLE * gentle).min(HIGHEST - SPAN);
+        let (low, high) = (self.point(lowest)?, self.point(HIGHEST)?);
+        let torque = self.torque(high) - self.torque(low);
+        let turn = self.turn.get(high)? - self.turn.get(low)?;
+        (high > low).then(|| match turn > 0.0 {
+            true => torque / turn,
+            false => f64::INFINITY,
+        })
+    }
+
+    fn torque(&self, point: usize) -> f64 {
+        LOWEST * RATIO.powi(point as i32)
+    }
+
+    /// The last point below a share of the largest torque.
+    fn point(&self, share: f64) -> Option<usize> {
+        let steps = (share * self.largest / LOWEST).ln() / RATIO.ln();
+        let last = self.reached.checked_sub(1)?;
+        (steps >= 0.0).then(|| (steps as usize).min(last))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_stiffness_of_a_seat_is_that_of_its_line_whatever_comes_before() {
+        let mut curve = ResistanceCurve::default();
+        assert_eq!(curve.stiffness(0.5), None);
+        // Runs down at 3 mN·m for 2 rad, then 0.3 N·m/rad; every stroke begins at no torque.
+        for stroke in 0..4 {
+            for step in 0..100 {
+                let turn = 0.55 * (f64::from(stroke) + f64::from(step) / 100.0);
+                let resistance = 3e-3 + 0.3 * (turn - 2.0).max(0.0);
+                let built_up = 1e-3 * f64::from(step);
+                curve.push(resistance.min(built_up), turn);
+            }
+        }
+        let stiffness = curve.stiffness(0.5).expect("a stiffness");
+        // The span is 0.3 of 62 mN·m; points are 3 % apart, steps 1 mN·m.
+        assert!((stiffness / 0.3 - 1.0).abs() < 0.1, "{stiffness}");
+    }
+
+    #[test]
+    fn what_gives_way_by_nothing_is_infinitely_stiff() {
+        let mut curve = ResistanceCurve::default();
+        for step in 0..60 {
+            curve.push(1e-3 * f64::from(step), 0.0);
+        }
+        assert_eq!(curve.stiffness(0.5), Some(f64::INFINITY));
+        assert_eq!(curve.largest, 0.059);
+    }
+}

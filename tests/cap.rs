@@ -1,0 +1,181 @@
+//! A cap that is screwed until the hand knows what became of it, through the program.
+
+#[path = "support/program.rs"]
+mod program;
+
+use program::{Ended, folder, run};
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+
+/// Runs an experiment with settings; how it ended, and its summary.
+fn screw(folder: &Path, experiment: &str, name: &str, settings: &[&str]) -> (Ended, Value) {
+    let settings: Vec<_> = settings.iter().map(|s| format!("--set={s}")).collect();
+    let mut arguments = vec!["run", experiment, "--out", name];
+    arguments.extend(settings.iter().map(String::as_str));
+    let ended = run(folder, &arguments);
+    let text = fs::read_to_string(folder.join(name).join("summary.json"));
+    let text = text.unwrap_or_else(|e| panic!("{e}: {ended:?}"));
+    (ended, serde_json::from_str(&text).expect("a summary"))
+}
+
+fn number(value: &Value) -> f64 {
+    value
+        .as_f64()
+        .unwrap_or_else(|| panic!("a number, not {value}"))
+}
+
+#[test]
+fn a_good_cap_is_closed_tightly_and_what_was_felt_is_what_happened() {
+    let folder = folder("cap-closed");
+    let (ended, summary) = screw(&folder, "cap-until-closed", "run", &[]);
+    assert!(ended.done().contains("outcome: closed"));
+    assert_eq!(summary["outcome"], "closed");
+    // The cap met its seat at half a turn, 5 % more or less, and went on it by the torque over the seat's stiffness.
+    let seat = 3.14 * 0.95..3.14 * 1.05 + 0.1;
+    assert!(seat.contains(&number(&summary["cap_angle"])), "{summary}");
+    let cap = &summary["cap"];
+    // By hand: 1.02 * 1.8 N * 14 mm * 2.
+    assert!((number(&cap["friction_limit"]) - 0.051_408).abs() < 1e-9);
+    assert!(number(&cap["torque_ratio"]) > 0.7, "{cap}");
+    assert!(number(&cap["time_over_damage"]) <= 0.05, "{cap}");
+    let strokes = cap["strokes"].as_array().expect("strokes");
+    assert!(strokes.len() >= 5, "{cap}");
+    for stroke in strokes {
+        let pair = |felt: &str, true_: &str| (number(&stroke[felt]), number(&stroke[true_]));
+        // The hand takes the radius for that of the undeformed cap's axis, and slips hide some of the way: 5 % and 2 degrees.
+        let (felt, turn) = pair("felt_turn", "turn");
+        assert!((felt - turn).abs() < 0.05 * turn + 0.035, "{stroke}");
+        let (felt, torque) = pair("felt_torque", "torque");
+        assert!((felt - torque).abs() < 0.05 * torque + 0.001, "{stroke}");
+    }
+    let page = fs::read_to_string(folder.join("run/report.html")).expect("a page");
+    for word in [
+        "What became of the cap",
+        "closed",
+        "Turn felt",
+        "Torque and turn",
+    ] {
+        assert!(page.contains(word), "no {word:?}");
+    }
+    assert!(!page.contains("The paper's claims"));
+}
+
+#[test]
+fn each_fault_is_called_by_its_name() {
+    let folder = folder("cap-faults");
+    let thread = "sim.object.cap.motion.thread";
+    let crossed = format!("{thread}.fault.cross_threaded={{angle=0.5,stiffness=0.03}}");
+    let stripped = format!("{thread}.fault=\"stripped\"");
+    // A seat that a cap which needs a turn and a half cannot have met.
+    let known = ["task.screw.cap.least_turns=1.5"];
+    let cases: [(&str, &[&str], &str); 4] = [
+        ("crossed", &[&crossed], "cross-threaded"),
+        ("early", &known, "cross-threaded"),
+        ("stripped", &[&stripped], "spinning freely"),
+        ("none", &["sim.object.cap.position=[0.0,0.0,0.4]"], "no cap"),
+    ];
+    for (name, settings, outcome) in cases {
+        let (ended, summary) = screw(&folder, "cap-until-closed", name, settings);
+        assert_eq!(ended.status, Some(1), "{ended:?}");
+        assert!(ended.stdout.contains(outcome), "{ended:?}");
+        assert_eq!(summary["outcome"], outcome, "{name}");
+    }
+}
+
+#[test]
+fn a_closed_cap_is_opened_again_and_one_that_is_too_tight_is_stuck() {
+    let folder = folder("cap-opened");
+    let (ended, summary) = screw(&folder, "cap-opening", "run", &[]);
+    assert!(ended.done().contains("outcome: open"));
+    // A turn, to the accuracy of what is felt; the stroke in which the cap breaks loose is felt worst.
+    let turned = -number(&summary["cap_angle"]) / std::f64::consts::TAU;
+    assert!((0.95..1.25).contains(&turned), "{turned}");
+    // It took what cap-closing had closed it with: 2.9 mN·m and 0.9 N·m/rad over 0.085 rad; at most 5 % more to set it going, and the
+    // seat differs by 5 % from seed to seed.
+    let largest = number(&summary["cap"]["largest_torque"]);
+    assert!((0.074..0.090).contains(&largest), "{largest}");
+
+    let tight = ["sim.object.cap.motion.thread.seat_angle=-0.5"];
+    let (ended, summary) = screw(&folder, "cap-opening", "tight", &tight);
+    assert_eq!(ended.status, Some(1), "{ended:?}");
+    assert_eq!(summary["outcome"], "stuck");
+    assert_eq!(number(&summary["cap_angle"]), 0.0);
+}
+
+#[test]
+fn what_makes_no_sense_is_refused_with_field_value_and_range() {
+    let folder = folder("cap-refused");
+    let check = |setting: &str, words: &[&str]| {
+        let arguments = ["run", "cap-until-closed", "--set", setting];
+        run(&folder, &arguments).refused(words);
+    };
+    check(
+        "task.screw.cap.grip=0.5",
+        &[
+            "task.screw.cap.grip = 0.5",
+            "from task.screw.grasp_force = 1",
+        ],
+    );
+    check("task.screw.cap.grip=nan", &["task.screw.cap.grip"]);
+    check(
+        "task.screw.cap.damage_force=0",
+        &["task.screw.cap.damage_force = 0"],
+    );
+    check(
+        "task.screw.cap.least_turns=3",
+        &["least_turns = 3", "most_turns = 2.3"],
+    );
+    check(
+        "task.screw.cap.feeler.shear_stiffness=-1",
+        &["shear_stiffness = -1"],
+    );
+    check("task.screw.until=\"shut\"", &["shut", "closed"]);
+    let thread = "sim.object.cap.motion.thread";
+    check(&format!("{thread}.fault=\"bent\""), &["bent", "stripped"]);
+    let crossed = format!("{thread}.fault.cross_threaded={{angle=0.5,stiffness=0}}");
+    check(&crossed, &["cross_threaded.stiffness = 0"]);
+    run(
+        &folder,
+        &["run", "cap-closing", "--set", "task.screw.until=\"closed\""],
+    )
+    .refused(&["task.screw.cap", "[task.screw.cap]"]);
+}
+
+#[test]
+fn a_sweep_counts_what_was_found() {
+    let folder = folder("cap-sweep");
+    let arguments = [
+        "sweep",
+        "cap-until-closed",
+        "--trials=4",
+        "--jobs=1",
+        "--seed=3",
+        "-o=sweep",
+        "--set=sim.object.cap.motion.thread.fault=\"stripped\"",
+        "--set=task.screw.cap.most_turns=0.3",
+        "--vary=friction=uniform(0.6,1.2)",
+    ];
+    let said = run(&folder, &arguments).done();
+    assert!(said.contains("0 of 4 trials succeeded"), "{said}");
+    let mut table = csv::Reader::from_path(folder.join("sweep/trials.csv")).expect("a table");
+    let header = table.headers().expect("a header").clone();
+    let column = |name: &str| header.iter().position(|h| h == name).expect("a column");
+    let (found, ratio, over) = (
+        column("found"),
+        column("torque_ratio"),
+        column("time_over_damage"),
+    );
+    let turned = column("found.turned_rad");
+    for row in table.records().map(|row| row.expect("a row")) {
+        assert_eq!(&row[found], "spinning freely");
+        // Running torque over the limit of friction at 0.6 or more: 2.9 / 30 mN·m, and the noise of the sensor.
+        let ratio: f64 = row[ratio].parse().expect("a ratio");
+        assert!(ratio > 0.0 && ratio < 0.15, "{ratio}");
+        assert_eq!(&row[over], "0.0");
+        let turned: f64 = row[turned].parse().expect("a turn");
+        assert!(turned > 0.3 * std::f64::consts::TAU, "{turned}");
+    }
+    let page = fs::read_to_string(folder.join("sweep/summary.html")).expect("a page");
+    assert!(page.contains("spinning freely"));
+}
