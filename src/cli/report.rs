@@ -3,7 +3,6 @@
 use super::{CommandError, Outcome};
 use crate::report::cap::CapMeasures;
 use crate::report::make::{RECORDING, ReportOutcome, make};
-use crate::report::tasks;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 

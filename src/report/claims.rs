@@ -254,10 +254,10 @@ pub(super) fn no_damage(data: &RunData) -> Claim {
 pub(super) fn longest_above(data: &RunData, limit: f64) -> f64 {
     let longest = (data.fingers.iter())
         .flat_map(|finger| {
-            let elements = finger.compression.iter().map(Vec::len).max().unwrap_or(0);
+            let elements = finger.forces.iter().map(Vec::len).max().unwrap_or(0);
             (0..elements).map(move |element| {
-                let force = |row: &Vec<f64>| row.get(element).copied().unwrap_or(0.0);
-                longest_stretch(finger.compression.iter().map(|row| force(row) > limit))
+                let force = |row: &Vec<DVec3>| row.get(element).map_or(0.0, |force| force.z);
+                longest_stretch(finger.forces.iter().map(|row| force(row) > limit))
             })
         })
         .max();
