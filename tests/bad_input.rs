@@ -174,7 +174,11 @@ fn settings_that_make_no_sense() {
         ),
         (
             "control.law=telepathy",
-            &["--set control.law", "`telepathy`", "expected `tri-axial`"],
+            &[
+                "--set control.law",
+                "\"telepathy\"",
+                "expected one of tri-axial",
+            ],
         ),
         (
             "task.strokes=3",

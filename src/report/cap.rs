@@ -76,7 +76,7 @@ impl CapMeasures {
             largest_torque: maximum(strokes.iter().filter_map(|stroke| stroke.torque)),
             final_torque,
             torque_ratio: final_torque.and_then(|torque| finite(torque / limit)),
-            time_over_damage: longest_above(data, facts.damage_force),
+            time_over_damage: longest_above(data, facts.damage_force).unwrap_or(0.0),
             strokes,
         })
     }

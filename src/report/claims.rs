@@ -234,7 +234,7 @@ fn path_saturates(data: &RunData) -> Claim {
 
 pub(super) fn no_damage(data: &RunData) -> Claim {
     let limit = DAMAGE_FORCE * data.facts.over_force_threshold;
-    let longest = (!data.fingers.is_empty()).then(|| longest_above(data, limit));
+    let longest = longest_above(data, limit);
     Claim::new(
         "no-damage",
         "OVER protects the elements.",
@@ -250,8 +250,8 @@ pub(super) fn no_damage(data: &RunData) -> Claim {
     )
 }
 
-/// Longest time of an element pressed harder than `limit` (N), s.
-pub(super) fn longest_above(data: &RunData, limit: f64) -> f64 {
+/// Longest time of an element pressed harder than `limit` (N), s; none where no forces are known.
+pub(super) fn longest_above(data: &RunData, limit: f64) -> Option<f64> {
     let longest = (data.fingers.iter())
         .flat_map(|finger| {
             let elements = finger.forces.iter().map(Vec::len).max().unwrap_or(0);
@@ -261,7 +261,7 @@ pub(super) fn longest_above(data: &RunData, limit: f64) -> f64 {
             })
         })
         .max();
-    longest.unwrap_or(0) as f64 * data.facts.control_period
+    longest.map(|rows| rows as f64 * data.facts.control_period)
 }
 
 fn measures(data: &RunData, index: u32) -> Option<StrokeMeasures> {

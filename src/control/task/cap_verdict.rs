@@ -103,6 +103,6 @@ mod tests {
             curve.push(1e-3 * f64::from(step), 0.0);
         }
         assert_eq!(curve.stiffness(0.5), Some(f64::INFINITY));
-        assert_eq!(curve.largest, 0.059);
+        assert_eq!(curve.largest, 1e-3 * 59.0);
     }
 }
