@@ -5,6 +5,7 @@ mod program;
 
 use program::{Ended, folder, run};
 use serde_json::Value;
+use std::f64::consts::PI;
 use std::fs;
 use std::path::Path;
 
@@ -32,7 +33,7 @@ fn a_good_cap_is_closed_tightly_and_what_was_felt_is_what_happened() {
     assert!(ended.done().contains("outcome: closed"));
     assert_eq!(summary["outcome"], "closed");
     // The cap met its seat at half a turn, 5 % more or less, and went on it by the torque over the seat's stiffness.
-    let seat = 3.14 * 0.95..3.14 * 1.05 + 0.1;
+    let seat = 0.95 * PI..1.05 * PI + 0.1;
     assert!(seat.contains(&number(&summary["cap_angle"])), "{summary}");
     let cap = &summary["cap"];
     // By hand: 1.02 * 1.8 N * 14 mm * 2.
