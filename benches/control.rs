@@ -47,7 +47,7 @@ fn decide_by_law(bencher: Bencher, law: &str) {
 }
 
 /// One decision for the fingers of each task in contact.
-#[divan::bench(args = ["cap-closing", "friction-scan"])]
+#[divan::bench(args = ["cap-closing", "cap-until-closed", "friction-scan", "contour", "slide-box-two", "lift"])]
 fn decide_by_task(bencher: Bencher, experiment: &str) {
     decide_in_contact(bencher, &config(experiment));
 }

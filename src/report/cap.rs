@@ -42,7 +42,7 @@ pub struct CapMeasures {
     /// The final torque relative to the limit of friction.
     pub torque_ratio: Option<f64>,
     /// Longest time of an element over its damage limit, s.
-    pub time_over_damage: f64,
+    pub time_over_damage: Option<f64>,
     /// The strokes.
     pub strokes: Vec<FeltStroke>,
 }
@@ -76,7 +76,7 @@ impl CapMeasures {
             largest_torque: maximum(strokes.iter().filter_map(|stroke| stroke.torque)),
             final_torque,
             torque_ratio: final_torque.and_then(|torque| finite(torque / limit)),
-            time_over_damage: longest_above(data, facts.damage_force).unwrap_or(0.0),
+            time_over_damage: longest_above(data, facts.damage_force),
             strokes,
         })
     }
@@ -85,7 +85,9 @@ impl CapMeasures {
     pub fn closed_well(&self, outcome: Option<&str>) -> bool {
         outcome == Some(CLOSED)
             && self.torque_ratio.is_some_and(|ratio| ratio >= TIGHT)
-            && self.time_over_damage <= DAMAGE_TIME
+            && self
+                .time_over_damage
+                .is_some_and(|time| time <= DAMAGE_TIME)
     }
 }
 

@@ -276,7 +276,7 @@ impl Trials {
         if self.has_cap {
             let cap = summary.cap.as_ref();
             row.push(number(cap.and_then(|cap| cap.torque_ratio)));
-            row.push(number(cap.map(|cap| cap.time_over_damage)));
+            row.push(number(cap.and_then(|cap| cap.time_over_damage)));
         }
         for stroke in 1..=self.strokes {
             let measured = summary.strokes.iter().find(|s| s.index == stroke);

@@ -116,7 +116,7 @@ fn rows(cap: &CapMeasures) -> Vec<(String, String)> {
             "Longest time of an element over its damage limit ({} ms are borne)",
             significant(1e3 * DAMAGE_TIME)
         ),
-        format!("{} ms", significant(1e3 * cap.time_over_damage)),
+        format!("{} ms", value(cap.time_over_damage.map(|time| 1e3 * time))),
     ));
     rows
 }
