@@ -2,7 +2,7 @@
 //!
 //! One finger presses from above and slides it over a table; several grasp it and may lift it. The grip
 //! follows what the object pulls, and slip ([`grip`]). Where the object is, is told by the tips that stick
-//! to it ([`odometry`]), and that is what is brought along the path.
+//! to it (`odometry`), and that is what is brought along the path.
 
 mod config;
 pub mod grip;
