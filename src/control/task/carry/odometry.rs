@@ -79,7 +79,8 @@ impl Odometry {
 
     fn remember(&mut self, hand: &HandSense<'_>, feeler: &FeelerShape, touch_force: f64) {
         for (tips, finger) in self.tips.iter_mut().zip(hand.fingers()) {
-            for (element, tip) in tips.iter_mut().enumerate() {
+            let elements = finger.layout.elements.len();
+            for (element, tip) in tips.iter_mut().enumerate().take(elements) {
                 let touches = finger.force(element).length() > touch_force;
                 *tip = feeler.tip(&finger, element).filter(|_| touches);
             }
@@ -99,6 +100,7 @@ fn steps<'a>(
     fingers.flat_map(move |(tips, finger)| {
         tips.iter()
             .enumerate()
+            .take(finger.layout.elements.len())
             .filter_map(move |(element, &before)| {
                 let before = before?;
                 let weight = finger.force(element).length();
