@@ -1,9 +1,8 @@
 //! The page of a calibration: how far off it is, with curves and residuals.
 
+use super::document::document;
 use super::figures::calibration::{errors_figure, loads_figure};
-use maud::{DOCTYPE, Markup, PreEscaped, html};
-
-const STYLE: &str = include_str!("page.css");
+use maud::{Markup, PreEscaped, html};
 
 /// What the page says.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -56,41 +55,30 @@ pub struct ElementLoads {
 
 /// The page, as HTML text.
 pub fn calibration_page(page: &CalibrationPage) -> String {
-    html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                title { "Calibration: " (page.source) }
-                style { (PreEscaped(STYLE)) }
+    let body = html! {
+        h1 { "Calibration: " (page.source) }
+        p.verdict { (verdict(page)) }
+        h2 { "Figures" }
+        div.figures {
+            figure {
+                (PreEscaped(errors_figure(page)))
+                figcaption { b { "Errors. " }
+                    "Root mean square on loads that the fit has not seen, by element." }
             }
-            body {
-                h1 { "Calibration: " (page.source) }
-                p.verdict { (verdict(page)) }
-                h2 { "Figures" }
-                div.figures {
-                    figure {
-                        (PreEscaped(errors_figure(page)))
-                        figcaption { b { "Errors. " }
-                            "Root mean square on loads that the fit has not seen, by element." }
-                    }
-                    @for (index, element) in page.drawn.iter().enumerate() {
-                        figure {
-                            (PreEscaped(loads_figure(element, index as u32 + 2)))
-                            figcaption { b { (element.name) ". " }
-                                "Left: the loads (dots) and the calibration's curves, for a coupled model at "
-                                "no, half and full growth of the gray value. Right: readings less loads, of held-out loads where there are some." }
-                        }
-                    }
+            @for (index, element) in page.drawn.iter().enumerate() {
+                figure {
+                    (PreEscaped(loads_figure(element, index as u32 + 2)))
+                    figcaption { b { (element.name) ". " }
+                        "Left: the loads (dots) and the calibration's curves, for a coupled model at "
+                        "no, half and full growth of the gray value. Right: readings less loads, of held-out loads where there are some." }
                 }
-                h2 { "Elements" }
-                (elements_table(page))
-                p { "Made for the fingertip of SHA-256" br; span.digest { (page.sha256) } }
             }
         }
-    }
-    .into_string()
+        h2 { "Elements" }
+        (elements_table(page))
+        p { "Made for the fingertip of SHA-256" br; span.digest { (page.sha256) } }
+    };
+    document(&format!("Calibration: {}", page.source), body)
 }
 
 /// The calibration in one paragraph.

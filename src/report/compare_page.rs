@@ -1,9 +1,8 @@
 //! `compare.html`: control laws on the same trials, on one self-contained page.
 
+use super::document::document;
 use super::figures::compare::curves_figure;
-use maud::{DOCTYPE, Markup, PreEscaped, html};
-
-const STYLE: &str = include_str!("page.css");
+use maud::{Markup, PreEscaped, html};
 
 /// What the page shows.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -96,53 +95,42 @@ impl ComparePage {
 /// The page, as HTML text.
 pub fn compare_page(page: &ComparePage) -> String {
     let (torque, force) = page.goal;
-    html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                title { "Control laws compared: " (page.name) }
-                style { (PreEscaped(STYLE)) }
-            }
-            body {
-                @if page.trials < page.planned {
-                    div.incomplete role="alert" {
-                        "INCOMPLETE: " (page.trials) " of " (page.planned) " trials are finished under every law."
-                    }
-                }
-                h1 { "Control laws compared: " (page.name) }
-                @for law in 1..page.laws.len() {
-                    @if let Some(verdict) = page.verdict(law) { p.verdict { (verdict) "." } }
-                }
-                p {
-                    (page.trials) " trials under each law, with the same draws. A success is a cap that was tightened to "
-                    (torque) " mN·m or more with no element above " (force) " N. In brackets 95 % confidence: "
-                    "Wilson's interval for success, the percentile bootstrap for all else; differences are taken trial by trial."
-                }
-                p { code { (page.varied) } }
-                h2 { "Means" }
-                (table(page, true, |row| row.value, number))
-                h2 { "Differences from " (page.laws.first().map_or("", |law| law.name)) }
-                (table(page, false, |row| row.difference, signed))
-                h2 { "Against what varies" }
-                div.figures {
-                    @for (index, figure) in page.figures.iter().enumerate() {
-                        figure { (PreEscaped(curves_figure(figure, index as u32 + 1))) }
-                    }
-                }
-                p.note {
-                    "Bands are 95 % confidence. Final torque, friction and work lost in slip are the simulator's truth, which no law sees; "
-                    "element forces are as felt. The contour error is that of the leading element's path, as in a run's report."
-                }
-                details {
-                    summary { "The experiment, but for law and what varied" }
-                    pre { (page.experiment) }
-                }
+    let body = html! {
+        @if page.trials < page.planned {
+            div.incomplete role="alert" {
+                "INCOMPLETE: " (page.trials) " of " (page.planned) " trials are finished under every law."
             }
         }
-    }
-    .into_string()
+        h1 { "Control laws compared: " (page.name) }
+        @for law in 1..page.laws.len() {
+            @if let Some(verdict) = page.verdict(law) { p.verdict { (verdict) "." } }
+        }
+        p {
+            (page.trials) " trials under each law, with the same draws. A success is a cap that was tightened to "
+            (torque) " mN·m or more with no element above " (force) " N. In brackets 95 % confidence: "
+            "Wilson's interval for success, the percentile bootstrap for all else; differences are taken trial by trial."
+        }
+        p { code { (page.varied) } }
+        h2 { "Means" }
+        (table(page, true, |row| row.value, number))
+        h2 { "Differences from " (page.laws.first().map_or("", |law| law.name)) }
+        (table(page, false, |row| row.difference, signed))
+        h2 { "Against what varies" }
+        div.figures {
+            @for (index, figure) in page.figures.iter().enumerate() {
+                figure { (PreEscaped(curves_figure(figure, index as u32 + 1))) }
+            }
+        }
+        p.note {
+            "Bands are 95 % confidence. Final torque, friction and work lost in slip are the simulator's truth, which no law sees; "
+            "element forces are as felt. The contour error is that of the leading element's path, as in a run's report."
+        }
+        details {
+            summary { "The experiment, but for law and what varied" }
+            pre { (page.experiment) }
+        }
+    };
+    document(&format!("Control laws compared: {}", page.name), body)
 }
 
 /// A row for each measure, and for the lines of code where wanted; a column for each law.

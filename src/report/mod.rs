@@ -5,6 +5,7 @@ pub mod cap;
 pub mod claim;
 pub mod claims;
 pub mod compare_page;
+mod document;
 pub mod figures;
 pub mod make;
 pub mod measures;

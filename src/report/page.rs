@@ -1,14 +1,13 @@
 //! `report.html`: one self-contained page for phone, desk and print.
 
 use super::claim::{Claim, ClaimPart, Relation};
+use super::document::document;
 use super::figures::Figure;
 use super::summary::Summary;
 use super::tasks::{self, TaskReport};
 use super::text::{significant, value};
 use crate::record::{Phase, Recording, RunFacts};
-use maud::{DOCTYPE, Markup, PreEscaped, html};
-
-const STYLE: &str = include_str!("page.css");
+use maud::{Markup, PreEscaped, html};
 
 /// The page, as HTML text.
 pub fn page(recording: &Recording, summary: &Summary, figures: &[Figure]) -> String {
@@ -20,48 +19,37 @@ pub fn page(recording: &Recording, summary: &Summary, figures: &[Figure]) -> Str
     } else {
         "INCOMPLETE: "
     };
-    html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                title { (mark) (name) }
-                style { (PreEscaped(STYLE)) }
-            }
-            body {
-                (banner(recording))
-                h1 { "Run report: " (name) }
-                @if let Some(original) = &facts.replay_of {
-                    p.note {
-                        "A replay. Joint angles, torque and cap are those on record and did not follow from the "
-                        "commands here. Replayed was the recording with digest " span.digest { (original) } "."
-                    }
-                }
-                p.verdict { (verdict(recording, summary, task)) }
-                @if !summary.claims.is_empty() {
-                    h2 { "Claims " (task.whose()) }
-                    (claims_table(&summary.claims))
-                }
-                (task.measured(recording, summary))
-                h2 { "Figures" }
-                div.figures { @for figure in figures { (figure_markup(figure)) } }
-                h2 { "The run" }
-                (facts_table(facts, summary))
-                details {
-                    summary { "The experiment as run (" code { "experiment.toml" } ")" }
-                    pre { (recording.experiment) }
-                }
-                p { "Digest of the recording's content (SHA-256):" br; span.digest { (summary.digest) } }
-                p.note {
-                    "The paper is M. Ohka, N. Morisawa and H. B. Yussof, “Trajectory Generation of Robotic "
-                    "Fingers Based on Tri-axial Tactile Data for Cap Screwing Task”, 2009. Everything on this "
-                    "page is computed from the recording."
-                }
+    let body = html! {
+        (banner(recording))
+        h1 { "Run report: " (name) }
+        @if let Some(original) = &facts.replay_of {
+            p.note {
+                "A replay. Joint angles, torque and cap are those on record and did not follow from the "
+                "commands here. Replayed was the recording with digest " span.digest { (original) } "."
             }
         }
-    }
-    .into_string()
+        p.verdict { (verdict(recording, summary, task)) }
+        @if !summary.claims.is_empty() {
+            h2 { "Claims " (task.whose()) }
+            (claims_table(&summary.claims))
+        }
+        (task.measured(recording, summary))
+        h2 { "Figures" }
+        div.figures { @for figure in figures { (figure_markup(figure)) } }
+        h2 { "The run" }
+        (facts_table(facts, summary))
+        details {
+            summary { "The experiment as run (" code { "experiment.toml" } ")" }
+            pre { (recording.experiment) }
+        }
+        p { "Digest of the recording's content (SHA-256):" br; span.digest { (summary.digest) } }
+        p.note {
+            "The paper is M. Ohka, N. Morisawa and H. B. Yussof, “Trajectory Generation of Robotic "
+            "Fingers Based on Tri-axial Tactile Data for Cap Screwing Task”, 2009. Everything on this "
+            "page is computed from the recording."
+        }
+    };
+    document(&format!("{mark}{name}"), body)
 }
 
 /// The unmistakable sign over a report of a damaged recording.

@@ -1,10 +1,9 @@
 //! `slip.html`: slip detectors against the truth, on one self-contained page.
 
 use super::compare_page::number;
+use super::document::document;
 use super::figures::slip::roc_figure;
-use maud::{DOCTYPE, PreEscaped, html};
-
-const STYLE: &str = include_str!("page.css");
+use maud::{PreEscaped, html};
 
 /// What the page shows.
 #[derive(Debug, Clone, PartialEq)]
@@ -85,45 +84,34 @@ pub const COLUMNS: [&str; 6] = [
 /// The page, as HTML text.
 pub fn slip_page(page: &SlipPage) -> String {
     let (samples, slips) = page.counts;
-    html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                title { "Slip detectors: " (page.name) }
-                style { (PreEscaped(STYLE)) }
-            }
-            body {
-                h1 { "Slip detectors: " (page.name) }
-                p {
-                    (page.trials) " trials of seed " (page.seed) ": random presses, drags, twists and holds on flat, round and cylindrical "
-                    "specimens that stand still, of friction 0.3 to 1.2, with rubber up to 10 % off its nominal stiffness. Every element counts in every "
-                    "frame at whose beginning it was pressed harder than " (page.touch_force) " N: " (samples) " times, " (slips)
-                    " of them slips, by the simulator's truth. Thresholds were chosen on as many other trials."
-                }
-                div.scroll {
-                    table {
-                        thead { tr { th { "Detector" } @for column in COLUMNS { th.number { (column) } } } }
-                        tbody {
-                            @for point in &page.points {
-                                tr { td { (point.name) } @for field in point.fields() { td.number { (field) } } }
-                            }
-                        }
+    let body = html! {
+        h1 { "Slip detectors: " (page.name) }
+        p {
+            (page.trials) " trials of seed " (page.seed) ": random presses, drags, twists and holds on flat, round and cylindrical "
+            "specimens that stand still, of friction 0.3 to 1.2, with rubber up to 10 % off its nominal stiffness. Every element counts in every "
+            "frame at whose beginning it was pressed harder than " (page.touch_force) " N: " (samples) " times, " (slips)
+            " of them slips, by the simulator's truth. Thresholds were chosen on as many other trials."
+        }
+        div.scroll {
+            table {
+                thead { tr { th { "Detector" } @for column in COLUMNS { th.number { (column) } } } }
+                tbody {
+                    @for point in &page.points {
+                        tr { td { (point.name) } @for field in point.fields() { td.number { (field) } } }
                     }
-                }
-                div.figures {
-                    figure {
-                        (PreEscaped(roc_figure(&page.curves, 1)))
-                        figcaption { "Slips noticed against false alarms, over all thresholds." }
-                    }
-                }
-                p.note {
-                    "In brackets 95 % confidence, by drawing whole trials again (bootstrap). The shear rate's threshold is in N/s, that of missing shear in N. "
-                    "A slip begins after five frames without, and counts as never noticed after ten."
                 }
             }
         }
-    }
-    .into_string()
+        div.figures {
+            figure {
+                (PreEscaped(roc_figure(&page.curves, 1)))
+                figcaption { "Slips noticed against false alarms, over all thresholds." }
+            }
+        }
+        p.note {
+            "In brackets 95 % confidence, by drawing whole trials again (bootstrap). The shear rate's threshold is in N/s, that of missing shear in N. "
+            "A slip begins after five frames without, and counts as never noticed after ten."
+        }
+    };
+    document(&format!("Slip detectors: {}", page.name), body)
 }

@@ -1,9 +1,8 @@
 //! `summary.html`: what came of a sweep, on one self-contained page.
 
+use super::document::document;
 use super::figures::sweep::{distributions_figure, success_figure, wilson};
-use maud::{DOCTYPE, PreEscaped, html};
-
-const STYLE: &str = include_str!("page.css");
+use maud::{PreEscaped, html};
 
 /// A varied number, trial by trial.
 #[derive(Debug, Clone, PartialEq)]
@@ -61,53 +60,42 @@ pub struct SweepPage {
 pub fn sweep_page(page: &SweepPage) -> String {
     let (trials, successes) = page.counts;
     let figures = page.numbers.len() as u32;
-    html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                title { "Sweep: " (page.name) }
-                style { (PreEscaped(STYLE)) }
-            }
-            body {
-                h1 { "Sweep: " (page.name) }
-                p.verdict {
-                    (trials) " trials, of which " (rate(successes, trials)) " were a success: "
-                    (page.success) "."
-                }
-                p { code { (page.varied) } }
-                h2 { "How trials ended" }
-                (counts_table("Outcome", &page.outcomes.iter().map(|(name, n)| (name.clone(), trials, *n)).collect::<Vec<_>>()))
-                @if !page.claims.is_empty() {
-                    h2 { "Claims" }
-                    (counts_table("Claim holds", &page.claims))
-                }
-                h2 { "Success against what varied" }
-                div.figures {
-                    @for (index, varied) in page.numbers.iter().enumerate() {
-                        figure { (PreEscaped(success_figure(varied, index as u32 + 1))) }
-                    }
-                }
-                @for (name, values) in &page.words { (counts_table(name, values)) }
-                h2 { "Distribution of measures" }
-                div.figures {
-                    figure {
-                        (PreEscaped(distributions_figure(&page.measures, figures + 1)))
-                        figcaption { "Of all trials that define the measure; the digit before it is the stroke." }
-                    }
-                }
-                h2 { "The worst trials" }
-                p { "One alone, with its recording and report: " code { "feeler run --trial SWEEP_FOLDER TRIAL" } "." }
-                (worst_table(page))
-                details {
-                    summary { "The experiment, but for what varied" }
-                    pre { (page.experiment) }
-                }
+    let body = html! {
+        h1 { "Sweep: " (page.name) }
+        p.verdict {
+            (trials) " trials, of which " (rate(successes, trials)) " were a success: "
+            (page.success) "."
+        }
+        p { code { (page.varied) } }
+        h2 { "How trials ended" }
+        (counts_table("Outcome", &page.outcomes.iter().map(|(name, n)| (name.clone(), trials, *n)).collect::<Vec<_>>()))
+        @if !page.claims.is_empty() {
+            h2 { "Claims" }
+            (counts_table("Claim holds", &page.claims))
+        }
+        h2 { "Success against what varied" }
+        div.figures {
+            @for (index, varied) in page.numbers.iter().enumerate() {
+                figure { (PreEscaped(success_figure(varied, index as u32 + 1))) }
             }
         }
-    }
-    .into_string()
+        @for (name, values) in &page.words { (counts_table(name, values)) }
+        h2 { "Distribution of measures" }
+        div.figures {
+            figure {
+                (PreEscaped(distributions_figure(&page.measures, figures + 1)))
+                figcaption { "Of all trials that define the measure; the digit before it is the stroke." }
+            }
+        }
+        h2 { "The worst trials" }
+        p { "One alone, with its recording and report: " code { "feeler run --trial SWEEP_FOLDER TRIAL" } "." }
+        (worst_table(page))
+        details {
+            summary { "The experiment, but for what varied" }
+            pre { (page.experiment) }
+        }
+    };
+    document(&format!("Sweep: {}", page.name), body)
 }
 
 /// A share with its 95 % confidence interval.
