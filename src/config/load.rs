@@ -22,44 +22,27 @@ pub struct BuiltIn {
     pub toml: &'static str,
 }
 
+/// The experiments of these names, from their files.
+macro_rules! built_in {
+    ($($name:literal),* $(,)?) => {
+        [$(BuiltIn {
+            name: $name,
+            toml: include_str!(concat!("../../experiments/", $name, ".toml")),
+        }),*]
+    };
+}
+
 /// The experiments that come with the program.
-pub const BUILT_IN: [BuiltIn; 9] = [
-    BuiltIn {
-        name: "cap-closing",
-        toml: include_str!("../../experiments/cap-closing.toml"),
-    },
-    BuiltIn {
-        name: "cap-opening",
-        toml: include_str!("../../experiments/cap-opening.toml"),
-    },
-    BuiltIn {
-        name: "cap-until-closed",
-        toml: include_str!("../../experiments/cap-until-closed.toml"),
-    },
-    BuiltIn {
-        name: "three-fingers",
-        toml: include_str!("../../experiments/three-fingers.toml"),
-    },
-    BuiltIn {
-        name: "contour",
-        toml: include_str!("../../experiments/contour.toml"),
-    },
-    BuiltIn {
-        name: "friction-scan",
-        toml: include_str!("../../experiments/friction-scan.toml"),
-    },
-    BuiltIn {
-        name: "slide-box",
-        toml: include_str!("../../experiments/slide-box.toml"),
-    },
-    BuiltIn {
-        name: "slide-box-two",
-        toml: include_str!("../../experiments/slide-box-two.toml"),
-    },
-    BuiltIn {
-        name: "lift",
-        toml: include_str!("../../experiments/lift.toml"),
-    },
+pub const BUILT_IN: [BuiltIn; 9] = built_in![
+    "cap-closing",
+    "cap-opening",
+    "cap-until-closed",
+    "three-fingers",
+    "contour",
+    "friction-scan",
+    "slide-box",
+    "slide-box-two",
+    "lift",
 ];
 
 /// Longest experiment or calibration file, bytes.
