@@ -1,7 +1,7 @@
 //! What every value of a task must be.
 
 use super::ExperimentConfig;
-use super::check_touch_tasks::{check_carry, check_contour, check_within_reach};
+use super::check_touch_tasks::{check_carry, check_contour, check_feeler, check_within_reach};
 use super::checker::{Checker, MAX};
 use crate::control::controller::ControlConfig;
 use crate::control::task::TaskConfig;
@@ -133,13 +133,11 @@ fn check_cap(key: &str, screw: &ScrewConfig, cap: &CapConfig, checker: &mut Chec
         ("most_friction", cap.most_friction),
         ("most_turns", cap.most_turns),
         ("open_turns", cap.open_turns),
-        ("feeler.normal_stiffness", cap.feeler.normal_stiffness),
-        ("feeler.shear_stiffness", cap.feeler.shear_stiffness),
-        ("feeler.tip_radius", cap.feeler.tip_radius),
     ];
     for (field, value) in positive {
         checker.positive(&format!("{key}.{field}"), value);
     }
+    check_feeler(key, &cap.feeler, checker);
     checker.not_negative(&format!("{key}.softest_seat"), cap.softest_seat);
     checker.require(
         &format!("{key}.grip"),

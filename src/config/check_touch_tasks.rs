@@ -2,9 +2,9 @@
 
 use super::ExperimentConfig;
 use super::checker::{Checker, MAX};
+use crate::control::feeler_shape::FeelerShape;
 use crate::control::task::carry::CarryConfig;
 use crate::control::task::contour::ContourConfig;
-use crate::control::task::surface::FeelerShape;
 use crate::sim::shape::ShapeConfig;
 
 /// Most waypoints of a path.
@@ -117,7 +117,7 @@ pub(super) fn check_carry(key: &str, carry: &CarryConfig, checker: &mut Checker)
     check_feeler(key, &carry.feeler, checker);
 }
 
-fn check_feeler(key: &str, feeler: &FeelerShape, checker: &mut Checker) {
+pub(super) fn check_feeler(key: &str, feeler: &FeelerShape, checker: &mut Checker) {
     let positive = [
         ("normal_stiffness", feeler.normal_stiffness),
         ("shear_stiffness", feeler.shear_stiffness),

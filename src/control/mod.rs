@@ -2,6 +2,7 @@
 
 pub mod control_loop;
 pub mod controller;
+pub mod feeler_shape;
 pub mod flags;
 pub mod law;
 pub mod limits;

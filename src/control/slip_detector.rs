@@ -8,35 +8,15 @@
 //! On something that moves with the fingertip, all that sticks misses shear alike: this detector is for
 //! what stands still.
 
+use super::feeler_shape::FeelerShape;
 use super::sense::{FingerSense, FingertipPose};
 use glam::DVec3;
-
-/// What a hand knows of its own fingertip's rubber.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SlipDetectorConfig {
-    /// Stiffness along a feeler's axis, N/m.
-    pub normal_stiffness: f64,
-    /// Stiffness across it, N/m.
-    pub shear_stiffness: f64,
-    /// Radius of a feeler's rounded tip, m, on which it rolls.
-    pub tip_radius: f64,
-}
-
-impl Default for SlipDetectorConfig {
-    /// The nominal rubber of the reference fingertip.
-    fn default() -> Self {
-        Self {
-            normal_stiffness: 1090.0,
-            shear_stiffness: 413.0,
-            tip_radius: 0.0015,
-        }
-    }
-}
 
 /// Foretells shear from frame to frame.
 #[derive(Debug, Clone)]
 pub struct SlipDetector {
-    config: SlipDetectorConfig,
+    /// What the hand knows of its own feelers.
+    feeler: FeelerShape,
     /// Where the fingertip was at the frame before.
     before: Option<FingertipPose>,
     /// Forces at the frame before, N.
@@ -47,9 +27,9 @@ pub struct SlipDetector {
 
 impl SlipDetector {
     /// A detector for a finger of `elements` elements that has felt nothing yet.
-    pub fn new(config: SlipDetectorConfig, elements: usize) -> Self {
+    pub fn new(feeler: FeelerShape, elements: usize) -> Self {
         Self {
-            config,
+            feeler,
             before: None,
             forces: vec![DVec3::ZERO; elements],
             missing: vec![0.0; elements],
@@ -72,7 +52,7 @@ impl SlipDetector {
                     position: pose.position + pose.rotation * tip,
                     rotation: pose.rotation * element.rotation,
                 });
-                let foretold = self.config.foretold(&poses, *last).with_z(0.0);
+                let foretold = foretold(&self.feeler, &poses, *last).with_z(0.0);
                 *missing = (foretold - force.with_z(0.0)).dot(foretold.normalize_or_zero());
             }
             *last = *force;
@@ -81,27 +61,25 @@ impl SlipDetector {
     }
 }
 
-impl SlipDetectorConfig {
-    /// Force of an element that sticks, after its undeformed tip and frame have gone from one pose to the other;
-    /// its force before was `last`.
-    fn foretold(&self, [before, now]: &[FingertipPose; 2], last: DVec3) -> DVec3 {
-        // How far the tip is pushed off its rest, in its own frame: back along z, along its shear across it.
-        let pushed = DVec3::new(
-            last.x / self.shear_stiffness,
-            last.y / self.shear_stiffness,
-            -last.z / self.normal_stiffness,
-        );
-        let held = before.position + before.rotation * pushed;
-        // The tip's sphere rolls as the fingertip turns, on a surface that faces the feeler.
-        let twice = before.rotation.x_axis.cross(now.rotation.x_axis)
-            + before.rotation.y_axis.cross(now.rotation.y_axis)
-            + before.rotation.z_axis.cross(now.rotation.z_axis);
-        let rolled = self.tip_radius * (0.5 * twice).cross(-before.rotation.z_axis);
-        let pushed = now.rotation.transpose() * (held + rolled - now.position);
-        DVec3::new(
-            pushed.x * self.shear_stiffness,
-            pushed.y * self.shear_stiffness,
-            -pushed.z * self.normal_stiffness,
-        )
-    }
+/// Force of an element that sticks, after its undeformed tip and frame have gone from one pose to the other;
+/// its force before was `last`.
+fn foretold(feeler: &FeelerShape, [before, now]: &[FingertipPose; 2], last: DVec3) -> DVec3 {
+    // How far the tip is pushed off its rest, in its own frame: back along z, along its shear across it.
+    let pushed = DVec3::new(
+        last.x / feeler.shear_stiffness,
+        last.y / feeler.shear_stiffness,
+        -last.z / feeler.normal_stiffness,
+    );
+    let held = before.position + before.rotation * pushed;
+    // The tip's sphere rolls as the fingertip turns, on a surface that faces the feeler.
+    let twice = before.rotation.x_axis.cross(now.rotation.x_axis)
+        + before.rotation.y_axis.cross(now.rotation.y_axis)
+        + before.rotation.z_axis.cross(now.rotation.z_axis);
+    let rolled = feeler.tip_radius * (0.5 * twice).cross(-before.rotation.z_axis);
+    let pushed = now.rotation.transpose() * (held + rolled - now.position);
+    DVec3::new(
+        pushed.x * feeler.shear_stiffness,
+        pushed.y * feeler.shear_stiffness,
+        -pushed.z * feeler.normal_stiffness,
+    )
 }

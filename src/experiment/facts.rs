@@ -41,12 +41,7 @@ pub fn run_facts(config: &ExperimentConfig) -> RunFacts {
         touch_force_threshold: config.control.touch_force,
         over_force_threshold: config.control.over_force,
         slip_threshold: config.control.slip_threshold,
-        grasp_force_threshold: match &config.task {
-            TaskConfig::Screw(screw) => screw.grasp_force,
-            TaskConfig::FrictionScan(scan) => scan.load,
-            TaskConfig::Contour(contour) => contour.contact_force,
-            TaskConfig::Carry(carry) => carry.grip_force,
-        },
+        grasp_force_threshold: config.task.grasp_force(),
         approach: paths.iter().map(|path| unit(path.0)).collect(),
         stroke_direction: paths.iter().map(|path| unit(path.1)).collect(),
         stroke_count: config.task.strokes(),

@@ -3,9 +3,10 @@
 
 use super::{ExperimentError, fingers_at_home, layouts, steps_per_command};
 use crate::config::{Experiment, ExperimentConfig};
+use crate::control::feeler_shape::FeelerShape;
 use crate::control::flags::FlagAnalyzer;
 use crate::control::sense::{FingerSense, FingertipPose};
-use crate::control::slip_detector::{SlipDetector, SlipDetectorConfig};
+use crate::control::slip_detector::SlipDetector;
 use crate::control::touch::FingerTouch;
 use crate::sensor::layout::ElementLayout;
 use crate::sim::config::DirectSensingConfig;
@@ -117,7 +118,7 @@ impl Judge {
             layout,
             touch_force: config.control.touch_force,
             analyzer: FlagAnalyzer::new(config.control.thresholds(), elements),
-            detector: SlipDetector::new(SlipDetectorConfig::default(), elements),
+            detector: SlipDetector::new(FeelerShape::default(), elements),
             touch: FingerTouch::none(elements),
             truth: vec![DVec3::ZERO; elements],
             pressed: vec![false; elements],

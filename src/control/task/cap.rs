@@ -10,6 +10,7 @@ use super::Task;
 use super::cap_config::{CapConfig, Until};
 use super::cap_touch::CapTouch;
 use super::cap_verdict::ResistanceCurve;
+use super::homing::homeward;
 use super::screw::{Path, ScrewConfig};
 use crate::control::phase::Phase;
 use crate::control::plan::Plan;
@@ -26,8 +27,6 @@ const FREE_SHARE: f64 = 0.5;
 const GRIPPING: f64 = 0.9;
 /// Elements are pressed no harder than this share of what damages them: shear and noise come on top.
 const GUARDED: f64 = 0.85;
-/// A finger that returns has a velocity of its distance from home over this time, s.
-const HOMING_TIME: f64 = 0.1;
 
 /// The state machine.
 #[derive(Debug, Clone)]
@@ -263,9 +262,7 @@ impl Task for CapTask {
             }
             Phase::Move => -self.press(finger) * away,
             Phase::Release => -self.config.return_speed * path.approach,
-            Phase::Return => {
-                ((path.home - position) / HOMING_TIME).clamp_length_max(self.config.return_speed)
-            }
+            Phase::Return => homeward(path.home - position, self.config.return_speed),
             Phase::Done | Phase::Stopped => DVec3::ZERO,
         };
         // The grip is the task's: a finger that presses more because it slips would never find the limit of a definite grip.

@@ -1,6 +1,6 @@
 //! When a cap is done with, and what is known of it beforehand.
 
-use super::cap_touch::FeelerCompliance;
+use crate::control::feeler_shape::FeelerShape;
 use serde::{Deserialize, Serialize};
 
 /// When the strokes end.
@@ -48,7 +48,7 @@ pub struct CapConfig {
     #[serde(default = "one")]
     pub open_turns: f64,
     /// The feelers, as measured on a bench.
-    pub feeler: FeelerCompliance,
+    pub feeler: FeelerShape,
 }
 
 fn one() -> f64 {

@@ -4,9 +4,9 @@
 //! *anchor*. Where the tip sticks, the anchor goes with the cap. Where it slips, the shear force drops within a frame, and
 //! what the anchor makes of way then is not the cap's.
 
+use crate::control::feeler_shape::FeelerShape;
 use crate::control::sense::{FingerSense, HandSense};
 use glam::{DVec2, DVec3};
-use serde::{Deserialize, Serialize};
 
 /// Elements pressed less than this say nothing, N.
 const TOUCH: f64 = 0.1;
@@ -16,18 +16,6 @@ const SLIP_SHARE: f64 = 0.05;
 const SLIP_DROP: f64 = 0.01;
 /// A finger that slipped slides on until it has not slipped for so many frames: small slips between large ones drown in noise.
 const SLIDING: u32 = 5;
-
-/// A feeler as measured on a bench.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct FeelerCompliance {
-    /// Stiffness along the feeler, N/m.
-    pub normal_stiffness: f64,
-    /// Stiffness across it, N/m.
-    pub shear_stiffness: f64,
-    /// Radius of its tip, m.
-    pub tip_radius: f64,
-}
 
 /// What one finger feels of the cap, and what it has to remember for that.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -65,7 +53,7 @@ struct Leading {
 pub struct CapTouch {
     /// Where the axis is thought to be, m, in W.
     axis: DVec2,
-    feeler: FeelerCompliance,
+    feeler: FeelerShape,
     /// 1 where the strokes turn counter-clockwise as seen from above, else -1.
     sense: f64,
     /// Each finger.
@@ -74,7 +62,7 @@ pub struct CapTouch {
 
 impl CapTouch {
     /// Nothing felt yet by `fingers` fingers, whose strokes turn about `axis` (m, in W) in the sense of `sense`.
-    pub fn new(axis: DVec2, feeler: FeelerCompliance, sense: f64, fingers: usize) -> Self {
+    pub fn new(axis: DVec2, feeler: FeelerShape, sense: f64, fingers: usize) -> Self {
         Self {
             axis,
             feeler,
@@ -133,21 +121,17 @@ impl CapTouch {
 }
 
 impl FingerFeel {
-    fn feel(
-        &mut self,
-        finger: &FingerSense<'_>,
-        axis: DVec2,
-        feeler: &FeelerCompliance,
-        sense: f64,
-    ) {
+    fn feel(&mut self, finger: &FingerSense<'_>, axis: DVec2, feeler: &FeelerShape, sense: f64) {
         (self.grip, self.shear, self.torque, self.largest) = (0.0, 0.0, 0.0, 0.0);
         let mut leading = None;
         for (element, felt) in finger.touch.frame.forces.iter().enumerate() {
             if felt.z <= TOUCH {
                 continue;
             }
-            let force = -finger.force(element);
-            let anchor = anchor(finger, element, force, feeler).truncate();
+            let Some(anchor) = feeler.tip(finger, element) else {
+                continue;
+            };
+            let (force, anchor) = (-finger.force(element), anchor.truncate());
             let (away, distance) = (anchor - axis).normalize_and_length();
             let along = sense * away.perp();
             let (grip, shear) = (-force.truncate().dot(away), force.truncate().dot(along));
@@ -194,20 +178,6 @@ impl FingerFeel {
             self.advance = Some((now.anchor - before.anchor).dot(along));
         }
     }
-}
-
-/// Where the tip of `element`, which puts `force` (N, in W) on the cap, holds on to it: the centre of its sphere, m, in W.
-fn anchor(
-    finger: &FingerSense<'_>,
-    element: usize,
-    force: DVec3,
-    feeler: &FeelerCompliance,
-) -> DVec3 {
-    let normal = finger.normal(element).unwrap_or_default();
-    let along = normal.dot(force) * normal;
-    let bent = along / feeler.normal_stiffness + (force - along) / feeler.shear_stiffness;
-    let tip = finger.layout.tip(element);
-    finger.pose.position + finger.pose.rotation * tip - bent
 }
 
 fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {

@@ -17,7 +17,6 @@ pub mod screw;
 mod search;
 pub mod surface;
 
-pub use cap_touch::FeelerCompliance;
 pub use config::TaskConfig;
 
 use super::phase::Phase;

@@ -3,6 +3,7 @@
 use super::Task;
 use super::cap_config::{CapConfig, Until};
 use super::homing::homeward;
+use super::search::check_search;
 use crate::control::phase::Phase;
 use crate::control::plan::Plan;
 use crate::control::sense::{FingerSense, HandSense};
@@ -102,15 +103,10 @@ impl ScrewTask {
     }
 
     fn check_search(&self, hand: &HandSense<'_>) -> Result<(), StopReason> {
-        let limit = self.config.search_limit;
         for (finger, (path, sense)) in self.paths.iter().zip(hand.fingers()).enumerate() {
-            let travel = path.approached(sense.pose.position);
-            if travel > limit && sense.flags().grasp_force < self.config.grasp_force {
-                return Err(StopReason::NothingToGrasp {
-                    finger,
-                    travel,
-                    limit,
-                });
+            if sense.flags().grasp_force < self.config.grasp_force {
+                let travel = path.approached(sense.pose.position);
+                check_search(finger, travel, self.config.search_limit)?;
             }
         }
         Ok(())

@@ -1,6 +1,6 @@
 //! What the carry task is tuned by.
 
-use super::super::surface::FeelerShape;
+use crate::control::feeler_shape::FeelerShape;
 use serde::{Deserialize, Serialize};
 
 /// What is carried where, and how.

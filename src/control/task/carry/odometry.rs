@@ -1,6 +1,7 @@
 //! How far what is held has moved, from touch: feelers that stick go with it.
 
-use super::super::surface::FeelerShape;
+use super::super::surface::touching;
+use crate::control::feeler_shape::FeelerShape;
 use crate::control::sense::HandSense;
 use crate::sensor::fingertip::MAX_ELEMENTS;
 use glam::DVec3;
@@ -79,10 +80,12 @@ impl Odometry {
 
     fn remember(&mut self, hand: &HandSense<'_>, feeler: &FeelerShape, touch_force: f64) {
         for (tips, finger) in self.tips.iter_mut().zip(hand.fingers()) {
-            let elements = finger.layout.elements.len();
-            for (element, tip) in tips.iter_mut().enumerate().take(elements) {
-                let touches = finger.force(element).length() > touch_force;
-                *tip = feeler.tip(&finger, element).filter(|_| touches);
+            let elements = finger.layout.elements.len().min(MAX_ELEMENTS);
+            tips[..elements].fill(None);
+            for (element, _) in touching(&finger, touch_force) {
+                if let Some(tip) = tips.get_mut(element) {
+                    *tip = feeler.tip(&finger, element);
+                }
             }
         }
     }

@@ -9,8 +9,9 @@ mod outline;
 
 use super::homing::homeward;
 use super::search::check_search;
-use super::surface::{FeelerShape, touching};
+use super::surface::touching;
 use super::{Finding, Task};
+use crate::control::feeler_shape::FeelerShape;
 use crate::control::phase::Phase;
 use crate::control::plan::Plan;
 use crate::control::sense::{FingerSense, HandSense};

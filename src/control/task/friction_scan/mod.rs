@@ -11,6 +11,7 @@ pub mod stick_slip;
 pub use config::FrictionScanConfig;
 
 use super::homing::homeward;
+use super::search::check_search;
 use super::{Finding, Task};
 use crate::control::phase::Phase;
 use crate::control::plan::Plan;
@@ -212,15 +213,9 @@ impl Task for FrictionScan {
             return Ok(());
         };
         let from_home = finger.pose.position - self.home;
-        let (travel, limit) = (from_home.dot(self.approach), self.config.search_limit);
-        let pressing = matches!(self.phase, Phase::Search | Phase::Move);
-        if pressing && travel > limit {
-            let finger = 0;
-            return Err(StopReason::NothingToGrasp {
-                finger,
-                travel,
-                limit,
-            });
+        let travel = from_home.dot(self.approach);
+        if matches!(self.phase, Phase::Search | Phase::Move) {
+            check_search(0, travel, self.config.search_limit)?;
         }
         match self.phase {
             Phase::Search if self.load(&finger) >= self.config.load => {

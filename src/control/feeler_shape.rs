@@ -1,0 +1,40 @@
+//! What a hand knows of its own feelers, and where their tips are by the forces on them.
+
+use super::sense::FingerSense;
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+/// A feeler as measured on the fingertip, on a bench.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FeelerShape {
+    /// Stiffness along its axis, N/m.
+    pub normal_stiffness: f64,
+    /// Stiffness across its axis, N/m.
+    pub shear_stiffness: f64,
+    /// Radius of its rounded tip, m.
+    pub tip_radius: f64,
+}
+
+impl Default for FeelerShape {
+    /// The nominal rubber of the reference fingertip.
+    fn default() -> Self {
+        Self {
+            normal_stiffness: 1090.0,
+            shear_stiffness: 413.0,
+            tip_radius: 0.0015,
+        }
+    }
+}
+
+impl FeelerShape {
+    /// Centre of the deformed tip of `element`, m, in W: where the tip is without load, and how far the
+    /// force on it has pushed it.
+    pub fn tip(&self, finger: &FingerSense<'_>, element: usize) -> Option<DVec3> {
+        let axis = finger.normal(element)?;
+        let force = finger.force(element);
+        let along = force.dot(axis) * axis;
+        let yielded = along / self.normal_stiffness + (force - along) / self.shear_stiffness;
+        Some(finger.pose.position + finger.layout.dome_radius * axis + yielded)
+    }
+}
