@@ -152,3 +152,15 @@ fn run_command(command: Command, out: &mut dyn Write) -> Result<Outcome, Command
         Command::Sense(arguments) => sense::sense(&arguments),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Arguments;
+    use clap::CommandFactory;
+
+    /// Without debug assertions, clap lets one argument's value stand for another of the same name.
+    #[test]
+    fn no_subcommand_has_two_arguments_of_a_name() {
+        Arguments::command().debug_assert();
+    }
+}

@@ -13,7 +13,7 @@ use crate::control::phase::Phase;
 use crate::experiment::Session;
 use crate::experiment::log::{RunLog, run_facts};
 use crate::record::{RecordOptions, Recorder};
-use crate::report::make::{RECORDING, make};
+use crate::report::make::{RECORDING, ReportOutcome, make};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -83,11 +83,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comman
     let wall_time = start.elapsed().as_secs_f64();
     let was_interrupted = interrupted.load(Ordering::Relaxed);
     // However it ended: what was recorded is kept and reported before anything is said.
-    let made = log
-        .into_recorder()
-        .finish(Some(wall_time))
-        .map_err(CommandError::from)
-        .and_then(|_| Ok(make(&folder)?));
+    let made = finish(log, wall_time, &folder);
     ended?;
     let made = made?;
     watcher.leave(&session);
@@ -177,6 +173,12 @@ pub fn outcome(controller: &Controller, interrupted: bool) -> (Outcome, Option<S
         "the task was not done when the experiment's time limit was over".into()
     };
     (Outcome::GivenUp, Some(reason))
+}
+
+/// Closes the recording in `folder` of a run that took `wall_time` (s), and makes its report.
+pub fn finish(log: RunLog, wall_time: f64, folder: &Path) -> Result<ReportOutcome, CommandError> {
+    log.into_recorder().finish(Some(wall_time))?;
+    Ok(make(folder)?)
 }
 
 /// Makes the run's folder. Without a name given, one that does not exist yet.

@@ -5,14 +5,14 @@ pub mod program;
 use super::{ExperimentArguments, LinkArguments};
 use crate::cli::interrupt::watch_for_interrupt;
 use crate::cli::report::print_claims;
-use crate::cli::run::{make_folder, outcome};
+use crate::cli::run::{finish, make_folder, outcome};
 use crate::cli::{CommandError, Outcome};
 use crate::config::Experiment;
 use crate::experiment::layouts;
 use crate::experiment::log::{RunLog, run_facts};
 use crate::pace::real_time::{self, MODERATE, Refusal};
 use crate::record::{RecordOptions, Recorder};
-use crate::report::make::{RECORDING, make};
+use crate::report::make::RECORDING;
 use program::Program;
 use std::io::{Write, stderr};
 use std::path::PathBuf;
@@ -39,7 +39,8 @@ pub struct Arguments {
 /// Controls a hand whose fingers and drives are in other programs, until the task is done.
 pub fn hand(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     let experiment = Experiment::load(&arguments.experiment, &arguments.values.settings())?;
-    let network = arguments.link.open(&experiment.config.name, true)?;
+    let rig = arguments.values.rig(&experiment);
+    let network = arguments.link.open(&rig, true)?;
     let interrupted = watch_for_interrupt()?;
     let mut program = Program::new(&experiment, network)?;
     writeln!(out, "waiting for {}", program.missing().join(", "))?;
@@ -62,11 +63,7 @@ pub fn hand(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comma
     let wall_time = start.elapsed().as_secs_f64();
     program.stand_still();
     // However it ended: what was recorded is kept and reported before anything is said.
-    let made = log
-        .into_recorder()
-        .finish(Some(wall_time))
-        .map_err(CommandError::from)
-        .and_then(|_| Ok(make(&folder)?));
+    let made = finish(log, wall_time, &folder);
     ended?;
     program.tell(out)?;
     print_claims(&made?, out)?;

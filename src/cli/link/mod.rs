@@ -22,9 +22,6 @@ use std::sync::Arc;
 #[derive(Debug, Clone, Default, clap::Args)]
 #[command(next_help_heading = "Link")]
 pub struct LinkArguments {
-    /// Name of the rig: programs of the same name hear each other [default: the experiment's name]
-    #[arg(long, value_name = "NAME")]
-    rig: Option<String>,
     /// Where to listen, as in tls/0.0.0.0:7447; several times for several places [default: the hand
     /// tcp/127.0.0.1:7447, top nowhere, the others any port of this computer]
     #[arg(long, value_name = "ENDPOINT")]
@@ -62,11 +59,6 @@ impl LinkArguments {
         }
     }
 
-    /// Name of the rig, which is that of the experiment unless said otherwise.
-    pub fn rig(&self, experiment: &str) -> String {
-        self.rig.clone().unwrap_or_else(|| experiment.into())
-    }
-
     /// The network of the rig `name`. The hand waits for the others to connect.
     pub fn open(&self, name: &str, is_hand: bool) -> Result<Arc<dyn Network>, CommandError> {
         if is_hand {
@@ -94,7 +86,7 @@ impl LinkArguments {
             given => given.to_vec(),
         };
         let config = LinkConfig {
-            rig: self.rig(name),
+            rig: name.into(),
             listen: or(&self.listen, listen),
             connect: or(&self.connect, connect),
             certificates: self.certificates.clone(),
@@ -142,9 +134,18 @@ pub struct ExperimentArguments {
     /// Set any value of the experiment, as in control.slip_threshold=2.5.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub settings: Vec<String>,
+    /// Name of the rig: programs of the same name hear each other [default: the experiment's name]
+    #[arg(long, value_name = "NAME", help_heading = "Link")]
+    pub rig: Option<String>,
 }
 
 impl ExperimentArguments {
+    /// Name of the rig, which is that of the experiment unless said otherwise.
+    pub fn rig(&self, experiment: &Experiment) -> String {
+        let name = || experiment.config.name.clone();
+        self.rig.clone().unwrap_or_else(name)
+    }
+
     /// What the command line sets, the named flags last.
     pub fn settings(&self) -> Vec<String> {
         let seed = self.seed.map(|seed| format!("seed={seed}"));

@@ -91,7 +91,8 @@ impl<'a> Program<'a> {
         let (elements, size) = (sensing.element_count(), sensing.picture_size());
         let inbox = SenseInbox::new((finger, elements), size, expected(experiment)?);
         let (inbox, clock) = (Shared::new(inbox), monotonic());
-        let network = arguments.link.open(&experiment.config.name, false)?;
+        let rig = arguments.values.rig(experiment);
+        let network = arguments.link.open(&rig, false)?;
         let instance = draw_instance();
         let heartbeat = Heartbeat {
             instance,

@@ -67,7 +67,8 @@ pub fn world(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comm
     };
     let inbox = RigInbox::new(rig.fingers(), limit, expected(&experiment)?);
     let inbox = Shared::new(inbox);
-    let network = arguments.link.open(&experiment.config.name, false)?;
+    let name = arguments.values.rig(&experiment);
+    let network = arguments.link.open(&name, false)?;
     let interrupted = watch_for_interrupt()?;
     let mut world = World::new(&experiment, rig, inbox, network, arguments.speed)?;
     writeln!(

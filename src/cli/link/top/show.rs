@@ -31,8 +31,8 @@ pub fn show(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comma
         View::check_terminal().map_err(|e| format!("{e}; or --once for a picture as text"))?;
     }
     let experiment = Experiment::load(&arguments.experiment, &arguments.values.settings())?;
-    let rig = arguments.link.rig(&experiment.config.name);
-    let network = arguments.link.watch(&experiment.config.name)?;
+    let rig = arguments.values.rig(&experiment);
+    let network = arguments.link.watch(&rig)?;
     let interrupted = watch_for_interrupt()?;
     let watched = Watched::new(&experiment, &rig, network)?;
     if arguments.once {
