@@ -1,7 +1,7 @@
 //! The control path from a picture to a command does not allocate: over whole runs, so that every
 //! phase, flag and limit has its turn.
 
-use super::rig::{Analyzers, IdealHand, config, controller, pressed};
+use super::rig::{IdealHand, config, controller};
 use assert_no_alloc::assert_no_alloc;
 use feeler::config::{BUILT_IN, Experiment};
 use feeler::control::control_loop::ControlLoop;
@@ -45,26 +45,6 @@ fn reading_a_picture_does_not_allocate() {
         let read = assert_no_alloc(|| sensor.read(&mut frame));
         assert!(read.is_ok());
     }
-}
-
-#[test]
-fn deciding_does_not_allocate() {
-    let config = config();
-    let mut controller = controller(&config);
-    let mut hand = IdealHand::at_home(&config);
-    let mut analyzers = Analyzers::new(&config);
-    let mut command = HandCommand::stop(2);
-    for n in 0..2000 {
-        // Pressed, slipping, over its limit, and let go, again and again.
-        let force = 2.5 * (0.05 * n as f64).sin().max(0.0);
-        let mut frames = vec![pressed(n, hand.stamp, force); 2];
-        frames[0].forces[1].x = 0.1 * (n % 3) as f64;
-        let (touches, state) = (analyzers.touches(&frames), hand.state());
-        assert_no_alloc(|| controller.decide(&touches, &state, &mut command));
-        feeler::hand::hand::Hand::command(&mut hand, &command).expect("an ideal hand");
-    }
-    assert_eq!(controller.stop_reason(), None);
-    assert!(controller.task().stroke() > 1);
 }
 
 /// The tasks of all built-in experiments, over whole runs: what a session's controller decided is decided again.

@@ -3,6 +3,8 @@
 // Not every test program uses all of it.
 #![allow(dead_code)]
 
+use serde_json::Value;
+use std::collections::HashMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
@@ -73,6 +75,28 @@ pub fn whole_run(folder: &Path) -> PathBuf {
     let arguments = ["run", "cap-closing", "--sensing", "direct", "--out", "run"];
     run(folder, &arguments).done();
     folder.join("run")
+}
+
+/// `summary.json` of the run in `run_folder`.
+pub fn summary(run_folder: &Path) -> Value {
+    let text = fs::read_to_string(run_folder.join("summary.json")).expect("a summary");
+    serde_json::from_str(&text).expect("JSON")
+}
+
+/// The value of the claims' part called `name` in a summary.
+pub fn part(summary: &Value, name: &str) -> f64 {
+    let claims = summary["claims"].as_array().expect("claims").iter();
+    let mut parts = claims.flat_map(|claim| claim["parts"].as_array().expect("parts"));
+    let part = parts.find(|part| part["name"] == name);
+    part.and_then(|part| part["value"].as_f64())
+        .unwrap_or_else(|| panic!("no {name:?} in {summary}"))
+}
+
+/// The rows of a table with a header, each by the columns' names.
+pub fn rows(path: &Path) -> Vec<HashMap<String, String>> {
+    let mut reader = csv::Reader::from_path(path).expect("a table");
+    let rows = reader.deserialize().map(|row| row.expect("a row"));
+    rows.collect()
 }
 
 /// Writes an experiment into `folder`: the reference one, `from` replaced by `to`.

@@ -1,16 +1,13 @@
 //! The friction scan through the program: what it finds, what it says where it cannot, and that a replay
 //! finds the same.
 
-#[path = "support/program.rs"]
-mod program;
-
+use crate::program::{Ended, folder, run, summary};
 use feeler::config::Experiment;
 use feeler::control::sense::HandSense;
 use feeler::experiment::Session;
 use feeler::experiment::log::RunLog;
 use feeler::record::{MemoryRecorder, Recording};
 use feeler::report::RunData;
-use program::{Ended, folder, run};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -22,8 +19,7 @@ fn scan(folder: &Path, settings: &[&str]) -> (Ended, Value) {
         arguments.extend(["--set", setting]);
     }
     let ended = run(folder, &arguments);
-    let summary = fs::read_to_string(folder.join("scan/summary.json")).expect("a summary");
-    (ended, serde_json::from_str(&summary).expect("JSON"))
+    (ended, summary(&folder.join("scan")))
 }
 
 const FRICTION: [&str; 4] = [

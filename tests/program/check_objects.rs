@@ -1,9 +1,6 @@
 //! What `feeler check` says about objects before anything runs.
 
-#[path = "support/program.rs"]
-mod program;
-
-use program::{folder, run};
+use crate::program::{folder, run};
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
@@ -38,7 +35,7 @@ fn cube(path: &Path, side: f64, missing: usize) {
 
 /// The reference experiment in `folder` with one more object.
 fn with_object(folder: &Path, object: &str) {
-    program::experiment(
+    crate::program::experiment(
         folder,
         "[sim.torque_sensor]",
         &format!("[sim.object.part]\n{object}\n\n[sim.torque_sensor]"),

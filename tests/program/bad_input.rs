@@ -1,9 +1,6 @@
 //! Bad input is refused with a message that names it and what was expected, and leaves nothing behind.
 
-#[path = "support/program.rs"]
-mod program;
-
-use program::{Ended, experiment, feeler, folder, run, whole_run};
+use crate::program::{Ended, experiment, feeler, folder, run, whole_run};
 use std::fs;
 use std::path::Path;
 
@@ -211,7 +208,7 @@ fn experiments_that_are_none() {
     run(&folder, &["check", "latin.toml"]).refused(&["latin.toml", "UTF-8"]);
     fs::write(folder.join("empty.toml"), b"").unwrap();
     run(&folder, &["check", "empty.toml"]).refused(&["empty.toml", "missing field `name`"]);
-    let cap_closing = include_str!("../experiments/cap-closing.toml");
+    let cap_closing = include_str!("../../experiments/cap-closing.toml");
     let (before, after) = cap_closing.split_once("[task.screw]").unwrap();
     let (_, after) = after.split_once("[sim]").unwrap();
     fs::write(

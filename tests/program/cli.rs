@@ -1,9 +1,6 @@
 //! What the program does for a user, through the program itself.
 
-#[path = "support/program.rs"]
-mod program;
-
-use program::{Ended, experiment, feeler, folder, run, whole_run};
+use crate::program::{Ended, experiment, feeler, folder, run, summary, whole_run};
 use std::fs;
 use std::process::Stdio;
 
@@ -48,11 +45,7 @@ fn a_run_leaves_recording_report_and_summary() {
     let page = fs::read_to_string(run_folder.join("report.html")).unwrap();
     assert!(page.ends_with("</html>\n") || page.ends_with("</html>"));
     assert!(!page.contains("INCOMPLETE"));
-    let summary = || -> serde_json::Value {
-        let text = fs::read_to_string(run_folder.join("summary.json")).unwrap();
-        serde_json::from_str(&text).unwrap()
-    };
-    let first = summary();
+    let first = summary(&run_folder);
     assert_eq!(first["seed"], 0);
     assert_eq!(first["strokes"].as_array().unwrap().len(), 4);
 
@@ -62,7 +55,7 @@ fn a_run_leaves_recording_report_and_summary() {
     }
     let said = run(&folder, &["report", "run"]).done();
     assert!(said.contains("run/report.html"), "{said}");
-    assert_eq!(summary(), first);
+    assert_eq!(summary(&run_folder), first);
     assert_eq!(
         fs::read_to_string(run_folder.join("report.html")).unwrap(),
         page
@@ -88,8 +81,7 @@ fn a_run_is_varied_from_the_command_line() {
         let said = run(&folder, &arguments).done();
         let path = format!("runs/cap-closing-direct-seed7{name}");
         assert!(said.contains(&format!("{path}/report.html")), "{said}");
-        let summary = fs::read_to_string(folder.join(path).join("summary.json")).unwrap();
-        let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+        let summary = summary(&folder.join(path));
         assert_eq!(summary["seed"], 7);
         assert_eq!(summary["strokes"].as_array().unwrap().len(), 1);
     }
@@ -107,8 +99,7 @@ fn a_run_that_is_held_back_is_the_same_run() {
     let digest = |arguments: &[&str], name: &str| {
         let out = format!("--out={name}");
         run(&folder, &[&start, arguments, &[&out]].concat()).done();
-        let summary = fs::read_to_string(folder.join(name).join("summary.json")).unwrap();
-        let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+        let summary = summary(&folder.join(name));
         assert_eq!(summary["complete"], true, "{summary}");
         summary["digest"].clone()
     };

@@ -1,9 +1,6 @@
 //! `feeler score-slip`, through the program.
 
-#[path = "support/program.rs"]
-mod program;
-
-use program::{folder, run};
+use crate::program::{folder, run};
 use std::fs;
 
 /// Mean of the percentage called `name` of the last detector that the program names.

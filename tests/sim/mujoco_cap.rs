@@ -2,11 +2,8 @@
 //!
 //! `references/mujoco_cap_*.json` are MuJoCo's part; `references/mujoco_cap.py` makes them anew.
 
-#[path = "support/mujoco_scene.rs"]
-mod mujoco_scene;
-
+use crate::mujoco_scene::{Reference, Scene, reference};
 use glam::DVec3;
-use mujoco_scene::{Reference, Scene, reference};
 
 /// How far feeler is from MuJoCo.
 #[derive(Debug)]

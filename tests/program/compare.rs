@@ -1,27 +1,13 @@
 //! `feeler compare`, and the control laws that it compares, through the program.
 
-#[path = "support/program.rs"]
-mod program;
-
-use program::{Ended, feeler, folder, run};
+use crate::program::{Ended, feeler, folder, rows, run};
 use std::collections::HashMap;
 use std::fs;
-use std::path::Path;
 
 const LAWS: [&str; 4] = ["tri-axial", "normal-only", "open-loop", "best"];
 
 fn compare<'a>(more: &[&'a str]) -> Vec<&'a str> {
     [&["compare", "cap-closing", "--seed=11"], more].concat()
-}
-
-fn rows(path: &Path) -> Vec<HashMap<String, String>> {
-    let mut reader = csv::Reader::from_path(path).expect("a table");
-    let header = reader.headers().expect("a header").clone();
-    let row = |record: csv::StringRecord| {
-        let pairs = header.iter().zip(record.iter());
-        pairs.map(|(k, v)| (k.to_string(), v.to_string())).collect()
-    };
-    reader.records().map(|r| row(r.expect("a row"))).collect()
 }
 
 fn mean(rows: &[HashMap<String, String>], value: impl Fn(&HashMap<String, String>) -> f64) -> f64 {

@@ -1,11 +1,7 @@
 //! Carrying objects by touch through the program: slid over a table, lifted, made heavier and slippery.
 
-#[path = "support/program.rs"]
-mod program;
-
-use program::{folder, run};
+use crate::program::{folder, part, run, summary};
 use serde_json::Value;
-use std::fs;
 use std::path::Path;
 
 /// Runs `experiment` with `settings`; `summary.json` of the run.
@@ -21,17 +17,7 @@ fn carry(folder: &Path, name: &str, experiment: &str, settings: &[String]) -> Va
         arguments.extend(["--set", setting]);
     }
     run(folder, &arguments).done();
-    let summary = fs::read_to_string(folder.join(name).join("summary.json")).unwrap();
-    serde_json::from_str(&summary).unwrap()
-}
-
-/// The value of a part of a claim.
-fn part(summary: &Value, name: &str) -> f64 {
-    let claims = summary["claims"].as_array().unwrap().iter();
-    let mut parts = claims.flat_map(|claim| claim["parts"].as_array().unwrap());
-    let part = parts.find(|part| part["name"] == name);
-    part.and_then(|part| part["value"].as_f64())
-        .unwrap_or_else(|| panic!("no {name:?} in {summary}"))
+    summary(&folder.join(name))
 }
 
 /// Within 2 mm and 3 degrees of the path's end, by the simulator's own poses, and never tipped.

@@ -1,9 +1,6 @@
 //! A cap that is screwed until the hand knows what became of it, through the program.
 
-#[path = "support/program.rs"]
-mod program;
-
-use program::{Ended, folder, run};
+use crate::program::{Ended, folder, run, summary};
 use serde_json::Value;
 use std::f64::consts::PI;
 use std::fs;
@@ -15,9 +12,7 @@ fn screw(folder: &Path, experiment: &str, name: &str, settings: &[&str]) -> (End
     let mut arguments = vec!["run", experiment, "--out", name];
     arguments.extend(settings.iter().map(String::as_str));
     let ended = run(folder, &arguments);
-    let text = fs::read_to_string(folder.join(name).join("summary.json"));
-    let text = text.unwrap_or_else(|e| panic!("{e}: {ended:?}"));
-    (ended, serde_json::from_str(&text).expect("a summary"))
+    (ended, summary(&folder.join(name)))
 }
 
 fn number(value: &Value) -> f64 {

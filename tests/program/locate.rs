@@ -1,11 +1,8 @@
 //! `feeler locate` as its users run it.
 
-#[path = "support/program.rs"]
-mod program;
-
+use crate::program::{folder, run};
 use feeler::sensor::located_layout::LocatedLayout;
 use image::{GrayImage, Luma};
-use program::{folder, run};
 use std::fs;
 use std::path::Path;
 

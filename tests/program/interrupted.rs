@@ -2,10 +2,7 @@
 
 #![cfg(unix)]
 
-#[path = "support/program.rs"]
-mod program;
-
-use program::{Ended, experiment, feeler, folder, run};
+use crate::program::{Ended, experiment, feeler, folder, run};
 use std::fs;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};

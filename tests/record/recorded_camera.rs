@@ -2,8 +2,7 @@
 
 // Of the made-up run, only its constants are of use here.
 #[allow(dead_code)]
-mod support;
-
+use crate::support;
 use feeler::record::{Image, RecordOptions, RecordedCamera, Recorder, Recording, Tactile};
 use feeler::sensor::camera::{Camera, CameraError};
 use feeler::sensor::frame::Frame;

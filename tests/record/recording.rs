@@ -1,7 +1,6 @@
 //! A recording reads back as it was written, and says what is left when it is damaged.
 
-mod support;
-
+use crate::support;
 use feeler::record::{Phase, RecordError, Recorder, Recording, Tactile};
 use feeler::wire::Vector3;
 use proptest::prelude::*;

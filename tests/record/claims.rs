@@ -1,7 +1,6 @@
 //! The measures and claims of a made-up run whose answers are known.
 
-mod support;
-
+use crate::support;
 use feeler::record::Recording;
 use feeler::report::{RunData, Summary};
 use std::path::PathBuf;

@@ -1,11 +1,7 @@
 //! The contour task through the program: outlines of objects that the hand does not know, against their true sections.
 
-#[path = "support/program.rs"]
-mod program;
-
-use program::{folder, run};
+use crate::program::{folder, part, run, summary};
 use serde_json::Value;
-use std::fs;
 use std::path::Path;
 
 /// The box of the experiment is first, the cylinder is the other one that parameters were chosen for.
@@ -23,17 +19,7 @@ fn draw(folder: &Path, name: &str, shape: &str, angle: u32, more: &[&str]) -> Va
     arguments.extend(["--set", &shape, "--set", &orientation]);
     arguments.extend(more);
     run(folder, &arguments).done();
-    let summary = fs::read_to_string(folder.join(name).join("summary.json")).unwrap();
-    serde_json::from_str(&summary).unwrap()
-}
-
-/// The value of a part of a claim.
-fn part(summary: &Value, name: &str) -> f64 {
-    let claims = summary["claims"].as_array().unwrap().iter();
-    let mut parts = claims.flat_map(|claim| claim["parts"].as_array().unwrap());
-    let part = parts.find(|part| part["name"] == name);
-    part.and_then(|part| part["value"].as_f64())
-        .unwrap_or_else(|| panic!("no {name:?} in {summary}"))
+    summary(&folder.join(name))
 }
 
 /// What the task is held to: 0.5 mm RMS, all corners, no touch lost for longer than 100 ms.

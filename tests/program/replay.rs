@@ -1,10 +1,7 @@
 //! `feeler run --record-frames` and `feeler replay`, through the program itself.
 
-#[path = "support/program.rs"]
-mod program;
-
+use crate::program::{Ended, folder, run};
 use feeler::record::{Recorder, Recording, SensedWriter, Tactile};
-use program::{Ended, folder, run};
 use std::fs;
 use std::path::Path;
 

@@ -1,12 +1,8 @@
 //! `feeler sweep`, through the program.
 
-#[path = "support/program.rs"]
-mod program;
-
-use program::{Ended, experiment, feeler, folder, run};
+use crate::program::{Ended, experiment, feeler, folder, rows, run, summary};
 use std::collections::HashMap;
 use std::fs;
-use std::path::Path;
 
 /// A sweep of short trials of the reference experiment.
 fn sweep<'a>(more: &[&'a str]) -> Vec<&'a str> {
@@ -22,16 +18,6 @@ fn sweep<'a>(more: &[&'a str]) -> Vec<&'a str> {
     ];
     arguments.extend(more);
     arguments
-}
-
-fn rows(path: &Path) -> Vec<HashMap<String, String>> {
-    let mut reader = csv::Reader::from_path(path).expect("a table");
-    let header = reader.headers().expect("a header").clone();
-    let row = |record: csv::StringRecord| {
-        let pairs = header.iter().zip(record.iter());
-        pairs.map(|(k, v)| (k.to_string(), v.to_string())).collect()
-    };
-    reader.records().map(|r| row(r.expect("a row"))).collect()
 }
 
 #[test]
@@ -85,8 +71,7 @@ fn a_trial_runs_again_from_its_row_bit_for_bit() {
     let row = &rows(&folder.join("sweep/trials.csv"))[2];
     let ended = run(&folder, &["run", "--trial", "sweep", "2", "--out", "again"]);
     assert!(matches!(ended.status, Some(0 | 1)), "{ended:?}");
-    let summary = fs::read_to_string(folder.join("again/summary.json")).unwrap();
-    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    let summary = summary(&folder.join("again"));
     let same = |column: &str, value: &serde_json::Value| {
         let number: Option<f64> = row[column].parse().ok();
         let bits = |v: Option<f64>| v.map(f64::to_bits);

@@ -1,10 +1,7 @@
 //! The paper's claims on the reference experiment, measured on its recordings.
 
-#[path = "support/runs.rs"]
-mod runs;
-
+use crate::runs::{folder, run};
 use feeler::report::make::make;
-use runs::{folder, run};
 
 /// What does not hold of the run with `seed`.
 fn broken_claims(sensing: &str, seed: u64) -> Vec<String> {

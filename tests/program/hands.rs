@@ -1,10 +1,7 @@
 //! Hands of one to five fingers, each with a base, links and a sensor of its own.
 
-#[path = "support/program.rs"]
-mod program;
-
+use crate::program::{Ended, experiment, folder, run, summary};
 use feeler::record::Recording;
-use program::{Ended, experiment, folder, run};
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::fs;
@@ -79,8 +76,7 @@ fn elements(folder: &Path, name: &str) -> Vec<usize> {
 }
 
 fn turned(folder: &Path, name: &str) -> f64 {
-    let summary = fs::read_to_string(folder.join(name).join("summary.json")).unwrap();
-    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    let summary = summary(&folder.join(name));
     let strokes = summary["strokes"].as_array().unwrap();
     strokes
         .iter()

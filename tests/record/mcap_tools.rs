@@ -3,8 +3,7 @@
 //! Needs `pip install mcap mcap-ros2-support` in the Python named by `FEELER_PYTHON` (default
 //! `python3`); without them the test says that it is skipped.
 
-mod support;
-
+use crate::support;
 use feeler::record::{Image, RecordOptions, Recorder, Recording};
 use feeler::sensor::frame::Frame;
 use feeler::wire::Message;

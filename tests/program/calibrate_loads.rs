@@ -1,9 +1,6 @@
 //! `feeler calibrate LOADS.csv`: pictures and forces on disk to a calibration, and what it refuses.
 
-#[path = "support/program.rs"]
-mod program;
-
-use program::{folder, run};
+use crate::program::{folder, run};
 use std::fs;
 use std::path::{Path, PathBuf};
 

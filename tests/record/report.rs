@@ -1,7 +1,6 @@
 //! The report of a made-up run: whole, self-contained, and honest about what is missing.
 
-mod support;
-
+use crate::support;
 use feeler::report::{ReportError, make};
 use std::fs;
 use std::path::{Path, PathBuf};

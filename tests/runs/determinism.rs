@@ -1,9 +1,6 @@
 //! A run's digest depends on its seed and settings and on nothing else.
 
-#[path = "support/runs.rs"]
-mod runs;
-
-use runs::{folder, run};
+use crate::runs::{folder, run};
 use std::thread;
 
 /// The digest of a run of `seconds`.

@@ -1,11 +1,8 @@
 //! `feeler schema` knows every message, and docs/link.md says what it says.
 
-#[path = "support/program.rs"]
-mod program;
-
+use crate::program::{folder, run};
 use feeler::link::message::TactileUpdate;
 use feeler::wire::Message;
-use program::{folder, run};
 
 /// What stands between a message's text and those of the types in it.
 const SEPARATOR: &str =
@@ -15,8 +12,8 @@ const SEPARATOR: &str =
 fn every_message_is_printed() {
     let printed = run(&folder("schema-all"), &["schema"]).done();
     let heads = printed.lines().filter(|line| line.starts_with("#### "));
-    let recorded = include_str!("../src/record/channels.rs");
-    let linked = include_str!("../src/link/message.rs");
+    let recorded = include_str!("../../src/record/channels.rs");
+    let linked = include_str!("../../src/link/message.rs");
     let written = [recorded, linked].map(|text| text.matches("\nmessage!(").count());
     // The pictures of a recording are ROS 2's own and written without the macro.
     assert_eq!(heads.count(), written.iter().sum::<usize>() + 1);
@@ -35,7 +32,7 @@ fn one_message_is_printed_alone() {
 
 #[test]
 fn the_documentation_of_the_link_says_the_same() {
-    let documentation = include_str!("../docs/link.md");
+    let documentation = include_str!("../../docs/link.md");
     let printed = run(&folder("schema-documentation"), &["schema"]).done();
     let mut compared = 0;
     for schema in printed

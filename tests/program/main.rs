@@ -1,0 +1,20 @@
+//! The program end to end: what a user gives it, what it prints, writes and exits with.
+
+mod bad_input;
+mod calibrate_loads;
+mod cap;
+mod carry;
+mod check_objects;
+mod cli;
+mod compare;
+mod contour;
+mod friction_scan;
+mod hands;
+mod interrupted;
+mod locate;
+#[path = "../support/program.rs"]
+mod program;
+mod replay;
+mod schema;
+mod score_slip;
+mod sweep;
