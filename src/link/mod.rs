@@ -10,6 +10,7 @@ pub mod freshness;
 pub mod hand_inbox;
 pub mod inbox;
 pub mod message;
+pub mod mismatch;
 pub mod network;
 pub mod outlet;
 pub mod peers;

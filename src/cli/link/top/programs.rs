@@ -1,7 +1,8 @@
 //! The programs of a rig as its heartbeats tell, and what is wrong with them.
 
 use crate::link::message::NO_FINGER;
-use crate::link::peers::{Mismatch, Peer, Peers};
+use crate::link::mismatch::Mismatch;
+use crate::link::peers::{Peer, Peers};
 use crate::top::{Program, ProgramState, UNKNOWN};
 
 /// The programs of a hand of so many `fingers`: those that should be there first, then those that are
