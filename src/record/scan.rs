@@ -19,7 +19,7 @@ const RECORD_HEAD: usize = 9;
 /// What stands in a chunk before its records: two times, size, checksum, the length of no compression's
 /// name, length.
 const CHUNK_HEAD: usize = 8 + 8 + 8 + 4 + 4 + 8;
-/// Longest record, bytes. Our chunks are of a quarter MiB and a picture.
+/// Longest record, bytes. Our chunks are of half a MiB and a picture.
 const MAX_RECORD: u64 = 64 << 20;
 
 /// Takes a record and where its body begins in the file, bytes from the start.

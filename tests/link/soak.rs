@@ -10,8 +10,9 @@ use std::time::{Duration, Instant};
 const SPEED: f64 = 4.0;
 const PERIOD: f64 = 0.01;
 
-/// What a program may grow by after its first quarter, KiB: what its allocator keeps in reserve differs from
-/// time to time by that. A run of the 30 minutes that kept but one frame of forces a step would grow 700 MiB.
+/// What a program may grow by after its first quarter, KiB. The index of the hand's recording takes 3 MiB in the three
+/// quarters of half an hour that remain; what its allocator keeps in reserve differs from time to time by 1 MiB. A hand that
+/// kept but one frame of forces a step would grow by 500 MiB.
 const GROWTH: u64 = 4096;
 
 /// `FEELER_SOAK_SECONDS` of it; a minute unless told.
