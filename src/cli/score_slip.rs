@@ -19,7 +19,7 @@ pub struct Arguments {
     #[arg(default_value = "cap-closing")]
     experiment: String,
     /// How many trials to score; as many others choose the thresholds.
-    #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u64).range(1..=100_000))]
+    #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u64).range(1..=100_000))]
     trials: u64,
     /// Set any value of the experiment, as in sim.direct_sensing.shear_noise=0.005.
     #[arg(long = "set", value_name = "KEY=VALUE")]

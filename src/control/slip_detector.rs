@@ -12,6 +12,13 @@ use super::feeler_shape::FeelerShape;
 use super::sense::{FingerSense, FingertipPose};
 use glam::DVec3;
 
+/// What part of the change of shear that is foretold may be missing because the rubber is softer than it is thought to be.
+const DOUBT: f64 = 0.08;
+/// What part of what was missing at the frame before counts at this one…
+const PERSISTENCE: f64 = 0.8;
+/// …up to this, N: by itself too little to be called slip.
+const MOST_CARRIED: f64 = 0.004;
+
 /// Foretells shear from frame to frame.
 #[derive(Debug, Clone)]
 pub struct SlipDetector {
@@ -36,8 +43,9 @@ impl SlipDetector {
         }
     }
 
-    /// Shear (N) that each element has lost by slipping since the frame before; about 0 where it sticks, touches
-    /// nothing, or has only begun to touch. To be called once a frame.
+    /// Shear (N) that each element has lost by slipping, as far as can be told from what the stiffness leaves open, with
+    /// a part of what it lost before: what slips slips on. About 0 or less where it sticks, touches nothing, or has only
+    /// begun to touch. To be called once a frame.
     pub fn detect(&mut self, finger: &FingerSense<'_>) -> &[f64] {
         let now = finger.pose;
         let before = self.before.replace(now).unwrap_or(now);
@@ -45,6 +53,7 @@ impl SlipDetector {
         let elements = finger.layout.elements.iter().zip(forces);
         let own = self.forces.iter_mut().zip(&mut self.missing);
         for (index, ((element, force), (last, missing))) in elements.zip(own).enumerate() {
+            let carried = (PERSISTENCE * *missing).clamp(0.0, MOST_CARRIED);
             *missing = 0.0;
             if last.z > 0.0 && force.z > 0.0 {
                 let tip = finger.layout.tip(index);
@@ -53,7 +62,9 @@ impl SlipDetector {
                     rotation: pose.rotation * element.rotation,
                 });
                 let foretold = foretold(&self.feeler, &poses, *last).with_z(0.0);
-                *missing = (foretold - force.with_z(0.0)).dot(foretold.normalize_or_zero());
+                let lost = (foretold - force.with_z(0.0)).dot(foretold.normalize_or_zero());
+                let change = (foretold - last.with_z(0.0)).length();
+                *missing = lost - DOUBT * change + carried;
             }
             *last = *force;
         }
