@@ -25,6 +25,10 @@ const STILL_STROKES: u32 = 2;
 const FREE_SHARE: f64 = 0.5;
 /// A finger grips when it has this share of the grip wanted.
 const GRIPPING: f64 = 0.9;
+/// A finger that drags with this share of what no cap's friction would hold drags no further: what holds it is no friction.
+const DRAGGED: f64 = 0.97;
+/// From this share on it slows down.
+const SLOWED: f64 = 0.92;
 /// Elements are pressed no harder than this share of what damages them: shear and noise come on top.
 const GUARDED: f64 = 0.85;
 
@@ -118,8 +122,10 @@ impl CapTask {
         let torque = self.touch.torque();
         self.curve.push(torque, self.turned + self.stroke_turn);
         self.note(torque);
-        let mut fingers = self.paths.iter().zip(hand.fingers());
-        if fingers.all(|(p, f)| p.travelled(f.pose.position) >= self.config.travel) {
+        let mut fingers = self.paths.iter().zip(hand.poses).enumerate();
+        if fingers.all(|(finger, (path, pose))| {
+            path.travelled(pose.position) >= self.config.travel || self.drag(finger) >= DRAGGED
+        }) {
             self.turned += self.stroke_turn;
             self.judge();
             self.stroke_turn = 0.0;
@@ -134,8 +140,8 @@ impl CapTask {
             return self.end("no cap");
         };
         let free = FREE_SHARE * self.config.travel / radius.max(f64::MIN_POSITIVE);
-        let at_limit = self.touch.fingers.iter().all(|finger| finger.slid)
-            || self.curve.largest > self.cap.most_friction * self.grip() * self.lever(radius);
+        let mut fingers = self.touch.fingers.iter().enumerate();
+        let at_limit = fingers.all(|(finger, felt)| felt.slid || self.drag(finger) >= DRAGGED);
         match self.stroke_turn < self.cap.still_turn && self.firm && at_limit {
             true => self.still += 1,
             false => self.still = 0,
@@ -176,9 +182,10 @@ impl CapTask {
             .stiffness(self.config.grasp_force / self.cap.grip)
     }
 
-    /// Torque of a unit of shear on every finger, m.
-    fn lever(&self, radius: f64) -> f64 {
-        radius * self.touch.fingers.len() as f64
+    /// Force of `finger` along its stroke, as a share of what it could put on a cap of the most friction there is.
+    fn drag(&self, finger: usize) -> f64 {
+        let felt = self.touch.fingers.get(finger);
+        felt.map_or(0.0, |felt| felt.shear) / (self.cap.most_friction * self.grip())
     }
 
     fn end(&mut self, outcome: &'static str) {
@@ -210,11 +217,13 @@ impl CapTask {
         (self.cap.grip_gain * missing.min(left)).clamp(-outward, inward)
     }
 
-    /// Speed of the stroke of `finger`, m/s: less where it would press an element too hard.
+    /// Speed of the stroke of `finger`, m/s: less where it would press an element too hard, or drag as no friction could hold it.
     fn pace(&self, finger: usize) -> f64 {
         let largest = self.touch.fingers.get(finger).map_or(0.0, |f| f.largest);
         let left = 1.0 - largest / self.cap.damage_force;
-        self.config.move_speed * (left / (1.0 - GUARDED)).clamp(0.0, 1.0)
+        let further = (DRAGGED - self.drag(finger)) / (DRAGGED - SLOWED);
+        let share = (left / (1.0 - GUARDED)).min(further);
+        self.config.move_speed * share.clamp(0.0, 1.0)
     }
 }
 

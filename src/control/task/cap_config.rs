@@ -33,7 +33,8 @@ pub struct CapConfig {
     pub clearance: f64,
     /// A stroke that turns the cap less than this, rad, has not turned it.
     pub still_turn: f64,
-    /// No cap has more friction than this: where fingers that do not slip put more torque on a cap, it is at the limit, too.
+    /// No cap has more friction than this. Where a finger drags harder without slipping, something else holds it, as
+    /// knurls do, and it drags no further: more force would not be measured rightly, and nobody asked for the torque.
     pub most_friction: f64,
     /// What resists a cap before it stands still is no seat if it is softer than this, N·m/rad.
     #[serde(default)]
