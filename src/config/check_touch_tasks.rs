@@ -78,6 +78,7 @@ pub(super) fn check_carry(key: &str, carry: &CarryConfig, checker: &mut Checker)
         ("press_speed", carry.press_speed),
         ("carry_speed", carry.carry_speed),
         ("lost_time", carry.lost_time),
+        ("give", carry.give),
         ("return_speed", carry.return_speed),
         ("home_tolerance", carry.home_tolerance),
     ];

@@ -29,10 +29,9 @@ impl Default for FeelerShape {
 
 impl FeelerShape {
     /// Centre of the deformed tip of `element`, m, in W: where the tip is without load, and how far the
-    /// force on it has pushed it.
-    pub fn tip(&self, finger: &FingerSense<'_>, element: usize) -> Option<DVec3> {
+    /// `force` on it, N, in W, has pushed it.
+    pub fn tip(&self, finger: &FingerSense<'_>, element: usize, force: DVec3) -> Option<DVec3> {
         let axis = finger.normal(element)?;
-        let force = finger.force(element);
         let along = force.dot(axis) * axis;
         let yielded = along / self.normal_stiffness + (force - along) / self.shear_stiffness;
         Some(finger.pose.position + finger.layout.dome_radius * axis + yielded)

@@ -128,10 +128,11 @@ impl FingerFeel {
             if felt.z <= TOUCH {
                 continue;
             }
-            let Some(anchor) = feeler.tip(finger, element) else {
+            let on_feeler = finger.force(element);
+            let Some(anchor) = feeler.tip(finger, element, on_feeler) else {
                 continue;
             };
-            let (force, anchor) = (-finger.force(element), anchor.truncate());
+            let (force, anchor) = (-on_feeler, anchor.truncate());
             let (away, distance) = (anchor - axis).normalize_and_length();
             let along = sense * away.perp();
             let (grip, shear) = (-force.truncate().dot(away), force.truncate().dot(along));

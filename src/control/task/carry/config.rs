@@ -17,7 +17,7 @@ pub struct CarryConfig {
     pub crush_force: f64,
     /// Pressing force over what would just hold.
     pub margin: f64,
-    /// Coefficient of friction that is believed until something slips.
+    /// Coefficient of friction that is believed until a slip shows less.
     pub friction: f64,
     /// Elements with a larger force than this count, N.
     pub touch_force: f64,
@@ -31,8 +31,10 @@ pub struct CarryConfig {
     pub carry_speed: f64,
     /// Speed at which an error of the object's place is made good, per metre of it, 1/s.
     pub place_gain: f64,
-    /// The object is given up where a finger has felt nothing for so long, s.
+    /// The object is given up where a finger has felt nothing for so long, s…
     pub lost_time: f64,
+    /// …and where the fingers have come so much further than where they took it, m, as into nothing.
+    pub give: f64,
     /// Speed of release and return, m/s.
     pub return_speed: f64,
     /// A finger is home within this distance, m.

@@ -7,6 +7,7 @@
 mod config;
 pub mod grip;
 mod odometry;
+mod way;
 
 pub use config::{CarryConfig, CarryFinger, Waypoint};
 
@@ -21,17 +22,19 @@ use crate::control::stop_reason::StopReason;
 use glam::DVec3;
 use grip::Grip;
 use odometry::{MAX_FINGERS, Odometry};
+use way::Way;
 
 /// What one finger does.
 #[derive(Debug, Clone, Copy, Default)]
 struct Holder {
     home: DVec3,
     approach: DVec3,
-    /// Where it let go, m, in W.
+    /// Where it took hold, and where it let go, m, in W.
+    took: DVec3,
     let_go: DVec3,
-    /// How hard it presses, N, and how hard it is to.
+    /// What acts on it, and how hard it presses, N.
+    force: f64,
     pressing: f64,
-    wanted: f64,
     /// When it touched last, s.
     touched: f64,
 }
@@ -44,12 +47,7 @@ pub struct Carry {
     grip: Grip,
     odometry: Odometry,
     phase: Phase,
-    /// The waypoint that the object is on its way to, and since when it has been there, s.
-    next: usize,
-    arrived: Option<f64>,
-    /// Where the object should be, m from where it was taken, and how fast that moves, m/s.
-    wanted: DVec3,
-    pace: DVec3,
+    way: Way,
     previous: f64,
     findings: [Finding; 6],
     outcome: Option<&'static str>,
@@ -61,7 +59,6 @@ impl Carry {
         let holder = |finger: &CarryFinger| Holder {
             home: finger.home.into(),
             approach: DVec3::from_array(finger.approach).normalize_or_zero(),
-            wanted: config.grip_force,
             ..Holder::default()
         };
         let finding = |name| Finding {
@@ -79,10 +76,7 @@ impl Carry {
             config: config.clone(),
             odometry: Odometry::new(),
             phase: Phase::Search,
-            next: 0,
-            arrived: None,
-            wanted: DVec3::ZERO,
-            pace: DVec3::ZERO,
+            way: Way::new(&config.waypoint, config.carry_speed),
             previous: f64::NAN,
             findings: [
                 finding("moved_x_m"),
@@ -98,11 +92,13 @@ impl Carry {
 
     /// Feels how hard each finger presses and what the object pulls, and fits the grip to it.
     fn feel(&mut self, hand: &HandSense<'_>) {
-        let mut shear_sum = 0.0;
+        let (mut shear_sum, mut pressing_sum) = (0.0, 0.0);
         for (holder, finger) in self.holders.iter_mut().zip(hand.fingers()) {
             let forces = touching(&finger, self.config.touch_force);
             let force: DVec3 = forces.map(|(_, force)| force).sum();
+            holder.force = force.length();
             holder.pressing = -force.dot(holder.approach);
+            pressing_sum += holder.pressing;
             shear_sum += force.reject_from_normalized(holder.approach).length();
             if force != DVec3::ZERO {
                 holder.touched = hand.stamp;
@@ -111,42 +107,17 @@ impl Carry {
         if self.phase != Phase::Move {
             return;
         }
-        if hand.fingers().any(|finger| finger.flags().slip) {
-            self.grip.slipped();
-        }
-        let shear = shear_sum / self.holders.len().max(1) as f64;
-        for holder in &mut self.holders {
-            holder.wanted = self.grip.pressing(shear);
-        }
+        let count = self.holders.len().max(1) as f64;
+        let changes = hand.fingers().any(|finger| finger.flags().slip);
+        self.grip
+            .feel(shear_sum / count, pressing_sum / count, changes);
     }
 
-    /// Moves the place where the object should be along the path; whether it is at the path's end.
+    /// Goes on along the path where the grip is firm enough to pull; whether that is at its end.
     fn go_on(&mut self, stamp: f64) -> bool {
-        let elapsed = stamp - self.previous;
-        let Some(waypoint) = self.config.waypoint.get(self.next) else {
-            return true;
-        };
-        let way = DVec3::from_array(waypoint.to) - self.wanted;
-        let step = self.config.carry_speed * elapsed;
-        // Not before the grip is firm enough to pull.
-        let firm = self.holders.iter().all(|h| h.pressing >= 0.8 * h.wanted);
-        if way.length() > step {
-            self.pace = if firm {
-                self.config.carry_speed * way.normalize_or_zero()
-            } else {
-                DVec3::ZERO
-            };
-            self.wanted += elapsed * self.pace;
-            return false;
-        }
-        self.wanted = waypoint.to.into();
-        self.pace = DVec3::ZERO;
-        let since = *self.arrived.get_or_insert(stamp);
-        if stamp - since >= waypoint.hold {
-            self.next += 1;
-            self.arrived = None;
-        }
-        false
+        let firm = FIRM * self.grip.pressing();
+        let firm = self.holders.iter().all(|h| h.pressing >= firm);
+        self.way.go_on(stamp, stamp - self.previous, firm)
     }
 
     fn carry(&mut self, hand: &HandSense<'_>) {
@@ -157,9 +128,12 @@ impl Carry {
             config.touch_force,
             config.slip_threshold,
         );
-        let lost = |h: &Holder| hand.stamp - h.touched > config.lost_time;
-        if self.holders.iter().any(lost) {
+        let untouched = |h: &Holder| hand.stamp - h.touched > config.lost_time;
+        let blocked = |h: &Holder| h.force > BLOCKED * config.crush_force;
+        if self.holders.iter().any(untouched) || self.sunk(hand) > config.give {
             self.let_go(hand, "lost");
+        } else if self.holders.iter().any(blocked) {
+            self.let_go(hand, "blocked");
         } else if self.go_on(hand.stamp) {
             self.let_go(hand, "carried");
         }
@@ -179,6 +153,15 @@ impl Carry {
         }
     }
 
+    /// How much further the fingers press than where they took the object, mean over them, m: what the rubber
+    /// yields, or more where the object is gone.
+    fn sunk(&self, hand: &HandSense<'_>) -> f64 {
+        let moved = self.odometry.moved;
+        let holders = self.holders.iter().zip(hand.poses);
+        let sunk = holders.map(|(h, pose)| (pose.position - h.took - moved).dot(h.approach));
+        sunk.sum::<f64>() / self.holders.len().max(1) as f64
+    }
+
     fn let_go(&mut self, hand: &HandSense<'_>, outcome: &'static str) {
         for (holder, pose) in self.holders.iter_mut().zip(hand.poses) {
             holder.let_go = pose.position;
@@ -195,20 +178,17 @@ impl Carry {
     /// Velocity of a finger that holds the object, m/s, in W.
     fn holding(&self, holder: &Holder, position: DVec3, hand: &HandSense<'_>) -> DVec3 {
         let config = &self.config;
-        let error = self.wanted - self.odometry.moved;
-        let mut place = self.pace + config.place_gain * error;
+        let error = self.way.wanted - self.odometry.moved;
+        let mut place = self.way.pace + config.place_gain * error;
+        let wanted = self.grip.pressing();
         let count = self.holders.len().max(1) as f64;
         let missing = if self.holders.len() == 1 {
             // The table carries what it presses on: along the approach only the force counts.
             place = place.reject_from_normalized(holder.approach);
-            holder.wanted - holder.pressing
+            wanted - holder.pressing
         } else {
             // What pushes the object makes one finger press harder than the other: the mean counts.
-            self.holders
-                .iter()
-                .map(|h| h.wanted - h.pressing)
-                .sum::<f64>()
-                / count
+            wanted - self.holders.iter().map(|h| h.pressing).sum::<f64>() / count
         };
         // An element that is over its limit is pressed no further, whatever is missing.
         let over = hand.fingers().any(|finger| finger.flags().over);
@@ -235,6 +215,9 @@ impl Task for Carry {
                     }
                 }
                 if self.all(hand, |h, _| h.pressing >= config.grip_force) {
+                    for (holder, pose) in self.holders.iter_mut().zip(hand.poses) {
+                        holder.took = pose.position;
+                    }
                     self.odometry.reset();
                     self.phase = Phase::Move;
                 }
@@ -296,11 +279,21 @@ impl Task for Carry {
     fn outcome(&self) -> Option<&'static str> {
         self.outcome
     }
+
+    fn failed(&self) -> bool {
+        self.outcome.is_some_and(|outcome| outcome != "carried")
+    }
 }
 
 /// What part of the crushing force the grip goes up to: the elements' compressions add up to somewhat more than they press together,
 /// and a force that is kept is never kept exactly.
 const RESERVE: f64 = 0.85;
+
+/// The object is moved on while each finger has this share of the grip wanted.
+const FIRM: f64 = 0.8;
+
+/// With so many times the crushing force a finger pushes against something else: the object stands on something, or is caught.
+const BLOCKED: f64 = 1.5;
 
 /// How far a finger moves off the object before it returns, m.
 const CLEARANCE: f64 = 0.004;

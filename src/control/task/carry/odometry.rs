@@ -1,6 +1,5 @@
 //! How far what is held has moved, from touch: feelers that stick go with it.
 
-use super::super::surface::touching;
 use crate::control::feeler_shape::FeelerShape;
 use crate::control::sense::HandSense;
 use crate::sensor::fingertip::MAX_ELEMENTS;
@@ -8,6 +7,8 @@ use glam::DVec3;
 
 /// Most fingers that are followed.
 pub const MAX_FINGERS: usize = 5;
+/// Tips closer together than the root of this, m², tell no turn: they are one.
+const ALONE: f64 = 1e-12;
 
 /// Adds up the motion of the tips that stick.
 #[derive(Debug, Clone)]
@@ -20,15 +21,16 @@ pub struct Odometry {
     pub turned: f64,
 }
 
-/// A tip that has stuck since the last step.
-#[derive(Debug, Clone, Copy)]
-struct Step {
-    /// Where it is, m, in W.
-    tip: DVec3,
-    /// How far it has moved, m.
-    moved: DVec3,
-    /// How much it is believed: the force on it, N.
+/// Sums over the tips that have stuck since the last step, each weighted by the force on it.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sums {
     weight: f64,
+    /// Of where each tip is, m, and of how far it has moved, m.
+    tips: DVec3,
+    moved: DVec3,
+    /// About W's z: of lever times motion, m², and of the lever's square, m².
+    turning: f64,
+    inertia: f64,
 }
 
 impl Odometry {
@@ -55,65 +57,81 @@ impl Odometry {
         touch_force: f64,
         slip_threshold: f64,
     ) {
-        let (mut weight, mut moved, mut middle) = (0.0, DVec3::ZERO, DVec3::ZERO);
-        let steps = || steps(&self.tips, hand, feeler, touch_force, slip_threshold);
-        for step in steps() {
-            weight += step.weight;
-            moved += step.weight * step.moved;
-            middle += step.weight * step.tip;
-        }
-        if weight > 0.0 {
-            (moved, middle) = (moved / weight, middle / weight);
-            let (mut turning, mut inertia) = (0.0, 0.0);
-            for step in steps() {
-                let lever = (step.tip - middle).truncate();
-                turning += step.weight * lever.perp_dot((step.moved - moved).truncate());
-                inertia += step.weight * lever.length_squared();
-            }
-            self.moved += moved;
-            if inertia > 0.0 {
-                self.turned += turning / inertia;
-            }
-        }
-        self.remember(hand, feeler, touch_force);
-    }
-
-    fn remember(&mut self, hand: &HandSense<'_>, feeler: &FeelerShape, touch_force: f64) {
+        let mut sums = Sums::default();
         for (tips, finger) in self.tips.iter_mut().zip(hand.fingers()) {
-            let elements = finger.layout.elements.len().min(MAX_ELEMENTS);
-            tips[..elements].fill(None);
-            for (element, _) in touching(&finger, touch_force) {
-                if let Some(tip) = tips.get_mut(element) {
-                    *tip = feeler.tip(&finger, element);
+            let felt = finger.touch.frame.forces.iter();
+            let rates = &finger.touch.shear_rate;
+            for (element, ((last, felt), rate)) in tips.iter_mut().zip(felt).zip(rates).enumerate()
+            {
+                let before = last.take();
+                let weight = felt.length();
+                if weight <= touch_force {
+                    continue;
+                }
+                *last = feeler.tip(&finger, element, finger.force(element));
+                if let (Some(before), Some(tip), true) = (before, *last, *rate <= slip_threshold) {
+                    sums.add(weight, tip, tip - before);
                 }
             }
         }
+        let (moved, turned) = sums.motion();
+        self.moved += moved;
+        self.turned += turned;
     }
 }
 
-/// The tips that stuck since the last step.
-fn steps<'a>(
-    tips: &'a [[Option<DVec3>; MAX_ELEMENTS]; MAX_FINGERS],
-    hand: &'a HandSense<'_>,
-    feeler: &'a FeelerShape,
-    touch_force: f64,
-    slip_threshold: f64,
-) -> impl Iterator<Item = Step> + 'a {
-    let fingers = tips.iter().zip(hand.fingers());
-    fingers.flat_map(move |(tips, finger)| {
-        tips.iter()
-            .enumerate()
-            .take(finger.layout.elements.len())
-            .filter_map(move |(element, &before)| {
-                let before = before?;
-                let weight = finger.force(element).length();
-                let slips = finger.touch.shear_rate.get(element)? > &slip_threshold;
-                let tip = feeler.tip(&finger, element)?;
-                (weight > touch_force && !slips).then_some(Step {
-                    tip,
-                    moved: tip - before,
-                    weight,
-                })
-            })
-    })
+impl Sums {
+    fn add(&mut self, weight: f64, tip: DVec3, moved: DVec3) {
+        let (lever, across) = (tip.truncate(), moved.truncate());
+        self.weight += weight;
+        self.tips += weight * tip;
+        self.moved += weight * moved;
+        self.turning += weight * lever.perp_dot(across);
+        self.inertia += weight * lever.length_squared();
+    }
+
+    /// How far the tips have moved together, m, and turned about their middle, rad.
+    fn motion(&self) -> (DVec3, f64) {
+        if self.weight <= 0.0 {
+            return (DVec3::ZERO, 0.0);
+        }
+        let (middle, moved) = (self.tips / self.weight, self.moved / self.weight);
+        // Steiner: from W's origin to the middle.
+        let turning = self.turning - self.weight * middle.truncate().perp_dot(moved.truncate());
+        let inertia = self.inertia - self.weight * middle.truncate().length_squared();
+        let turned = if inertia > ALONE * self.weight {
+            turning / inertia
+        } else {
+            0.0
+        };
+        (moved, turned)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tips_that_turn_about_any_axis_tell_how_far() {
+        let turn = 0.002;
+        let axis = DVec3::new(0.01, -0.02, 0.1);
+        let mut sums = Sums::default();
+        for (weight, x, y) in [(1.0, 0.03, 0.0), (0.4, -0.03, 0.004), (2.0, -0.029, -0.003)] {
+            let tip = DVec3::new(x, y, 0.1);
+            let before = axis + glam::DMat3::from_rotation_z(-turn) * (tip - axis);
+            sums.add(weight, tip, tip - before);
+        }
+        // First order in the turn of a step.
+        assert!((sums.motion().1 / turn - 1.0).abs() < turn);
+    }
+
+    #[test]
+    fn a_single_tip_moves_and_does_not_turn() {
+        let mut sums = Sums::default();
+        sums.add(0.7, DVec3::new(0.03, 0.01, 0.1), DVec3::X);
+        let (moved, turned) = sums.motion();
+        assert!((moved - DVec3::X).length() < 1e-12);
+        assert_eq!(turned, 0.0);
+    }
 }

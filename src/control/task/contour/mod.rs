@@ -166,15 +166,15 @@ impl Contour {
 
     /// Draws where the element touches on which the largest force is.
     fn draw(&mut self, finger: &FingerSense<'_>) {
-        let touching = touching(finger, self.config.touch_force);
-        let touching = touching.map(|(element, force)| (element, force.truncate()));
-        let hardest = touching.max_by(|(_, a), (_, b)| a.length().total_cmp(&b.length()));
+        let level = |(_, force): &(usize, DVec3)| force.truncate().length();
+        let hardest =
+            touching(finger, self.config.touch_force).max_by(|a, b| level(a).total_cmp(&level(b)));
         let Some((element, force)) = hardest else {
             return;
         };
         let (Some(tip), Some(direction)) = (
-            self.config.feeler.tip(finger, element),
-            force.try_normalize(),
+            self.config.feeler.tip(finger, element, force),
+            force.truncate().try_normalize(),
         ) else {
             return;
         };
