@@ -102,7 +102,10 @@ fn what_falls_is_given_up_before_the_fingers_press_each_other() {
     arguments.extend(settings.iter().flat_map(|setting| ["--set", setting]));
     let ended = run(&folder, &arguments);
     assert_eq!(ended.status, Some(1), "{ended:?}");
-    assert!(ended.stdout.contains("not as it should have: lost"), "{ended:?}");
+    assert!(
+        ended.stdout.contains("not as it should have: lost"),
+        "{ended:?}"
+    );
     let summary = summary(&folder.join("run"));
     assert_eq!(summary["outcome"], "lost");
     assert!(part(&summary, "largest grasp force of a finger") <= 2.0);

@@ -10,7 +10,9 @@ pub fn touching<'a>(
     finger: &'a FingerSense<'_>,
     touch_force: f64,
 ) -> impl Iterator<Item = (usize, DVec3)> + 'a {
+    // Squares, for there are many elements and few that touch.
+    let least = touch_force * touch_force;
     let forces = finger.touch.frame.forces.iter().enumerate();
-    let touching = forces.filter(move |(_, force)| force.length() > touch_force);
+    let touching = forces.filter(move |(_, force)| force.length_squared() > least);
     touching.map(|(element, _)| (element, finger.force(element)))
 }

@@ -64,13 +64,12 @@ impl Odometry {
             for (element, ((last, felt), rate)) in tips.iter_mut().zip(felt).zip(rates).enumerate()
             {
                 let before = last.take();
-                let weight = felt.length();
-                if weight <= touch_force {
+                if felt.length_squared() <= touch_force * touch_force {
                     continue;
                 }
                 *last = feeler.tip(&finger, element, finger.force(element));
                 if let (Some(before), Some(tip), true) = (before, *last, *rate <= slip_threshold) {
-                    sums.add(weight, tip, tip - before);
+                    sums.add(felt.length(), tip, tip - before);
                 }
             }
         }
@@ -120,7 +119,7 @@ mod tests {
         for (weight, x, y) in [(1.0, 0.03, 0.0), (0.4, -0.03, 0.004), (2.0, -0.029, -0.003)] {
             let tip = DVec3::new(x, y, 0.1);
             let before = axis + glam::DMat3::from_rotation_z(-turn) * (tip - axis);
-            sums.add(weight, tip, tip - before);
+            sums.add(felt.length(), tip, tip - before);
         }
         // First order in the turn of a step.
         assert!((sums.motion().1 / turn - 1.0).abs() < turn);
