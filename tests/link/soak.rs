@@ -68,7 +68,7 @@ fn check_steps(said: &str, wall_time: f64) {
 }
 
 /// The number that ends where `words` begin.
-fn number_before(said: &str, words: &str) -> f64 {
+pub fn number_before(said: &str, words: &str) -> f64 {
     let (before, _) = said.split_once(words).expect("the hand's account");
     let number = before.rsplit([' ', '\n']).next().unwrap_or_default();
     number

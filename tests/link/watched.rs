@@ -4,7 +4,11 @@ use super::faults::NO_HURRY;
 use super::in_terminal::InTerminal;
 use super::program::{folder, run};
 use super::rig::{Rig, Setup};
+use super::soak::number_before;
+use std::fs;
 use std::net::TcpListener;
+use std::process::Command;
+use std::time::Duration;
 
 /// Wide enough for a program's state in words.
 const WIDE: (u16, u16) = (120, 40);
@@ -24,7 +28,7 @@ fn picture(rig: &Rig, more: &[&str]) -> String {
 }
 
 /// The number before `unit` in the line of `picture` that begins with `name`.
-fn number_before(picture: &str, name: &str, unit: &str) -> Option<f64> {
+fn shown_before(picture: &str, name: &str, unit: &str) -> Option<f64> {
     let line = picture.lines().find(|line| line.contains(name))?;
     let (_, rest) = line.split_once(name)?;
     let (before, _) = rest.split_once(unit)?;
@@ -44,7 +48,7 @@ fn a_rig_is_shown_with_its_programs_flags_and_phase() {
         shown = picture(&rig, &[]);
     }
     for name in ["sense 0", "sense 1", "hand ", "world "] {
-        let rate = number_before(&shown, name, " Hz");
+        let rate = shown_before(&shown, name, " Hz");
         assert!(rate.is_some_and(|rate| rate > 1.0), "{name}: {shown}");
     }
     let phases = [" SEARCH ", " MOVE ", " RELEASE ", " RETURN "];
@@ -59,7 +63,7 @@ fn a_rig_is_shown_with_its_programs_flags_and_phase() {
     );
     // Of a bad network, the picture says that it may be incomplete.
     let bad = picture(&rig, &["--rehearse=loss=0.3"]);
-    let missed = number_before(&bad, "╰ last", " missed here");
+    let missed = shown_before(&bad, "╰ last", " missed here");
     assert!(missed.is_some_and(|missed| missed > 0.0), "{bad}");
 }
 
@@ -84,6 +88,39 @@ fn keys_reach_the_hand_and_it_is_missed_when_it_is_gone() {
     terminal.press("q");
     let (drawn, status) = terminal.end();
     assert_eq!(status, Some(0), "{drawn}");
+}
+
+#[test]
+fn a_viewer_that_is_frozen_holds_up_nobody() {
+    let settings = [NO_HURRY, "control.resume=fresh"];
+    let rig = Setup::new("link-top-frozen").with(&settings).start();
+    let mut hand = rig.setup.hand(&[]);
+    let feeler = env!("CARGO_BIN_EXE_feeler");
+    let (endpoint, settings) = (&rig.setup.endpoint, rig.setup.settings.join(" "));
+    let command = format!("{feeler} top cap-closing --connect {endpoint} {settings}");
+    let Some(mut terminal) = InTerminal::start_in(&rig.setup.folder, WIDE, &command) else {
+        return;
+    };
+    terminal.wait_for("MOVE");
+    let viewer = child_of(terminal.child.id());
+    let signal = |signal: &str| Command::new("kill").args([signal, &viewer]).status();
+    assert!(signal("-STOP").expect("kill").success());
+    // Its link is closed after a second. What it had not read by then would be waited for for ten seconds.
+    std::thread::sleep(Duration::from_secs(13));
+    hand.signal("INT");
+    let (_, said) = hand.wait();
+    assert!(signal("-KILL").expect("kill").success());
+    terminal.end();
+    // Each finger's come a hundred times a second; a busy computer loses some.
+    let lost = number_before(&said, " tactile updates lost");
+    assert!(lost < 200.0, "{said}");
+}
+
+/// The process that the process `parent` started.
+fn child_of(parent: u32) -> String {
+    let children = fs::read_to_string(format!("/proc/{parent}/task/{parent}/children"));
+    let children = children.expect("its children");
+    children.split(' ').next().expect("a child").to_string()
 }
 
 #[test]

@@ -119,7 +119,7 @@ mod tests {
         for (weight, x, y) in [(1.0, 0.03, 0.0), (0.4, -0.03, 0.004), (2.0, -0.029, -0.003)] {
             let tip = DVec3::new(x, y, 0.1);
             let before = axis + glam::DMat3::from_rotation_z(-turn) * (tip - axis);
-            sums.add(felt.length(), tip, tip - before);
+            sums.add(weight, tip, tip - before);
         }
         // First order in the turn of a step.
         assert!((sums.motion().1 / turn - 1.0).abs() < turn);
