@@ -1,10 +1,9 @@
 //! The `feeler` program: arguments in, exit code out.
 
-/// One pool for all that the link's library does: what it does for a hand is over in microseconds, and handing
-/// it from thread to thread takes longer and twice the processor time. Two threads, for it closes the link to a program
-/// that is frozen by waiting ten seconds for what that has not read, and holds a thread meanwhile.
+/// One thread for all that the link's library does: what it does for a hand is over in microseconds, and handing
+/// it from thread to thread takes longer and twice the processor time.
 #[cfg(feature = "link")]
-const LINK_THREADS: &str = "(rx: (worker_threads: 2), tx: (handover: rx), acc: (handover: rx), app: (handover: rx), net: (handover: rx))";
+const LINK_THREADS: &str = "(rx: (worker_threads: 1), tx: (handover: rx), acc: (handover: rx), app: (handover: rx), net: (handover: rx))";
 
 fn main() -> std::process::ExitCode {
     #[cfg(feature = "link")]

@@ -1,6 +1,6 @@
 //! Several programs, one hand: what they say to each other, and what each makes of what it hears.
 //!
-//! Everything but `transport` is pure: bytes and times in, bytes and decisions out.
+//! Everything but `transport` and `linger` is pure: bytes and times in, bytes and decisions out.
 
 pub mod beacon;
 #[cfg(feature = "link")]
@@ -9,6 +9,8 @@ pub mod endpoints;
 pub mod freshness;
 pub mod hand_inbox;
 pub mod inbox;
+#[cfg(feature = "link")]
+mod linger;
 pub mod message;
 pub mod mismatch;
 pub mod network;

@@ -1,6 +1,7 @@
 //! Messages over Zenoh. What they say is none of its business.
 
 use super::endpoints::{LinkConfig, LinkError};
+use super::linger;
 use super::network::{Heard, Network};
 use super::outlet::Outlet;
 use super::topic::Topic;
@@ -35,14 +36,16 @@ impl Link {
     pub fn open(config: &LinkConfig) -> Result<Self, LinkError> {
         config.check()?;
         let session = zenoh::open(settings(config)?).wait().map_err(transport)?;
-        Ok(Self {
-            shared: Arc::new(Shared {
-                session,
-                rig: config.rig.clone(),
-                publishers: Mutex::default(),
-                subscribers: Mutex::default(),
-            }),
-        })
+        let shared = Arc::new(Shared {
+            session,
+            rig: config.rig.clone(),
+            publishers: Mutex::default(),
+            subscribers: Mutex::default(),
+        });
+        let link = Arc::downgrade(&shared);
+        linger::keep_off(move || link.strong_count() > 0)
+            .map_err(|e| LinkError::Transport(e.to_string()))?;
+        Ok(Self { shared })
     }
 
     fn publisher(&self, topic: Topic) -> Result<Publisher<'static>, LinkError> {
