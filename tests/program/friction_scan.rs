@@ -202,7 +202,7 @@ fn where_nothing_slips_it_says_so_and_spares_the_elements() {
         "sim.object.specimen.friction.static_friction=50.0",
     ];
     let (ended, summary) = scan(&folder, &settings);
-    ended.done();
+    assert_eq!(ended.status, Some(1), "{ended:?}");
     assert_eq!(summary["outcome"], "no slip");
     assert_eq!(summary["findings"]["static_friction"], Value::Null);
     let recording = Recording::read(folder.join("scan/recording.mcap")).expect("a recording");
@@ -225,7 +225,7 @@ fn too_short_a_stroke_ends_without_a_slip() {
         "task.friction_scan.slide_limit=0.0002",
     ];
     let (ended, summary) = scan(&folder, &settings);
-    ended.done();
+    assert_eq!(ended.status, Some(1), "{ended:?}");
     assert_eq!(summary["outcome"], "no slip");
     assert!(
         summary["sim_time"].as_f64().expect("a time") < 5.0,

@@ -276,6 +276,10 @@ impl Task for Contour {
     fn outcome(&self) -> Option<&'static str> {
         self.outcome
     }
+
+    fn failed(&self) -> bool {
+        self.outcome.is_some_and(|outcome| outcome != "closed")
+    }
 }
 
 /// Velocity that keeps a finger at the height of its home, m/s.

@@ -271,4 +271,8 @@ impl Task for FrictionScan {
     fn outcome(&self) -> Option<&'static str> {
         self.outcome
     }
+
+    fn failed(&self) -> bool {
+        self.outcome.is_some_and(|outcome| outcome != "measured")
+    }
 }
