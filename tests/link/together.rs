@@ -38,10 +38,10 @@ fn the_cap_is_closed_in_real_time_and_the_record_replays() {
     let (status, said) = rig.setup.hand(&[]).wait();
     let recording = rig.setup.recording();
     let ages = ages_of_moves(&recording);
-    assert!(ages.len() > 100, "{said}");
     assert!(ages.iter().all(|age| *age <= STALE), "{said}");
     // A busy machine may stop the hand for want of fresh data; it never moves it without.
     if status == Some(0) {
+        assert!(ages.len() > 100, "{said}");
         let cap = recording.cap.last().expect("the cap").angle;
         assert!(cap > 0.4, "{cap} rad, {said}");
     } else {

@@ -92,6 +92,10 @@ fn keys_reach_the_hand_and_it_is_missed_when_it_is_gone() {
 
 #[test]
 fn a_viewer_that_is_frozen_holds_up_nobody() {
+    if !sees_its_descriptors() {
+        eprintln!("skipped: this system does not let a process see its own descriptors");
+        return;
+    }
     let settings = [NO_HURRY, "control.resume=fresh"];
     let rig = Setup::new("link-top-frozen").with(&settings).start();
     let mut hand = rig.setup.hand(&[]);
@@ -109,11 +113,20 @@ fn a_viewer_that_is_frozen_holds_up_nobody() {
     std::thread::sleep(Duration::from_secs(13));
     hand.signal("INT");
     let (_, said) = hand.wait();
+    // `script` froze itself with it.
     assert!(signal("-KILL").expect("kill").success());
-    terminal.end();
+    terminal.child.kill().expect("kill");
+    terminal.child.wait().expect("its state");
     // Each finger's come a hundred times a second; a busy computer loses some.
     let lost = number_before(&said, " tactile updates lost");
     assert!(lost < 200.0, "{said}");
+}
+
+/// Whether sockets can be kept from lingering here.
+fn sees_its_descriptors() -> bool {
+    use rustix::process::{PidfdFlags, PidfdGetfdFlags, getpid, pidfd_getfd, pidfd_open};
+    let this = pidfd_open(getpid(), PidfdFlags::empty());
+    this.is_ok_and(|this| pidfd_getfd(this, 0, PidfdGetfdFlags::empty()).is_ok())
 }
 
 /// The process that the process `parent` started.
