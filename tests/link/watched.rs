@@ -27,6 +27,14 @@ fn picture(rig: &Rig, more: &[&str]) -> String {
     run(folder, &arguments).done()
 }
 
+/// `feeler top` of `rig` in a terminal, where there can be one.
+fn viewer(rig: &Rig) -> Option<InTerminal> {
+    let feeler = env!("CARGO_BIN_EXE_feeler");
+    let (endpoint, settings) = (&rig.setup.endpoint, rig.setup.settings.join(" "));
+    let command = format!("{feeler} top cap-closing --connect {endpoint} {settings}");
+    InTerminal::start_in(&rig.setup.folder, WIDE, &command)
+}
+
 /// The number before `unit` in the line of `picture` that begins with `name`.
 fn shown_before(picture: &str, name: &str, unit: &str) -> Option<f64> {
     let line = picture.lines().find(|line| line.contains(name))?;
@@ -71,10 +79,7 @@ fn a_rig_is_shown_with_its_programs_flags_and_phase() {
 fn keys_reach_the_hand_and_it_is_missed_when_it_is_gone() {
     let rig = Setup::new("link-top-keys").with(&[NO_HURRY]).start();
     let mut hand = rig.setup.hand(&[]);
-    let feeler = env!("CARGO_BIN_EXE_feeler");
-    let (endpoint, settings) = (&rig.setup.endpoint, rig.setup.settings.join(" "));
-    let command = format!("{feeler} top cap-closing --connect {endpoint} {settings}");
-    let Some(mut terminal) = InTerminal::start_in(&rig.setup.folder, WIDE, &command) else {
+    let Some(mut terminal) = viewer(&rig) else {
         return;
     };
     terminal.wait_for("MOVE");
@@ -99,15 +104,12 @@ fn a_viewer_that_is_frozen_holds_up_nobody() {
     let settings = [NO_HURRY, "control.resume=fresh"];
     let rig = Setup::new("link-top-frozen").with(&settings).start();
     let mut hand = rig.setup.hand(&[]);
-    let feeler = env!("CARGO_BIN_EXE_feeler");
-    let (endpoint, settings) = (&rig.setup.endpoint, rig.setup.settings.join(" "));
-    let command = format!("{feeler} top cap-closing --connect {endpoint} {settings}");
-    let Some(mut terminal) = InTerminal::start_in(&rig.setup.folder, WIDE, &command) else {
+    let Some(mut terminal) = viewer(&rig) else {
         return;
     };
     terminal.wait_for("MOVE");
-    let viewer = child_of(terminal.child.id());
-    let signal = |signal: &str| Command::new("kill").args([signal, &viewer]).status();
+    let process = child_of(terminal.child.id());
+    let signal = |signal: &str| Command::new("kill").args([signal, &process]).status();
     assert!(signal("-STOP").expect("kill").success());
     // Its link is closed after a second. What it had not read by then would be waited for for ten seconds.
     std::thread::sleep(Duration::from_secs(13));

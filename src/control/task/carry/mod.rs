@@ -32,8 +32,9 @@ struct Holder {
     /// Where it took hold, and where it let go, m, in W.
     took: DVec3,
     let_go: DVec3,
-    /// What acts on it, and how hard it presses, N.
+    /// What acts on it, of that across it, and how hard it presses, N.
     force: f64,
+    shear: f64,
     pressing: f64,
     /// When it touched last, s.
     touched: f64,
@@ -92,14 +93,12 @@ impl Carry {
 
     /// Feels how hard each finger presses and what the object pulls, and fits the grip to it.
     fn feel(&mut self, hand: &HandSense<'_>) {
-        let (mut shear_sum, mut pressing_sum) = (0.0, 0.0);
         for (holder, finger) in self.holders.iter_mut().zip(hand.fingers()) {
             let forces = touching(&finger, self.config.touch_force);
             let force: DVec3 = forces.map(|(_, force)| force).sum();
             holder.force = force.length();
             holder.pressing = -force.dot(holder.approach);
-            pressing_sum += holder.pressing;
-            shear_sum += force.reject_from_normalized(holder.approach).length();
+            holder.shear = force.reject_from_normalized(holder.approach).length();
             if force != DVec3::ZERO {
                 holder.touched = hand.stamp;
             }
@@ -107,10 +106,17 @@ impl Carry {
         if self.phase != Phase::Move {
             return;
         }
-        let count = self.holders.len().max(1) as f64;
         let changes = hand.fingers().any(|finger| finger.flags().slip);
-        self.grip
-            .feel(shear_sum / count, pressing_sum / count, changes);
+        let (shear, pressing) = (self.mean(|h| h.shear), self.mean(|h| h.pressing));
+        self.grip.feel(shear, pressing, changes);
+    }
+
+    fn mean(&self, of: impl Fn(&Holder) -> f64) -> f64 {
+        self.holders.iter().map(of).sum::<f64>() / self.count()
+    }
+
+    fn count(&self) -> f64 {
+        self.holders.len().max(1) as f64
     }
 
     /// Goes on along the path where the grip is firm enough to pull; whether that is at its end.
@@ -138,8 +144,7 @@ impl Carry {
             self.let_go(hand, "carried");
         }
         let Odometry { moved, turned, .. } = self.odometry;
-        let count = self.holders.len().max(1) as f64;
-        let pressing = self.holders.iter().map(|h| h.pressing).sum::<f64>() / count;
+        let pressing = self.mean(|h| h.pressing);
         let friction = self.grip.friction();
         // The few tips of one finger are too close together to tell a turn.
         let turned = if self.holders.len() > 1 {
@@ -159,7 +164,7 @@ impl Carry {
         let moved = self.odometry.moved;
         let holders = self.holders.iter().zip(hand.poses);
         let sunk = holders.map(|(h, pose)| (pose.position - h.took - moved).dot(h.approach));
-        sunk.sum::<f64>() / self.holders.len().max(1) as f64
+        sunk.sum::<f64>() / self.count()
     }
 
     fn let_go(&mut self, hand: &HandSense<'_>, outcome: &'static str) {
@@ -180,21 +185,17 @@ impl Carry {
         let config = &self.config;
         let error = self.way.wanted - self.odometry.moved;
         let mut place = self.way.pace + config.place_gain * error;
-        let wanted = self.grip.pressing();
-        let count = self.holders.len().max(1) as f64;
-        let missing = if self.holders.len() == 1 {
+        if self.holders.len() == 1 {
             // The table carries what it presses on: along the approach only the force counts.
             place = place.reject_from_normalized(holder.approach);
-            wanted - holder.pressing
-        } else {
-            // What pushes the object makes one finger press harder than the other: the mean counts.
-            wanted - self.holders.iter().map(|h| h.pressing).sum::<f64>() / count
-        };
+        }
+        // What pushes the object makes one finger press harder than the other: the mean counts.
+        let missing = self.grip.pressing() - self.mean(|h| h.pressing);
         // An element that is over its limit is pressed no further, whatever is missing.
         let over = hand.fingers().any(|finger| finger.flags().over);
         let most = if over { 0.0 } else { config.press_speed };
         let press = (config.force_gain * missing).clamp(-config.press_speed, most);
-        let middle = hand.poses.iter().map(|pose| pose.position).sum::<DVec3>() / count;
+        let middle = hand.poses.iter().map(|pose| pose.position).sum::<DVec3>() / self.count();
         let turn_back = DVec3::Z * (-config.place_gain * self.odometry.turned);
         place.clamp_length_max(2.0 * config.carry_speed)
             + press * holder.approach

@@ -39,11 +39,11 @@ impl Program {
         for mismatch in mismatches {
             self.say(&format!("refused: {mismatch}"));
         }
-        match self.other_hand() {
-            Some(mismatch) if !self.has_rival => self.say(&format!("refused: {mismatch}")),
-            _ => {}
+        let rival = self.other_hand();
+        let had_rival = std::mem::replace(&mut self.has_rival, rival.is_some());
+        if let Some(mismatch) = rival.filter(|_| !had_rival) {
+            self.say(&format!("refused: {mismatch}"));
         }
-        self.has_rival = self.other_hand().is_some();
         let inbox = self.inbox.lock();
         let (state, fingers) = inbox.ages((self.clock)());
         let age = fingers.fold(state, f64::max);
