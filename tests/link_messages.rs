@@ -128,9 +128,9 @@ prop_compose! {
 prop_compose! {
     fn instruments()(
         [torque, bridge_voltage, cap_angle, cap_torque] in [number(), number(), number(), number()],
-        counts: i32, cap_centre in vector(),
+        counts: i32, cap_centre in vector(), slipped in [(); 5].map(|()| number()),
     ) -> Instruments {
-        Instruments { torque, bridge_voltage, counts, cap_angle, cap_centre, cap_torque }
+        Instruments { torque, bridge_voltage, counts, cap_angle, cap_centre, cap_torque, slipped }
     }
 }
 

@@ -61,7 +61,7 @@ pub fn schema(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Com
     Ok(Outcome::Done)
 }
 
-fn recorded() -> [Schema; 12] {
+fn recorded() -> [Schema; 13] {
     use record::Topic;
     [
         Schema::recorded::<channels::Tactile>(&Topic::Tactile(0).name()),
@@ -74,6 +74,7 @@ fn recorded() -> [Schema; 12] {
         Schema::recorded::<channels::Task>(&Topic::Task.name()),
         Schema::recorded::<channels::Findings>(&Topic::Findings.name()),
         Schema::recorded::<channels::ObjectPose>(&Topic::Object.name()),
+        Schema::recorded::<channels::TrueSlip>(&Topic::TrueSlip.name()),
         Schema::recorded::<record::Image>(&Topic::Image(0).name()),
         Schema::recorded::<channels::Moments>(record::sensed::MOMENTS_TOPIC),
     ]

@@ -7,6 +7,7 @@ use super::check_sim::check_sim;
 use super::check_task::check_task;
 use super::checker::{Checker, MAX, Problem};
 use crate::control::controller::ControlConfig;
+use crate::hand::hand::MAX_FINGERS;
 use crate::sensor::fingertip::{FingertipConfig, MAX_ELEMENTS};
 
 /// Physics steps in one control period at most: beyond, a run would seem to hang.
@@ -96,7 +97,7 @@ fn check_fingers(config: &ExperimentConfig, checker: &mut Checker) {
     checker.require(
         "hand.finger",
         format!("{hand} fingers"),
-        (1..=5).contains(&hand),
+        (1..=MAX_FINGERS).contains(&hand),
         "1 to 5 fingers",
     );
     checker.require(

@@ -9,10 +9,10 @@ use crate::control::phase::Phase;
 use crate::control::sense::FingertipPose;
 use crate::control::task::Task as ControlTask;
 use crate::control::touch::{FingerTouch, TouchSource};
-use crate::hand::hand::{Hand, JointState};
+use crate::hand::hand::{Hand, JointState, MAX_FINGERS};
 use crate::record::{
     Cap, Command, Findings, Fingertip, Flags, Image, Joints, MessageSink, NO_ELEMENT, ObjectPose,
-    RecordError, Recorder, Tactile, Task, TorqueSensor,
+    RecordError, Recorder, Tactile, Task, TorqueSensor, TrueSlip,
 };
 use crate::sensor::frame::Frame;
 use crate::sensor::layout::ElementLayout;
@@ -32,6 +32,17 @@ pub struct RunLog<R = Recorder> {
     findings: Findings,
     /// Each finger's newest picture, if pictures are recorded.
     pictures: Vec<Picture>,
+}
+
+/// What a rig's own instruments, and a simulated world, add to the record of a control step.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct RigRecord<'a> {
+    /// What the torque sensor says.
+    pub torque: Option<&'a TorqueSensor>,
+    /// How the cap stands, in truth.
+    pub cap: Option<&'a Cap>,
+    /// How far feelers slipped, in truth.
+    pub slip: Option<&'a TrueSlip>,
 }
 
 struct Picture {
@@ -108,7 +119,16 @@ impl<R: MessageSink> RunLog<R> {
         if let Some(pose) = &at.object {
             self.write_object(&object_pose(stamp, pose))?;
         }
-        self.write_step(control_loop, Some(&torque), Some(&cap))
+        let slip = TrueSlip {
+            stamp,
+            distance: at.slipped[..self.tips.len().min(MAX_FINGERS)].to_vec(),
+        };
+        let rig = RigRecord {
+            torque: Some(&torque),
+            cap: Some(&cap),
+            slip: Some(&slip),
+        };
+        self.write_step(control_loop, rig)
     }
 
     /// Writes where the carried object is.
@@ -119,15 +139,14 @@ impl<R: MessageSink> RunLog<R> {
         self.recorder.object(pose)
     }
 
-    /// Writes the newest step of `control_loop`, and what the instruments said at its time if there are any.
+    /// Writes the newest step of `control_loop`, and what else is known of the `rig` at its time.
     ///
     /// # Errors
     /// When the recording cannot be written.
     pub fn write_step<S: TouchSource, H: Hand>(
         &mut self,
         control_loop: &ControlLoop<S, H>,
-        torque: Option<&TorqueSensor>,
-        cap: Option<&Cap>,
+        rig: RigRecord<'_>,
     ) -> Result<(), RecordError> {
         let stamp = control_loop.state().stamp;
         let controller = control_loop.controller();
@@ -143,11 +162,14 @@ impl<R: MessageSink> RunLog<R> {
             self.write_motion(index, stamp, finger, joints)?;
             self.write_fingertip(index, stamp, pose)?;
         }
-        if let Some(torque) = torque {
+        if let Some(torque) = rig.torque {
             self.recorder.torque_sensor(torque)?;
         }
-        if let Some(cap) = cap {
+        if let Some(cap) = rig.cap {
             self.recorder.cap(cap)?;
+        }
+        if let Some(slip) = rig.slip {
+            self.recorder.true_slip(slip)?;
         }
         self.write_findings(stamp, controller.task())?;
         self.write_task(stamp, controller)

@@ -18,6 +18,7 @@ use crate::control::stop_reason::StopReason;
 use crate::control::task::Task;
 use crate::control::touch::TouchSource;
 use crate::hand::finger::{FingerError, FingerGeometry};
+use crate::hand::hand::MAX_FINGERS;
 use crate::hand::inverse_kinematics::{KinematicsError, inverse_kinematics};
 use crate::record::RunFacts;
 use crate::sensor::fingertip::{Fingertip, FingertipError};
@@ -34,6 +35,7 @@ use crate::sim::world::World;
 use facts::simulated_facts;
 use glam::DVec3;
 use specimen::{SpecimenError, check_specimen};
+use truth::SlipMeter;
 
 /// Why a run could not be set up or go on.
 #[derive(Debug, thiserror::Error)]
@@ -101,6 +103,7 @@ pub struct Session {
     layouts: Vec<ElementLayout>,
     /// The object on a thread.
     cap: Option<usize>,
+    slip: SlipMeter,
     time_limit: f64,
 }
 
@@ -115,11 +118,14 @@ pub struct Instruments {
     pub cap_centre: DVec3,
     /// Where the object is that is carried, in truth, in W: the first free object, if there is one.
     pub object: Option<Pose>,
+    /// Of each finger's feelers, in truth, the longest way that an anchor slid since the instruments were read
+    /// at another time before, m.
+    pub slipped: [f64; MAX_FINGERS],
 }
 
 impl Instruments {
     /// Reads those of `rig`, whose object `cap` is on a thread.
-    fn read(rig: &Rig, cap: Option<usize>) -> Self {
+    fn read(rig: &Rig, cap: Option<usize>, slip: &mut SlipMeter) -> Self {
         let mut world = rig.world();
         let torque = world.read_torque();
         let objects = world.model().objects.iter();
@@ -134,6 +140,7 @@ impl Instruments {
             cap: cap.map_or_else(Turn::default, |cap| cap.turn),
             cap_centre: cap.map_or(DVec3::ZERO, |cap| cap.pose.position),
             object,
+            slipped: slip.read(world.state()),
         }
     }
 }
@@ -168,6 +175,7 @@ impl Session {
             control_loop: ControlLoop::new(sensors, hand, controller),
             layouts,
             cap,
+            slip: SlipMeter::default(),
             time_limit: config.time_limit,
         })
     }
@@ -177,7 +185,7 @@ impl Session {
     /// # Errors
     /// When a sensor or the hand fails.
     pub fn step(&mut self) -> Result<Instruments, ExperimentError> {
-        let instruments = Instruments::read(&self.rig, self.cap);
+        let instruments = Instruments::read(&self.rig, self.cap, &mut self.slip);
         self.control_loop.step()?;
         Ok(instruments)
     }

@@ -1,6 +1,7 @@
 //! The simulated rig by itself: cameras, encoders, instruments and drives, for programs elsewhere.
 
 use super::sensors::{RigSensor, rig_sensors};
+use super::truth::SlipMeter;
 use super::{ExperimentError, Instruments, layouts, rig, steps_per_command};
 use crate::config::Experiment;
 use crate::hand::hand::{Hand, HandCommand, HandError, HandState};
@@ -17,6 +18,7 @@ pub struct PlayedRig {
     hand: SimHand,
     sensors: Vec<PlayedSensor>,
     cap: Option<usize>,
+    slip: SlipMeter,
     steps_per_period: usize,
 }
 
@@ -62,6 +64,7 @@ impl PlayedRig {
             hand: SimHand::new(rig.clone(), steps_per_period),
             rig,
             cap,
+            slip: SlipMeter::default(),
             steps_per_period,
         })
     }
@@ -86,7 +89,7 @@ impl PlayedRig {
     /// # Errors
     /// When `state` is for another number of fingers.
     pub fn read(&mut self, state: &mut HandState) -> Result<Instruments, HandError> {
-        let instruments = Instruments::read(&self.rig, self.cap);
+        let instruments = Instruments::read(&self.rig, self.cap, &mut self.slip);
         self.hand.read(state)?;
         Ok(instruments)
     }

@@ -1,7 +1,9 @@
 //! What only the simulator knows of a run: for whoever judges it, never for the hand.
 
 use super::Session;
+use crate::hand::hand::MAX_FINGERS;
 use crate::sim::object::Motion;
+use crate::sim::state::State;
 
 /// What came of a run so far, in truth.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -29,5 +31,37 @@ impl Truth {
             cap_torque: cap,
             slip_work: state.slip_work(),
         }
+    }
+}
+
+/// Measures how far feelers slip from one time to the next.
+#[derive(Debug, Clone, Default)]
+pub(super) struct SlipMeter {
+    /// Way that each feeler of each finger had slipped when it was last looked at, m.
+    ways: Vec<Vec<f64>>,
+    /// Steps of the world by then, and what it said.
+    newest: Option<(u64, [f64; MAX_FINGERS])>,
+}
+
+impl SlipMeter {
+    /// Of each finger's feelers, the longest way that one slipped since the time before, m. At the same time it
+    /// says the same again.
+    pub fn read(&mut self, state: &State) -> [f64; MAX_FINGERS] {
+        match self.newest {
+            Some((steps, slipped)) if steps == state.steps => return slipped,
+            _ => {}
+        }
+        self.ways.resize_with(state.fingers.len(), Vec::new);
+        let mut slipped = [0.0; MAX_FINGERS];
+        let fingers = state.fingers.iter().zip(&mut self.ways);
+        for (longest, (finger, ways)) in slipped.iter_mut().zip(fingers) {
+            ways.resize(finger.slipped.len(), 0.0);
+            for (before, now) in ways.iter_mut().zip(&finger.slipped) {
+                *longest = f64::max(*longest, now.way - *before);
+                *before = now.way;
+            }
+        }
+        self.newest = Some((state.steps, slipped));
+        slipped
     }
 }

@@ -2,6 +2,9 @@
 
 use glam::DVec3;
 
+/// Most fingers that a hand has.
+pub const MAX_FINGERS: usize = 5;
+
 /// What the encoders of one finger say.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointState {

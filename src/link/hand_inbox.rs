@@ -261,6 +261,7 @@ pub(super) fn check_state(fingers: usize, state: &HandState) -> Result<(), Rejec
             i.cap_angle,
             centre,
             i.cap_torque,
+            i.slipped.iter().sum(),
         ]
     });
     let joints = state.position.iter().chain(&state.velocity).map(sum);

@@ -4,11 +4,12 @@
 //! simulated cameras, that of the world.
 
 use crate::control::phase::Phase;
+use crate::hand::hand::MAX_FINGERS;
 use crate::wire::{Vector3, message, vector3_schema};
 use serde::{Deserialize, Serialize};
 
 /// Version of these messages. A program takes no other, and says so.
-pub const PROTOCOL: u32 = 1;
+pub const PROTOCOL: u32 = 2;
 
 /// [`TactileUpdate::largest_element`] when no element touches.
 pub const NO_ELEMENT: u32 = u32::MAX;
@@ -256,6 +257,7 @@ message!(
     "float64 cap_angle  # rad turned since the start, positive = closing (simulated worlds only)",
     "geometry_msgs/Vector3 cap_centre  # m in the world frame (simulated worlds only)",
     "float64 cap_torque  # N m, true, positive when it resists closing (simulated worlds only)",
+    "float64[5] slipped  # m, of each finger: how far a feeler slipped since the state before (simulated worlds only)",
 );
 
 /// What the rig's own instruments say, and what only a simulated world knows of its cap.
@@ -273,6 +275,8 @@ pub struct Instruments {
     pub cap_centre: Vector3,
     /// True torque between cap and bottle, N·m, positive when it resists closing.
     pub cap_torque: f64,
+    /// Of each finger's feelers, the longest way that an anchor slid since the state before, m.
+    pub slipped: [f64; MAX_FINGERS],
 }
 
 /// That a program is there, what it is, and how it does. Sent ten times a second.

@@ -37,6 +37,7 @@ stamped!(
     Fingertip,
     TorqueSensor,
     Cap,
+    TrueSlip,
     Task,
     Findings,
     ObjectPose
@@ -256,6 +257,24 @@ message!(
     vector3_schema!(),
 );
 
+/// How far feelers have slipped; only a simulated world knows it.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct TrueSlip {
+    /// Time, s.
+    pub stamp: f64,
+    /// Of each finger's feelers, the longest way that an anchor slid over what it touches since the control
+    /// step before, m.
+    pub distance: Vec<f64>,
+}
+
+message!(
+    TrueSlip,
+    "TrueSlip",
+    "# How far feelers slipped since the control step before (simulated worlds only)",
+    "float64 stamp  # s",
+    "float64[] distance  # m, of each finger: the longest way that the anchor of one of its feelers slid",
+);
+
 /// Where the task stands.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Task {
@@ -352,6 +371,8 @@ pub enum Topic {
     TorqueSensor,
     /// [`Cap`].
     Cap,
+    /// [`TrueSlip`]; without messages where no simulated world tells.
+    TrueSlip,
     /// [`Task`].
     Task,
     /// [`Findings`].
@@ -376,7 +397,7 @@ impl Topic {
             ]);
         }
         topics.extend([Self::TorqueSensor, Self::Cap, Self::Task]);
-        topics.extend([Self::Findings, Self::Object]);
+        topics.extend([Self::Findings, Self::Object, Self::TrueSlip]);
         topics
     }
 
@@ -398,6 +419,7 @@ impl Topic {
             Self::Task => "/task".into(),
             Self::Findings => "/findings".into(),
             Self::Object => "/object".into(),
+            Self::TrueSlip => "/true_slip".into(),
             Self::Image(f) => format!("/finger/{f}/image"),
         }
     }
@@ -415,6 +437,7 @@ impl Topic {
             Self::Task => (Task::SCHEMA_NAME, Task::SCHEMA),
             Self::Findings => (Findings::SCHEMA_NAME, Findings::SCHEMA),
             Self::Object => (ObjectPose::SCHEMA_NAME, ObjectPose::SCHEMA),
+            Self::TrueSlip => (TrueSlip::SCHEMA_NAME, TrueSlip::SCHEMA),
             Self::Image(_) => (Image::SCHEMA_NAME, Image::SCHEMA),
         }
     }

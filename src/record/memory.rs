@@ -2,7 +2,7 @@
 
 use super::channels::{
     Cap, Command, Findings, Fingertip, Flags, Joints, ObjectPose, Stamped, Tactile, Task,
-    TorqueSensor,
+    TorqueSensor, TrueSlip,
 };
 use super::error::RecordError;
 use super::facts::RunFacts;
@@ -62,6 +62,11 @@ pub trait MessageSink {
     /// # Errors
     /// As [`Self::tactile`].
     fn object(&mut self, message: &ObjectPose) -> Result<(), RecordError>;
+    /// Takes how far feelers slipped.
+    ///
+    /// # Errors
+    /// As [`Self::tactile`].
+    fn true_slip(&mut self, message: &TrueSlip) -> Result<(), RecordError>;
     /// Takes the picture that a finger's newest forces come from.
     ///
     /// # Errors
@@ -99,6 +104,9 @@ impl MessageSink for Recorder {
     }
     fn object(&mut self, message: &ObjectPose) -> Result<(), RecordError> {
         Self::object(self, message)
+    }
+    fn true_slip(&mut self, message: &TrueSlip) -> Result<(), RecordError> {
+        Self::true_slip(self, message)
     }
     fn image(&mut self, finger: usize, message: &Image) -> Result<(), RecordError> {
         Self::image(self, finger, message)
@@ -197,6 +205,9 @@ impl MessageSink for MemoryRecorder {
     }
     fn object(&mut self, message: &ObjectPose) -> Result<(), RecordError> {
         self.take(message, |recording| &mut recording.object)
+    }
+    fn true_slip(&mut self, message: &TrueSlip) -> Result<(), RecordError> {
+        self.take(message, |recording| &mut recording.true_slip)
     }
     fn image(&mut self, _: usize, _: &Image) -> Result<(), RecordError> {
         Err(RecordError::NoPictures)

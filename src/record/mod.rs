@@ -20,7 +20,7 @@ mod sink;
 pub use crate::control::phase::Phase;
 pub use channels::{
     Cap, Command, Findings, Fingertip, Flags, Joints, Moments, NO_ELEMENT, ObjectPose, Stamped,
-    Tactile, Task, Topic, TorqueSensor,
+    Tactile, Task, Topic, TorqueSensor, TrueSlip,
 };
 pub use digest::Digest;
 pub use error::RecordError;

@@ -2,7 +2,7 @@
 
 use super::channels::{
     Cap, Command, Findings, Fingertip, Flags, Joints, ObjectPose, Stamped, Tactile, Task, Topic,
-    TorqueSensor,
+    TorqueSensor, TrueSlip,
 };
 use super::digest::Digest;
 use super::error::RecordError;
@@ -28,8 +28,8 @@ const WAITING_CHUNKS: usize = 4;
 /// Channels of one finger, in the order of [`Topic::all`].
 const FINGER_CHANNELS: usize = 5;
 
-/// Channels that belong to no finger: torque sensor, cap, task, findings, object.
-const OTHER_CHANNELS: usize = 5;
+/// Channels that belong to no finger: torque sensor, cap, task, findings, object, true slip.
+const OTHER_CHANNELS: usize = 6;
 
 /// What a recording holds beside the messages that every run has.
 #[derive(Debug, Clone, Default)]
@@ -211,6 +211,14 @@ impl Recorder {
     /// As [`Self::tactile`].
     pub fn object(&mut self, message: &ObjectPose) -> Result<(), RecordError> {
         self.write(self.fingers * FINGER_CHANNELS + 4, message)
+    }
+
+    /// Writes how far feelers slipped.
+    ///
+    /// # Errors
+    /// As [`Self::tactile`].
+    pub fn true_slip(&mut self, message: &TrueSlip) -> Result<(), RecordError> {
+        self.write(self.fingers * FINGER_CHANNELS + 5, message)
     }
 
     /// Writes the picture that a finger's newest forces come from.

@@ -2,7 +2,7 @@
 
 use super::channels::{
     Cap, Command, Findings, Fingertip, Flags, Joints, ObjectPose, Stamped, Tactile, Task, Topic,
-    TorqueSensor,
+    TorqueSensor, TrueSlip,
 };
 use super::digest::{Digest, Digester};
 use super::error::RecordError;
@@ -77,6 +77,8 @@ pub struct Recording {
     pub findings: Vec<Findings>,
     /// Where the carried object was, if one is free.
     pub object: Vec<ObjectPose>,
+    /// How far feelers slipped, where a simulated world told.
+    pub true_slip: Vec<TrueSlip>,
 }
 
 impl Recording {
@@ -129,6 +131,7 @@ impl Recording {
             task: Vec::new(),
             findings: Vec::new(),
             object: Vec::new(),
+            true_slip: Vec::new(),
         }
     }
 
@@ -145,6 +148,7 @@ impl Recording {
             Topic::Task => push(&mut self.task, bytes),
             Topic::Findings => push(&mut self.findings, bytes),
             Topic::Object => push(&mut self.object, bytes),
+            Topic::TrueSlip => push(&mut self.true_slip, bytes),
             Topic::Image(f) => {
                 let image: Image = cdr::decode(bytes).map_err(|e| e.to_string())?;
                 image.check()?;

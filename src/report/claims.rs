@@ -5,9 +5,10 @@
 
 use super::claim::{Claim, ClaimPart, Relation};
 use super::measures::{LaggedCorrelation, distance_between_paths, lagged_correlation};
+use super::path_fit::PathFit;
 use super::run_data::{RunData, Stroke};
 use super::series::{absolute_rate, count_heaps, longest_stretch, mean, moving_mean};
-use super::strokes::StrokeMeasures;
+use super::strokes::{StrokeMeasures, grasp_force_variation, over_fraction, share, slip_precision};
 use glam::DVec3;
 
 /// Strokes that the paper's experiment makes.
@@ -26,6 +27,9 @@ const DAMAGE_FORCE: f64 = 1.25;
 /// …if it stays there for longer than this, s.
 const DAMAGE_TIME: f64 = 0.05;
 
+/// Strokes in which the cap is closed.
+const CLOSED: [u32; 2] = [3, 4];
+
 /// The claims, in the order of the paper.
 pub fn claims(data: &RunData) -> Vec<Claim> {
     vec![
@@ -34,7 +38,10 @@ pub fn claims(data: &RunData) -> Vec<Claim> {
         closed_after_third(data),
         shear_rate_marks_closing(data),
         bumps_in_step(data),
+        slip_means_slip(data),
         path_follows_contour(data),
+        path_is_curved(data),
+        grip_levels_off(data),
         path_saturates(data),
         no_damage(data),
     ]
@@ -186,24 +193,141 @@ pub fn rates(data: &RunData, stroke: &Stroke) -> (Vec<f64>, Vec<f64>) {
     (moving_mean(&shear, window), moving_mean(&torque, window))
 }
 
-fn path_follows_contour(data: &RunData) -> Claim {
-    let bend = compare(data, 1, 4, |m| m.path_inward_bend, |a, b| ratio(b, a));
-    let distance = compare(data, 1, 4, |m| m.path_rms_to_contour, |a, b| ratio(b, a));
+/// SLIP against what the simulator knows: raised where a feeler slips, and not all the time.
+fn slip_means_slip(data: &RunData) -> Claim {
+    let precision = each_finger(data, &CLOSED, |stroke, finger| {
+        slip_precision(&data.fingers[finger], stroke)
+    });
+    let raised = each_finger(data, &CLOSED, |stroke, finger| {
+        share(
+            stroke
+                .moving
+                .clone()
+                .map(|row| data.fingers[finger].slip[row]),
+        )
+    });
     Claim::new(
-        "path-follows-contour",
-        "The straight segment becomes curved towards the cap.",
+        "slip-means-slip",
+        "SLIP is raised where a feeler slips (MOVE of strokes 3 and 4; each finger).",
         vec![
             ClaimPart::new(
-                "inward bend, stroke 4 to stroke 1",
-                bend,
+                "least precision of SLIP against the true slip",
+                least(&precision),
                 Relation::AtLeast,
-                2.0,
+                0.9,
             ),
             ClaimPart::new(
-                "RMS distance to the contour, stroke 4 to stroke 1",
-                distance,
-                Relation::Below,
-                1.0,
+                "least share of MOVE with SLIP",
+                least(&raised),
+                Relation::AtLeast,
+                0.10,
+            ),
+            ClaimPart::new(
+                "greatest share of MOVE with SLIP",
+                greatest(&raised),
+                Relation::AtMost,
+                0.60,
+            ),
+        ],
+    )
+}
+
+/// The distance R of the dome's centre from the cap's axis stays the same: against what it would have done on the planned
+/// line, and against stroke 1, where the cap turns along. See [`PathFit`].
+fn path_follows_contour(data: &RunData) -> Claim {
+    let fit = |stroke: &Stroke, finger| PathFit::new(data, stroke, finger);
+    let to_line = each_finger(data, &CLOSED, |stroke, finger| {
+        let fit = fit(stroke, finger)?;
+        ratio(fit.radius_std, fit.line_radius_std)
+    });
+    let to_first = each_finger(data, &CLOSED, |stroke, finger| {
+        let first = fit(data.whole_stroke(1)?, finger)?;
+        ratio(fit(stroke, finger)?.radius_std, first.radius_std)
+    });
+    Claim::new(
+        "path-follows-contour",
+        "Once closed, the fingertips go round the cap's axis at a constant distance R (strokes 3 and 4; each finger).",
+        vec![
+            ClaimPart::new(
+                "greatest std of R relative to the planned line's",
+                greatest(&to_line),
+                Relation::AtMost,
+                0.35,
+            ),
+            ClaimPart::new(
+                "greatest std of R relative to stroke 1's",
+                greatest(&to_first),
+                Relation::AtMost,
+                0.5,
+            ),
+        ],
+    )
+}
+
+/// The path bends as the arc about the cap's axis does, which no straight line does, however tilted. See
+/// [`PathFit::curvature`].
+fn path_is_curved(data: &RunData) -> Claim {
+    let curvature = |strokes: &[u32]| {
+        each_finger(data, strokes, |stroke, finger| {
+            Some(PathFit::new(data, stroke, finger)?.curvature)
+        })
+    };
+    let (closed, first) = (curvature(&CLOSED), curvature(&[1]));
+    Claim::new(
+        "path-is-curved",
+        "The straight segment becomes a curve that fits the cap (each finger).",
+        vec![
+            ClaimPart::new(
+                "least curvature relative to the arc's, strokes 3 and 4",
+                least(&closed),
+                Relation::AtLeast,
+                0.5,
+            ),
+            ClaimPart::new(
+                "greatest curvature relative to the arc's, strokes 3 and 4",
+                greatest(&closed),
+                Relation::AtMost,
+                1.5,
+            ),
+            ClaimPart::new(
+                "greatest curvature relative to the arc's, stroke 1",
+                greatest(&first),
+                Relation::AtMost,
+                0.4,
+            ),
+        ],
+    )
+}
+
+/// The grip that slips have built up is limited by OVER, within the window of [`PathFit`].
+fn grip_levels_off(data: &RunData) -> Claim {
+    let variation = each_finger(data, &CLOSED, |stroke, finger| {
+        grasp_force_variation(data, stroke, finger)
+    });
+    let over = each_finger(data, &CLOSED, |stroke, finger| {
+        over_fraction(data, stroke, finger)
+    });
+    Claim::new(
+        "grip-levels-off",
+        "Once closed, the grasp force levels off, limited by OVER (strokes 3 and 4; each finger).",
+        vec![
+            ClaimPart::new(
+                "greatest std of the grasp force relative to its mean",
+                greatest(&variation),
+                Relation::AtMost,
+                0.2,
+            ),
+            ClaimPart::new(
+                "least share of the window with OVER",
+                least(&over),
+                Relation::AtLeast,
+                0.03,
+            ),
+            ClaimPart::new(
+                "greatest share of the window with OVER",
+                greatest(&over),
+                Relation::AtMost,
+                0.50,
             ),
         ],
     )
@@ -267,6 +391,29 @@ pub(super) fn longest_above(data: &RunData, limit: f64) -> Option<f64> {
 fn measures(data: &RunData, index: u32) -> Option<StrokeMeasures> {
     let stroke = data.whole_stroke(index)?;
     Some(StrokeMeasures::new(data, stroke))
+}
+
+/// A measure of every finger in each of `strokes`; none unless all define it.
+fn each_finger(
+    data: &RunData,
+    strokes: &[u32],
+    measure: impl Fn(&Stroke, usize) -> Option<f64>,
+) -> Option<Vec<f64>> {
+    let fingers = 0..data.fingers.len();
+    let pairs = strokes
+        .iter()
+        .flat_map(|&stroke| fingers.clone().map(move |f| (stroke, f)));
+    pairs
+        .map(|(stroke, finger)| measure(data.whole_stroke(stroke)?, finger))
+        .collect()
+}
+
+fn least(values: &Option<Vec<f64>>) -> Option<f64> {
+    values.as_ref()?.iter().copied().reduce(f64::min)
+}
+
+fn greatest(values: &Option<Vec<f64>>) -> Option<f64> {
+    values.as_ref()?.iter().copied().reduce(f64::max)
 }
 
 /// A measure of one stroke against that of another.

@@ -17,13 +17,6 @@ pub fn inward_bend(path: &[DVec3], direction: DVec3, approach: DVec3) -> Option<
     }))
 }
 
-/// Signed horizontal distance of a feeler's undeformed tip centre from the circle it would run
-/// on if it touched a cap of `cap_radius` about `centre` without being deformed, m; negative =
-/// inside, i.e. pressed in.
-pub fn distance_to_contour(tip: DVec3, centre: DVec3, cap_radius: f64, tip_radius: f64) -> f64 {
-    (tip - centre).truncate().length() - (cap_radius + tip_radius)
-}
-
 /// RMS distance between two paths as curves in the horizontal plane, m: of every point of each
 /// from the nearest point of the other, whatever the time it was there.
 pub fn distance_between_paths(a: &[DVec3], b: &[DVec3]) -> Option<f64> {
@@ -115,18 +108,6 @@ mod tests {
         let direction = DVec3::new(0.6, 0.8, 0.0);
         let path: Vec<_> = (0..5).map(|i| 0.001 * f64::from(i) * direction).collect();
         close(inward_bend(&path, direction, DVec3::NEG_X), 0.0);
-    }
-
-    #[test]
-    fn the_contour_is_a_circle_whatever_the_height() {
-        let centre = DVec3::new(0.001, 0.0, 0.05);
-        let tip = DVec3::new(0.001, 0.0155, 0.0);
-        close(Some(distance_to_contour(tip, centre, 0.014, 0.0015)), 0.0);
-        let inside = tip - 0.0002 * DVec3::Y;
-        close(
-            Some(distance_to_contour(inside, centre, 0.014, 0.0015)),
-            -0.0002,
-        );
     }
 
     #[test]

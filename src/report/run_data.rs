@@ -2,7 +2,7 @@
 
 use crate::record::{
     Cap, FingerRecord, Fingertip, Flags, NO_ELEMENT, Phase, Recording, RunFacts, Stamped, Tactile,
-    Task, TorqueSensor,
+    Task, TorqueSensor, TrueSlip,
 };
 use crate::sensor::layout::SensingElement;
 use glam::{DQuat, DVec3};
@@ -16,6 +16,10 @@ pub struct FingerColumns {
     pub grasp_force: Vec<f64>,
     /// SLIP.
     pub slip: Vec<bool>,
+    /// OVER.
+    pub over: Vec<bool>,
+    /// Longest way that the anchor of one of its feelers slid since the row before, m, where a simulated world told.
+    pub slipped: Vec<Option<f64>>,
     /// The touching element of largest F_z.
     pub largest_element: Vec<Option<usize>>,
     /// Shear rate of that element, N/s; 0 when none touches.
@@ -56,6 +60,7 @@ impl FingerColumns {
             .filter(|&element| element < flags.shear_rate.len());
         self.grasp_force.push(flags.grasp_force);
         self.slip.push(flags.slip);
+        self.over.push(flags.over);
         self.largest_element.push(largest);
         let shear_rate = largest.map_or(0.0, |element| flags.shear_rate[element]);
         self.shear_rate.push(shear_rate);
@@ -121,15 +126,18 @@ impl RunData {
         };
         let mut torque = Newest::new(&recording.torque_sensor);
         let mut cap = Newest::new(&recording.cap);
+        let mut slip = Newest::new(&recording.true_slip);
         let mut fingers: Vec<_> = recording.fingers.iter().map(FingerNewest::new).collect();
         let mut stroke_numbers = Vec::new();
         for task in &recording.task {
             // Advance all, also when one has nothing yet.
             let (torque, cap) = (torque.at(task.stamp), cap.at(task.stamp));
+            let slip = slip.at(task.stamp);
             let fingers: Vec<_> = fingers.iter_mut().map(|f| f.at(task.stamp)).collect();
             let fingers: Option<Vec<_>> = fingers.into_iter().collect();
             if let (Some(torque), Some(cap), Some(fingers)) = (torque, cap, fingers) {
                 data.push(task, torque, cap, &fingers);
+                data.push_slip(slip);
                 stroke_numbers.push(task.stroke);
             }
         }
@@ -172,6 +180,13 @@ impl RunData {
         self.cap_centre.push(cap.centre.into());
         for (columns, (tactile, flags, fingertip)) in self.fingers.iter_mut().zip(fingers) {
             columns.push(tactile, flags, fingertip);
+        }
+    }
+
+    fn push_slip(&mut self, slip: Option<&TrueSlip>) {
+        for (finger, columns) in self.fingers.iter_mut().enumerate() {
+            let distance = slip.and_then(|slip| slip.distance.get(finger).copied());
+            columns.slipped.push(distance);
         }
     }
 }

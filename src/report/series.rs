@@ -20,6 +20,12 @@ pub fn rms(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     mean(values.into_iter().map(|v| v * v)).map(f64::sqrt)
 }
 
+/// Standard deviation, of the values as they are (not of what they are a sample of).
+pub fn standard_deviation(values: impl Iterator<Item = f64> + Clone) -> Option<f64> {
+    let middle = mean(values.clone())?;
+    rms(values.map(|value| value - middle))
+}
+
 /// Largest value.
 pub fn maximum(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     let mut values = values.into_iter();

@@ -1,10 +1,14 @@
 //! What each stroke measures. Every field's definition stands with it; none is ever NaN.
 
-use super::measures::{distance_to_contour, inward_bend};
+use super::measures::inward_bend;
+use super::path_fit::{PathFit, window_rows};
 use super::run_data::{FingerColumns, RunData, Stroke};
-use super::series::{finite, maximum, mean, percentile, rms};
+use super::series::{finite, maximum, mean, percentile, standard_deviation};
 use glam::DVec3;
 use serde::Serialize;
+
+/// A feeler whose anchor slid farther than this from one control step to the next has slipped, m.
+pub const TRUE_SLIP: f64 = 20e-6;
 
 /// The measures of one stroke; `None` (JSON null) where the recording does not define them.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -24,13 +28,25 @@ pub struct StrokeMeasures {
     pub peak_shear_rate: Option<f64>,
     /// Share of MOVE with SLIP up, mean over fingers, 0 to 1.
     pub slip_fraction: Option<f64>,
+    /// Share of those control steps of MOVE with SLIP in which one of the finger's feelers has slipped in truth
+    /// ([`TRUE_SLIP`]), mean over fingers, 0 to 1; known of simulated worlds only.
+    pub slip_precision: Option<f64>,
+    /// Share of MOVE in which one of the finger's feelers has slipped in truth, mean over fingers, 0 to 1: the precision
+    /// that a flag would have which is raised at random.
+    pub true_slip_fraction: Option<f64>,
+    /// Standard deviation of the grasp force relative to its mean within the window of [`window_rows`], mean over fingers.
+    pub grasp_force_variation: Option<f64>,
+    /// Share of the same window with OVER up, mean over fingers, 0 to 1.
+    pub over_fraction: Option<f64>,
     /// Largest inward deviation of the fingertip's path over MOVE from the planned straight
     /// line, mean over fingers, m. See [`inward_bend`].
     pub path_inward_bend: Option<f64>,
-    /// RMS over MOVE and fingers of the distance of the leading element's undeformed tip from the
-    /// cap's contour, m; the element that leads is that of largest F_z when MOVE begins. See
-    /// [`distance_to_contour`].
-    pub path_rms_to_contour: Option<f64>,
+    /// [`PathFit::radius_std`], mean over fingers, m.
+    pub path_radius_std: Option<f64>,
+    /// [`PathFit::line_radius_std`], mean over fingers, m.
+    pub line_radius_std: Option<f64>,
+    /// [`PathFit::curvature`], mean over fingers.
+    pub path_curvature: Option<f64>,
     /// Largest F_z of any element during the stroke, N.
     pub peak_element_force: Option<f64>,
 }
@@ -40,6 +56,9 @@ impl StrokeMeasures {
     pub fn new(data: &RunData, stroke: &Stroke) -> Self {
         let rows = || stroke.rows.clone();
         let moving = || stroke.moving.clone();
+        let fit = |part: fn(PathFit) -> f64| {
+            every_finger(data, |finger| PathFit::new(data, stroke, finger).map(part))
+        };
         Self {
             index: stroke.index,
             peak_torque: maximum(rows().map(|row| data.torque[row])),
@@ -49,11 +68,20 @@ impl StrokeMeasures {
             peak_shear_rate: over_fingers(data, |finger| {
                 percentile(moving().map(|row| finger.shear_rate[row]), 99.0)
             }),
-            slip_fraction: over_fingers(data, |finger| {
-                mean(moving().map(|row| f64::from(u8::from(finger.slip[row]))))
+            slip_fraction: over_fingers(data, |finger| share(moving().map(|row| finger.slip[row]))),
+            slip_precision: over_fingers(data, |finger| slip_precision(finger, stroke)),
+            true_slip_fraction: over_fingers(data, |finger| {
+                let slipped = moving().map(|row| Some(finger.slipped[row]? > TRUE_SLIP));
+                share(slipped.collect::<Option<Vec<_>>>()?)
             }),
+            grasp_force_variation: every_finger(data, |finger| {
+                grasp_force_variation(data, stroke, finger)
+            }),
+            over_fraction: every_finger(data, |finger| over_fraction(data, stroke, finger)),
             path_inward_bend: path_inward_bend(data, stroke),
-            path_rms_to_contour: path_rms_to_contour(data, stroke),
+            path_radius_std: fit(|fit| fit.radius_std),
+            line_radius_std: fit(|fit| fit.line_radius_std),
+            path_curvature: fit(|fit| fit.curvature),
             peak_element_force: maximum(
                 (data.fingers.iter())
                     .flat_map(|finger| rows().flat_map(|row| finger.forces[row].iter()))
@@ -65,8 +93,40 @@ impl StrokeMeasures {
 
 /// Mean over fingers of a measure that every finger must define.
 fn over_fingers(data: &RunData, measure: impl Fn(&FingerColumns) -> Option<f64>) -> Option<f64> {
-    let values: Option<Vec<f64>> = data.fingers.iter().map(measure).collect();
+    every_finger(data, |finger| measure(&data.fingers[finger]))
+}
+
+/// The same of a measure that needs the finger's number.
+fn every_finger(data: &RunData, measure: impl Fn(usize) -> Option<f64>) -> Option<f64> {
+    let values: Option<Vec<f64>> = (0..data.fingers.len()).map(measure).collect();
     mean(values?)
+}
+
+/// The share that is true, 0 to 1.
+pub fn share(values: impl IntoIterator<Item = bool>) -> Option<f64> {
+    mean(values.into_iter().map(|value| f64::from(u8::from(value))))
+}
+
+/// [`StrokeMeasures::slip_precision`] of one finger.
+pub fn slip_precision(finger: &FingerColumns, stroke: &Stroke) -> Option<f64> {
+    let raised = stroke.moving.clone().filter(|&row| finger.slip[row]);
+    let right = raised.map(|row| Some(finger.slipped[row]? > TRUE_SLIP));
+    share(right.collect::<Option<Vec<_>>>()?)
+}
+
+/// [`StrokeMeasures::grasp_force_variation`] of one finger.
+pub fn grasp_force_variation(data: &RunData, stroke: &Stroke, finger: usize) -> Option<f64> {
+    let rows = window_rows(data, stroke, finger)?;
+    let forces = rows
+        .iter()
+        .map(|&row| data.fingers[finger].grasp_force[row]);
+    finite(standard_deviation(forces.clone())? / mean(forces)?)
+}
+
+/// [`StrokeMeasures::over_fraction`] of one finger.
+pub fn over_fraction(data: &RunData, stroke: &Stroke, finger: usize) -> Option<f64> {
+    let rows = window_rows(data, stroke, finger)?.into_iter();
+    share(rows.map(|row| data.fingers[finger].over[row]))
 }
 
 fn cap_turn(data: &RunData, stroke: &Stroke) -> Option<f64> {
@@ -85,17 +145,4 @@ fn path_inward_bend(data: &RunData, stroke: &Stroke) -> Option<f64> {
         })
         .collect();
     mean(bends?)
-}
-
-fn path_rms_to_contour(data: &RunData, stroke: &Stroke) -> Option<f64> {
-    let (cap, tip_radius) = (data.facts.cap_radius, data.facts.feeler_tip_radius);
-    let squares: Option<Vec<f64>> = (data.fingers.iter())
-        .map(|finger| {
-            let path = finger.leading_path(stroke)?;
-            let centres = &data.cap_centre[stroke.moving.clone()];
-            let steps = path.iter().zip(centres);
-            rms(steps.map(|(&tip, &centre)| distance_to_contour(tip, centre, cap, tip_radius)))
-        })
-        .collect();
-    rms(squares?)
 }

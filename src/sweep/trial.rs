@@ -23,7 +23,7 @@ const MAX_STROKES: u32 = 8;
 type Measure = (&'static str, fn(&StrokeMeasures) -> Option<f64>);
 
 /// What each stroke measures, in SI units; [`StrokeMeasures`] defines each.
-const MEASURES: [Measure; 9] = [
+const MEASURES: [Measure; 15] = [
     ("peak_torque", |m| m.peak_torque),
     ("mean_grasp_force", |m| m.mean_grasp_force),
     ("peak_grasp_force", |m| m.peak_grasp_force),
@@ -31,7 +31,13 @@ const MEASURES: [Measure; 9] = [
     ("peak_shear_rate", |m| m.peak_shear_rate),
     ("slip_fraction", |m| m.slip_fraction),
     ("path_inward_bend", |m| m.path_inward_bend),
-    ("path_rms_to_contour", |m| m.path_rms_to_contour),
+    ("slip_precision", |m| m.slip_precision),
+    ("true_slip_fraction", |m| m.true_slip_fraction),
+    ("grasp_force_variation", |m| m.grasp_force_variation),
+    ("over_fraction", |m| m.over_fraction),
+    ("path_radius_std", |m| m.path_radius_std),
+    ("line_radius_std", |m| m.line_radius_std),
+    ("path_curvature", |m| m.path_curvature),
     ("peak_element_force", |m| m.peak_element_force),
 ];
 

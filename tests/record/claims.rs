@@ -33,8 +33,21 @@ fn a_made_up_run_measures_what_it_was_made_of() {
     close(first.mean_grasp_force, 1.2, 0.01);
     close(first.cap_turn, 0.4, 0.001);
     close(fourth.cap_turn, 0.0, 1e-12);
-    close(first.path_inward_bend, 0.0002, 0.00001);
-    close(fourth.path_inward_bend, 0.00095, 0.00002);
+    // MOVE ends one step before the whole travel.
+    let bend = support::sagitta(0.99 * support::TRAVEL);
+    let [first_bend, .., fourth_bend] = support::BENDS;
+    close(first.path_inward_bend, first_bend * bend, 1e-9);
+    close(fourth.path_inward_bend, fourth_bend * bend, 1e-9);
+    // A parabola fits an arc over a third of its radius to a few per cent.
+    close(first.path_curvature, first_bend, 0.01);
+    close(fourth.path_curvature, fourth_bend, 0.06);
+    let kept = |bend: f64| (1.0 - bend) * fourth.line_radius_std.expect("a line");
+    // The cap stands 0.2 mm off, as the grip lets it; the line of stroke 4 begins where its arc has come to.
+    close(fourth.path_radius_std, kept(fourth_bend), 2e-5);
+    close(fourth.slip_precision, 1.0, 1e-12);
+    assert_eq!(fourth.true_slip_fraction, fourth.slip_fraction);
+    assert!(fourth.over_fraction > Some(0.05), "{fourth:?}");
+    assert!(fourth.grasp_force_variation < Some(0.1), "{fourth:?}");
     close(fourth.peak_element_force, 0.7 * 2.3, 0.01);
     assert!(fourth.slip_fraction > first.slip_fraction);
     close(summary.real_time_factor, 12.19 / 0.25, 1e-9);
@@ -93,8 +106,9 @@ fn the_keys_of_the_summary_are_stable() {
     );
     assert_eq!(
         keys(&json["strokes"][0]),
-        "cap_turn index mean_grasp_force path_inward_bend path_rms_to_contour \
-         peak_element_force peak_grasp_force peak_shear_rate peak_torque slip_fraction"
+        "cap_turn grasp_force_variation index line_radius_std mean_grasp_force over_fraction path_curvature \
+         path_inward_bend path_radius_std peak_element_force peak_grasp_force peak_shear_rate peak_torque \
+         slip_fraction slip_precision true_slip_fraction"
     );
     assert_eq!(keys(&json["claims"][0]), "bound holds id parts text value");
     assert_eq!(
@@ -113,7 +127,10 @@ fn the_keys_of_the_summary_are_stable() {
             "closed-after-third",
             "shear-rate-marks-closing",
             "bumps-in-step",
+            "slip-means-slip",
             "path-follows-contour",
+            "path-is-curved",
+            "grip-levels-off",
             "path-saturates",
             "no-damage",
         ]

@@ -5,7 +5,7 @@ use feeler::control::control_loop::{ControlError, ControlLoop};
 use feeler::control::phase::Phase;
 use feeler::control::stop_reason::StopReason;
 use feeler::control::touch::AnalyzedSensor;
-use feeler::experiment::log::{RunLog, run_facts};
+use feeler::experiment::log::{RigRecord, RunLog, run_facts};
 use feeler::experiment::replay::{Comparison, Kind, Replay, ReplayFrom, recorded_experiment};
 use feeler::experiment::{Session, controller, fingers_at_home, layouts};
 use feeler::hand::hand::HandError;
@@ -118,7 +118,7 @@ fn stops_from_outside_are_repeated() {
             _ => {}
         }
         control_loop.step().unwrap();
-        log.write_step(&control_loop, None, None).unwrap();
+        log.write_step(&control_loop, RigRecord::default()).unwrap();
     }
     log.into_recorder().finish(None).unwrap();
     let recording = Recording::read(&path).unwrap();

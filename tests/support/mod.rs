@@ -2,7 +2,7 @@
 
 use feeler::record::{
     Cap, Command, Digest, Fingertip, Flags, Joints, NO_ELEMENT, Phase, RecordError, Recorder,
-    RunFacts, Tactile, Task, TorqueSensor,
+    RunFacts, Tactile, Task, TorqueSensor, TrueSlip,
 };
 use feeler::wire::{Quaternion, Vector3};
 use glam::DVec3;
@@ -16,6 +16,12 @@ const FINGERS: usize = 2;
 const CAP_RADIUS: f64 = 0.014;
 const TIP_RADIUS: f64 = 0.0015;
 const DOME_RADIUS: f64 = 0.018;
+/// Distance of a dome's centre from the axis when its tip touches the cap.
+const REACH: f64 = DOME_RADIUS + CAP_RADIUS + TIP_RADIUS;
+/// How much of the arc about the cap's axis the path of each stroke has.
+pub const BENDS: [f64; 4] = [0.1, 0.7, 0.95, 0.95];
+/// Length of a stroke, m.
+pub const TRAVEL: f64 = 0.010;
 /// Phases of a stroke and how many control steps each lasts.
 const PHASES: [(Phase, usize); 4] = [
     (Phase::Search, 90),
@@ -83,6 +89,7 @@ struct MadeUp {
     angle: f64,
     last_shear: [f64; FINGERS],
     last_press: f64,
+    slipping: [bool; FINGERS],
 }
 
 impl MadeUp {
@@ -125,11 +132,18 @@ impl MadeUp {
             self.angle += [0.4, 0.08, 0.02, 0.0][k] / 100.0;
         }
         let grasp = press * ([1.2, 1.7, 2.1, 2.1][k] + 0.2 * bump);
-        let bend = tightness * 0.00075 * (travel * 2.0).min(1.0) + 0.0002 * travel;
+        let bend = BENDS[k] * sagitta(TRAVEL * travel);
         for finger in 0..FINGERS {
             let shear = torque / CAP_RADIUS / 2.0;
             self.finger(recorder, finger, stamp, press, travel, bend, grasp, shear)?;
         }
+        recorder.true_slip(&TrueSlip {
+            stamp,
+            distance: self
+                .slipping
+                .map(|slips| if slips { 30e-6 } else { 5e-6 })
+                .into(),
+        })?;
         self.last_press = press;
         let noise = 0.0004 * self.noise();
         recorder.torque_sensor(&TorqueSensor {
@@ -172,8 +186,8 @@ impl MadeUp {
         shear: f64,
     ) -> Result<(), RecordError> {
         let side = if finger == 0 { 1.0 } else { -1.0 };
-        let reach = DOME_RADIUS + CAP_RADIUS + TIP_RADIUS + 0.008 * (1.0 - press) - bend;
-        let position = side * DVec3::new(reach - 0.0002 * press, 0.010 * travel, 0.1 * side);
+        let reach = REACH + 0.008 * (1.0 - press) - bend;
+        let position = side * DVec3::new(reach - 0.0002 * press, TRAVEL * travel, 0.1 * side);
         // As the finger passes the cap, the element that faces it changes.
         let largest = if travel < 0.35 { 0 } else { 1 };
         let tips: Vec<_> = (0..ELEMENTS)
@@ -197,14 +211,15 @@ impl MadeUp {
         let mut shear_rate = vec![0.05 + 0.05 * self.noise(); ELEMENTS];
         shear_rate[largest] += rate;
         let touch = grasp > 0.1;
+        self.slipping[finger] = rate > 3.0;
         recorder.tactile(finger, &tactile)?;
         recorder.flags(
             finger,
             &Flags {
                 stamp,
                 touch,
-                slip: rate > 3.0,
-                over: false,
+                slip: self.slipping[finger],
+                over: grasp > 2.25,
                 largest_element: if touch { largest as u32 } else { NO_ELEMENT },
                 grasp_force: grasp,
                 shear_rate,
@@ -243,6 +258,11 @@ impl MadeUp {
             },
         )
     }
+}
+
+/// How far an arc about the axis bends inward over a way of `along` (m) from where it is tangent to the stroke, m.
+pub fn sagitta(along: f64) -> f64 {
+    REACH - (REACH * REACH - along * along).sqrt()
 }
 
 /// How firmly the fingers press (0 away, 1 grasping) and how far along the stroke they are.

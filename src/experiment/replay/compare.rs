@@ -3,7 +3,7 @@
 use super::fields::{Field, of_command, of_findings, of_flags, of_tactile, of_task};
 use crate::record::{
     Cap, Command, Findings, FingerRecord, Fingertip, Flags, Image, Joints, MessageSink, ObjectPose,
-    RecordError, Recorder, Recording, Tactile, Task, TorqueSensor,
+    RecordError, Recorder, Recording, Tactile, Task, TorqueSensor, TrueSlip,
 };
 use std::fmt;
 
@@ -259,6 +259,10 @@ impl MessageSink for Comparer<'_> {
 
     fn object(&mut self, message: &ObjectPose) -> Result<(), RecordError> {
         self.pass_on(|copy| copy.object(message))
+    }
+
+    fn true_slip(&mut self, message: &TrueSlip) -> Result<(), RecordError> {
+        self.pass_on(|copy| copy.true_slip(message))
     }
 
     fn image(&mut self, finger: usize, message: &Image) -> Result<(), RecordError> {

@@ -9,7 +9,7 @@ mod recorded_touch;
 pub use compare::{Comparison, Difference, Kind, Tally};
 pub use error::ReplayError;
 
-use super::log::RunLog;
+use super::log::{RigRecord, RunLog};
 use super::{ExperimentError, Sensor, controller, fingers_at_home, layouts};
 use crate::config::{ConfigError, Experiment};
 use crate::control::control_loop::ControlLoop;
@@ -104,9 +104,12 @@ impl<'a> Replay<'a> {
             outside.tell(self.control_loop.controller_mut());
         }
         self.control_loop.step()?;
-        let torque = self.recording.torque_sensor.get(step);
-        let cap = self.recording.cap.get(step);
-        self.log.write_step(&self.control_loop, torque, cap)?;
+        let rig = RigRecord {
+            torque: self.recording.torque_sensor.get(step),
+            cap: self.recording.cap.get(step),
+            slip: self.recording.true_slip.get(step),
+        };
+        self.log.write_step(&self.control_loop, rig)?;
         self.step += 1;
         Ok(())
     }

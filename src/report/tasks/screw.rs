@@ -74,17 +74,31 @@ type Column = (
     fn(&StrokeMeasures) -> Option<f64>,
 );
 
-const STROKE_COLUMNS: [Column; 9] = [
+const STROKE_COLUMNS: [Column; 15] = [
     ("Peak torque", "mN·m", |s| s.peak_torque.map(|v| 1e3 * v)),
     ("Mean grasp force", "N", |s| s.mean_grasp_force),
     ("Peak grasp force", "N", |s| s.peak_grasp_force),
     ("Cap turn", "°", |s| s.cap_turn.map(f64::to_degrees)),
     ("Peak shear rate", "N/s", |s| s.peak_shear_rate),
     ("Slip", "% of MOVE", |s| s.slip_fraction.map(|v| 1e2 * v)),
-    ("Inward bend", "mm", |s| s.path_inward_bend.map(|v| 1e3 * v)),
-    ("RMS to contour", "mm", |s| {
-        s.path_rms_to_contour.map(|v| 1e3 * v)
+    ("Precision of SLIP", "%", |s| {
+        s.slip_precision.map(|v| 1e2 * v)
     }),
+    ("True slip", "% of MOVE", |s| {
+        s.true_slip_fraction.map(|v| 1e2 * v)
+    }),
+    ("OVER", "% of window", |s| s.over_fraction.map(|v| 1e2 * v)),
+    ("Variation of grasp force", "%", |s| {
+        s.grasp_force_variation.map(|v| 1e2 * v)
+    }),
+    ("Inward bend", "mm", |s| s.path_inward_bend.map(|v| 1e3 * v)),
+    ("Std of R, the distance from the axis", "mm", |s| {
+        s.path_radius_std.map(|v| 1e3 * v)
+    }),
+    ("Std of R on the planned line", "mm", |s| {
+        s.line_radius_std.map(|v| 1e3 * v)
+    }),
+    ("Curvature relative to the arc", "", |s| s.path_curvature),
     ("Peak element force", "N", |s| s.peak_element_force),
 ];
 
@@ -102,7 +116,10 @@ fn strokes_table(strokes: &[StrokeMeasures]) -> Markup {
                 tbody {
                     @for (name, unit, measure) in STROKE_COLUMNS {
                         tr {
-                            td { (name) " " span.unit { "(" (unit) ")" } }
+                            td {
+                                (name)
+                                @if !unit.is_empty() { " " span.unit { "(" (unit) ")" } }
+                            }
                             @for stroke in strokes { td.number { (value(measure(stroke))) } }
                         }
                     }

@@ -9,7 +9,7 @@ use crate::config::Experiment;
 use crate::control::control_loop::ControlLoop;
 use crate::control::controller::{Controller, Resume};
 use crate::control::phase::Phase;
-use crate::experiment::log::RunLog;
+use crate::experiment::log::{RigRecord, RunLog};
 use crate::experiment::{controller, fingers_at_home, layouts};
 use crate::hand::hand::{Hand, HandCommand};
 use crate::link::beacon::Beacon;
@@ -22,7 +22,7 @@ use crate::link::remote::{RemoteFinger, RemoteHand, mode_of};
 use crate::link::shared::Shared;
 use crate::link::topic::Topic;
 use crate::pace::{Pace, Punctuality};
-use crate::record::{Cap, TorqueSensor};
+use crate::record::{Cap, TorqueSensor, TrueSlip};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -158,8 +158,16 @@ impl Program {
         }
         // A hand that stands still for want of data has nothing to add to the record.
         if is_new || !still_stopped {
-            let (torque, cap) = recorded(stamp, instruments);
-            log.write_step(&self.control_loop, torque.as_ref(), cap.as_ref())?;
+            let fingers = self.control_loop.state().joints.len();
+            let at = instruments.map(|at| recorded(stamp, at, fingers));
+            let rig = at
+                .as_ref()
+                .map_or_else(RigRecord::default, |(torque, cap, slip)| RigRecord {
+                    torque: Some(torque),
+                    cap: Some(cap),
+                    slip: Some(slip),
+                });
+            log.write_step(&self.control_loop, rig)?;
         }
         if self.steps.is_multiple_of(REPORT_STEPS) {
             self.report(&mode);
@@ -243,20 +251,24 @@ impl Program {
     }
 }
 
-/// The instruments as they are recorded.
-fn recorded(stamp: f64, at: Option<Instruments>) -> (Option<TorqueSensor>, Option<Cap>) {
-    let torque = at.map(|at| TorqueSensor {
+/// The instruments of a rig of so many `fingers`, as they are recorded.
+fn recorded(stamp: f64, at: Instruments, fingers: usize) -> (TorqueSensor, Cap, TrueSlip) {
+    let torque = TorqueSensor {
         stamp,
         torque: at.torque,
         bridge_voltage: at.bridge_voltage,
         counts: at.counts,
-    });
-    let cap = at.map(|at| Cap {
+    };
+    let cap = Cap {
         stamp,
         angle: at.cap_angle,
         height: at.cap_centre.z,
         centre: at.cap_centre,
         resisting_torque: at.cap_torque,
-    });
-    (torque, cap)
+    };
+    let slip = TrueSlip {
+        stamp,
+        distance: at.slipped.into_iter().take(fingers).collect(),
+    };
+    (torque, cap, slip)
 }

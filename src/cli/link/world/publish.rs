@@ -143,6 +143,7 @@ fn state_message(header: Header, state: &HandState, at: &Instruments) -> StateMe
             cap_angle: at.cap.angle,
             cap_centre: at.cap_centre.into(),
             cap_torque: at.cap.torque,
+            slipped: at.slipped,
         }],
     }
 }

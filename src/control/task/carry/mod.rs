@@ -19,9 +19,10 @@ use crate::control::phase::Phase;
 use crate::control::plan::Plan;
 use crate::control::sense::{FingerSense, HandSense};
 use crate::control::stop_reason::StopReason;
+use crate::hand::hand::MAX_FINGERS;
 use glam::DVec3;
 use grip::Grip;
-use odometry::{MAX_FINGERS, Odometry};
+use odometry::Odometry;
 use way::Way;
 
 /// What one finger does.

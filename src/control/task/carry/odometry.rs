@@ -2,11 +2,10 @@
 
 use crate::control::feeler_shape::FeelerShape;
 use crate::control::sense::HandSense;
+use crate::hand::hand::MAX_FINGERS;
 use crate::sensor::fingertip::MAX_ELEMENTS;
 use glam::DVec3;
 
-/// Most fingers that are followed.
-pub const MAX_FINGERS: usize = 5;
 /// Tips closer together than the root of this, m², tell no turn: they are one.
 const ALONE: f64 = 1e-12;
 
