@@ -49,7 +49,7 @@ pub fn score_slip(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome,
     let (chosen_on, scored) = (run(0)?, run(1)?);
     bar.clear();
     let paper = experiment.config.control.slip_threshold;
-    let tuned = [0, 1].map(|detector| (detector, tune(&chosen_on, detector)));
+    let tuned = (0..DETECTORS.len()).map(|detector| (detector, tune(&chosen_on, detector)));
     let points = [(0, paper)].into_iter().chain(tuned);
     let samples = scored.iter().flatten();
     let page = SlipPage {

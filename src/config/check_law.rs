@@ -1,5 +1,6 @@
 //! What every value of a control law must be.
 
+use super::check_touch_tasks::check_feeler;
 use super::checker::Checker;
 use crate::control::controller::ControlConfig;
 use crate::control::law::LawConfig;
@@ -9,10 +10,14 @@ use crate::control::law::best::BestConfig;
 const FRICTION: (f64, f64) = (0.01, 10.0);
 
 pub(super) fn check_law(control: &ControlConfig, checker: &mut Checker) {
-    let key = format!("control.law.{}", control.law.name());
-    let key = |field: &str| format!("{key}.{field}");
+    let table = format!("control.law.{}", control.law.name());
+    let key = |field: &str| format!("{table}.{field}");
     match &control.law {
         LawConfig::TriAxial => {}
+        LawConfig::TriAxialMissingShear(law) => {
+            checker.positive(&key("threshold"), law.threshold);
+            check_feeler(&table, &law.feeler, checker);
+        }
         LawConfig::NormalOnly(law) => {
             checker.between(&key("friction"), law.friction, FRICTION.0, FRICTION.1);
             checker.not_negative(&key("tangential_load"), law.tangential_load);

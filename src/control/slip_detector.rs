@@ -5,8 +5,10 @@
 //! paper's detector, by contrast, takes the rate of shear alone ([`FlagAnalyzer`](super::flags::FlagAnalyzer)),
 //! to which a feeler that sticks to a fast fingertip looks like one that slips.
 //!
-//! On something that moves with the fingertip, all that sticks misses shear alike: this detector is for
-//! what stands still.
+//! On an object that goes along with the fingertip, all that sticks misses shear alike, for its springs are not
+//! stretched by the whole way of the fingertip. [`SlipDetector::on_what_may_move`] takes what every touching
+//! element misses for that. A dragged object goes no farther than what drags it, so whatever misses more than all that the
+//! fingertip's motion foretells has slipped. Where all that touch slip alike, and by less than that, it sees none of them.
 
 use super::feeler_shape::FeelerShape;
 use super::sense::{FingerSense, FingertipPose};
@@ -24,22 +26,41 @@ const MOST_CARRIED: f64 = 0.004;
 pub struct SlipDetector {
     /// What the hand knows of its own feelers.
     feeler: FeelerShape,
+    /// Only elements that are pressed harder than this in two frames are looked at, N.
+    touch_force: f64,
+    /// Whether what is touched may move.
+    may_move: bool,
     /// Where the fingertip was at the frame before.
     before: Option<FingertipPose>,
     /// Forces at the frame before, N.
     forces: Vec<DVec3>,
-    /// Shear lost by slipping since then, N.
+    /// Shear foretold for this frame on what stands still, N, of each element that is looked at.
+    foretold: Vec<Option<DVec3>>,
+    /// Shear lost by slipping since the frame before, N.
     missing: Vec<f64>,
 }
 
 impl SlipDetector {
-    /// A detector for a finger of `elements` elements that has felt nothing yet.
+    /// A detector for a finger of `elements` elements that has felt nothing yet, and touches what stands still.
     pub fn new(feeler: FeelerShape, elements: usize) -> Self {
         Self {
             feeler,
+            touch_force: 0.0,
+            may_move: false,
             before: None,
             forces: vec![DVec3::ZERO; elements],
+            foretold: vec![None; elements],
             missing: vec![0.0; elements],
+        }
+    }
+
+    /// The same for what may move along with the fingertip. Only elements that are pressed harder than `touch_force` (F1), N,
+    /// are looked at: those that hold on to nothing would have no say in whether it moves.
+    pub fn on_what_may_move(feeler: FeelerShape, touch_force: f64, elements: usize) -> Self {
+        Self {
+            touch_force,
+            may_move: true,
+            ..Self::new(feeler, elements)
         }
     }
 
@@ -47,34 +68,65 @@ impl SlipDetector {
     /// a part of what it lost before: what slips slips on. About 0 or less where it sticks, touches nothing, or has only
     /// begun to touch. To be called once a frame.
     pub fn detect(&mut self, finger: &FingerSense<'_>) -> &[f64] {
-        let now = finger.pose;
-        let before = self.before.replace(now).unwrap_or(now);
         let forces = &finger.touch.frame.forces;
-        let elements = finger.layout.elements.iter().zip(forces);
+        self.foretell(finger);
+        let along = self.gone_along(forces);
         let own = self.forces.iter_mut().zip(&mut self.missing);
-        for (index, ((element, force), (last, missing))) in elements.zip(own).enumerate() {
+        for ((force, foretold), (last, missing)) in forces.iter().zip(&self.foretold).zip(own) {
             let carried = (PERSISTENCE * *missing).clamp(0.0, MOST_CARRIED);
             *missing = 0.0;
-            if last.z > 0.0 && force.z > 0.0 {
-                let tip = finger.layout.tip(index);
-                let poses = [before, now].map(|pose| FingertipPose {
-                    position: pose.position + pose.rotation * tip,
-                    rotation: pose.rotation * element.rotation,
-                });
-                let foretold = foretold(&self.feeler, &poses, *last).with_z(0.0);
+            if let Some(still) = foretold {
+                let change = *still - last.with_z(0.0);
+                let foretold = *still - along * change;
                 let lost = (foretold - force.with_z(0.0)).dot(foretold.normalize_or_zero());
-                let change = (foretold - last.with_z(0.0)).length();
-                *missing = lost - DOUBT * change + carried;
+                *missing = lost - DOUBT * change.length() + carried;
             }
             *last = *force;
         }
         &self.missing
     }
+
+    /// Foretells the shear of every element that touched at the frame before and does now.
+    fn foretell(&mut self, finger: &FingerSense<'_>) {
+        let now = finger.pose;
+        let before = self.before.replace(now).unwrap_or(now);
+        let elements = finger.layout.elements.iter();
+        let forces = finger.touch.frame.forces.iter().zip(&self.forces);
+        let elements = elements.zip(forces).zip(&mut self.foretold);
+        for (index, ((element, (force, last)), foretold)) in elements.enumerate() {
+            let touches = last.z.min(force.z) > self.touch_force;
+            *foretold = touches.then(|| {
+                let tip = finger.layout.tip(index);
+                let poses = [before, now].map(|pose| FingertipPose {
+                    position: pose.position + pose.rotation * tip,
+                    rotation: pose.rotation * element.rotation,
+                });
+                foretold_force(&self.feeler, &poses, *last).with_z(0.0)
+            });
+        }
+    }
+
+    /// What part of the fingertip's way what it touches has gone along, 0 to 1: the least part of what was foretold that is
+    /// missing from any touching element. All of it where none touches.
+    fn gone_along(&self, forces: &[DVec3]) -> f64 {
+        if !self.may_move {
+            return 0.0;
+        }
+        let elements = forces.iter().zip(&self.forces).zip(&self.foretold);
+        let parts = elements.filter_map(|((force, last), foretold)| {
+            let foretold = (*foretold)?;
+            let change = foretold - last.with_z(0.0);
+            let missing = (foretold - force.with_z(0.0)).dot(change);
+            let whole = change.length_squared();
+            (whole > 0.0).then(|| (missing / whole).clamp(0.0, 1.0))
+        });
+        parts.fold(1.0, f64::min)
+    }
 }
 
 /// Force of an element that sticks, after its undeformed tip and frame have gone from one pose to the other;
 /// its force before was `last`.
-fn foretold(feeler: &FeelerShape, [before, now]: &[FingertipPose; 2], last: DVec3) -> DVec3 {
+fn foretold_force(feeler: &FeelerShape, [before, now]: &[FingertipPose; 2], last: DVec3) -> DVec3 {
     // How far the tip is pushed off its rest, in its own frame: back along z, along its shear across it.
     let pushed = DVec3::new(
         last.x / feeler.shear_stiffness,

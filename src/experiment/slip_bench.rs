@@ -23,7 +23,11 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 /// Detectors that are scored, in the order of a sample's scores.
-pub const DETECTORS: [&str; 2] = ["shear rate (the paper's)", "missing shear"];
+pub const DETECTORS: [&str; 3] = [
+    "shear rate (the paper's)",
+    "missing shear, on what may move",
+    "missing shear",
+];
 
 /// One element in one frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,7 +39,7 @@ pub struct Sample {
     /// Whether it slipped since the frame before, in truth.
     pub slipped: bool,
     /// What each detector makes of it: shear rate, N/s; missing shear, N.
-    pub scores: [f64; 2],
+    pub scores: [f64; DETECTORS.len()],
 }
 
 /// Motions of a trial after the first press.
@@ -100,7 +104,8 @@ struct Judge {
     layout: ElementLayout,
     touch_force: f64,
     analyzer: FlagAnalyzer,
-    detector: SlipDetector,
+    /// One that does not know that the specimen stands still, and one that does.
+    detectors: [SlipDetector; 2],
     touch: FingerTouch,
     /// Forces on the elements, N.
     truth: Vec<DVec3>,
@@ -114,11 +119,15 @@ struct Judge {
 impl Judge {
     fn new(config: &ExperimentConfig, layout: ElementLayout) -> Self {
         let elements = layout.elements.len();
+        let (feeler, touch_force) = (FeelerShape::default(), config.control.touch_force);
         Self {
             layout,
-            touch_force: config.control.touch_force,
+            touch_force,
             analyzer: FlagAnalyzer::new(config.control.thresholds(), elements),
-            detector: SlipDetector::new(FeelerShape::default(), elements),
+            detectors: [
+                SlipDetector::on_what_may_move(feeler, touch_force, elements),
+                SlipDetector::new(feeler, elements),
+            ],
             touch: FingerTouch::none(elements),
             truth: vec![DVec3::ZERO; elements],
             pressed: vec![false; elements],
@@ -151,7 +160,7 @@ impl Judge {
             touch: &self.touch,
             layout: &self.layout,
         };
-        let missing = self.detector.detect(&finger);
+        let [moving, still] = self.detectors.each_mut().map(|d| d.detect(&finger));
         let slipped = &world.state().fingers[0].slipped;
         for (element, slipped) in slipped.iter().enumerate() {
             if self.pressed[element] {
@@ -159,7 +168,11 @@ impl Judge {
                     frame: self.touch.frame.sequence as u32,
                     element: element as u32,
                     slipped: slipped.way > self.way[element],
-                    scores: [self.touch.shear_rate[element], missing[element]],
+                    scores: [
+                        self.touch.shear_rate[element],
+                        moving[element],
+                        still[element],
+                    ],
                 });
             }
             self.way[element] = slipped.way;

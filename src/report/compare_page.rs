@@ -123,7 +123,9 @@ pub fn compare_page(page: &ComparePage) -> String {
         }
         p.note {
             "Bands are 95 % confidence. Final torque, friction and work lost in slip are the simulator's truth, which no law sees; "
-            "element forces are as felt. The contour error is that of the leading element's path, as in a run's report."
+            "element forces are as felt. The path of the fingertip's centre in MOVE, as in a run's report, in strokes 3 and 4: how far its distance "
+            "to the cap's axis varies, and how much it bends relative to the arc about that axis (1 = follows it). "
+            "Grip variation is the standard deviation of the grasp force over its mean, in the same strokes."
         }
         details {
             summary { "The experiment, but for law and what varied" }

@@ -110,6 +110,7 @@ pub fn slip_page(page: &SlipPage) -> String {
         }
         p.note {
             "In brackets 95 % confidence, by drawing whole trials again (bootstrap). The shear rate's threshold is in N/s, that of missing shear in N. "
+            "On what may move, shear that all touching elements miss alike counts as motion of what they touch. "
             "A slip begins after five frames without, and counts as never noticed after ten."
         }
     };

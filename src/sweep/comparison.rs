@@ -12,6 +12,8 @@ use std::collections::BTreeSet;
 
 /// Bins of what success and measures are drawn against.
 const BINS: usize = 8;
+/// Strokes in which the fingers are to follow a cap that is closed.
+const CLOSED: [u32; 2] = [3, 4];
 
 /// What a trial must come to.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,7 +44,7 @@ struct Result {
 type Measure = (&'static str, fn(&Fields<'_>) -> Option<f64>);
 
 /// What is measured of each trial. The first two are what a better law is judged by.
-const MEASURES: [Measure; 5] = [
+const MEASURES: [Measure; 7] = [
     ("final torque (mN·m)", |f| {
         Some(1e3 * f.number("cap_torque")?)
     }),
@@ -52,11 +54,13 @@ const MEASURES: [Measure; 5] = [
     ("work lost in slip (mJ)", |f| {
         Some(1e3 * f.number("slip_work")?)
     }),
-    ("contour error (mm, RMS)", |f| {
-        let squares: Vec<_> = f.strokes("path_rms_to_contour").map(|e| e * e).collect();
-        let count = squares.len();
-        (count > 0).then(|| 1e3 * (squares.iter().sum::<f64>() / count as f64).sqrt())
+    ("distance to axis, std (mm)", |f| {
+        Some(1e3 * f.closed("path_radius_std")?)
     }),
+    ("curvature relative to the arc", |f| {
+        f.closed("path_curvature")
+    }),
+    ("grip variation", |f| f.closed("grasp_force_variation")),
     ("time to the end (s)", |f| f.number("sim_time")),
 ];
 
@@ -83,6 +87,13 @@ impl Fields<'_> {
         let columns = (1..).map(move |stroke| format!("stroke{stroke}.{name}"));
         let columns = columns.take_while(|column| self.table.column(column).is_some());
         columns.filter_map(|column| self.number(&column))
+    }
+
+    /// Mean of a measure over [`CLOSED`], as far as those strokes were made; none where there is no such column.
+    fn closed(&self, name: &str) -> Option<f64> {
+        let strokes = CLOSED.map(|stroke| self.number(&format!("stroke{stroke}.{name}")));
+        let made: Vec<_> = strokes.into_iter().flatten().collect();
+        (!made.is_empty()).then(|| made.iter().sum::<f64>() / made.len() as f64)
     }
 
     fn result(&self, goal: Goal) -> Result {
@@ -227,6 +238,8 @@ fn figures(
             bootstrap(&values).map(ends)
         }));
     }
+    // What no trial has, as where there is no third stroke, is not drawn.
+    figures.retain(|figure| figure.curves.iter().any(|curve| !curve.points.is_empty()));
     figures
 }
 

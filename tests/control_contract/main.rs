@@ -11,6 +11,7 @@ mod hostile;
 mod laws;
 mod limits;
 mod loop_faults;
+mod missing_shear;
 mod physics;
 mod rig;
 mod speed;

@@ -1,10 +1,19 @@
 //! `feeler compare`, and the control laws that it compares, through the program.
 
 use crate::program::{Ended, feeler, folder, rows, run};
+use feeler::control::law::LawConfig;
+use feeler::sweep::Table;
+use feeler::sweep::comparison::{Candidate, Goal, compare as compare_tables};
 use std::collections::HashMap;
 use std::fs;
 
-const LAWS: [&str; 4] = ["tri-axial", "normal-only", "open-loop", "best"];
+const LAWS: [&str; 5] = [
+    "tri-axial",
+    "tri-axial-missing-shear",
+    "normal-only",
+    "open-loop",
+    "best",
+];
 
 fn compare<'a>(more: &[&'a str]) -> Vec<&'a str> {
     [&["compare", "cap-closing", "--seed=11"], more].concat()
@@ -48,7 +57,7 @@ fn laws_are_compared_on_the_same_draws_and_the_best_beats_the_papers() {
             assert!(own["slip_work"].parse::<f64>().unwrap() > 0.0);
         }
     }
-    let [paper, best] = [&tables[0], &tables[3]];
+    let [paper, best] = [&tables[0], &tables[4]];
     let torque = |row: &HashMap<String, String>| row["cap_torque"].parse::<f64>().unwrap();
     assert!(mean(best, torque) > 1.2 * mean(paper, torque));
     assert!(mean(best, peak_force) < mean(paper, peak_force));
@@ -64,10 +73,52 @@ fn laws_are_compared_on_the_same_draws_and_the_best_beats_the_papers() {
         assert!((0.95..1.1).contains(&ratio), "{ratio}");
     }
     let page = fs::read_to_string(folder.join("c/compare.html")).unwrap();
-    for word in ["success (%) against friction", "lines of code", "Wilson"] {
+    for word in [
+        "success (%) against friction",
+        "lines of code",
+        "Wilson",
+        "distance to axis, std (mm)",
+        "curvature relative to the arc",
+        "grip variation",
+    ] {
         assert!(page.contains(word), "no {word:?}");
     }
     assert!(!page.contains("INCOMPLETE") && !page.contains("NaN"));
+}
+
+#[test]
+fn paths_are_compared_over_the_strokes_in_which_the_cap_is_closed() {
+    let columns = ["trial", "stroke2", "stroke3", "stroke4"];
+    let header = columns.map(|name| match name {
+        "trial" => name.to_string(),
+        stroke => format!("{stroke}.path_radius_std"),
+    });
+    let mut table = Table::new(header.to_vec());
+    for (trial, row) in [["0", "9", "0.001", "0.003"], ["1", "9", "0.004", ""]]
+        .iter()
+        .enumerate()
+    {
+        let row = row.map(String::from).to_vec();
+        table.rows.insert(trial as u64, row);
+    }
+    let candidate = Candidate {
+        law: LawConfig::TriAxial,
+        table: &table,
+    };
+    let goal = Goal {
+        torque: 0.05,
+        force: 2.5,
+    };
+    let page = compare_tables(&[candidate], goal, None);
+    let mean = |name: &str| {
+        let row = page.laws[0].rows.iter().find(|row| row.name == name);
+        row.expect("a row").value.map(|[_, mean, _]| mean)
+    };
+    // Of 2 mm, the mean of strokes 3 and 4, and of 4 mm, as there was no fourth stroke.
+    let spread = mean("distance to axis, std (mm)").expect("a mean");
+    assert!((spread - 3.0).abs() < 1e-9, "{spread}");
+    // No column, no value.
+    assert_eq!(mean("curvature relative to the arc"), None);
 }
 
 #[test]
@@ -186,7 +237,7 @@ fn what_makes_no_sense_is_refused_before_anything_runs() {
         ),
         (
             &["--set=control.law=fuzzy"],
-            &["fuzzy", "tri-axial, normal-only, open-loop, best"],
+            &["fuzzy", "tri-axial, tri-axial-missing-shear, normal-only"],
         ),
         (
             &["--set=control.law={ best = { margin = 0.5 } }"],
@@ -199,6 +250,14 @@ fn what_makes_no_sense_is_refused_before_anything_runs() {
         (
             &["--set=control.law={ best = {}, open-loop = {} }"],
             &["one control law"],
+        ),
+        (
+            &["--set=control.law={ tri-axial-missing-shear = { threshold = 0.0 } }"],
+            &["tri-axial-missing-shear.threshold = 0", "more than 0"],
+        ),
+        (
+            &["--set=control.law={ tri-axial-missing-shear = { feeler = 3 } }"],
+            &["control.law", "feeler"],
         ),
         (
             &["--set=control.law={ normal-only = { friction = 0.0 } }"],

@@ -66,6 +66,31 @@ fn a_run_with_pictures_replays_from_frames_and_from_forces() {
 }
 
 #[test]
+fn a_law_that_looks_for_slip_itself_replays_from_forces() {
+    let folder = folder("replay-own-slip");
+    make_run(
+        &folder,
+        &[
+            "--sensing=direct",
+            "--set=control.law=tri-axial-missing-shear",
+        ],
+    );
+    let said = replay(&folder, "run", &["--from=forces"]).done();
+    assert!(said.contains("bit for bit"), "{said}");
+    let (compared, differing) = counts(&said, "commands").expect("commands");
+    assert!(compared > 2000 && differing == 0, "{said}");
+    // The recorded SLIP is the paper's under either law, but the commands that came of it are not.
+    let other = replay(
+        &folder,
+        "run",
+        &["--from=forces", "--set=control.law=tri-axial"],
+    );
+    assert_eq!(counts(&other.stdout, "flags").map(|c| c.1), Some(0));
+    assert!(counts(&other.stdout, "commands").is_some_and(|c| c.1 > 0));
+    fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
 fn a_run_with_faults_replays() {
     const FAULTS: &str = "--set=sim.fault=[\
         {from=0.2, kind.dead_element={finger=0, element=0}}, \

@@ -2,6 +2,7 @@
 
 use super::Law;
 use super::best::{Best, BestConfig};
+use super::missing_shear::{MissingShear, MissingShearConfig};
 use super::normal_only::{NormalOnly, NormalOnlyConfig};
 use super::open_loop::{OpenLoop, OpenLoopConfig};
 use super::tri_axial::{FingerSpeedEstimator, Reflex};
@@ -19,6 +20,8 @@ pub enum LawConfig {
     /// The paper's (Fig. 5): re-compression on slip, which tri-axial forces show.
     #[default]
     TriAxial,
+    /// The same reflex, on slip that is told from missing shear.
+    TriAxialMissingShear(MissingShearConfig),
     /// Compression alone, with an assumed friction and load.
     NormalOnly(NormalOnlyConfig),
     /// The plan, without touch.
@@ -29,12 +32,19 @@ pub enum LawConfig {
 
 impl LawConfig {
     /// The names of all laws.
-    pub const NAMES: [&str; 4] = ["tri-axial", "normal-only", "open-loop", "best"];
+    pub const NAMES: [&str; 5] = [
+        "tri-axial",
+        "tri-axial-missing-shear",
+        "normal-only",
+        "open-loop",
+        "best",
+    ];
 
     /// The law of this name with its defaults, if there is one.
     pub fn named(name: &str) -> Option<Self> {
         Some(match name {
             "tri-axial" => Self::TriAxial,
+            "tri-axial-missing-shear" => Self::TriAxialMissingShear(MissingShearConfig::default()),
             "normal-only" => Self::NormalOnly(NormalOnlyConfig::default()),
             "open-loop" => Self::OpenLoop(OpenLoopConfig::default()),
             "best" => Self::Best(BestConfig::default()),
@@ -46,6 +56,7 @@ impl LawConfig {
     pub fn name(&self) -> &'static str {
         match self {
             Self::TriAxial => "tri-axial",
+            Self::TriAxialMissingShear(_) => "tri-axial-missing-shear",
             Self::NormalOnly(_) => "normal-only",
             Self::OpenLoop(_) => "open-loop",
             Self::Best(_) => "best",
@@ -56,6 +67,12 @@ impl LawConfig {
     pub fn source(&self) -> &'static str {
         match self {
             Self::TriAxial => include_str!("tri_axial.rs"),
+            // With all that it is made of: nothing else looks for slip so.
+            Self::TriAxialMissingShear(_) => concat!(
+                include_str!("tri_axial.rs"),
+                include_str!("missing_shear.rs"),
+                include_str!("../slip_detector.rs"),
+            ),
             Self::NormalOnly(_) => include_str!("normal_only.rs"),
             Self::OpenLoop(_) => include_str!("open_loop.rs"),
             Self::Best(_) => include_str!("best.rs"),
@@ -64,11 +81,16 @@ impl LawConfig {
 
     /// The law for one finger of `elements` elements, at rest, in the controller that `control` tunes.
     pub fn law(&self, control: &ControlConfig, elements: usize) -> Box<dyn Law> {
+        let reflex = Reflex {
+            recompression_speed: control.recompression_speed,
+            minimum_grasp_force: control.minimum_grasp_force,
+        };
         match self {
-            Self::TriAxial => Box::new(FingerSpeedEstimator::new(Reflex {
-                recompression_speed: control.recompression_speed,
-                minimum_grasp_force: control.minimum_grasp_force,
-            })),
+            Self::TriAxial => Box::new(FingerSpeedEstimator::new(reflex)),
+            Self::TriAxialMissingShear(config) => {
+                let touch_force = control.touch_force;
+                Box::new(MissingShear::new(config, reflex, touch_force, elements))
+            }
             Self::NormalOnly(config) => Box::new(NormalOnly::new(config.clone())),
             Self::OpenLoop(config) => Box::new(OpenLoop::new(config.clone())),
             Self::Best(config) => Box::new(Best::new(config.clone(), elements)),
@@ -86,6 +108,7 @@ impl<'de> Deserialize<'de> for LawConfig {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 struct Laws {
+    tri_axial_missing_shear: Option<MissingShearConfig>,
     normal_only: Option<NormalOnlyConfig>,
     open_loop: Option<OpenLoopConfig>,
     best: Option<BestConfig>,
@@ -116,6 +139,8 @@ impl<'de> Visitor<'de> for NameOrTable {
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<LawConfig, A::Error> {
         let laws = Laws::deserialize(MapAccessDeserializer::new(map))?;
         let found = [
+            laws.tri_axial_missing_shear
+                .map(LawConfig::TriAxialMissingShear),
             laws.normal_only.map(LawConfig::NormalOnly),
             laws.open_loop.map(LawConfig::OpenLoop),
             laws.best.map(LawConfig::Best),

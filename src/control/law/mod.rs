@@ -3,6 +3,7 @@
 
 pub mod best;
 mod config;
+pub mod missing_shear;
 pub mod normal_only;
 pub mod open_loop;
 pub mod tri_axial;

@@ -1,0 +1,158 @@
+//! Slip by missing shear: what sticks, what slips and what goes along with the fingertip.
+
+use super::rig::{ELEMENTS, config};
+use feeler::control::feeler_shape::FeelerShape;
+use feeler::control::law::LawConfig;
+use feeler::control::plan::Plan;
+use feeler::control::sense::{FingerSense, FingertipPose};
+use feeler::control::slip_detector::SlipDetector;
+use feeler::control::touch::FingerTouch;
+use feeler::sensor::layout::ElementLayout;
+use glam::DVec3;
+
+/// An element that misses more than this slips, N.
+const THRESHOLD: f64 = 0.0084;
+/// Way of the fingertip from one frame to the next, m, in W and T: across its apex element, which looks along x.
+const WAY: DVec3 = DVec3::new(0.0, 1e-4, 0.0);
+/// Elements that touch: the apex, and one beside it.
+const TOUCHING: [usize; 2] = [0, 1];
+/// Pressed like this, N, with shear that the fingertip's way lets grow.
+const PRESSED: f64 = 0.8;
+
+fn layout() -> ElementLayout {
+    ElementLayout::new(&config().sensor.fingertip.layout)
+}
+
+/// Forces of elements that touch something after the fingertip went `WAY`, of which the object went along with the `share`
+/// and element 0 lost `slip` newtons more.
+fn frames(share: f64, slip: f64) -> [FingerTouch; 2] {
+    let (layout, feeler) = (layout(), FeelerShape::default());
+    [0.0, 1.0].map(|gone| {
+        let mut touch = FingerTouch::none(ELEMENTS);
+        touch.frame.sequence = 1 + gone as u64;
+        for element in TOUCHING {
+            // The spring drags behind the fingertip.
+            let way = layout.elements[element].rotation.transpose() * WAY;
+            let before = -(0.2 / way.length()) * way;
+            let stretched = before - gone * (1.0 - share) * feeler.shear_stiffness * way;
+            let pushed = PRESSED + gone * (1.0 - share) * feeler.normal_stiffness * way.z;
+            touch.frame.forces[element] = stretched.with_z(pushed);
+        }
+        let force = &mut touch.frame.forces[0];
+        *force -= gone * slip * force.with_z(0.0).normalize();
+        touch.flags.largest_element = Some(0);
+        touch.flags.grasp_force = 2.0 * PRESSED;
+        touch
+    })
+}
+
+/// What `detector` makes of the elements that touch.
+fn missing(mut detector: SlipDetector, share: f64, slip: f64) -> [f64; 2] {
+    let layout = layout();
+    let mut last = [0.0; 2];
+    for (touch, position) in frames(share, slip).iter().zip([DVec3::ZERO, WAY]) {
+        let sense = FingerSense {
+            pose: FingertipPose {
+                position,
+                ..FingertipPose::default()
+            },
+            touch,
+            layout: &layout,
+        };
+        let missing = detector.detect(&sense);
+        last = TOUCHING.map(|element| missing[element]);
+    }
+    last
+}
+
+fn still() -> SlipDetector {
+    SlipDetector::new(FeelerShape::default(), ELEMENTS)
+}
+
+fn moving() -> SlipDetector {
+    SlipDetector::on_what_may_move(FeelerShape::default(), 0.1, ELEMENTS)
+}
+
+#[test]
+fn what_sticks_misses_nothing_and_what_slips_misses_what_it_lost() {
+    for detector in [still, moving] {
+        let stuck = missing(detector(), 0.0, 0.0);
+        assert!(stuck.iter().all(|&m| m <= 1e-9), "{stuck:?}");
+        let slipped = missing(detector(), 0.0, 0.03);
+        assert!(slipped[0] > THRESHOLD && slipped[1] <= 1e-9, "{slipped:?}");
+    }
+}
+
+#[test]
+fn what_all_elements_miss_alike_is_the_object_going_along() {
+    for share in [0.3, 0.7, 1.0] {
+        let taken_for_slip = missing(still(), share, 0.0);
+        assert!(taken_for_slip[0] > THRESHOLD / 2.0, "{taken_for_slip:?}");
+        let along = missing(moving(), share, 0.0);
+        assert!(along.iter().all(|&m| m <= 1e-9), "{share}: {along:?}");
+        let slipped = missing(moving(), share, 0.03);
+        assert!(slipped[0] > THRESHOLD && slipped[1] <= 1e-9, "{slipped:?}");
+    }
+}
+
+#[test]
+fn nothing_goes_farther_along_than_the_fingertip() {
+    // Even if the one element that touches says so: it has slipped.
+    let detect = |slip| {
+        let mut detector = moving();
+        let layout = layout();
+        let mut own = 0.0;
+        for (mut touch, position) in frames(1.0, slip).into_iter().zip([DVec3::ZERO, WAY]) {
+            touch.frame.forces[1] = DVec3::ZERO;
+            let sense = FingerSense {
+                pose: FingertipPose {
+                    position,
+                    ..FingertipPose::default()
+                },
+                touch: &touch,
+                layout: &layout,
+            };
+            own = detector.detect(&sense)[0];
+        }
+        own
+    };
+    assert!(detect(0.0) <= 0.0);
+    assert!(detect(0.03) > THRESHOLD);
+}
+
+/// Speeds into the object, m/s, that the law wants of a finger at rest at each of the shear forces (N) of element 0; the
+/// paper's SLIP is up all the time.
+fn pressing(shear: &[(u64, f64)]) -> Vec<f64> {
+    let law = LawConfig::named("tri-axial-missing-shear").expect("a law");
+    let mut law = law.law(&config().control, ELEMENTS);
+    let layout = layout();
+    let plan = Plan {
+        towards_object: DVec3::X,
+        reflex: true,
+        keep_grasp: true,
+        ..Plan::default()
+    };
+    let speeds = shear.iter().map(|&(sequence, shear)| {
+        let mut touch = FingerTouch::none(ELEMENTS);
+        touch.frame.sequence = sequence;
+        touch.frame.forces[0] = DVec3::new(shear, 0.0, PRESSED);
+        touch.flags.largest_element = Some(0);
+        touch.flags.grasp_force = PRESSED;
+        touch.flags.slip = true;
+        let sense = FingerSense {
+            pose: FingertipPose::default(),
+            touch: &touch,
+            layout: &layout,
+        };
+        law.velocity(&plan, &sense).dot(DVec3::X)
+    });
+    speeds.collect()
+}
+
+#[test]
+fn the_law_presses_on_its_own_slip_and_not_on_that_of_the_flags() {
+    let speed = config().control.recompression_speed;
+    // The third frame is seen twice, as by a control step without a new one.
+    let felt = [(1, 0.3), (2, 0.3), (3, 0.2), (3, 0.2), (4, 0.2), (5, 0.4)];
+    assert_eq!(pressing(&felt), [0.0, 0.0, speed, speed, 0.0, 0.0]);
+}
