@@ -6,11 +6,15 @@ pub mod cap;
 pub mod compare;
 pub mod friction;
 mod friction_samples;
+mod from_above;
+mod grid;
 pub mod outline;
 pub mod paths;
+mod pen;
 pub mod slip;
 pub mod sweep;
 pub mod time;
+mod unrolled;
 
 /// One figure of the report.
 #[derive(Debug, Clone, PartialEq)]
