@@ -4,12 +4,23 @@
 pub const CAP: &str = "#000000";
 /// Colours of the fingers (Okabe and Ito's, safe for the colour-blind).
 const FINGERS: [&str; 5] = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9"];
+/// Colours of successive strokes, from the first to the last (plasma, which grows darker evenly, for
+/// the colour-blind, too).
+const STROKES: [&str; 6] = [
+    "#F1962F", "#E16462", "#C03A83", "#8F0DA4", "#5901A5", "#0D0887",
+];
 /// Grey of grids and shades.
 pub const SHADE: &str = "#d9d9d9";
 
 /// Colour of a finger.
 pub fn finger_colour(finger: usize) -> &'static str {
     FINGERS[finger % FINGERS.len()]
+}
+
+/// Colour of a stroke, the `place`th (from 0) of `count`; some share one where there are many.
+pub fn stroke_colour(place: usize, count: usize) -> &'static str {
+    let last = count.saturating_sub(1).max(1);
+    STROKES[(place * (STROKES.len() - 1) / last).min(STROKES.len() - 1)]
 }
 
 /// How a line is drawn.
