@@ -13,6 +13,7 @@ pub mod paths;
 mod pen;
 pub mod radius;
 pub mod slip;
+mod slip_strip;
 pub mod sweep;
 pub mod time;
 mod unrolled;
