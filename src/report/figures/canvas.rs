@@ -1,12 +1,13 @@
-//! What all figures share: colours, lines, panels, and the frame around them.
+//! What all figures share: lines, panels, and the frame around them.
 //!
 //! A figure is 480 units wide with 14-unit letters, so that it reads at a phone's width and at a
 //! page's column. The frame is ours (title for screen readers, `viewBox`, legend in a row above the
 //! panels, where it covers nothing); the panels are kuva's.
 
 use super::super::series::finite;
+pub use super::pen::{CAP, Pen, SHADE, Style, finger_colour, stroke_colour};
 use kuva::backend::svg::SvgBackend;
-use kuva::plot::LinePlot;
+use kuva::plot::{LinePlot, LineStyle};
 use kuva::render::figure::Figure as Panels;
 use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
@@ -15,51 +16,18 @@ use std::sync::Arc;
 
 /// Width of a figure.
 pub const WIDTH: f64 = 480.0;
-/// Black, of what belongs to the cap.
-pub const CAP: &str = "#000000";
-/// Colours of the fingers (Okabe and Ito's, safe for the colour-blind).
-const FINGERS: [&str; 5] = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9"];
-/// Grey of grids and shades.
-pub const SHADE: &str = "#d9d9d9";
 
 const LEGEND_HEIGHT: f64 = 30.0;
 const LEGEND_LINE: f64 = 22.0;
 const FONT: &str = "DejaVu Sans, Verdana, Liberation Sans, Arial, sans-serif";
 
-/// Colour of a finger.
-pub fn finger_colour(finger: usize) -> &'static str {
-    FINGERS[finger % FINGERS.len()]
-}
-
-/// How a line is drawn.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Pen {
-    /// Colour, as in CSS.
-    pub colour: &'static str,
-    /// Width.
-    pub width: f64,
-    /// Whether it is dashed.
-    pub dashed: bool,
-}
-
-impl Pen {
-    /// A solid line.
-    pub fn solid(colour: &'static str, width: f64) -> Self {
-        Self {
-            colour,
-            width,
-            dashed: false,
-        }
-    }
-
-    /// A dashed line.
-    pub fn dashed(colour: &'static str, width: f64) -> Self {
-        let dashed = true;
-        Self {
-            dashed,
-            ..Self::solid(colour, width)
-        }
-    }
+/// The legend's entries of so many fingers.
+pub fn finger_legend(fingers: usize, width: f64) -> Vec<(&'static str, Pen)> {
+    const NAMES: [&str; 5] = ["finger 0", "finger 1", "finger 2", "finger 3", "finger 4"];
+    let names = NAMES.iter().enumerate().take(fingers);
+    names
+        .map(|(f, name)| (*name, Pen::solid(finger_colour(f), width)))
+        .collect()
 }
 
 /// A line through points, without those that are no numbers.
@@ -70,7 +38,10 @@ pub fn line(points: impl IntoIterator<Item = (f64, f64)>, pen: Pen) -> Plot {
         .with_data(points)
         .with_color(pen.colour)
         .with_stroke_width(pen.width);
-    Plot::Line(if pen.dashed { line.with_dashed() } else { line })
+    Plot::Line(match pen.style.dashes() {
+        Some(dashes) => line.with_line_style(LineStyle::Custom(dashes.into())),
+        None => line,
+    })
 }
 
 /// An empty panel over the given ranges. A range that is none is widened to one.
@@ -165,7 +136,7 @@ pub fn frame(
                     @for (x, text, pen) in entries {
                         line x1=(x) x2=(x + LEGEND_LINE) y1=(y) y2=(y) stroke=(pen.colour)
                             stroke-width=(pen.width.max(2.0))
-                            stroke-dasharray=[pen.dashed.then_some("6 4")] {}
+                            stroke-dasharray=[pen.style.dashes()] {}
                         text x=(x + LEGEND_LINE + 6.0) y=(y + 5.0) { (text) }
                     }
                 }

@@ -2,7 +2,7 @@
 //! it begins.
 
 use super::Figure;
-use super::canvas::{CAP, Pen, SHADE, finger_colour, frame, line, panel, range, thin};
+use super::canvas::{CAP, Pen, SHADE, Style, finger_colour, frame, line, panel, range, thin};
 use super::friction_samples::{Sample, strokes};
 use crate::report::run_data::RunData;
 use crate::report::series::mean;
@@ -19,12 +19,12 @@ const LINE: f64 = 1.6;
 const STATIC: Pen = Pen {
     colour: "#D55E00",
     width: 1.8,
-    dashed: true,
+    style: Style::Dashed,
 };
 const KINETIC: Pen = Pen {
     colour: "#009E73",
     width: 1.8,
-    dashed: true,
+    style: Style::Dashed,
 };
 
 /// Fig. 1.
@@ -189,7 +189,7 @@ fn crosses(data: &RunData, truth: [Option<f64>; 2], title: &str) -> Option<Strin
             continue;
         };
         let pen = Pen {
-            dashed: false,
+            style: Style::Solid,
             ..pen
         };
         let arm = 0.03 * top;

@@ -1,4 +1,4 @@
-//! Figures, drawn from a run: the paper's Figs. 8 to 13, and those of other tasks.
+//! Figures, drawn from a run: the paper's Figs. 8 to 13, one that goes with them, and those of other tasks.
 
 pub mod calibration;
 pub(super) mod canvas;
@@ -6,11 +6,17 @@ pub mod cap;
 pub mod compare;
 pub mod friction;
 mod friction_samples;
+mod from_above;
+mod grid;
 pub mod outline;
 pub mod paths;
+mod pen;
+pub mod radius;
 pub mod slip;
+mod slip_strip;
 pub mod sweep;
 pub mod time;
+mod unrolled;
 
 /// One figure of the report.
 #[derive(Debug, Clone, PartialEq)]

@@ -2,9 +2,12 @@
 
 use super::super::run_data::{FingerColumns, RunData};
 use super::Figure;
-use super::canvas::{CAP, Pen, SHADE, finger_colour, frame, line, panel, range, thin};
+use super::canvas::{
+    CAP, Pen, SHADE, finger_colour, finger_legend, frame, line, panel, range, thin,
+};
+use super::grid::{Panel, Row, stack};
+use super::slip_strip::slip_strip;
 use kuva::render::annotations::{ReferenceLine, ShadedRegion, TextAnnotation};
-use kuva::render::figure::Figure as Panels;
 use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 use std::ops::Range;
@@ -13,6 +16,8 @@ use std::ops::Range;
 const BUCKETS: usize = 480;
 /// Left and right of both panels, so that their times stand one above the other.
 const MARGINS: (f64, f64) = (64.0, 20.0);
+/// Height of a panel.
+const HEIGHT: f64 = 170.0;
 /// Width of a series' line.
 const LINE: f64 = 1.6;
 /// Width of a threshold's line.
@@ -36,7 +41,7 @@ pub fn grasp_force_and_torque(data: &RunData) -> Figure {
             four-heaps, first-stroke-torque-rises and closed-after-third say how far this run \
             agrees."
             .into(),
-        svg: two_panels(data, 8, title, &upper, 0..data.time.len()),
+        svg: panels(data, 8, title, &upper, 0..data.time.len(), false),
     }
 }
 
@@ -53,7 +58,7 @@ pub fn shear_rate_and_torque(data: &RunData) -> Figure {
             pressed further inward. The axis is scaled to MOVE; peaks where the fingers detach may \
             leave it."
             .into(),
-        svg: two_panels(data, 9, title, &shear_rate(data), 0..data.time.len()),
+        svg: panels(data, 9, title, &shear_rate(data), 0..data.time.len(), false),
     }
 }
 
@@ -62,15 +67,17 @@ pub fn stroke_in_detail(data: &RunData, number: u32, stroke: u32) -> Figure {
     let title = format!("Shear rate and torque in stroke {stroke}");
     let caption = if stroke == 1 {
         "In the paper's Fig. 10 the cap is still loose, and no marked shear rate occurs. Compare \
-         with the figure of stroke 4, which has the same vertical axes."
+         with the figure of stroke 4, which has the same vertical axes. The strip tells when each finger's SLIP was up and, \
+         beneath it, when a feeler slipped over the cap in truth, which only the simulator knows."
     } else {
         "In the paper's Fig. 11 the cap is locked, and the shear rate is marked: the elements slip \
-         in bumps. Claim shear-rate-marks-closing compares this stroke with stroke 1."
+         in bumps. Claim shear-rate-marks-closing compares this stroke with stroke 1. In the strip, SLIP should \
+         stand above true slip: claim slip-means-slip measures how often it does."
     };
     let rows = data.whole_stroke(stroke).map(|s| s.rows.clone());
     Figure {
         number,
-        svg: rows.and_then(|rows| two_panels(data, number, &title, &shear_rate(data), rows)),
+        svg: rows.and_then(|rows| panels(data, number, &title, &shear_rate(data), rows, true)),
         title,
         caption: caption.into(),
     }
@@ -93,74 +100,77 @@ struct Upper {
     threshold_name: &'static str,
 }
 
-/// A quantity of each finger above the torque, over a span of rows.
-fn two_panels(
+/// A quantity of each finger above the torque, over a span of rows; between them, if asked for, when SLIP was up.
+fn panels(
     data: &RunData,
     number: u32,
     title: &str,
     upper: &Upper,
     rows: Range<usize>,
+    with_slip: bool,
 ) -> Option<String> {
     let time = range(data.time.get(rows.clone())?.iter().copied())?;
-    let series = |value: &dyn Fn(usize) -> f64, pen| {
-        let points: Vec<_> = rows
-            .clone()
-            .map(|row| (data.time[row], value(row)))
-            .collect();
-        line(thin(&points, BUCKETS), pen)
+    let row = |height, panel| Row {
+        height,
+        panels: vec![panel],
     };
-    let fingers: Vec<Plot> = (data.fingers.iter().enumerate())
-        .map(|(f, finger)| {
-            // Later fingers thinner, so that equal lines do not hide each other.
-            let pen = Pen::solid(finger_colour(f), LINE + 0.8 - 1.2 * f.min(1) as f64);
-            series(&|row| (upper.value)(finger, row), pen)
-        })
-        .collect();
-    let torque = series(&|row| 1e3 * data.torque[row], Pen::solid(CAP, LINE));
+    let (plots, layout) = upper_panel(data, upper, rows.clone(), time);
+    let mut stacked = vec![row(HEIGHT, (plots, layout.with_force_margins_y(10.0, 4.0)))];
+    if with_slip && !data.fingers.is_empty() {
+        let (height, (plots, layout)) = slip_strip(data, rows.clone(), time);
+        let layout = with_strokes(layout, data, time, None);
+        stacked.push(row(height, (plots, layout)));
+    }
+    stacked.push(row(HEIGHT, torque_panel(data, rows, time)?));
+    let (panels, height) = stack(stacked);
+    let panels = panels.with_shared_x_all();
+    Some(frame(number, title, &legend(data, upper), panels, height))
+}
+
+/// A quantity against time over a span of rows.
+fn series(data: &RunData, rows: Range<usize>, value: impl Fn(usize) -> f64, pen: Pen) -> Plot {
+    let points: Vec<_> = rows.map(|row| (data.time[row], value(row))).collect();
+    line(thin(&points, BUCKETS), pen)
+}
+
+fn upper_panel(data: &RunData, upper: &Upper, rows: Range<usize>, time: (f64, f64)) -> Panel {
+    let fingers = (data.fingers.iter().enumerate()).map(|(f, finger)| {
+        // Later fingers thinner, so that equal lines do not hide each other.
+        let pen = Pen::solid(finger_colour(f), LINE + 0.8 - 1.2 * f.min(1) as f64);
+        series(data, rows.clone(), |row| (upper.value)(finger, row), pen)
+    });
     // The same axes in every figure of a quantity, so that strokes compare at a glance.
     let largest = range((data.fingers.iter()).flat_map(|finger| {
         let moving = data.strokes.iter().flat_map(|stroke| stroke.moving.clone());
         moving.map(|row| (upper.value)(finger, row))
     }));
     let largest = largest.map_or(0.0, |(_, largest)| largest);
-    let torques = range(data.torque.iter().map(|torque| 1e3 * torque))?;
     let top = 1.25 * largest.max(upper.threshold).max(1e-3);
     let threshold = ReferenceLine::horizontal(upper.threshold)
         .with_color("#555555")
         .with_stroke_width(THRESHOLD);
-    let upper_panel = with_strokes(
-        panel(time, (0.0, top), "", upper.label),
-        data,
-        time,
-        Some(top),
-    )
-    .with_y_axis_min(0.0)
-    .with_y_axis_max(top)
-    .with_reference_line(threshold);
+    let layout = panel(time, (0.0, top), "", upper.label);
+    let layout = with_strokes(layout, data, time, Some(top))
+        .with_y_axis_min(0.0)
+        .with_y_axis_max(top)
+        .with_reference_line(threshold);
+    (fingers.collect(), layout)
+}
+
+fn torque_panel(data: &RunData, rows: Range<usize>, time: (f64, f64)) -> Option<Panel> {
+    let pen = Pen::solid(CAP, LINE);
+    let torque = series(data, rows, |row| 1e3 * data.torque[row], pen);
+    let torques = range(data.torque.iter().map(|torque| 1e3 * torque))?;
     let (low, high) = (torques.0.min(0.0), 1.08 * torques.1.max(1.0));
-    let lower_panel = with_strokes(
-        panel(time, (low, high), "Time (s)", "Torque (mN·m)"),
-        data,
-        time,
-        None,
-    )
-    .with_y_axis_min(low)
-    .with_y_axis_max(high);
-    let panels = Panels::new(2, 1)
-        .with_plots(vec![fingers, vec![torque]])
-        .with_layouts(vec![upper_panel, lower_panel])
-        .with_shared_x_all()
-        .with_spacing(0.0)
-        .with_padding(6.0);
-    Some(frame(number, title, &legend(data, upper), panels, 380.0))
+    let layout = panel(time, (low, high), "Time (s)", "Torque (mN·m)");
+    let layout = with_strokes(layout, data, time, None)
+        .with_y_axis_min(low)
+        .with_y_axis_max(high);
+    Some((vec![torque], layout))
 }
 
 fn legend(data: &RunData, upper: &Upper) -> Vec<(&'static str, Pen)> {
-    const NAMES: [&str; 5] = ["finger 0", "finger 1", "finger 2", "finger 3", "finger 4"];
-    let fingers = NAMES.iter().enumerate().take(data.fingers.len());
-    let mut legend: Vec<_> = fingers
-        .map(|(f, name)| (*name, Pen::solid(finger_colour(f), LINE)))
-        .collect();
+    let mut legend = finger_legend(data.fingers.len(), LINE);
     legend.push(("torque", Pen::solid(CAP, LINE)));
     legend.push((upper.threshold_name, Pen::dashed("#555555", THRESHOLD)));
     legend.push(("MOVE of stroke n", Pen::solid(SHADE, 14.0)));

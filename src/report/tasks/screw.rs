@@ -4,7 +4,7 @@ use super::TaskReport;
 use crate::record::{Phase, Recording};
 use crate::report::claim::Claim;
 use crate::report::claims::claims;
-use crate::report::figures::{Figure, paths, time};
+use crate::report::figures::{Figure, paths, radius, time};
 use crate::report::run_data::RunData;
 use crate::report::strokes::StrokeMeasures;
 use crate::report::summary::Summary;
@@ -31,6 +31,7 @@ impl TaskReport for ScrewReport {
             time::stroke_in_detail(data, 11, 4),
             paths::before_closing(data),
             paths::after_closing(data),
+            radius::over_travel(data),
         ]
     }
 

@@ -1,0 +1,215 @@
+//! A stroke from above: the cap, the paths of the domes' centres beside it, and of the tips that touch it.
+
+use super::super::run_data::{RunData, Stroke};
+use super::canvas::{CAP, Pen, WIDTH, finger_colour, line, panel, range};
+use super::grid::{Panel, Row};
+use super::unrolled::{Step, Unrolled};
+use glam::{DVec2, DVec3};
+use kuva::render::layout::Layout;
+use kuva::render::plots::Plot;
+use std::f64::consts::TAU;
+
+/// Metres to millimetres.
+pub const MM: f64 = 1e3;
+/// Width of the path that a figure is about.
+pub const BOLD: f64 = 2.6;
+/// The other touching elements.
+pub const TOUCHING: Pen = Pen::solid("#888888", 1.0);
+/// The line that was planned.
+pub const PLANNED: Pen = Pen::dashed("#555555", 1.4);
+/// The arc about the cap's axis.
+pub const ARC: Pen = Pen::dotted(CAP, 1.8);
+/// The cap's contour.
+pub const CONTOUR: Pen = Pen::solid(CAP, 1.8);
+/// Where the centre of a tip is that just touches the cap.
+pub const JUST_TOUCHING: Pen = Pen::dashed("#999999", 1.0);
+
+/// Ranges of x and y.
+type Window = ((f64, f64), (f64, f64));
+
+/// The cap with the domes' centres beside it, as wide as the figure and as high as it needs.
+pub fn overview(data: &RunData, stroke: &Stroke) -> Option<Row> {
+    /// Around what is drawn, mm.
+    const MARGIN: f64 = 2.0;
+    /// Left of the panel and right of it, above and below.
+    const LABELS: (f64, f64) = (84.0, 56.0);
+    let axis = data.cap_centre.get(stroke.moving.start)?.truncate();
+    let mut plots = cap_outline(data, axis);
+    for finger in 0..data.fingers.len() {
+        plots.extend(tip_paths(data, stroke, finger));
+        plots.extend(centre_paths(data, stroke, finger));
+    }
+    let (x, y) = overview_window(data, axis)?;
+    let widen = |(low, high): (f64, f64)| (MM * low - MARGIN, MM * high + MARGIN);
+    let (x, y) = (widen(x), widen(y));
+    let scale = (WIDTH - LABELS.0) / (x.1 - x.0);
+    Some(Row {
+        height: (LABELS.1 + scale * (y.1 - y.0)).clamp(160.0, 400.0),
+        panels: vec![(plots, plan((x, y), true, 10.0))],
+    })
+}
+
+/// The tips that touch, one close-up a finger; all of one scale, and the same for strokes 1 and 4.
+pub fn close_ups(data: &RunData, stroke: &Stroke) -> Option<Vec<Panel>> {
+    let axis = data.cap_centre.get(stroke.moving.start)?.truncate();
+    let close_up = |finger: usize| {
+        let mut plots = cap_outline(data, axis);
+        plots.extend(tip_paths(data, stroke, finger));
+        let window = close_up_window(data, finger)?;
+        Some((plots, plan(window, finger == 0, 5.0)))
+    };
+    (0..data.fingers.len()).map(close_up).collect()
+}
+
+/// Axes of a plan, with a tick every so many millimetres; the `first` in a row names its upright axis.
+fn plan((x, y): Window, first: bool, ticks: f64) -> Layout {
+    panel(x, y, "x (mm)", if first { "y (mm)" } else { "" })
+        .with_equal_aspect()
+        .with_x_tick_step(ticks)
+        .with_y_tick_step(ticks)
+        .with_x_axis_min(x.0)
+        .with_x_axis_max(x.1)
+        .with_y_axis_min(y.0)
+        .with_y_axis_max(y.1)
+}
+
+/// The cap's contour, and the circle of a tip's centre that touches it.
+fn cap_outline(data: &RunData, centre: DVec2) -> Vec<Plot> {
+    let circle = |radius: f64, pen| {
+        let points = (0..=240).map(|i| {
+            let angle = TAU * f64::from(i) / 240.0;
+            let point = centre + radius * DVec2::from_angle(angle);
+            (MM * point.x, MM * point.y)
+        });
+        line(points, pen)
+    };
+    let facts = &data.facts;
+    vec![
+        circle(facts.cap_radius, CONTOUR),
+        circle(facts.cap_radius + facts.feeler_tip_radius, JUST_TOUCHING),
+    ]
+}
+
+/// The path of a dome's centre over MOVE, boldest, with the line that was planned and the arc about the axis.
+fn centre_paths(data: &RunData, stroke: &Stroke, finger: usize) -> Vec<Plot> {
+    let Some(unrolled) = Unrolled::new(data, stroke, finger) else {
+        return Vec::new();
+    };
+    let path = |point: fn(&Step) -> DVec3, pen| {
+        draw(&unrolled.steps.iter().map(point).collect::<Vec<_>>(), pen)
+    };
+    vec![
+        path(|step| step.centre, Pen::solid(finger_colour(finger), BOLD)),
+        path(|step| step.on_line, PLANNED),
+        path(|step| step.on_arc, ARC),
+    ]
+}
+
+/// A finger's tips over MOVE: the planned segment, every touching element, and, boldest, the
+/// element that leads.
+fn tip_paths(data: &RunData, stroke: &Stroke, finger: usize) -> Vec<Plot> {
+    let columns = &data.fingers[finger];
+    let mut plots = Vec::new();
+    let elements = (stroke.moving.clone())
+        .map(|row| columns.forces[row].len())
+        .max()
+        .unwrap_or(0);
+    for element in 0..elements {
+        let touching = |row: usize| {
+            let force = columns.forces[row].get(element)?;
+            (force.z > data.facts.touch_force_threshold)
+                .then(|| columns.element_tips[row].get(element).copied())?
+        };
+        plots.extend(stretches(stroke, touching).map(|path| draw(&path, TOUCHING)));
+    }
+    if let Some(segment) = planned_segment(data, stroke, finger) {
+        plots.push(draw(&segment, PLANNED));
+    }
+    let pen = Pen::solid(finger_colour(finger), BOLD);
+    let leading = columns.leading_path(stroke);
+    plots.extend(leading.map(|path| draw(&path, pen)));
+    plots
+}
+
+/// The unbroken stretches of a path over MOVE: broken where it has no point.
+fn stretches<'a>(
+    stroke: &'a Stroke,
+    point: impl Fn(usize) -> Option<DVec3> + 'a,
+) -> impl Iterator<Item = Vec<DVec3>> + 'a {
+    let mut rows = stroke.moving.clone().peekable();
+    std::iter::from_fn(move || {
+        while rows.next_if(|&row| point(row).is_none()).is_some() {}
+        rows.peek()?;
+        let mut path = Vec::new();
+        while let Some(row) = rows.next_if(|&row| point(row).is_some()) {
+            path.extend(point(row));
+        }
+        Some(path)
+    })
+    .filter(|path| path.len() > 1)
+}
+
+/// Where the tip of the element that leads would have gone had the finger kept to the planned
+/// direction, over the distance that it went along that direction.
+fn planned_segment(data: &RunData, stroke: &Stroke, finger: usize) -> Option<[DVec3; 2]> {
+    let columns = &data.fingers[finger];
+    let direction = DVec3::from(*data.facts.stroke_direction.get(finger)?);
+    let start = *columns.leading_path(stroke)?.first()?;
+    let path = columns.position.get(stroke.moving.clone())?;
+    let travel = (*path.last()? - *path.first()?).dot(direction);
+    Some([start, start + travel * direction])
+}
+
+/// Ranges (m) that hold the cap, and what strokes 1 and 4 draw of the domes' centres.
+fn overview_window(data: &RunData, axis: DVec2) -> Option<Window> {
+    let reach = data.facts.cap_radius + data.facts.feeler_tip_radius;
+    let mut points = vec![axis - DVec2::splat(reach), axis + DVec2::splat(reach)];
+    for stroke in [1, 4].iter().filter_map(|&index| data.whole_stroke(index)) {
+        for finger in 0..data.fingers.len() {
+            let path = Unrolled::new(data, stroke, finger).into_iter();
+            let steps = path.flat_map(|path| path.steps);
+            points.extend(steps.flat_map(|s| [s.centre.truncate(), s.on_line.truncate()]));
+        }
+    }
+    Some((
+        range(points.iter().map(|p| p.x))?,
+        range(points.iter().map(|p| p.y))?,
+    ))
+}
+
+/// Ranges of x and y (mm) around a finger's leading tips in strokes 1 and 4, of one size
+/// for all fingers.
+fn close_up_window(data: &RunData, finger: usize) -> Option<Window> {
+    const MARGIN: f64 = 1.5;
+    let extents: Option<Vec<_>> = (0..data.fingers.len())
+        .map(|finger| tips_extent(data, finger))
+        .collect();
+    let half = |(low, high): (f64, f64)| 0.5 * MM * (high - low) + MARGIN;
+    let (half_x, half_y) = (extents.as_ref()?.iter()).fold((0.0, 0.0), |(x, y): (f64, f64), e| {
+        (x.max(half(e.0)), y.max(half(e.1)))
+    });
+    let (x, y) = *extents?.get(finger)?;
+    let around = |(low, high): (f64, f64), half: f64| {
+        let middle = 0.5 * MM * (low + high);
+        (middle - half, middle + half)
+    };
+    Some((around(x, half_x), around(y, half_y)))
+}
+
+/// Ranges of x and y (m) of a finger's leading tips and planned segments.
+fn tips_extent(data: &RunData, finger: usize) -> Option<Window> {
+    let columns = data.fingers.get(finger)?;
+    let mut points = Vec::new();
+    for stroke in [1, 4].iter().filter_map(|&index| data.whole_stroke(index)) {
+        points.extend(columns.leading_path(stroke).into_iter().flatten());
+        points.extend(planned_segment(data, stroke, finger).into_iter().flatten());
+    }
+    Some((
+        range(points.iter().map(|p| p.x))?,
+        range(points.iter().map(|p| p.y))?,
+    ))
+}
+
+fn draw(path: &[DVec3], pen: Pen) -> Plot {
+    line(path.iter().map(|p| (MM * p.x, MM * p.y)), pen)
+}

@@ -1,0 +1,108 @@
+//! Fig. 14: how far each dome's centre is from the cap's axis, over the travel, in every stroke.
+
+use super::super::run_data::{RunData, Stroke};
+use super::Figure;
+use super::canvas::{Pen, SHADE, frame, line, panel, range, stroke_colour};
+use super::from_above::{MM, PLANNED};
+use super::grid::{Panel, rows, stack};
+use super::paths::with_window;
+use super::unrolled::{Step, Unrolled};
+
+/// Height of a row of panels.
+const HEIGHT: f64 = 270.0;
+/// Width of the first stroke's line, and what the last one's has more.
+const LINE: (f64, f64) = (1.4, 1.2);
+
+/// Fig. 14, which the paper does not have.
+pub fn over_travel(data: &RunData) -> Figure {
+    Figure {
+        number: 14,
+        title: "Distance R of the domes' centres from the cap's axis, over the travel of each stroke".into(),
+        caption: "A finger that follows the cap keeps its distance from the axis: its line is level. One that goes straight \
+            on (dashed, of the last stroke) comes nearer until it is abreast of the axis, and then leaves. R₀ is R where \
+            the shade begins, at 25 % of the travel; at its end, at 98 %, the finger begins to brake. Before it the grip \
+            builds up. The paper has no such figure; it is what claim path-follows-contour measures."
+            .into(),
+        svg: radius(data),
+    }
+}
+
+fn radius(data: &RunData) -> Option<String> {
+    let strokes: Vec<_> = (data.strokes.iter())
+        .filter(|stroke| stroke.whole && !stroke.moving.is_empty())
+        .collect();
+    let unrolled: Vec<Vec<_>> = (0..data.fingers.len())
+        .map(|finger| {
+            let paths = strokes.iter().enumerate();
+            paths
+                .filter_map(|(k, stroke)| Some((k, Unrolled::new(data, stroke, finger)?)))
+                .collect()
+        })
+        .collect();
+    let window = window(unrolled.iter().flatten().map(|(_, path)| path))?;
+    let panels = unrolled.iter().enumerate();
+    let panels = panels.map(|(finger, paths)| radius_panel(finger, paths, strokes.len(), window));
+    let (panels, height) = stack(rows(HEIGHT, panels.collect()));
+    let title = "Distance of the domes' centres from the cap's axis over the travel of each stroke";
+    Some(frame(14, title, &legend(&strokes), panels, height))
+}
+
+fn pen(place: usize, strokes: usize) -> Pen {
+    let share = place as f64 / strokes.saturating_sub(1).max(1) as f64;
+    Pen::solid(stroke_colour(place, strokes), LINE.0 + LINE.1 * share)
+}
+
+fn radius_panel(
+    finger: usize,
+    paths: &[(usize, Unrolled)],
+    strokes: usize,
+    (x, y): ((f64, f64), (f64, f64)),
+) -> Panel {
+    let curve = |path: &Unrolled, radius: fn(&Step) -> f64, pen| {
+        let steps = path.steps.iter();
+        line(steps.map(|step| (MM * step.travel, MM * radius(step))), pen)
+    };
+    let mut plots: Vec<_> = (paths.iter())
+        .map(|(place, path)| curve(path, |step| step.radius, pen(*place, strokes)))
+        .collect();
+    let y_label = if finger == 0 { "R − R₀ (mm)" } else { "" };
+    let layout = panel(x, y, "travel (mm)", y_label)
+        .with_title(format!("finger {finger}"))
+        .with_title_size(14)
+        .with_ticks(4)
+        .with_x_axis_min(x.0)
+        .with_x_axis_max(x.1)
+        .with_y_axis_min(y.0)
+        .with_y_axis_max(y.1);
+    let Some((_, last)) = paths.last() else {
+        return (plots, layout);
+    };
+    plots.push(curve(last, |step| step.line_radius, PLANNED));
+    (plots, with_window(layout, last.window))
+}
+
+fn legend(strokes: &[&Stroke]) -> Vec<(&'static str, Pen)> {
+    const NAMES: [&str; 8] = [
+        "stroke 1", "stroke 2", "stroke 3", "stroke 4", "stroke 5", "stroke 6", "stroke 7",
+        "stroke 8",
+    ];
+    let places = strokes.iter().enumerate();
+    let mut legend: Vec<_> = places
+        .filter_map(|(place, stroke)| {
+            let name = NAMES.get((stroke.index as usize).checked_sub(1)?)?;
+            Some((*name, pen(place, strokes.len())))
+        })
+        .collect();
+    legend.push(("planned line", PLANNED));
+    legend.push(("window of the claims", Pen::solid(SHADE, 14.0)));
+    legend
+}
+
+/// Ranges of travel and of R (mm), the same for all fingers.
+fn window<'a>(paths: impl Iterator<Item = &'a Unrolled>) -> Option<((f64, f64), (f64, f64))> {
+    let steps: Vec<_> = paths.flat_map(|path| &path.steps).collect();
+    let (_, end) = range(steps.iter().map(|step| MM * step.travel))?;
+    let (low, high) = range((steps.iter()).flat_map(|s| [MM * s.radius, MM * s.line_radius]))?;
+    let margin = 0.06 * (high - low);
+    Some(((0.0, end), (low - margin, high + margin)))
+}

@@ -1,0 +1,120 @@
+//! When SLIP was up, and beneath it when a feeler slipped in truth.
+
+use super::super::run_data::{FingerColumns, RunData};
+use super::super::strokes::TRUE_SLIP;
+use super::canvas::{CAP, finger_colour, panel};
+use super::grid::Panel;
+use kuva::plot::BandPlot;
+use kuva::render::layout::TickFormat;
+use kuva::render::plots::Plot;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Height of a lane.
+const HEIGHT: f64 = 16.0;
+/// Above and below all lanes.
+const MARGIN: f64 = 4.0;
+/// Half of what an event fills of its lane's height, which is 1.
+const HALF: f64 = 0.38;
+
+/// What a lane shows of a finger at a row; none where it is not known.
+type Event = fn(&FingerColumns, usize) -> Option<bool>;
+
+/// One lane: its name, its colour, and when it is filled.
+type Lane = (&'static str, &'static str, Vec<(f64, f64)>);
+
+/// A strip over these rows with two lanes for each finger, or one where the true slip is not known; and its height.
+pub fn slip_strip(data: &RunData, rows: Range<usize>, time: (f64, f64)) -> (f64, Panel) {
+    let mut lanes: Vec<Lane> = Vec::new();
+    for (f, finger) in data.fingers.iter().enumerate() {
+        let events: [(&str, &str, Event); 2] = [
+            ("SLIP", finger_colour(f), |finger, row| {
+                finger.slip.get(row).copied()
+            }),
+            ("true slip", CAP, |finger, row| {
+                Some((*finger.slipped.get(row)?)? > TRUE_SLIP)
+            }),
+        ];
+        let known = events.map(|(name, colour, event)| {
+            let spans = spans(&data.time, rows.clone(), |row| event(finger, row));
+            spans.map(|spans| (name, colour, spans))
+        });
+        lanes.extend(known.into_iter().flatten());
+    }
+    let count = lanes.len() as f64;
+    // From the top down; a lane's middle is a whole number, where its name stands as a tick's.
+    let names: Vec<_> = lanes.iter().rev().map(|lane| lane.0).collect();
+    let name = move |tick: f64| {
+        let lane = names.get(tick.round() as usize);
+        lane.filter(|_| tick >= 0.0)
+            .map_or(String::new(), |name| (*name).into())
+    };
+    let range = (-0.5, count - 0.5);
+    let layout = panel(time, range, "", "")
+        .with_y_axis_min(range.0)
+        .with_y_axis_max(range.1)
+        .with_y_tick_step(1.0)
+        .with_y_tick_format(TickFormat::Custom(Arc::new(name)))
+        .with_tick_size(12)
+        .with_force_margins_y(MARGIN, MARGIN);
+    let middles = (1..=lanes.len()).rev().map(|lane| lane as f64 - 1.0);
+    let plots = lanes.iter().zip(middles).map(|(lane, y)| draw(lane, y));
+    let height = HEIGHT * count + 2.0 * MARGIN;
+    (height, (plots.collect(), layout))
+}
+
+/// One lane, filled about the height `middle`.
+fn draw((_, colour, spans): &Lane, middle: f64) -> Plot {
+    let (mut x, mut half) = (Vec::new(), Vec::new());
+    for (start, end) in spans {
+        x.extend([start, start, end, end]);
+        half.extend([0.0, HALF, HALF, 0.0]);
+    }
+    let lower: Vec<_> = half.iter().map(|half| middle - half).collect();
+    let upper: Vec<_> = half.iter().map(|half| middle + half).collect();
+    let band = BandPlot::new(x.into_iter().copied(), lower, upper);
+    Plot::Band(band.with_color(*colour).with_opacity(1.0))
+}
+
+/// The spans of time in which an event is, which at a row tells of the time since the row before; none if it is not
+/// known at every row.
+fn spans(
+    time: &[f64],
+    rows: Range<usize>,
+    event: impl Fn(usize) -> Option<bool>,
+) -> Option<Vec<(f64, f64)>> {
+    let mut spans: Vec<(f64, f64)> = Vec::new();
+    let first = *time.get(rows.start)?;
+    let mut before = first;
+    for row in rows {
+        let now = *time.get(row)?;
+        if event(row)? {
+            match spans.last_mut() {
+                Some(last) if last.1 == before => last.1 = now,
+                _ => spans.push((before, now)),
+            }
+        }
+        before = now;
+    }
+    Some(spans)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn events_in_a_row_are_one_span_from_the_row_before() {
+        let time = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0];
+        let up = [false, false, true, true, false, true];
+        let of = |rows| spans(&time, rows, |row| Some(up[row]));
+        assert_eq!(of(0..6), Some(vec![(1.0, 3.0), (4.0, 5.0)]));
+        assert_eq!(of(0..2), Some(Vec::new()));
+        assert_eq!(of(7..9), None);
+        assert_eq!(
+            spans(&time, 0..6, |row| (row != 3).then_some(true)),
+            None,
+            "an event that is not always known"
+        );
+    }
+}

@@ -1,0 +1,99 @@
+//! The path of a dome's centre over MOVE, laid out along the line that it was planned to go, so that a bend of a
+//! millimetre shows: against that line, and against the arc about the cap's axis.
+
+use super::super::path_fit::{travel, window_rows};
+use super::super::run_data::{RunData, Stroke};
+use glam::DVec3;
+
+/// One finger's path over one MOVE. Both the line and the arc begin where the window of the claims does, at the path.
+pub struct Unrolled {
+    /// What is known at each row of MOVE.
+    pub steps: Vec<Step>,
+    /// Travel between which the claims look, m.
+    pub window: (f64, f64),
+}
+
+/// One row of an [`Unrolled`] path. What the arc does not reach is not a number.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Step {
+    /// Way along the planned direction since MOVE began, m.
+    pub travel: f64,
+    /// Offset of the path from the planned line, m, positive = towards the cap.
+    pub path: f64,
+    /// The same of the arc about the axis.
+    pub arc: f64,
+    /// R less R where the window begins, m; R is the horizontal distance of the dome's centre from the axis.
+    pub radius: f64,
+    /// The same of the planned line.
+    pub line_radius: f64,
+    /// The dome's centre, m in `W`.
+    pub centre: DVec3,
+    /// Where it would be on the arc, m in `W`.
+    pub on_arc: DVec3,
+    /// Where it would be on the planned line, m in `W`.
+    pub on_line: DVec3,
+}
+
+impl Unrolled {
+    /// Of the `finger` over the MOVE of `stroke`; none if it does not travel.
+    pub fn new(data: &RunData, stroke: &Stroke, finger: usize) -> Option<Self> {
+        let facts = &data.facts;
+        let direction = DVec3::from(*facts.stroke_direction.get(finger)?);
+        let approach = DVec3::from(*facts.approach.get(finger)?);
+        let inward = approach.reject_from_normalized(direction).try_normalize()?;
+        let rows = stroke.moving.clone();
+        let path = data.fingers.get(finger)?.position.get(rows.clone())?;
+        let axis = data.cap_centre.get(rows)?;
+        let travel = travel(path, direction)?;
+        let window = window_rows(data, stroke, finger)?;
+        let begin = window.first()?.checked_sub(stroke.moving.start)?;
+        let end = window.last()?.checked_sub(stroke.moving.start)?;
+        let distance = |row: usize, point: DVec3| (point - axis[row]).truncate().length();
+        let start = distance(begin, path[begin]);
+        let step = |row: usize| {
+            let on_line = path[begin] + (travel[row] - travel[begin]) * direction;
+            let arc = way_to_circle(on_line - axis[row], inward, start);
+            Step {
+                travel: travel[row],
+                path: (path[row] - path[begin]).dot(inward),
+                arc,
+                radius: distance(row, path[row]) - start,
+                line_radius: distance(row, on_line) - start,
+                centre: path[row],
+                on_arc: on_line + arc * inward,
+                on_line,
+            }
+        };
+        Some(Self {
+            steps: (0..path.len()).map(step).collect(),
+            window: (travel[begin], travel[end]),
+        })
+    }
+}
+
+/// How far it is along `direction` from a point outside a vertical cylinder of this radius about the origin to the
+/// cylinder, on the side where it is entered; not a number where the way leads past it.
+fn way_to_circle(from: DVec3, direction: DVec3, radius: f64) -> f64 {
+    let (from, direction) = (from.truncate(), direction.truncate());
+    let square = direction.length_squared();
+    let half = from.dot(direction);
+    let root = half * half - square * (from.length_squared() - radius * radius);
+    (-half - root.sqrt()) / square
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_way_to_a_circle_ends_on_it_from_either_side() {
+        for (x, y) in [(0.034, 0.006), (0.031, -0.002), (0.032, 0.0)] {
+            let from = DVec3::new(x, y, 0.1);
+            let way = way_to_circle(from, DVec3::NEG_X, 0.032);
+            let reached = (from + way * DVec3::NEG_X).truncate();
+            assert!((reached.length() - 0.032).abs() < 1e-15 && reached.x > 0.0);
+        }
+        let past = way_to_circle(DVec3::new(0.03, 0.04, 0.0), DVec3::NEG_X, 0.032);
+        assert!(past.is_nan());
+    }
+}
