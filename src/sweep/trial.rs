@@ -133,7 +133,8 @@ impl Trials {
         ];
         header.extend(fixed.map(String::from));
         for claim in &self.claims {
-            header.extend([format!("claim.{claim}"), format!("claim.{claim}.value")]);
+            header.push(format!("claim.{claim}"));
+            header.extend(["value", "margin"].map(|what| format!("claim.{claim}.{what}")));
         }
         if !self.findings.is_empty() {
             header.push("found".to_string());
@@ -262,7 +263,11 @@ impl Trials {
         if self.has_claims() {
             row.extend([number(summary.cap_angle), held.to_string()]);
             for claim in &summary.claims {
-                row.extend([flag(claim.holds), number(claim.value)]);
+                row.extend([
+                    flag(claim.holds),
+                    number(claim.value),
+                    number(claim.margin()),
+                ]);
             }
         } else {
             let angle = summary.cap_angle.filter(|_| self.has_cap);
