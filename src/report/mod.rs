@@ -10,6 +10,7 @@ pub mod figures;
 pub mod make;
 pub mod measures;
 pub mod page;
+pub mod robustness_page;
 pub mod run_data;
 pub mod series;
 pub mod slip_page;

@@ -13,6 +13,7 @@ pub mod key;
 pub mod parameter;
 pub mod plan;
 pub mod ranges;
+pub mod robustness;
 pub mod sensitivity;
 pub mod slip_score;
 pub mod store;

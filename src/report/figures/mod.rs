@@ -8,6 +8,7 @@ pub mod friction;
 mod friction_samples;
 pub mod outline;
 pub mod paths;
+pub mod robustness;
 pub mod slip;
 pub mod sweep;
 pub mod time;
