@@ -15,6 +15,7 @@ mod part_file;
 mod progress;
 mod replay;
 mod report;
+mod robustness;
 mod run;
 mod run_folder;
 mod schema;
@@ -47,6 +48,7 @@ Examples:
   feeler calibrate --simulated --experiment my.toml -o my.calibration.toml
   feeler sweep cap-closing --sensing direct --vary 'friction=uniform(0.3,1.2)' -o sweep
   feeler compare cap-closing -o compare       the paper's control law against others, on the same trials
+  feeler robustness cap-closing -o robustness how much of it is luck of parameters
   feeler locate untouched.png -o layout.toml --preview found.png
   feeler sense pictures/ --calibration my.calibration.toml -o forces.csv
   ffmpeg -i video.mkv -f rawvideo -pix_fmt gray - | feeler sense - --raw 640x480";
@@ -69,6 +71,8 @@ enum Command {
     Sweep(sweep::Arguments),
     /// Run all control laws on the same randomised trials; a page that compares them.
     Compare(compare::Arguments),
+    /// Vary all that nobody knows over plausible ranges; how often each claim holds, and what decides it.
+    Robustness(robustness::Arguments),
     /// Score slip detectors against the simulator's truth; a page with their characteristics.
     ScoreSlip(score_slip::Arguments),
     /// List the built-in experiments.
@@ -134,6 +138,7 @@ fn run_command(command: Command, out: &mut dyn Write) -> Result<Outcome, Command
         Command::Run(arguments) => run::run(&arguments, out),
         Command::Sweep(arguments) => sweep::sweep(&arguments, out),
         Command::Compare(arguments) => compare::compare(&arguments, out),
+        Command::Robustness(arguments) => robustness::robustness(&arguments, out),
         Command::ScoreSlip(arguments) => score_slip::score_slip(&arguments, out),
         Command::List => list::list(out),
         Command::Check(arguments) => check::check(&arguments, out),

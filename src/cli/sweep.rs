@@ -14,7 +14,7 @@ use std::time::Instant;
 const EXAMPLES: &str = "\
 A NAME is as much of a key as tells it: cap.radius, slip_threshold. `friction` is the static friction of all
 feelers and objects, the kinetic in proportion. A DISTRIBUTION is uniform(a,b), normal(mean,sd),
-log_uniform(a,b), choice(a,b,...) or a value.
+log_uniform(a,b), choice(a,b,...), a value, relative(a,b) times the experiment's own or shifted(a,b) more than it.
 
 Examples:
   feeler sweep cap-closing --sensing direct --trials 10000 --vary 'friction=uniform(0.3,1.2)' -o sweep
@@ -93,7 +93,7 @@ pub fn sweep(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comm
     let start = Instant::now();
     let mut bar = Bar::new(before as u64);
     let ended = engine::run(&trials, &mut store, plan.trials, jobs, &stop, &mut bar);
-    bar.bar.finish_and_clear();
+    bar.clear();
     let ended = ended?;
     let ran = store.table.rows.len() - before;
     let seconds = start.elapsed().as_secs_f64();
@@ -242,14 +242,15 @@ pub(super) fn cores() -> usize {
 }
 
 /// How far the sweep is, on a terminal.
-struct Bar {
+pub(super) struct Bar {
     bar: ProgressBar,
     start: Instant,
     before: u64,
 }
 
 impl Bar {
-    fn new(before: u64) -> Self {
+    /// A bar of which so much is done before it starts.
+    pub(super) fn new(before: u64) -> Self {
         let bar = ProgressBar::new(0).with_position(before);
         let style = ProgressStyle::with_template("{bar:32} {pos}/{len} trials, {msg}, {eta} left");
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
@@ -259,6 +260,11 @@ impl Bar {
             start: Instant::now(),
             before,
         }
+    }
+
+    /// Takes it off the terminal.
+    pub(super) fn clear(&self) {
+        self.bar.finish_and_clear();
     }
 }
 

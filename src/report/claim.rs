@@ -86,6 +86,13 @@ impl Claim {
         self.parts.iter().all(|part| part.value.is_some())
     }
 
+    /// How far the claim is from failing, in units of its bounds: the least [`ClaimPart::margin`] of its parts. Not
+    /// negative where it holds, not positive where it does not; none where a part is not measured.
+    pub fn margin(&self) -> Option<f64> {
+        let margins = self.parts.iter().map(ClaimPart::margin);
+        margins.reduce(|a, b| Some(a?.min(b?)))?
+    }
+
     pub(super) fn new(id: &'static str, text: &str, parts: Vec<ClaimPart>) -> Self {
         let undefined: Vec<_> = (parts.iter())
             .filter(|part| part.value.is_none())
@@ -129,6 +136,24 @@ impl ClaimPart {
         Self { unit, ..self }
     }
 
+    /// How far the value is on the good side of its bound (negative: on the bad one), relative to the bound's size; in
+    /// `unit` where the bound is 0. What must equal its bound is 0 at best.
+    fn margin(&self) -> Option<f64> {
+        let value = self.value?;
+        let above = match self.relation {
+            Relation::AtLeast => value - self.bound,
+            Relation::AtMost | Relation::Below => self.bound - value,
+            Relation::Equals => -(value - self.bound).abs(),
+            Relation::Within => self.bound - value.abs(),
+        };
+        let size = if self.bound == 0.0 {
+            1.0
+        } else {
+            self.bound.abs()
+        };
+        Some(above / size)
+    }
+
     fn bound_text(&self) -> String {
         let text = format!(
             "{} {} {} {}",
@@ -138,5 +163,47 @@ impl ClaimPart {
             self.unit
         );
         text.trim_end().to_string()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_margin_is_the_least_of_the_parts_relative_to_their_bounds() {
+        use Relation::{AtLeast, AtMost, Below, Equals, Within};
+        let margin = |parts: &[(f64, Relation, f64)]| {
+            let part = |&(value, relation, bound)| ClaimPart::new("", Some(value), relation, bound);
+            let claim = Claim::new("", "", parts.iter().map(part).collect());
+            let margin = claim.margin().unwrap();
+            assert!(
+                if claim.holds {
+                    margin >= 0.0
+                } else {
+                    margin <= 0.0
+                },
+                "{claim:?}"
+            );
+            margin
+        };
+        assert_eq!(margin(&[(3.0, AtLeast, 2.0)]), 0.5);
+        assert_eq!(margin(&[(0.0625, AtMost, 0.25)]), 0.75);
+        assert_eq!(margin(&[(1.5, Below, 1.0)]), -0.5);
+        assert_eq!(margin(&[(5.0, Equals, 4.0)]), -0.25);
+        assert_eq!(margin(&[(4.0, Equals, 4.0)]), 0.0);
+        assert_eq!(margin(&[(-0.75, Within, 0.5)]), -0.5);
+        // Bounds of 0, and below it.
+        assert_eq!(margin(&[(0.25, AtMost, 0.0)]), -0.25);
+        assert_eq!(margin(&[(-3.0, AtMost, -2.0)]), 0.5);
+        assert_eq!(
+            margin(&[(3.0, AtLeast, 2.0), (1.0, AtMost, 4.0), (2.2, AtLeast, 2.0)]),
+            (2.2 - 2.0) / 2.0
+        );
+        let parts = vec![
+            ClaimPart::new("", Some(3.0), AtLeast, 2.0),
+            ClaimPart::new("", None, AtLeast, 2.0),
+        ];
+        assert_eq!(Claim::new("", "", parts).margin(), None);
     }
 }

@@ -11,6 +11,7 @@ pub mod make;
 pub mod measures;
 pub mod page;
 pub mod path_fit;
+pub mod robustness_page;
 pub mod run_data;
 pub mod series;
 pub mod slip_page;

@@ -18,15 +18,16 @@ pub enum Distribution {
 }
 
 /// What can stand there, for messages.
-const EXPECTED: &str = "expected uniform(a,b), normal(mean,sd), log_uniform(a,b), choice(a,b,…) \
-                        or a value";
+const EXPECTED: &str = "expected uniform(a,b), normal(mean,sd), log_uniform(a,b), relative(a,b), shifted(a,b), \
+                        choice(a,b,…) or a value";
 
 impl Distribution {
-    /// Reads a distribution.
+    /// Reads a distribution. `relative(a,b)` is uniform from `a` to `b` times the experiment's own value `nominal`,
+    /// `shifted(a,b)` uniform from `a` to `b` more than it.
     ///
     /// # Errors
     /// What is wrong with it, in words.
-    pub fn parse(text: &str) -> Result<Self, String> {
+    pub fn parse(text: &str, nominal: Option<f64>) -> Result<Self, String> {
         let text = text.trim();
         let Some((name, rest)) = text.split_once('(') else {
             let plain = !text.is_empty() && !text.contains([')', ',']);
@@ -45,6 +46,13 @@ impl Distribution {
                     "uniform({a},{b}): the first must not exceed the second"
                 )),
             },
+            "relative" | "shifted" => {
+                let (ends, about) = (
+                    two()?,
+                    nominal.ok_or(format!("{name}: of what is no number"))?,
+                );
+                about_nominal(name, ends, about)
+            }
             "log_uniform" => match two()? {
                 (a, b) if a > 0.0 && a <= b => Ok(Self::LogUniform(a, b)),
                 (a, b) => Err(format!(
@@ -68,15 +76,23 @@ impl Distribution {
 
     /// Draws a value, as the text that would set it; `whole` rounds it to a whole number.
     pub fn draw(&self, random: &mut Pcg64, whole: bool) -> String {
+        match self {
+            Self::Normal(mean, sd) => {
+                number_text(mean + sd * random.sample::<f64, _>(StandardNormal), whole)
+            }
+            bounded => bounded.quantile(random.random::<f64>(), whole),
+        }
+    }
+
+    /// The value that a share `p` (0 to 1) of all draws are below, as the text that would set it. The mean of a
+    /// normal distribution, which has no bounds and stands in no file of ranges.
+    pub fn quantile(&self, p: f64, whole: bool) -> String {
         let number = match self {
-            Self::Uniform(a, b) => a + (b - a) * random.random::<f64>(),
-            Self::Normal(mean, sd) => mean + sd * random.sample::<f64, _>(StandardNormal),
-            Self::LogUniform(a, b) => (a.ln() + (b / a).ln() * random.random::<f64>())
-                .exp()
-                .clamp(*a, *b),
+            Self::Uniform(a, b) => a + (b - a) * p,
+            Self::Normal(mean, _) => *mean,
+            Self::LogUniform(a, b) => (a.ln() + (b / a).ln() * p).exp().clamp(*a, *b),
             Self::Choice(choices) => {
-                let share = random.random::<f64>();
-                let index = (share * choices.len() as f64) as usize;
+                let index = (p * choices.len() as f64) as usize;
                 return choices[index.min(choices.len() - 1)].clone();
             }
         };
@@ -104,6 +120,24 @@ pub fn number_text(number: f64, whole: bool) -> String {
     }
 }
 
+fn about_nominal(name: &str, (a, b): (f64, f64), nominal: f64) -> Result<Distribution, String> {
+    if a > b {
+        return Err(format!(
+            "{name}({a},{b}): the first must not exceed the second"
+        ));
+    }
+    if name == "shifted" {
+        return Ok(Distribution::Uniform(nominal + a, nominal + b));
+    }
+    if nominal == 0.0 {
+        return Err(format!(
+            "relative({a},{b}): of a value that is 0; expected shifted(a,b)"
+        ));
+    }
+    let (a, b) = (a * nominal, b * nominal);
+    Ok(Distribution::Uniform(a.min(b), a.max(b)))
+}
+
 fn two_numbers(name: &str, arguments: &[&str]) -> Result<(f64, f64), String> {
     let [a, b] = arguments else {
         let count = arguments.len();
@@ -125,7 +159,7 @@ mod tests {
     fn what_is_drawn_is_distributed_as_asked() {
         let mut random = Pcg64::seed_from_u64(1);
         let mut mean = |text: &str| {
-            let distribution = Distribution::parse(text).unwrap();
+            let distribution = Distribution::parse(text, Some(-2.0)).unwrap();
             let draw = |_| {
                 distribution
                     .draw(&mut random, false)
@@ -140,6 +174,9 @@ mod tests {
         assert!((mean("log_uniform(1,100)") - 99.0 / 100f64.ln()).abs() < 0.7);
         assert!((mean("choice(1,3)") - 2.0).abs() < 0.03);
         assert_eq!(mean("4.5"), 4.5);
+        // About what the experiment has: -2.
+        assert!((mean("relative(0.5,1)") + 1.5).abs() < 0.009);
+        assert!((mean("shifted(0,1)") + 1.5).abs() < 0.009);
     }
 
     #[test]
@@ -155,8 +192,10 @@ mod tests {
             ("normal(0,-1)", "negative"),
             ("choice(1,,2)", "empty"),
             ("gamma(1,2)", "gamma"),
+            ("relative(0.8,1.2)", "shifted"),
+            ("shifted(1,0)", "must not exceed"),
         ] {
-            let error = Distribution::parse(text).unwrap_err();
+            let error = Distribution::parse(text, Some(0.0)).unwrap_err();
             assert!(error.contains(word), "{text:?}: {error}");
         }
     }

@@ -27,21 +27,43 @@ pub fn bootstrap(values: &[f64]) -> Option<Estimate> {
 /// What `quantity` makes of `values`, with the percentile bootstrap's interval; none of no values, or where it is
 /// not a number. The same for the same values, as its draws have a seed of their own.
 pub fn bootstrap_of<T>(values: &[T], quantity: impl Fn(&[&T]) -> f64) -> Option<Estimate> {
+    bootstrap_each(values, |drawn| [quantity(drawn)]).map(|[estimate]| estimate)
+}
+
+/// As [`bootstrap_of`], of several quantities at once. Samples in which one is not a number do not count for its
+/// interval.
+pub fn bootstrap_each<T, const K: usize>(
+    values: &[T],
+    quantities: impl Fn(&[&T]) -> [f64; K],
+) -> Option<[Estimate; K]> {
     let all: Vec<&T> = values.iter().collect();
-    let mean = Some(quantity(&all)).filter(|mean| !all.is_empty() && mean.is_finite())?;
+    let means = Some(quantities(&all)).filter(|_| !all.is_empty())?;
+    if means.iter().any(|mean| !mean.is_finite()) {
+        return None;
+    }
     let mut random = Pcg64::seed_from_u64(values.len() as u64);
     let mut drawn = all.clone();
-    let mut resample = || {
+    let mut found: [Vec<f64>; K] = std::array::from_fn(|_| Vec::with_capacity(RESAMPLES));
+    for _ in 0..RESAMPLES {
         drawn.fill_with(|| all[random.random_range(0..all.len())]);
-        quantity(&drawn)
-    };
-    let mut found: Vec<f64> = (0..RESAMPLES).map(|_| resample()).collect();
+        let sample = quantities(&drawn);
+        let known = found
+            .iter_mut()
+            .zip(sample)
+            .filter(|(_, value)| value.is_finite());
+        known.for_each(|(found, value)| found.push(value));
+    }
+    Some(std::array::from_fn(|k| ends(&mut found[k], means[k])))
+}
+
+fn ends(found: &mut [f64], mean: f64) -> Estimate {
     found.sort_by(f64::total_cmp);
-    Some(Estimate {
-        low: found[RESAMPLES * 25 / 1000],
+    let end = |place: usize| found.get(place).copied().unwrap_or(mean);
+    Estimate {
+        low: end(found.len() * 25 / 1000),
         mean,
-        high: found[RESAMPLES * 975 / 1000 - 1],
-    })
+        high: end((found.len() * 975 / 1000).saturating_sub(1)),
+    }
 }
 
 #[cfg(test)]

@@ -1,14 +1,20 @@
 //! Many randomised trials of one experiment: what varies, how trials run, and what is kept of them.
 //!
 //! Trial `k` draws all that it is made of from streams of its own, which sweep seed and `k` alone
-//! determine. So it comes out the same whatever ran before it, beside it, or on another machine.
+//! determine. So it comes out the same whatever ran before it, beside it, or on another machine. The trials of
+//! a [`design`] fill the space of what varies instead; they, too, follow from seed and number alone.
 
 pub mod comparison;
+pub mod design;
 pub mod distribution;
 pub mod engine;
 pub mod interval;
+pub mod key;
 pub mod parameter;
 pub mod plan;
+pub mod ranges;
+pub mod robustness;
+pub mod sensitivity;
 pub mod slip_score;
 pub mod store;
 pub mod summary;
@@ -25,11 +31,11 @@ use std::path::PathBuf;
 /// Why a sweep could not be set up, go on or be joined.
 #[derive(Debug, thiserror::Error)]
 pub enum SweepError {
-    /// A `--vary` expression makes no sense.
-    #[error("--vary {expression}: {message}")]
+    /// What is to vary makes no sense.
+    #[error("{said}: {message}")]
     Vary {
-        /// The expression.
-        expression: String,
+        /// The `--vary` expression, or the name of the parameter in a file of ranges.
+        said: String,
         /// What is wrong with it, and what was expected.
         message: String,
     },

@@ -1,12 +1,18 @@
-//! What varies: `--vary NAME=DISTRIBUTION`, and the key of the experiment that NAME means.
+//! What varies, and the keys of the experiment that it sets: `--vary NAME=DISTRIBUTION`, or an entry of a
+//! file of ranges ([`Entry`]), which can link several keys.
 
 use super::SweepError;
 use super::distribution::{Distribution, number_text};
-use crate::config::{Experiment, ExperimentConfig};
+use super::key::{find, leaves, number};
+use super::ranges::Entry;
+use crate::config::Experiment;
 use toml::Value;
 
 /// The name that means the static friction of all feelers and objects, the kinetic in proportion.
 pub const FRICTION: &str = "friction";
+
+/// Largest relative difference of two linked values that are called equal: what 12 digits leave.
+const SAME: f64 = 1e-12;
 
 /// A varied parameter.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,14 +23,14 @@ pub struct Parameter {
     pub distribution: Distribution,
     /// Whether it takes whole numbers only.
     pub whole: bool,
-    target: Target,
-}
-
-#[derive(Debug, Clone, PartialEq)]
-enum Target {
-    Key(String),
-    /// Keys of static and kinetic friction, and kinetic by static.
-    Friction(Vec<(String, String, f64)>),
+    /// The value that the experiment has, as text.
+    pub nominal: String,
+    /// How it was asked for, for messages.
+    said: String,
+    /// The keys that it sets, each to the value times a factor.
+    keys: Vec<(String, f64)>,
+    /// A key whose value multiplies them all, and what the experiment has there.
+    of: Option<(String, f64)>,
 }
 
 impl Parameter {
@@ -33,109 +39,208 @@ impl Parameter {
     /// # Errors
     /// When it does not parse, names no parameter or more than one, or is out of range.
     pub fn parse(expression: &str, experiment: &Experiment) -> Result<Self, SweepError> {
-        let error = |message: String| SweepError::Vary {
-            expression: expression.to_string(),
-            message,
-        };
-        let (name, distribution) = expression.split_once('=').ok_or_else(|| {
-            error("expected NAME=DISTRIBUTION, as in friction=uniform(0.3,1.2)".into())
-        })?;
-        let name = name.trim().to_string();
-        let distribution = Distribution::parse(distribution).map_err(error)?;
-        let leaves = leaves(&experiment.config);
-        let (target, kind) = if name == FRICTION {
-            (Target::Friction(frictions(&leaves)), Value::Float(0.0))
-        } else {
-            let (key, value) = find(&name, &leaves).map_err(error)?;
-            (Target::Key(key.clone()), value.clone())
-        };
-        let whole = kind.is_integer();
-        let numeric = whole || kind.is_float();
-        if !numeric && !matches!(distribution, Distribution::Choice(_)) {
-            return Err(error(format!(
-                "{name} is no number: expected choice(a,b,…)"
-            )));
-        }
-        let parameter = Self {
-            name,
-            distribution,
-            whole,
-            target,
-        };
-        for value in parameter.distribution.extremes(whole) {
-            let settings = parameter.settings(&value).map_err(error)?;
-            let folder = Some(experiment.folder().to_path_buf());
-            Experiment::parse(&experiment.toml, "the experiment", &settings, folder)
-                .map_err(|e| error(e.to_string()))?;
+        let said = format!("--vary {expression}");
+        let parameter = Self::unchecked(expression, &said, experiment)
+            .map_err(|message| SweepError::Vary { said, message })?;
+        for value in parameter.distribution.extremes(parameter.whole) {
+            check(experiment, &[(&parameter, &value)], &parameter)?;
         }
         Ok(parameter)
     }
 
-    /// Whether both set the same key.
-    pub fn overlaps(&self, other: &Self) -> bool {
-        let keys = |parameter: &Self| match &parameter.target {
-            Target::Key(key) => vec![key.clone()],
-            Target::Friction(keys) => (keys.iter())
-                .flat_map(|(fixed, sliding, _)| [fixed.clone(), sliding.clone()])
-                .collect(),
+    fn unchecked(expression: &str, said: &str, experiment: &Experiment) -> Result<Self, String> {
+        let (name, range) = expression
+            .split_once('=')
+            .ok_or("expected NAME=DISTRIBUTION, as in friction=uniform(0.3,1.2)")?;
+        let name = name.trim();
+        let leaves = leaves(&experiment.config);
+        let (keys, value) = if name == FRICTION {
+            let keys = frictions(&leaves);
+            let first = keys.first().and_then(|(key, _)| find(key, &leaves).ok());
+            (keys, first.map_or(Value::Float(0.0), |(_, v)| v.clone()))
+        } else {
+            let (key, value) = find(name, &leaves)?;
+            (vec![(key.clone(), 1.0)], value.clone())
         };
-        let theirs = keys(other);
-        keys(self).iter().any(|key| theirs.contains(key))
+        Self::new(name, said, range, keys, None, &value)
     }
 
-    /// The settings that give it the value that this text says.
+    /// The parameter that an entry of a file of ranges means. Its bounds are checked with all others
+    /// ([`check_together`]), as some make sense together only.
     ///
     /// # Errors
-    /// When the text is no number where one is needed.
-    pub fn settings(&self, value: &str) -> Result<Vec<String>, String> {
-        match &self.target {
-            Target::Key(key) => Ok(vec![format!("{key}={value}")]),
-            Target::Friction(keys) => {
-                let friction: f64 = (value.parse())
-                    .map_err(|_| format!("{value:?} is no coefficient of friction"))?;
-                let settings = keys.iter().flat_map(|(fixed, sliding, ratio)| {
-                    let kinetic = number_text(friction * ratio, false);
-                    [
-                        format!("{fixed}={}", number_text(friction, false)),
-                        format!("{sliding}={kinetic}"),
-                    ]
-                });
-                Ok(settings.collect())
+    /// When it names no keys, they are not in the proportion of their factors, or its range makes no sense.
+    pub fn of_entry(entry: &Entry, experiment: &Experiment) -> Result<Self, SweepError> {
+        let said = format!("parameter {:?}", entry.name);
+        let made = Self::linked(entry, &said, experiment);
+        made.map_err(|message| SweepError::Vary { said, message })
+    }
+
+    fn linked(entry: &Entry, said: &str, experiment: &Experiment) -> Result<Self, String> {
+        let leaves = leaves(&experiment.config);
+        let of = match &entry.of {
+            None => None,
+            Some(name) => {
+                let (key, value) = find(name, &leaves)?;
+                let value = number(value).filter(|value| *value != 0.0);
+                Some((
+                    key.clone(),
+                    value.ok_or(format!("{key} is 0 or no number"))?,
+                ))
+            }
+        };
+        let links = entry.links()?;
+        let scale = |factor: f64| factor * of.as_ref().map_or(1.0, |(_, value)| *value);
+        let mut keys = Vec::new();
+        let mut nominal: Option<Value> = None;
+        for (name, factor) in links {
+            let (key, value) = find(&name, &leaves)?;
+            keys.push((key.clone(), factor));
+            let own = match number(value) {
+                // As it is, so that a whole number stays one and nothing is rounded.
+                _ if scale(factor) == 1.0 => value.clone(),
+                Some(number) => Value::Float(number / scale(factor)),
+                None => return Err(format!("{key} is no number and cannot be multiplied")),
+            };
+            match &nominal {
+                None => nominal = Some(own),
+                Some(first) if same(first, &own) => {}
+                Some(first) => {
+                    return Err(format!(
+                        "the experiment has {first} for the first key and {own} for {key}; expected the same, factors taken out"
+                    ));
+                }
             }
         }
+        let nominal = nominal.ok_or("it sets no key")?;
+        Self::new(&entry.name, said, &entry.range, keys, of, &nominal)
+    }
+
+    fn new(
+        name: &str,
+        said: &str,
+        range: &str,
+        keys: Vec<(String, f64)>,
+        of: Option<(String, f64)>,
+        nominal: &Value,
+    ) -> Result<Self, String> {
+        let distribution = Distribution::parse(range, number(nominal))?;
+        let whole = nominal.is_integer();
+        if number(nominal).is_none() && !matches!(distribution, Distribution::Choice(_)) {
+            return Err(format!("{name} is no number: expected choice(a,b,…)"));
+        }
+        Ok(Self {
+            name: name.to_string(),
+            distribution,
+            whole,
+            nominal: match nominal {
+                Value::Float(number) => number_text(*number, false),
+                other => other.to_string(),
+            },
+            said: said.to_string(),
+            keys,
+            of,
+        })
+    }
+
+    /// A key that both set, or that the other multiplies by though it is set only later.
+    pub fn conflict(&self, later: &Self) -> Option<String> {
+        let sets = |key: &str| later.keys.iter().any(|(other, _)| other == key);
+        let both = self.keys.iter().find(|(key, _)| sets(key));
+        let both = both.map(|_| format!("varies what {} varies already", self.name));
+        both.or_else(|| {
+            let (key, _) = self.of.as_ref().filter(|(key, _)| sets(key))?;
+            let name = &self.name;
+            Some(format!(
+                "varies {key}, by which {name} is multiplied: expected it before that"
+            ))
+        })
+    }
+
+    /// That something is wrong with it.
+    pub fn error(&self, message: String) -> SweepError {
+        let said = self.said.clone();
+        SweepError::Vary { said, message }
+    }
+
+    /// The settings that give it the value that this text says, after `earlier` ones.
+    fn settings(&self, value: &str, earlier: &[String]) -> Result<Vec<String>, SweepError> {
+        let of = self.of.as_ref().map(|(key, nominal)| {
+            let set = earlier.iter().rev().find_map(|setting| {
+                let (other, value) = setting.split_once('=')?;
+                value.parse().ok().filter(|_| other == key)
+            });
+            set.unwrap_or(*nominal)
+        });
+        let keys = self.keys.iter().map(|(key, factor)| {
+            let factor = factor * of.unwrap_or(1.0);
+            if factor == 1.0 {
+                return Ok(format!("{key}={value}"));
+            }
+            let number: Result<f64, _> = value.parse();
+            let number =
+                number.map_err(|_| self.error(format!("{value:?} is no number to multiply")))?;
+            Ok(format!("{key}={}", number_text(factor * number, false)))
+        });
+        keys.collect()
     }
 }
 
-/// Every single value of an experiment with its key, defaults included.
-fn leaves(config: &ExperimentConfig) -> Vec<(String, Value)> {
-    let mut found = Vec::new();
-    if let Ok(value) = Value::try_from(config) {
-        collect("", value, &mut found);
+/// The settings that give each parameter its value, in their order.
+///
+/// # Errors
+/// When a value is no number where one is needed.
+pub fn settings<'a>(
+    values: impl IntoIterator<Item = (&'a Parameter, &'a String)>,
+) -> Result<Vec<String>, SweepError> {
+    let mut settings = Vec::new();
+    for (parameter, value) in values {
+        let own = parameter.settings(value, &settings)?;
+        settings.extend(own);
     }
-    found
+    Ok(settings)
 }
 
-fn collect(key: &str, value: Value, found: &mut Vec<(String, Value)>) {
-    let below = |part: &str| match key {
-        "" => part.to_string(),
-        key => format!("{key}.{part}"),
-    };
-    match value {
-        Value::Table(table) => {
-            for (part, value) in table {
-                collect(&below(&part), value, found);
-            }
+/// Checks both ends of each parameter's range while all others are as the experiment has them.
+///
+/// # Errors
+/// The first that is out of range.
+pub fn check_together(parameters: &[Parameter], experiment: &Experiment) -> Result<(), SweepError> {
+    for (index, parameter) in parameters.iter().enumerate() {
+        for value in parameter.distribution.extremes(parameter.whole) {
+            let value_of = |(other, p): (usize, &'_ Parameter)| match other == index {
+                true => value.clone(),
+                false => p.nominal.clone(),
+            };
+            let values: Vec<String> = parameters.iter().enumerate().map(value_of).collect();
+            let all: Vec<_> = parameters.iter().zip(&values).collect();
+            check(experiment, &all, parameter)?;
         }
-        Value::Array(values) => {
-            for (index, value) in values.into_iter().enumerate() {
-                collect(&below(&index.to_string()), value, found);
-            }
-        }
-        single => found.push((key.to_string(), single)),
+    }
+    Ok(())
+}
+
+fn check(
+    experiment: &Experiment,
+    values: &[(&Parameter, &String)],
+    blame: &Parameter,
+) -> Result<(), SweepError> {
+    let settings = settings(values.iter().copied())?;
+    let folder = Some(experiment.folder().to_path_buf());
+    Experiment::parse(&experiment.toml, "the experiment", &settings, folder)
+        .map(|_| ())
+        .map_err(|e| blame.error(e.to_string()))
+}
+
+fn same(a: &Value, b: &Value) -> bool {
+    match (number(a), number(b)) {
+        (Some(a), Some(b)) => (a - b).abs() <= SAME * a.abs().max(b.abs()),
+        _ => a == b,
     }
 }
 
-fn frictions(leaves: &[(String, Value)]) -> Vec<(String, String, f64)> {
+/// The keys of static and kinetic friction: the kinetic by static as the experiment has it.
+fn frictions(leaves: &[(String, Value)]) -> Vec<(String, f64)> {
     let number = |key: &str| {
         let found = leaves.iter().find(|(k, _)| k == key);
         found.and_then(|(_, value)| value.as_float())
@@ -144,105 +249,89 @@ fn frictions(leaves: &[(String, Value)]) -> Vec<(String, String, f64)> {
         let sliding = format!("{}kinetic_friction", key.strip_suffix("static_friction")?);
         let (fixed, kinetic) = (value.as_float()?, number(&sliding)?);
         let ratio = if fixed > 0.0 { kinetic / fixed } else { 1.0 };
-        Some((key.clone(), sliding, ratio))
+        Some([(key.clone(), 1.0), (sliding, ratio)])
     });
-    fixed.collect()
-}
-
-/// The one key that `name` means.
-fn find<'a>(name: &str, leaves: &'a [(String, Value)]) -> Result<&'a (String, Value), String> {
-    if name == "seed" {
-        return Err("every trial has a seed of its own anyway: set the sweep's with --seed".into());
-    }
-    if let Some(exact) = leaves.iter().find(|(key, _)| key == name) {
-        return Ok(exact);
-    }
-    let meant: Vec<_> = leaves.iter().filter(|(key, _)| means(name, key)).collect();
-    match meant[..] {
-        [one] => Ok(one),
-        [] => Err(format!(
-            "there is no parameter {name:?}; the nearest are {}",
-            nearest(name, leaves).join(", ")
-        )),
-        _ => {
-            let keys: Vec<_> = meant.iter().take(12).map(|(key, _)| key.as_str()).collect();
-            Err(format!(
-                "{name:?} could mean any of {}; say more of it",
-                keys.join(", ")
-            ))
-        }
-    }
-}
-
-/// Whether the segments of `name` stand in `key` in this order, the last one last.
-fn means(name: &str, key: &str) -> bool {
-    let mut segments = key.split('.').rev();
-    let mut names = name.split('.').rev();
-    if names.next() != segments.next() {
-        return false;
-    }
-    names.all(|name| segments.any(|segment| segment == name))
-}
-
-/// The keys whose last segments are spelt most like `name`'s.
-fn nearest(name: &str, leaves: &[(String, Value)]) -> Vec<String> {
-    let last = |key: &str| key.rsplit('.').next().unwrap_or(key).to_string();
-    let mut ranked: Vec<_> = leaves
-        .iter()
-        .map(|(key, _)| (distance(&last(name), &last(key)), key.clone()))
-        .collect();
-    ranked.sort();
-    ranked.into_iter().take(4).map(|(_, key)| key).collect()
-}
-
-/// Letters to change, add or leave out (Levenshtein).
-fn distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, x) in a.chars().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, y) in b.iter().enumerate() {
-            let changed = diagonal + usize::from(x != *y);
-            diagonal = row[j + 1];
-            row[j + 1] = changed.min(row[j] + 1).min(diagonal + 1);
-        }
-    }
-    row[b.len()]
+    fixed.flatten().collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    #[test]
-    fn a_name_means_the_one_key_that_has_its_segments() {
-        let experiment = Experiment::load("cap-closing", &[]).unwrap();
-        let key = |name: &str| find(name, &leaves(&experiment.config)).map(|(key, _)| key.clone());
-        assert_eq!(
-            key("cap.radius").unwrap(),
-            "sim.object.cap.shape.cylinder.radius"
-        );
-        assert_eq!(key("slip_threshold").unwrap(), "control.slip_threshold");
-        assert!(key("elements").unwrap_err().contains("could mean any of"));
-        assert!(
-            key("slip_treshold")
-                .unwrap_err()
-                .contains("control.slip_threshold")
-        );
+    fn reference() -> Experiment {
+        Experiment::load("cap-closing", &[]).unwrap()
     }
 
     #[test]
     fn friction_keeps_its_proportion() {
-        let experiment = Experiment::load("cap-closing", &[]).unwrap();
-        let friction = Parameter::parse("friction=uniform(0.3,1.2)", &experiment).unwrap();
-        let settings = friction.settings("0.5").unwrap();
+        let experiment = Experiment::load(
+            "cap-closing",
+            &[
+                "sim.feeler.static_friction=1.02".to_string(),
+                "sim.feeler.kinetic_friction=0.625".to_string(),
+            ],
+        );
+        let friction = Parameter::parse("friction=uniform(0.3,1.2)", &experiment.unwrap()).unwrap();
         assert_eq!(
-            settings,
+            friction.settings("0.5", &[]).unwrap(),
             [
                 "sim.feeler.static_friction=0.5",
                 "sim.feeler.kinetic_friction=0.30637254901960786"
             ]
         );
+    }
+
+    fn entry(toml: &str) -> Entry {
+        toml::from_str(&format!("name = \"x\"\ngroup = \"g\"\nwhy = \"w\"\n{toml}")).unwrap()
+    }
+
+    #[test]
+    fn an_entry_sets_its_keys_by_their_factors() {
+        let mirrored = entry(
+            r#"
+            keys = [{ key = "screw.finger.0.home.0" }, { key = "screw.finger.1.home.0", factor = -1.0 }]
+            range = "shifted(-0.001, 0.001)""#,
+        );
+        let parameter = Parameter::of_entry(&mirrored, &reference()).unwrap();
+        assert_eq!(
+            parameter.settings("-0.04", &[]).unwrap(),
+            [
+                "task.screw.finger.0.home.0=-0.04",
+                "task.screw.finger.1.home.0=0.04"
+            ]
+        );
+        let home: f64 = parameter.nominal.parse().unwrap();
+        assert_eq!(
+            parameter.distribution,
+            Distribution::Uniform(home - 0.001, home + 0.001)
+        );
+        let unlike = entry(
+            r#"
+            keys = [{ key = "screw.finger.0.home.0" }, { key = "screw.finger.1.home.0" }]
+            range = "relative(0.9, 1.1)""#,
+        );
+        let error = Parameter::of_entry(&unlike, &reference()).unwrap_err();
+        assert!(error.to_string().contains("expected the same"), "{error}");
+    }
+
+    #[test]
+    fn what_is_relative_to_another_follows_it() {
+        let kinetic = entry(
+            r#"
+            key = "sim.feeler.kinetic_friction"
+            of = "sim.feeler.static_friction"
+            range = "uniform(0.5, 1.0)""#,
+        );
+        let kinetic = Parameter::of_entry(&kinetic, &reference()).unwrap();
+        let set = ["sim.feeler.static_friction=0.8".to_string()];
+        assert_eq!(
+            kinetic.settings("0.5", &set).unwrap(),
+            ["sim.feeler.kinetic_friction=0.4"]
+        );
+        let experiment = reference().config.sim.feeler;
+        let ratio: f64 = kinetic.nominal.parse().unwrap();
+        let nominal = kinetic.settings(&kinetic.nominal, &[]).unwrap();
+        let value: f64 = nominal[0].split_once('=').unwrap().1.parse().unwrap();
+        assert!((value - experiment.kinetic_friction).abs() < 1e-12 && ratio < 1.0);
     }
 }

@@ -1,7 +1,9 @@
 //! What a sweep is: everything that its trials follow from, as `sweep.toml` keeps it.
 
 use super::SweepError;
-use super::parameter::Parameter;
+use super::design::{Design, MAX_PARAMETERS, Scheme};
+use super::parameter::{Parameter, check_together};
+use super::ranges::Entry;
 use crate::config::Experiment;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest as _, Sha256};
@@ -49,7 +51,7 @@ impl std::str::FromStr for Shard {
 pub struct Plan {
     /// Version of the program.
     pub version: String,
-    /// SHA-256 of version, seed, trials, expressions and experiment.
+    /// SHA-256 of version, seed, trials, expressions, design and experiment.
     pub hash: String,
     /// Seed of all that is drawn.
     pub seed: u64,
@@ -66,9 +68,38 @@ pub struct Plan {
     pub experiment: String,
     /// Which trials this folder has.
     pub shard: Shard,
+    /// How the trials lie in the space of `parameter`; without it, each draws by itself.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub design: Option<Design>,
+    /// What a design varies.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub parameter: Vec<Entry>,
 }
 
 impl Plan {
+    /// The plan of a design that varies `parameter` in an experiment that is called `origin`.
+    pub fn designed(
+        experiment: &Experiment,
+        origin: &str,
+        parameter: Vec<Entry>,
+        design: Design,
+        seed: u64,
+    ) -> Self {
+        let trials = Scheme::new(design, &parameter).trials();
+        let mut plan = Self {
+            design: Some(design),
+            parameter,
+            ..Self::new(experiment, origin, &[], seed, trials)
+        };
+        plan.hash = plan.computed_hash();
+        plan
+    }
+
+    /// The design's scheme, if there is one.
+    pub fn scheme(&self) -> Option<Scheme> {
+        Some(Scheme::new(self.design?, &self.parameter))
+    }
+
     /// The plan to vary `vary` in an experiment that is called `origin`.
     pub fn new(
         experiment: &Experiment,
@@ -94,6 +125,8 @@ impl Plan {
             folder: folder.map(|f| fs::canonicalize(&f).unwrap_or(f)),
             experiment: experiment.toml.clone(),
             shard: Shard::WHOLE,
+            design: None,
+            parameter: Vec::new(),
         };
         plan.hash = plan.computed_hash();
         plan
@@ -145,16 +178,27 @@ impl Plan {
     pub fn load(&self) -> Result<(Experiment, Vec<Parameter>), SweepError> {
         let experiment =
             Experiment::parse(&self.experiment, &self.origin, &[], self.folder.clone())?;
-        let mut parameters: Vec<Parameter> = Vec::new();
-        for expression in &self.vary {
-            let parameter = Parameter::parse(expression, &experiment)?;
-            if let Some(other) = parameters.iter().find(|other| other.overlaps(&parameter)) {
+        let varied = self.vary.iter().map(|e| Parameter::parse(e, &experiment));
+        let entries = self
+            .parameter
+            .iter()
+            .map(|e| Parameter::of_entry(e, &experiment));
+        let parameters = varied.chain(entries).collect::<Result<Vec<_>, _>>()?;
+        for (index, parameter) in parameters.iter().enumerate() {
+            let earlier = &parameters[..index];
+            if let Some(conflict) = earlier.iter().find_map(|other| other.conflict(parameter)) {
+                return Err(parameter.error(conflict));
+            }
+        }
+        if self.design.is_some() {
+            if !(1..=MAX_PARAMETERS).contains(&parameters.len()) {
+                let count = parameters.len();
                 return Err(SweepError::Vary {
-                    expression: expression.clone(),
-                    message: format!("varies what {} varies already", other.name),
+                    said: "--ranges".to_string(),
+                    message: format!("{count} parameters; expected 1 to {MAX_PARAMETERS}"),
                 });
             }
-            parameters.push(parameter);
+            check_together(&parameters, &experiment)?;
         }
         Ok((experiment, parameters))
     }
@@ -169,6 +213,10 @@ impl Plan {
             .or_else(|| {
                 let (ours, theirs) = (self.vary.join(" "), other.vary.join(" "));
                 (ours != theirs).then(|| format!("it varies {ours:?}, not {theirs:?}"))
+            })
+            .or_else(|| {
+                let differs = self.design != other.design || self.parameter != other.parameter;
+                differs.then(|| "it is of other ranges or another design".to_string())
             })
             .or_else(|| {
                 let mut lines = self.experiment.lines().zip(other.experiment.lines());
@@ -188,7 +236,9 @@ impl Plan {
         let texts = [&self.version, &self.experiment]
             .into_iter()
             .chain(&numbers);
-        for text in texts.chain(&self.vary) {
+        let designed = (self.design.iter().map(|design| format!("{design:?}")))
+            .chain(self.parameter.iter().map(|entry| format!("{entry:?}")));
+        for text in texts.chain(&self.vary).cloned().chain(designed) {
             hash.update((text.len() as u64).to_le_bytes());
             hash.update(text.as_bytes());
         }

@@ -104,10 +104,15 @@ fn count<'a>(values: impl Iterator<Item = (&'a str, &'a str)>) -> Vec<Counted> {
         .collect()
 }
 
+/// The columns that say whether a claim holds, with the claim's id. What else is known of it stands behind a dot.
+pub(super) fn claim_columns(table: &Table) -> impl Iterator<Item = (&str, &str)> {
+    let columns = table.header.iter();
+    let claims = columns.filter_map(|name| Some((name.as_str(), name.strip_prefix("claim.")?)));
+    claims.filter(|(_, id)| !id.contains('.'))
+}
+
 fn claims(table: &Table) -> Vec<Counted> {
-    let names = table.header.iter().filter(|name| !name.ends_with(".value"));
-    let claims = names.filter_map(|name| Some((name, name.strip_prefix("claim.")?)));
-    claims
+    claim_columns(table)
         .map(|(name, id)| {
             let held = column(table, name).filter(|&holds| holds == "1").count();
             (id.to_string(), table.rows.len() as u64, held as u64)

@@ -1,7 +1,8 @@
 //! One trial: what it draws, how it runs, and the row it makes.
 
 use super::SweepError;
-use super::parameter::Parameter;
+use super::design::Scheme;
+use super::parameter::{Parameter, settings};
 use super::plan::Plan;
 use crate::config::Experiment;
 use crate::control::phase::Phase;
@@ -45,6 +46,7 @@ const MEASURES: [Measure; 15] = [
 pub struct Trials {
     plan: Plan,
     parameters: Vec<Parameter>,
+    scheme: Option<Scheme>,
     claims: Vec<&'static str>,
     /// What the task may find out.
     findings: Vec<&'static str>,
@@ -88,14 +90,23 @@ impl Trials {
         } else {
             0
         };
-        Ok(Self {
+        let trials = Self {
             plan: plan.clone(),
             parameters,
+            scheme: plan.scheme(),
             claims,
             findings,
             has_cap: run_facts(config).cap.is_some(),
             strokes,
-        })
+        };
+        let header = trials.header();
+        for parameter in &trials.parameters {
+            let columns = header.iter().filter(|name| **name == parameter.name);
+            if columns.count() > 1 {
+                return Err(parameter.error("there is a column of that name already".to_string()));
+            }
+        }
+        Ok(trials)
     }
 
     /// The plan.
@@ -139,7 +150,8 @@ impl Trials {
         ];
         header.extend(fixed.map(String::from));
         for claim in &self.claims {
-            header.extend([format!("claim.{claim}"), format!("claim.{claim}.value")]);
+            header.push(format!("claim.{claim}"));
+            header.extend(["value", "margin"].map(|what| format!("claim.{claim}.{what}")));
         }
         if !self.findings.is_empty() {
             header.push("found".to_string());
@@ -155,16 +167,30 @@ impl Trials {
         header
     }
 
-    /// What trial `trial` draws: each quantity from a stream of its own.
+    /// What trial `trial` draws: each quantity from a stream of its own, or as the design has it.
     pub fn draw(&self, trial: u64) -> Drawn {
-        let stream = |purpose: &str| generator(self.plan.seed, trial, purpose);
+        let stream = |trial: u64, purpose: &str| generator(self.plan.seed, trial, purpose);
         // A seed of an experiment file is a TOML integer, which has a sign.
-        let seed = stream("").random::<u64>() >> 1;
-        let values = self.parameters.iter();
-        let values = values.map(|p| p.distribution.draw(&mut stream(&p.name), p.whole));
+        let run_seed = |trial| stream(trial, "").random::<u64>() >> 1;
+        let parameters = self.parameters.iter();
+        let Some(scheme) = &self.scheme else {
+            let draw = |p: &Parameter| p.distribution.draw(&mut stream(trial, &p.name), p.whole);
+            let values = parameters.map(draw).collect();
+            return Drawn {
+                seed: run_seed(trial),
+                values,
+            };
+        };
+        let key = stream(0, "design").random();
+        let (sources, seed) = scheme.sources(trial);
+        let value = |((index, p), source): ((usize, &Parameter), Option<u64>)| match source {
+            None => p.nominal.clone(),
+            Some(row) => (p.distribution).quantile(scheme.coordinate(row, index, key), p.whole),
+        };
+        let values = parameters.enumerate().zip(sources).map(value).collect();
         Drawn {
-            seed,
-            values: values.collect(),
+            seed: run_seed(seed),
+            values,
         }
     }
 
@@ -174,16 +200,8 @@ impl Trials {
     /// When what was drawn is out of range.
     pub fn experiment(&self, trial: u64) -> Result<Experiment, SweepError> {
         let drawn = self.draw(trial);
-        let mut settings = vec![format!("seed={}", drawn.seed)];
-        for ((parameter, value), expression) in
-            (self.parameters.iter().zip(&drawn.values)).zip(&self.plan.vary)
-        {
-            let set = parameter.settings(value);
-            settings.extend(set.map_err(|message| SweepError::Vary {
-                expression: expression.clone(),
-                message,
-            })?);
-        }
+        let set = settings(self.parameters.iter().zip(&drawn.values))?;
+        let settings = [vec![format!("seed={}", drawn.seed)], set].concat();
         let origin = format!("trial {trial} of {}", self.plan.origin);
         let text = &self.plan.experiment;
         Ok(Experiment::parse(
@@ -268,7 +286,11 @@ impl Trials {
         if self.has_claims() {
             row.extend([number(summary.cap_angle), held.to_string()]);
             for claim in &summary.claims {
-                row.extend([flag(claim.holds), number(claim.value)]);
+                row.extend([
+                    flag(claim.holds),
+                    number(claim.value),
+                    number(claim.margin()),
+                ]);
             }
         } else {
             let angle = summary.cap_angle.filter(|_| self.has_cap);

@@ -15,6 +15,7 @@ mod locate;
 #[path = "../support/program.rs"]
 mod program;
 mod replay;
+mod robustness;
 mod schema;
 mod score_slip;
 mod sweep;

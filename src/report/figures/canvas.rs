@@ -11,7 +11,7 @@ use kuva::plot::{LinePlot, LineStyle};
 use kuva::render::figure::Figure as Panels;
 use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
-use maud::{PreEscaped, html};
+use maud::{Markup, PreEscaped, html};
 use std::sync::Arc;
 
 /// Width of a figure.
@@ -123,25 +123,30 @@ pub fn frame(
     let panels = own_ids(&SvgBackend.render_scene(&scene), number);
     let rows = legend_rows(legend);
     let legend_height = rows.len() as f64 * LEGEND_HEIGHT;
-    let total = height + legend_height;
+    let body = html! {
+        @for (row, entries) in rows.iter().enumerate() {
+            @let y = LEGEND_HEIGHT * (row as f64 + 0.5);
+            @for (x, text, pen) in entries {
+                line x1=(x) x2=(x + LEGEND_LINE) y1=(y) y2=(y) stroke=(pen.colour)
+                    stroke-width=(pen.width.max(2.0))
+                    stroke-dasharray=[pen.style.dashes()] {}
+                text x=(x + LEGEND_LINE + 6.0) y=(y + 5.0) { (text) }
+            }
+        }
+        g transform=(format!("translate(0,{legend_height})")) { (PreEscaped(panels)) }
+    };
+    sheet(number, title, height + legend_height, body)
+}
+
+/// A figure of our own drawing: white, in our letters, with a title for screen readers.
+pub fn sheet(number: u32, title: &str, height: f64, body: Markup) -> String {
     let heading = format!("fig-{number:02}-title");
     html! {
-        svg xmlns="http://www.w3.org/2000/svg" width=(WIDTH) height=(total)
-            viewBox=(format!("0 0 {WIDTH} {total}")) role="img" aria-labelledby=(heading) {
+        svg xmlns="http://www.w3.org/2000/svg" width=(WIDTH) height=(height)
+            viewBox=(format!("0 0 {WIDTH} {height}")) role="img" aria-labelledby=(heading) {
             title id=(heading) { (title) }
-            rect width=(WIDTH) height=(total) fill="white" {}
-            g font-family=(FONT) font-size="14" {
-                @for (row, entries) in rows.iter().enumerate() {
-                    @let y = LEGEND_HEIGHT * (row as f64 + 0.5);
-                    @for (x, text, pen) in entries {
-                        line x1=(x) x2=(x + LEGEND_LINE) y1=(y) y2=(y) stroke=(pen.colour)
-                            stroke-width=(pen.width.max(2.0))
-                            stroke-dasharray=[pen.style.dashes()] {}
-                        text x=(x + LEGEND_LINE + 6.0) y=(y + 5.0) { (text) }
-                    }
-                }
-            }
-            g transform=(format!("translate(0,{legend_height})")) { (PreEscaped(panels)) }
+            rect width=(WIDTH) height=(height) fill="white" {}
+            g font-family=(FONT) font-size="14" { (body) }
         }
     }
     .into_string()

@@ -12,6 +12,7 @@ pub mod outline;
 pub mod paths;
 mod pen;
 pub mod radius;
+pub mod robustness;
 pub mod slip;
 mod slip_strip;
 pub mod sweep;

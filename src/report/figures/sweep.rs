@@ -28,7 +28,7 @@ pub fn wilson(successes: u64, trials: u64) -> (f64, f64) {
 }
 
 /// Success rate in bins of a parameter: the middle of each, and the rate's interval and value.
-fn rates(varied: &Varied) -> Vec<(f64, [f64; 3])> {
+pub(super) fn rates(varied: &Varied) -> Vec<(f64, [f64; 3])> {
     let Some((low, high)) = range(varied.trials.iter().map(|trial| trial.0)) else {
         return Vec::new();
     };

@@ -1,0 +1,195 @@
+//! Figures of robustness: shares with intervals, total-effect indices as a heat map, shares against parameters.
+
+use super::super::robustness_page::{Index, Measure, NOTHING, RobustnessPage, Share, Trace};
+use super::canvas::{Pen, WIDTH, finger_colour, frame, line, panel, range, sheet};
+use super::sweep::rates;
+use kuva::plot::BandPlot;
+use kuva::render::figure::Figure as Panels;
+use kuva::render::layout::Layout;
+use kuva::render::plots::Plot;
+use maud::{Markup, html};
+
+/// Height of a line of a chart.
+const ROW: f64 = 17.0;
+/// Left end of a chart, right of its labels.
+const LEFT: f64 = 190.0;
+/// What the last column's slanted label takes, to the right of its cell.
+const SLANT: f64 = 44.0;
+/// Most parameters in a heat map; those that decide least are left out.
+const MOST: usize = 16;
+
+/// A chart of shares: for each claim a dot with its interval, of each kind of hands.
+pub fn shares_figure(page: &RobustnessPage, number: u32) -> String {
+    let kinds = page.measures.first().map_or(0, |m| m.shares.len());
+    let block = 10.0 * kinds as f64 + 14.0;
+    let top = 24.0 * kinds.div_ceil(2) as f64 + 8.0;
+    let bottom = top + block * page.measures.len() as f64;
+    let x = |share: f64| LEFT + share * (WIDTH - LEFT - 20.0);
+    let legend = page.measures.first().map_or(&[][..], |m| &m.shares);
+    let body = html! {
+        @for (kind, share) in legend.iter().enumerate() {
+            @let (left, y) = (16.0 + 230.0 * (kind % 2) as f64, 16.0 + 24.0 * (kind / 2) as f64);
+            (dot(left + 11.0, y, share, kind))
+            line x1=(left) x2=(left + 22.0) y1=(y) y2=(y) stroke=(colour(share, kind)) stroke-width="2" {}
+            text x=(left + 30.0) y=(y + 5.0) { (share.of) }
+        }
+        @for tick in 0..=4 {
+            @let share = 0.25 * f64::from(tick);
+            line x1=(x(share)) x2=(x(share)) y1=(top) y2=(bottom) stroke="#d9d9d9" stroke-width="0.8" {}
+            text x=(x(share)) y=(bottom + 18.0) text-anchor="middle" font-size="13" { (25 * tick) }
+        }
+        @for (index, measure) in page.measures.iter().enumerate() {
+            @let upper = top + block * index as f64;
+            line x1="10" x2=(WIDTH - 20.0) y1=(upper) y2=(upper) stroke="#d9d9d9" stroke-width="0.8" {}
+            text x=(LEFT - 10.0) y=(upper + 0.5 * block + 5.0) text-anchor="end" { (measure.name) }
+            @for (kind, share) in measure.shares.iter().enumerate() {
+                @let y = upper + 12.0 + 10.0 * kind as f64;
+                line x1=(x(share.share[0])) x2=(x(share.share[2])) y1=(y) y2=(y) stroke=(colour(share, kind)) stroke-width="2" {}
+                (dot(x(share.share[1]), y, share, kind))
+            }
+        }
+        line x1=(LEFT) x2=(x(1.0)) y1=(bottom) y2=(bottom) stroke="black" {}
+        text x=(x(0.5)) y=(bottom + 38.0) text-anchor="middle" { "share of hands in which it holds (%)" }
+    };
+    sheet(
+        number,
+        "Share of hands in which each claim holds",
+        bottom + 50.0,
+        body,
+    )
+}
+
+/// Colour of a kind of hands: all varied black, nothing varied grey, the groups in between.
+fn colour(share: &Share, kind: usize) -> &'static str {
+    match kind {
+        0 => "#000000",
+        _ if share.of == NOTHING => "#8a8a8a",
+        group => finger_colour(group - 1),
+    }
+}
+
+fn dot(x: f64, y: f64, share: &Share, kind: usize) -> Markup {
+    let radius = if kind == 0 { 4.4 } else { 3.4 };
+    html! { circle cx=(x) cy=(y) r=(radius) fill=(colour(share, kind)) {} }
+}
+
+/// Total-effect indices of `which` by factor and claim: parameters that decide most first, then what is not one.
+pub fn indices_figure(
+    page: &RobustnessPage,
+    of: &str,
+    which: impl Fn(&Measure) -> &Vec<Index>,
+    number: u32,
+) -> String {
+    let measures: Vec<_> = page
+        .measures
+        .iter()
+        .filter(|m| !which(m).is_empty())
+        .collect();
+    let total = |measure: &Measure, factor: usize| which(measure).get(factor).and_then(|i| i.total);
+    // The sum over claims, with what cannot be told from 0 left out.
+    let weight = |factor: usize| -> f64 {
+        let totals = measures.iter().filter_map(|m| total(m, factor));
+        totals.map(|t| t[1].max(0.0)).sum()
+    };
+    let mut factors: Vec<usize> = (0..page.parameters).collect();
+    factors.sort_by(|&a, &b| weight(b).total_cmp(&weight(a)));
+    let left_out = factors.len().saturating_sub(MOST);
+    factors.truncate(MOST);
+    factors.extend(page.parameters..page.factors.len());
+    let cell = (WIDTH - LEFT - SLANT) / measures.len().max(1) as f64;
+    let top = 128.0;
+    // What is no parameter stands apart.
+    let y = |row: usize| {
+        top + ROW * row as f64
+            + if row >= factors.len() - (page.factors.len() - page.parameters) {
+                8.0
+            } else {
+                0.0
+            }
+    };
+    let bottom = y(factors.len());
+    let note = format!("and {left_out} more that decide less");
+    let body = html! {
+        @for (column, measure) in measures.iter().enumerate() {
+            @let x = LEFT + cell * (column as f64 + 0.5);
+            text x=(x) y=(top - 8.0) font-size="12" transform=(format!("rotate(-45 {x} {})", top - 8.0)) { (measure.name) }
+        }
+        @for (row, &factor) in factors.iter().enumerate() {
+            text x=(LEFT - 8.0) y=(y(row) + 13.0) text-anchor="end" font-size="12.5" { (page.factors[factor]) }
+            @for (column, measure) in measures.iter().enumerate() {
+                (cell_of(total(measure, factor), LEFT + cell * column as f64, y(row), cell))
+            }
+        }
+        @if left_out > 0 { text x=(LEFT) y=(bottom + 16.0) font-size="12" fill="#555" { (note) } }
+    };
+    let title = format!("Total-effect indices of {of}");
+    sheet(number, &title, bottom + 26.0, body)
+}
+
+/// One index: white at 0, blue at 1, and the number in percent; white and pale where it cannot be told from 0.
+fn cell_of(total: Option<[f64; 3]>, x: f64, y: f64, width: f64) -> Markup {
+    let clear = total.filter(|[low, ..]| *low > 0.0);
+    let shown = clear.map_or(0.0, |t| t[1]).clamp(0.0, 1.0);
+    // Through the root, so that small ones can be told apart.
+    let depth = shown.sqrt();
+    let mix = |from: f64, to: f64| (from + (to - from) * depth).round() as u8;
+    let fill = format!(
+        "#{:02x}{:02x}{:02x}",
+        mix(255.0, 0.0),
+        mix(255.0, 88.0),
+        mix(255.0, 152.0)
+    );
+    let ink = match clear {
+        None => "#888",
+        Some(_) if depth > 0.6 => "white",
+        Some(_) => "black",
+    };
+    html! {
+        rect x=(x) y=(y) width=(width - 1.0) height=(ROW - 1.0) fill=(fill) {}
+        text x=(x + 0.5 * width) y=(y + 12.5) text-anchor="middle" font-size="11" fill=(ink) {
+            @match total { Some(total) => { (format!("{:.0}", 100.0 * total[1].max(0.0))) } None => { "–" } }
+        }
+    }
+}
+
+/// Share of hands in which a claim holds against the parameters that decide most, a panel each.
+pub fn traces_figure(measure: &Measure, number: u32) -> String {
+    let (plots, layouts): (Vec<_>, Vec<_>) = measure.traces.iter().map(trace).unzip();
+    let rows = measure.traces.len();
+    let panels = Panels::new(rows, 1)
+        .with_plots(plots)
+        .with_layouts(layouts)
+        .with_spacing(6.0)
+        .with_padding(6.0);
+    let title = format!("{}: against what decides most", measure.name);
+    let legend = [(measure.name.as_str(), Pen::solid(finger_colour(0), 2.0))];
+    frame(number, &title, &legend, panels, 170.0 * rows as f64)
+}
+
+fn trace(trace: &Trace) -> (Vec<Plot>, Layout) {
+    let rates = rates(&trace.varied);
+    let percent = |which: usize| rates.iter().map(move |(_, rate)| 100.0 * rate[which]);
+    let x = || rates.iter().map(|(x, _)| *x);
+    let pen = Pen::solid(finger_colour(0), 2.0);
+    let band = BandPlot::new(x(), percent(0), percent(2))
+        .with_color(pen.colour)
+        .with_opacity(0.2);
+    let mut plots = vec![Plot::Band(band), line(x().zip(percent(1)), pen)];
+    let (low, high) = range(trace.varied.trials.iter().map(|t| t.0)).unwrap_or((0.0, 1.0));
+    if let Some(nominal) = trace
+        .nominal
+        .filter(|nominal| (low..=high).contains(nominal))
+    {
+        plots.push(line(
+            [(nominal, 0.0), (nominal, 100.0)],
+            Pen::dashed("#555555", 1.2),
+        ));
+    }
+    let label = format!(
+        "{}, total effect {:.0} %",
+        trace.varied.name,
+        100.0 * trace.total
+    );
+    let layout = panel((low, high), (0.0, 100.0), &label, "holds (%)").with_ticks(4);
+    (plots, layout)
+}

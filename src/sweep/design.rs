@@ -1,0 +1,274 @@
+//! Which point of the space of parameters each trial takes: a design for shares and sensitivity indices.
+//!
+//! Rows are points of a Sobol' sequence with Owen scrambling: pair `n` of rows is its point `n` in twice as many
+//! dimensions as there are parameters, the first half for row `2 n` of matrix A, the second for row `2 n + 1` of B
+//! (Saltelli et al., Computer Physics Communications 181, 2010). Every row has a seed of its own for what varies from
+//! run to run. A trial depends on the sweep's seed, its number and the design alone.
+
+use super::ranges::Entry;
+use serde::{Deserialize, Serialize};
+
+/// Most parameters: what the sequence has of dimensions.
+pub const MAX_PARAMETERS: usize = sobol_burley::NUM_DIMENSIONS as usize / 2;
+/// Most rows: what the sequence has of points, in pairs.
+pub const MAX_ROWS: u64 = 2 << 16;
+
+/// How many trials of which kind. They run in this order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Design {
+    /// Rows that all parameters are taken from, A and B in turn.
+    pub rows: u64,
+    /// Rows from which one group is taken while all else is as the experiment has it; and as often nothing but the
+    /// seed.
+    pub controls: u64,
+    /// Pairs of rows of which every factor is swapped by itself.
+    pub pairs: u64,
+}
+
+/// What can be swapped between two rows.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Factor {
+    /// What it is called.
+    pub name: String,
+    /// The parameters that it is made of.
+    pub parameters: Vec<usize>,
+    /// Whether the run's own seed is swapped, too.
+    pub seed: bool,
+}
+
+/// The name of the factor that is the run's own seed.
+pub const RUN_SEED: &str = "the run's own seed";
+
+/// What kind of trial a trial is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// Everything from one row.
+    Row(u64),
+    /// The parameters of one group from a row, the others nominal.
+    Only {
+        /// The group.
+        group: usize,
+        /// The row.
+        row: u64,
+    },
+    /// All parameters nominal, the seed a row's.
+    Nominal(u64),
+    /// Row A of a pair, but one factor from its row B.
+    Swapped {
+        /// The pair.
+        pair: u64,
+        /// The factor.
+        factor: usize,
+    },
+}
+
+/// A design for a list of parameters.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scheme {
+    design: Design,
+    /// The groups, where there is more than one.
+    pub groups: Vec<String>,
+    /// Each parameter, the run's seed, and each group.
+    pub factors: Vec<Factor>,
+    count: usize,
+}
+
+impl Scheme {
+    /// The scheme of these parameters.
+    pub fn new(design: Design, entries: &[Entry]) -> Self {
+        let mut groups: Vec<String> = Vec::new();
+        for entry in entries {
+            if !groups.contains(&entry.group) {
+                groups.push(entry.group.clone());
+            }
+        }
+        if groups.len() == 1 {
+            groups.clear();
+        }
+        let own = |(index, entry): (usize, &Entry)| (entry.name.clone(), vec![index], false);
+        let all = |group: &String| {
+            let inside = (0..entries.len()).filter(|&i| entries[i].group == *group);
+            (format!("all of {group}"), inside.collect(), false)
+        };
+        let factors = (entries.iter().enumerate().map(own))
+            .chain([(RUN_SEED.to_string(), Vec::new(), true)])
+            .chain(groups.iter().map(all));
+        let factors = factors.map(|(name, parameters, seed)| Factor {
+            name,
+            parameters,
+            seed,
+        });
+        Self {
+            design,
+            factors: factors.collect(),
+            groups,
+            count: entries.len(),
+        }
+    }
+
+    /// How many trials there are.
+    pub fn trials(&self) -> u64 {
+        let Design { rows, pairs, .. } = self.design;
+        rows + self.controls() + pairs * self.factors.len() as u64
+    }
+
+    fn controls(&self) -> u64 {
+        self.design.controls * (self.groups.len() as u64 + 1)
+    }
+
+    /// The numbers of the trials that take everything from one row.
+    pub fn rows(&self) -> std::ops::Range<u64> {
+        0..self.design.rows
+    }
+
+    /// The trials that vary one group alone, or for none nothing but the seed.
+    pub fn only(&self, group: Option<usize>) -> std::ops::Range<u64> {
+        let block = group.map_or(0, |group| group as u64 + 1);
+        let start = self.design.rows + block * self.design.controls;
+        start..start + self.design.controls
+    }
+
+    /// For each pair the trials of row A, of row B, and of A with a factor from B.
+    pub fn swaps(&self, factor: usize) -> impl Iterator<Item = [u64; 3]> + use<> {
+        let start = self.design.rows + self.controls() + factor as u64;
+        let step = self.factors.len() as u64;
+        (0..self.design.pairs).map(move |pair| [2 * pair, 2 * pair + 1, start + pair * step])
+    }
+
+    /// What kind of trial this is.
+    pub fn kind(&self, trial: u64) -> Kind {
+        let Design { rows, controls, .. } = self.design;
+        let Some(past) = trial.checked_sub(rows) else {
+            return Kind::Row(trial);
+        };
+        if past < self.controls() {
+            let row = past % controls;
+            return match past / controls {
+                0 => Kind::Nominal(row),
+                block => Kind::Only {
+                    group: block as usize - 1,
+                    row,
+                },
+            };
+        }
+        let past = past - self.controls();
+        let factors = self.factors.len() as u64;
+        Kind::Swapped {
+            pair: past / factors,
+            factor: (past % factors) as usize,
+        }
+    }
+
+    /// The row that each parameter of a trial comes from (none: nominal), and the row of its seed.
+    pub fn sources(&self, trial: u64) -> (Vec<Option<u64>>, u64) {
+        let mut sources = vec![None; self.count];
+        match self.kind(trial) {
+            Kind::Row(row) => {
+                sources.fill(Some(row));
+                (sources, row)
+            }
+            Kind::Nominal(row) => (sources, row),
+            Kind::Only { group, row } => {
+                let all = &self.factors[self.count + 1 + group];
+                (all.parameters.iter()).for_each(|&index| sources[index] = Some(row));
+                (sources, row)
+            }
+            Kind::Swapped { pair, factor } => {
+                let (a, b) = (2 * pair, 2 * pair + 1);
+                let factor = &self.factors[factor];
+                sources.fill(Some(a));
+                (factor.parameters.iter()).for_each(|&index| sources[index] = Some(b));
+                (sources, if factor.seed { b } else { a })
+            }
+        }
+    }
+
+    /// Where a row lies along a parameter, 0 to below 1, in the sequence of this key.
+    pub fn coordinate(&self, row: u64, parameter: usize, key: u32) -> f64 {
+        let dimension = parameter as u64 + (row % 2) * self.count as u64;
+        // Rows and parameters are limited to what the sequence has.
+        f64::from(sobol_burley::sample(
+            (row / 2) as u32,
+            dimension as u32,
+            key,
+        ))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scheme(groups: &[&str]) -> Scheme {
+        let entry = |(index, group): (usize, &&str)| Entry {
+            name: index.to_string(),
+            group: group.to_string(),
+            unit: String::new(),
+            key: None,
+            keys: Vec::new(),
+            of: None,
+            range: String::new(),
+            why: String::new(),
+        };
+        let entries: Vec<_> = groups.iter().enumerate().map(entry).collect();
+        let design = Design {
+            rows: 8,
+            controls: 3,
+            pairs: 2,
+        };
+        Scheme::new(design, &entries)
+    }
+
+    #[test]
+    fn every_trial_is_of_one_kind_and_swaps_just_its_factor() {
+        let scheme = scheme(&["a", "b", "a"]);
+        // 8 rows, 3 each of nominal, a and b; 2 pairs of 3 parameters, the seed and 2 groups.
+        assert_eq!(scheme.trials(), 8 + 9 + 12);
+        assert_eq!(scheme.sources(5), (vec![Some(5); 3], 5));
+        assert_eq!(
+            scheme.only(None).map(|k| scheme.kind(k)).next_back(),
+            Some(Kind::Nominal(2))
+        );
+        for trial in scheme.only(Some(0)) {
+            let row = trial - 11;
+            assert_eq!(
+                scheme.sources(trial),
+                (vec![Some(row), None, Some(row)], row)
+            );
+        }
+        let swapped: Vec<_> = (0..6)
+            .map(|factor| scheme.swaps(factor).last().unwrap())
+            .collect();
+        let from = |factor: usize| scheme.sources(swapped[factor][2]);
+        let (a, b) = (2, 3);
+        assert!(swapped.iter().all(|s| s[..2] == [a, b]));
+        assert_eq!(from(1), (vec![Some(a), Some(b), Some(a)], a));
+        assert_eq!(from(3), (vec![Some(a); 3], b));
+        assert_eq!(from(4), (vec![Some(b), Some(a), Some(b)], a));
+        assert_eq!(swapped[5][2] + 1, scheme.trials());
+    }
+
+    #[test]
+    fn one_group_is_no_control_of_its_own() {
+        assert_eq!(scheme(&["a", "a"]).trials(), 8 + 3 + 2 * 3);
+    }
+
+    /// The first 2^m points of a scrambled Sobol' sequence have one in each of 2^m equal slices of every dimension:
+    /// where independent draws would leave more than a third of the slices empty.
+    #[test]
+    fn rows_fill_the_space() {
+        let scheme = scheme(&["a"; 40]);
+        for parameter in 0..40 {
+            for matrix in 0..2 {
+                let mut hit = [0; 64];
+                for pair in 0..64 {
+                    let x = scheme.coordinate(2 * pair + matrix, parameter, 7);
+                    hit[(64.0 * x) as usize] += 1;
+                }
+                assert_eq!(hit, [1; 64], "{parameter} {matrix}");
+            }
+        }
+        assert_ne!(scheme.coordinate(0, 0, 7), scheme.coordinate(0, 0, 8));
+    }
+}

@@ -1,0 +1,201 @@
+//! Files of ranges: over what each value of an experiment that nobody knows is plausible, and why.
+
+use super::SweepError;
+use crate::config::ConfigError;
+use serde::{Deserialize, Serialize};
+use std::fs;
+use std::path::Path;
+
+/// The ranges that come with the program, by the experiment's name.
+const BUILT_IN: [(&str, &str); 1] = [(
+    "cap-closing",
+    include_str!("../../experiments/cap-closing.robustness.toml"),
+)];
+
+/// One value that varies.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Entry {
+    /// What it is called; also the name of its column.
+    pub name: String,
+    /// Who decides it, as in `apparatus` (nature and workshop) or `tuning` (an engineer).
+    pub group: String,
+    /// Unit of the range; empty for ratios.
+    #[serde(default)]
+    pub unit: String,
+    /// The key that it sets…
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub key: Option<String>,
+    /// …or several that belong together.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub keys: Vec<Link>,
+    /// A key whose value it is a multiple of.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub of: Option<String>,
+    /// What it is drawn from, as in `log_uniform(250, 1500)`.
+    pub range: String,
+    /// Why this range is plausible.
+    pub why: String,
+}
+
+/// A key that is set to a multiple of what is drawn.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Link {
+    /// The key.
+    pub key: String,
+    /// What the value is multiplied with.
+    #[serde(default = "one")]
+    pub factor: f64,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+impl Entry {
+    /// The keys that it sets, with their factors.
+    ///
+    /// # Errors
+    /// When it has not just one of `key` and `keys`, or a factor is 0 or not finite.
+    pub fn links(&self) -> Result<Vec<(String, f64)>, String> {
+        match (&self.key, &self.keys[..]) {
+            (Some(key), []) => Ok(vec![(key.clone(), 1.0)]),
+            (None, [_, ..]) => (self.keys.iter())
+                .map(|link| match link.factor.is_finite() && link.factor != 0.0 {
+                    true => Ok((link.key.clone(), link.factor)),
+                    false => Err(format!(
+                        "factor {}: expected a number other than 0",
+                        link.factor
+                    )),
+                })
+                .collect(),
+            _ => Err("expected either key or keys".to_string()),
+        }
+    }
+}
+
+/// What a file holds.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    parameter: Vec<Entry>,
+}
+
+/// The ranges of a file, or those that come with the experiment called `experiment`.
+///
+/// # Errors
+/// When there are none, or they make no sense.
+pub fn load(file: Option<&Path>, experiment: &str) -> Result<Vec<Entry>, SweepError> {
+    if let Some(path) = file {
+        let text = fs::read_to_string(path).map_err(|source| SweepError::File {
+            path: path.to_path_buf(),
+            source,
+            note: "expected a file of ranges (TOML)".to_string(),
+        })?;
+        return parse(&text, &path.display().to_string());
+    }
+    let built_in = BUILT_IN.iter().find(|(name, _)| *name == experiment);
+    let (_, text) = built_in.ok_or_else(|| SweepError::Vary {
+        said: "--ranges".to_string(),
+        message: format!(
+            "no ranges come with {experiment}, only with {}: expected a file of them",
+            BUILT_IN.map(|(name, _)| name).join(", ")
+        ),
+    })?;
+    parse(text, &format!("the ranges of {experiment}"))
+}
+
+fn parse(text: &str, origin: &str) -> Result<Vec<Entry>, SweepError> {
+    let syntax = |message: String| ConfigError::Syntax {
+        origin: origin.to_string(),
+        message: message.trim_end().to_string(),
+    };
+    let file: File = toml::from_str(text).map_err(|e| syntax(e.to_string()))?;
+    for (index, entry) in file.parameter.iter().enumerate() {
+        let texts = [&entry.name, &entry.group, &entry.why];
+        if texts.iter().any(|text| text.trim().is_empty()) {
+            let number = index + 1;
+            return Err(syntax(format!(
+                "parameter {number}: name, group and why must not be empty"
+            ))
+            .into());
+        }
+        if file.parameter[..index]
+            .iter()
+            .any(|other| other.name == entry.name)
+        {
+            return Err(syntax(format!("parameter {:?} is there twice", entry.name)).into());
+        }
+        if entry.range.trim_start().starts_with("normal") {
+            let name = &entry.name;
+            return Err(syntax(format!(
+                "parameter {name:?}: {} has no bounds; expected uniform, log_uniform, relative, shifted or choice",
+                entry.range
+            ))
+            .into());
+        }
+    }
+    Ok(file.parameter)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::Experiment;
+    use crate::sweep::Plan;
+    use crate::sweep::design::Design;
+
+    #[test]
+    fn the_ranges_that_come_with_the_program_hold_what_the_experiment_has() {
+        for (name, _) in BUILT_IN {
+            let experiment = Experiment::load(name, &[]).unwrap();
+            let design = Design {
+                rows: 2,
+                controls: 0,
+                pairs: 1,
+            };
+            let plan = Plan::designed(&experiment, name, load(None, name).unwrap(), design, 0);
+            let (_, parameters) = plan.load().unwrap();
+            for parameter in parameters {
+                let ends = parameter.distribution.extremes(parameter.whole);
+                let number = |text: &String| text.parse::<f64>().unwrap();
+                let (low, high) = (number(&ends[0]), number(&ends[1]));
+                let nominal = number(&parameter.nominal);
+                assert!((low..=high).contains(&nominal), "{parameter:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_makes_no_sense_is_refused_in_words() {
+        let entry = |more: &str| {
+            format!("[[parameter]]\nname = \"a\"\ngroup = \"g\"\nwhy = \"w\"\n{more}\n")
+        };
+        let good = entry("key = \"k\"\nrange = \"uniform(0,1)\"");
+        assert_eq!(
+            parse(&good, "").unwrap()[0].links().unwrap(),
+            [("k".to_string(), 1.0)]
+        );
+        for (text, word) in [
+            (String::new(), "parameter"),
+            (entry("key = \"k\""), "range"),
+            (entry("key = \"k\"\nrange = \"normal(0,1)\""), "no bounds"),
+            (good.replace("\"w\"", "\" \""), "must not be empty"),
+            (format!("{good}{good}"), "twice"),
+            (format!("{good}what = 1"), "what"),
+        ] {
+            let error = parse(&text, "file").unwrap_err().to_string();
+            assert!(
+                error.contains("file") && error.contains(word),
+                "{text}: {error}"
+            );
+        }
+        let links = |more: &str| parse(&entry(more), "").unwrap()[0].links().unwrap_err();
+        assert!(links("range = \"uniform(0,1)\"").contains("either"));
+        assert!(
+            links("range = \"uniform(0,1)\"\nkeys = [{ key = \"k\", factor = 0.0 }]")
+                .contains("other than 0")
+        );
+    }
+}
