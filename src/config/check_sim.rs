@@ -12,6 +12,7 @@ pub(super) fn check_sim(sim: &SimConfig, checker: &mut Checker) {
     checker.vector("sim.gravity", sim.gravity);
     checker.not_negative("sim.servo.lag", sim.servo.lag);
     checker.positive("sim.servo.encoder_resolution", sim.servo.encoder_resolution);
+    checker.between("sim.servo.backlash", sim.servo.backlash, 0.0, 1.0);
     check_feeler("sim.feeler", &sim.feeler, checker);
     for (index, exception) in sim.element.iter().enumerate() {
         let feeler = exception.feeler(&sim.feeler);
@@ -112,6 +113,8 @@ fn check_variation(sim: &SimConfig, checker: &mut Checker) {
     let variation = &sim.variation;
     checker.not_negative("sim.variation.bottle_position", variation.bottle_position);
     checker.not_negative("sim.variation.cap_angle", variation.cap_angle);
+    let offset = variation.encoder_offset;
+    checker.between("sim.variation.encoder_offset", offset, 0.0, 1.0);
     checker.between("sim.variation.friction", variation.friction, 0.0, 0.99);
     checker.between(
         "sim.variation.kinetic_friction",

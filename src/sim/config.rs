@@ -26,6 +26,10 @@ pub struct VariationConfig {
     pub seat_angle: f64,
     /// Greatest rotation of a cap at the start, rad. A round cap shows none of it.
     pub cap_angle: f64,
+    /// Greatest offset of each joint's encoder, rad: what the hand takes for a joint's zero when it is
+    /// switched on is so far from it.
+    #[serde(default)]
+    pub encoder_offset: f64,
 }
 
 /// The simulated world.

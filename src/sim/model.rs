@@ -47,6 +47,8 @@ pub struct Finger {
     pub element_rotations: Vec<DMat3>,
     /// The feelers, one per element.
     pub feelers: Vec<FeelerConfig>,
+    /// What its encoders show above its joint angles, rad.
+    pub encoder_offset: DVec3,
 }
 
 impl Model {
@@ -75,6 +77,7 @@ impl Model {
             .iter()
             .map(|(geometry, layout)| Finger::new(geometry, layout, &config.feeler))
             .collect();
+        offset_encoders(&mut fingers, config.variation.encoder_offset, seed);
         for exception in &config.element {
             exception.apply(&mut fingers)?;
         }
@@ -112,7 +115,16 @@ impl Finger {
             normals: elements.iter().map(|e| e.normal()).collect(),
             element_rotations: elements.iter().map(|e| e.rotation).collect(),
             feelers: vec![feeler.clone(); elements.len()],
+            encoder_offset: DVec3::ZERO,
         }
+    }
+}
+
+/// Draws what every encoder shows at the joint's zero, rad, up to `most` of either sign.
+fn offset_encoders(fingers: &mut [Finger], most: f64, seed: u64) {
+    let mut random = generator(seed, Purpose::EncoderOffset);
+    for finger in fingers {
+        finger.encoder_offset = DVec3::from_array([(); 3].map(|()| uniform(&mut random, most)));
     }
 }
 

@@ -119,7 +119,7 @@ impl State {
             let tip = Pose { position, rotation };
             let elements = finger.normals.len();
             FingerState {
-                joints: Joints::at_rest(theta),
+                joints: model.servo.joints(theta),
                 tip,
                 held_at: None,
                 contacts: Vec::with_capacity(elements),

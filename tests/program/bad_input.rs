@@ -21,12 +21,18 @@ fn refused(name: &str, from: &str, to: &str, words: &[&str]) {
 
 #[test]
 fn values_out_of_range() {
-    let cases: [(&str, &str, &str, &[&str]); 14] = [
+    let cases: [(&str, &str, &str, &[&str]); 15] = [
         (
             "stiffness",
             "normal_stiffness = 1090.0",
             "normal_stiffness = -3.5",
             &["sim.feeler.normal_stiffness = -3.5", "more than 0"],
+        ),
+        (
+            "backlash",
+            "lag = 0.01",
+            "lag = 0.01\nbacklash = nan",
+            &["sim.servo.backlash = NaN: expected 0 to 1"],
         ),
         (
             "nan",
