@@ -4,6 +4,7 @@ use super::check_objects::check_object;
 use super::checker::{Checker, MAX};
 use crate::sim::config::SimConfig;
 use crate::sim::feeler::{FeelerConfig, Friction};
+use crate::sim::holder::HolderConfig;
 use crate::sim::optics_config::OpticsError;
 use crate::sim::torque_sensor::TorqueSensorConfig;
 
@@ -28,6 +29,9 @@ pub(super) fn check_sim(sim: &SimConfig, checker: &mut Checker) {
         check_object(&format!("sim.object.{name}"), object, checker);
     }
     check_torque_sensor(&sim.torque_sensor, checker);
+    if let Some(holder) = &sim.holder {
+        check_holder(holder, checker);
+    }
     check_variation(sim, checker);
     let noise = &sim.direct_sensing;
     checker.not_negative("sim.direct_sensing.normal_noise", noise.normal_noise);
@@ -107,6 +111,19 @@ fn check_torque_sensor(sensor: &TorqueSensorConfig, checker: &mut Checker) {
         (1..=24).contains(&sensor.converter_bits),
         "1 to 24",
     );
+}
+
+fn check_holder(holder: &HolderConfig, checker: &mut Checker) {
+    checker.between("sim.holder.turn_play", holder.turn_play, 0.0, 1.0);
+    let Some(lateral) = &holder.lateral else {
+        return;
+    };
+    for (axis, (stiffness, play)) in lateral.stiffness.into_iter().zip(lateral.play).enumerate() {
+        let key = format!("sim.holder.lateral.stiffness[{axis}]");
+        checker.positive(&key, stiffness);
+        let key = format!("sim.holder.lateral.play[{axis}]");
+        checker.between(&key, play, 0.0, 0.1);
+    }
 }
 
 fn check_variation(sim: &SimConfig, checker: &mut Checker) {

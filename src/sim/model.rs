@@ -3,6 +3,7 @@
 use super::config::SimConfig;
 use super::error::SimError;
 use super::feeler::FeelerConfig;
+use super::holder::PlaySpring;
 use super::object::Object;
 use super::random::{Purpose, generator, uniform};
 use super::servo::ServoConfig;
@@ -23,6 +24,10 @@ pub struct Model {
     pub objects: Vec<Object>,
     /// The torque sensor.
     pub torque_sensor: TorqueSensorConfig,
+    /// What stands on a thread turns on the torque sensor's shaft, after its play.
+    pub shaft: PlaySpring,
+    /// What holds it along W's x and y, if it can shift at all.
+    pub sides: Option<[PlaySpring; 2]>,
     /// The drives.
     pub servo: ServoConfig,
     /// The fingers.
@@ -87,6 +92,7 @@ impl Model {
         let stribeck = frictions
             .chain(objects.iter().filter_map(|object| object.friction))
             .any(|friction| friction.stribeck_speed > 0.0);
+        let holder = config.holder.unwrap_or_default();
         Ok(Self {
             depends_on_speed: damped || stribeck,
             step: config.step,
@@ -94,6 +100,8 @@ impl Model {
             objects,
             servo_remaining_error: config.servo.remaining_error(config.step),
             torque_low_pass_gain: config.torque_sensor.low_pass_gain(config.step),
+            shaft: PlaySpring::new(config.torque_sensor.stiffness, holder.turn_play),
+            sides: holder.sides(),
             torque_sensor: config.torque_sensor,
             servo: config.servo,
             fingers,

@@ -1,18 +1,14 @@
 //! One step of the physics: joints move, feelers touch, objects give way, feelers slip.
 
+use super::balance::balance;
 use super::feeler::{Anchor, FeelerConfig, Friction, Overload, Tip, within_cone};
 use super::free_bodies::FreeBodies;
 use super::model::{Finger, Model};
 use super::object::{Motion, Object};
 use super::pose::Pose;
 use super::state::{Contact, FingerState, ObjectState, Slipped, State};
-use super::thread::{Grip, Hinge};
 use crate::hand::kinematics::fingertip_pose;
 use glam::DVec3;
-
-/// A slip lowers the torque on what turns, so the first or second round finds nothing more to do;
-/// the bound keeps a step's time finite.
-const MAX_BALANCE_ROUNDS: usize = 8;
 
 /// A tip that rolls may leave its surface along the tangent for this long, m: on a radius of 10 mm it
 /// is then 0.2 nm off, and its normal 0.2 mrad.
@@ -133,93 +129,21 @@ fn look(
 }
 
 /// Friction of a feeler on an object as it is now.
-fn friction(finger: &Finger, object: &Object, state: &ObjectState, element: usize) -> Friction {
+pub(super) fn friction(
+    finger: &Finger,
+    object: &Object,
+    state: &ObjectState,
+    element: usize,
+) -> Friction {
     let friction = object
         .friction
         .unwrap_or_else(|| finger.feelers[element].friction());
     friction.scaled(state.friction_factor)
 }
 
-/// Turns an object and lets feelers slip until the torques on it balance and nothing slips.
-fn balance(model: &Model, state: &mut State, object: usize, hinge: &Hinge) {
-    for round in 0..MAX_BALANCE_ROUNDS {
-        turn(model, state, object, hinge);
-        // The motion of this step overloads feelers steadily, and first; then one feeler's slip
-        // overloads another at a stroke.
-        let overload = if round == 0 {
-            Overload::Steady
-        } else {
-            Overload::Sudden
-        };
-        if settle(model, state, object, overload, model.step) == 0 {
-            break;
-        }
-    }
-}
-
-/// Turns an object until the torques on it balance, feelers holding on as firmly as they can.
-fn turn(model: &Model, state: &mut State, index: usize, hinge: &Hinge) {
-    let State {
-        fingers, objects, ..
-    } = state;
-    let (object, own) = (&model.objects[index], &mut objects[index]);
-    let mut turn = own.turn;
-    hinge.turn(&mut turn, model.torque_sensor.stiffness, |turn| {
-        let pose = hinge.pose(turn, &object.start);
-        let mut sum = Grip::default();
-        for (finger, state) in model.fingers.iter().zip(&*fingers) {
-            if state.contacts.is_empty() {
-                continue;
-            }
-            let seen = state.tip.seen_from(&pose);
-            let turned = seen.turn_since(&state.rolled[index]);
-            for contact in state.contacts.iter().filter(|c| c.object == index) {
-                let anchor = finger.feelers[contact.element].rolled(&contact.anchor, turned);
-                let contact = Contact { anchor, ..*contact };
-                let grip = contact_grip(finger, object, own, &seen, &contact, model.step);
-                sum.torque += grip.torque;
-                sum.stiffness += grip.stiffness;
-            }
-        }
-        sum
-    });
-    own.turn = turn;
-    own.pose = hinge.pose(&turn, &object.start);
-}
-
-/// What one feeler does to an object about the object's z axis, holding on.
-fn contact_grip(
-    finger: &Finger,
-    object: &Object,
-    state: &ObjectState,
-    seen: &Pose,
-    contact: &Contact,
-    duration: f64,
-) -> Grip {
-    let feeler = &finger.feelers[contact.element];
-    let tip = undeformed(finger, seen, contact.element);
-    let friction = friction(finger, object, state, contact.element);
-    let anchor = &contact.anchor;
-    let mut force = feeler.holding_force(friction, &tip, anchor);
-    let point = feeler.contact_point(anchor);
-    // Velocity of the contact point per rate of turn: z x point.
-    let lever = DVec3::new(-point.y, point.x, 0.0);
-    let mut stiffness = lever.dot(feeler.stiffness_times(tip.axis, lever));
-    if feeler.is_damped() {
-        let velocity = (tip.position - contact.tip_before) / duration;
-        force += feeler.damping_times(tip.axis, velocity);
-        force = within_cone(force, anchor.normal, friction);
-        stiffness += lever.dot(feeler.damping_times(tip.axis, lever)) / duration;
-    }
-    Grip {
-        torque: lever.dot(force),
-        stiffness,
-    }
-}
-
 /// Feelers on the object slip or let go, and their forces are known; how many slipped. `duration`
 /// (s) is the time since their tips were remembered.
-fn settle(
+pub(super) fn settle(
     model: &Model,
     state: &mut State,
     index: usize,
