@@ -70,6 +70,12 @@ fn check_feeler(key: &str, feeler: &FeelerConfig, checker: &mut Checker) {
     if let Some(limit) = feeler.length_limit {
         checker.positive(&format!("{key}.length_limit"), limit);
     }
+    if let Some(relaxation) = &feeler.relaxation {
+        let key = format!("{key}.relaxation");
+        // Rubber that keeps nothing would flow, and take for ever to recover.
+        checker.between(&format!("{key}.share"), relaxation.share, 0.0, 0.99);
+        checker.positive(&format!("{key}.time"), relaxation.time);
+    }
     check_friction(key, feeler.friction(), checker);
 }
 

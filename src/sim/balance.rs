@@ -139,7 +139,7 @@ fn grip(
             let feeler = &finger.feelers[contact.element];
             let anchor = feeler.rolled(&contact.anchor, turned);
             let contact = Contact { anchor, ..*contact };
-            let tip = undeformed(finger, &seen, contact.element);
+            let tip = undeformed(finger, &state.sets, &seen, contact.element);
             let friction = friction(finger, object, own, contact.element);
             let grip = contact_grip(feeler, friction, &tip, &contact, model.step, &way);
             sum.load += grip.load;

@@ -21,6 +21,7 @@ pub mod optics_model;
 pub mod pose;
 pub mod prism;
 pub mod random;
+pub mod relaxation;
 pub mod rig;
 pub mod rig_faults;
 pub mod section;

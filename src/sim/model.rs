@@ -34,6 +34,8 @@ pub struct Model {
     pub fingers: Vec<Finger>,
     /// Whether any force depends on speed: by damping, or friction.
     pub depends_on_speed: bool,
+    /// Whether any feeler relaxes.
+    pub relaxes: bool,
     /// Part of a joint's velocity error left after one step.
     pub servo_remaining_error: f64,
     /// Part of the way to a new torque that the sensor's low-pass goes in one step.
@@ -95,6 +97,7 @@ impl Model {
         let holder = config.holder.unwrap_or_default();
         Ok(Self {
             depends_on_speed: damped || stribeck,
+            relaxes: feelers().any(|feeler| feeler.relaxation.is_some()),
             step: config.step,
             gravity: config.gravity.into(),
             objects,

@@ -1,4 +1,4 @@
-//! One step of the physics: joints move, feelers touch, objects give way, feelers slip.
+//! One step of the physics: joints move, feelers touch, objects give way, feelers slip and relax.
 
 use super::balance::balance;
 use super::feeler::{Anchor, FeelerConfig, Friction, Overload, Tip, within_cone};
@@ -6,6 +6,7 @@ use super::free_bodies::FreeBodies;
 use super::model::{Finger, Model};
 use super::object::{Motion, Object};
 use super::pose::Pose;
+use super::relaxation::relax;
 use super::state::{Contact, FingerState, ObjectState, Slipped, State};
 use crate::hand::kinematics::fingertip_pose;
 use glam::DVec3;
@@ -37,6 +38,7 @@ pub fn step(model: &Model, state: &mut State, bodies: &mut FreeBodies) {
     if !bodies.is_empty() {
         move_bodies(model, state, bodies);
     }
+    relax(model, state);
     state.filtered_torque +=
         model.torque_low_pass_gain * (state.torque_on_sensor(model) - state.filtered_torque);
     state.steps += 1;
@@ -56,12 +58,19 @@ fn move_finger(model: &Model, finger: &Finger, state: &mut FingerState) {
     });
 }
 
-/// The undeformed feeler `element` of a `finger` whose fingertip is at `seen` in some frame.
-pub(super) fn undeformed(finger: &Finger, seen: &Pose, element: usize) -> Tip {
+/// The undeformed feeler `element` of a `finger` whose fingertip is at `seen` in some frame, and whose
+/// feelers have `sets`.
+pub(super) fn undeformed(finger: &Finger, sets: &[DVec3], seen: &Pose, element: usize) -> Tip {
     let axis = seen.rotation * finger.normals[element];
+    let relaxes = finger.feelers[element].relaxation.is_some();
     Tip {
         position: seen.position + finger.dome_radius * axis,
         axis,
+        set: if relaxes {
+            seen.rotation * sets[element]
+        } else {
+            DVec3::ZERO
+        },
     }
 }
 
@@ -87,16 +96,18 @@ fn touch(model: &Model, state: &mut State) {
             if watch.due[element] > watch.travelled {
                 continue;
             }
-            let (clearance, contact) = look(finger, &model.objects, &watch.seen, element);
+            let (clearance, contact) =
+                look(finger, &own.sets, &model.objects, &watch.seen, element);
             watch.due[element] = watch.travelled + clearance;
             own.contacts.extend(contact);
         }
     }
 }
 
-/// How far a free feeler is from anything, m, and the hold that it takes if that is nothing.
+/// How far a free feeler may come before it can touch anything, m, and the hold that it takes if it does.
 fn look(
     finger: &Finger,
+    sets: &[DVec3],
     objects: &[Object],
     seen: &[Pose],
     element: usize,
@@ -104,10 +115,10 @@ fn look(
     let feeler = &finger.feelers[element];
     let (mut clearance, mut contact) = (f64::INFINITY, None);
     for (index, (object, seen)) in objects.iter().zip(seen).enumerate() {
-        let tip = undeformed(finger, seen, element);
+        let tip = undeformed(finger, sets, seen, element);
         // On the surface to within rounding, so that the direction to it tells nothing: the next
         // step will see.
-        let Some(surface) = object.nearest(tip.position) else {
+        let Some(surface) = object.nearest(tip.at_rest()) else {
             return (0.0, None);
         };
         let depth = feeler.tip_radius - surface.distance;
@@ -123,9 +134,10 @@ fn look(
         }
     }
     if contact.is_some() {
-        clearance = f64::INFINITY;
+        return (f64::INFINITY, contact);
     }
-    (clearance, contact)
+    // A feeler that recovers from its set moves by itself, by all of it at most.
+    (clearance - sets[element].length(), None)
 }
 
 /// Friction of a feeler on an object as it is now.
@@ -161,6 +173,7 @@ pub(super) fn settle(
         state.rolled[index] = seen.rotation;
         let FingerState {
             contacts,
+            sets,
             forces,
             slipped,
             watch,
@@ -173,7 +186,7 @@ pub(super) fn settle(
             let feeler = &finger.feelers[contact.element];
             contact.anchor = feeler.rolled(&contact.anchor, turned);
             contact.rolled += feeler.tip_radius * turned.length();
-            let tip = undeformed(finger, &seen, contact.element);
+            let tip = undeformed(finger, sets, &seen, contact.element);
             let mut friction = friction(finger, object, own, contact.element);
             let velocity = (tip.position - contact.tip_before) / duration;
             if friction.stribeck_speed > 0.0 {
@@ -234,7 +247,7 @@ fn remember_tips(model: &Model, state: &mut State, index: usize) {
     for (finger, state) in model.fingers.iter().zip(&mut state.fingers) {
         let seen = state.tip.seen_from(pose);
         for contact in state.contacts.iter_mut().filter(|c| c.object == index) {
-            contact.tip_before = undeformed(finger, &seen, contact.element).position;
+            contact.tip_before = undeformed(finger, &state.sets, &seen, contact.element).position;
         }
     }
 }

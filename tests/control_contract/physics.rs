@@ -11,9 +11,10 @@ fn a_step_of_the_world_does_not_allocate() {
 }
 
 #[test]
-fn nor_with_a_bottle_that_has_play() {
+fn nor_with_rubber_that_relaxes_and_a_bottle_that_has_play() {
     run_without_allocation(&[
         "sensing=direct",
+        "sim.feeler.relaxation={share=0.2, time=0.3}",
         "sim.holder={lateral={stiffness=[4e4, 4e4], play=[1e-4, 1e-4]}, turn_play=0.01}",
         "sim.servo.backlash=0.0005",
     ]);

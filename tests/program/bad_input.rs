@@ -21,12 +21,21 @@ fn refused(name: &str, from: &str, to: &str, words: &[&str]) {
 
 #[test]
 fn values_out_of_range() {
-    let cases: [(&str, &str, &str, &[&str]); 16] = [
+    let cases: [(&str, &str, &str, &[&str]); 17] = [
         (
             "stiffness",
             "normal_stiffness = 1090.0",
             "normal_stiffness = -3.5",
             &["sim.feeler.normal_stiffness = -3.5", "more than 0"],
+        ),
+        (
+            "relaxation",
+            "tip_radius = 0.0015",
+            "relaxation = { share = 1.0, time = 0.0 }\ntip_radius = 0.0015",
+            &[
+                "sim.feeler.relaxation.share = 1: expected 0 to 0.99",
+                "sim.feeler.relaxation.time = 0: expected more than 0",
+            ],
         ),
         (
             "holder",

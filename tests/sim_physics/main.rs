@@ -9,4 +9,5 @@ mod instruments;
 mod one_element;
 mod one_feeler;
 mod reference;
+mod relaxation;
 mod rim;
