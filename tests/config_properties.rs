@@ -56,6 +56,8 @@ fn reference(sensing: &str) -> String {
         "sensor.fingertip.camera.focal_length_px=48.75".into(),
         "control.period=0.002".into(),
         format!("sim.fault=[{FAULTS}]"),
+        "sim.feeler.relaxation={share=0.2, time=0.3}".into(),
+        "sim.holder={lateral={stiffness=[4e4, 3e4], play=[1e-4, 0.0]}, turn_play=0.005}".into(),
     ];
     Experiment::parse(text, "reference", &settings, None)
         .expect("the reference experiment")

@@ -4,6 +4,7 @@ use super::check_objects::check_object;
 use super::checker::{Checker, MAX};
 use crate::sim::config::SimConfig;
 use crate::sim::feeler::{FeelerConfig, Friction};
+use crate::sim::holder::HolderConfig;
 use crate::sim::optics_config::OpticsError;
 use crate::sim::torque_sensor::TorqueSensorConfig;
 
@@ -12,6 +13,7 @@ pub(super) fn check_sim(sim: &SimConfig, checker: &mut Checker) {
     checker.vector("sim.gravity", sim.gravity);
     checker.not_negative("sim.servo.lag", sim.servo.lag);
     checker.positive("sim.servo.encoder_resolution", sim.servo.encoder_resolution);
+    checker.between("sim.servo.backlash", sim.servo.backlash, 0.0, 1.0);
     check_feeler("sim.feeler", &sim.feeler, checker);
     for (index, exception) in sim.element.iter().enumerate() {
         let feeler = exception.feeler(&sim.feeler);
@@ -27,6 +29,9 @@ pub(super) fn check_sim(sim: &SimConfig, checker: &mut Checker) {
         check_object(&format!("sim.object.{name}"), object, checker);
     }
     check_torque_sensor(&sim.torque_sensor, checker);
+    if let Some(holder) = &sim.holder {
+        check_holder(holder, checker);
+    }
     check_variation(sim, checker);
     let noise = &sim.direct_sensing;
     checker.not_negative("sim.direct_sensing.normal_noise", noise.normal_noise);
@@ -64,6 +69,12 @@ fn check_feeler(key: &str, feeler: &FeelerConfig, checker: &mut Checker) {
     }
     if let Some(limit) = feeler.length_limit {
         checker.positive(&format!("{key}.length_limit"), limit);
+    }
+    if let Some(relaxation) = &feeler.relaxation {
+        let key = format!("{key}.relaxation");
+        // Rubber that keeps nothing would flow, and take for ever to recover.
+        checker.between(&format!("{key}.share"), relaxation.share, 0.0, 0.99);
+        checker.positive(&format!("{key}.time"), relaxation.time);
     }
     check_friction(key, feeler.friction(), checker);
 }
@@ -108,10 +119,25 @@ fn check_torque_sensor(sensor: &TorqueSensorConfig, checker: &mut Checker) {
     );
 }
 
+fn check_holder(holder: &HolderConfig, checker: &mut Checker) {
+    checker.between("sim.holder.turn_play", holder.turn_play, 0.0, 1.0);
+    let Some(lateral) = &holder.lateral else {
+        return;
+    };
+    for (axis, (stiffness, play)) in lateral.stiffness.into_iter().zip(lateral.play).enumerate() {
+        let key = format!("sim.holder.lateral.stiffness[{axis}]");
+        checker.positive(&key, stiffness);
+        let key = format!("sim.holder.lateral.play[{axis}]");
+        checker.between(&key, play, 0.0, 0.1);
+    }
+}
+
 fn check_variation(sim: &SimConfig, checker: &mut Checker) {
     let variation = &sim.variation;
     checker.not_negative("sim.variation.bottle_position", variation.bottle_position);
     checker.not_negative("sim.variation.cap_angle", variation.cap_angle);
+    let offset = variation.encoder_offset;
+    checker.between("sim.variation.encoder_offset", offset, 0.0, 1.0);
     checker.between("sim.variation.friction", variation.friction, 0.0, 0.99);
     checker.between(
         "sim.variation.kinetic_friction",

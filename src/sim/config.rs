@@ -3,6 +3,7 @@
 use super::element::ElementConfig;
 use super::fault::FaultConfig;
 use super::feeler::FeelerConfig;
+use super::holder::HolderConfig;
 use super::object::ObjectConfig;
 use super::optics_config::OpticsConfig;
 use super::servo::ServoConfig;
@@ -26,6 +27,10 @@ pub struct VariationConfig {
     pub seat_angle: f64,
     /// Greatest rotation of a cap at the start, rad. A round cap shows none of it.
     pub cap_angle: f64,
+    /// Greatest offset of each joint's encoder, rad: what the hand takes for a joint's zero when it is
+    /// switched on is so far from it.
+    #[serde(default)]
+    pub encoder_offset: f64,
 }
 
 /// The simulated world.
@@ -46,6 +51,10 @@ pub struct SimConfig {
     pub object: BTreeMap<String, ObjectConfig>,
     /// The torque sensor under what stands on a thread.
     pub torque_sensor: TorqueSensorConfig,
+    /// How what stands on a thread is held on the torque sensor; by default it cannot shift, and turns only as the
+    /// sensor's shaft does.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub holder: Option<HolderConfig>,
     /// The drives of the fingers.
     pub servo: ServoConfig,
     /// What differs from run to run.

@@ -3,6 +3,7 @@
 use super::error::SimError;
 use super::feeler::FeelerConfig;
 use super::model::Finger;
+use super::relaxation::RelaxationConfig;
 use serde::{Deserialize, Serialize};
 
 /// An exception to `sim.feeler` for some elements of one finger; what it does not give stays.
@@ -31,6 +32,8 @@ pub struct ElementConfig {
     pub normal_shear_coupling: Option<f64>,
     /// In place of [`FeelerConfig::length_limit`], m.
     pub length_limit: Option<f64>,
+    /// In place of [`FeelerConfig::relaxation`].
+    pub relaxation: Option<RelaxationConfig>,
 }
 
 impl ElementConfig {
@@ -49,6 +52,7 @@ impl ElementConfig {
                 .normal_shear_coupling
                 .unwrap_or(usual.normal_shear_coupling),
             length_limit: self.length_limit.or(usual.length_limit),
+            relaxation: self.relaxation.or(usual.relaxation),
         }
     }
 

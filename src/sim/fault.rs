@@ -79,7 +79,8 @@ pub enum FaultKind {
         /// The joint: theta1 is joint 0.
         joint: usize,
     },
-    /// Play between a joint's motor, which the encoder reads, and its link.
+    /// Play between a joint's motor, which the encoder reads, and its link, beyond that of
+    /// [`ServoConfig::backlash`](super::servo::ServoConfig::backlash).
     ///
     /// The link stays where it is until the motor has come to an end of the dead band, and is then
     /// taken along: the play operator, `link = clamp(link, motor - angle / 2, motor + angle / 2)`.

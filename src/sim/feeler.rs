@@ -2,6 +2,7 @@
 //! object's surface, held there by friction (design, section 8).
 
 use super::object::Object;
+use super::relaxation::RelaxationConfig;
 use super::shape::SurfacePoint;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -17,9 +18,9 @@ const BOTTOMED_FACTOR: f64 = 10.0;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FeelerConfig {
-    /// Stiffness along the feeler's axis, N/m.
+    /// Stiffness along the feeler's axis, N/m: that of a quick deformation, where the feeler relaxes.
     pub normal_stiffness: f64,
-    /// Stiffness across the feeler's axis, N/m.
+    /// Stiffness across the feeler's axis, N/m: that of a quick deformation, where the feeler relaxes.
     pub shear_stiffness: f64,
     /// Radius of the feeler's rounded tip, m.
     pub tip_radius: f64,
@@ -43,6 +44,9 @@ pub struct FeelerConfig {
     /// Compression at which the feeler meets its base and is ten times as stiff, m; none by default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub length_limit: Option<f64>,
+    /// How the rubber relaxes and creeps; by default it is elastic.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub relaxation: Option<RelaxationConfig>,
 }
 
 /// Friction between a feeler and an object.
@@ -99,6 +103,16 @@ pub struct Tip {
     pub position: DVec3,
     /// The feeler's axis, outward from the dome, a unit vector in the object's frame.
     pub axis: DVec3,
+    /// The feeler's set: by how much its tip stays behind without any force, m, in the object's
+    /// frame. Zero where the feeler does not relax.
+    pub set: DVec3,
+}
+
+impl Tip {
+    /// Centre of the tip's sphere while nothing touches it, m, in the object's frame.
+    pub fn at_rest(&self) -> DVec3 {
+        self.position - self.set
+    }
 }
 
 /// How an overload of a feeler came about.
@@ -130,10 +144,11 @@ impl FeelerConfig {
     ///
     /// With displacement `d` of the undeformed tip from the anchor, `d_n` along the axis and `d_t`
     /// across it, it is the gradient of `k_n d_n² / 2 + k_t (1 + c d_n) d_t² / 2`, and beyond the
-    /// length limit L of `(10 - 1) k_n (d_n - L)² / 2` more.
+    /// length limit L of `(10 - 1) k_n (d_n - L)² / 2` more. A set is taken off the displacement for
+    /// the linear part of the force, `K d`, and for no other.
     pub fn elastic_force(&self, tip: &Tip, anchor: DVec3) -> DVec3 {
         let displacement = tip.position - anchor;
-        let force = self.stiffness_times(tip.axis, displacement);
+        let force = self.stiffness_times(tip.axis, displacement - tip.set);
         if self.normal_shear_coupling == 0.0 && self.length_limit.is_none() {
             return force;
         }

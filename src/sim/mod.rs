@@ -1,5 +1,6 @@
 //! The simulated rig: feelers, an object to touch, a torque sensor, servos, and the camera's picture.
 
+mod balance;
 pub mod calibration_bench;
 pub mod camera_noise;
 pub mod config;
@@ -9,6 +10,7 @@ pub mod error;
 pub mod fault;
 pub mod feeler;
 pub mod free_bodies;
+pub mod holder;
 pub mod knurled_cylinder;
 pub mod mesh_file;
 pub mod model;
@@ -19,6 +21,7 @@ pub mod optics_model;
 pub mod pose;
 pub mod prism;
 pub mod random;
+pub mod relaxation;
 pub mod rig;
 pub mod rig_faults;
 pub mod section;

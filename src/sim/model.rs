@@ -3,6 +3,7 @@
 use super::config::SimConfig;
 use super::error::SimError;
 use super::feeler::FeelerConfig;
+use super::holder::PlaySpring;
 use super::object::Object;
 use super::random::{Purpose, generator, uniform};
 use super::servo::ServoConfig;
@@ -23,12 +24,18 @@ pub struct Model {
     pub objects: Vec<Object>,
     /// The torque sensor.
     pub torque_sensor: TorqueSensorConfig,
+    /// What stands on a thread turns on the torque sensor's shaft, after its play.
+    pub shaft: PlaySpring,
+    /// What holds it along W's x and y, if it can shift at all.
+    pub sides: Option<[PlaySpring; 2]>,
     /// The drives.
     pub servo: ServoConfig,
     /// The fingers.
     pub fingers: Vec<Finger>,
     /// Whether any force depends on speed: by damping, or friction.
     pub depends_on_speed: bool,
+    /// Whether any feeler relaxes.
+    pub relaxes: bool,
     /// Part of a joint's velocity error left after one step.
     pub servo_remaining_error: f64,
     /// Part of the way to a new torque that the sensor's low-pass goes in one step.
@@ -47,6 +54,8 @@ pub struct Finger {
     pub element_rotations: Vec<DMat3>,
     /// The feelers, one per element.
     pub feelers: Vec<FeelerConfig>,
+    /// What its encoders show above its joint angles, rad.
+    pub encoder_offset: DVec3,
 }
 
 impl Model {
@@ -75,6 +84,7 @@ impl Model {
             .iter()
             .map(|(geometry, layout)| Finger::new(geometry, layout, &config.feeler))
             .collect();
+        offset_encoders(&mut fingers, config.variation.encoder_offset, seed);
         for exception in &config.element {
             exception.apply(&mut fingers)?;
         }
@@ -84,13 +94,17 @@ impl Model {
         let stribeck = frictions
             .chain(objects.iter().filter_map(|object| object.friction))
             .any(|friction| friction.stribeck_speed > 0.0);
+        let holder = config.holder.unwrap_or_default();
         Ok(Self {
             depends_on_speed: damped || stribeck,
+            relaxes: feelers().any(|feeler| feeler.relaxation.is_some()),
             step: config.step,
             gravity: config.gravity.into(),
             objects,
             servo_remaining_error: config.servo.remaining_error(config.step),
             torque_low_pass_gain: config.torque_sensor.low_pass_gain(config.step),
+            shaft: PlaySpring::new(config.torque_sensor.stiffness, holder.turn_play),
+            sides: holder.sides(),
             torque_sensor: config.torque_sensor,
             servo: config.servo,
             fingers,
@@ -112,7 +126,16 @@ impl Finger {
             normals: elements.iter().map(|e| e.normal()).collect(),
             element_rotations: elements.iter().map(|e| e.rotation).collect(),
             feelers: vec![feeler.clone(); elements.len()],
+            encoder_offset: DVec3::ZERO,
         }
+    }
+}
+
+/// Draws what every encoder shows at the joint's zero, rad, up to `most` of either sign.
+fn offset_encoders(fingers: &mut [Finger], most: f64, seed: u64) {
+    let mut random = generator(seed, Purpose::EncoderOffset);
+    for finger in fingers {
+        finger.encoder_offset = DVec3::from_array([(); 3].map(|()| uniform(&mut random, most)));
     }
 }
 

@@ -15,6 +15,8 @@ pub enum Purpose {
     Variation,
     /// Noise of the torque sensor.
     TorqueNoise,
+    /// What the encoders show at their joints' zero.
+    EncoderOffset,
     /// Noise of finger `n`'s camera, or of its forces when they are sensed directly.
     SensorNoise(usize),
     /// Fault `n` of the experiment.
@@ -26,6 +28,7 @@ pub fn generator(seed: u64, purpose: Purpose) -> Generator {
     let stream = match purpose {
         Purpose::Variation => 1,
         Purpose::TorqueNoise => 2,
+        Purpose::EncoderOffset => 3,
         Purpose::SensorNoise(finger) => 16 + finger as u64,
         Purpose::Fault(fault) => 1024 + fault as u64,
     };

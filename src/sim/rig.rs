@@ -39,13 +39,9 @@ impl SimHand {
     /// The hand of `rig`; every command advances the world by `steps_per_command` steps.
     pub fn new(rig: Rig, steps_per_command: usize) -> Self {
         let world = rig.world();
-        let servo = &world.model().servo;
-        let fingers = &world.state().fingers;
-        let encoded_before = fingers
-            .iter()
-            .map(|f| servo.encode(f.joints.position))
-            .collect();
-        let (fingers, period) = (fingers.len(), steps_per_command as f64 * world.model().step);
+        let fingers = world.state().fingers.len();
+        let encoded_before = (0..fingers).map(|finger| world.encoded(finger)).collect();
+        let period = steps_per_command as f64 * world.model().step;
         drop(world);
         Self {
             rig,
@@ -61,9 +57,8 @@ impl SimHand {
     /// Begins a control period: joint velocities are those since the last time.
     pub fn begin_period(&mut self) {
         let world = self.rig.world();
-        let fingers = world.state().fingers.iter();
-        for (finger, before) in fingers.zip(&mut self.encoded_before) {
-            *before = world.model().servo.encode(finger.joints.position);
+        for (finger, before) in self.encoded_before.iter_mut().enumerate() {
+            *before = world.encoded(finger);
         }
     }
 
@@ -90,9 +85,9 @@ impl Hand for SimHand {
         check_finger_count(self.fingers, state.joints.len())?;
         let world = self.rig.world();
         state.stamp = world.state().time;
-        let fingers = world.state().fingers.iter().zip(&self.encoded_before);
+        let fingers = self.encoded_before.iter().enumerate();
         for (joints, (finger, &before)) in state.joints.iter_mut().zip(fingers) {
-            joints.position = world.model().servo.encode(finger.joints.position);
+            joints.position = world.encoded(finger);
             joints.velocity = (joints.position - before) / self.period;
         }
         Ok(())

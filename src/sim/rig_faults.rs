@@ -7,6 +7,8 @@ use super::state::{FingerState, State};
 /// The faults of the rig, put on its state at every step. Those of sensors are left out.
 pub struct RigFaults {
     faults: Vec<(FaultConfig, Part)>,
+    /// Backlash of a joint without a fault, rad.
+    backlash: f64,
 }
 
 /// What is broken, as an index into the state. What does not exist is not broken.
@@ -74,13 +76,14 @@ impl RigFaults {
         let faults = faults.iter();
         Self {
             faults: faults.filter_map(|f| Some((f.clone(), part(f)?))).collect(),
+            backlash: model.servo.backlash,
         }
     }
 
     /// Puts those on `state` that are active at its time, and takes the others away.
     pub fn apply(&self, state: &mut State) {
         for (_, part) in &self.faults {
-            part.mend(state);
+            part.mend(state, self.backlash);
         }
         for (fault, part) in &self.faults {
             if fault.active(state.time) {
@@ -91,11 +94,12 @@ impl RigFaults {
 }
 
 impl Part {
-    fn mend(&self, state: &mut State) {
+    /// Takes it away; joints without a fault have a `backlash`, rad.
+    fn mend(&self, state: &mut State, backlash: f64) {
         match self {
             &Self::Stall(finger, joint) => stall(state.fingers.get_mut(finger), joint, false),
             &Self::Backlash(finger, joint, _) => {
-                widen(state.fingers.get_mut(finger), joint, |_| 0.0);
+                widen(state.fingers.get_mut(finger), joint, |_| backlash);
             }
             Self::Friction(objects, _) => {
                 for &object in objects {

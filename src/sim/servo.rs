@@ -11,6 +11,11 @@ pub struct ServoConfig {
     pub lag: f64,
     /// Angle of one encoder count, rad.
     pub encoder_resolution: f64,
+    /// Width of the dead band between a joint's motor, which the encoder reads, and its link, rad: how far
+    /// the motor turns back before the link follows. Forces do not move the link within the band, and it
+    /// begins in the middle.
+    #[serde(default)]
+    pub backlash: f64,
 }
 
 /// The true motion of a finger's three joints.
@@ -45,6 +50,14 @@ impl Joints {
 }
 
 impl ServoConfig {
+    /// Joints with these drives, at rest at `position`, rad, in the middle of their backlash.
+    pub fn joints(&self, position: DVec3) -> Joints {
+        Joints {
+            backlash: DVec3::splat(self.backlash),
+            ..Joints::at_rest(position)
+        }
+    }
+
     /// The part of a velocity error that is left after `step` seconds.
     pub fn remaining_error(&self, step: f64) -> f64 {
         if self.lag > 0.0 {

@@ -66,7 +66,7 @@ fn check_feelers(model: &Model, state: &State) -> Result<(), SimError> {
         for (object, now) in model.objects.iter().zip(&state.objects) {
             let seen = own.tip.seen_from(&now.pose);
             for (element, feeler) in finger.feelers.iter().enumerate() {
-                let tip = undeformed(finger, &seen, element).position;
+                let tip = undeformed(finger, &own.sets, &seen, element).position;
                 let distance = object.nearest(tip).map_or(0.0, |s| s.distance);
                 let depth = feeler.tip_radius - distance;
                 if depth > TOLERANCE {

@@ -56,6 +56,8 @@ pub struct FingerState {
     pub contacts: Vec<Contact>,
     /// Rotation of the fingertip as seen from each object up to which its tips have rolled on it.
     pub(super) rolled: Vec<DMat3>,
+    /// Set of each feeler that relaxes, m, in the fingertip frame `T`.
+    pub sets: Vec<DVec3>,
     /// Force on what it touches by each feeler, N, in W.
     pub forces: Vec<DVec3>,
     /// What each feeler lost by slipping since the beginning.
@@ -119,11 +121,12 @@ impl State {
             let tip = Pose { position, rotation };
             let elements = finger.normals.len();
             FingerState {
-                joints: Joints::at_rest(theta),
+                joints: model.servo.joints(theta),
                 tip,
                 held_at: None,
                 contacts: Vec::with_capacity(elements),
                 rolled: vec![DMat3::IDENTITY; objects.len()],
+                sets: vec![DVec3::ZERO; elements],
                 forces: vec![DVec3::ZERO; elements],
                 slipped: vec![Slipped::default(); elements],
                 watch: Watch {

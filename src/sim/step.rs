@@ -1,18 +1,15 @@
-//! One step of the physics: joints move, feelers touch, objects give way, feelers slip.
+//! One step of the physics: joints move, feelers touch, objects give way, feelers slip and relax.
 
+use super::balance::balance;
 use super::feeler::{Anchor, FeelerConfig, Friction, Overload, Tip, within_cone};
 use super::free_bodies::FreeBodies;
 use super::model::{Finger, Model};
 use super::object::{Motion, Object};
 use super::pose::Pose;
+use super::relaxation::relax;
 use super::state::{Contact, FingerState, ObjectState, Slipped, State};
-use super::thread::{Grip, Hinge};
 use crate::hand::kinematics::fingertip_pose;
 use glam::DVec3;
-
-/// A slip lowers the torque on what turns, so the first or second round finds nothing more to do;
-/// the bound keeps a step's time finite.
-const MAX_BALANCE_ROUNDS: usize = 8;
 
 /// A tip that rolls may leave its surface along the tangent for this long, m: on a radius of 10 mm it
 /// is then 0.2 nm off, and its normal 0.2 mrad.
@@ -41,6 +38,7 @@ pub fn step(model: &Model, state: &mut State, bodies: &mut FreeBodies) {
     if !bodies.is_empty() {
         move_bodies(model, state, bodies);
     }
+    relax(model, state);
     state.filtered_torque +=
         model.torque_low_pass_gain * (state.torque_on_sensor(model) - state.filtered_torque);
     state.steps += 1;
@@ -60,12 +58,19 @@ fn move_finger(model: &Model, finger: &Finger, state: &mut FingerState) {
     });
 }
 
-/// The undeformed feeler `element` of a `finger` whose fingertip is at `seen` in some frame.
-pub(super) fn undeformed(finger: &Finger, seen: &Pose, element: usize) -> Tip {
+/// The undeformed feeler `element` of a `finger` whose fingertip is at `seen` in some frame, and whose
+/// feelers have `sets`.
+pub(super) fn undeformed(finger: &Finger, sets: &[DVec3], seen: &Pose, element: usize) -> Tip {
     let axis = seen.rotation * finger.normals[element];
+    let relaxes = finger.feelers[element].relaxation.is_some();
     Tip {
         position: seen.position + finger.dome_radius * axis,
         axis,
+        set: if relaxes {
+            seen.rotation * sets[element]
+        } else {
+            DVec3::ZERO
+        },
     }
 }
 
@@ -91,16 +96,18 @@ fn touch(model: &Model, state: &mut State) {
             if watch.due[element] > watch.travelled {
                 continue;
             }
-            let (clearance, contact) = look(finger, &model.objects, &watch.seen, element);
+            let (clearance, contact) =
+                look(finger, &own.sets, &model.objects, &watch.seen, element);
             watch.due[element] = watch.travelled + clearance;
             own.contacts.extend(contact);
         }
     }
 }
 
-/// How far a free feeler is from anything, m, and the hold that it takes if that is nothing.
+/// How far a free feeler may come before it can touch anything, m, and the hold that it takes if it does.
 fn look(
     finger: &Finger,
+    sets: &[DVec3],
     objects: &[Object],
     seen: &[Pose],
     element: usize,
@@ -108,10 +115,10 @@ fn look(
     let feeler = &finger.feelers[element];
     let (mut clearance, mut contact) = (f64::INFINITY, None);
     for (index, (object, seen)) in objects.iter().zip(seen).enumerate() {
-        let tip = undeformed(finger, seen, element);
+        let tip = undeformed(finger, sets, seen, element);
         // On the surface to within rounding, so that the direction to it tells nothing: the next
         // step will see.
-        let Some(surface) = object.nearest(tip.position) else {
+        let Some(surface) = object.nearest(tip.at_rest()) else {
             return (0.0, None);
         };
         let depth = feeler.tip_radius - surface.distance;
@@ -127,99 +134,28 @@ fn look(
         }
     }
     if contact.is_some() {
-        clearance = f64::INFINITY;
+        return (f64::INFINITY, contact);
     }
-    (clearance, contact)
+    // A feeler that recovers from its set moves by itself, by all of it at most.
+    (clearance - sets[element].length(), None)
 }
 
 /// Friction of a feeler on an object as it is now.
-fn friction(finger: &Finger, object: &Object, state: &ObjectState, element: usize) -> Friction {
+pub(super) fn friction(
+    finger: &Finger,
+    object: &Object,
+    state: &ObjectState,
+    element: usize,
+) -> Friction {
     let friction = object
         .friction
         .unwrap_or_else(|| finger.feelers[element].friction());
     friction.scaled(state.friction_factor)
 }
 
-/// Turns an object and lets feelers slip until the torques on it balance and nothing slips.
-fn balance(model: &Model, state: &mut State, object: usize, hinge: &Hinge) {
-    for round in 0..MAX_BALANCE_ROUNDS {
-        turn(model, state, object, hinge);
-        // The motion of this step overloads feelers steadily, and first; then one feeler's slip
-        // overloads another at a stroke.
-        let overload = if round == 0 {
-            Overload::Steady
-        } else {
-            Overload::Sudden
-        };
-        if settle(model, state, object, overload, model.step) == 0 {
-            break;
-        }
-    }
-}
-
-/// Turns an object until the torques on it balance, feelers holding on as firmly as they can.
-fn turn(model: &Model, state: &mut State, index: usize, hinge: &Hinge) {
-    let State {
-        fingers, objects, ..
-    } = state;
-    let (object, own) = (&model.objects[index], &mut objects[index]);
-    let mut turn = own.turn;
-    hinge.turn(&mut turn, model.torque_sensor.stiffness, |turn| {
-        let pose = hinge.pose(turn, &object.start);
-        let mut sum = Grip::default();
-        for (finger, state) in model.fingers.iter().zip(&*fingers) {
-            if state.contacts.is_empty() {
-                continue;
-            }
-            let seen = state.tip.seen_from(&pose);
-            let turned = seen.turn_since(&state.rolled[index]);
-            for contact in state.contacts.iter().filter(|c| c.object == index) {
-                let anchor = finger.feelers[contact.element].rolled(&contact.anchor, turned);
-                let contact = Contact { anchor, ..*contact };
-                let grip = contact_grip(finger, object, own, &seen, &contact, model.step);
-                sum.torque += grip.torque;
-                sum.stiffness += grip.stiffness;
-            }
-        }
-        sum
-    });
-    own.turn = turn;
-    own.pose = hinge.pose(&turn, &object.start);
-}
-
-/// What one feeler does to an object about the object's z axis, holding on.
-fn contact_grip(
-    finger: &Finger,
-    object: &Object,
-    state: &ObjectState,
-    seen: &Pose,
-    contact: &Contact,
-    duration: f64,
-) -> Grip {
-    let feeler = &finger.feelers[contact.element];
-    let tip = undeformed(finger, seen, contact.element);
-    let friction = friction(finger, object, state, contact.element);
-    let anchor = &contact.anchor;
-    let mut force = feeler.holding_force(friction, &tip, anchor);
-    let point = feeler.contact_point(anchor);
-    // Velocity of the contact point per rate of turn: z x point.
-    let lever = DVec3::new(-point.y, point.x, 0.0);
-    let mut stiffness = lever.dot(feeler.stiffness_times(tip.axis, lever));
-    if feeler.is_damped() {
-        let velocity = (tip.position - contact.tip_before) / duration;
-        force += feeler.damping_times(tip.axis, velocity);
-        force = within_cone(force, anchor.normal, friction);
-        stiffness += lever.dot(feeler.damping_times(tip.axis, lever)) / duration;
-    }
-    Grip {
-        torque: lever.dot(force),
-        stiffness,
-    }
-}
-
 /// Feelers on the object slip or let go, and their forces are known; how many slipped. `duration`
 /// (s) is the time since their tips were remembered.
-fn settle(
+pub(super) fn settle(
     model: &Model,
     state: &mut State,
     index: usize,
@@ -237,6 +173,7 @@ fn settle(
         state.rolled[index] = seen.rotation;
         let FingerState {
             contacts,
+            sets,
             forces,
             slipped,
             watch,
@@ -249,7 +186,7 @@ fn settle(
             let feeler = &finger.feelers[contact.element];
             contact.anchor = feeler.rolled(&contact.anchor, turned);
             contact.rolled += feeler.tip_radius * turned.length();
-            let tip = undeformed(finger, &seen, contact.element);
+            let tip = undeformed(finger, sets, &seen, contact.element);
             let mut friction = friction(finger, object, own, contact.element);
             let velocity = (tip.position - contact.tip_before) / duration;
             if friction.stribeck_speed > 0.0 {
@@ -310,7 +247,7 @@ fn remember_tips(model: &Model, state: &mut State, index: usize) {
     for (finger, state) in model.fingers.iter().zip(&mut state.fingers) {
         let seen = state.tip.seen_from(pose);
         for contact in state.contacts.iter_mut().filter(|c| c.object == index) {
-            contact.tip_before = undeformed(finger, &seen, contact.element).position;
+            contact.tip_before = undeformed(finger, &state.sets, &seen, contact.element).position;
         }
     }
 }

@@ -1,8 +1,9 @@
 //! What turns about an axis: a cap on its thread, which has a seat that stops it (design, section 8),
 //! or a hinge.
 
+use super::holder::PlaySpring;
 use super::pose::Pose;
-use glam::DMat3;
+use glam::{DMat3, DVec2};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
@@ -76,20 +77,22 @@ pub struct Turn {
     /// Angle by which it has been turned, rad, positive when closing (counter-clockwise about its
     /// z, as seen from above).
     pub angle: f64,
-    /// Angle by which what it stands on has turned with the torque sensor's shaft, rad.
+    /// Angle by which what it stands on has turned in its play and with the torque sensor's shaft, rad.
     pub twist: f64,
+    /// How far what it stands on has shifted along W's x and y, m.
+    pub shift: DVec2,
     /// Whether it turned in the last step.
     pub turning: bool,
     /// Torque about its z on what it stands on, N·m.
     pub torque: f64,
 }
 
-/// What the fingers do to the object at one angle of it.
+/// What the fingers do to the object along one of its freedoms: about its z, or along a direction.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Grip {
-    /// Torque about its z on the object by the fingers, N·m.
-    pub torque: f64,
-    /// By how much that torque falls per angle that the object gives way, N·m/rad, at least 0.
+    /// Torque, N·m, or force, N, on the object by the fingers.
+    pub load: f64,
+    /// By how much that falls as the object gives way, N·m/rad or N/m, at least 0.
     pub stiffness: f64,
 }
 
@@ -121,7 +124,7 @@ impl Hinge {
     pub fn pose(&self, turn: &Turn, start: &Pose) -> Pose {
         let descent = self.thread.lead * turn.angle / TAU;
         Pose {
-            position: start.position - descent * start.rotation.z_axis,
+            position: start.position + turn.shift.extend(0.0) - descent * start.rotation.z_axis,
             rotation: start.rotation * DMat3::from_rotation_z(turn.angle + turn.twist),
         }
     }
@@ -130,15 +133,10 @@ impl Hinge {
     /// `grip`.
     ///
     /// The object sticks while the grip's torque is below the resisting torque (`static_factor` times
-    /// that, unless it was turning already), and otherwise turns until both are equal. The shaft
-    /// follows the torque against `shaft_stiffness`, N·m/rad.
-    pub fn turn(&self, state: &mut Turn, shaft_stiffness: f64, grip: impl Fn(&Turn) -> Grip) {
+    /// that, unless it was turning already), and otherwise turns until both are equal. What it stands on
+    /// turns against `shaft` (rad, N·m).
+    pub fn turn(&self, state: &mut Turn, shaft: &PlaySpring, grip: impl Fn(&Turn) -> Grip) {
         let thread = &self.thread;
-        let compliance = if self.on_torque_sensor {
-            shaft_stiffness.recip()
-        } else {
-            0.0
-        };
         let factor = if state.turning {
             1.0
         } else {
@@ -148,30 +146,32 @@ impl Hinge {
         // Which way the object turns, once it does.
         let mut direction = None;
         for _ in 0..MAX_ITERATIONS {
-            let Grip { torque, stiffness } = grip(state);
+            let grip = grip(state);
+            let torque = grip.load;
             state.torque = torque;
-            if direction.is_none() && torque.abs() > breakaway + TORQUE_TOLERANCE {
+            let held = !self.on_torque_sensor || shaft.holds(state.twist, torque);
+            if direction.is_none() && held && torque.abs() > breakaway + TORQUE_TOLERANCE {
                 direction = Some(torque.signum());
             }
             let mut unbalance = 0.0;
-            let mut twist = torque * compliance;
+            let twist;
             if let Some(direction) = direction {
-                let slope = stiffness + thread.resistance_slope(state.angle, torque);
+                let slope = grip.stiffness + thread.resistance_slope(state.angle, torque);
                 let excess = direction * torque - thread.resisting_torque(state.angle);
                 // The thread holds; it never turns the object back.
                 let turned =
                     direction * (state.angle - start) + excess / slope.max(f64::MIN_POSITIVE);
                 state.angle = start + direction * turned.max(0.0);
                 unbalance = excess.abs();
-                twist = direction * thread.resisting_torque(state.angle) * compliance;
+                twist = shaft.way(direction * thread.resisting_torque(state.angle));
             } else {
                 // The grip gives way as the shaft does.
-                twist = state.twist + (twist - state.twist) / (1.0 + stiffness * compliance);
+                twist = shaft.give(state.twist, &grip);
             }
             if self.on_torque_sensor {
-                unbalance = unbalance.max(shaft_stiffness * (twist - state.twist).abs());
+                unbalance = unbalance.max(shaft.load_over(twist - state.twist));
+                state.twist = twist;
             }
-            state.twist = twist;
             if unbalance <= TORQUE_TOLERANCE {
                 break;
             }
@@ -227,7 +227,7 @@ mod tests {
     /// A grip like a torsion spring of `stiffness` whose far end was turned to `drive`.
     fn spring(stiffness: f64, drive: f64) -> impl Fn(&Turn) -> Grip {
         move |state| Grip {
-            torque: stiffness * (drive - state.angle - state.twist),
+            load: stiffness * (drive - state.angle - state.twist),
             stiffness,
         }
     }
@@ -238,7 +238,7 @@ mod tests {
         for drive in 1..=600 {
             cap.turn(
                 &mut state,
-                1e9,
+                &PlaySpring::new(1e9, 0.0),
                 spring(spring_stiffness, 1e-3 * f64::from(drive)),
             );
         }
@@ -254,16 +254,16 @@ mod tests {
     #[test]
     fn a_cap_sticks_until_the_static_torque_is_reached() {
         let (cap, mut state) = (cap(), Turn::default());
-        cap.turn(&mut state, 1e9, spring(1.0, 0.00314));
+        cap.turn(&mut state, &PlaySpring::new(1e9, 0.0), spring(1.0, 0.00314));
         assert_eq!((state.angle, state.turning), (0.0, false));
-        cap.turn(&mut state, 1e9, spring(1.0, 0.00316));
+        cap.turn(&mut state, &PlaySpring::new(1e9, 0.0), spring(1.0, 0.00316));
         assert!((state.angle - 0.00016).abs() < 1e-6, "{}", state.angle);
     }
 
     #[test]
     fn the_bottle_twists_by_torque_over_shaft_stiffness() {
         let (cap, mut state) = (cap(), Turn::default());
-        cap.turn(&mut state, 10.0, spring(1.0, 0.002));
+        cap.turn(&mut state, &PlaySpring::new(10.0, 0.0), spring(1.0, 0.002));
         assert!((state.twist - state.torque / 10.0).abs() < 1e-9);
         assert!((state.torque - 0.002 / 1.1).abs() < 1e-8);
     }
@@ -275,7 +275,7 @@ mod tests {
             static_factor: 1.0,
         });
         let mut state = Turn::default();
-        hinge.turn(&mut state, 50.0, spring(0.2, 1.5));
+        hinge.turn(&mut state, &PlaySpring::new(50.0, 0.0), spring(0.2, 1.5));
         assert!((state.angle - 1.5).abs() < 1e-8, "{}", state.angle);
         assert_eq!(state.twist, 0.0);
     }

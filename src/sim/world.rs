@@ -83,6 +83,13 @@ impl World {
         distances.min_by(|a, b| a.1.total_cmp(&b.1))
     }
 
+    /// What the encoders of `finger` read, rad.
+    pub fn encoded(&self, finger: usize) -> DVec3 {
+        let (own, state) = (&self.model.fingers[finger], &self.state.fingers[finger]);
+        let shown = state.joints.position + own.encoder_offset;
+        self.model.servo.encode(shown)
+    }
+
     /// Sets the velocities that the drives of `finger` are to follow, rad/s.
     pub fn command(&mut self, finger: usize, joint_velocity: DVec3) {
         if let Some(finger) = self.state.fingers.get_mut(finger) {

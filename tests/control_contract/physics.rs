@@ -7,7 +7,21 @@ use feeler::experiment::Session;
 
 #[test]
 fn a_step_of_the_world_does_not_allocate() {
-    let settings = ["sensing=direct".to_string()];
+    run_without_allocation(&["sensing=direct"]);
+}
+
+#[test]
+fn nor_with_rubber_that_relaxes_and_a_bottle_that_has_play() {
+    run_without_allocation(&[
+        "sensing=direct",
+        "sim.feeler.relaxation={share=0.2, time=0.3}",
+        "sim.holder={lateral={stiffness=[4e4, 4e4], play=[1e-4, 1e-4]}, turn_play=0.01}",
+        "sim.servo.backlash=0.0005",
+    ]);
+}
+
+fn run_without_allocation(settings: &[&str]) {
+    let settings: Vec<_> = settings.iter().map(ToString::to_string).collect();
     let experiment = Experiment::load("cap-closing", &settings).expect("an experiment");
     let mut session = Session::new(&experiment).expect("a session");
     let mut world = feeler::experiment::world(&experiment).expect("a world");

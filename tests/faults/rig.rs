@@ -25,6 +25,7 @@ fn a_joint_with_backlash_goes_round_the_loop_of_a_play() {
     let servo = ServoConfig {
         lag: 0.0,
         encoder_resolution: 1e-5,
+        backlash: 0.0,
     };
     let limits = (DVec3::splat(-10.0), DVec3::splat(10.0));
     let (band, swing, step) = (0.02, 0.05, 0.001);
@@ -70,6 +71,56 @@ fn the_fingertip_follows_the_link_and_the_encoder_the_motor() {
     assert!(end.tip.position.distance(by(end.joints.position)) > 1e-4);
     let read = session.control_loop().state().joints[0].position.y;
     assert!((read - end.joints.position.y).abs() <= 0.5e-5 + 1e-12);
+}
+
+#[test]
+fn backlash_of_the_drives_is_that_of_a_fault_from_the_beginning() {
+    let faults = [0, 1].map(|finger| {
+        let joint =
+            |joint| format!("{{kind.backlash={{finger={finger}, joint={joint}, angle=0.004}}}}");
+        [0, 1, 2].map(joint).join(", ")
+    });
+    let run = |settings: &[&str], faults: &str| {
+        let (felt, states) = watch(&mut session(settings, faults), step_at(1.5));
+        // The first state is that before any fault.
+        (felt, states[1..].to_vec())
+    };
+    let broken = run(&["sensing=direct"], &faults.join(", "));
+    let loose = ["sensing=direct", "sim.servo.backlash=0.004"];
+    assert_eq!(run(&loose, ""), broken);
+    // A fault of a joint comes on top of it, and goes again.
+    let fault = "{from=0.3, until=0.5, kind.backlash={finger=0, joint=1, angle=0.01}}";
+    let (_, states) = watch(&mut session(&loose, fault), step_at(0.7));
+    let bands = [0.2, 0.4, 0.6].map(|time| states[step_at(time)].fingers[0].joints.backlash.y);
+    assert_eq!(bands, [0.004, 0.014, 0.004]);
+}
+
+#[test]
+fn a_fingertip_comes_home_to_where_its_backlash_leaves_it() {
+    let home = |settings: &[&str]| {
+        let mut session = session(settings, "");
+        let mut homes = Vec::new();
+        while !session.finished() {
+            session.step().expect("a step");
+            let stroke = session.control_loop().controller().task().stroke() as usize;
+            let tip = session.rig().world().state().fingers[0].tip.position;
+            // The last position of each stroke.
+            homes.truncate(stroke.saturating_sub(1));
+            homes.push(tip);
+        }
+        homes
+    };
+    let spread = |homes: &[DVec3]| {
+        let from_first = homes.iter().map(|home| home.distance(homes[0]));
+        from_first.fold(0.0, f64::max)
+    };
+    let settings = ["sensing=direct", "sim.servo.backlash=0.004"];
+    let (tight, loose) = (home(&settings[..1]), home(&settings));
+    // Tight joints come home within `home_tolerance` of it, from wherever; loose ones to where their motors came home.
+    assert!(spread(&tight) < 4e-4, "{tight:?}");
+    assert!(spread(&loose) > spread(&tight), "{loose:?}");
+    let apart = loose[0].distance(tight[0]);
+    assert!(apart > 2e-4, "{apart} m");
 }
 
 /// Friction lost by a factor lowers the largest torque that the fingers can hold by that factor: with

@@ -21,12 +21,37 @@ fn refused(name: &str, from: &str, to: &str, words: &[&str]) {
 
 #[test]
 fn values_out_of_range() {
-    let cases: [(&str, &str, &str, &[&str]); 14] = [
+    let cases: [(&str, &str, &str, &[&str]); 17] = [
         (
             "stiffness",
             "normal_stiffness = 1090.0",
             "normal_stiffness = -3.5",
             &["sim.feeler.normal_stiffness = -3.5", "more than 0"],
+        ),
+        (
+            "relaxation",
+            "tip_radius = 0.0015",
+            "relaxation = { share = 1.0, time = 0.0 }\ntip_radius = 0.0015",
+            &[
+                "sim.feeler.relaxation.share = 1: expected 0 to 0.99",
+                "sim.feeler.relaxation.time = 0: expected more than 0",
+            ],
+        ),
+        (
+            "holder",
+            "[sim.servo]",
+            "[sim.holder]\nturn_play = -0.01\nlateral = { stiffness = [4e4, 0.0], play = [0.0, 2.0] }\n[sim.servo]",
+            &[
+                "sim.holder.turn_play = -0.01: expected 0 to 1",
+                "sim.holder.lateral.stiffness[1] = 0: expected more than 0",
+                "sim.holder.lateral.play[1] = 2: expected 0 to 0.1",
+            ],
+        ),
+        (
+            "backlash",
+            "lag = 0.01",
+            "lag = 0.01\nbacklash = nan",
+            &["sim.servo.backlash = NaN: expected 0 to 1"],
         ),
         (
             "nan",

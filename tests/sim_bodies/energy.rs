@@ -3,6 +3,7 @@
 use super::scene::{empty, fixed, world_with_fingers};
 use feeler::sim::config::SimConfig;
 use feeler::sim::pose::Pose;
+use feeler::sim::relaxation::RelaxationConfig;
 use feeler::sim::shape::ShapeConfig;
 use feeler::sim::world::World;
 use glam::{DMat3, DVec3, EulerRot};
@@ -103,5 +104,23 @@ fn feelers_that_slip_or_are_damped_give_back_less() {
             lost > 0.5,
             "{lost} with friction {friction} and damping {damping}"
         );
+    }
+}
+
+#[test]
+fn feelers_that_relax_give_back_less_however_fast_they_are_loaded() {
+    for time in [0.002, 0.02, 0.2, 2.0] {
+        for (coupling, limit) in [(0.0, None), (300.0, Some(0.001))] {
+            let mut sim = cylinder();
+            (sim.feeler.static_friction, sim.feeler.kinetic_friction) = (1e6, 1e6);
+            sim.feeler.normal_shear_coupling = coupling;
+            sim.feeler.length_limit = limit;
+            let share = 0.3;
+            let elastic = work(&sim, 0.3, 1000);
+            sim.feeler.relaxation = Some(RelaxationConfig { share, time });
+            let lost = work(&sim, 0.3, 1000);
+            println!("{time} s: {} of {}", lost / STORED, elastic / STORED);
+            assert!(lost > elastic.max(0.0), "{lost} J with {time} s");
+        }
     }
 }

@@ -1,6 +1,7 @@
 //! The cap on its thread: descent, and turning it loose again.
 
 use super::reference::{commands, experiment, replay, world};
+use feeler::sim::holder::PlaySpring;
 use feeler::sim::object::Motion;
 use feeler::sim::pose::Pose;
 use feeler::sim::thread::{Grip, Hinge, ThreadConfig, Turn};
@@ -50,8 +51,8 @@ fn close_and_open(stiffness: f64, to: f64) -> (f64, Turn) {
             to * (3.0 - 2.0 * share)
         };
         let before = cap.torque;
-        CAP.turn(&mut cap, SHAFT, |state| Grip {
-            torque: stiffness * (target - state.angle - state.twist),
+        CAP.turn(&mut cap, &PlaySpring::new(SHAFT, 0.0), |state| Grip {
+            load: stiffness * (target - state.angle - state.twist),
             stiffness,
         });
         assert!(cap.angle.is_finite() && cap.torque.is_finite());

@@ -17,6 +17,7 @@ pub const FEELER: FeelerConfig = FeelerConfig {
     shear_damping: 0.0,
     normal_shear_coupling: 0.0,
     length_limit: None,
+    relaxation: None,
 };
 /// How far the feeler is pressed in, m.
 const DEPTH: f64 = 0.0004;
@@ -64,6 +65,7 @@ fn tip(x: f64) -> Tip {
     Tip {
         position: DVec3::new(x, 0.0, 0.01 + FEELER.tip_radius - DEPTH),
         axis: DVec3::NEG_Z,
+        set: DVec3::ZERO,
     }
 }
 

@@ -12,6 +12,7 @@ use super::reference::{commands, experiment, world};
 const SERVO: ServoConfig = ServoConfig {
     lag: 0.01,
     encoder_resolution: 1e-5,
+    backlash: 0.0,
 };
 const FREE: (DVec3, DVec3) = (DVec3::splat(-10.0), DVec3::splat(10.0));
 
@@ -95,6 +96,41 @@ fn encoders_round_to_whole_counts_and_velocity_is_their_difference() {
     // After 20 time constants the joint moves as commanded, read to a count either way.
     let error = state.joints[0].velocity - velocity[0];
     assert!(error.abs().max_element() <= resolution / 0.01, "{error}");
+}
+
+#[test]
+fn encoders_are_off_by_what_they_were_switched_on_with() {
+    let most = 0.01;
+    let setting = format!("sim.variation.encoder_offset={most}");
+    let (mut drawn, runs) = (Vec::new(), 100);
+    for seed in 0..runs {
+        let seed = format!("seed={seed}");
+        let experiment = experiment(&["time_limit=0.05", &seed, &setting]);
+        let mut world = world(&experiment, &[DVec3::new(0.0, 1.0, -1.0); 2]);
+        world.step().expect("a step");
+        let mut offsets = Vec::new();
+        for (finger, own) in world.model().fingers.iter().enumerate() {
+            let (read, joints) = (world.encoded(finger), &world.state().fingers[finger].joints);
+            let off = read - joints.position;
+            // To half a count.
+            assert!((off - own.encoder_offset).abs().max_element() <= 0.5e-5 + 1e-12);
+            offsets.extend(off.to_array());
+        }
+        assert!(offsets.iter().all(|off| off.abs() <= most + 0.5e-5));
+        drawn.extend(offsets);
+    }
+    // Uniform: the mean's deviation is most / sqrt(3 n), and four of them are rarer than 1 in 10 000.
+    let count = drawn.len() as f64;
+    assert_eq!(drawn.len(), 6 * runs);
+    let mean = drawn.iter().sum::<f64>() / count;
+    assert!(mean.abs() < 4.0 * most / (3.0 * count).sqrt(), "{mean}");
+    let spread = drawn.iter().map(|off| off * off).sum::<f64>() / count;
+    // The variance of a uniform number's square is 4 / 45.
+    let tolerance = 4.0 * (4.0 / 45.0 / count).sqrt();
+    assert!(
+        (spread / most.powi(2) - 1.0 / 3.0).abs() < tolerance,
+        "{spread}"
+    );
 }
 
 const TORQUE_SENSOR: TorqueSensorConfig = TorqueSensorConfig {

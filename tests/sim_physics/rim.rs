@@ -13,6 +13,7 @@ fn tip(feeler: &FeelerConfig, z: f64) -> Tip {
     Tip {
         position: DVec3::new(RADIUS + feeler.tip_radius - DEPTH, 0.0, z),
         axis: DVec3::NEG_X,
+        set: DVec3::ZERO,
     }
 }
 

@@ -1,0 +1,175 @@
+//! What turns gives way: an object on a thread or hinge, and the bottle under it in its holder.
+
+use super::feeler::{FeelerConfig, Friction, Overload, Tip, within_cone};
+use super::holder::PlaySpring;
+use super::model::Model;
+use super::pose::Pose;
+use super::state::{Contact, FingerState, ObjectState, State};
+use super::step::{friction, settle, undeformed};
+use super::thread::{Grip, Hinge};
+use glam::DVec3;
+
+/// A slip lowers the torque on what turns, so the first or second round finds nothing more to do;
+/// the bound keeps a step's time finite.
+const MAX_BALANCE_ROUNDS: usize = 8;
+
+/// Turning and shifting by turns; each changes little of what the other has balanced.
+const MAX_GIVING_ROUNDS: usize = 8;
+
+/// Newton steps of a shift along both axes.
+const MAX_SHIFT_ITERATIONS: usize = 16;
+
+/// A bottle stands still when it shifts by less, m: on the feelers of a fingertip, 0.1 uN.
+const SHIFT_TOLERANCE: f64 = 1e-11;
+
+/// Turns an object and lets feelers slip until the torques on it balance and nothing slips.
+pub(super) fn balance(model: &Model, state: &mut State, object: usize, hinge: &Hinge) {
+    for round in 0..MAX_BALANCE_ROUNDS {
+        match &model.sides {
+            Some(sides) if hinge.on_torque_sensor => {
+                shift_and_turn(model, state, object, hinge, sides)
+            }
+            _ => turn(model, state, object, hinge),
+        }
+        // The motion of this step overloads feelers steadily, and first; then one feeler's slip
+        // overloads another at a stroke.
+        let overload = if round == 0 {
+            Overload::Steady
+        } else {
+            Overload::Sudden
+        };
+        if settle(model, state, object, overload, model.step) == 0 {
+            break;
+        }
+    }
+}
+
+/// Shifts and turns an object until both forces and torques on it balance.
+///
+/// The shift is balanced whenever the object turns. Then it never turns too far, as it would where a shift
+/// takes torque off it: the thread would hold it there.
+fn shift_and_turn(
+    model: &Model,
+    state: &mut State,
+    object: usize,
+    hinge: &Hinge,
+    sides: &[PlaySpring; 2],
+) {
+    let mut turned = false;
+    for round in 0..MAX_GIVING_ROUNDS {
+        let shifted = shift(model, state, object, hinge, sides);
+        if round > 0 && !shifted {
+            break;
+        }
+        turn(model, state, object, hinge);
+        turned |= state.objects[object].turn.turning;
+    }
+    state.objects[object].turn.turning = turned;
+}
+
+/// Shifts what an object stands on until the forces along W's x and y balance; whether it had to.
+fn shift(
+    model: &Model,
+    state: &mut State,
+    index: usize,
+    hinge: &Hinge,
+    sides: &[PlaySpring; 2],
+) -> bool {
+    let State {
+        fingers, objects, ..
+    } = state;
+    let (object, own) = (&model.objects[index], &mut objects[index]);
+    let mut turn = own.turn;
+    for _ in 0..MAX_SHIFT_ITERATIONS {
+        let mut moved = 0.0_f64;
+        for (axis, side) in sides.iter().enumerate() {
+            let pose = hinge.pose(&turn, &object.start);
+            let along = pose.rotation.row(axis);
+            let grip = grip(model, fingers, own, index, &pose, |_| along);
+            let to = side.give(turn.shift[axis], &grip);
+            moved = moved.max((to - turn.shift[axis]).abs());
+            turn.shift[axis] = to;
+        }
+        if moved <= SHIFT_TOLERANCE {
+            break;
+        }
+    }
+    let way = turn.shift.distance(own.turn.shift);
+    own.turn = turn;
+    own.pose = hinge.pose(&turn, &object.start);
+    way > SHIFT_TOLERANCE
+}
+
+/// Turns an object until the torques on it balance, feelers holding on as firmly as they can.
+fn turn(model: &Model, state: &mut State, index: usize, hinge: &Hinge) {
+    let State {
+        fingers, objects, ..
+    } = state;
+    let (object, own) = (&model.objects[index], &mut objects[index]);
+    let mut turn = own.turn;
+    hinge.turn(&mut turn, &model.shaft, |turn| {
+        let pose = hinge.pose(turn, &object.start);
+        // z x point
+        let around = |point: DVec3| DVec3::new(-point.y, point.x, 0.0);
+        grip(model, fingers, own, index, &pose, around)
+    });
+    own.turn = turn;
+    own.pose = hinge.pose(&turn, &object.start);
+}
+
+/// What the feelers on an object would do at `pose` along one of its freedoms, holding on: `way` is the
+/// velocity of a point of the object per rate of that freedom, in the object's frame.
+fn grip(
+    model: &Model,
+    fingers: &[FingerState],
+    own: &ObjectState,
+    index: usize,
+    pose: &Pose,
+    way: impl Fn(DVec3) -> DVec3,
+) -> Grip {
+    let object = &model.objects[index];
+    let mut sum = Grip::default();
+    for (finger, state) in model.fingers.iter().zip(fingers) {
+        if state.contacts.is_empty() {
+            continue;
+        }
+        let seen = state.tip.seen_from(pose);
+        let turned = seen.turn_since(&state.rolled[index]);
+        for contact in state.contacts.iter().filter(|c| c.object == index) {
+            let feeler = &finger.feelers[contact.element];
+            let anchor = feeler.rolled(&contact.anchor, turned);
+            let contact = Contact { anchor, ..*contact };
+            let tip = undeformed(finger, &state.sets, &seen, contact.element);
+            let friction = friction(finger, object, own, contact.element);
+            let grip = contact_grip(feeler, friction, &tip, &contact, model.step, &way);
+            sum.load += grip.load;
+            sum.stiffness += grip.stiffness;
+        }
+    }
+    sum
+}
+
+/// What one feeler does to an object along one of its freedoms, holding on.
+fn contact_grip(
+    feeler: &FeelerConfig,
+    friction: Friction,
+    tip: &Tip,
+    contact: &Contact,
+    duration: f64,
+    way: impl Fn(DVec3) -> DVec3,
+) -> Grip {
+    let anchor = &contact.anchor;
+    let mut force = feeler.holding_force(friction, tip, anchor);
+    let way = way(feeler.contact_point(anchor));
+    let mut stiffness = way.dot(feeler.stiffness_times(tip.axis, way));
+    if feeler.is_damped() {
+        let velocity = (tip.position - contact.tip_before) / duration;
+        force += feeler.damping_times(tip.axis, velocity);
+        force = within_cone(force, anchor.normal, friction);
+        stiffness += way.dot(feeler.damping_times(tip.axis, way)) / duration;
+    }
+    Grip {
+        load: way.dot(force),
+        stiffness,
+    }
+}
