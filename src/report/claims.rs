@@ -8,7 +8,9 @@ use super::measures::{LaggedCorrelation, distance_between_paths, lagged_correlat
 use super::path_fit::PathFit;
 use super::run_data::{RunData, Stroke};
 use super::series::{absolute_rate, count_heaps, longest_stretch, mean, moving_mean};
-use super::strokes::{StrokeMeasures, grasp_force_variation, over_fraction, share, slip_precision};
+use super::strokes::{
+    StrokeMeasures, grasp_force_variation, over_fraction, share, slip_precision, slip_skill,
+};
 use glam::DVec3;
 
 /// Strokes that the paper's experiment makes.
@@ -198,6 +200,10 @@ fn slip_means_slip(data: &RunData) -> Claim {
     let precision = each_finger(data, &CLOSED, |stroke, finger| {
         slip_precision(&data.fingers[finger], stroke)
     });
+    // Where feelers slip most of the time, a flag that is always up is right most of the time.
+    let skill = each_finger(data, &CLOSED, |stroke, finger| {
+        slip_skill(&data.fingers[finger], stroke)
+    });
     let raised = each_finger(data, &CLOSED, |stroke, finger| {
         share(
             stroke
@@ -215,6 +221,12 @@ fn slip_means_slip(data: &RunData) -> Claim {
                 least(&precision),
                 Relation::AtLeast,
                 0.9,
+            ),
+            ClaimPart::new(
+                "least gain in precision over a flag raised at random, of what there is to gain",
+                least(&skill),
+                Relation::AtLeast,
+                0.5,
             ),
             ClaimPart::new(
                 "least share of MOVE with SLIP",

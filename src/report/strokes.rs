@@ -70,10 +70,7 @@ impl StrokeMeasures {
             }),
             slip_fraction: over_fingers(data, |finger| share(moving().map(|row| finger.slip[row]))),
             slip_precision: over_fingers(data, |finger| slip_precision(finger, stroke)),
-            true_slip_fraction: over_fingers(data, |finger| {
-                let slipped = moving().map(|row| Some(finger.slipped[row]? > TRUE_SLIP));
-                share(slipped.collect::<Option<Vec<_>>>()?)
-            }),
+            true_slip_fraction: over_fingers(data, |finger| true_slip_fraction(finger, stroke)),
             grasp_force_variation: every_finger(data, |finger| {
                 grasp_force_variation(data, stroke, finger)
             }),
@@ -112,6 +109,25 @@ pub fn slip_precision(finger: &FingerColumns, stroke: &Stroke) -> Option<f64> {
     let raised = stroke.moving.clone().filter(|&row| finger.slip[row]);
     let right = raised.map(|row| Some(finger.slipped[row]? > TRUE_SLIP));
     share(right.collect::<Option<Vec<_>>>()?)
+}
+
+/// [`StrokeMeasures::true_slip_fraction`] of one finger.
+fn true_slip_fraction(finger: &FingerColumns, stroke: &Stroke) -> Option<f64> {
+    let slipped = stroke
+        .moving
+        .clone()
+        .map(|row| Some(finger.slipped[row]? > TRUE_SLIP));
+    share(slipped.collect::<Option<Vec<_>>>()?)
+}
+
+/// How much SLIP says about true slip: what its precision gains over a flag that is raised at random, relative to what
+/// there is to gain. 1: SLIP is never wrong; 0: it says nothing.
+pub fn slip_skill(finger: &FingerColumns, stroke: &Stroke) -> Option<f64> {
+    let (precision, at_random) = (
+        slip_precision(finger, stroke)?,
+        true_slip_fraction(finger, stroke)?,
+    );
+    finite((precision - at_random) / (1.0 - at_random))
 }
 
 /// [`StrokeMeasures::grasp_force_variation`] of one finger.

@@ -89,7 +89,7 @@ pub fn indices_figure(
     // The sum over claims, with what cannot be told from 0 left out.
     let weight = |factor: usize| -> f64 {
         let totals = measures.iter().filter_map(|m| total(m, factor));
-        totals.map(|t| t[1].max(0.0)).sum()
+        totals.filter(|t| t[0] > 0.0).map(|t| t[1]).sum()
     };
     let mut factors: Vec<usize> = (0..page.parameters).collect();
     factors.sort_by(|&a, &b| weight(b).total_cmp(&weight(a)));
