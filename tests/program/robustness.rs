@@ -272,9 +272,9 @@ fn files_of_ranges_go_together_and_bring_the_tables_that_they_vary() {
     assert!(!run.contains_key("stiffness") && !run.contains_key("backlash"));
     assert!(number(run, "clamp stiffness") <= 1e5 && number(run, "speed") > 0.0);
     // After a second there are no four strokes to compare.
-    assert_eq!(run["fig8"], "");
+    assert!(table.iter().all(|row| row["fig8"].is_empty()));
     let plan = fs::read_to_string(folder.join("r/sweep.toml")).unwrap();
-    for table in ["sim.feeler.relaxation", "sim.holder.lateral"] {
+    for table in ["relaxation", "lateral"] {
         assert!(plan.contains(table), "{table}");
     }
 }
