@@ -6,10 +6,11 @@ use super::{CommandError, Outcome};
 use crate::config::Experiment;
 use crate::report::robustness_page::{RobustnessPage, percent, robustness_page};
 use crate::sweep::design::{Design, MAX_ROWS};
+use crate::sweep::ranges::{self, Ranges};
 use crate::sweep::robustness::robustness as judge;
 use crate::sweep::store::{Store, TRIALS, write_whole};
 use crate::sweep::trial::Trials;
-use crate::sweep::{Ended, Plan, engine, ranges};
+use crate::sweep::{Ended, Plan, engine};
 use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::PathBuf;
@@ -33,6 +34,7 @@ Examples:
   feeler robustness cap-closing --group tuning -o tuning     only what an engineer sets
   feeler robustness cap-closing --trials 8192 --sensitivity 0 -o shares
   feeler robustness my.toml --ranges my.robustness.toml -o mine
+  feeler robustness cap-closing --ranges experiments/cap-closing.rubber.toml --sensitivity 0 -o rubber
   feeler robustness --resume -o robustness                   go on after it was stopped
   feeler run --trial robustness 17                           one trial again, with recording and report";
 
@@ -42,12 +44,12 @@ pub struct Arguments {
     /// An experiment file, or the name of a built-in experiment; not needed with --resume.
     #[arg(required_unless_present = "resume")]
     experiment: Option<String>,
-    /// File of ranges (TOML) [default: the one that comes with the experiment]
+    /// File of ranges (TOML); again for another one that varies with it [default: the one that comes with the experiment]
     #[arg(long, value_name = "FILE")]
-    ranges: Option<PathBuf>,
-    /// What varies: all, or one group of the ranges, as apparatus or tuning.
-    #[arg(long, default_value = ALL)]
-    group: String,
+    ranges: Vec<PathBuf>,
+    /// What varies: all, or these groups of the ranges, as apparatus or tuning.
+    #[arg(long, value_name = "GROUP,…", value_delimiter = ',', default_value = ALL)]
+    group: Vec<String>,
     /// At how many points everything varies; an even number.
     #[arg(long, default_value_t = 2048, value_parser = clap::value_parser!(u64).range(2..=MAX_ROWS))]
     trials: u64,
@@ -126,7 +128,7 @@ fn plan(arguments: &Arguments) -> Result<Plan, CommandError> {
         .into());
     }
     let Some(name) = &arguments.experiment else {
-        let others = arguments.ranges.is_some() || !arguments.settings.is_empty();
+        let others = !arguments.ranges.is_empty() || !arguments.settings.is_empty();
         return match kept {
             Some(kept) if !others => Ok(kept),
             _ => Err("--resume alone goes on as it was: name the experiment to check other options against it".into()),
@@ -160,19 +162,24 @@ fn new_plan(arguments: &Arguments, name: &str) -> Result<Plan, CommandError> {
         )
         .into());
     }
-    let mut settings = arguments.settings.clone();
+    let Ranges {
+        set: mut settings,
+        parameter: mut entries,
+    } = ranges::load(&arguments.ranges, name)?;
+    settings.extend(arguments.settings.clone());
     settings.push(format!("sensing={}", arguments.sensing));
     let experiment = Experiment::load(name, &settings)?;
-    let mut entries = ranges::load(arguments.ranges.as_deref(), name)?;
     let groups: BTreeSet<_> = entries.iter().map(|entry| entry.group.clone()).collect();
-    entries.retain(|entry| arguments.group == ALL || entry.group == arguments.group);
-    if entries.is_empty() {
+    let unknown = (arguments.group.iter()).find(|&group| group != ALL && !groups.contains(group));
+    if let Some(group) = unknown {
         let groups: Vec<_> = groups.into_iter().collect();
-        let (group, groups) = (&arguments.group, groups.join(", "));
+        let groups = groups.join(", ");
         return Err(
             format!("--group {group}: there is no such group; expected {ALL}, {groups}").into(),
         );
     }
+    let varies = |group: &String| arguments.group.iter().any(|g| g == ALL || g == group);
+    entries.retain(|entry| varies(&entry.group));
     Ok(Plan::designed(
         &experiment,
         name,

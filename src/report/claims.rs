@@ -8,6 +8,7 @@ use super::measures::{LaggedCorrelation, distance_between_paths, lagged_correlat
 use super::path_fit::PathFit;
 use super::run_data::{RunData, Stroke};
 use super::series::{absolute_rate, count_heaps, longest_stretch, mean, moving_mean};
+use super::stroke_pattern::ALIKE;
 use super::strokes::{
     StrokeMeasures, grasp_force_variation, over_fraction, share, slip_precision, slip_skill,
 };
@@ -126,13 +127,13 @@ fn closed_after_third(data: &RunData) -> Claim {
                 "change of peak torque from stroke 3 to 4",
                 peak_torque,
                 Relation::Within,
-                0.15,
+                ALIKE,
             ),
             ClaimPart::new(
                 "change of peak grasp force from stroke 3 to 4",
                 peak_grasp,
                 Relation::Within,
-                0.15,
+                ALIKE,
             ),
             ClaimPart::new(
                 "cap turn, stroke 4 to stroke 1",

@@ -4,6 +4,7 @@ use super::cap::CapMeasures;
 use super::claim::Claim;
 use super::run_data::RunData;
 use super::series::finite;
+use super::stroke_pattern::StrokePattern;
 use super::strokes::StrokeMeasures;
 use super::tasks;
 use crate::record::Recording;
@@ -33,6 +34,8 @@ pub struct Summary {
     pub real_time_factor: Option<f64>,
     /// The strokes, in the order of time.
     pub strokes: Vec<StrokeMeasures>,
+    /// Whether the strokes go up and down as in the paper's Fig. 8, if there are four.
+    pub stroke_pattern: Option<StrokePattern>,
     /// What came of the task, in a few words, if it could tell.
     pub outcome: Option<String>,
     /// What the task found out, by name, in SI units.
@@ -54,6 +57,9 @@ impl Summary {
         let facts = &recording.facts;
         let found = recording.findings.last();
         let factor = |seconds| finite(recording.readable_until / seconds);
+        let strokes: Vec<_> = (data.strokes.iter())
+            .map(|stroke| StrokeMeasures::new(data, stroke))
+            .collect();
         Self {
             experiment: facts.experiment.clone(),
             task: facts.task.clone(),
@@ -64,9 +70,8 @@ impl Summary {
             sim_time: recording.readable_until,
             wall_time: recording.wall_time,
             real_time_factor: recording.wall_time.and_then(factor),
-            strokes: (data.strokes.iter())
-                .map(|stroke| StrokeMeasures::new(data, stroke))
-                .collect(),
+            stroke_pattern: StrokePattern::new(&strokes),
+            strokes,
             outcome: found.and_then(|f| (!f.outcome.is_empty()).then(|| f.outcome.clone())),
             findings: (found.into_iter())
                 .flat_map(|f| f.names.iter().cloned().zip(&f.values))

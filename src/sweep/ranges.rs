@@ -76,24 +76,35 @@ impl Entry {
 }
 
 /// What a file holds.
-#[derive(Deserialize)]
+#[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct File {
-    parameter: Vec<Entry>,
+pub struct Ranges {
+    /// What is set in the experiment before anything varies, as `KEY=VALUE`: above all tables that it does not
+    /// have, but that hold something that varies.
+    #[serde(default)]
+    pub set: Vec<String>,
+    /// What varies.
+    pub parameter: Vec<Entry>,
 }
 
-/// The ranges of a file, or those that come with the experiment called `experiment`.
+/// The ranges of these files together, or those that come with the experiment called `experiment`.
 ///
 /// # Errors
 /// When there are none, or they make no sense.
-pub fn load(file: Option<&Path>, experiment: &str) -> Result<Vec<Entry>, SweepError> {
-    if let Some(path) = file {
-        let text = fs::read_to_string(path).map_err(|source| SweepError::File {
-            path: path.to_path_buf(),
-            source,
-            note: "expected a file of ranges (TOML)".to_string(),
-        })?;
-        return parse(&text, &path.display().to_string());
+pub fn load(files: &[impl AsRef<Path>], experiment: &str) -> Result<Ranges, SweepError> {
+    if !files.is_empty() {
+        let mut all = Ranges::default();
+        for path in files.iter().map(AsRef::as_ref) {
+            let text = fs::read_to_string(path).map_err(|source| SweepError::File {
+                path: path.to_path_buf(),
+                source,
+                note: "expected a file of ranges (TOML)".to_string(),
+            })?;
+            let ranges = parse(&text, &path.display().to_string())?;
+            all.set.extend(ranges.set);
+            all.parameter.extend(ranges.parameter);
+        }
+        return Ok(all);
     }
     let built_in = BUILT_IN.iter().find(|(name, _)| *name == experiment);
     let (_, text) = built_in.ok_or_else(|| SweepError::Vary {
@@ -106,12 +117,12 @@ pub fn load(file: Option<&Path>, experiment: &str) -> Result<Vec<Entry>, SweepEr
     parse(text, &format!("the ranges of {experiment}"))
 }
 
-fn parse(text: &str, origin: &str) -> Result<Vec<Entry>, SweepError> {
+fn parse(text: &str, origin: &str) -> Result<Ranges, SweepError> {
     let syntax = |message: String| ConfigError::Syntax {
         origin: origin.to_string(),
         message: message.trim_end().to_string(),
     };
-    let file: File = toml::from_str(text).map_err(|e| syntax(e.to_string()))?;
+    let file: Ranges = toml::from_str(text).map_err(|e| syntax(e.to_string()))?;
     for (index, entry) in file.parameter.iter().enumerate() {
         let texts = [&entry.name, &entry.group, &entry.why];
         if texts.iter().any(|text| text.trim().is_empty()) {
@@ -136,7 +147,7 @@ fn parse(text: &str, origin: &str) -> Result<Vec<Entry>, SweepError> {
             .into());
         }
     }
-    Ok(file.parameter)
+    Ok(file)
 }
 
 #[cfg(test)]
@@ -149,13 +160,15 @@ mod tests {
     #[test]
     fn the_ranges_that_come_with_the_program_hold_what_the_experiment_has() {
         for (name, _) in BUILT_IN {
-            let experiment = Experiment::load(name, &[]).unwrap();
+            let files: [&Path; 0] = [];
+            let ranges = load(&files, name).unwrap();
+            let experiment = Experiment::load(name, &ranges.set).unwrap();
             let design = Design {
                 rows: 2,
                 controls: 0,
                 pairs: 1,
             };
-            let plan = Plan::designed(&experiment, name, load(None, name).unwrap(), design, 0);
+            let plan = Plan::designed(&experiment, name, ranges.parameter, design, 0);
             let (_, parameters) = plan.load().unwrap();
             for parameter in parameters {
                 let ends = parameter.distribution.extremes(parameter.whole);
@@ -174,7 +187,7 @@ mod tests {
         };
         let good = entry("key = \"k\"\nrange = \"uniform(0,1)\"");
         assert_eq!(
-            parse(&good, "").unwrap()[0].links().unwrap(),
+            parse(&good, "").unwrap().parameter[0].links().unwrap(),
             [("k".to_string(), 1.0)]
         );
         for (text, word) in [
@@ -191,7 +204,11 @@ mod tests {
                 "{text}: {error}"
             );
         }
-        let links = |more: &str| parse(&entry(more), "").unwrap()[0].links().unwrap_err();
+        let links = |more: &str| {
+            parse(&entry(more), "").unwrap().parameter[0]
+                .links()
+                .unwrap_err()
+        };
         assert!(links("range = \"uniform(0,1)\"").contains("either"));
         assert!(
             links("range = \"uniform(0,1)\"\nkeys = [{ key = \"k\", factor = 0.0 }]")

@@ -11,7 +11,7 @@ use crate::experiment::Session;
 use crate::experiment::log::{RunLog, run_facts};
 use crate::experiment::truth::Truth;
 use crate::record::{MemoryRecorder, Recording};
-use crate::report::{RunData, StrokeMeasures, Summary, tasks};
+use crate::report::{RunData, StrokeMeasures, StrokePattern, Summary, tasks};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use sha2::{Digest as _, Sha256};
@@ -41,6 +41,33 @@ const MEASURES: [Measure; 15] = [
     ("path_curvature", |m| m.path_curvature),
     ("peak_element_force", |m| m.peak_element_force),
 ];
+
+/// A part of the pattern of the strokes: its column and where it comes from.
+type Part = (&'static str, fn(&StrokePattern) -> bool);
+
+/// Whether the strokes go up and down as in the paper's Fig. 8, part by part; [`StrokePattern`] defines each.
+const PATTERN: [Part; 10] = [
+    ("fig8.grasp.second_below_first", |p| {
+        p.grasp_force.second_below_first
+    }),
+    ("fig8.grasp.last_above_first", |p| {
+        p.grasp_force.last_above_first
+    }),
+    ("fig8.grasp.last_alike", |p| p.grasp_force.last_alike),
+    ("fig8.grasp", |p| p.grasp_force.whole()),
+    ("fig8.torque.second_below_first", |p| {
+        p.torque.second_below_first
+    }),
+    ("fig8.torque.last_above_first", |p| {
+        p.torque.last_above_first
+    }),
+    ("fig8.torque.last_alike", |p| p.torque.last_alike),
+    ("fig8.torque", |p| p.torque.whole()),
+    ("fig8.second_below_first", StrokePattern::second_below_first),
+    ("fig8", StrokePattern::whole),
+];
+/// How many strokes the pattern is of.
+const PATTERN_STROKES: u32 = 4;
 
 /// The trials of a sweep, ready to run on any thread.
 pub struct Trials {
@@ -162,6 +189,9 @@ impl Trials {
         }
         for stroke in 1..=self.strokes {
             header.extend(MEASURES.map(|(name, _)| format!("stroke{stroke}.{name}")));
+        }
+        if self.strokes >= PATTERN_STROKES {
+            header.extend(PATTERN.map(|(name, _)| name.to_string()));
         }
         header.extend(["cap_torque", "slip_work"].map(String::from));
         header
@@ -309,6 +339,10 @@ impl Trials {
         for stroke in 1..=self.strokes {
             let measured = summary.strokes.iter().find(|s| s.index == stroke);
             row.extend(MEASURES.map(|(_, measure)| number(measured.and_then(measure))));
+        }
+        if self.strokes >= PATTERN_STROKES {
+            let pattern = summary.stroke_pattern.as_ref();
+            row.extend(PATTERN.map(|(_, part)| pattern.map(part).map_or_else(String::new, flag)));
         }
         row
     }

@@ -253,3 +253,28 @@ fn what_makes_no_sense_is_refused_before_anything_runs() {
     .done();
     run(&folder, &["robustness", "--resume", "-o=s"]).refused(&["that is a sweep"]);
 }
+
+#[test]
+fn files_of_ranges_go_together_and_bring_the_tables_that_they_vary() {
+    let folder = folder("robustness-together");
+    fs::write(folder.join("ranges.toml"), RANGES).unwrap();
+    let rubber = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/experiments/cap-closing.rubber.toml"
+    );
+    let ranges = format!("--ranges={rubber}");
+    let both = robustness(&[&ranges, "--group=shift,tuning", "-o=r"]);
+    run(&folder, &both).done();
+    let table = rows(&folder.join("r/trials.csv"));
+    // 8 points, 2 controls of each group and of nothing, 2 pairs of 2 + 3 parameters, the seed and 2 groups.
+    assert_eq!(table.len(), 8 + 3 * 2 + 2 * 8);
+    let run = &table[0];
+    assert!(!run.contains_key("stiffness") && !run.contains_key("backlash"));
+    assert!(number(run, "clamp stiffness") <= 1e5 && number(run, "speed") > 0.0);
+    // After a second there are no four strokes to compare.
+    assert!(table.iter().all(|row| row["fig8"].is_empty()));
+    let plan = fs::read_to_string(folder.join("r/sweep.toml")).unwrap();
+    for table in ["relaxation", "lateral"] {
+        assert!(plan.contains(table), "{table}");
+    }
+}

@@ -2,6 +2,7 @@
 
 use crate::support;
 use feeler::record::Recording;
+use feeler::report::stroke_pattern::Heaps;
 use feeler::report::{RunData, Summary};
 use std::path::PathBuf;
 
@@ -51,6 +52,15 @@ fn a_made_up_run_measures_what_it_was_made_of() {
     close(fourth.peak_element_force, 0.7 * 2.3, 0.01);
     assert!(fourth.slip_fraction > first.slip_fraction);
     close(summary.real_time_factor, 12.19 / 0.25, 1e-9);
+    // Each heap is as high as the one before at least, the last two alike.
+    let heaps = Heaps {
+        second_below_first: false,
+        last_above_first: true,
+        last_alike: true,
+    };
+    let pattern = summary.stroke_pattern.expect("a pattern");
+    assert_eq!((pattern.grasp_force, pattern.torque), (heaps, heaps));
+    assert!(!pattern.whole());
     for claim in &summary.claims {
         assert!(claim.holds, "{claim:#?}");
         assert!(claim.value.is_some(), "{claim:#?}");
@@ -85,6 +95,7 @@ fn a_run_without_messages_defines_nothing_and_breaks_nothing() {
     let summary = Summary::new(&recording, &RunData::new(&recording));
     assert!(recording.complete);
     assert!(summary.strokes.is_empty());
+    assert_eq!(summary.stroke_pattern, None);
     assert!(summary.claims.iter().all(|claim| !claim.holds));
     assert_eq!(summary.cap_angle, None);
 }
@@ -102,13 +113,18 @@ fn the_keys_of_the_summary_are_stable() {
     assert_eq!(
         keys(&json),
         "cap_angle claims complete digest experiment findings outcome real_time_factor seed sensing \
-         sim_time strokes task version wall_time"
+         sim_time stroke_pattern strokes task version wall_time"
     );
     assert_eq!(
         keys(&json["strokes"][0]),
         "cap_turn grasp_force_variation index line_radius_std mean_grasp_force over_fraction path_curvature \
          path_inward_bend path_radius_std peak_element_force peak_grasp_force peak_shear_rate peak_torque \
          slip_fraction slip_precision true_slip_fraction"
+    );
+    assert_eq!(keys(&json["stroke_pattern"]), "grasp_force torque");
+    assert_eq!(
+        keys(&json["stroke_pattern"]["torque"]),
+        "last_above_first last_alike second_below_first"
     );
     assert_eq!(keys(&json["claims"][0]), "bound holds id parts text value");
     assert_eq!(
