@@ -50,11 +50,11 @@ pub struct Arguments {
     /// Where forces come from: rendered camera pictures, or the feelers themselves plus noise.
     #[arg(long, value_parser = ["image", "direct"], default_value = "direct")]
     sensing: String,
-    /// A success tightens the cap to this torque, N·m.
-    #[arg(long, value_name = "TORQUE", default_value_t = 0.05)]
+    /// A success tightens the cap to this torque, N·m. The default is what the reference law reaches on average.
+    #[arg(long, value_name = "TORQUE", default_value_t = 0.03)]
     goal_torque: f64,
-    /// A success loads no element above this force, N.
-    #[arg(long, value_name = "FORCE", default_value_t = 2.5)]
+    /// A success loads no element above this force, N. The default is what counts as no damage: a quarter above F2.
+    #[arg(long, value_name = "FORCE", default_value_t = 0.63)]
     goal_force: f64,
     /// Drives all that is drawn.
     #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]

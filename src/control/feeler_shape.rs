@@ -17,12 +17,12 @@ pub struct FeelerShape {
 }
 
 impl Default for FeelerShape {
-    /// The nominal rubber of the reference fingertip.
+    /// The nominal rubber of the reference experiment's fingertip.
     fn default() -> Self {
         Self {
-            normal_stiffness: 1090.0,
-            shear_stiffness: 413.0,
-            tip_radius: 0.0015,
+            normal_stiffness: 205.0,
+            shear_stiffness: 127.0,
+            tip_radius: 0.0021,
         }
     }
 }

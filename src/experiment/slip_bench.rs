@@ -119,7 +119,13 @@ struct Judge {
 impl Judge {
     fn new(config: &ExperimentConfig, layout: ElementLayout) -> Self {
         let elements = layout.elements.len();
-        let (feeler, touch_force) = (FeelerShape::default(), config.control.touch_force);
+        let touch_force = config.control.touch_force;
+        // The nominal rubber, as measured on a bench; that of a trial differs from it.
+        let feeler = FeelerShape {
+            normal_stiffness: config.sim.feeler.normal_stiffness,
+            shear_stiffness: config.sim.feeler.shear_stiffness,
+            tip_radius: config.sim.feeler.tip_radius,
+        };
         Self {
             layout,
             touch_force,

@@ -101,6 +101,8 @@ fn the_best_grips_in_proportion_to_shear_before_anything_slips() {
         friction: 0.5,
         margin: 1.5,
         least_grasp_force: 0.2,
+        element_force: 1.75,
+        slip_share: 0.75,
         ..BestConfig::default()
     };
     let mut law = law(LawConfig::Best(fixed));

@@ -11,9 +11,10 @@ use feeler::sensor::layout::ElementLayout;
 use glam::DVec3;
 
 /// An element that misses more than this slips, N.
-const THRESHOLD: f64 = 0.0084;
-/// Way of the fingertip from one frame to the next, m, in W and T: across its apex element, which looks along x.
-const WAY: DVec3 = DVec3::new(0.0, 1e-4, 0.0);
+const THRESHOLD: f64 = 0.0098;
+/// Way of the fingertip from one frame to the next, m, in W and T: across its apex element, which looks along x. It loads
+/// what sticks with 40 mN.
+const WAY: DVec3 = DVec3::new(0.0, 3.2e-4, 0.0);
 /// Elements that touch: the apex, and one beside it.
 const TOUCHING: [usize; 2] = [0, 1];
 /// Pressed like this, N, with shear that the fingertip's way lets grow.

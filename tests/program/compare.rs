@@ -59,7 +59,8 @@ fn laws_are_compared_on_the_same_draws_and_the_best_beats_the_papers() {
     }
     let [paper, best] = [&tables[0], &tables[4]];
     let torque = |row: &HashMap<String, String>| row["cap_torque"].parse::<f64>().unwrap();
-    assert!(mean(best, torque) > 1.2 * mean(paper, torque));
+    // 200 trials find 20 % more (docs/benchmarks.md): beside soft feelers, the paper's law leaves less to gain.
+    assert!(mean(best, torque) > 1.1 * mean(paper, torque));
     assert!(mean(best, peak_force) < mean(paper, peak_force));
     // What the seat holds is what the torque sensor saw at most, to the static factor and its noise.
     for row in best {
@@ -229,10 +230,10 @@ fn what_makes_no_sense_is_refused_before_anything_runs() {
         ),
         // Its law's own force has to lie between both thresholds.
         (
-            &["--set=control.over_force=1.0"],
+            &["--set=control.over_force=0.4"],
             &[
-                "control.law.best.element_force = 1.75",
-                "control.over_force (F2) = 1",
+                "control.law.best.element_force = 0.47",
+                "control.over_force (F2) = 0.4",
             ],
         ),
         (

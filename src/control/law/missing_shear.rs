@@ -25,10 +25,10 @@ pub struct MissingShearConfig {
 }
 
 impl Default for MissingShearConfig {
-    /// The threshold that `feeler score-slip` chooses for a precision of 96 %.
+    /// The threshold that `feeler score-slip` chooses for a precision of 96 % on what may move.
     fn default() -> Self {
         Self {
-            threshold: 0.0084,
+            threshold: 0.0098,
             feeler: FeelerShape::default(),
         }
     }

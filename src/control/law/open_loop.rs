@@ -21,11 +21,12 @@ pub struct OpenLoopConfig {
 }
 
 impl Default for OpenLoopConfig {
-    /// The stroke of the reference task, 6.9 mm past the cap's apex, leaves the circle of 33.5 mm on which
-    /// fingertip and cap touch by 0.7 mm: the squeeze makes up for that, and presses a little on.
+    /// The stroke of the reference task, to 7.35 mm past the cap's apex, leaves the circle of 34.1 mm on which
+    /// fingertip and cap touch by 0.75 mm. The squeeze makes up for most of that; soft feelers, pressed by
+    /// 1.0 N when the stroke begins, hold on for the rest. More of it presses elements beyond their limit.
     fn default() -> Self {
         Self {
-            squeeze: 0.001,
+            squeeze: 0.0005,
             squeeze_speed: 0.004,
         }
     }
