@@ -83,7 +83,7 @@ fn try_to_run(text: &str, folder: &Path) -> Result<(), String> {
 
 fn make_up_calibration(experiment: &Experiment, folder: &Path) {
     let name = &experiment.config.sensor.calibration;
-    if name != "reference-fingertip.calibration.toml" {
+    if name != "reference-fingertip.coupled.calibration.toml" {
         return;
     }
     let built_in = Experiment::load("cap-closing", &[]).expect("the reference experiment");

@@ -52,6 +52,10 @@ impl Walker<'_> {
             let count = u32::from_le_bytes(self.bytes());
             return (0..count).map(|_| self.value(kind)).collect();
         }
+        if let Some((kind, length)) = kind.strip_suffix(']').and_then(|k| k.split_once('[')) {
+            let count: usize = length.parse().expect("a length");
+            return (0..count).map(|_| self.value(kind)).collect();
+        }
         match kind {
             "bool" => match self.bytes() {
                 [0_u8] => json!(false),

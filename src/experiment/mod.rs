@@ -169,13 +169,14 @@ impl Session {
         let (rig, cap) = rig(experiment)?;
         check_specimen(config, &fingers, &rig.world())?;
         let sensors = sensors::sensors(experiment, &rig, &layouts)?;
+        let slip = SlipMeter::new(rig.world().state());
         let hand = SimHand::new(rig.clone(), steps_per_command(config));
         Ok(Self {
             rig,
             control_loop: ControlLoop::new(sensors, hand, controller),
             layouts,
             cap,
-            slip: SlipMeter::default(),
+            slip,
             time_limit: config.time_limit,
         })
     }

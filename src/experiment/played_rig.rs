@@ -59,12 +59,13 @@ impl PlayedRig {
             }
         });
         let steps_per_period = steps_per_command(config);
+        let slip = SlipMeter::new(rig.world().state());
         Ok(Self {
             sensors: sensors.collect(),
             hand: SimHand::new(rig.clone(), steps_per_period),
+            slip,
             rig,
             cap,
-            slip: SlipMeter::default(),
             steps_per_period,
         })
     }

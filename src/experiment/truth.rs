@@ -3,7 +3,7 @@
 use super::Session;
 use crate::hand::hand::MAX_FINGERS;
 use crate::sim::object::Motion;
-use crate::sim::state::State;
+use crate::sim::state::{FingerState, State};
 
 /// What came of a run so far, in truth.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,7 +35,7 @@ impl Truth {
 }
 
 /// Measures how far feelers slip from one time to the next.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub(super) struct SlipMeter {
     /// Way that each feeler of each finger had slipped when it was last looked at, m.
     ways: Vec<Vec<f64>>,
@@ -44,6 +44,16 @@ pub(super) struct SlipMeter {
 }
 
 impl SlipMeter {
+    /// For the fingers of `state`, as far as they have slipped by then.
+    pub fn new(state: &State) -> Self {
+        let ways =
+            |finger: &FingerState| finger.slipped.iter().map(|slipped| slipped.way).collect();
+        Self {
+            ways: state.fingers.iter().map(ways).collect(),
+            newest: None,
+        }
+    }
+
     /// Of each finger's feelers, the longest way that one slipped since the time before, m. At the same time it
     /// says the same again.
     pub fn read(&mut self, state: &State) -> [f64; MAX_FINGERS] {
@@ -51,11 +61,9 @@ impl SlipMeter {
             Some((steps, slipped)) if steps == state.steps => return slipped,
             _ => {}
         }
-        self.ways.resize_with(state.fingers.len(), Vec::new);
         let mut slipped = [0.0; MAX_FINGERS];
         let fingers = state.fingers.iter().zip(&mut self.ways);
         for (longest, (finger, ways)) in slipped.iter_mut().zip(fingers) {
-            ways.resize(finger.slipped.len(), 0.0);
             for (before, now) in ways.iter_mut().zip(&finger.slipped) {
                 *longest = f64::max(*longest, now.way - *before);
                 *before = now.way;

@@ -81,7 +81,7 @@ fn a_trial_runs_again_from_its_row_bit_for_bit() {
     same("cap_angle", &summary["cap_angle"]);
     assert_eq!(row["seed"], summary["seed"].to_string());
     let claims = summary["claims"].as_array().unwrap();
-    assert_eq!(claims.len(), 8);
+    assert_eq!(claims.len(), 11);
     for claim in claims {
         let id = claim["id"].as_str().unwrap();
         same(&format!("claim.{id}.value"), &claim["value"]);

@@ -10,7 +10,7 @@ fn broken_claims(sensing: &str, seed: u64) -> Vec<String> {
     run(&settings, &folder);
     let report = make(&folder).expect("a report");
     assert!(report.complete, "{:?}", report.problem);
-    assert_eq!(report.claims().len(), 8);
+    assert_eq!(report.claims().len(), 11);
     let broken = report.claims().iter().filter(|claim| !claim.holds);
     broken
         .map(|claim| {

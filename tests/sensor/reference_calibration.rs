@@ -11,7 +11,8 @@ const TOLERANCE: f64 = 1e-6;
 
 #[test]
 fn the_reference_calibration_can_be_made_again() {
-    let experiment = Experiment::load("cap-closing", &[]).unwrap();
+    let separable = "sensor.calibration=\"reference-fingertip.calibration.toml\"".to_string();
+    let experiment = Experiment::load("cap-closing", &[separable]).unwrap();
     let config = &experiment.config;
     let committed = experiment.calibration(0).unwrap();
     let bench = CalibrationBenchConfig::default();

@@ -10,11 +10,13 @@ use feeler::sim::world::World;
 use glam::DVec3;
 use std::path::Path;
 
+const RIG: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/stiff-feelers.toml");
+
 pub const GRAVITY: f64 = 9.81;
 
 /// The reference rig without anything to touch, and nothing varied.
 pub fn empty() -> SimConfig {
-    let experiment = Experiment::load("cap-closing", &[]).expect("the built-in experiment");
+    let experiment = Experiment::load(RIG, &[]).expect("the rig");
     let mut sim = experiment.config.sim;
     sim.object.clear();
     sim.variation.friction = 0.0;
@@ -57,7 +59,7 @@ pub fn world(sim: &SimConfig) -> World {
 
 /// `sim` with as many of the reference fingers as `starts`, held there from outside later.
 pub fn world_with_fingers(sim: &SimConfig, count: usize) -> World {
-    let experiment = Experiment::load("cap-closing", &[]).expect("the built-in experiment");
+    let experiment = Experiment::load(RIG, &[]).expect("the rig");
     let config = &experiment.config;
     let layout = ElementLayout::new(&config.sensor.fingertip.layout);
     let fingers: Vec<_> = (config.hand.finger.iter().take(count))

@@ -9,7 +9,7 @@ use glam::DVec3;
 use std::path::Path;
 
 pub fn experiment(settings: &[&str]) -> Experiment {
-    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/experiments/cap-closing.toml");
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/stiff-feelers.toml");
     let settings: Vec<_> = std::iter::once(&"sensing=direct")
         .chain(settings)
         .map(ToString::to_string)

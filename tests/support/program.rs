@@ -104,7 +104,8 @@ pub fn experiment(folder: &Path, from: &str, to: &str) {
     let text = include_str!("../../experiments/cap-closing.toml");
     assert!(text.contains(from), "{from:?} is not in the experiment");
     fs::write(folder.join("my.toml"), text.replacen(from, to, 1)).expect("an experiment");
-    let calibration = include_str!("../../experiments/reference-fingertip.calibration.toml");
-    let name = "reference-fingertip.calibration.toml";
+    let calibration =
+        include_str!("../../experiments/reference-fingertip.coupled.calibration.toml");
+    let name = "reference-fingertip.coupled.calibration.toml";
     fs::write(folder.join(name), calibration).expect("a calibration");
 }
