@@ -21,7 +21,7 @@ fn missing_shear_tells_slips_that_the_rate_of_shear_does_not() {
     let arguments = ["score-slip", "--trials=60", "--seed=4", "-o=s"];
     let said = run(&folder, &arguments).done();
     // On trials that the threshold was not chosen on; 1,000 trials find 96.3 and 89.5 %, 60 know it to some percent. Soft
-    // feelers lose a third of the shear by the same slip, so that the noise hides more of them than of stiff ones (below).
+    // feelers lose a third as much shear by the same slip, so that the noise hides more of them than of stiff ones (below).
     let (precision, recall) = (
         percent(&said, "precision (%)"),
         percent(&said, "recall (%)"),
