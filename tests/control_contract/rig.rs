@@ -16,7 +16,7 @@ use glam::DVec3;
 pub const ELEMENTS: usize = 41;
 
 pub fn config() -> ExperimentConfig {
-    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/experiments/cap-closing.toml");
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/stiff-feelers.toml");
     Experiment::load(file, &[])
         .expect("the reference experiment")
         .config
