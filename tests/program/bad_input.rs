@@ -24,7 +24,7 @@ fn values_out_of_range() {
     let cases: [(&str, &str, &str, &[&str]); 17] = [
         (
             "stiffness",
-            "normal_stiffness = 1090.0",
+            "normal_stiffness = 205.0",
             "normal_stiffness = -3.5",
             &["sim.feeler.normal_stiffness = -3.5", "more than 0"],
         ),
@@ -63,14 +63,14 @@ fn values_out_of_range() {
             "f1-f2",
             "touch_force = 0.1",
             "touch_force = 2.5",
-            &["control.over_force = 1.98", "(F1) = 2.5"],
+            &["control.over_force = 0.505", "(F1) = 2.5"],
         ),
         (
             "overload",
             "joint_acceleration = 20.0",
-            "element_force = 1.0\njoint_acceleration = 20.0",
+            "element_force = 0.3\njoint_acceleration = 20.0",
             &[
-                "control.limits.element_force = 1",
+                "control.limits.element_force = 0.3",
                 "more than control.over_force",
             ],
         ),
@@ -156,7 +156,7 @@ fn calibrations_that_do_not_fit() {
         "elements = 13",
         &["another fingertip", "elements", "13 here, 12"],
     );
-    let name = "reference-fingertip.calibration.toml";
+    let name = "reference-fingertip.coupled.calibration.toml";
     refused(
         "picture-missing",
         name,

@@ -186,7 +186,7 @@ fn fingers_have_sensors_of_their_own() {
     let table = fs::read_to_string(folder.join("forces.csv")).unwrap();
     assert_eq!((table.lines().count() - 1) % SMALL_ELEMENTS, 0);
     // The calibration of another finger's fingertip is none of this one's.
-    let other = "--set=sensor.finger.1.calibration=reference-fingertip.calibration.toml";
+    let other = "--set=sensor.finger.1.calibration=reference-fingertip.coupled.calibration.toml";
     run(&folder, &["check", "my.toml", other]).refused(&["finger 1", "another fingertip"]);
 }
 

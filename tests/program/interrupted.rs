@@ -11,7 +11,7 @@ use std::thread::yield_now;
 /// Starts a run that goes on for hours and waits until so much of it is on the disk.
 fn start_long_run(folder: &Path, bytes: u64) -> Child {
     // Strokes go on for ever: the cap never meets its seat.
-    experiment(folder, "seat_angle = 0.48", "seat_angle = 1e6");
+    experiment(folder, "seat_angle = 0.59", "seat_angle = 1e6");
     let arguments = [
         "run",
         "my.toml",

@@ -42,7 +42,7 @@ fn a_watched_run_is_the_run_that_nobody_watches() {
 fn keys_stop_the_hand_and_let_it_go_on_and_leave() {
     let folder = folder("top-keys");
     // Strokes go on for ever: the cap never meets its seat.
-    experiment(&folder, "seat_angle = 0.48", "seat_angle = 1e6");
+    experiment(&folder, "seat_angle = 0.59", "seat_angle = 1e6");
     let feeler = env!("CARGO_BIN_EXE_feeler");
     let endless = "--set=task.screw.strokes=1000 --set=time_limit=90000 --sensing direct";
     let command = format!("{feeler} run my.toml {endless} --top --speed 5 --out run");
@@ -69,7 +69,7 @@ fn keys_stop_the_hand_and_let_it_go_on_and_leave() {
 
 /// A run in `folder` that never ends, and its number among the system's programs.
 fn endless(folder: &Path) -> Option<(InTerminal, String)> {
-    experiment(folder, "seat_angle = 0.48", "seat_angle = 1e6");
+    experiment(folder, "seat_angle = 0.59", "seat_angle = 1e6");
     let feeler = env!("CARGO_BIN_EXE_feeler");
     let endless = "--set=task.screw.strokes=1000 --set=time_limit=90000 --sensing direct";
     // Replaces the shell, so that the number is its own.
