@@ -30,8 +30,8 @@ fn values_out_of_range() {
         ),
         (
             "relaxation",
-            "tip_radius = 0.0015",
-            "relaxation = { share = 1.0, time = 0.0 }\ntip_radius = 0.0015",
+            "tip_radius = 0.0021",
+            "relaxation = { share = 1.0, time = 0.0 }\ntip_radius = 0.0021",
             &[
                 "sim.feeler.relaxation.share = 1: expected 0 to 0.99",
                 "sim.feeler.relaxation.time = 0: expected more than 0",
