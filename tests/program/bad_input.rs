@@ -49,8 +49,8 @@ fn values_out_of_range() {
         ),
         (
             "backlash",
-            "lag = 0.01",
-            "lag = 0.01\nbacklash = nan",
+            "lag = 0.0125",
+            "lag = 0.0125\nbacklash = nan",
             &["sim.servo.backlash = NaN: expected 0 to 1"],
         ),
         (
@@ -100,7 +100,7 @@ fn values_out_of_range() {
         ),
         (
             "type",
-            "lag = 0.01 ",
+            "lag = 0.0125 ",
             "lag = \"fast\" ",
             &["lag", "\"fast\"", "expected f64"],
         ),
