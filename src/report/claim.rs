@@ -86,7 +86,7 @@ impl Claim {
         self.parts.iter().all(|part| part.value.is_some())
     }
 
-    /// How far the claim is from failing, in units of its bounds: the least [`ClaimPart::margin`] of its parts. Not
+    /// How far the claim is from failing, in units of its bounds: the least of its parts. Not
     /// negative where it holds, not positive where it does not; none where a part is not measured.
     pub fn margin(&self) -> Option<f64> {
         let margins = self.parts.iter().map(ClaimPart::margin);
