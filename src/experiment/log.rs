@@ -7,6 +7,7 @@ use crate::control::control_loop::ControlLoop;
 use crate::control::controller::{Controller, FingerControl};
 use crate::control::phase::Phase;
 use crate::control::sense::FingertipPose;
+use crate::control::stop_reason::StopReason;
 use crate::control::task::Task as ControlTask;
 use crate::control::touch::{FingerTouch, TouchSource};
 use crate::hand::hand::{Hand, JointState, MAX_FINGERS};
@@ -29,6 +30,8 @@ pub struct RunLog<R = Recorder> {
     flags: Flags,
     fingertip: Fingertip,
     phase: Option<Phase>,
+    /// Why the hand is stopped, as written last.
+    stop_reason: Option<StopReason>,
     findings: Findings,
     /// Each finger's newest picture, if pictures are recorded.
     pictures: Vec<Picture>,
@@ -70,6 +73,7 @@ impl<R: MessageSink> RunLog<R> {
                 element_tips: Vec::new(),
             },
             phase: None,
+            stop_reason: None,
             findings: Findings::default(),
             pictures: Vec::new(),
         }
@@ -277,10 +281,14 @@ impl<R: MessageSink> RunLog<R> {
     fn write_task(&mut self, stamp: f64, controller: &Controller) -> Result<(), RecordError> {
         let phase = controller.phase();
         let entered = self.phase.replace(phase) != Some(phase);
-        let reason = match controller.stop_reason() {
-            Some(reason) if entered => reason.to_string(),
-            _ => String::new(),
-        };
+        let mut reason = String::new();
+        // A hand that stands still for want of data may be told to stop, too: both are written.
+        if entered || self.stop_reason.as_ref() != controller.stop_reason() {
+            self.stop_reason = controller.stop_reason().cloned();
+            reason = controller
+                .stop_reason()
+                .map_or_else(String::new, ToString::to_string);
+        }
         self.recorder.task(&Task {
             stamp,
             phase,
