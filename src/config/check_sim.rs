@@ -3,7 +3,7 @@
 use super::check_objects::check_object;
 use super::checker::{Checker, MAX};
 use crate::sim::config::SimConfig;
-use crate::sim::feeler::{FeelerConfig, Friction};
+use crate::sim::columnar_feeler::{FeelerConfig, Friction};
 use crate::sim::holder::HolderConfig;
 use crate::sim::optics_config::OpticsError;
 use crate::sim::torque_sensor::TorqueSensorConfig;

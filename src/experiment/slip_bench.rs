@@ -10,7 +10,7 @@ use crate::control::slip_detector::SlipDetector;
 use crate::control::touch::FingerTouch;
 use crate::sensor::layout::ElementLayout;
 use crate::sim::config::DirectSensingConfig;
-use crate::sim::feeler::Friction;
+use crate::sim::columnar_feeler::Friction;
 use crate::sim::object::{MotionConfig, ObjectConfig};
 use crate::sim::pose::Pose;
 use crate::sim::random::normal;

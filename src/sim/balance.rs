@@ -1,6 +1,6 @@
 //! What turns gives way: an object on a thread or hinge, and the bottle under it in its holder.
 
-use super::feeler::{FeelerConfig, Friction, Overload, Tip, within_cone};
+use super::columnar_feeler::{FeelerConfig, Friction, Overload, Tip, within_cone};
 use super::holder::PlaySpring;
 use super::model::Model;
 use super::pose::Pose;

@@ -2,7 +2,7 @@
 
 use super::element::ElementConfig;
 use super::fault::FaultConfig;
-use super::feeler::FeelerConfig;
+use super::columnar_feeler::FeelerConfig;
 use super::holder::HolderConfig;
 use super::object::ObjectConfig;
 use super::optics_config::OpticsConfig;

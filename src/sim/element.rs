@@ -1,7 +1,7 @@
 //! Feelers that differ from the others on their fingertip.
 
 use super::error::SimError;
-use super::feeler::FeelerConfig;
+use super::columnar_feeler::FeelerConfig;
 use super::model::Finger;
 use super::relaxation::RelaxationConfig;
 use serde::{Deserialize, Serialize};

@@ -3,12 +3,13 @@
 mod balance;
 pub mod calibration_bench;
 pub mod camera_noise;
+pub mod columnar_feeler;
 pub mod config;
 pub mod direct_sensor;
 pub mod element;
 pub mod error;
 pub mod fault;
-pub mod feeler;
+
 pub mod free_bodies;
 pub mod holder;
 pub mod knurled_cylinder;

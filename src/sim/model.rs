@@ -2,7 +2,7 @@
 
 use super::config::SimConfig;
 use super::error::SimError;
-use super::feeler::FeelerConfig;
+use super::columnar_feeler::FeelerConfig;
 use super::holder::PlaySpring;
 use super::object::Object;
 use super::random::{Purpose, generator, uniform};

@@ -1,6 +1,6 @@
 //! Things to touch: a shape, and how it may move.
 
-use super::feeler::Friction;
+use super::columnar_feeler::Friction;
 use super::pose::Pose;
 use super::shape::{Shape, ShapeConfig, ShapeError, SurfacePoint};
 use super::thread::{Hinge, HingeConfig, ThreadConfig};

@@ -15,7 +15,7 @@
 //! meets the whole stiffness, and so does what turns within a step. What `normal_shear_coupling` and
 //! `length_limit` add to the force does not relax: both follow from the feeler's shape, that is from `d`.
 //!
-//! [`FeelerConfig`]: super::feeler::FeelerConfig
+//! [`FeelerConfig`]: super::columnar_feeler::FeelerConfig
 
 use super::model::Model;
 use super::state::State;

@@ -1,6 +1,6 @@
 //! What changes in a run.
 
-use super::feeler::Anchor;
+use super::columnar_feeler::Anchor;
 use super::model::Model;
 use super::object::Motion;
 use super::pose::Pose;

@@ -1,7 +1,7 @@
 //! One step of the physics: joints move, feelers touch, objects give way, feelers slip and relax.
 
 use super::balance::balance;
-use super::feeler::{Anchor, FeelerConfig, Friction, Overload, Tip, within_cone};
+use super::columnar_feeler::{Anchor, FeelerConfig, Friction, Overload, Tip, within_cone};
 use super::free_bodies::FreeBodies;
 use super::model::{Finger, Model};
 use super::object::{Motion, Object};

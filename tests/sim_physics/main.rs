@@ -3,7 +3,7 @@
 mod cap;
 mod convergence;
 mod every_step;
-mod feeler;
+mod columnar_feeler;
 mod holder;
 mod instruments;
 mod one_element;

@@ -3,7 +3,7 @@
 use feeler::hand::finger::FingerGeometry;
 use feeler::sensor::layout::{ElementLayout, LayoutConfig, RingConfig};
 use feeler::sim::config::SimConfig;
-use feeler::sim::feeler::FeelerConfig;
+use feeler::sim::columnar_feeler::FeelerConfig;
 use feeler::sim::pose::Pose;
 use feeler::sim::world::World;
 use glam::{DMat3, DVec3};

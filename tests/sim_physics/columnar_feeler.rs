@@ -1,6 +1,6 @@
 //! One feeler on a flat face, by calling the contact law itself: stick, slip, hold.
 
-use feeler::sim::feeler::{Anchor, FeelerConfig, Overload, Tip};
+use feeler::sim::columnar_feeler::{Anchor, FeelerConfig, Overload, Tip};
 use feeler::sim::object::{MotionConfig, Object, ObjectConfig};
 use feeler::sim::shape::ShapeConfig;
 use glam::DVec3;
