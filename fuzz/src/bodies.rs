@@ -3,16 +3,7 @@
 //! Shared by the targets and by `tests/fuzz_corpus.rs`, so that every test run goes through the
 //! corpora. A target says whether its bytes were sound.
 
-use feeler::config::Experiment;
 use feeler::hand::hand::{Hand, HandState};
-use feeler::link::hand_inbox::HandInbox;
-use feeler::link::inbox::Inbox;
-use feeler::link::message::{Heartbeat, NO_FINGER, PROTOCOL};
-use feeler::link::peers::{Expected, MOST_PEERS};
-use feeler::link::rig_inbox::RigInbox;
-use feeler::link::sense_inbox::SenseInbox;
-use feeler::link::topic::Topic;
-use feeler::record::{RecordedCamera, RecordedHand, RecordedSensor, Recording};
 use feeler::sensor::calibration::Calibration;
 use feeler::sensor::camera::{Camera, CameraError};
 use feeler::sensor::frame::Frame;
@@ -20,8 +11,17 @@ use feeler::sensor::loads::read_loads;
 use feeler::sensor::located_layout::LocatedLayout;
 use feeler::sensor::moments::ElementMoments;
 use feeler::sensor::reading::{SensorError, TactileFrame, TactileSensor};
-use feeler::sources::picture::decode_picture;
-use feeler::wire::cdr;
+use feeler_lab::config::Experiment;
+use feeler_link::hand_inbox::HandInbox;
+use feeler_link::inbox::Inbox;
+use feeler_link::message::{Heartbeat, NO_FINGER, PROTOCOL};
+use feeler_link::peers::{Expected, MOST_PEERS};
+use feeler_link::rig_inbox::RigInbox;
+use feeler_link::sense_inbox::SenseInbox;
+use feeler_link::topic::Topic;
+use feeler_record::wire::cdr;
+use feeler_record::{RecordedCamera, RecordedHand, RecordedSensor, Recording};
+use feeler_sources::picture::decode_picture;
 use glam::DVec2;
 use std::io::Cursor;
 use std::str::from_utf8;

@@ -1,0 +1,188 @@
+//! `feeler calibrate`
+
+mod loads;
+mod page;
+
+use super::part_file::PartFile;
+use super::sensor_geometry::SensorGeometry;
+use super::{CommandError, Outcome};
+use feeler::sensor::calibration::{Calibration, FullScale};
+use feeler::sensor::calibration_fit::{ElementRecord, ModelChoice, fit};
+use feeler::sensor::calibration_report::CalibrationReport;
+use feeler_lab::config::Experiment;
+use feeler_sim::calibration_bench::{CalibrationBenchConfig, load_simulated};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+/// The experiment whose fingertip is calibrated unless another is named.
+const EXPERIMENT: &str = "cap-closing";
+
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// The file of loads: CSV with the columns picture (relative to the file), element, f_x, f_y, f_z
+    /// (N, in the element's frame); a row of zero force, or without an element, is an unloaded picture.
+    /// With --simulated, the experiment.
+    #[arg(value_name = "LOADS.csv", required_unless_present = "simulated")]
+    input: Option<String>,
+    /// Put the loads on the simulated fingertip of the experiment instead.
+    #[arg(long)]
+    simulated: bool,
+    /// The experiment whose fingertip it is: a file, or the name of a built-in one [default: cap-closing]
+    #[arg(long, value_name = "EXPERIMENT")]
+    experiment: Option<String>,
+    /// The finger of the experiment whose fingertip it is, from 0 [default: what fingers have without
+    /// one of their own]
+    #[arg(long, value_name = "NUMBER", conflicts_with = "layout")]
+    finger: Option<usize>,
+    /// The sensing elements as `feeler locate` found them, instead of an experiment's.
+    #[arg(long, value_name = "LAYOUT.toml", conflicts_with_all = ["simulated", "experiment"])]
+    layout: Option<PathBuf>,
+    /// Where to write the calibration; a page with curves and residuals is written beside it.
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Which model to fit: the paper's (separable), the one that knows how a column tilts (coupled),
+    /// or the one that predicts loads better which it has not been fitted to (auto).
+    #[arg(long, value_parser = model, default_value = "auto", value_name = "MODEL")]
+    model: ModelChoice,
+    /// Compression that shares of full scale refer to, N [default: the largest load; simulated: 2]
+    #[arg(long, value_parser = positive, value_name = "N")]
+    full_scale_normal: Option<f64>,
+    /// Shear force that shares of full scale refer to, N [default: the largest load; simulated: 1]
+    #[arg(long, value_parser = positive, value_name = "N")]
+    full_scale_shear: Option<f64>,
+    /// Print the errors of each element, not only of each ring.
+    #[arg(long)]
+    verbose: bool,
+    /// Seed of the simulated loads' order and of the simulated camera's noise.
+    #[arg(long, default_value_t = CalibrationBenchConfig::default().seed)]
+    seed: u64,
+    /// Combined loads that are put on the simulated fingertip; other kinds in proportion.
+    #[arg(long, default_value_t = CalibrationBenchConfig::default().combined, value_name = "COUNT",
+        value_parser = clap::value_parser!(usize))]
+    loads: usize,
+    /// Write the simulated pictures and their LOADS.csv into this folder, which must not hold any yet.
+    #[arg(long, value_name = "DIR", requires = "simulated")]
+    write_loads: Option<PathBuf>,
+}
+
+/// The model of this name.
+fn model(name: &str) -> Result<ModelChoice, String> {
+    match name {
+        "separable" => Ok(ModelChoice::Separable),
+        "coupled" => Ok(ModelChoice::Coupled),
+        "auto" => Ok(ModelChoice::Auto),
+        _ => Err("expected separable, coupled or auto".into()),
+    }
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok();
+    let positive = number.filter(|number| number.is_finite() && *number > 0.0);
+    positive.ok_or_else(|| "expected a force above 0 N".into())
+}
+
+pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
+    let output = &arguments.output;
+    // Opened first, for calibrating takes its time.
+    let mut file = PartFile::create(output, "--output")?;
+    let experiment_name = experiment_name(arguments);
+    let sensor = SensorGeometry::of(
+        experiment_name,
+        arguments.finger,
+        arguments.layout.as_deref(),
+    )?;
+    let (records, source) = records(arguments, &sensor)?;
+    let full_scale = full_scale(arguments, &records);
+    let calibration = fit(sensor.made_for, &records, arguments.model, full_scale)?;
+    let page_path = output.with_extension("html");
+    if page_path == *output {
+        return Err(format!(
+            "--output {}: the page beside it would have the same name; expected a name that ends in .toml",
+            output.display()
+        )
+        .into());
+    }
+    let mut page_file = PartFile::create(&page_path, "--output")?;
+    page_file.finish(page::page(&calibration, &records, &source).as_bytes())?;
+    file.finish(calibration.to_toml()?.as_bytes())?;
+    print(arguments, &calibration, out)?;
+    writeln!(out, "{}\n{}", output.display(), page_path.display())?;
+    Ok(Outcome::Done)
+}
+
+fn print(arguments: &Arguments, calibration: &Calibration, out: &mut dyn Write) -> io::Result<()> {
+    let report = CalibrationReport {
+        calibration,
+        verbose: arguments.verbose,
+    };
+    writeln!(out, "{report}")
+}
+
+/// The experiment whose fingertip it is.
+fn experiment_name(arguments: &Arguments) -> &str {
+    let input = arguments.input.as_deref().filter(|_| arguments.simulated);
+    let name = arguments.experiment.as_deref().or(input);
+    name.unwrap_or(EXPERIMENT)
+}
+
+/// What is known of each element, and where it comes from.
+fn records(
+    arguments: &Arguments,
+    sensor: &SensorGeometry,
+) -> Result<(Vec<ElementRecord>, String), CommandError> {
+    if let Some(csv) = arguments.input.as_ref().filter(|_| !arguments.simulated) {
+        return Ok((loads::read(Path::new(csv), sensor)?, csv.clone()));
+    }
+    let experiment = Experiment::load(experiment_name(arguments), &[])?;
+    let fingertip = experiment.fingertip(arguments.finger)?;
+    let config = &experiment.config;
+    let bench = bench(arguments);
+    if let Some(folder) = &arguments.write_loads {
+        loads::write_simulated(folder, fingertip, &config.sim.optics, &bench)?;
+    }
+    let records = load_simulated(fingertip, &config.sim.optics, &bench)?;
+    Ok((records, format!("{}, simulated", config.name)))
+}
+
+/// The simulated loads, all kinds in proportion to the combined ones.
+fn bench(arguments: &Arguments) -> CalibrationBenchConfig {
+    let default = CalibrationBenchConfig::default();
+    // Sums of all kinds stay far from overflowing.
+    let combined = arguments.loads.min(1_000_000);
+    let share = |count: usize| (count * combined).div_ceil(default.combined);
+    CalibrationBenchConfig {
+        seed: arguments.seed,
+        combined,
+        unloaded: share(default.unloaded).max(2),
+        normal_sweep: share(default.normal_sweep),
+        shear_sweep: share(default.shear_sweep),
+        held_out: share(default.held_out),
+        ..default
+    }
+}
+
+/// What shares of full scale refer to: as asked for, or as large as the loads.
+fn full_scale(arguments: &Arguments, records: &[ElementRecord]) -> FullScale {
+    let default = FullScale::default();
+    let forces = || {
+        records
+            .iter()
+            .flat_map(|r| &r.fitted)
+            .map(|sample| sample.force)
+    };
+    let largest = |of: fn(glam::DVec3) -> f64, simulated: f64| {
+        let largest = forces().map(of).fold(0.0, f64::max);
+        if arguments.simulated || largest <= 0.0 {
+            simulated
+        } else {
+            // To the millinewton: more digits would say nothing.
+            (1e3 * largest).ceil() / 1e3
+        }
+    };
+    let normal = largest(|force| force.z.abs(), default.normal);
+    let shear = largest(|force| force.truncate().length(), default.shear);
+    FullScale {
+        normal: arguments.full_scale_normal.unwrap_or(normal),
+        shear: arguments.full_scale_shear.unwrap_or(shear),
+    }
+}

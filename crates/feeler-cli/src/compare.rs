@@ -1,0 +1,300 @@
+//! `feeler compare`
+
+use super::interrupt::watch_for_interrupt;
+use super::sweep::cores;
+use super::{CommandError, Outcome};
+use feeler::control::law::LawConfig;
+use feeler_lab::config::{Experiment, ExperimentConfig};
+use feeler_lab::sweep::comparison::{Candidate, Goal, compare as compare_laws};
+use feeler_lab::sweep::plan::PLAN;
+use feeler_lab::sweep::store::{Store, write_whole};
+use feeler_lab::sweep::trial::Trials;
+use feeler_lab::sweep::{Ended, Plan, Progress, engine};
+use feeler_report::compare_page::{ComparePage, compare_page, number};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::io::Write;
+use std::path::PathBuf;
+
+/// Name of the page in a comparison's folder.
+const PAGE: &str = "compare.html";
+/// Trials of one law before it is the next law's turn, so that a comparison that is stopped has pairs.
+const BLOCK: u64 = 32;
+
+const EXAMPLES: &str = "\
+Each law's trials are a sweep of their own, in a folder of the law's name; trial K draws the same under all.
+A law is as the experiment has it, if that is the one it chooses, and otherwise as it comes.
+
+Examples:
+  feeler compare cap-closing -o compare                     all laws, 200 trials each
+  feeler compare cap-closing --laws tri-axial,best --trials 2000 -o compare
+  feeler compare cap-closing --resume -o compare            go on after it was stopped
+  feeler run --trial compare/best 17                        one trial again, with recording and report";
+
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Arguments {
+    /// An experiment file, or the name of a built-in experiment, in which a cap is closed.
+    experiment: String,
+    /// The control laws; the others are compared with the first.
+    #[arg(long, value_delimiter = ',', default_values_t = LawConfig::NAMES.map(String::from))]
+    laws: Vec<String>,
+    /// How many trials of each law.
+    #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u64).range(1..=10_000_000))]
+    trials: u64,
+    /// What varies, instead of friction, noise, off-centre and seat; figures are drawn against the first.
+    #[arg(long = "vary", value_name = "NAME=DISTRIBUTION")]
+    vary: Vec<String>,
+    /// Set any value of the experiment for all trials, as in task.screw.strokes=2.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    settings: Vec<String>,
+    /// Where forces come from: rendered camera pictures, or the feelers themselves plus noise.
+    #[arg(long, value_parser = ["image", "direct"], default_value = "direct")]
+    sensing: String,
+    /// A success tightens the cap to this torque, N·m. The default is what the reference law reaches on average.
+    #[arg(long, value_name = "TORQUE", default_value_t = 0.03)]
+    goal_torque: f64,
+    /// A success loads no element above this force, N. The default is what counts as no damage: a quarter above F2.
+    #[arg(long, value_name = "FORCE", default_value_t = 0.63)]
+    goal_force: f64,
+    /// Drives all that is drawn.
+    #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
+    seed: u64,
+    /// Trials at a time [default: one for each core]
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1024))]
+    jobs: Option<u64>,
+    /// Go on with a comparison that was stopped, with the same arguments.
+    #[arg(long)]
+    resume: bool,
+    /// The comparison's folder.
+    #[arg(short, long, value_name = "DIR", default_value = "compare")]
+    out: PathBuf,
+}
+
+/// One law with its sweep.
+struct Contender {
+    law: LawConfig,
+    trials: Trials,
+    store: Store,
+}
+
+pub fn compare(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
+    let goal = goal(arguments)?;
+    let (vary, settings) = draws(arguments)?;
+    let mut plans = Vec::new();
+    for law in laws(arguments)? {
+        plans.push(plan(arguments, law, &vary, &settings)?);
+    }
+    let mut contenders = Vec::new();
+    for (law, trials) in plans {
+        let store = store(arguments, &law, &trials)?;
+        contenders.push(Contender { law, trials, store });
+    }
+    let ended = run(arguments, &mut contenders)?;
+    let page = page(arguments, &contenders, goal);
+    let finished = page.trials;
+    if finished > 0 {
+        let path = arguments.out.join(PAGE);
+        write_whole(&path, compare_page(&page).as_bytes())?;
+        print(&page, out)?;
+        writeln!(out, "{}", path.display())?;
+    }
+    if ended == Ended::Stopped {
+        writeln!(
+            out,
+            "interrupted: {finished} trials are finished under every law and kept; go on with the same command and --resume"
+        )?;
+        return Ok(Outcome::GivenUp);
+    }
+    for contender in contenders {
+        contender.store.finish()?;
+    }
+    Ok(Outcome::Done)
+}
+
+fn goal(arguments: &Arguments) -> Result<Goal, CommandError> {
+    let (torque, force) = (arguments.goal_torque, arguments.goal_force);
+    for (name, value) in [("--goal-torque", torque), ("--goal-force", force)] {
+        if !(value > 0.0 && value <= 1e9) {
+            return Err(format!("{name} {value}: expected more than 0, at most 1e9").into());
+        }
+    }
+    Ok(Goal { torque, force })
+}
+
+/// The laws that were asked for.
+fn laws(arguments: &Arguments) -> Result<Vec<LawConfig>, CommandError> {
+    let mut laws: Vec<LawConfig> = Vec::new();
+    for name in arguments.laws.iter().map(|name| name.trim()) {
+        let law = LawConfig::named(name).ok_or_else(|| {
+            let names = LawConfig::NAMES.join(", ");
+            format!("--laws: there is no control law {name:?}; expected some of {names}")
+        })?;
+        if laws.iter().any(|other| other.name() == name) {
+            return Err(format!("--laws: {name} is there twice").into());
+        }
+        laws.push(law);
+    }
+    Ok(laws)
+}
+
+/// What varies, and what is set so that it can.
+fn draws(arguments: &Arguments) -> Result<(Vec<String>, Vec<String>), CommandError> {
+    let mut settings = arguments.settings.clone();
+    settings.push(format!("sensing={}", arguments.sensing));
+    let config = Experiment::load(&arguments.experiment, &settings)?.config;
+    let Some((cap, object, thread)) = config.sim.cap() else {
+        let name = &arguments.experiment;
+        return Err(format!(
+            "{name}: nothing is on a thread: expected an experiment in which a cap is closed"
+        )
+        .into());
+    };
+    if !arguments.vary.is_empty() {
+        return Ok((arguments.vary.clone(), settings));
+    }
+    let object_key = format!("sim.object.{cap}");
+    // So that the friction that is drawn is the true one, and that the offset is there to be varied.
+    settings.push("sim.variation.friction=0.0".to_string());
+    settings.push(format!("{object_key}.offset={:?}", object.offset));
+    let seat = thread.seat_angle;
+    let vary = [
+        "friction=uniform(0.4,1.2)".to_string(),
+        format!("{object_key}.offset.0=uniform(-0.001,0.001)"),
+        format!("{object_key}.offset.1=uniform(-0.001,0.001)"),
+        format!(
+            "{object_key}.motion.thread.seat_angle=uniform({:?},{:?})",
+            0.5 * seat,
+            1.5 * seat
+        ),
+    ];
+    Ok((vary.into_iter().chain(noise(&config)).collect(), settings))
+}
+
+/// From none to three times the noise of the experiment.
+fn noise(config: &ExperimentConfig) -> [String; 2] {
+    let noise = &config.sim.direct_sensing;
+    let vary =
+        |name: &str, value: f64| format!("direct_sensing.{name}=uniform(0,{:?})", 3.0 * value);
+    [
+        vary("normal_noise", noise.normal_noise),
+        vary("shear_noise", noise.shear_noise),
+    ]
+}
+
+/// The sweep of one law.
+fn plan(
+    arguments: &Arguments,
+    law: LawConfig,
+    vary: &[String],
+    settings: &[String],
+) -> Result<(LawConfig, Trials), CommandError> {
+    let name = &arguments.experiment;
+    let mut experiment = Experiment::load(name, settings)?;
+    if experiment.config.control.law.name() != law.name() {
+        let settings = [settings, &[format!("control.law={}", law.name())]].concat();
+        experiment = Experiment::load(name, &settings)?;
+    }
+    let law = experiment.config.control.law.clone();
+    let plan = Plan::new(&experiment, name, vary, arguments.seed, arguments.trials);
+    Ok((law, Trials::new(&plan)?))
+}
+
+/// The folder of one law's sweep.
+fn store(arguments: &Arguments, law: &LawConfig, trials: &Trials) -> Result<Store, CommandError> {
+    let folder = arguments.out.join(law.name());
+    let plan = trials.plan();
+    if !(arguments.resume && folder.join(PLAN).exists()) {
+        return Ok(Store::create(&folder, plan, trials.header())?);
+    }
+    if let Some(difference) = Plan::read(&folder)?.difference(plan) {
+        let folder = folder.display();
+        return Err(format!(
+            "--resume: {folder}: {difference}; expected the comparison that was stopped"
+        )
+        .into());
+    }
+    Ok(Store::resume(&folder, plan, trials.header())?)
+}
+
+/// Runs what is left, a block of trials of each law after the other.
+fn run(arguments: &Arguments, contenders: &mut [Contender]) -> Result<Ended, CommandError> {
+    let jobs = arguments.jobs.map_or_else(cores, |jobs| jobs as usize);
+    let stop = watch_for_interrupt()?;
+    let mut bar = Bar::new(arguments.trials * contenders.len() as u64);
+    let mut end = 0;
+    while end < arguments.trials {
+        end = (end + BLOCK).min(arguments.trials);
+        for contender in &mut *contenders {
+            bar.law = contender.law.name();
+            let Contender { trials, store, .. } = contender;
+            if engine::run(trials, store, end, jobs, &stop, &mut bar)? == Ended::Stopped {
+                bar.bar.finish_and_clear();
+                return Ok(Ended::Stopped);
+            }
+        }
+    }
+    bar.bar.finish_and_clear();
+    Ok(Ended::Whole)
+}
+
+fn page(arguments: &Arguments, contenders: &[Contender], goal: Goal) -> ComparePage {
+    let candidates: Vec<_> = contenders
+        .iter()
+        .map(|contender| Candidate {
+            law: contender.law.clone(),
+            table: &contender.store.table,
+        })
+        .collect();
+    let first = contenders.first().map(|contender| &contender.trials);
+    let against = first.and_then(|trials| trials.parameters().first());
+    let vary = first.map_or(&[][..], |trials| &trials.plan().vary);
+    let vary: String = vary.iter().map(|v| format!(" --vary '{v}'")).collect();
+    ComparePage {
+        name: arguments.experiment.clone(),
+        planned: arguments.trials,
+        varied: format!("--seed {}{vary}", arguments.seed),
+        experiment: first.map_or_else(String::new, |trials| trials.plan().experiment.clone()),
+        ..compare_laws(
+            &candidates,
+            goal,
+            against.map(|parameter| parameter.name.as_str()),
+        )
+    }
+}
+
+/// The page's table, for a terminal.
+fn print(page: &ComparePage, out: &mut dyn Write) -> std::io::Result<()> {
+    for law in &page.laws {
+        writeln!(out, "{} ({} lines of code)", law.name, law.lines)?;
+        for row in &law.rows {
+            let value = row.value.map_or_else(|| "-".to_string(), number);
+            writeln!(out, "  {:<24} {value}", row.name)?;
+        }
+    }
+    for verdict in (1..page.laws.len()).filter_map(|law| page.verdict(law)) {
+        writeln!(out, "{verdict}")?;
+    }
+    Ok(())
+}
+
+/// How far the comparison is, on a terminal.
+struct Bar {
+    bar: ProgressBar,
+    law: &'static str,
+}
+
+impl Bar {
+    fn new(trials: u64) -> Self {
+        let bar = ProgressBar::new(trials);
+        let style = ProgressStyle::with_template("{bar:32} {pos}/{len} trials, {msg}, {eta} left");
+        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+        Self { bar, law: "" }
+    }
+}
+
+impl Progress for Bar {
+    fn show(&mut self, _finished: u64, _of: u64, _successes: u64) {
+        self.bar.set_message(self.law);
+        self.bar.inc(1);
+    }
+}

@@ -1,0 +1,175 @@
+//! The command line: one file per subcommand, each from arguments to an exit code.
+
+#![warn(missing_docs)]
+
+#[cfg(feature = "top")]
+mod arrivals;
+mod calibrate;
+mod check;
+mod compare;
+mod interrupt;
+mod link;
+mod list;
+mod locate;
+mod locate_preview;
+mod output;
+mod part_file;
+mod progress;
+mod replay;
+mod report;
+mod robustness;
+mod run;
+mod run_folder;
+mod schema;
+mod score_slip;
+#[cfg_attr(not(feature = "top"), path = "no_screen.rs")]
+mod screen;
+mod sense;
+mod sensor_geometry;
+mod sweep;
+mod throttle;
+#[cfg(feature = "top")]
+pub mod top;
+mod watcher;
+
+use clap::{Parser, Subcommand};
+use link::orders::Order;
+use output::Output;
+use std::io::{Write, stderr, stdout};
+use std::process::ExitCode;
+
+const EXAMPLES: &str = "\
+Examples:
+  feeler run cap-closing                      simulate the reference experiment, with pictures
+  feeler run cap-closing --sensing direct --seed 7 --out runs/seven
+  feeler run cap-closing --top                watch it: flags, forces, phase and programs
+  feeler run my.toml --set control.slip_threshold=2.5 --set task.screw.strokes=3
+  feeler check my.toml                        say what is wrong with an experiment file
+  feeler report runs/seven                    make a run's report again from its recording
+  feeler run cap-closing --record-frames --out runs/seen
+  feeler replay runs/seen --from frames       pictures -> forces -> flags -> commands again, compared bit for bit
+  feeler replay runs/seven --from forces --set control.slip_threshold=2.5 --out runs/what-if
+  feeler calibrate --simulated --experiment my.toml -o my.calibration.toml
+  feeler sweep cap-closing --sensing direct --vary 'friction=uniform(0.3,1.2)' -o sweep
+  feeler compare cap-closing -o compare       the paper's control law against others, on the same trials
+  feeler robustness cap-closing -o robustness how much of it is luck of parameters
+  feeler locate untouched.png -o layout.toml --preview found.png
+  feeler sense pictures/ --calibration my.calibration.toml -o forces.csv
+  ffmpeg -i video.mkv -f rawvideo -pix_fmt gray - | feeler sense - --raw 640x480";
+
+/// Tri-axial touch to finger motion, and a simulated hand to try it on.
+///
+/// Exit status: 0 done; 1 the task was given up or interrupted, or a replay differs; 2 bad input.
+#[derive(Debug, Parser)]
+#[command(name = "feeler", version, after_help = EXAMPLES)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Run an experiment and write its recording, report and summary.
+    Run(run::Arguments),
+    /// Run many randomised trials of an experiment; a table and a summary.
+    Sweep(sweep::Arguments),
+    /// Run all control laws on the same randomised trials; a page that compares them.
+    Compare(compare::Arguments),
+    /// Vary all that nobody knows over plausible ranges; how often each claim holds, and what decides it.
+    Robustness(robustness::Arguments),
+    /// Score slip detectors against the simulator's truth; a page with their characteristics.
+    ScoreSlip(score_slip::Arguments),
+    /// List the built-in experiments.
+    List,
+    /// Check an experiment file without running it.
+    Check(check::Arguments),
+    /// Make a run's report again from its recording alone.
+    Report(report::Arguments),
+    /// Put a recording through the sensor stage, the control stage or both again, and compare bit for bit.
+    Replay(replay::Arguments),
+    /// Calibrate a fingertip: load its elements, take pictures, fit.
+    Calibrate(calibrate::Arguments),
+    /// Find the sensing elements in pictures of an untouched sensor.
+    Locate(locate::Arguments),
+    /// Play the rig of an experiment for programs of their own: cameras, encoders, drives.
+    World(link::world::Arguments),
+    /// Control a hand whose sensors and drives are in other programs.
+    Hand(link::hand::Arguments),
+    /// Show a running rig of several programs on the terminal.
+    Top(link::top::Arguments),
+    /// Stop the hand of a rig, from anywhere.
+    Stop(link::orders::Arguments),
+    /// Let the hand of a rig go on that was stopped.
+    Resume(link::orders::Arguments),
+    /// Make the certificates that computers of a lab know each other by.
+    Certificates(link::certificates::Arguments),
+    /// Measure this computer.
+    Bench(link::bench::Arguments),
+    /// Print the ROS 2 message text of what is recorded and what the programs of a rig say.
+    Schema(schema::Arguments),
+    /// Sense forces: pictures, a camera or a recorded run in; a table of each element's force out.
+    Sense(sense::Arguments),
+}
+
+/// What a subcommand ends with when its input was good.
+enum Outcome {
+    Done,
+    GivenUp,
+    Differs,
+}
+
+type CommandError = Box<dyn std::error::Error>;
+
+/// Runs the program on the process's arguments.
+pub fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let mut out = Output::new(stdout().lock());
+    let result = run_command(arguments.command, &mut out)
+        .and_then(|outcome| Ok(out.flush().map(|()| outcome)?));
+    match result {
+        Ok(Outcome::Done) => ExitCode::SUCCESS,
+        Ok(Outcome::GivenUp | Outcome::Differs) => ExitCode::from(1),
+        Err(error) => {
+            // Where nobody listens, the exit status says it.
+            let _ = writeln!(stderr(), "feeler: {error}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn run_command(command: Command, out: &mut dyn Write) -> Result<Outcome, CommandError> {
+    match command {
+        Command::Run(arguments) => run::run(&arguments, out),
+        Command::Sweep(arguments) => sweep::sweep(&arguments, out),
+        Command::Compare(arguments) => compare::compare(&arguments, out),
+        Command::Robustness(arguments) => robustness::robustness(&arguments, out),
+        Command::ScoreSlip(arguments) => score_slip::score_slip(&arguments, out),
+        Command::List => list::list(out),
+        Command::Check(arguments) => check::check(&arguments, out),
+        Command::Report(arguments) => report::report(&arguments, out),
+        Command::Replay(arguments) => replay::replay(&arguments, out),
+        Command::Calibrate(arguments) => calibrate::calibrate(&arguments, out),
+        Command::Locate(arguments) => locate::locate(&arguments, out),
+        Command::Bench(arguments) => link::bench::bench(&arguments, out),
+        Command::World(arguments) => link::world::world(&arguments, out),
+        Command::Hand(arguments) => link::hand::hand(&arguments, out),
+        Command::Top(arguments) => link::top::top(&arguments, out),
+        Command::Stop(arguments) => link::orders::order(&arguments, Order::Stop, out),
+        Command::Resume(arguments) => link::orders::order(&arguments, Order::Resume, out),
+        Command::Certificates(arguments) => link::certificates::certificates(&arguments, out),
+        Command::Schema(arguments) => schema::schema(&arguments, out),
+        Command::Sense(arguments) => sense::sense(&arguments),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Arguments;
+    use clap::CommandFactory;
+
+    /// Without debug assertions, clap lets one argument's value stand for another of the same name.
+    #[test]
+    fn no_subcommand_has_two_arguments_of_a_name() {
+        Arguments::command().debug_assert();
+    }
+}

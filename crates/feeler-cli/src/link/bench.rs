@@ -1,0 +1,212 @@
+//! `feeler bench link`: how long it takes from what a sensor feels to what the hand commands.
+
+use super::hand::program::Program;
+use super::{LinkArguments, expected};
+use crate::interrupt::watch_for_interrupt;
+use crate::{CommandError, Outcome};
+use feeler::pace::{Clock, Monotonic, Pace};
+use feeler_lab::config::Experiment;
+use feeler_link::beacon::Beacon;
+use feeler_link::message::{HandState, Heartbeat, NO_ELEMENT, NO_FINGER, TactileUpdate};
+use feeler_link::network::Network;
+use feeler_link::outlet::{draw_instance, header};
+use feeler_link::topic::Topic;
+use feeler_record::wire::{Message, Vector3, cdr};
+use hdrhistogram::Histogram;
+use std::io::Write;
+use std::net::TcpListener;
+use std::process::{Child, Command};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// The experiment whose hand answers.
+const EXPERIMENT: &str = "cap-closing";
+
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    #[command(subcommand)]
+    what: What,
+}
+
+#[derive(Debug, clap::Subcommand)]
+enum What {
+    /// Two programs on this computer: from the stamp of a tactile update to the command made from it, but for
+    /// the wait for the control period.
+    Link(LinkBench),
+}
+
+#[derive(Debug, clap::Args)]
+struct LinkBench {
+    /// Control steps a second.
+    #[arg(long, default_value = "1000", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    rate: u32,
+    /// How long to measure, s.
+    #[arg(long, default_value = "10", value_parser = clap::value_parser!(u32).range(1..=3600))]
+    seconds: u32,
+    /// Be the sensors' program of a bench whose hand listens here.
+    #[arg(long, hide = true)]
+    sensors_of: Option<String>,
+}
+
+pub fn bench(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
+    let What::Link(bench) = &arguments.what;
+    let experiment = Experiment::load(EXPERIMENT, &["sensing=direct".into()])?;
+    let stop = watch_for_interrupt()?;
+    match &bench.sensors_of {
+        Some(hand) => Sensors::new(&experiment, hand)?.send(bench.rate, &stop),
+        None => answer(&experiment, bench, &stop, out),
+    }
+}
+
+/// The hand's side: answers every set of updates at once, and looks at the clock.
+fn answer(
+    experiment: &Experiment,
+    bench: &LinkBench,
+    stop: &AtomicBool,
+    out: &mut dyn Write,
+) -> Result<Outcome, CommandError> {
+    let port = TcpListener::bind("127.0.0.1:0")?.local_addr()?.port();
+    let endpoint = format!("tcp/127.0.0.1:{port}");
+    let network = LinkArguments::at(&endpoint).open("bench", true)?;
+    let _sensors = Ended(
+        Command::new(std::env::current_exe()?)
+            .args(["bench", "link", "--rate", &bench.rate.to_string()])
+            .args(["--sensors-of", &endpoint])
+            .spawn()?,
+    );
+    let mut program = Program::new(experiment, network)?;
+    if !program.wait_for_others(stop)? {
+        return Ok(Outcome::GivenUp);
+    }
+    writeln!(out, "measuring for {} s", bench.seconds)?;
+    out.flush()?;
+    let mut latency = Histogram::<u64>::new_with_bounds(1, 10_000_000_000, 3)?;
+    let steps = u64::from(bench.rate) * u64::from(bench.seconds);
+    // A second to get going, which is not counted.
+    for step in 0..steps + u64::from(bench.rate) {
+        if !program.wait_in_step(stop) {
+            break;
+        }
+        let oldest = program.answer()?;
+        if step >= u64::from(bench.rate) {
+            let took = now() - oldest;
+            latency.saturating_record((took * 1e9) as u64);
+        }
+    }
+    let at = |quantile| latency.value_at_quantile(quantile) as f64 / 1e3;
+    writeln!(
+        out,
+        "{} steps at {} Hz, two fingers of 41 elements: from stamp to command {:.0} us (median), {:.0} us (99 %), \
+         {:.0} us (at most)",
+        latency.len(),
+        bench.rate,
+        at(0.5),
+        at(0.99),
+        latency.max() as f64 / 1e3,
+    )?;
+    Ok(Outcome::Done)
+}
+
+/// A program that ends with this one.
+struct Ended(Child);
+
+impl Drop for Ended {
+    fn drop(&mut self) {
+        // It may have ended by itself.
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// The sensors' side: a world and the sensors of all fingers in one.
+struct Sensors {
+    network: Arc<dyn Network>,
+    world: u64,
+    fingers: Vec<u64>,
+    elements: usize,
+    _beacons: Vec<Beacon>,
+}
+
+impl Sensors {
+    fn new(experiment: &Experiment, hand: &str) -> Result<Self, CommandError> {
+        let network = LinkArguments::connecting_to(hand).open("bench", false)?;
+        let expected = expected(experiment)?;
+        let beacon = |program: &str, finger: u32, fingertip: &str| {
+            let instance = draw_instance();
+            let heartbeat = Heartbeat {
+                instance,
+                program: program.into(),
+                finger,
+                experiment: expected.experiment.clone(),
+                fingertip: fingertip.into(),
+                age: f64::NAN,
+                // The hand answers at once.
+                speed: 0.0,
+                ..Heartbeat::default()
+            };
+            Beacon::start(network.clone(), heartbeat).map(|beacon| (instance, beacon))
+        };
+        let (world, of_world) = beacon("world", NO_FINGER, "")?;
+        let (mut fingers, mut beacons) = (Vec::new(), vec![of_world]);
+        for (finger, fingertip) in expected.fingertips.iter().enumerate() {
+            let (instance, beacon) = beacon("sense", finger as u32, fingertip)?;
+            fingers.push(instance);
+            beacons.push(beacon);
+        }
+        let layout = &experiment.config.sensor.fingertip.layout;
+        Ok(Self {
+            network,
+            world,
+            fingers,
+            elements: layout.element_count(),
+            _beacons: beacons,
+        })
+    }
+
+    /// Sends a set of updates at each period.
+    fn send(&self, rate: u32, stop: &AtomicBool) -> Result<Outcome, CommandError> {
+        let mut pace = Pace::new(1.0 / f64::from(rate))?;
+        let (elements, fingers) = (self.elements, self.fingers.len());
+        let still = vec![Vector3::default(); fingers];
+        for sequence in 1.. {
+            if stop.load(Ordering::Relaxed) || pace.wait_unless(stop).is_none() {
+                break;
+            }
+            // As in a rig: the joints are known before pictures have become forces.
+            let state = HandState {
+                header: header(self.world, sequence, now()),
+                position: still.clone(),
+                velocity: still.clone(),
+                instruments: Vec::new(),
+            };
+            self.say(Topic::State, &state)?;
+            for (finger, &instance) in self.fingers.iter().enumerate() {
+                let mut update = TactileUpdate {
+                    header: header(instance, sequence, now()),
+                    finger: finger as u32,
+                    frame: sequence,
+                    largest_element: NO_ELEMENT,
+                    forces: vec![Vector3::default(); elements],
+                    shear_rate: vec![0.0; elements],
+                    slip_mask: vec![0; elements.div_ceil(8)],
+                    invalid_mask: vec![0; elements.div_ceil(8)],
+                    ..TactileUpdate::default()
+                };
+                update.header.clock = self.world;
+                self.say(Topic::Tactile(finger), &update)?;
+            }
+        }
+        Ok(Outcome::Done)
+    }
+
+    fn say<M: Message>(&self, topic: Topic, message: &M) -> Result<(), CommandError> {
+        let mut bytes = Vec::new();
+        cdr::encode(message, &mut bytes)?;
+        Ok(self.network.send(topic, bytes)?)
+    }
+}
+
+/// The time that all programs of this computer agree on, s.
+fn now() -> f64 {
+    Monotonic::new().now().as_secs_f64()
+}

@@ -1,0 +1,179 @@
+//! Programs of one rig: what their command lines have in common.
+
+pub mod bench;
+pub mod certificates;
+pub mod hand;
+pub mod orders;
+pub mod sense;
+pub mod top;
+pub mod world;
+
+use super::CommandError;
+use feeler::sensor::made_for::MadeFor;
+use feeler_lab::config::Experiment;
+use feeler_link::endpoints::{HAND_ENDPOINT, LOCAL_ENDPOINT, LinkConfig};
+use feeler_link::mismatch::Mismatch;
+use feeler_link::network::{Network, Rehearsal, RehearsedNetwork};
+use feeler_link::peers::{Expected, Peers};
+use std::collections::HashSet;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// How a program takes part in the link.
+#[derive(Debug, Clone, Default, clap::Args)]
+#[command(next_help_heading = "Link")]
+pub struct LinkArguments {
+    /// Where to listen, as in tls/0.0.0.0:7447; several times for several places [default: the hand
+    /// tcp/127.0.0.1:7447, top nowhere, the others any port of this computer]
+    #[arg(long, value_name = "ENDPOINT")]
+    listen: Vec<String>,
+    /// Whom to connect to, as in tls/10.0.0.5:7447; tried until it is there [default: the hand on this
+    /// computer]
+    #[arg(long, value_name = "ENDPOINT")]
+    connect: Vec<String>,
+    /// Folder of this program's certificates, for tls/ endpoints; `feeler certificates` makes them.
+    #[arg(long, value_name = "DIR")]
+    certificates: Option<PathBuf>,
+    /// Listen beyond this computer without certificates: anybody there can then move the hand.
+    #[arg(long)]
+    insecure: bool,
+    /// Rehearse a bad network: loss, duplicate (0 to 1), delay, jitter (s), seed, as in
+    /// loss=0.2,jitter=0.05
+    #[arg(long, value_name = "FAULTS")]
+    rehearse: Option<Rehearsal>,
+}
+
+impl LinkArguments {
+    /// Of a program that listens at `endpoint` alone.
+    fn at(endpoint: &str) -> Self {
+        Self {
+            listen: vec![endpoint.into()],
+            ..Self::default()
+        }
+    }
+
+    /// Of a program that connects to `endpoint` alone.
+    fn connecting_to(endpoint: &str) -> Self {
+        Self {
+            connect: vec![endpoint.into()],
+            ..Self::default()
+        }
+    }
+
+    /// The network of the rig `name`. The hand waits for the others to connect.
+    pub fn open(&self, name: &str, is_hand: bool) -> Result<Arc<dyn Network>, CommandError> {
+        if is_hand {
+            self.network(name, Some(HAND_ENDPOINT), None)
+        } else {
+            self.network(name, Some(LOCAL_ENDPOINT), Some(HAND_ENDPOINT))
+        }
+    }
+
+    /// The network of the rig `name` for somebody who only watches: nobody need connect to it.
+    #[cfg(feature = "top")]
+    pub fn watch(&self, name: &str) -> Result<Arc<dyn Network>, CommandError> {
+        self.network(name, None, Some(HAND_ENDPOINT))
+    }
+
+    /// The network of the rig `name`, with the places to `listen` and to `connect` to where none are given.
+    fn network(
+        &self,
+        name: &str,
+        listen: Option<&str>,
+        connect: Option<&str>,
+    ) -> Result<Arc<dyn Network>, CommandError> {
+        let or = |given: &[String], default: Option<&str>| match given {
+            [] => default.map(String::from).into_iter().collect(),
+            given => given.to_vec(),
+        };
+        let config = LinkConfig {
+            rig: name.into(),
+            listen: or(&self.listen, listen),
+            connect: or(&self.connect, connect),
+            certificates: self.certificates.clone(),
+            insecure: self.insecure,
+        };
+        let network = open(&config)?;
+        Ok(match self.rehearse {
+            Some(rehearsal) => Arc::new(RehearsedNetwork::new(network, rehearsal)),
+            None => network,
+        })
+    }
+}
+
+#[cfg(feature = "link")]
+fn open(config: &LinkConfig) -> Result<Arc<dyn Network>, CommandError> {
+    Ok(Arc::new(feeler_link::transport::Link::open(config)?))
+}
+
+#[cfg(not(feature = "link"))]
+fn open(config: &LinkConfig) -> Result<Arc<dyn Network>, CommandError> {
+    config.check()?;
+    Err("this program was built without the link; build it with --features link".into())
+}
+
+/// What the programs of a rig agree in.
+pub fn expected(experiment: &Experiment) -> Result<Expected, CommandError> {
+    let config = &experiment.config;
+    let fingers = 0..config.hand.finger.len();
+    let hash = |finger| Ok(MadeFor::fingertip(config.sensor.fingertip(finger))?.sha256);
+    Ok(Expected {
+        experiment: experiment.sha256(),
+        fingertips: fingers.map(hash).collect::<Result<_, CommandError>>()?,
+    })
+}
+
+/// The experiment that all programs of a rig work by.
+#[derive(Debug, Clone, clap::Args)]
+pub struct ExperimentArguments {
+    /// Drives every random quantity of the run.
+    #[arg(long, value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
+    pub seed: Option<u64>,
+    /// Where forces come from: rendered camera pictures, or the feelers themselves plus noise.
+    #[arg(long, value_parser = ["image", "direct"])]
+    pub sensing: Option<String>,
+    /// Set any value of the experiment, as in control.slip_threshold=2.5.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub settings: Vec<String>,
+    /// Name of the rig: programs of the same name hear each other [default: the experiment's name]
+    #[arg(long, value_name = "NAME", help_heading = "Link")]
+    pub rig: Option<String>,
+}
+
+impl ExperimentArguments {
+    /// Name of the rig, which is that of the experiment unless said otherwise.
+    pub fn rig(&self, experiment: &Experiment) -> String {
+        let name = || experiment.config.name.clone();
+        self.rig.clone().unwrap_or_else(name)
+    }
+
+    /// What the command line sets, the named flags last.
+    pub fn settings(&self) -> Vec<String> {
+        let seed = self.seed.map(|seed| format!("seed={seed}"));
+        let sensing = self.sensing.as_ref().map(|s| format!("sensing={s}"));
+        let named = seed.into_iter().chain(sensing);
+        self.settings.iter().cloned().chain(named).collect()
+    }
+}
+
+/// Says what programs came that are not taken, once each.
+#[derive(Debug, Default)]
+pub struct Refusals(HashSet<u64>);
+
+impl Refusals {
+    /// Those of `peers` that are refused and have not been said.
+    pub fn new_ones(&mut self, peers: &Peers) -> Vec<Mismatch> {
+        let refused = self.new_peers(peers).into_iter();
+        refused.map(|(_, mismatch)| mismatch).collect()
+    }
+
+    /// The same, each with what program it is.
+    pub fn new_peers(&mut self, peers: &Peers) -> Vec<(String, Mismatch)> {
+        let refused = peers.all().iter().filter_map(|peer| {
+            let mismatch = peer.refused.clone()?;
+            let is_new = self.0.insert(peer.heartbeat.instance);
+            is_new.then(|| (peer.heartbeat.program.clone(), mismatch))
+        });
+        refused.collect()
+    }
+}

@@ -1,0 +1,48 @@
+//! `feeler top`: a running rig of several programs on the terminal.
+
+#[cfg(feature = "top")]
+mod heard;
+#[cfg(feature = "top")]
+mod programs;
+#[cfg(feature = "top")]
+mod show;
+#[cfg(feature = "top")]
+mod watched;
+
+use super::{ExperimentArguments, LinkArguments};
+use crate::{CommandError, Outcome};
+use std::io::Write;
+
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// The experiment of the rig: a file, or the name of a built-in one (see `feeler list`).
+    experiment: String,
+    /// Print one picture as text, a second after the rig was first heard; no terminal is needed.
+    #[arg(long)]
+    once: bool,
+    #[command(flatten)]
+    values: ExperimentArguments,
+    #[command(flatten)]
+    link: LinkArguments,
+}
+
+/// Shows a rig.
+#[cfg(feature = "top")]
+pub fn top(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
+    show::show(arguments, out)
+}
+
+/// Says that there is nothing to show it on.
+#[cfg(not(feature = "top"))]
+pub fn top(arguments: &Arguments, _: &mut dyn Write) -> Result<Outcome, CommandError> {
+    let Arguments {
+        experiment,
+        once: _,
+        values: _,
+        link: _,
+    } = arguments;
+    Err(format!(
+        "top {experiment}: this program was built without the terminal view; build it with --features link,top"
+    )
+    .into())
+}

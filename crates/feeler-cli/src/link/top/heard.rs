@@ -1,0 +1,99 @@
+//! What counts of all that was heard of a rig.
+
+use super::programs::complaints;
+use crate::top::{Fault, UNKNOWN};
+use feeler::control::flags::FingerFlags;
+use feeler_link::inbox::Inbox;
+use feeler_link::message::{HandMode, HandState, Instruments, NO_FINGER, TactileUpdate};
+use feeler_link::watch_inbox::WatchInbox;
+use glam::DVec3;
+
+/// What was heard of programs that are still there: what others said last is no news.
+pub struct Heard<'a> {
+    pub inbox: &'a WatchInbox,
+    now: f64,
+    /// What the hand is about.
+    pub mode: Option<&'a HandMode>,
+    /// Where the joints are.
+    pub state: Option<&'a HandState>,
+}
+
+impl<'a> Heard<'a> {
+    /// What `inbox` holds at `now`, s.
+    pub fn new(inbox: &'a WatchInbox, now: f64) -> Self {
+        let mode = inbox.mode();
+        let state = inbox.state();
+        let is_there = |program, instance| is_there(inbox, program, NO_FINGER, instance, now);
+        Self {
+            inbox,
+            now,
+            mode: mode.filter(|mode| is_there("hand", mode.header.instance)),
+            state: state.filter(|state| is_there("world", state.header.instance)),
+        }
+    }
+
+    /// What `finger` feels.
+    pub fn finger(&self, finger: usize) -> Option<(FingerFlags, &TactileUpdate)> {
+        let felt = self.inbox.finger(finger);
+        felt.filter(|(_, update)| {
+            let instance = update.header.instance;
+            is_there(self.inbox, "sense", update.finger, instance, self.now)
+        })
+    }
+
+    /// What the rig measures beside its joints.
+    pub fn instruments(&self) -> Option<Instruments> {
+        self.state?.instruments.first().copied()
+    }
+
+    /// What is wrong now.
+    pub fn faults(&self) -> Vec<String> {
+        let stopped = self.mode.map_or("", |mode| &mode.stopped);
+        let stopped = (!stopped.is_empty()).then(|| format!("the hand is stopped: {stopped}"));
+        let complaints = complaints(self.inbox.peers(), self.now);
+        stopped.into_iter().chain(complaints).collect()
+    }
+
+    /// What a program said went wrong before it was watched.
+    pub fn said(&self) -> Option<Fault> {
+        let peers = self.inbox.peers().all().iter();
+        let mut said = peers.filter(|peer| peer.refused.is_none() && !peer.is_silent(self.now));
+        let peer = said.find(|peer| !peer.heartbeat.fault.is_empty())?;
+        Some(Fault {
+            time: UNKNOWN,
+            words: format!("{} says: {}", peer.name(), peer.heartbeat.fault),
+            over: true,
+        })
+    }
+}
+
+fn is_there(inbox: &WatchInbox, program: &str, finger: u32, instance: u64, now: f64) -> bool {
+    inbox
+        .peers()
+        .taken(program, now)
+        .any(|peer| (peer.heartbeat.instance, peer.heartbeat.finger) == (instance, finger))
+}
+
+/// The force at each element, N; not a number where there is no valid one.
+pub fn forces(update: &TactileUpdate) -> Vec<DVec3> {
+    let is_invalid = |element: usize| {
+        let byte = update.invalid_mask.get(element / 8);
+        byte.is_some_and(|byte| byte >> (element % 8) & 1 == 1)
+    };
+    let forces = update.forces.iter().enumerate();
+    forces
+        .map(|(element, &force)| match is_invalid(element) {
+            true => DVec3::NAN,
+            false => force.into(),
+        })
+        .collect()
+}
+
+/// A finger of which nothing is heard.
+pub fn nothing_felt(elements: usize) -> (FingerFlags, Vec<DVec3>, Vec<f64>) {
+    let flags = FingerFlags {
+        grasp_force: UNKNOWN,
+        ..FingerFlags::default()
+    };
+    (flags, vec![DVec3::NAN; elements], vec![UNKNOWN; elements])
+}

@@ -1,0 +1,150 @@
+//! The programs of a rig as its heartbeats tell, and what is wrong with them.
+
+use crate::top::{Program, ProgramState, UNKNOWN};
+use feeler_link::message::NO_FINGER;
+use feeler_link::mismatch::Mismatch;
+use feeler_link::peers::{Peer, Peers};
+
+/// The programs of a hand of so many `fingers`: those that should be there first, then those that are
+/// refused.
+pub fn programs(peers: &Peers, fingers: usize, now: f64) -> Vec<Program> {
+    let senses = (0..fingers).map(|finger| ("sense", finger as u32));
+    let places = senses.chain([("hand", NO_FINGER), ("world", NO_FINGER)]);
+    let in_place = places.map(|(name, finger)| {
+        let heartbeats = peers.all().iter().filter(|peer| peer.refused.is_none());
+        let mut there = heartbeats
+            .filter(|peer| peer.heartbeat.program == name && peer.heartbeat.finger == finger);
+        match there.next() {
+            Some(peer) => program(peer, now),
+            None => absent(name, finger),
+        }
+    });
+    in_place
+        .chain(refused(peers, now).map(|(peer, _)| program(peer, now)))
+        .collect()
+}
+
+/// Those that are there and not taken, and why.
+fn refused(peers: &Peers, now: f64) -> impl Iterator<Item = (&Peer, &Mismatch)> {
+    let there = peers.all().iter().filter(move |peer| !peer.is_silent(now));
+    there.filter_map(|peer| Some((peer, peer.refused.as_ref()?)))
+}
+
+/// What is wrong with the programs, in words: those that were heard and are no more, and those that are
+/// refused.
+pub fn complaints(peers: &Peers, now: f64) -> Vec<String> {
+    let gone = |peer: &&Peer| peer.refused.is_none() && peer.works() && peer.is_silent(now);
+    let gone = peers.all().iter().filter(gone).map(|peer| {
+        let (name, since) = (peer.name(), now - peer.heard);
+        format!("{name} not heard for {since:.1} s")
+    });
+    let refused = refused(peers, now).map(|(peer, mismatch)| {
+        let version = &peer.heartbeat.version;
+        format!("refused, feeler {version}: {mismatch}")
+    });
+    gone.chain(refused).collect()
+}
+
+fn program(peer: &Peer, now: f64) -> Program {
+    let heartbeat = &peer.heartbeat;
+    let silent = peer.is_silent(now);
+    let (rate, age) = if silent {
+        (UNKNOWN, now - peer.heard)
+    } else {
+        (heartbeat.rate, heartbeat.age)
+    };
+    let state = match &peer.refused {
+        Some(mismatch) => ProgramState::Refused {
+            why: mismatch.to_string(),
+        },
+        None if silent => ProgramState::Silent,
+        None => ProgramState::Alive,
+    };
+    Program {
+        name: heartbeat.program.clone(),
+        finger: finger(heartbeat.finger),
+        version: heartbeat.version.clone(),
+        rate,
+        age,
+        received: None,
+        lost: heartbeat.lost,
+        late: Some(heartbeat.missed),
+        state,
+    }
+}
+
+/// A program that was never heard.
+fn absent(name: &str, number: u32) -> Program {
+    Program {
+        name: name.into(),
+        finger: finger(number),
+        version: String::new(),
+        rate: UNKNOWN,
+        age: UNKNOWN,
+        received: None,
+        lost: 0,
+        late: None,
+        state: ProgramState::Silent,
+    }
+}
+
+fn finger(number: u32) -> Option<usize> {
+    (number != NO_FINGER).then_some(number as usize)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use feeler_link::message::{Heartbeat, PROTOCOL};
+    use feeler_link::peers::Expected;
+    use feeler_record::wire::cdr;
+
+    fn hear(peers: &mut Peers, program: &str, instance: u64, experiment: &str, now: f64) {
+        let heartbeat = Heartbeat {
+            protocol: PROTOCOL,
+            instance,
+            program: program.into(),
+            version: "9.9.9".into(),
+            finger: NO_FINGER,
+            experiment: experiment.into(),
+            sequence: 1,
+            rate: 50.0,
+            ..Heartbeat::default()
+        };
+        let mut bytes = Vec::new();
+        cdr::encode(&heartbeat, &mut bytes).expect("bytes");
+        peers.heard(&bytes, now).expect("a heartbeat");
+    }
+
+    #[test]
+    fn who_is_gone_refused_or_was_never_heard_is_told_apart() {
+        let mut peers = Peers::new(Expected {
+            experiment: "ours".into(),
+            fingertips: Vec::new(),
+        });
+        hear(&mut peers, "hand", 1, "ours", 0.0);
+        hear(&mut peers, "world", 2, "another", 3.0);
+        let shown = programs(&peers, 1, 3.5);
+        let states: Vec<_> = shown
+            .iter()
+            .map(|program| (program.name.as_str(), program.state.clone(), program.age))
+            .collect();
+        assert_eq!(states[1], ("hand", ProgramState::Silent, 3.5));
+        for (index, name) in [(0, "sense"), (2, "world")] {
+            assert_eq!(
+                (states[index].0, &states[index].1),
+                (name, &ProgramState::Silent)
+            );
+            assert!(states[index].2.is_nan(), "{states:?}");
+        }
+        assert!(matches!(
+            states[3],
+            ("world", ProgramState::Refused { .. }, _)
+        ));
+        let complaints = complaints(&peers, 3.5);
+        assert_eq!(complaints[0], "hand not heard for 3.5 s");
+        assert!(
+            complaints[1].starts_with("refused, feeler 9.9.9: world works by experiment another")
+        );
+    }
+}

@@ -1,0 +1,192 @@
+//! What was heard of a rig, as a picture to be drawn.
+
+use super::heard::{Heard, forces, nothing_felt};
+use super::programs::programs;
+use crate::CommandError;
+use crate::link::expected;
+use crate::top::{self, Fault, Finger, History, Snapshot, TaskState, Torque, UNKNOWN};
+use feeler::control::phase::Phase;
+use feeler::sensor::layout::ElementLayout;
+use feeler_lab::config::{Experiment, ExperimentConfig};
+use feeler_lab::experiment::layouts;
+use feeler_link::inbox::Inbox;
+use feeler_link::message::HandMode;
+use feeler_link::network::Network;
+use feeler_link::outlet::{Clock, monotonic};
+use feeler_link::shared::Shared;
+use feeler_link::watch_inbox::WatchInbox;
+use glam::DVec3;
+use std::sync::Arc;
+
+/// A rig that is watched.
+pub struct Watched {
+    rig: String,
+    config: ExperimentConfig,
+    /// SHA-256 of the experiment that thresholds and layouts are taken from.
+    experiment: String,
+    layouts: Vec<ElementLayout>,
+    network: Arc<dyn Network>,
+    inbox: Shared<WatchInbox>,
+    clock: Clock,
+    torque: History,
+    /// The program whose torque that is, by its instance.
+    torque_of: Option<u64>,
+    /// Whether the hand was ever heard and nothing was wrong.
+    was_well: bool,
+    fault: Option<Fault>,
+}
+
+impl Watched {
+    /// Begins to listen to the `rig` of `experiment`. Nothing is sent.
+    pub fn new(
+        experiment: &Experiment,
+        rig: &str,
+        network: Arc<dyn Network>,
+    ) -> Result<Self, CommandError> {
+        let layouts = layouts(&experiment.config)?;
+        let elements: Vec<_> = layouts.iter().map(|layout| layout.elements.len()).collect();
+        let inbox = WatchInbox::new(&elements, expected(experiment)?.fingertips);
+        let (topics, inbox, clock) = (inbox.topics(), Shared::new(inbox), monotonic());
+        for topic in topics {
+            let (inbox, clock) = (inbox.clone(), clock.clone());
+            let heard = move |topic, bytes: &[u8]| {
+                // What is refused is counted there.
+                let _ = inbox.lock().take(topic, bytes, clock());
+            };
+            network.listen(topic, Arc::new(heard))?;
+        }
+        Ok(Self {
+            rig: rig.into(),
+            config: experiment.config.clone(),
+            experiment: experiment.sha256(),
+            layouts,
+            network,
+            inbox,
+            clock,
+            torque: History::default(),
+            torque_of: None,
+            was_well: false,
+            fault: None,
+        })
+    }
+
+    /// The rig's name.
+    pub fn rig(&self) -> &str {
+        &self.rig
+    }
+
+    /// Where the rig can be told something.
+    pub fn network(&self) -> &dyn Network {
+        &*self.network
+    }
+
+    /// Whether any program of the rig was heard.
+    pub fn hears_somebody(&self) -> bool {
+        let inbox = self.inbox.lock();
+        inbox.peers().all().iter().any(|peer| peer.works())
+    }
+
+    /// Takes in the newest torque and whether something is wrong.
+    pub fn look(&mut self) {
+        let inbox = self.inbox.lock();
+        let heard = Heard::new(&inbox, (self.clock)());
+        let time = heard.state.map_or(UNKNOWN, |state| state.header.stamp);
+        if let (Some(state), Some(instruments)) = (heard.state, heard.instruments()) {
+            if self.torque_of != Some(state.header.instance) {
+                self.torque_of = Some(state.header.instance);
+                self.torque = History::default();
+            }
+            self.torque.push(time, instruments.torque);
+        }
+        let faults = heard.faults();
+        // When something went wrong that was so from the beginning, nobody here knows.
+        let began = if self.was_well { time } else { UNKNOWN };
+        self.was_well |= heard.mode.is_some() && faults.is_empty();
+        self.fault = fault(self.fault.take(), faults, began);
+    }
+
+    /// What there is to be seen now.
+    pub fn snapshot(&self) -> Snapshot {
+        let (inbox, now) = (self.inbox.lock(), (self.clock)());
+        let heard = Heard::new(&inbox, now);
+        let instruments = heard.instruments();
+        let has_cap = self.config.sim.cap().is_some();
+        Snapshot {
+            title: format!("rig {}", self.rig),
+            time: heard.state.map_or(UNKNOWN, |state| state.header.stamp),
+            clock: top::Clock::Real,
+            task: heard.mode.and_then(|mode| self.task(mode)),
+            fingers: self.fingers(&heard),
+            torque: instruments.map(|at| Torque {
+                newest: at.torque,
+                history: self.torque.values(),
+                interval: self.torque.interval(),
+            }),
+            true_cap_angle: instruments.filter(|_| has_cap).map(|at| at.cap_angle),
+            programs: programs(inbox.peers(), self.layouts.len(), now),
+            fault: self.fault.clone().or_else(|| heard.said()),
+            hand_listens: true,
+            missed: Some(inbox.missed),
+            notice: self.notice(&heard),
+        }
+    }
+
+    fn task(&self, mode: &HandMode) -> Option<TaskState> {
+        Some(TaskState {
+            phase: Phase::try_from(mode.phase).ok()?,
+            stroke: mode.stroke,
+            strokes: Some(self.config.task.strokes()),
+        })
+    }
+
+    fn fingers(&self, heard: &Heard) -> Vec<Finger> {
+        let layouts = self.layouts.iter().enumerate();
+        let joints = |finger: usize| Some(heard.state?.position.get(finger).copied()?.into());
+        layouts
+            .map(|(number, layout)| {
+                let (flags, forces, shear_rates) = match heard.finger(number) {
+                    Some((flags, update)) => (flags, forces(update), update.shear_rate.clone()),
+                    None => nothing_felt(layout.elements.len()),
+                };
+                Finger {
+                    number,
+                    flags,
+                    thresholds: self.config.control.thresholds(),
+                    grasp_target: self.config.task.grasp_force(),
+                    elements: layout.elements.clone(),
+                    forces,
+                    shear_rates,
+                    joints: joints(number).unwrap_or(DVec3::NAN).to_array(),
+                }
+            })
+            .collect()
+    }
+
+    fn notice(&self, heard: &Heard) -> String {
+        let theirs = heard.inbox.experiment();
+        if heard.mode.is_some_and(HandMode::is_waiting) {
+            "the hand waits for the others".into()
+        } else if !theirs.is_empty() && theirs != self.experiment {
+            "the rig has other settings".into()
+        } else {
+            String::new()
+        }
+    }
+}
+
+/// The fault to show where `before` was shown and `faults` are there now: since `now`, s, if they are new.
+fn fault(before: Option<Fault>, faults: Vec<String>, now: f64) -> Option<Fault> {
+    if faults.is_empty() {
+        return before.map(|fault| Fault {
+            over: true,
+            ..fault
+        });
+    }
+    // As long as something is wrong, the time is that at which it began.
+    let began = before.filter(|fault| !fault.over);
+    Some(Fault {
+        time: began.map_or(now, |fault| fault.time),
+        words: faults.join("; "),
+        over: false,
+    })
+}

@@ -1,0 +1,182 @@
+//! `feeler locate`
+
+use super::locate_preview::preview;
+use super::part_file::PartFile;
+use super::{CommandError, Outcome};
+use feeler::sensor::{
+    dome::CameraConfig,
+    locate::{self, LocateConfig, LocateWarning, MeanPicture, ReferencePicture},
+    located_layout::{DomeGeometry, LocatedLayout},
+};
+use feeler_lab::config::Experiment;
+use feeler_sources::picture::read_picture;
+use std::io::Write;
+use std::path::PathBuf;
+
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Pictures (PNG) of the untouched sensor; elements are looked for in their mean.
+    #[arg(required = true, value_name = "REFERENCE.png")]
+    references: Vec<PathBuf>,
+    /// Where to write the layout.
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Draw what was found over the picture, into this file (PNG).
+    #[arg(long, value_name = "FILE")]
+    preview: Option<PathBuf>,
+    /// Diameter of a bright spot, px [default: what most spots have]
+    #[arg(long, value_name = "PX")]
+    spot_diameter: Option<f64>,
+    /// Diameter of an element, px: spots that fit into it together are one element [default: groups
+    /// of equal numbers of spots, if there are such]
+    #[arg(long, value_name = "PX")]
+    element_diameter: Option<f64>,
+    /// Radius of a sub-region, as a part of the distance to the nearest other element.
+    #[arg(long, value_name = "PART", default_value_t = LocateConfig::default().region_radius)]
+    region_radius: f64,
+    /// Take the dome's and the camera's geometry from this experiment: a file, or a built-in one.
+    #[arg(long, value_name = "EXPERIMENT", conflicts_with_all = ["dome_radius", "focal_length_px", "standoff", "axis_px"])]
+    dome: Option<String>,
+    /// Radius of the dome, m.
+    #[arg(long, value_name = "M", requires_all = ["focal_length_px", "standoff"])]
+    dome_radius: Option<f64>,
+    /// Focal length of the camera, px.
+    #[arg(long, value_name = "PX", requires = "dome_radius")]
+    focal_length_px: Option<f64>,
+    /// Distance of the camera's pinhole behind the dome's centre, m.
+    #[arg(
+        long,
+        value_name = "M",
+        requires = "dome_radius",
+        allow_negative_numbers = true
+    )]
+    standoff: Option<f64>,
+    /// Column and row at which the dome's axis is seen, px [default: the picture's middle]
+    #[arg(
+        long,
+        value_name = "COLUMN,ROW",
+        requires = "dome_radius",
+        value_delimiter = ',',
+        num_args = 1
+    )]
+    axis_px: Vec<f64>,
+}
+
+pub fn locate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
+    let reference = mean_of_files(&arguments.references)?;
+    let config = LocateConfig {
+        spot_diameter_px: arguments.spot_diameter,
+        element_diameter_px: arguments.element_diameter,
+        region_radius: arguments.region_radius,
+    };
+    let located = locate::locate(&reference, &config)?;
+    let layout = match dome_geometry(arguments, &reference)? {
+        Some(dome) => LocatedLayout::on_dome(&located, dome)?,
+        None => LocatedLayout::new(&located),
+    };
+    // What the layout is for has to work before it is written.
+    layout.kernel()?;
+    PartFile::create(&arguments.output, "--output")?.finish(layout.to_toml()?.as_bytes())?;
+    if let Some(path) = &arguments.preview {
+        let mut png = std::io::Cursor::new(Vec::new());
+        preview(&reference, &layout).write_to(&mut png, image::ImageFormat::Png)?;
+        PartFile::create(path, "--preview")?.finish(png.get_ref())?;
+    }
+    let spots = match located.spots_per_element {
+        1 => "spots".into(),
+        count => format!("groups of {count} spots"),
+    };
+    writeln!(
+        out,
+        "{} elements ({spots} of {:.1} px), {:.1} px apart, in {} px; dark up to gray level {}",
+        located.elements.len(),
+        located.spot_diameter_px,
+        located.spacing_px,
+        format_args!("{}x{}", layout.width, layout.height),
+        layout.dark_level,
+    )?;
+    if let Some(rings) = layout.elements.iter().filter_map(|e| e.ring).max() {
+        writeln!(out, "{} rings on the dome", rings + 1)?;
+    }
+    // Only the layout is sorted by rings; the indices that warnings name are those of the layout.
+    for warning in in_layout_order(&located, &layout) {
+        writeln!(out, "warning: {warning}")?;
+    }
+    writeln!(out, "{}", arguments.output.display())?;
+    Ok(Outcome::Done)
+}
+
+/// The warnings with the indices that elements have in the layout.
+fn in_layout_order(located: &locate::Located, layout: &LocatedLayout) -> Vec<LocateWarning> {
+    let index = |element: usize| {
+        let centre = located.elements[element].centre_px;
+        let distance = |i: &usize| layout.elements[*i].centre_px.distance_squared(centre);
+        let all = 0..layout.elements.len();
+        all.min_by(|a, b| distance(a).total_cmp(&distance(b)))
+            .unwrap_or(element)
+    };
+    let mut warnings = located.warnings.clone();
+    for warning in &mut warnings {
+        match warning {
+            LocateWarning::Merged { element, .. } | LocateWarning::Incomplete { element, .. } => {
+                *element = index(*element);
+            }
+            LocateWarning::Saturated { elements } | LocateWarning::CutOff { elements } => {
+                elements
+                    .iter_mut()
+                    .for_each(|element| *element = index(*element));
+                elements.sort_unstable();
+            }
+            LocateWarning::TwoLevels | LocateWarning::LeftOut { .. } => {}
+        }
+    }
+    warnings
+}
+
+/// The mean of the pictures in `files`.
+fn mean_of_files(files: &[PathBuf]) -> Result<ReferencePicture, CommandError> {
+    let mut mean = MeanPicture::default();
+    for file in files {
+        let failed = |e: &dyn std::error::Error| format!("{}: {e}", file.display());
+        let picture = read_picture(file).map_err(|e| failed(&e))?;
+        mean.add(&picture).map_err(|e| failed(&e))?;
+    }
+    Ok(mean.finish()?)
+}
+
+/// The dome that the arguments describe, if they do.
+fn dome_geometry(
+    arguments: &Arguments,
+    reference: &ReferencePicture,
+) -> Result<Option<DomeGeometry>, CommandError> {
+    if let Some(experiment) = &arguments.dome {
+        let fingertip = Experiment::load(experiment, &[])?.config.sensor.fingertip;
+        return Ok(Some(DomeGeometry {
+            radius: fingertip.layout.dome_radius,
+            camera: fingertip.camera,
+        }));
+    }
+    let given = arguments
+        .dome_radius
+        .zip(arguments.focal_length_px)
+        .zip(arguments.standoff);
+    let Some(((radius, focal_length_px), standoff)) = given else {
+        return Ok(None);
+    };
+    let centre_px = match arguments.axis_px[..] {
+        [] => None,
+        [column, row] => Some([column, row]),
+        _ => return Err("--axis-px: column and row expected, as in --axis-px 319.5,239.5".into()),
+    };
+    Ok(Some(DomeGeometry {
+        radius,
+        camera: CameraConfig {
+            width: reference.width,
+            height: reference.height,
+            focal_length_px,
+            standoff,
+            centre_px,
+            radial_distortion: [0.0, 0.0],
+        },
+    }))
+}

@@ -1,0 +1,15 @@
+//! The `feeler` program: arguments in, exit code out.
+
+/// One thread for all that the link's library does: what it does for a hand is over in microseconds, and handing
+/// it from thread to thread takes longer and twice the processor time.
+#[cfg(feature = "link")]
+const LINK_THREADS: &str = "(rx: (worker_threads: 1), tx: (handover: rx), acc: (handover: rx), app: (handover: rx), net: (handover: rx))";
+
+fn main() -> std::process::ExitCode {
+    #[cfg(feature = "link")]
+    if std::env::var_os("ZENOH_RUNTIME").is_none() {
+        // SAFETY: there is no other thread yet that could read or write the environment.
+        unsafe { std::env::set_var("ZENOH_RUNTIME", LINK_THREADS) };
+    }
+    feeler_cli::main()
+}

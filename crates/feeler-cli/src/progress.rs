@@ -1,0 +1,97 @@
+//! How far a run or a replay is, for whoever watches it on a terminal.
+
+use feeler::control::phase::Phase;
+use feeler_lab::config::Experiment;
+use feeler_lab::experiment::Session;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::time::{Duration, Instant};
+
+/// A progress bar over the run's strokes.
+pub struct Progress {
+    bar: ProgressBar,
+    shown: Instant,
+}
+
+impl Progress {
+    /// Redrawn this often at most.
+    const INTERVAL: Duration = Duration::from_millis(50);
+    const PHASES_PER_STROKE: u64 = 4;
+
+    /// A bar for a run of `experiment`; hidden unless standard error is a terminal.
+    pub fn new(experiment: &Experiment) -> Self {
+        let strokes = u64::from(experiment.config.task.strokes());
+        let bar = ProgressBar::new(strokes * Self::PHASES_PER_STROKE);
+        let style = ProgressStyle::with_template("{bar:32} {msg}");
+        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+        Self {
+            bar,
+            shown: Instant::now(),
+        }
+    }
+
+    /// Shows how far `session` is, which was started at `start`.
+    pub fn show(&mut self, session: &Session, start: Instant) {
+        let now = Instant::now();
+        if now - self.shown < Self::INTERVAL {
+            return;
+        }
+        self.shown = now;
+        let controller = session.control_loop().controller();
+        let (stroke, phase) = (controller.task().stroke(), controller.phase());
+        let sim_time = session.control_loop().state().stamp;
+        let strokes_done = u64::from(stroke.saturating_sub(1));
+        let phases_done = match phase {
+            Phase::Search => 0,
+            Phase::Move => 1,
+            Phase::Release => 2,
+            Phase::Return => 3,
+            Phase::Done | Phase::Stopped => 4,
+        };
+        self.bar
+            .set_position(strokes_done * Self::PHASES_PER_STROKE + phases_done);
+        self.bar.set_message(format!(
+            "{sim_time:5.1} s simulated, stroke {stroke} {phase}, {:.0} x real time",
+            sim_time / (now - start).as_secs_f64()
+        ));
+    }
+
+    /// Takes the bar off the screen.
+    pub fn clear(&self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+/// A progress bar over steps, for work that may be over before anyone looks.
+pub struct Steps {
+    bar: ProgressBar,
+    start: Instant,
+}
+
+impl Steps {
+    /// What takes no longer than this shows no bar.
+    const PATIENCE: Duration = Duration::from_secs(2);
+
+    /// A bar over so many steps; hidden unless standard error is a terminal.
+    pub fn new(steps: usize) -> Self {
+        let bar = ProgressBar::with_draw_target(Some(steps as u64), ProgressDrawTarget::hidden());
+        let style = ProgressStyle::with_template("{bar:32} {pos}/{len} steps, {eta} left");
+        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+        Self {
+            bar,
+            start: Instant::now(),
+        }
+    }
+
+    /// One more step is done.
+    pub fn advance(&self) {
+        self.bar.inc(1);
+        if self.bar.is_hidden() && self.start.elapsed() > Self::PATIENCE {
+            self.bar.set_draw_target(ProgressDrawTarget::stderr());
+        }
+    }
+
+    /// Takes the bar off the screen.
+    pub fn clear(&self) {
+        self.bar.finish_and_clear();
+    }
+}

@@ -1,0 +1,234 @@
+//! `feeler robustness`
+
+use super::interrupt::watch_for_interrupt;
+use super::sweep::{Bar, cores};
+use super::{CommandError, Outcome};
+use feeler_lab::config::Experiment;
+use feeler_lab::sweep::design::{Design, MAX_ROWS};
+use feeler_lab::sweep::ranges::{self, Ranges};
+use feeler_lab::sweep::robustness::robustness as judge;
+use feeler_lab::sweep::store::{Store, TRIALS, write_whole};
+use feeler_lab::sweep::trial::Trials;
+use feeler_lab::sweep::{Ended, Plan, engine};
+use feeler_report::robustness_page::{RobustnessPage, percent, robustness_page};
+use std::collections::BTreeSet;
+use std::io::Write;
+use std::path::PathBuf;
+
+/// Name of the page in the folder.
+const PAGE: &str = "robustness.html";
+/// Name of what the page shows, for other programs.
+const JSON: &str = "robustness.json";
+/// Where all groups vary.
+const ALL: &str = "all";
+/// Most parameters that are said to decide a claim.
+const NAMED: usize = 3;
+
+const EXAMPLES: &str = "\
+A file of ranges says over what each value is plausible, and why; experiments/cap-closing.robustness.toml is the one
+that comes with cap-closing. Runs: the trials, as many controls for each group as asked for, and for the indices
+one for each pair and parameter, group and seed.
+
+Examples:
+  feeler robustness cap-closing -o robustness
+  feeler robustness cap-closing --group tuning -o tuning     only what an engineer sets
+  feeler robustness cap-closing --trials 8192 --sensitivity 0 -o shares
+  feeler robustness my.toml --ranges my.robustness.toml -o mine
+  feeler robustness cap-closing --ranges experiments/cap-closing.rubber.toml --sensitivity 0 -o rubber
+  feeler robustness --resume -o robustness                   go on after it was stopped
+  feeler run --trial robustness 17                           one trial again, with recording and report";
+
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Arguments {
+    /// An experiment file, or the name of a built-in experiment; not needed with --resume.
+    #[arg(required_unless_present = "resume")]
+    experiment: Option<String>,
+    /// File of ranges (TOML); again for another one that varies with it [default: the one that comes with the experiment]
+    #[arg(long, value_name = "FILE")]
+    ranges: Vec<PathBuf>,
+    /// What varies: all, or these groups of the ranges, as apparatus or tuning.
+    #[arg(long, value_name = "GROUP,…", value_delimiter = ',', default_value = ALL)]
+    group: Vec<String>,
+    /// At how many points everything varies; an even number.
+    #[arg(long, default_value_t = 2048, value_parser = clap::value_parser!(u64).range(2..=MAX_ROWS))]
+    trials: u64,
+    /// How many runs vary one group alone, and nothing.
+    #[arg(long, default_value_t = 512, value_parser = clap::value_parser!(u64).range(..=MAX_ROWS))]
+    controls: u64,
+    /// How many pairs of points the sensitivity indices are of; 0 for none.
+    #[arg(long, value_name = "PAIRS", default_value_t = 256, value_parser = clap::value_parser!(u64).range(..=MAX_ROWS / 2))]
+    sensitivity: u64,
+    /// Set any value of the experiment for all trials.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    settings: Vec<String>,
+    /// Where forces come from: rendered camera pictures, or the feelers themselves plus noise.
+    #[arg(long, value_parser = ["image", "direct"], default_value = "direct")]
+    sensing: String,
+    /// Drives all that is drawn.
+    #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
+    seed: u64,
+    /// Trials at a time [default: one for each core]
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1024))]
+    jobs: Option<u64>,
+    /// Go on with one that was stopped.
+    #[arg(long)]
+    resume: bool,
+    /// The folder of table and page.
+    #[arg(short, long, value_name = "DIR", default_value = "robustness")]
+    out: PathBuf,
+}
+
+pub fn robustness(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
+    let plan = plan(arguments)?;
+    let trials = Trials::new(&plan)?;
+    let folder = &arguments.out;
+    let mut store = match arguments.resume {
+        true => Store::resume(folder, &plan, trials.header())?,
+        false => Store::create(folder, &plan, trials.header())?,
+    };
+    let jobs = arguments.jobs.map_or_else(cores, |jobs| jobs as usize);
+    let stop = watch_for_interrupt()?;
+    let mut bar = Bar::new(store.table.rows.len() as u64);
+    let ended = engine::run(&trials, &mut store, plan.trials, jobs, &stop, &mut bar);
+    bar.clear();
+    let ended = ended?;
+    let page = judge(&trials, &store.table);
+    let json = serde_json::to_vec_pretty(&page)?;
+    write_whole(&folder.join(JSON), &json)?;
+    write_whole(&folder.join(PAGE), robustness_page(&page).as_bytes())?;
+    print(&page, out)?;
+    if ended == Ended::Stopped {
+        let (finished, folder) = (page.finished, folder.display());
+        writeln!(
+            out,
+            "interrupted: {finished} of {} trials are finished and kept; go on with `feeler robustness --resume -o {folder}`",
+            page.planned
+        )?;
+        return Ok(Outcome::GivenUp);
+    }
+    store.finish()?;
+    for name in [TRIALS, JSON, PAGE] {
+        writeln!(out, "{}", folder.join(name).display())?;
+    }
+    Ok(Outcome::Done)
+}
+
+/// What is to be done: as the command line says, or as the folder does of what was stopped.
+fn plan(arguments: &Arguments) -> Result<Plan, CommandError> {
+    let folder = arguments.out.display();
+    let kept = match arguments.resume {
+        true => Some(Plan::read(&arguments.out)?),
+        false => None,
+    };
+    if kept.as_ref().is_some_and(|kept| kept.design.is_none()) {
+        return Err(format!(
+            "--resume -o {folder}: that is a sweep; expected what `feeler robustness` was writing"
+        )
+        .into());
+    }
+    let Some(name) = &arguments.experiment else {
+        let others = !arguments.ranges.is_empty() || !arguments.settings.is_empty();
+        return match kept {
+            Some(kept) if !others => Ok(kept),
+            _ => Err("--resume alone goes on as it was: name the experiment to check other options against it".into()),
+        };
+    };
+    let new = new_plan(arguments, name)?;
+    let Some(kept) = kept else { return Ok(new) };
+    match kept.difference(&new) {
+        None => Ok(kept),
+        Some(difference) => Err(format!(
+            "--resume -o {folder}: {difference}; expected what was stopped, of which nothing was changed"
+        )
+        .into()),
+    }
+}
+
+fn new_plan(arguments: &Arguments, name: &str) -> Result<Plan, CommandError> {
+    let design = Design {
+        rows: arguments.trials,
+        controls: arguments.controls,
+        pairs: arguments.sensitivity,
+    };
+    let Design {
+        rows,
+        controls,
+        pairs,
+    } = design;
+    if rows % 2 != 0 || controls > rows || 2 * pairs > rows {
+        return Err(format!(
+            "--trials {rows} --controls {controls} --sensitivity {pairs}: expected an even number of trials, at most as many controls, and at most half as many pairs"
+        )
+        .into());
+    }
+    let Ranges {
+        set: mut settings,
+        parameter: mut entries,
+    } = ranges::load(&arguments.ranges, name)?;
+    settings.extend(arguments.settings.clone());
+    settings.push(format!("sensing={}", arguments.sensing));
+    let experiment = Experiment::load(name, &settings)?;
+    let groups: BTreeSet<_> = entries.iter().map(|entry| entry.group.clone()).collect();
+    let unknown = (arguments.group.iter()).find(|&group| group != ALL && !groups.contains(group));
+    if let Some(group) = unknown {
+        let groups: Vec<_> = groups.into_iter().collect();
+        let groups = groups.join(", ");
+        return Err(
+            format!("--group {group}: there is no such group; expected {ALL}, {groups}").into(),
+        );
+    }
+    let varies = |group: &String| arguments.group.iter().any(|g| g == ALL || g == group);
+    entries.retain(|entry| varies(&entry.group));
+    Ok(Plan::designed(
+        &experiment,
+        name,
+        entries,
+        design,
+        arguments.seed,
+    ))
+}
+
+/// The shares and what decides them, for a terminal.
+fn print(page: &RobustnessPage, out: &mut dyn Write) -> std::io::Result<()> {
+    let infeasible = page.rows - page.hands;
+    writeln!(
+        out,
+        "{} hands at {} points ({infeasible} are no hands)",
+        page.hands, page.rows
+    )?;
+    let widest = page
+        .measures
+        .iter()
+        .map(|m| m.name.chars().count())
+        .max()
+        .unwrap_or(0);
+    let legend = page.measures.first().map_or(&[][..], |m| &m.shares);
+    let names: String = legend
+        .iter()
+        .map(|share| format!("  {:<22}", share.of))
+        .collect();
+    writeln!(
+        out,
+        "{:widest$}{names}  decided by (total effect, %)",
+        "holds in"
+    )?;
+    for measure in &page.measures {
+        let shares = measure
+            .shares
+            .iter()
+            .map(|share| format!("  {:<22}", percent(share.share)));
+        let deciding = measure.deciding(page.parameters).into_iter().take(NAMED);
+        let deciding: Vec<_> = deciding
+            .map(|(name, total)| format!("{name} {:.0}", 100.0 * total))
+            .collect();
+        let shares: String = shares.collect();
+        writeln!(
+            out,
+            "{:widest$}{shares}  {}",
+            measure.name,
+            deciding.join("; ")
+        )?;
+    }
+    Ok(())
+}

@@ -1,0 +1,262 @@
+//! A run on the terminal view: what is shown of it, and what the keys do to it.
+
+use super::CommandError;
+use super::arrivals::Arrivals;
+use crate::top::{
+    Action, Clock, Fault, Finger, History, Program, ProgramState, Snapshot, TaskState, Torque,
+    UNKNOWN, View,
+};
+use feeler::control::control_loop::ControlLoop;
+use feeler::control::touch::{FingerTouch, TouchSource};
+use feeler::hand::hand::Hand;
+use feeler::sensor::layout::ElementLayout;
+use feeler_lab::config::{Experiment, ExperimentConfig, Sensing};
+use feeler_lab::experiment::{Instruments, Session};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::{Duration, Instant};
+
+/// Who stops the hand when a key is pressed.
+const BY: &str = "the keyboard";
+
+/// A run on the terminal view.
+pub struct Screen {
+    view: View,
+    run: RunState,
+}
+
+/// What is remembered of a run from step to step.
+struct RunState {
+    config: ExperimentConfig,
+    title: String,
+    /// The pictures, or what stands for them, of each finger.
+    frames: Vec<Arrivals>,
+    /// The control steps.
+    steps: Arrivals,
+    torque: History,
+    fault: Option<Fault>,
+    speed: Speedometer,
+    late: Option<u64>,
+    /// The angle of the cap, where there is one, rad.
+    cap_angle: Option<f64>,
+    newest_torque: f64,
+}
+
+impl Screen {
+    /// Says whether there can be a screen, before anything is begun.
+    pub fn check() -> Result<(), CommandError> {
+        View::check_terminal().map_err(|e| format!("--top: {e}").into())
+    }
+
+    /// Takes the terminal for a run of `experiment`. `interrupted` is raised when whoever watches leaves.
+    pub fn open(
+        experiment: &Experiment,
+        interrupted: &Arc<AtomicBool>,
+    ) -> Result<Self, CommandError> {
+        let view = View::open(interrupted).map_err(|e| format!("--top: {e}"))?;
+        let run = RunState::new(&experiment.config);
+        Ok(Self { view, run })
+    }
+
+    /// Takes in the newest step of `session`, of which `late` were late so far; shows it, when it is time to;
+    /// does what the keys ask for.
+    pub fn step(&mut self, session: &mut Session, instruments: &Instruments, late: Option<u64>) {
+        self.run.step(session, instruments, late);
+        self.view.show(|| self.run.snapshot(session));
+        for action in self.view.actions() {
+            match action {
+                Action::Stop => session.stop(BY),
+                Action::Resume => session.resume(),
+                // The view says that it is interrupted.
+                Action::Quit => {}
+            }
+        }
+    }
+
+    /// Shows how the run ended until whoever watches leaves.
+    pub fn wait_for_quit(mut self, session: &Session) {
+        let snapshot = Snapshot {
+            notice: "the run is over and its report made: q leaves".into(),
+            hand_listens: false,
+            ..self.run.snapshot(session)
+        };
+        self.view.wait_for_quit(snapshot);
+    }
+}
+
+impl RunState {
+    fn new(config: &ExperimentConfig) -> Self {
+        let sensing = match config.sensing {
+            Sensing::Image => "pictures",
+            Sensing::Direct => "direct sensing",
+        };
+        Self {
+            title: format!("{}, {sensing}, seed {}", config.name, config.seed),
+            frames: vec![Arrivals::default(); config.hand.finger.len()],
+            steps: Arrivals::default(),
+            torque: History::default(),
+            fault: None,
+            speed: Speedometer::new(),
+            late: None,
+            cap_angle: None,
+            newest_torque: UNKNOWN,
+            config: config.clone(),
+        }
+    }
+
+    fn step(&mut self, session: &Session, instruments: &Instruments, late: Option<u64>) {
+        let control_loop = session.control_loop();
+        let now = control_loop.state().stamp;
+        for (frames, touch) in self.frames.iter_mut().zip(control_loop.touches()) {
+            frames.newest(touch.frame.sequence, now);
+        }
+        self.steps.next(now);
+        self.newest_torque = instruments.torque.torque;
+        self.torque.push(now, self.newest_torque);
+        self.cap_angle = self.config.sim.cap().map(|_| instruments.cap.angle);
+        self.late = late;
+        self.speed.time(now);
+        self.take_fault(session, now);
+    }
+
+    /// A stop of the hand is a fault, and over when the hand goes on.
+    fn take_fault(&mut self, session: &Session, now: f64) {
+        let reason = session.control_loop().controller().stop_reason();
+        match (reason, &mut self.fault) {
+            (Some(_), Some(Fault { over: false, .. })) | (None, None) => {}
+            (Some(reason), _) => {
+                self.fault = Some(Fault {
+                    time: now,
+                    words: format!("the hand was stopped: {reason}"),
+                    over: false,
+                });
+            }
+            (None, Some(fault)) => fault.over = true,
+        }
+    }
+
+    fn snapshot(&self, session: &Session) -> Snapshot {
+        let control_loop = session.control_loop();
+        let controller = control_loop.controller();
+        Snapshot {
+            title: self.title.clone(),
+            time: control_loop.state().stamp,
+            clock: Clock::Simulated {
+                speed: self.speed.speed,
+            },
+            task: Some(TaskState {
+                phase: controller.phase(),
+                stroke: controller.task().stroke(),
+                strokes: Some(self.config.task.strokes()),
+            }),
+            fingers: self.fingers(session.layouts(), control_loop),
+            torque: Some(Torque {
+                newest: self.newest_torque,
+                history: self.torque.values(),
+                interval: self.torque.interval(),
+            }),
+            true_cap_angle: self.cap_angle,
+            programs: self.programs(control_loop),
+            fault: self.fault.clone(),
+            hand_listens: true,
+            missed: None,
+            notice: String::new(),
+        }
+    }
+
+    fn fingers<S: TouchSource, H: Hand>(
+        &self,
+        layouts: &[ElementLayout],
+        control_loop: &ControlLoop<S, H>,
+    ) -> Vec<Finger> {
+        let touches = control_loop.touches().iter().zip(layouts);
+        let fingers = touches.zip(&control_loop.state().joints).enumerate();
+        fingers
+            .map(|(number, ((touch, layout), joints))| Finger {
+                number,
+                flags: touch.flags,
+                thresholds: self.config.control.thresholds(),
+                grasp_target: self.config.task.grasp_force(),
+                elements: layout.elements.clone(),
+                forces: touch.frame.forces.clone(),
+                shear_rates: touch.shear_rate.clone(),
+                joints: joints.position.to_array(),
+            })
+            .collect()
+    }
+
+    /// The programs that a run has in one process, as if each were one by itself.
+    fn programs<S: TouchSource, H: Hand>(&self, control_loop: &ControlLoop<S, H>) -> Vec<Program> {
+        let now = control_loop.state().stamp;
+        let sensors = self.frames.iter().zip(control_loop.touches()).enumerate();
+        let mut programs: Vec<_> = sensors
+            .map(|(finger, (frames, touch))| self.sensor(finger, frames, touch, now))
+            .collect();
+        programs.push(Program {
+            late: self.late,
+            ..program("hand", &self.steps, 0.0)
+        });
+        // The rig is read once in each control step.
+        programs.push(program("rig", &self.steps, 0.0));
+        programs
+    }
+
+    fn sensor(&self, finger: usize, frames: &Arrivals, touch: &FingerTouch, now: f64) -> Program {
+        let age = now - touch.stamp;
+        let limit = self.config.control.stale_periods * self.config.control.period;
+        let state = if age > limit {
+            ProgramState::Silent
+        } else {
+            ProgramState::Alive
+        };
+        Program {
+            finger: Some(finger),
+            state,
+            ..program("sensor", frames, age)
+        }
+    }
+}
+
+fn program(name: &str, arrivals: &Arrivals, age: f64) -> Program {
+    Program {
+        name: name.into(),
+        finger: None,
+        version: env!("CARGO_PKG_VERSION").into(),
+        rate: arrivals.rate(),
+        age,
+        received: Some(arrivals.received()),
+        lost: arrivals.lost(),
+        late: None,
+        state: ProgramState::Alive,
+    }
+}
+
+/// How fast simulated time goes.
+struct Speedometer {
+    /// Real and simulated time (s) when the measurement under way began.
+    begun: (Instant, f64),
+    /// Simulated seconds in a real second by the last measurement.
+    speed: f64,
+}
+
+impl Speedometer {
+    /// A measurement takes this long.
+    const DURATION: Duration = Duration::from_millis(500);
+
+    fn new() -> Self {
+        Self {
+            begun: (Instant::now(), 0.0),
+            speed: UNKNOWN,
+        }
+    }
+
+    /// It is `time`, s simulated, now.
+    fn time(&mut self, time: f64) {
+        let (begun, from) = self.begun;
+        let elapsed = begun.elapsed();
+        if elapsed >= Self::DURATION {
+            self.speed = (time - from) / elapsed.as_secs_f64();
+            self.begun = (Instant::now(), time);
+        }
+    }
+}

@@ -1,0 +1,192 @@
+//! `feeler sense`
+
+mod frames;
+pub(super) mod output;
+mod recorded;
+pub(super) mod sensor;
+pub(super) mod source;
+pub(super) mod tally;
+
+use super::interrupt::watch_for_interrupt;
+use super::link::{self, ExperimentArguments, LinkArguments};
+use super::{CommandError, Outcome};
+use feeler::sensor::exposure::DEFAULT_MAX_SATURATED;
+use output::Output;
+use source::Source;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use tally::Tally;
+
+const DETAILS: &str = "\
+Pictures are PNG, JPEG, PNM or TIFF, of 8 bits or 16 (scaled to 8); colours become grey. They must have the size of the sensor's.
+
+One row for each element and frame: frame, stamp (s), element, integrated_gray (G, grey levels times m²), u_x and u_y (displacement of the centroid, m), and with --calibration f_x, f_y, f_z (N; frame, sign: the element's, z is compression). A field is empty where there is nothing to say: u in the dark, forces where a sub-region is dark or saturated, G and u of a recorded run.
+
+u counts from where the centroids are without load: as the calibration says; without one, the mean over the first frames (--unloaded), or --reference.";
+
+#[derive(Debug, clap::Args)]
+#[command(after_long_help = DETAILS)]
+pub struct Arguments {
+    /// Folder or files of pictures (in the natural order of names), a recorded run, a camera
+    /// (/dev/video0), rig: for what `feeler world` plays, or - for raw grey frames on standard input.
+    #[arg(required = true, value_name = "SOURCE")]
+    sources: Vec<PathBuf>,
+    /// The sensing elements as `feeler locate` found them, instead of an experiment's; without the
+    /// dome's geometry in it, G is in grey levels px² and u in px.
+    #[arg(long, value_name = "LAYOUT.toml", conflicts_with = "experiment")]
+    pub(super) layout: Option<PathBuf>,
+    /// The experiment whose fingertip the pictures are of: a file, or a built-in one.
+    #[arg(long, default_value = "cap-closing")]
+    pub(super) experiment: String,
+    /// Calibration of the fingertip, as `feeler calibrate` writes it.
+    #[arg(long, value_name = "FILE")]
+    pub(super) calibration: Option<PathBuf>,
+    /// Take out a lamp that dims or brightens: the quarter of the elements that have brightened least are
+    /// taken for untouched, if they agree and have not moved, and tell the change for all. Needs a quarter
+    /// of the elements free of touch; while there are fewer, the last known change is kept.
+    #[arg(long, requires = "calibration")]
+    pub(super) drift_correction: bool,
+    /// Where to write: .csv, .jsonl or .mcap [default: a table on standard output]
+    #[arg(short, long, value_name = "FILE")]
+    pub(super) output: Option<PathBuf>,
+    /// Size of the raw frames on standard input, px.
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size)]
+    raw: Option<(usize, usize)>,
+    /// Size of the camera's pictures, px [default: that of the fingertip's pictures]
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size)]
+    size: Option<(usize, usize)>,
+    /// Frames per second: asked of a camera; of pictures and raw frames, what their stamps count by.
+    #[arg(long, value_name = "HZ", default_value = "30", value_parser = parse_rate)]
+    rate: f64,
+    /// Exposure time of the camera, s [default: as the camera is set]
+    #[arg(long, value_name = "SECONDS", value_parser = parse_exposure)]
+    exposure: Option<f64>,
+    /// Picture without load that u counts from.
+    #[arg(long, value_name = "PICTURE", conflicts_with = "calibration")]
+    reference: Option<PathBuf>,
+    /// Frames at the start without load, whose mean u counts from [default: 1]
+    #[arg(long, value_name = "FRAMES", conflicts_with_all = ["calibration", "reference"],
+        value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    unloaded: Option<u32>,
+    /// Part of a sub-region's pixels that may be saturated before its force is left out.
+    #[arg(long, value_name = "PART", default_value_t = DEFAULT_MAX_SATURATED, value_parser = parse_part)]
+    max_saturated: f64,
+    /// Finger of a recorded run, from 0 [default: 0]; of pictures, the finger of the experiment whose
+    /// fingertip they are of [default: what fingers have without one of their own]
+    #[arg(long, value_name = "NUMBER")]
+    pub(super) finger: Option<usize>,
+    /// Publish what the finger feels, for `feeler hand`. Without --calibration, by the experiment's own.
+    #[arg(long)]
+    pub(super) publish: bool,
+    #[command(flatten)]
+    pub(super) values: ExperimentArguments,
+    #[command(flatten)]
+    pub(super) link: LinkArguments,
+}
+
+pub fn sense(arguments: &Arguments) -> Result<Outcome, CommandError> {
+    let source = Source::of(arguments)?;
+    refuse_to_overwrite(arguments.output.as_deref(), &source)?;
+    let interrupted = watch_for_interrupt()?;
+    let mut tally = Tally::new();
+    match source {
+        Source::Recording(_) if arguments.publish => {
+            let message = "--publish: expected pictures, a camera or rig:, not a recorded run";
+            return Err(message.into());
+        }
+        Source::Rig if !arguments.publish => {
+            return Err("rig: is sensed for the hand; expected --publish beside it".into());
+        }
+        Source::Recording(path) => {
+            recorded::sense(arguments, &path, &mut tally, &interrupted)?;
+        }
+        source if arguments.publish => {
+            link::sense::publish(arguments, &source, &mut tally, &interrupted)?;
+        }
+        source => frames::sense(arguments, &source, &mut tally, &interrupted)?,
+    }
+    if interrupted.load(Ordering::Relaxed) {
+        return Ok(Outcome::GivenUp);
+    }
+    if tally.frames() == 0 {
+        let skipped = tally.skipped();
+        return Err(format!(
+            "there was no frame to sense ({skipped} skipped); expected at least 1"
+        )
+        .into());
+    }
+    Ok(Outcome::Done)
+}
+
+/// Closes `output` however sensing `ended`, and says how it went.
+///
+/// A reader that has had enough is no error.
+pub(super) fn close(
+    output: Box<dyn Output>,
+    tally: &Tally,
+    ended: Result<(), CommandError>,
+) -> Result<(), CommandError> {
+    let written = ended.and(output.finish());
+    tally.close();
+    match written {
+        Err(error) if is_closed_pipe(&error) => Ok(()),
+        written => written,
+    }
+}
+
+fn is_closed_pipe(error: &CommandError) -> bool {
+    let of_table = error.downcast_ref::<csv::Error>();
+    let of_table = of_table.and_then(|error| match error.kind() {
+        csv::ErrorKind::Io(error) => Some(error),
+        _ => None,
+    });
+    let error = of_table.or_else(|| error.downcast_ref());
+    error.is_some_and(|error| error.kind() == ErrorKind::BrokenPipe)
+}
+
+/// Whether to stop.
+pub(super) fn is_raised(flag: &AtomicBool) -> bool {
+    flag.load(Ordering::Relaxed)
+}
+
+fn refuse_to_overwrite(output: Option<&Path>, source: &Source) -> Result<(), CommandError> {
+    let (Some(output), Source::Recording(recording)) = (output, source) else {
+        return Ok(());
+    };
+    let same = match (output.canonicalize(), recording.canonicalize()) {
+        (Ok(output), Ok(recording)) => output == recording,
+        _ => false,
+    };
+    if same {
+        let output = output.display();
+        return Err(format!("--output {output}: it is the source; expected another file").into());
+    }
+    Ok(())
+}
+
+fn parse_size(text: &str) -> Result<(usize, usize), String> {
+    let side = |side: &str| side.parse().ok().filter(|side| (1..=16_384).contains(side));
+    let size = text.split_once('x');
+    size.and_then(|(width, height)| Some((side(width)?, side(height)?)))
+        .ok_or_else(|| "expected WIDTHxHEIGHT of 1 to 16384 px each, as in 640x480".into())
+}
+
+fn parse_rate(text: &str) -> Result<f64, String> {
+    parse_between(text, 1e-3, 1e5, "Hz")
+}
+
+fn parse_exposure(text: &str) -> Result<f64, String> {
+    parse_between(text, 1e-6, 1e3, "s")
+}
+
+fn parse_part(text: &str) -> Result<f64, String> {
+    parse_between(text, 0.0, 1.0, "of the pixels")
+}
+
+fn parse_between(text: &str, low: f64, high: f64, unit: &str) -> Result<f64, String> {
+    let number = text.parse().ok();
+    number
+        .filter(|number| (low..=high).contains(number))
+        .ok_or_else(|| format!("expected {low} to {high} {unit}"))
+}

@@ -1,0 +1,276 @@
+//! Where readings go: a table, lines of JSON, or MCAP.
+
+use super::CommandError;
+use feeler::sensor::sensing::ElementReading;
+use feeler_record::wire::Vector3;
+use feeler_record::{Moments, SensedWriter, Tactile};
+use glam::{DVec2, DVec3};
+use serde::Serialize;
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+
+/// Bytes that are collected before they are written while frames wait.
+const BUFFER: usize = 1 << 18;
+
+/// The readings of one frame.
+pub struct FrameReadings<'a> {
+    /// Number of the frame, from 0.
+    pub sequence: u64,
+    /// Time of the frame, s.
+    pub stamp: f64,
+    /// One for each element.
+    pub readings: &'a [ElementReading],
+}
+
+/// Something that readings are written to.
+pub trait Output {
+    /// Writes one frame.
+    fn write(&mut self, frame: &FrameReadings) -> Result<(), CommandError>;
+    /// Hands on what was collected.
+    fn flush(&mut self) -> Result<(), CommandError>;
+    /// Writes what belongs at the end.
+    fn finish(self: Box<Self>) -> Result<(), CommandError>;
+}
+
+/// The output that `path` names by its extension, or a table on standard output.
+pub fn open(path: Option<&Path>, forces: bool) -> Result<Box<dyn Output>, CommandError> {
+    let Some(path) = path else {
+        return Ok(Box::new(Table::new(Box::new(io::stdout()), forces)?));
+    };
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("");
+    let create = || -> Result<Box<dyn Write>, CommandError> {
+        match File::create(path) {
+            Ok(file) => Ok(Box::new(file)),
+            Err(error) => Err(format!(
+                "--output {}: {error}; expected a file in a folder that can be written to",
+                path.display()
+            )
+            .into()),
+        }
+    };
+    let name = path.display().to_string();
+    Ok(match extension {
+        "csv" => Named::boxed(name, Table::new(create()?, forces)?),
+        "jsonl" => Named::boxed(name, JsonLines::new(create()?, forces)),
+        "mcap" => Box::new(Mcap::create(path, forces)?),
+        _ => {
+            return Err(format!(
+                "--output {name}: expected a file ending in .csv, .jsonl or .mcap"
+            )
+            .into());
+        }
+    })
+}
+
+/// One element in one frame, as it is written; what there is not is left empty.
+#[derive(Serialize)]
+struct Row {
+    frame: u64,
+    stamp: f64,
+    element: usize,
+    integrated_gray: Option<f64>,
+    u_x: Option<f64>,
+    u_y: Option<f64>,
+}
+
+/// The force's part of a row.
+#[derive(Serialize)]
+struct ForceRow {
+    f_x: Option<f64>,
+    f_y: Option<f64>,
+    f_z: Option<f64>,
+}
+
+impl Row {
+    fn new(frame: &FrameReadings, element: usize, reading: &ElementReading) -> (Self, ForceRow) {
+        let row = Self {
+            frame: frame.sequence,
+            stamp: frame.stamp,
+            element,
+            integrated_gray: Some(reading.integrated_gray).filter(|gray| gray.is_finite()),
+            u_x: reading.displacement.map(|u| u.x),
+            u_y: reading.displacement.map(|u| u.y),
+        };
+        let force = ForceRow {
+            f_x: reading.force.map(|f| f.x),
+            f_y: reading.force.map(|f| f.y),
+            f_z: reading.force.map(|f| f.z),
+        };
+        (row, force)
+    }
+}
+
+/// Comma-separated values, one row for each element and frame.
+struct Table {
+    writer: csv::Writer<Box<dyn Write>>,
+    forces: bool,
+}
+
+impl Table {
+    fn new(writer: Box<dyn Write>, forces: bool) -> Result<Self, CommandError> {
+        let writer = csv::WriterBuilder::new()
+            .has_headers(false)
+            .buffer_capacity(BUFFER)
+            .from_writer(writer);
+        let mut table = Self { writer, forces };
+        let moments = ["frame", "stamp", "element", "integrated_gray", "u_x", "u_y"];
+        let with_forces = ["f_x", "f_y", "f_z"];
+        let with_forces: &[&str] = if forces { &with_forces } else { &[] };
+        table
+            .writer
+            .write_record(moments.iter().chain(with_forces))?;
+        Ok(table)
+    }
+}
+
+impl Output for Table {
+    fn write(&mut self, frame: &FrameReadings) -> Result<(), CommandError> {
+        for (element, reading) in frame.readings.iter().enumerate() {
+            let (row, force) = Row::new(frame, element, reading);
+            match self.forces {
+                true => self.writer.serialize((row, force))?,
+                false => self.writer.serialize(row)?,
+            }
+        }
+        Ok(())
+    }
+
+    fn flush(&mut self) -> Result<(), CommandError> {
+        Ok(self.writer.flush()?)
+    }
+
+    fn finish(mut self: Box<Self>) -> Result<(), CommandError> {
+        self.flush()
+    }
+}
+
+/// The same rows as the table's, each a JSON object on a line of its own.
+struct JsonLines {
+    writer: BufWriter<Box<dyn Write>>,
+    forces: bool,
+}
+
+#[derive(Serialize)]
+struct JsonRow {
+    #[serde(flatten)]
+    row: Row,
+    #[serde(flatten)]
+    force: Option<ForceRow>,
+}
+
+impl JsonLines {
+    fn new(writer: Box<dyn Write>, forces: bool) -> Self {
+        Self {
+            writer: BufWriter::with_capacity(BUFFER, writer),
+            forces,
+        }
+    }
+}
+
+impl Output for JsonLines {
+    fn write(&mut self, frame: &FrameReadings) -> Result<(), CommandError> {
+        for (element, reading) in frame.readings.iter().enumerate() {
+            let (row, force) = Row::new(frame, element, reading);
+            let force = self.forces.then_some(force);
+            serde_json::to_writer(&mut self.writer, &JsonRow { row, force })?;
+            self.writer.write_all(b"\n")?;
+        }
+        Ok(())
+    }
+
+    fn flush(&mut self) -> Result<(), CommandError> {
+        Ok(self.writer.flush()?)
+    }
+
+    fn finish(mut self: Box<Self>) -> Result<(), CommandError> {
+        self.flush()
+    }
+}
+
+/// An output to a file, whose errors name it.
+struct Named<O> {
+    name: String,
+    output: Box<O>,
+}
+
+impl<O: Output + 'static> Named<O> {
+    fn boxed(name: String, output: O) -> Box<dyn Output> {
+        let output = Box::new(output);
+        Box::new(Self { name, output })
+    }
+}
+
+fn named(name: &str, error: &CommandError) -> CommandError {
+    format!("--output {name}: {error}; what was written before it is good").into()
+}
+
+impl<O: Output> Output for Named<O> {
+    fn write(&mut self, frame: &FrameReadings) -> Result<(), CommandError> {
+        self.output.write(frame).map_err(|e| named(&self.name, &e))
+    }
+
+    fn flush(&mut self) -> Result<(), CommandError> {
+        self.output.flush().map_err(|e| named(&self.name, &e))
+    }
+
+    fn finish(self: Box<Self>) -> Result<(), CommandError> {
+        self.output.finish().map_err(|e| named(&self.name, &e))
+    }
+}
+
+/// ROS 2 messages in an MCAP file: moments and, calibrated, forces.
+struct Mcap {
+    writer: SensedWriter,
+    forces: bool,
+}
+
+impl Mcap {
+    fn create(path: &Path, forces: bool) -> Result<Self, CommandError> {
+        let writer = SensedWriter::create(path)?;
+        Ok(Self { writer, forces })
+    }
+}
+
+impl Output for Mcap {
+    fn write(&mut self, frame: &FrameReadings) -> Result<(), CommandError> {
+        let &FrameReadings {
+            sequence,
+            stamp,
+            readings,
+        } = frame;
+        let along = |place: fn(&ElementReading) -> Option<DVec2>, axis: usize| {
+            let readings = readings.iter();
+            readings
+                .map(|r| place(r).map_or(f64::NAN, |p| p[axis]))
+                .collect()
+        };
+        self.writer.moments(&Moments {
+            sequence,
+            stamp,
+            integrated_gray: readings.iter().map(|r| r.integrated_gray).collect(),
+            displacement_x: along(|r| r.displacement, 0),
+            displacement_y: along(|r| r.displacement, 1),
+            centroid_x: along(|r| r.centroid, 0),
+            centroid_y: along(|r| r.centroid, 1),
+        })?;
+        if self.forces {
+            // A force that there is not is not a number in each component.
+            let force = |r: &ElementReading| Vector3::from(r.force.unwrap_or(DVec3::NAN));
+            self.writer.tactile(&Tactile {
+                sequence,
+                stamp,
+                forces: readings.iter().map(force).collect(),
+            })?;
+        }
+        Ok(())
+    }
+
+    fn flush(&mut self) -> Result<(), CommandError> {
+        Ok(())
+    }
+
+    fn finish(self: Box<Self>) -> Result<(), CommandError> {
+        Ok(self.writer.finish()?)
+    }
+}

@@ -1,0 +1,74 @@
+//! The forces that a run has on record.
+
+use super::output::{self, FrameReadings, Output};
+use super::tally::Tally;
+use super::{Arguments, CommandError, close, is_raised};
+use feeler::sensor::reading::{SensorError, TactileFrame, TactileSensor};
+use feeler::sensor::sensing::ElementReading;
+use feeler_record::{RecordedSensor, Recording};
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+/// Gives out the forces of one finger of the recording at `path`.
+pub fn sense(
+    arguments: &Arguments,
+    path: &Path,
+    tally: &mut Tally,
+    interrupted: &AtomicBool,
+) -> Result<(), CommandError> {
+    let recording = Recording::read(path)?;
+    let (finger, fingers) = (arguments.finger.unwrap_or(0), recording.fingers.len());
+    if finger >= fingers {
+        return Err(
+            format!("--finger {finger}: expected less than {fingers}, the run's fingers").into(),
+        );
+    }
+    let mut output = output::open(arguments.output.as_deref(), true)?;
+    let mut sensor = RecordedSensor::new(&recording, finger);
+    let ended = give_out(&mut sensor, output.as_mut(), tally, interrupted);
+    let until = recording.readable_until;
+    let whole = recording.problem.map_or(Ok(()), |problem| {
+        let path = path.display();
+        Err(
+            format!("{path}: the recording is incomplete ({problem}); forces up to {until:.2} s")
+                .into(),
+        )
+    });
+    close(output, tally, ended)?;
+    whole
+}
+
+fn give_out(
+    sensor: &mut RecordedSensor,
+    output: &mut dyn Output,
+    tally: &mut Tally,
+    interrupted: &AtomicBool,
+) -> Result<(), CommandError> {
+    let elements = sensor.element_count();
+    let mut frame = TactileFrame::unloaded(elements);
+    let mut readings = vec![ElementReading::default(); elements];
+    while !is_raised(interrupted) {
+        match sensor.read(&mut frame) {
+            Ok(()) => {}
+            Err(SensorError::Ended { .. }) => break,
+            Err(error) => return Err(error.into()),
+        }
+        let at = Instant::now();
+        for (reading, &force) in readings.iter_mut().zip(&frame.forces) {
+            // There is no picture that could say more.
+            *reading = ElementReading {
+                integrated_gray: f64::NAN,
+                force: Some(force),
+                ..ElementReading::default()
+            };
+        }
+        output.write(&FrameReadings {
+            sequence: frame.sequence,
+            stamp: frame.stamp,
+            readings: &readings,
+        })?;
+        tally.frame(frame.sequence, at, &readings);
+    }
+    Ok(())
+}

@@ -1,0 +1,83 @@
+//! The sensor that the arguments describe.
+
+use super::{Arguments, CommandError};
+use crate::sensor_geometry::SensorGeometry;
+use feeler::sensor::drift::DriftConfig;
+use feeler::sensor::sensing::{ElementReading, Reference, Sensing};
+use feeler_lab::config::Experiment;
+use feeler_sources::picture::read_picture;
+use std::path::Path;
+
+/// The sensing of the experiment's fingertip or of the located layout, with calibration or reference
+/// if there is one.
+pub fn sensor(arguments: &Arguments) -> Result<Sensing, CommandError> {
+    let layout = arguments.layout.as_deref();
+    let geometry = SensorGeometry::of(&arguments.experiment, arguments.finger, layout)?;
+    let calibration = arguments.calibration.as_deref();
+    let calibration = calibration.map(|path| geometry.read_calibration(path));
+    let calibration = calibration.transpose()?;
+    let SensorGeometry {
+        size,
+        kernel,
+        regions,
+        ..
+    } = geometry;
+    let mut sensing = Sensing::new(size, kernel, &regions, arguments.max_saturated)?;
+    if let Some(calibration) = calibration {
+        sensing = sensing.with_calibration(calibration)?;
+    }
+    if arguments.drift_correction {
+        sensing = sensing.with_drift_correction(DriftConfig::default());
+    }
+    if let Some(path) = &arguments.reference {
+        let failed = |e: CommandError| format!("--reference {}: {e}", path.display());
+        let reference = reference(path, &mut sensing).map_err(failed)?;
+        sensing.set_reference(reference)?;
+    }
+    Ok(sensing)
+}
+
+/// The sensor of one finger for the hand program.
+pub struct SensorOf {
+    /// Senses its pictures, forces included.
+    pub sensing: Sensing,
+    /// SHA-256 of its fingertip or layout, by which the hand knows it.
+    pub sha256: String,
+}
+
+/// The sensor of `finger` of `experiment`, by the arguments' layout and calibration or the experiment's own.
+pub fn for_the_hand(
+    arguments: &Arguments,
+    experiment: &Experiment,
+    finger: usize,
+) -> Result<SensorOf, CommandError> {
+    let geometry = match &arguments.layout {
+        Some(path) => SensorGeometry::of(&arguments.experiment, None, Some(path))?,
+        None => SensorGeometry::of_fingertip(experiment.fingertip(Some(finger))?)?,
+    };
+    let calibration = match &arguments.calibration {
+        Some(path) => geometry.read_calibration(path)?,
+        None => {
+            let calibration = experiment.calibration(finger)?;
+            geometry.made_for.check_same(&calibration.made_for)?;
+            calibration
+        }
+    };
+    let (size, sha256) = (geometry.size, geometry.made_for.sha256);
+    let max_saturated = arguments.max_saturated;
+    let sensing = Sensing::new(size, geometry.kernel, &geometry.regions, max_saturated)?;
+    let sensing = sensing.with_calibration(calibration)?;
+    let sensing = match arguments.drift_correction {
+        true => sensing.with_drift_correction(DriftConfig::default()),
+        false => sensing,
+    };
+    Ok(SensorOf { sensing, sha256 })
+}
+
+/// Where the centroids are in the picture at `path`.
+fn reference(path: &Path, sensing: &mut Sensing) -> Result<Reference, CommandError> {
+    let picture = read_picture(path)?;
+    let mut readings = vec![ElementReading::default(); sensing.element_count()];
+    sensing.sense(&picture, &mut readings)?;
+    Ok(Reference::mean([readings.as_slice()]))
+}

@@ -1,0 +1,282 @@
+//! `feeler sweep`
+
+use super::interrupt::watch_for_interrupt;
+use super::{CommandError, Outcome};
+use feeler_lab::config::Experiment;
+use feeler_lab::sweep::store::{Store, TRIALS, read_finished};
+use feeler_lab::sweep::trial::Trials;
+use feeler_lab::sweep::{Ended, Plan, Progress, Shard, SweepError, Table, engine, summary};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+const EXAMPLES: &str = "\
+A NAME is as much of a key as tells it: cap.radius, slip_threshold. `friction` is the static friction of all
+feelers and objects, the kinetic in proportion. A DISTRIBUTION is uniform(a,b), normal(mean,sd),
+log_uniform(a,b), choice(a,b,...), a value, relative(a,b) times the experiment's own or shifted(a,b) more than it.
+
+Examples:
+  feeler sweep cap-closing --sensing direct --trials 10000 --vary 'friction=uniform(0.3,1.2)' -o sweep
+  feeler sweep --resume -o sweep                go on after it was stopped
+  feeler run --trial sweep 4711                 one trial again, with recording and report
+  feeler sweep cap-closing --trials 10000 --vary 'cap.radius=normal(0.014,0.0002)' --shard 1/2 -o one
+  feeler sweep merge one two -o both            join what two machines did";
+
+#[derive(Debug, clap::Args)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true, after_help = EXAMPLES)]
+pub struct Arguments {
+    #[command(subcommand)]
+    command: Option<Sub>,
+    /// An experiment file, or the name of a built-in experiment; not needed with --resume.
+    #[arg(required_unless_present = "resume")]
+    experiment: Option<String>,
+    /// How many trials.
+    #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u64).range(1..=100_000_000))]
+    trials: u64,
+    /// A parameter and what it is drawn from, as in friction=uniform(0.3,1.2).
+    #[arg(long = "vary", value_name = "NAME=DISTRIBUTION")]
+    vary: Vec<String>,
+    /// Set any value of the experiment for all trials, as in control.slip_threshold=2.5.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    settings: Vec<String>,
+    /// Where forces come from: rendered camera pictures, or the feelers themselves plus noise.
+    #[arg(long, value_parser = ["image", "direct"])]
+    sensing: Option<String>,
+    /// Drives all that is drawn, each trial's seed included.
+    #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
+    seed: u64,
+    /// Trials at a time [default: one for each core]
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1024))]
+    jobs: Option<u64>,
+    /// Do the i-th of n shares of the trials.
+    #[arg(long, value_name = "I/N")]
+    shard: Option<Shard>,
+    /// Go on with a sweep that was stopped.
+    #[arg(long)]
+    resume: bool,
+    /// The sweep's folder.
+    #[arg(short, long, value_name = "DIR", default_value = "sweep")]
+    out: PathBuf,
+}
+
+#[derive(Debug, clap::Subcommand)]
+enum Sub {
+    /// Join the shards of a sweep.
+    Merge(MergeArguments),
+}
+
+#[derive(Debug, clap::Args)]
+struct MergeArguments {
+    /// The shards' folders.
+    #[arg(required = true)]
+    folders: Vec<PathBuf>,
+    /// The joined sweep's folder, new.
+    #[arg(short, long, value_name = "DIR")]
+    out: PathBuf,
+}
+
+pub fn sweep(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
+    if let Some(Sub::Merge(merging)) = &arguments.command {
+        return merge(merging, out);
+    }
+    let plan = plan(arguments)?;
+    let trials = Trials::new(&plan)?;
+    let folder = &arguments.out;
+    let mut store = match arguments.resume {
+        true => Store::resume(folder, &plan, trials.header())?,
+        false => Store::create(folder, &plan, trials.header())?,
+    };
+    let jobs = arguments.jobs.map_or_else(cores, |jobs| jobs as usize);
+    let stop = watch_for_interrupt()?;
+    let before = store.table.rows.len();
+    let start = Instant::now();
+    let mut bar = Bar::new(before as u64);
+    let ended = engine::run(&trials, &mut store, plan.trials, jobs, &stop, &mut bar);
+    bar.clear();
+    let ended = ended?;
+    let ran = store.table.rows.len() - before;
+    let seconds = start.elapsed().as_secs_f64();
+    writeln!(
+        out,
+        "{ran} trials in {seconds:.1} s, {:.1} trials/s",
+        ran as f64 / seconds.max(1e-9)
+    )?;
+    if ended == Ended::Stopped {
+        let finished = store.table.rows.len();
+        let folder = folder.display();
+        writeln!(
+            out,
+            "interrupted: {finished} trials are finished and kept; go on with `feeler sweep --resume -o {folder}`"
+        )?;
+        return Ok(Outcome::GivenUp);
+    }
+    conclude(folder, &trials, &store.finish()?, out)
+}
+
+/// What is to be done: as the command line says, or as a stopped sweep's folder does.
+fn plan(arguments: &Arguments) -> Result<Plan, CommandError> {
+    let kept = arguments
+        .resume
+        .then(|| Plan::read(&arguments.out))
+        .transpose()?;
+    let Some(name) = &arguments.experiment else {
+        let others = !(arguments.vary.is_empty() && arguments.settings.is_empty());
+        if others || arguments.sensing.is_some() || arguments.shard.is_some() {
+            return Err(
+                "--resume alone goes on with the sweep as it was: name the experiment to check \
+                        other options against it"
+                    .into(),
+            );
+        }
+        return kept.ok_or_else(|| "which experiment?".into());
+    };
+    let mut settings = arguments.settings.clone();
+    settings.extend(arguments.sensing.iter().map(|s| format!("sensing={s}")));
+    let experiment = Experiment::load(name, &settings)?;
+    let (seed, trials) = (arguments.seed, arguments.trials);
+    let mut plan = Plan::new(&experiment, name, &arguments.vary, seed, trials);
+    plan.shard = arguments.shard.unwrap_or(Shard::WHOLE);
+    let Some(kept) = kept else { return Ok(plan) };
+    let shards = |p: &Plan| format!("{}/{}", p.shard.index, p.shard.of);
+    let difference = kept.difference(&plan).or_else(|| {
+        let (ours, theirs) = (shards(&kept), shards(&plan));
+        (ours != theirs).then(|| format!("it is shard {ours}, not {theirs}"))
+    });
+    match difference {
+        None => Ok(kept),
+        Some(difference) => Err(format!(
+            "--resume -o {}: {difference}; expected the sweep that was stopped, of which nothing was changed",
+            arguments.out.display()
+        )
+        .into()),
+    }
+}
+
+fn merge(arguments: &MergeArguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
+    let mut plans = Vec::new();
+    for folder in &arguments.folders {
+        plans.push((folder, Plan::read(folder)?));
+    }
+    let Some((_, first)) = plans.first().cloned() else {
+        return Err("which folders?".into());
+    };
+    let whole = Plan {
+        shard: Shard::WHOLE,
+        ..first.clone()
+    };
+    let trials = Trials::new(&whole)?;
+    let mut table = Table::new(trials.header());
+    for (folder, plan) in &plans {
+        if let Some(difference) = plan.difference(&first) {
+            let (folder, other) = (folder.display(), arguments.folders[0].display());
+            return Err(
+                format!("{folder} is no shard of the sweep of {other}: {difference}").into(),
+            );
+        }
+        read_finished(folder, plan, &mut table)?;
+    }
+    let missing: Vec<u64> = (0..whole.trials)
+        .filter(|k| !table.rows.contains_key(k))
+        .collect();
+    if let Some(first) = missing.first() {
+        let shard = (plans[0].1.shard.of > 1).then(|| {
+            let of = plans[0].1.shard.of;
+            format!(", of shard {}/{of}", first % of + 1)
+        });
+        return Err(format!(
+            "{} of {} trials are missing, the first is {first}{}; nothing was written",
+            missing.len(),
+            whole.trials,
+            shard.unwrap_or_default()
+        )
+        .into());
+    }
+    let mut store = Store::create(&arguments.out, &whole, trials.header())?;
+    store.table = table;
+    conclude(&arguments.out, &trials, &store.finish()?, out)
+}
+
+/// Writes the page and says what came of it all.
+fn conclude(
+    folder: &Path,
+    trials: &Trials,
+    table: &Table,
+    out: &mut dyn Write,
+) -> Result<Outcome, CommandError> {
+    summary::write(folder, trials, table)?;
+    let (count, successes) = table.successes();
+    let meaning = trials.success();
+    let share = 100.0 * successes as f64 / count.max(1) as f64;
+    writeln!(
+        out,
+        "{successes} of {count} trials succeeded ({share:.1} %: {meaning})"
+    )?;
+    writeln!(out, "{}", folder.join(TRIALS).display())?;
+    writeln!(
+        out,
+        "{}",
+        folder
+            .join(feeler_lab::sweep::store::SUMMARY_PAGE)
+            .display()
+    )?;
+    Ok(Outcome::Done)
+}
+
+/// The experiment of one trial of the sweep in a folder.
+pub fn one_trial(folder: &Path, trial: &str) -> Result<Experiment, CommandError> {
+    let plan = Plan::read(folder)?;
+    let count = plan.trials;
+    let number = trial.parse().ok().filter(|&number: &u64| number < count);
+    let number = number.ok_or_else(|| {
+        let folder = folder.display();
+        format!(
+            "--trial {folder} {trial}: expected a trial from 0 to {}",
+            count - 1
+        )
+    })?;
+    let trials = Trials::new(&plan).map_err(|e: SweepError| e.to_string())?;
+    Ok(trials.experiment(number)?)
+}
+
+pub(super) fn cores() -> usize {
+    std::thread::available_parallelism().map_or(1, std::num::NonZero::get)
+}
+
+/// How far the sweep is, on a terminal.
+pub(super) struct Bar {
+    bar: ProgressBar,
+    start: Instant,
+    before: u64,
+}
+
+impl Bar {
+    /// A bar of which so much is done before it starts.
+    pub(super) fn new(before: u64) -> Self {
+        let bar = ProgressBar::new(0).with_position(before);
+        let style = ProgressStyle::with_template("{bar:32} {pos}/{len} trials, {msg}, {eta} left");
+        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+        bar.reset_eta();
+        Self {
+            bar,
+            start: Instant::now(),
+            before,
+        }
+    }
+
+    /// Takes it off the terminal.
+    pub(super) fn clear(&self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+impl Progress for Bar {
+    fn show(&mut self, finished: u64, of: u64, successes: u64) {
+        self.bar.set_length(of);
+        self.bar.set_position(finished);
+        let rate = (finished - self.before) as f64 / self.start.elapsed().as_secs_f64();
+        let share = 100.0 * successes as f64 / finished as f64;
+        self.bar
+            .set_message(format!("{share:.1} % success, {rate:.1} trials/s"));
+    }
+}

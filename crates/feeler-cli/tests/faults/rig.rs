@@ -1,0 +1,173 @@
+//! Faults of drives, joints and surfaces.
+
+use super::bench::{session, step_at, watch};
+use feeler_sim::servo::{Joints, ServoConfig};
+use glam::DVec3;
+
+#[test]
+fn a_stalled_joint_stands_still_and_the_others_go_on() {
+    let fault = "{from=0.3, until=0.5, kind.servo_stall={finger=1, joint=2}}";
+    let mut session = session(&["sensing=direct"], fault);
+    let (_, states) = watch(&mut session, step_at(0.6));
+    let position = |time: f64| states[step_at(time)].fingers[1].joints.position;
+    let (from, during, until) = (position(0.3), position(0.4), position(0.5));
+    assert_eq!((from.z, from.z), (during.z, until.z));
+    assert!(from.x != during.x || from.y != during.y);
+    assert_ne!(position(0.29).z, from.z);
+    assert_ne!(position(0.55).z, until.z);
+    // The encoders see it.
+    let encoded = session.control_loop().state().joints[1].position.z;
+    assert!((encoded - states[step_at(0.59)].fingers[1].joints.position.z).abs() < 1e-4);
+}
+
+#[test]
+fn a_joint_with_backlash_goes_round_the_loop_of_a_play() {
+    let servo = ServoConfig {
+        lag: 0.0,
+        encoder_resolution: 1e-5,
+        backlash: 0.0,
+    };
+    let limits = (DVec3::splat(-10.0), DVec3::splat(10.0));
+    let (band, swing, step) = (0.02, 0.05, 0.001);
+    let mut joints = Joints::at_rest(DVec3::ZERO);
+    joints.backlash.y = band;
+    let mut drive = |speed: f64, steps: usize, expected: &dyn Fn(f64) -> f64| {
+        joints.command = DVec3::splat(speed);
+        for _ in 0..steps {
+            servo.advance(&mut joints, step, 0.0, limits);
+            let motor = joints.position.y;
+            // Rounding of numbers of about 0.1.
+            assert!((joints.link.y - expected(motor)).abs() < 1e-15, "{motor}");
+            // The other joints have none.
+            assert_eq!((joints.link.x, joints.link.z), (motor, motor));
+        }
+    };
+    let half = band / 2.0;
+    // From the middle the motor goes half the band by itself, and then takes the link along.
+    drive(1.0, 50, &|motor| (motor - half).max(0.0));
+    // Turning back, it goes the whole band by itself.
+    let high = swing - half;
+    drive(-1.0, 100, &|motor| (motor + half).min(high));
+    let low = -swing + half;
+    drive(1.0, 100, &|motor| (motor - half).max(low));
+}
+
+#[test]
+fn the_fingertip_follows_the_link_and_the_encoder_the_motor() {
+    let fault = "{from=0.3, kind.backlash={finger=0, joint=1, angle=0.004}}";
+    let mut session = session(&["sensing=direct"], fault);
+    let (_, states) = watch(&mut session, step_at(0.7));
+    for state in &states[..=step_at(0.3)] {
+        let joints = &state.fingers[0].joints;
+        assert_eq!(joints.link, joints.position);
+    }
+    let end = &states[step_at(0.69)].fingers[0];
+    let lag = end.joints.position.y - end.joints.link.y;
+    // The approach turns the joint one way, so that the link is half the band behind.
+    assert!((lag.abs() - 0.002).abs() < 1e-12, "{lag}");
+    let geometry = &session.rig().world().model().fingers[0].geometry.clone();
+    let by = |theta| feeler::hand::kinematics::fingertip_pose(geometry, theta).0;
+    assert_eq!(end.tip.position, by(end.joints.link));
+    assert!(end.tip.position.distance(by(end.joints.position)) > 1e-4);
+    let read = session.control_loop().state().joints[0].position.y;
+    assert!((read - end.joints.position.y).abs() <= 0.5e-5 + 1e-12);
+}
+
+#[test]
+fn backlash_of_the_drives_is_that_of_a_fault_from_the_beginning() {
+    let faults = [0, 1].map(|finger| {
+        let joint =
+            |joint| format!("{{kind.backlash={{finger={finger}, joint={joint}, angle=0.004}}}}");
+        [0, 1, 2].map(joint).join(", ")
+    });
+    let run = |settings: &[&str], faults: &str| {
+        let (felt, states) = watch(&mut session(settings, faults), step_at(1.5));
+        // The first state is that before any fault.
+        (felt, states[1..].to_vec())
+    };
+    let broken = run(&["sensing=direct"], &faults.join(", "));
+    let loose = ["sensing=direct", "sim.servo.backlash=0.004"];
+    assert_eq!(run(&loose, ""), broken);
+    // A fault of a joint comes on top of it, and goes again.
+    let fault = "{from=0.3, until=0.5, kind.backlash={finger=0, joint=1, angle=0.01}}";
+    let (_, states) = watch(&mut session(&loose, fault), step_at(0.7));
+    let bands = [0.2, 0.4, 0.6].map(|time| states[step_at(time)].fingers[0].joints.backlash.y);
+    assert_eq!(bands, [0.004, 0.014, 0.004]);
+}
+
+#[test]
+fn a_fingertip_comes_home_to_where_its_backlash_leaves_it() {
+    let home = |settings: &[&str]| {
+        let mut session = session(settings, "");
+        let mut homes = Vec::new();
+        while !session.finished() {
+            session.step().expect("a step");
+            let stroke = session.control_loop().controller().task().stroke() as usize;
+            let tip = session.rig().world().state().fingers[0].tip.position;
+            // The last position of each stroke.
+            homes.truncate(stroke.saturating_sub(1));
+            homes.push(tip);
+        }
+        homes
+    };
+    let spread = |homes: &[DVec3]| {
+        let from_first = homes.iter().map(|home| home.distance(homes[0]));
+        from_first.fold(0.0, f64::max)
+    };
+    let settings = ["sensing=direct", "sim.servo.backlash=0.004"];
+    let (tight, loose) = (home(&settings[..1]), home(&settings));
+    // Tight joints come home within `home_tolerance` of it, from wherever; loose ones to where their motors came home.
+    assert!(spread(&tight) < 4e-4, "{tight:?}");
+    assert!(spread(&loose) > spread(&tight), "{loose:?}");
+    let apart = loose[0].distance(tight[0]);
+    assert!(apart > 2e-4, "{apart} m");
+}
+
+/// Friction lost by a factor lowers the largest torque that the fingers can hold by that factor: with
+/// the cap seated hard, so that it does not turn, and the feelers pressed as before.
+#[test]
+fn lost_friction_lowers_the_torque_by_its_factor() {
+    // The seat at the start and stiff: the cap stays where it is and the fingers slide along.
+    let settings = [
+        "sensing=direct",
+        "control.recompression_speed=0.0",
+        "sim.object.cap.motion.thread.running_torque=1.0",
+        "sim.object.cap.motion.thread.seat_angle=0.0",
+        "sim.feeler.static_friction=0.3",
+        "sim.feeler.kinetic_friction=0.3",
+    ];
+    let torque = |faults: &str, time: f64| {
+        let (_, states) = watch(&mut session(&settings, faults), step_at(time) + 1);
+        states[step_at(time)].objects[0].turn.torque
+    };
+    let time = 1.6;
+    let dry = torque("", time);
+    assert!(dry.abs() > 1e-3, "{dry} N m");
+    let wet = torque(
+        "{from=1.5, kind.friction_drop={object=\"cap\", factor=0.5}}",
+        time,
+    );
+    // The normal forces change a little with the shear that is gone: a feeler leans on a round cap.
+    assert!((wet / dry - 0.5).abs() < 0.05, "{wet} of {dry} N m");
+    let over = "{from=0.95, until=1.0, kind.friction_drop={factor=0.5}}";
+    let factor = |faults: &str, time: f64| {
+        let (_, states) = watch(&mut session(&settings, faults), step_at(time) + 1);
+        states[step_at(time)].objects[0].friction_factor
+    };
+    // The state at a time is that after the step to it.
+    assert_eq!(factor(over, 0.95), 1.0);
+    assert_eq!(factor(over, 0.96), 0.5);
+    assert_eq!(factor(over, 1.0), 0.5);
+    assert_eq!(factor(over, 1.01), 1.0);
+}
+
+#[test]
+fn a_dead_element_changes_nothing_in_the_world() {
+    // Until the hand reacts to it.
+    let fault = "{from=1.6, kind.dead_element={finger=0, element=0}}";
+    let [good, bad] = ["", fault].map(|fault| {
+        let mut session = session(&["sensing=direct"], fault);
+        watch(&mut session, step_at(1.6) + 1).1
+    });
+    assert_eq!(good, bad);
+}

@@ -1,0 +1,274 @@
+//! Faults of sensors and cameras.
+
+use super::bench::{PERIOD, load, session, step_at, watch};
+use assert_no_alloc::assert_no_alloc;
+use feeler::control::stop_reason::StopReason;
+use feeler::sensor::camera::Camera;
+use feeler::sensor::fingertip::Fingertip;
+use feeler::sensor::frame::Frame;
+use feeler::sensor::reading::TactileFrame;
+use feeler_lab::experiment::Session;
+use feeler_sim::rig::Rig;
+use feeler_sim::sensor_faults::SensorFaults;
+use feeler_sim::sim_camera::SimCamera;
+use glam::DVec3;
+
+/// The fingers turn the cap from about 1.5 s on.
+const STEPS: usize = 180;
+const FROM: f64 = 1.6;
+
+/// What both fingers feel without and with `faults`, which begin at [`FROM`].
+fn both(sensing: &str, faults: &str) -> [Vec<Vec<TactileFrame>>; 2] {
+    ["", faults].map(|faults| watch(&mut session(&[sensing], faults), STEPS).0)
+}
+
+/// One of each.
+const ALL: &str = "{from=1.6, kind.dead_element={finger=0, element=0}}, \
+        {from=1.6, kind.stuck_rows={finger=0, first=100, count=20, gray=255}}, \
+        {from=1.6, kind.frozen_frame={finger=1}}, \
+        {from=1.6, kind.dropped_frames={finger=1, probability=0.5}}, \
+        {from=1.6, kind.camera_latency={finger=0, delay=0.02}}, \
+        {from=1.6, kind.servo_stall={finger=0, joint=1}}, \
+        {from=1.6, kind.backlash={finger=1, joint=2, angle=0.01}}, \
+        {from=1.6, kind.friction_drop={factor=0.1}}";
+
+#[test]
+fn nothing_changes_before_a_fault() {
+    for sensing in ["sensing=direct", "sensing=image"] {
+        let [good, bad] = both(sensing, ALL);
+        let from = step_at(FROM);
+        assert_eq!(good[..from], bad[..from], "{sensing}");
+        assert_ne!(good[from], bad[from], "{sensing}");
+    }
+}
+
+#[test]
+fn faults_allocate_nothing_on_the_way() {
+    for sensing in ["sensing=direct", "sensing=image"] {
+        let mut session = session(&[sensing], &ALL.replace("1.6", "0.1"));
+        let failed = assert_no_alloc(|| (0..40).find_map(|_| session.step().err()));
+        assert!(failed.is_none());
+    }
+}
+
+#[test]
+fn a_fault_that_is_over_has_left_the_sensor_as_it_was() {
+    // While the finger touches nothing, so that the fault does not change what the hand does.
+    let faults = "{from=0.1, until=0.2, kind.dead_element={finger=0, element=0}}, \
+        {from=0.1, until=0.2, kind.camera_latency={finger=0, delay=0.02}}, \
+        {from=0.1, until=0.2, kind.dropped_frames={finger=1, probability=0.0}}";
+    let [good, bad] = both("sensing=direct", faults);
+    let (late, over) = (step_at(0.15), step_at(0.2));
+    assert!((bad[late][0].stamp - 0.13).abs() < 1e-9);
+    for (good, bad) in good[over..].iter().zip(&bad[over..]) {
+        assert_eq!(good[0].stamp, bad[0].stamp);
+        assert_eq!(good[0].sequence, bad[0].sequence);
+    }
+}
+
+/// The element that presses hardest, and with what, N.
+fn largest(frame: &TactileFrame) -> (usize, f64) {
+    let forces = frame.forces.iter().map(|f| f.z).enumerate();
+    forces.fold(
+        (0, 0.0),
+        |best, next| if next.1 > best.1 { next } else { best },
+    )
+}
+
+#[test]
+fn a_dead_element_feels_nothing_and_the_others_the_same() {
+    for sensing in ["sensing=direct", "sensing=image"] {
+        let from = step_at(FROM);
+        let (element, force) = largest(&both(sensing, "")[0][from][0]);
+        assert!(force > 0.2, "{force} N");
+        let fault = format!("{{from=1.6, kind.dead_element={{finger=0, element={element}}}}}");
+        let [good, bad] = both(sensing, &fault);
+        // The hand has not yet reacted. Only noise is left: 2 mN in direct sensing, and less than
+        // 10 mN through a picture, whose noise is drawn the same but rounds otherwise near the spots.
+        let (good, bad) = (&good[from], &bad[from]);
+        assert!(
+            bad[0].forces[element].length() < 0.05,
+            "{}",
+            bad[0].forces[element]
+        );
+        for (other, (g, b)) in good[0].forces.iter().zip(&bad[0].forces).enumerate() {
+            assert!(
+                other == element || g.distance(*b) < 0.02,
+                "{other}: {g} and {b}"
+            );
+        }
+        assert_eq!(good[1], bad[1]);
+    }
+}
+
+#[test]
+fn a_frozen_picture_comes_with_new_stamps() {
+    for sensing in ["sensing=direct", "sensing=image"] {
+        let [good, bad] = both(sensing, "{from=1.6, kind.frozen_frame={finger=1}}");
+        let last = &bad[step_at(FROM) - 1][1];
+        for (good, bad) in good.iter().zip(&bad).skip(step_at(FROM)) {
+            assert_eq!(bad[1].forces, last.forces);
+            assert_eq!(
+                (bad[1].stamp, bad[1].sequence),
+                (good[1].stamp, good[1].sequence)
+            );
+        }
+        assert_ne!(good[STEPS - 1][1].forces, last.forces);
+    }
+}
+
+#[test]
+fn lost_frames_stop_the_hand_within_the_limit() {
+    for sensing in ["sensing=direct", "sensing=image"] {
+        let fault = "{from=0.9, kind.dropped_frames={finger=1, probability=1.0}}";
+        let mut session = session(&[sensing], fault);
+        while !session.finished() {
+            session.step().unwrap();
+        }
+        let control_loop = session.control_loop();
+        // The last frame is that of 0.89 s; 3.5 periods are allowed, so that 0.93 s is too late.
+        assert!((control_loop.state().stamp - 0.93).abs() < 1e-9);
+        let reason = control_loop.controller().stop_reason();
+        let Some(&StopReason::StaleForces {
+            finger: 1,
+            age,
+            limit,
+        }) = reason
+        else {
+            panic!("{reason:?}")
+        };
+        assert!((age - 0.04).abs() < 1e-9 && (limit - 0.035).abs() < 1e-9);
+        let last = &control_loop.touches()[1].frame;
+        assert!((last.stamp - 0.89).abs() < 1e-9 && last.sequence == 89);
+    }
+}
+
+#[test]
+fn as_many_frames_are_lost_as_the_probability_says() {
+    let settings = ["sensing=direct", "control.stale_periods=500"];
+    let lost = |faults: &str| {
+        let steps = 1000;
+        let (felt, _) = watch(&mut session(&settings, faults), steps);
+        let frames = felt.windows(2);
+        let lost = frames.filter(|pair| {
+            let same = pair[0][0].sequence == pair[1][0].sequence;
+            assert_eq!(same, pair[0][0] == pair[1][0]);
+            same
+        });
+        (lost.count() as f64, (steps - 1) as f64)
+    };
+    let fault = "{kind.dropped_frames={finger=0, probability=0.3}}";
+    let (count, frames) = lost(fault);
+    // Four standard deviations of a binomial count.
+    let deviation = (frames * 0.3 * 0.7).sqrt();
+    assert!(
+        (count - 0.3 * frames).abs() < 4.0 * deviation,
+        "{count} of {frames}"
+    );
+    assert_eq!(lost(fault).0, count);
+    assert_eq!(
+        lost("{kind.dropped_frames={finger=0, probability=0.0}}").0,
+        0.0
+    );
+    // A fault draws from a stream of its own: one in another place loses other frames.
+    let second = format!("{{kind.frozen_frame={{finger=1}}}}, {fault}");
+    assert_ne!(lost(&second).0, count);
+}
+
+#[test]
+fn late_frames_show_the_world_of_their_stamp() {
+    for (delay, periods) in [(0.02, 2), (0.014, 2), (0.03, 3), (0.0, 0)] {
+        for sensing in ["sensing=direct", "sensing=image"] {
+            let fault = format!("{{kind.camera_latency={{finger=0, delay={delay}}}}}");
+            // Noise is drawn when a picture is drawn, which is now at another time.
+            let quiet = [
+                sensing,
+                "sim.direct_sensing.normal_noise=0.0",
+                "sim.direct_sensing.shear_noise=0.0",
+                "sim.optics.read_noise=0.0",
+                "sim.optics.shot_noise=0.0",
+            ];
+            let mut session = session(&quiet, &fault);
+            let steps = 170;
+            let world = world_forces(&mut session, steps);
+            for (step, (felt, _)) in world.iter().enumerate() {
+                let exposed = step.saturating_sub(periods);
+                assert!(
+                    (felt.stamp - PERIOD * exposed as f64).abs() < 1e-9,
+                    "{step}"
+                );
+                assert_eq!(felt.sequence, exposed as u64);
+                for (felt, truth) in felt.forces.iter().zip(&world[exposed].1) {
+                    // Exactly, or as well as the calibration knows compression.
+                    let tolerance = if sensing == "sensing=direct" {
+                        0.0
+                    } else {
+                        0.03
+                    };
+                    assert!((felt.z - truth.z).abs() <= tolerance, "{felt} and {truth}");
+                }
+            }
+        }
+    }
+}
+
+/// What finger 0 feels in each control step, and the true forces at the begin of it.
+fn world_forces(session: &mut Session, steps: usize) -> Vec<(TactileFrame, Vec<DVec3>)> {
+    let step = |_| {
+        let mut truth = vec![DVec3::ZERO; session.layouts()[0].elements.len()];
+        session.rig().world().element_forces(0, &mut truth);
+        session.step().expect("a step");
+        (session.control_loop().touches()[0].frame.clone(), truth)
+    };
+    (0..steps).map(step).collect()
+}
+
+#[test]
+fn frames_that_are_later_than_the_limit_stop_the_hand() {
+    let mut session = session(
+        &[],
+        "{from=0.5, kind.camera_latency={finger=0, delay=0.05}}",
+    );
+    while !session.finished() {
+        session.step().unwrap();
+    }
+    let reason = session.control_loop().controller().stop_reason();
+    assert!(
+        matches!(reason, Some(StopReason::StaleForces { finger: 0, .. })),
+        "{reason:?}"
+    );
+    // The last frame in time is that of 0.49 s.
+    assert!((session.control_loop().state().stamp - 0.53).abs() < 1e-9);
+}
+
+#[test]
+fn stuck_rows_are_all_that_differs_in_a_picture() {
+    let fault = "{from=0.05, kind.stuck_rows={finger=0, first=470, count=10, gray=200}}";
+    let [good, bad] = ["", fault].map(|fault| {
+        let experiment = load(&[], fault);
+        let config = &experiment.config;
+        let session = Session::new(&experiment).unwrap();
+        let rig: &Rig = session.rig();
+        let fingertip = Fingertip::new(&config.sensor.fingertip).unwrap();
+        let faults = SensorFaults::new(&config.sim.fault, 0, 41, PERIOD, config.seed);
+        let optics = &config.sim.optics;
+        let camera = SimCamera::new(rig.clone(), 0, &fingertip, optics, faults, config.seed);
+        let (mut camera, mut frame) = (camera.unwrap(), Frame::black(640, 480));
+        let mut pictures = Vec::new();
+        for _ in 0..10 {
+            camera.capture(&mut frame).unwrap();
+            pictures.push(frame.picture.pixels.clone());
+            for _ in 0..10 {
+                rig.world().step().unwrap();
+            }
+        }
+        pictures
+    });
+    let rows = 470 * 640;
+    for (number, (good, bad)) in good.iter().zip(&bad).enumerate() {
+        assert_eq!(good[..rows], bad[..rows]);
+        let stuck = bad[rows..].iter().all(|&pixel| pixel == 200);
+        assert_eq!(stuck, number >= 5, "picture {number}");
+        assert_eq!(good == bad, number < 5);
+    }
+}

@@ -1,0 +1,161 @@
+//! Feeds the corpora of the fuzz targets to what the targets run, without cargo-fuzz.
+
+#[path = "../../../fuzz/src/bodies.rs"]
+mod bodies;
+
+use feeler_link::message::{
+    DirectForces, HandCommand, HandMode, HandState, Header, Heartbeat, PROTOCOL, Picture, Resume,
+    Stop, TactileUpdate,
+};
+use feeler_link::topic::Topic;
+use feeler_record::wire::{Message, Vector3, cdr};
+use std::path::Path;
+
+/// Feeds every file of a target's corpus to it; at least one must be sound.
+fn feed(target: &str, body: fn(&[u8]) -> bool) {
+    let corpus = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
+        .join("fuzz/corpus")
+        .join(target);
+    let files = std::fs::read_dir(&corpus).expect("the target's corpus");
+    let sound = files
+        .map(|file| std::fs::read(file.expect("a corpus file").path()).expect("its bytes"))
+        .filter(|bytes| body(bytes))
+        .count();
+    assert!(sound > 0, "no file of {} is sound", corpus.display());
+}
+
+#[test]
+fn layouts() {
+    feed("layout", bodies::layout);
+}
+
+#[test]
+fn calibrations() {
+    feed("calibration", bodies::calibration);
+}
+
+#[test]
+fn loads() {
+    feed("loads", bodies::loads);
+}
+
+#[test]
+fn pictures() {
+    feed("picture", bodies::picture);
+}
+
+#[test]
+fn experiments() {
+    feed("experiment", bodies::experiment);
+}
+
+#[test]
+fn recordings() {
+    feed("recording", bodies::recording);
+}
+
+#[test]
+fn links() {
+    feed("link", bodies::link);
+}
+
+#[test]
+fn each_message_is_one_that_is_taken() {
+    for (place, message) in messages().iter().enumerate() {
+        assert!(bodies::link(message), "{place}: {message:?}");
+    }
+}
+
+/// Writes the link's corpus anew, after its messages have changed:
+/// `cargo test --test fuzz_corpus -- --ignored write`.
+#[test]
+#[ignore = "writes into the source tree"]
+fn write_the_corpus_of_the_link() {
+    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("fuzz/corpus/link");
+    std::fs::create_dir_all(&folder).expect("the corpus");
+    let whole = messages();
+    let all: Vec<u8> = whole.iter().flatten().copied().collect();
+    let cut = all[..all.len() - 5].to_vec();
+    for (name, bytes) in [("one-of-each", all), ("cut-off", cut)] {
+        std::fs::write(folder.join(name), bytes).expect("a file of the corpus");
+    }
+}
+
+/// One message of each kind, as the link's fuzz target reads them, by the programs that it introduces.
+fn messages() -> Vec<Vec<u8>> {
+    let header = |instance, sequence| Header {
+        protocol: PROTOCOL,
+        instance,
+        sequence,
+        echo_step: 1,
+        ..Header::default()
+    };
+    let update = TactileUpdate {
+        header: header(3, 1),
+        forces: vec![Vector3::default(); 2],
+        shear_rate: vec![0.0; 2],
+        slip_mask: vec![0],
+        invalid_mask: vec![0],
+        ..TactileUpdate::default()
+    };
+    let picture = Picture {
+        header: header(2, 1),
+        width: 3,
+        height: 2,
+        pixels: vec![0; 6],
+        ..Picture::default()
+    };
+    let forces = DirectForces {
+        header: header(2, 2),
+        forces: vec![Vector3::default(); 2],
+        ..DirectForces::default()
+    };
+    let command = HandCommand {
+        header: header(1, 2),
+        state_sequence: 1,
+        joint_velocity: vec![Vector3::default()],
+    };
+    let state = HandState {
+        header: header(2, 3),
+        position: vec![Vector3::default()],
+        velocity: vec![Vector3::default()],
+        instruments: vec![],
+    };
+    let mode = HandMode {
+        header: header(1, 1),
+        ..HandMode::default()
+    };
+    let heartbeat = Heartbeat {
+        protocol: PROTOCOL,
+        instance: 4,
+        sequence: 1,
+        ..Heartbeat::default()
+    };
+    let (protocol, from) = (PROTOCOL, "fuzz".to_string());
+    let stop = Stop {
+        protocol,
+        from: from.clone(),
+    };
+    vec![
+        framed(Topic::Mode, &mode),
+        framed(Topic::Tactile(0), &update),
+        framed(Topic::Picture(0), &picture),
+        framed(Topic::DirectForces(0), &forces),
+        framed(Topic::State, &state),
+        framed(Topic::Command, &command),
+        framed(Topic::Heartbeat, &heartbeat),
+        framed(Topic::Stop, &stop),
+        framed(Topic::Resume, &Resume { protocol, from }),
+    ]
+}
+
+fn framed<M: Message>(topic: Topic, message: &M) -> Vec<u8> {
+    let place = Topic::all(0).iter().position(|&t| t == topic);
+    let mut bytes = Vec::new();
+    cdr::encode(message, &mut bytes).expect("its bytes");
+    let length = u16::try_from(bytes.len()).expect("a short message");
+    let mut framed = vec![place.expect("a topic of the link") as u8];
+    framed.extend(length.to_le_bytes());
+    framed.extend(bytes);
+    framed
+}

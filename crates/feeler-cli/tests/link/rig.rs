@@ -1,0 +1,292 @@
+//! The programs of one rig, each a process; they end with the test.
+
+use super::program::{Ended, feeler, folder, run};
+use feeler_record::{Phase, Recording};
+use std::fs::{self, File};
+use std::net::TcpListener;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+/// After this a program is taken to hang: far longer than any takes on a busy machine.
+const HANGS: Duration = Duration::from_secs(180);
+
+/// Programs in real time need the computer for themselves, and free ports stay free.
+static ALONE: Mutex<()> = Mutex::new(());
+
+/// Holds back the other tests of programs until it is dropped.
+pub fn alone() -> MutexGuard<'static, ()> {
+    // A test that failed has ended its programs, too.
+    ALONE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A program that runs, its output in files.
+pub struct Running {
+    child: Child,
+    log: PathBuf,
+}
+
+impl Running {
+    /// Starts `command`, its output in the log `name` of `folder`.
+    pub fn start(folder: &Path, name: &str, mut command: Command) -> Self {
+        let log = folder.join(format!("{name}.log"));
+        let file = File::create(&log).expect("a log");
+        command.stdout(file.try_clone().expect("the log"));
+        let child = command.stderr(file).stdin(Stdio::null()).spawn();
+        Self {
+            child: child.expect("the program"),
+            log,
+        }
+    }
+
+    /// What it has said.
+    pub fn said(&self) -> String {
+        fs::read_to_string(&self.log).expect("its log")
+    }
+
+    /// Waits until it says `words`.
+    pub fn wait_for(&mut self, words: &str) {
+        let start = Instant::now();
+        while !self.said().contains(words) {
+            let ended = self.child.try_wait().expect("its status");
+            let hangs = start.elapsed() > HANGS;
+            assert!(ended.is_none() && !hangs, "no {words:?} in {}", self.said());
+            std::thread::sleep(Duration::from_millis(10));
+        }
+    }
+
+    /// Its memory that is resident, KiB.
+    pub fn resident(&self) -> u64 {
+        let path = format!("/proc/{}/status", self.child.id());
+        let status = fs::read_to_string(path).expect("its status");
+        let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"));
+        let number = line.and_then(|line| line.trim().split(' ').next());
+        number.expect("its memory").parse().expect("KiB")
+    }
+
+    /// Sends it a signal, as in `KILL`.
+    pub fn signal(&self, signal: &str) {
+        let signal = format!("-{signal}");
+        let id = self.child.id().to_string();
+        let status = Command::new("kill").args([&signal, &id]).status();
+        assert!(status.expect("kill").success(), "{}", self.said());
+    }
+
+    /// Its exit status and all it said, once it has ended.
+    pub fn wait(&mut self) -> (Option<i32>, String) {
+        let start = Instant::now();
+        loop {
+            if let Some(status) = self.child.try_wait().expect("its status") {
+                return (status.code(), self.said());
+            }
+            assert!(start.elapsed() < HANGS, "it hangs: {}", self.said());
+            std::thread::sleep(Duration::from_millis(10));
+        }
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        // It may have ended by itself.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// How the programs of a rig are started.
+#[derive(Debug, Clone)]
+pub struct Setup {
+    pub folder: PathBuf,
+    /// Where the hand listens.
+    pub endpoint: String,
+    /// Of the world.
+    pub speed: &'static str,
+    /// Of all programs that work by the experiment.
+    pub settings: Vec<String>,
+    /// How the hand takes part in the link, and how the others do.
+    pub hand_link: Vec<String>,
+    pub link: Vec<String>,
+    /// Network namespaces of the hand and of the others.
+    pub namespaces: Option<[String; 2]>,
+}
+
+impl Setup {
+    /// A rig of the test called `name`, four times as slow as real time, so that a busy machine does not make its data stale
+    /// by itself; its forces are sensed without pictures, for speed.
+    pub fn new(name: &str) -> Self {
+        let port = TcpListener::bind("127.0.0.1:0").expect("a port");
+        Self {
+            folder: folder(name),
+            endpoint: format!("tcp/{}", port.local_addr().expect("its address")),
+            speed: "0.25",
+            settings: vec!["--sensing=direct".into()],
+            hand_link: Vec::new(),
+            link: Vec::new(),
+            namespaces: None,
+        }
+    }
+
+    /// The same with `settings` of the experiment.
+    pub fn with(mut self, settings: &[&str]) -> Self {
+        let settings = settings.iter().map(|setting| format!("--set={setting}"));
+        self.settings.extend(settings);
+        self
+    }
+
+    /// The same over TLS, the hand listening at the address `hand` and the others at `others`.
+    pub fn with_certificates(mut self, hand: &str, others: &str) -> Self {
+        self.endpoint = self
+            .endpoint
+            .replace("tcp/127.0.0.1", &format!("tls/{hand}"));
+        self.hand_link = certificates(&self.folder, "lab", hand);
+        self.link = match others == hand {
+            true => self.hand_link.clone(),
+            false => certificates(&self.folder, "lab", others),
+        };
+        self
+    }
+
+    /// The rig as far as the hand: world and sensors, which wait for it.
+    pub fn start(self) -> Rig {
+        let alone = alone();
+        Rig {
+            world: self.world(),
+            senses: vec![self.sense(0), self.sense(1)],
+            setup: self,
+            _alone: alone,
+        }
+    }
+
+    fn world(&self) -> Running {
+        let arguments = ["world", "cap-closing", "--speed", self.speed];
+        self.join("world", &arguments)
+    }
+
+    fn sense(&self, finger: usize) -> Running {
+        let number = finger.to_string();
+        let arguments = ["sense", "rig:", "--publish", "--finger", &number];
+        self.join(&format!("sense{finger}"), &arguments)
+    }
+
+    /// Starts a program on the rig's computer.
+    fn join(&self, name: &str, arguments: &[&str]) -> Running {
+        let mut command = self.command(1, arguments);
+        command.args(["--connect", &self.endpoint]);
+        command.args(&self.link).args(&self.settings);
+        Running::start(&self.folder, name, command)
+    }
+
+    /// Starts the hand, with `more` arguments.
+    pub fn hand(&self, more: &[&str]) -> Running {
+        let mut command = self.command(0, &["hand", "cap-closing", "--out", "run"]);
+        command.args(["--listen", &self.endpoint]);
+        command
+            .args(&self.hand_link)
+            .args(&self.settings)
+            .args(more);
+        Running::start(&self.folder, "hand", command)
+    }
+
+    /// Says `stop` or `resume` to the hand, by `link`.
+    pub fn order(&self, order: &str, link: &[String]) -> Ended {
+        let mut command = self.command(0, &[order, "cap-closing", "--from", "the test"]);
+        command.args(["--connect", &self.endpoint]).args(link);
+        Ended::of(command.output().expect("the program"))
+    }
+
+    fn command(&self, namespace: usize, arguments: &[&str]) -> Command {
+        let program = feeler(&self.folder, arguments);
+        let Some(namespaces) = &self.namespaces else {
+            return program;
+        };
+        let mut command = Command::new("ip");
+        command.args(["netns", "exec", &namespaces[namespace]]);
+        command.arg(program.get_program()).args(program.get_args());
+        command.current_dir(&self.folder);
+        command
+    }
+
+    /// What the hand recorded.
+    pub fn recording(&self) -> Recording {
+        Recording::read(self.folder.join("run/recording.mcap")).expect("a recording")
+    }
+}
+
+/// World and both sensors of the reference experiment, each a process.
+pub struct Rig {
+    pub setup: Setup,
+    pub world: Running,
+    pub senses: Vec<Running>,
+    /// Released last: after the programs have ended.
+    _alone: MutexGuard<'static, ()>,
+}
+
+impl Rig {
+    /// Starts the sensor program of `finger` again.
+    pub fn start_sense(&mut self, finger: usize) {
+        self.senses[finger] = self.setup.sense(finger);
+    }
+
+    /// Starts the hand and waits until it moves: it approaches the cap for two seconds.
+    pub fn moving_hand(&self, more: &[&str]) -> Running {
+        let mut hand = self.setup.hand(more);
+        hand.wait_for("waiting for");
+        let log = self.setup.folder.join("run/recording.mcap");
+        within_reason(&hand, || log.exists());
+        std::thread::sleep(Duration::from_millis(300));
+        // A machine that stood still for longer than data stay fresh.
+        if hand.said().contains("stopped: the ") {
+            self.resume(&hand);
+        }
+        hand
+    }
+
+    /// Tells the hand to go on until it does: the data may not be fresh yet, and it refuses then.
+    pub fn resume(&self, hand: &Running) {
+        let link = &self.setup.hand_link;
+        within_reason(hand, || self.setup.order("resume", link).status == Some(0));
+    }
+}
+
+/// Waits until `done`.
+fn within_reason(hand: &Running, done: impl Fn() -> bool) {
+    let start = Instant::now();
+    while !done() {
+        assert!(start.elapsed() < HANGS, "{}", hand.said());
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}
+
+/// Makes certificates of the authority `lab` for `computer`; the arguments that name them.
+pub fn certificates(folder: &Path, lab: &str, computer: &str) -> Vec<String> {
+    let made = run(folder, &["certificates", lab, computer]).done();
+    vec!["--certificates".into(), made.trim().into()]
+}
+
+/// The reasons for which the hand was stopped, by the record, in order.
+pub fn reasons(recording: &Recording) -> Vec<String> {
+    let stopped = recording
+        .task
+        .iter()
+        .filter(|task| task.phase == Phase::Stopped);
+    let reasons = stopped.map(|task| task.reason.clone());
+    reasons.filter(|reason| !reason.is_empty()).collect()
+}
+
+/// Control steps whose command moves a finger, and how old the oldest data were that they were made from,
+/// s by the rig's time.
+pub fn ages_of_moves(recording: &Recording) -> Vec<f64> {
+    let fingers = &recording.fingers;
+    let moves = (0..recording.task.len()).filter(|&step| {
+        let mut velocities = fingers
+            .iter()
+            .map(|finger| finger.command[step].joint_velocity);
+        velocities.any(|velocity| velocity != [0.0; 3])
+    });
+    let age = |step: usize| {
+        let felt = fingers.iter().map(|finger| finger.tactile[step].stamp);
+        recording.task[step].stamp - felt.fold(f64::INFINITY, f64::min)
+    };
+    moves.map(age).collect()
+}

@@ -1,0 +1,246 @@
+//! `feeler run --record-frames` and `feeler replay`, through the program itself.
+
+use crate::program::{Ended, folder, run};
+use feeler_record::{Recorder, Recording, SensedWriter, Tactile};
+use std::fs;
+use std::path::Path;
+
+/// Runs the reference experiment with `arguments` into the folder `run`, which may end before the task is done.
+fn make_run(folder: &Path, arguments: &[&str]) {
+    let arguments = [&["run", "cap-closing", "--out", "run"], arguments].concat();
+    let ended = run(folder, &arguments);
+    assert!(matches!(ended.status, Some(0 | 1)), "{ended:?}");
+    assert_eq!(ended.stderr, "");
+}
+
+fn replay(folder: &Path, run_name: &str, arguments: &[&str]) -> Ended {
+    run(folder, &[&["replay", run_name], arguments].concat())
+}
+
+/// The columns of a kind's row: compared, differing.
+fn counts(said: &str, kind: &str) -> Option<(u64, u64)> {
+    let mut rows = said.lines().map(|line| line.split_whitespace());
+    let mut row = rows.find(|row| row.clone().next() == Some(kind))?;
+    let mut number = || row.next()?.parse().ok();
+    number(); // the kind itself
+    Some((number()?, number()?))
+}
+
+/// What a faithful replay of so many steps from pictures says.
+fn assert_same_from_frames(said: &str, steps: u64) {
+    for (kind, expected) in [
+        ("forces", 2 * steps),
+        ("flags", 2 * steps),
+        ("phases", steps),
+        ("commands", 2 * steps),
+    ] {
+        assert_eq!(counts(said, kind), Some((expected, 0)), "{said}");
+    }
+    assert!(said.contains("bit for bit"), "{said}");
+}
+
+#[test]
+fn a_run_with_pictures_replays_from_frames_and_from_forces() {
+    let folder = folder("replay");
+    make_run(&folder, &["--record-frames", "--set=time_limit=1.2"]);
+    let said = replay(&folder, "run", &["--from", "frames"]).done();
+    assert_same_from_frames(&said, 121);
+    let said = replay(&folder, "run/recording.mcap", &["--from", "forces"]).done();
+    assert_eq!(counts(&said, "forces"), None);
+    assert_eq!(counts(&said, "commands"), Some((242, 0)));
+
+    // Of one that was cut off, what is whole. It need not be called what a run's recording is.
+    let whole = fs::read(folder.join("run/recording.mcap")).unwrap();
+    fs::write(folder.join("torn.mcap"), &whole[..whole.len() / 3]).unwrap();
+    let torn = replay(&folder, "torn.mcap", &["--from=frames"]);
+    assert!(torn.stdout.contains("bit for bit"), "{torn:?}");
+    let (compared, _) = counts(&torn.stdout, "forces").unwrap();
+    assert!(compared > 40 && compared < 100, "{torn:?}");
+    torn.refused(&["torn.mcap: the recording is incomplete", "replayed up to"]);
+    // Cut before the first step there is nothing to replay; before the experiment, nothing to replay with.
+    for (length, words) in [(60_000, "no whole control step"), (1000, "the experiment")] {
+        fs::write(folder.join("torn.mcap"), &whole[..length]).unwrap();
+        replay(&folder, "torn.mcap", &["--from=frames"]).refused(&[words]);
+    }
+    fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn a_law_that_looks_for_slip_itself_replays_from_forces() {
+    let folder = folder("replay-own-slip");
+    make_run(
+        &folder,
+        &[
+            "--sensing=direct",
+            "--set=control.law=tri-axial-missing-shear",
+        ],
+    );
+    let said = replay(&folder, "run", &["--from=forces"]).done();
+    assert!(said.contains("bit for bit"), "{said}");
+    let (compared, differing) = counts(&said, "commands").expect("commands");
+    assert!(compared > 2000 && differing == 0, "{said}");
+    // The recorded SLIP is the paper's under either law, but the commands that came of it are not.
+    let other = replay(
+        &folder,
+        "run",
+        &["--from=forces", "--set=control.law=tri-axial"],
+    );
+    assert_eq!(counts(&other.stdout, "flags").map(|c| c.1), Some(0));
+    assert!(counts(&other.stdout, "commands").is_some_and(|c| c.1 > 0));
+    fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn a_run_with_faults_replays() {
+    const FAULTS: &str = "--set=sim.fault=[\
+        {from=0.2, kind.dead_element={finger=0, element=0}}, \
+        {from=0.3, kind.stuck_rows={finger=0, first=100, count=20, gray=255}}, \
+        {from=0.3, until=0.4, kind.frozen_frame={finger=1}}, \
+        {from=0.4, kind.dropped_frames={finger=1, probability=0.5}}, \
+        {from=0.5, kind.camera_latency={finger=0, delay=0.02}}, \
+        {from=0.6, kind.servo_stall={finger=0, joint=1}}]";
+    let folder = folder("replay-faults");
+    make_run(
+        &folder,
+        &["--record-frames", FAULTS, "--set=time_limit=0.9"],
+    );
+    let recording = Recording::read(folder.join("run/recording.mcap")).unwrap();
+    let steps = recording.task.len() as u64;
+    // Frames that were dropped are not on record.
+    assert!(recording.fingers[1].pictures.len() < recording.fingers[1].tactile.len());
+    let said = replay(&folder, "run", &["--from=frames"]).done();
+    assert_same_from_frames(&said, steps);
+    let said = replay(&folder, "run", &["--from=forces"]).done();
+    assert_eq!(counts(&said, "flags"), Some((2 * steps, 0)));
+    fs::remove_dir_all(folder).unwrap();
+}
+
+/// Writes forces and commands on record again, some of them changed.
+fn rewrite(recording: &Recording, path: &Path, change: impl FnOnce(&mut Recording)) {
+    let mut changed = recording.clone();
+    change(&mut changed);
+    let mut recorder = Recorder::create(path, &changed.facts, &changed.experiment).unwrap();
+    for (finger, record) in changed.fingers.iter().enumerate() {
+        for message in &record.tactile {
+            recorder.tactile(finger, message).unwrap();
+        }
+        for message in &record.flags {
+            recorder.flags(finger, message).unwrap();
+        }
+        for message in &record.joints {
+            recorder.joints(finger, message).unwrap();
+        }
+        for message in &record.command {
+            recorder.command(finger, message).unwrap();
+        }
+    }
+    for message in &changed.task {
+        recorder.task(message).unwrap();
+    }
+    recorder.finish(None).unwrap();
+}
+
+#[test]
+fn what_differs_is_counted_and_named() {
+    let folder = folder("replay-differs");
+    make_run(&folder, &["--sensing=direct", "--set=time_limit=2"]);
+    let recording = Recording::read(folder.join("run/recording.mcap")).unwrap();
+    let path = folder.join("other.mcap");
+    rewrite(&recording, &path, |_| {});
+    replay(&folder, "other.mcap", &["--from=forces"]).done();
+    // One bit of one force.
+    rewrite(&recording, &path, |recording| {
+        let force = &mut recording.fingers[1].tactile[150].forces[0].x;
+        *force = f64::from_bits(force.to_bits() ^ 1 << 20);
+    });
+    let ended = replay(&folder, "other.mcap", &["--from=forces"]);
+    assert_eq!((ended.status, &*ended.stderr), (Some(1), ""), "{ended:?}");
+    let said = "first of flags: step 150 (1.500 s), finger 1, ";
+    assert!(ended.stdout.contains(said), "{ended:?}");
+    assert!(!ended.stdout.contains("bit for bit"), "{ended:?}");
+    let (compared, differing) = counts(&ended.stdout, "flags").unwrap();
+    // The rates to this frame and from it.
+    assert_eq!((compared, differing), (402, 2), "{ended:?}");
+    // A command that the control law does not give.
+    rewrite(&recording, &path, |recording| {
+        let velocity = &mut recording.fingers[0].command[7].joint_velocity[2];
+        *velocity = f64::from_bits(velocity.to_bits() ^ 1);
+    });
+    let ended = replay(&folder, "other.mcap", &["--from=forces"]);
+    assert_eq!(counts(&ended.stdout, "commands"), Some((402, 1)));
+    let said = "first of commands: step 7 (0.070 s), finger 0, joint_velocity[2]: ";
+    assert!(ended.stdout.contains(said), "{ended:?}");
+}
+
+#[test]
+fn another_control_law_is_tried_on_the_same_touch() {
+    let folder = folder("replay-what-if");
+    make_run(&folder, &["--sensing=direct", "--set=time_limit=3"]);
+    let setting = "--set=control.slip_threshold=1.0";
+    let said = replay(&folder, "run", &["--from=forces", setting, "--out=new"]).done();
+    let (compared, differing) = counts(&said, "flags").unwrap();
+    assert!(0 < differing && differing < compared, "{said}");
+    assert!(said.contains("new/report.html"), "{said}");
+    // The replay has a recording of its own, with its own settings, and says what it is.
+    let new = Recording::read(folder.join("new/recording.mcap")).unwrap();
+    let old = Recording::read(folder.join("run/recording.mcap")).unwrap();
+    assert!(new.complete);
+    assert_eq!(new.facts.replay_of.as_deref(), Some(old.digest.as_str()));
+    assert_eq!(new.facts.slip_threshold, 1.0);
+    assert!(new.experiment.contains("slip_threshold = 1.0"));
+    for (new, old) in new.fingers.iter().zip(&old.fingers) {
+        assert_eq!((&new.tactile, &new.joints), (&old.tactile, &old.joints));
+        assert_ne!(new.flags, old.flags);
+    }
+    assert_eq!(
+        (&new.cap, &new.torque_sensor),
+        (&old.cap, &old.torque_sensor)
+    );
+    let page = fs::read_to_string(folder.join("new/report.html")).unwrap();
+    assert!(page.contains("A replay.") && page.contains(old.digest.as_str()));
+    // It replays as any other.
+    replay(&folder, "new", &["--from=forces"]).done();
+    // Nothing is overwritten.
+    let again = replay(&folder, "run", &["--from=forces", "--out=new"]);
+    again.refused(&["--out new", "there is a run already"]);
+}
+
+#[test]
+fn what_cannot_be_replayed_is_refused() {
+    let folder = folder("replay-refused");
+    make_run(&folder, &["--sensing=direct", "--set=time_limit=0.1"]);
+    let out = ["--from=frames", "--out=new"];
+    let ended = replay(&folder, "run", &out);
+    ended.refused(&[
+        "no pictures of finger 0",
+        "--record-frames",
+        "--from forces",
+    ]);
+    assert!(!folder.join("new").exists());
+    replay(&folder, "nowhere", &["--from=forces"]).refused(&["nowhere", "recording.mcap"]);
+    replay(&folder, "run", &[]).refused(&["--from"]);
+    replay(&folder, "run", &["--from=above"]).refused(&["frames", "forces"]);
+    for (setting, words) in [
+        ("control.period=0.02", "control.period (s): 0.01 on record"),
+        (
+            "sensor.fingertip.layout.rings.1.elements=7",
+            "elements of finger 0: 41",
+        ),
+        ("control.slip_threshold=-1", "control.slip_threshold"),
+        ("control.slip=1", "--set control.slip=1"),
+    ] {
+        let setting = ["--from=forces", "--set", setting];
+        replay(&folder, "run", &setting).refused(&[words]);
+    }
+    // Recordings of something else, and no recordings.
+    let mut sensed = SensedWriter::create(folder.join("sensed.mcap")).unwrap();
+    sensed.tactile(&Tactile::default()).unwrap();
+    sensed.finish().unwrap();
+    fs::write(folder.join("words.mcap"), "hello").unwrap();
+    for (file, word) in [("sensed.mcap", "feeler.run"), ("words.mcap", "MCAP magic")] {
+        replay(&folder, file, &["--from=forces"]).refused(&[file, word]);
+    }
+    let arguments = ["run", "cap-closing", "--sensing=direct", "--record-frames"];
+    run(&folder, &arguments).refused(&["--record-frames", "sensing = \"image\""]);
+    assert!(!folder.join("runs").exists());
+}

@@ -1,0 +1,280 @@
+//! `feeler robustness`, through the program.
+
+use crate::program::{folder, rows, run, summary};
+use serde_json::Value;
+use std::collections::HashMap;
+use std::fs;
+
+/// Two of each group.
+const RANGES: &str = r#"
+[[parameter]]
+name = "stiffness"
+group = "apparatus"
+unit = "N/m"
+key = "sim.feeler.normal_stiffness"
+range = "log_uniform(200, 1500)"
+why = "w"
+
+[[parameter]]
+name = "shear by normal"
+group = "apparatus"
+key = "sim.feeler.shear_stiffness"
+of = "sim.feeler.normal_stiffness"
+range = "uniform(0.2, 0.5)"
+why = "w"
+
+[[parameter]]
+name = "speed"
+group = "tuning"
+unit = "m/s"
+key = "search_speed"
+range = "relative(0.5, 2.0)"
+why = "w"
+
+[[parameter]]
+name = "start"
+group = "tuning"
+unit = "m"
+keys = [{ key = "screw.finger.0.home.0", factor = -1.0 }, { key = "screw.finger.1.home.0" }]
+range = "shifted(-0.001, 0.16)"
+why = "farther out than a finger reaches, from half way on: no hand"
+"#;
+
+/// 8 points, 2 each of both groups and of nothing, 2 pairs of 4 parameters, the seed and 2 groups: 28 trials.
+fn robustness<'a>(more: &[&'a str]) -> Vec<&'a str> {
+    let short = [
+        "robustness",
+        "cap-closing",
+        "--ranges=ranges.toml",
+        "--trials=8",
+        "--controls=2",
+        "--sensitivity=2",
+        "--set=time_limit=1.0",
+        "--seed=3",
+    ];
+    [&short, more].concat()
+}
+
+fn number(row: &HashMap<String, String>, column: &str) -> f64 {
+    row[column].parse().expect("a number")
+}
+
+#[test]
+fn every_point_follows_from_seed_and_number_and_the_page_counts_them() {
+    let folder = folder("robustness");
+    fs::write(folder.join("ranges.toml"), RANGES).unwrap();
+    let said = run(&folder, &robustness(&["--jobs=1", "-o=one"])).done();
+    assert!(
+        said.contains("all together") && said.contains("are no hands"),
+        "{said}"
+    );
+    run(&folder, &robustness(&["--jobs=2", "-o=two"])).done();
+    let whole = fs::read(folder.join("one/trials.csv")).unwrap();
+    assert_eq!(whole, fs::read(folder.join("two/trials.csv")).unwrap());
+
+    // As after a stop: two rows are finished, a third is torn.
+    let lines: Vec<_> = whole.split_inclusive(|&b| b == b'\n').collect();
+    let torn = &lines[3][..lines[3].len() / 2];
+    fs::remove_file(folder.join("two/trials.csv")).unwrap();
+    fs::write(
+        folder.join("two/trials.csv.part"),
+        [lines[0], lines[20], lines[1], torn].concat(),
+    )
+    .unwrap();
+    run(&folder, &["robustness", "--resume", "-o=two"]).done();
+    assert_eq!(whole, fs::read(folder.join("two/trials.csv")).unwrap());
+    for name in ["robustness.json", "robustness.html"] {
+        let [one, two] = ["one", "two"].map(|f| fs::read(folder.join(f).join(name)).unwrap());
+        assert!(one == two, "{name}");
+    }
+    let table = rows(&folder.join("one/trials.csv"));
+    assert_eq!(table.len(), 28);
+    one_factor_at_a_time(&table);
+    counted(&folder.join("one"), &table);
+
+    run(&folder, &robustness(&["-o=two"])).refused(&["there is a sweep already"]);
+    let fewer = robustness(&["--resume", "-o=two", "--group=tuning"]);
+    run(&folder, &fewer).refused(&["number of trials is 28, not 16"]);
+    let wider = RANGES.replace("uniform(0.2, 0.5)", "uniform(0.1, 0.5)");
+    fs::write(folder.join("ranges.toml"), wider).unwrap();
+    run(&folder, &robustness(&["--resume", "-o=two"])).refused(&["other ranges"]);
+}
+
+/// Trials 14 to 27 are two pairs, each with one factor swapped: 4 parameters, the seed, 2 groups.
+fn one_factor_at_a_time(table: &[HashMap<String, String>]) {
+    const NAMES: [&str; 5] = ["stiffness", "shear by normal", "speed", "start", "seed"];
+    for pair in 0..2 {
+        let (a, b) = (&table[2 * pair], &table[2 * pair + 1]);
+        for factor in 0..7 {
+            let own = &table[14 + 7 * pair + factor];
+            for (index, name) in NAMES.iter().enumerate() {
+                let swapped = match factor {
+                    5 => index < 2,
+                    6 => index == 2 || index == 3,
+                    single => index == single,
+                };
+                assert_eq!(
+                    own[*name],
+                    if swapped { b } else { a }[*name],
+                    "{factor} {name}"
+                );
+            }
+        }
+    }
+    let (nominal, tuned) = (&table[8], &table[12]);
+    assert_eq!(nominal["seed"], table[0]["seed"]);
+    assert_eq!(tuned["stiffness"], nominal["stiffness"]);
+    assert_eq!(tuned["speed"], table[0]["speed"]);
+    assert!(number(nominal, "start") > 0.0);
+}
+
+fn counted(folder: &std::path::Path, table: &[HashMap<String, String>]) {
+    let text = fs::read_to_string(folder.join("robustness.json")).unwrap();
+    let page: Value = serde_json::from_str(&text).unwrap();
+    let hands = table[..8]
+        .iter()
+        .filter(|row| row["outcome"] != "invalid")
+        .count();
+    assert!(0 < hands && hands < 8, "{hands}");
+    assert_eq!(page["hands"], hands);
+    let measures = page["measures"].as_array().unwrap();
+    let claims = table[0]
+        .keys()
+        .filter(|k| k.starts_with("claim.") && k.matches('.').count() == 1);
+    assert_eq!(measures.len(), claims.count() + 1);
+    for measure in measures {
+        assert_eq!(measure["shares"][0]["hands"], hands);
+        assert_eq!(measure["holds"].as_array().unwrap().len(), 7);
+    }
+    let html = fs::read_to_string(folder.join("robustness.html")).unwrap();
+    for word in [
+        "Sobol",
+        "Total-effect",
+        "no hand",
+        "farther out",
+        "shifted(-0.001, 0.16)",
+    ] {
+        assert!(html.contains(word), "no {word:?}");
+    }
+}
+
+#[test]
+fn a_point_runs_again_bit_for_bit() {
+    let folder = folder("robustness-again");
+    fs::write(folder.join("ranges.toml"), RANGES).unwrap();
+    run(&folder, &robustness(&["-o=r", "--group=apparatus"])).done();
+    // One group has no controls of its own: 8 points, 2 of nothing, 2 pairs of 2 parameters and the seed.
+    let table = rows(&folder.join("r/trials.csv"));
+    assert_eq!(table.len(), 8 + 2 + 6);
+    let last = &table[15];
+    run(&folder, &["run", "--trial", "r", "15", "--out", "again"]);
+    let again = summary(&folder.join("again"));
+    assert_eq!(last["seed"], again["seed"].to_string());
+    for claim in again["claims"].as_array().unwrap() {
+        let column = format!("claim.{}.value", claim["id"].as_str().unwrap());
+        let value: Option<f64> = last[&column].parse().ok();
+        assert_eq!(
+            value.map(f64::to_bits),
+            claim["value"].as_f64().map(f64::to_bits),
+            "{column}"
+        );
+    }
+    let text = fs::read_to_string(folder.join("again/report.html")).unwrap();
+    assert!(
+        text.contains(&last["stiffness"]),
+        "the report shows the experiment as drawn"
+    );
+}
+
+#[test]
+fn what_makes_no_sense_is_refused_before_anything_runs() {
+    let folder = folder("robustness-refused");
+    let ranges = |text: &str| fs::write(folder.join("ranges.toml"), text).unwrap();
+    for (text, words) in [
+        ("parameter = 3", ["ranges.toml", "parameter"]),
+        (
+            &RANGES.replace("log_uniform(200, 1500)", "normal(0,1)"),
+            ["stiffness", "no bounds"],
+        ),
+        (
+            &RANGES.replace("log_uniform(200, 1500)", "uniform(-1, 1500)"),
+            ["stiffness", "normal_stiffness"],
+        ),
+        (
+            &RANGES.replace("\"search_speed\"", "\"serch_speed\""),
+            ["speed", "search_speed"],
+        ),
+        (
+            &RANGES.replace("\"speed\"", "\"outcome\""),
+            ["outcome", "column of that name"],
+        ),
+        (
+            &RANGES.replace(", factor = -1.0", ""),
+            ["start", "expected the same"],
+        ),
+        (
+            &RANGES.replace("\"search_speed\"", "\"sim.feeler.normal_stiffness\""),
+            ["speed", "varies already"],
+        ),
+    ] {
+        ranges(text);
+        run(&folder, &robustness(&["-o=r"])).refused(&words);
+        assert!(!folder.join("r").exists(), "{words:?}");
+    }
+    ranges(RANGES);
+    for (more, words) in [
+        (&["--group=luck"][..], ["luck", "apparatus, tuning"]),
+        (&["--sensitivity=5"], ["--sensitivity 5", "half as many"]),
+        (&["--ranges=no.toml"], ["no.toml", "file of ranges"]),
+        (&["--resume"], ["sweep.toml", "expected the folder"]),
+    ] {
+        let mut arguments = robustness(&["-o=r"]);
+        arguments.retain(|a| {
+            !more
+                .iter()
+                .any(|m| a.split('=').next() == m.split('=').next())
+        });
+        arguments.extend(more);
+        run(&folder, &arguments).refused(&words);
+    }
+    run(&folder, &["robustness", "contour"])
+        .refused(&["no ranges come with contour", "cap-closing"]);
+    run(
+        &folder,
+        &[
+            "sweep",
+            "cap-closing",
+            "--trials=1",
+            "--set=time_limit=0.5",
+            "--sensing=direct",
+            "-o=s",
+        ],
+    )
+    .done();
+    run(&folder, &["robustness", "--resume", "-o=s"]).refused(&["that is a sweep"]);
+}
+
+#[test]
+fn files_of_ranges_go_together_and_bring_the_tables_that_they_vary() {
+    let folder = folder("robustness-together");
+    fs::write(folder.join("ranges.toml"), RANGES).unwrap();
+    let rubber = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../feeler-lab/experiments/cap-closing.rubber.toml"
+    );
+    let ranges = format!("--ranges={rubber}");
+    let both = robustness(&[&ranges, "--group=shift,tuning", "-o=r"]);
+    run(&folder, &both).done();
+    let table = rows(&folder.join("r/trials.csv"));
+    // 8 points, 2 controls of each group and of nothing, 2 pairs of 2 + 3 parameters, the seed and 2 groups.
+    assert_eq!(table.len(), 8 + 3 * 2 + 2 * 8);
+    let run = &table[0];
+    assert!(!run.contains_key("stiffness") && !run.contains_key("backlash"));
+    assert!(number(run, "clamp stiffness") <= 1e5 && number(run, "speed") > 0.0);
+    // After a second there are no four strokes to compare.
+    assert!(table.iter().all(|row| row["fig8"].is_empty()));
+    let plan = fs::read_to_string(folder.join("r/sweep.toml")).unwrap();
+    for table in ["relaxation", "lateral"] {
+        assert!(plan.contains(table), "{table}");
+    }
+}

@@ -1,0 +1,51 @@
+//! `feeler schema` knows every message, and docs/link.md says what it says.
+
+use crate::program::{folder, run};
+use feeler_link::message::TactileUpdate;
+use feeler_record::wire::Message;
+
+/// What stands between a message's text and those of the types in it.
+const SEPARATOR: &str =
+    "================================================================================";
+
+#[test]
+fn every_message_is_printed() {
+    let printed = run(&folder("schema-all"), &["schema"]).done();
+    let heads = printed.lines().filter(|line| line.starts_with("#### "));
+    let recorded = include_str!("../../../feeler-record/src/channels.rs");
+    let linked = include_str!("../../../feeler-link/src/message.rs");
+    let written = [recorded, linked].map(|text| text.matches("\nmessage!(").count());
+    // The pictures of a recording are ROS 2's own and written without the macro.
+    assert_eq!(heads.count(), written.iter().sum::<usize>() + 1);
+}
+
+#[test]
+fn one_message_is_printed_alone() {
+    let folder = folder("schema-one");
+    for name in ["TactileUpdate", "feeler_msgs/msg/TactileUpdate"] {
+        let printed = run(&folder, &["schema", name]).done();
+        assert_eq!(printed, TactileUpdate::SCHEMA);
+    }
+    let refused = run(&folder, &["schema", "Torque"]);
+    refused.refused(&["\"Torque\"", "feeler_msgs/msg/TorqueSensor"]);
+}
+
+#[test]
+fn the_documentation_of_the_link_says_the_same() {
+    let documentation = include_str!("../../../../docs/link.md");
+    let printed = run(&folder("schema-documentation"), &["schema"]).done();
+    let mut compared = 0;
+    for schema in printed
+        .split("#### ")
+        .filter(|s| s.contains(", linked as "))
+    {
+        let (head, text) = schema.split_once('\n').expect("a line with its name");
+        let (_, key) = head.split_once(", linked as ").expect("its key");
+        assert!(documentation.contains(key), "no key {key}");
+        for part in text.split(SEPARATOR) {
+            assert!(documentation.contains(part.trim()), "not there:\n{part}");
+            compared += 1;
+        }
+    }
+    assert!(compared > 9, "{compared}");
+}

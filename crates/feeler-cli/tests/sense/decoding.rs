@@ -1,0 +1,68 @@
+//! Decoding pictures from hostile bytes: never a panic, and never half a picture for a whole one.
+
+use feeler_sources::picture::decode_picture;
+use image::{DynamicImage, GrayImage, ImageFormat, Luma};
+use proptest::prelude::*;
+use std::io::Cursor;
+use std::sync::LazyLock;
+
+/// A small picture in each format.
+static FILES: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
+    let gray = GrayImage::from_fn(33, 17, |x, y| Luma([(x * 7 + y * 13) as u8]));
+    let gray = DynamicImage::from(gray);
+    let colour = DynamicImage::from(gray.to_rgb8());
+    let wide = DynamicImage::from(gray.to_luma16());
+    let formats = [
+        ImageFormat::Png,
+        ImageFormat::Jpeg,
+        ImageFormat::Pnm,
+        ImageFormat::Tiff,
+    ];
+    let mut files = Vec::new();
+    for format in formats {
+        for picture in [&gray, &colour, &wide] {
+            let mut file = Cursor::new(Vec::new());
+            if picture.write_to(&mut file, format).is_ok() {
+                files.push(file.into_inner());
+            }
+        }
+    }
+    assert!(files.len() >= 11, "{} files", files.len());
+    files
+});
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(2000))]
+
+    #[test]
+    fn any_bytes(bytes in prop::collection::vec(any::<u8>(), 0..400), file in 0_usize..11, keep in 0_usize..60) {
+        // Bare, and behind the start of a picture.
+        let _ = decode_picture(&bytes);
+        let head = &FILES[file];
+        let _ = decode_picture(&[&head[..keep.min(head.len())], &bytes].concat());
+    }
+
+    #[test]
+    fn damaged_bytes(
+        file in 0_usize..11,
+        damage in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6),
+    ) {
+        let mut bytes = FILES[file].clone();
+        for (at, byte) in damage {
+            let at = at.index(bytes.len());
+            bytes[at] = byte;
+        }
+        if let Ok(picture) = decode_picture(&bytes) {
+            prop_assert_eq!(picture.pixels.len(), picture.width * picture.height);
+        }
+    }
+
+    #[test]
+    fn a_file_cut_short_is_an_error_or_whole(file in 0_usize..11, at in any::<prop::sample::Index>()) {
+        let bytes = &FILES[file];
+        let whole = decode_picture(bytes).expect("a picture");
+        if let Ok(cut) = decode_picture(&bytes[..at.index(bytes.len())]) {
+            prop_assert_eq!(cut, whole);
+        }
+    }
+}

@@ -1,0 +1,127 @@
+//! Time of the control law: the newest forces in, joint velocities out.
+
+use divan::{Bencher, black_box};
+use feeler::control::controller::Controller;
+use feeler::control::flags::FlagAnalyzer;
+use feeler::control::law::LawConfig;
+use feeler::control::plan::Plan;
+use feeler::control::sense::{FingerSense, FingertipPose};
+use feeler::control::touch::FingerTouch;
+use feeler::hand::finger::FingerGeometry;
+use feeler::hand::hand::{HandCommand, HandState};
+use feeler::hand::inverse_kinematics::inverse_kinematics;
+use feeler::sensor::layout::ElementLayout;
+use feeler::sensor::reading::TactileFrame;
+use feeler_lab::config::{Experiment, ExperimentConfig};
+use glam::DVec3;
+
+const ELEMENTS: usize = 41;
+
+fn main() {
+    divan::main();
+}
+
+fn config(name: &str) -> ExperimentConfig {
+    let experiment = Experiment::load(name, &[]);
+    experiment.expect("the built-in experiment").config
+}
+
+/// Forces of a fingertip in contact: three elements pressed, all with some shear.
+fn in_contact() -> TactileFrame {
+    let mut frame = TactileFrame::unloaded(ELEMENTS);
+    for (element, force) in frame.forces.iter_mut().enumerate() {
+        *force = DVec3::new(0.001 * element as f64, -0.02, 0.0);
+    }
+    for force in &mut frame.forces[..3] {
+        force.z = 0.4;
+    }
+    frame
+}
+
+/// One decision for two fingers of 41 elements in contact, under each control law.
+#[divan::bench(args = LawConfig::NAMES)]
+fn decide_by_law(bencher: Bencher, law: &str) {
+    let mut config = config("cap-closing");
+    config.control.law = LawConfig::named(law).expect("a law");
+    decide_in_contact(bencher, &config);
+}
+
+/// One decision for the fingers of each task in contact.
+#[divan::bench(args = ["cap-closing", "cap-until-closed", "friction-scan", "contour", "slide-box-two", "lift"])]
+fn decide_by_task(bencher: Bencher, experiment: &str) {
+    decide_in_contact(bencher, &config(experiment));
+}
+
+fn decide_in_contact(bencher: Bencher, config: &ExperimentConfig) {
+    let layout = ElementLayout::new(&config.sensor.fingertip.layout);
+    let fingers: Vec<_> = (config.hand.finger.iter())
+        .map(|finger| FingerGeometry::new(finger).expect("a finger"))
+        .collect();
+    let layouts = vec![layout; fingers.len()];
+    let mut controller = Controller::new(config.control.clone(), &config.task, &fingers, &layouts);
+    let mut state = HandState::zero(fingers.len());
+    let homes = config.task.homes();
+    for ((joints, geometry), home) in state.joints.iter_mut().zip(&fingers).zip(homes) {
+        let middle = (geometry.joint_lower() + geometry.joint_upper()) / 2.0;
+        joints.position = inverse_kinematics(geometry, home.into(), middle).expect("home");
+    }
+    let mut touches = vec![FingerTouch::none(ELEMENTS); fingers.len()];
+    let analyzer = FlagAnalyzer::new(config.control.thresholds(), ELEMENTS);
+    let mut analyzers = vec![analyzer; fingers.len()];
+    for touch in &mut touches {
+        touch.frame = in_contact();
+    }
+    let mut command = HandCommand::stop(fingers.len());
+    bencher.bench_local(|| {
+        state.stamp += config.control.period;
+        for (touch, analyzer) in touches.iter_mut().zip(&mut analyzers) {
+            touch.frame.sequence += 1;
+            touch.frame.stamp = state.stamp;
+            touch.analyze(analyzer);
+        }
+        controller.decide(black_box(&touches), black_box(&state), &mut command);
+    });
+    assert_eq!(controller.stop_reason(), None);
+}
+
+/// One finger's velocity by each control law, while it keeps its grasp.
+#[divan::bench(args = LawConfig::NAMES)]
+fn law_in_contact(bencher: Bencher, law: &str) {
+    let config = config("cap-closing");
+    let mut law = LawConfig::named(law)
+        .expect("a law")
+        .law(&config.control, ELEMENTS);
+    let layout = ElementLayout::new(&config.sensor.fingertip.layout);
+    let mut analyzer = FlagAnalyzer::new(config.control.thresholds(), ELEMENTS);
+    let mut touch = FingerTouch::none(ELEMENTS);
+    touch.frame = in_contact();
+    touch.analyze(&mut analyzer);
+    let plan = Plan {
+        velocity: DVec3::new(0.0, 0.01, 0.0),
+        towards_object: DVec3::X,
+        reflex: true,
+        keep_grasp: true,
+    };
+    bencher.bench_local(|| {
+        touch.frame.sequence += 1;
+        let sense = FingerSense {
+            pose: FingertipPose::default(),
+            touch: &touch,
+            layout: &layout,
+        };
+        law.velocity(black_box(&plan), black_box(&sense))
+    });
+}
+
+/// The flags of one finger.
+#[divan::bench]
+fn analyze_flags(bencher: Bencher) {
+    let control = config("cap-closing").control;
+    let mut analyzer = FlagAnalyzer::new(control.thresholds(), ELEMENTS);
+    let mut frame = in_contact();
+    bencher.bench_local(|| {
+        frame.sequence += 1;
+        frame.stamp += control.period;
+        analyzer.analyze(black_box(&frame))
+    });
+}

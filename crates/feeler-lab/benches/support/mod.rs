@@ -1,0 +1,99 @@
+//! What the benches and examples of the moments kernel take moments of.
+
+use feeler::sensor::{
+    dome::DomeProjection,
+    fingertip::{Fingertip, FingertipConfig},
+    frame::Picture,
+    layout::SensingElement,
+    moments::MomentsKernel,
+    subregion::WeightedPixel,
+};
+use feeler_sim::{
+    optics::{OpticsScratch, render},
+    optics_config::OpticsConfig,
+    optics_model::OpticsModel,
+};
+use glam::{DVec2, DVec3};
+use rand::SeedableRng;
+use rand_pcg::Pcg64;
+
+/// The reference fingertip with `scale` times the pixels to a side of the picture.
+pub fn fingertip_config(scale: usize) -> FingertipConfig {
+    let mut config = FingertipConfig::default();
+    config.camera.width *= scale;
+    config.camera.height *= scale;
+    config.camera.focal_length_px *= scale as f64;
+    config
+}
+
+/// A picture of the simulated fingertip, five elements under 1 N and a little shear.
+pub fn simulated_picture(config: &FingertipConfig, fingertip: &Fingertip) -> Picture {
+    let model = OpticsModel::new(
+        &OpticsConfig::default(),
+        &fingertip.layout,
+        &fingertip.projection,
+    )
+    .expect("the default optics fit the fingertip");
+    let mut forces = vec![DVec3::ZERO; fingertip.layout.elements.len()];
+    forces[..5].fill(DVec3::new(0.3, -0.2, 1.0));
+    let mut picture = Picture::black(config.camera.width, config.camera.height);
+    let mut scratch = OpticsScratch::new(&model);
+    let mut rng = Pcg64::seed_from_u64(1);
+    render(&model, &mut scratch, &forces, &mut rng, &mut picture).expect("sizes fit");
+    picture
+}
+
+/// Upper left corners of squares of `side` px about where the elements' tips are seen, inside the
+/// picture.
+pub fn squares(fingertip: &Fingertip, side: usize) -> Vec<(usize, usize)> {
+    let projection = &fingertip.projection;
+    let corner = |seen: f64, end: usize| {
+        let first = (seen - side as f64 / 2.0).round().max(0.0) as usize;
+        first.min(end - side)
+    };
+    let tips = (0..fingertip.layout.elements.len()).map(|index| fingertip.layout.tip(index));
+    tips.map(|tip| {
+        let seen = projection.project(tip).expect("the camera sees all tips");
+        let column = corner(seen.x, projection.width());
+        (column, corner(seen.y, projection.height()))
+    })
+    .collect()
+}
+
+/// The kernel of full squares of `side` px, dewarped: more than an element's own pixels, so that
+/// squares of neighbours share some.
+pub fn square_kernel(
+    config: &FingertipConfig,
+    fingertip: &Fingertip,
+    side: usize,
+) -> MomentsKernel {
+    let regions: Vec<_> = squares(fingertip, side)
+        .into_iter()
+        .zip(&fingertip.layout.elements)
+        .map(|(corner, element)| square(&fingertip.projection, element, corner, side))
+        .collect();
+    let size = (config.camera.width, config.camera.height);
+    MomentsKernel::from_subregions(size, config.moments.dark_level, &regions)
+        .expect("squares are inside the picture")
+}
+
+fn square(
+    projection: &DomeProjection,
+    element: &SensingElement,
+    (left, top): (usize, usize),
+    side: usize,
+) -> Vec<WeightedPixel> {
+    (0..side * side)
+        .map(|index| {
+            let (column, row) = (left + index % side, top + index / side);
+            let pixel = DVec2::new(column as f64, row as f64);
+            let dewarped = projection.dewarp(pixel, element).expect("the dome is seen");
+            WeightedPixel {
+                column,
+                row,
+                area: dewarped.area,
+                point: dewarped.point,
+            }
+        })
+        .collect()
+}

@@ -1,0 +1,177 @@
+//! How well slip is told while a cap is screwed on, against the simulator's truth: in the strokes in which the cap turns
+//! with the fingers, and in those in which it is closed.
+//!
+//! ```text
+//! cargo run --release --example slip_on_a_cap
+//! ```
+
+use feeler::control::feeler_shape::FeelerShape;
+use feeler::control::law::missing_shear::MissingShearConfig;
+use feeler::control::phase::Phase;
+use feeler::control::sense::FingerSense;
+use feeler::control::slip_detector::SlipDetector;
+use feeler_lab::config::Experiment;
+use feeler_lab::experiment::Session;
+use std::error::Error;
+use std::ops::Range;
+
+/// What tells slip, in the order of the counts.
+pub const DETECTORS: [&str; 3] = [
+    "shear rate (the paper's SLIP)",
+    "missing shear, of what stands still",
+    "missing shear, of what may move",
+];
+/// A tip that went farther since the frame before slipped, in truth, m.
+const WAY: f64 = 20e-6;
+
+/// Frames of a finger in MOVE by what was true and what was said.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Counts {
+    noticed: f64,
+    missed: f64,
+    false_alarms: f64,
+    quiet: f64,
+}
+
+impl Counts {
+    /// Share of true slips in what was called one.
+    pub fn precision(&self) -> f64 {
+        self.noticed / (self.noticed + self.false_alarms)
+    }
+
+    /// Share of true slips that were noticed.
+    pub fn recall(&self) -> f64 {
+        self.noticed / (self.noticed + self.missed)
+    }
+
+    /// Share of frames with a slip, in truth.
+    pub fn slipping(&self) -> f64 {
+        let slips = self.noticed + self.missed;
+        slips / (slips + self.false_alarms + self.quiet)
+    }
+
+    fn count(&mut self, slipped: bool, said: bool) {
+        let count = match (slipped, said) {
+            (true, true) => &mut self.noticed,
+            (true, false) => &mut self.missed,
+            (false, true) => &mut self.false_alarms,
+            (false, false) => &mut self.quiet,
+        };
+        *count += 1.0;
+    }
+}
+
+/// One finger, with detectors that look on.
+struct Finger {
+    detectors: [SlipDetector; 2],
+    /// Which elements were pressed harder than F1 at the frame before.
+    pressed: Vec<bool>,
+    /// How far each feeler had slipped by then, m.
+    way: Vec<f64>,
+}
+
+impl Finger {
+    fn new(touch_force: f64, elements: usize) -> Self {
+        let feeler = FeelerShape::default();
+        Self {
+            detectors: [
+                SlipDetector::new(feeler, elements),
+                SlipDetector::on_what_may_move(feeler, touch_force, elements),
+            ],
+            pressed: vec![false; elements],
+            way: vec![0.0; elements],
+        }
+    }
+
+    /// What each detector says of the newest frame.
+    fn say(&mut self, sense: &FingerSense<'_>, touch_force: f64) -> [bool; 3] {
+        let threshold = MissingShearConfig::default().threshold;
+        let (forces, pressed) = (&sense.touch.frame.forces, &self.pressed);
+        let missing = self.detectors.each_mut().map(|detector| {
+            let mut elements = detector.detect(sense).iter().zip(forces).zip(pressed);
+            elements.any(|((&missing, force), pressed)| {
+                *pressed && force.z > touch_force && missing > threshold
+            })
+        });
+        [sense.flags().slip, missing[0], missing[1]]
+    }
+
+    /// Whether an element that was pressed slipped since the frame before, in truth.
+    fn slipped(&self, way: &[f64]) -> bool {
+        let mut ways = way.iter().zip(&self.way).zip(&self.pressed);
+        ways.any(|((now, before), pressed)| *pressed && now - before > WAY)
+    }
+}
+
+/// Closes the cap under `law` once for each of `seeds`, with forces from `sensing`; counts of strokes 1 and 2, and of 3 and 4.
+///
+/// # Errors
+/// When a run fails.
+pub fn score(
+    law: &str,
+    sensing: &str,
+    seeds: Range<u64>,
+) -> Result<[[Counts; 3]; 2], Box<dyn Error>> {
+    let mut counts = [[Counts::default(); 3]; 2];
+    for seed in seeds {
+        let settings = [("control.law", law), ("sensing", sensing)];
+        let settings = settings.map(|(key, value)| format!("{key}={value}"));
+        let settings = [&settings[..], &[format!("seed={seed}")]].concat();
+        run(&Experiment::load("cap-closing", &settings)?, &mut counts)?;
+    }
+    Ok(counts)
+}
+
+fn run(experiment: &Experiment, counts: &mut [[Counts; 3]; 2]) -> Result<(), Box<dyn Error>> {
+    let touch_force = experiment.config.control.touch_force;
+    let mut session = Session::new(experiment)?;
+    let layouts = session.layouts().to_vec();
+    let fingers = layouts.iter().map(|l| l.elements.len());
+    let mut fingers: Vec<_> = fingers.map(|n| Finger::new(touch_force, n)).collect();
+    while !session.finished() {
+        let world = session.rig().world().state().clone();
+        session.step()?;
+        let felt = session.control_loop();
+        let controller = felt.controller();
+        let half = usize::from(controller.task().stroke() > 2);
+        for (index, finger) in fingers.iter_mut().enumerate() {
+            let touch = &felt.touches()[index];
+            let sense = FingerSense {
+                pose: controller.poses()[index],
+                touch,
+                layout: &layouts[index],
+            };
+            let slipped = &world.fingers[index].slipped;
+            let way: Vec<_> = slipped.iter().map(|slipped| slipped.way).collect();
+            let (said, truth) = (finger.say(&sense, touch_force), finger.slipped(&way));
+            if controller.phase() == Phase::Move {
+                for (count, said) in counts[half].iter_mut().zip(said) {
+                    count.count(truth, said);
+                }
+            }
+            finger.way = way;
+            let forces = touch.frame.forces.iter();
+            finger.pressed = forces.map(|force| force.z > touch_force).collect();
+        }
+    }
+    Ok(())
+}
+
+pub fn main() -> Result<(), Box<dyn Error>> {
+    for (law, sensing) in [
+        ("tri-axial", "direct"),
+        ("tri-axial-missing-shear", "direct"),
+        ("tri-axial", "image"),
+    ] {
+        let counts = score(law, sensing, 0..20)?;
+        for (strokes, counts) in ["1 and 2", "3 and 4"].iter().zip(counts) {
+            let slipping = 100.0 * counts[0].slipping();
+            println!("{law}, {sensing}, strokes {strokes}: {slipping:.1} % of frames with a slip");
+            for (detector, count) in DETECTORS.iter().zip(counts) {
+                let (precision, recall) = (100.0 * count.precision(), 100.0 * count.recall());
+                println!("  {detector:<38} precision {precision:5.1} %  recall {recall:5.1} %");
+            }
+        }
+    }
+    Ok(())
+}

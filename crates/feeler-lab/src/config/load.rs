@@ -1,0 +1,263 @@
+//! From a name or a file, and what the command line sets, to an experiment.
+
+use super::ExperimentConfig;
+use super::check::check;
+use super::checker::Problem;
+use super::settings::put;
+use feeler::sensor::calibration::CalibrationError;
+use feeler::sensor::fingertip::FingertipConfig;
+use feeler::sensor::made_for::sha256;
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+use toml_edit::DocumentMut;
+
+/// An experiment that comes with the program.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct BuiltIn {
+    /// The name to call it by.
+    pub name: &'static str,
+    /// Its file.
+    pub toml: &'static str,
+}
+
+/// The experiments of these names, from their files.
+macro_rules! built_in {
+    ($($name:literal),* $(,)?) => {
+        [$(BuiltIn {
+            name: $name,
+            toml: include_str!(concat!("../../experiments/", $name, ".toml")),
+        }),*]
+    };
+}
+
+/// The experiments that come with the program.
+pub const BUILT_IN: [BuiltIn; 9] = built_in![
+    "cap-closing",
+    "cap-opening",
+    "cap-until-closed",
+    "three-fingers",
+    "contour",
+    "friction-scan",
+    "slide-box",
+    "slide-box-two",
+    "lift",
+];
+
+/// Longest experiment or calibration file, bytes.
+const MAX_TEXT: u64 = 16 << 20;
+
+/// Why an experiment cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum ConfigError {
+    /// Neither a built-in experiment nor a file.
+    #[error(
+        "there is no experiment {name:?}: expected a file or one of the built-in {}",
+        BUILT_IN.map(|b| b.name).join(", ")
+    )]
+    Unknown {
+        /// What was asked for.
+        name: String,
+    },
+    /// There is no such finger.
+    #[error("there is no finger {finger}: expected 0 to {}", fingers - 1)]
+    NoFinger {
+        /// The finger.
+        finger: usize,
+        /// How many there are.
+        fingers: usize,
+    },
+    /// A file could not be read.
+    #[error("{}: {source}; expected {expected}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What it should be.
+        expected: &'static str,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The calibration file could not be read.
+    #[error(
+        "{key} = {file:?}: {source}: copy it there, or make one with \
+         `feeler calibrate`"
+    )]
+    CalibrationFile {
+        /// The key that names it.
+        key: String,
+        /// The file, as the experiment names it.
+        file: String,
+        /// Where it was looked for, and what the system said.
+        source: Box<ConfigError>,
+    },
+    /// The text is not TOML, or a key is unknown, missing or of the wrong type.
+    #[error("{origin}: {message}")]
+    Syntax {
+        /// Where the text came from.
+        origin: String,
+        /// Line, column and what was expected.
+        message: String,
+    },
+    /// A setting from the command line makes no sense.
+    #[error("--set {setting}: {message}")]
+    Setting {
+        /// The setting.
+        setting: String,
+        /// What is wrong with it.
+        message: String,
+    },
+    /// Values are out of their ranges.
+    #[error("{origin}: {}", list(problems))]
+    OutOfRange {
+        /// Where the text came from.
+        origin: String,
+        /// Every value that is out of its range.
+        problems: Vec<Problem>,
+    },
+    /// The calibration file cannot be used.
+    #[error("{key} = {file:?}: {source}")]
+    Calibration {
+        /// The key that names it.
+        key: String,
+        /// The file.
+        file: String,
+        /// What is wrong with it.
+        source: Box<CalibrationError>,
+    },
+}
+
+fn list(problems: &[Problem]) -> String {
+    let lines = problems.iter().map(|p| format!("\n  {p}"));
+    format!("out of range:{}", lines.collect::<String>())
+}
+
+/// An experiment: its configuration, and the text that says the same with all comments.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Experiment {
+    /// The configuration, checked.
+    pub config: ExperimentConfig,
+    /// The experiment file as run, with what the command line set.
+    pub toml: String,
+    /// The folder that file names are relative to; none for a built-in experiment.
+    pub(super) folder: Option<PathBuf>,
+    /// Calibration files that came with it, by the name that it has for each.
+    pub(super) calibrations: BTreeMap<String, String>,
+}
+
+impl Experiment {
+    /// The experiment called `name`, a built-in one or a file, with `settings` of the form
+    /// `control.slip_threshold=2.5` put in.
+    ///
+    /// # Errors
+    /// When there is none, its text makes no sense, or a value is out of its range.
+    pub fn load(name: &str, settings: &[String]) -> Result<Self, ConfigError> {
+        if let Some(built_in) = BUILT_IN.iter().find(|b| b.name == name) {
+            return Self::parse(built_in.toml, name, settings, None);
+        }
+        let path = Path::new(name);
+        if !path.exists() {
+            let name = name.to_string();
+            return Err(ConfigError::Unknown { name });
+        }
+        let text = read(path, "the text of an experiment (TOML)")?;
+        let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
+        Self::parse(&text, name, settings, Some(folder))
+    }
+
+    /// The experiment that `text` says, which came from `origin` (for messages). File names in it
+    /// are relative to `folder`; without one, they name built-in files.
+    ///
+    /// # Errors
+    /// As [`Self::load`].
+    pub fn parse(
+        text: &str,
+        origin: &str,
+        settings: &[String],
+        folder: Option<PathBuf>,
+    ) -> Result<Self, ConfigError> {
+        let syntax = |message: String| ConfigError::Syntax {
+            origin: origin.to_string(),
+            message: message.trim_end().to_string(),
+        };
+        let mut document: DocumentMut = text
+            .parse()
+            .map_err(|e: toml_edit::TomlError| syntax(e.to_string()))?;
+        for setting in settings {
+            put(&mut document, setting)?;
+        }
+        let toml = document.to_string();
+        let config: ExperimentConfig = toml::from_str(&toml)
+            .map_err(|e| to_blame(text, settings).unwrap_or_else(|| syntax(e.to_string())))?;
+        let problems = check(&config);
+        if !problems.is_empty() {
+            let origin = origin.to_string();
+            return Err(ConfigError::OutOfRange { origin, problems });
+        }
+        Ok(Self {
+            config,
+            toml,
+            folder,
+            calibrations: BTreeMap::new(),
+        })
+    }
+
+    /// SHA-256 of all values, settings included; not of comments, order or layout of the text.
+    pub fn sha256(&self) -> String {
+        // Every value of an experiment came from TOML, or stands for one that can.
+        sha256(&toml::to_string(&self.config).unwrap_or_else(|e| e.to_string()))
+    }
+
+    /// The folder that file names are relative to.
+    pub fn folder(&self) -> &Path {
+        self.folder.as_deref().unwrap_or(Path::new(""))
+    }
+
+    /// The fingertip of `finger`; without one, that of all fingers that have none of their own.
+    ///
+    /// # Errors
+    /// When there is no such finger.
+    pub fn fingertip(&self, finger: Option<usize>) -> Result<&FingertipConfig, ConfigError> {
+        let (sensor, fingers) = (&self.config.sensor, self.config.hand.finger.len());
+        match finger {
+            None => Ok(&sensor.fingertip),
+            Some(finger) if finger < fingers => Ok(sensor.fingertip(finger)),
+            Some(finger) => Err(ConfigError::NoFinger { finger, fingers }),
+        }
+    }
+}
+
+/// The first of `settings` with which a good `text` is good no more.
+fn to_blame(text: &str, settings: &[String]) -> Option<ConfigError> {
+    toml::from_str::<ExperimentConfig>(text).ok()?;
+    let mut document: DocumentMut = text.parse().ok()?;
+    settings.iter().find_map(|setting| {
+        if let Err(error) = put(&mut document, setting) {
+            return Some(error);
+        }
+        let read = toml::from_str::<ExperimentConfig>(&document.to_string());
+        read.err().map(|e| ConfigError::Setting {
+            setting: setting.clone(),
+            message: e.message().to_string(),
+        })
+    })
+}
+
+/// The text of a file, unless it is far longer than any that makes sense (a device, a recording).
+pub(super) fn read(path: &Path, expected: &'static str) -> Result<String, ConfigError> {
+    let whole = || {
+        let mut text = String::new();
+        let mut file = File::open(path)?.take(MAX_TEXT + 1);
+        file.read_to_string(&mut text)?;
+        if text.len() as u64 > MAX_TEXT {
+            let reason = format!("longer than {} MiB", MAX_TEXT >> 20);
+            return Err(io::Error::new(io::ErrorKind::FileTooLarge, reason));
+        }
+        Ok(text)
+    };
+    whole().map_err(|source| ConfigError::Read {
+        path: path.to_path_buf(),
+        expected,
+        source,
+    })
+}

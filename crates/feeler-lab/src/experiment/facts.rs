@@ -1,0 +1,121 @@
+//! The constants of a run, for its recording.
+
+use crate::config::{ExperimentConfig, Sensing};
+use feeler::control::task::TaskConfig;
+use feeler::control::task::cap_config::Until;
+use feeler_record::{CapFacts, RunFacts};
+use feeler_sim::config::SimConfig;
+use feeler_sim::object::Object;
+use feeler_sim::section::section;
+use feeler_sim::shape::ShapeConfig;
+use feeler_sim::world::World;
+use glam::DVec3;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// The constants of a run of `config` that its report needs.
+pub fn run_facts(config: &ExperimentConfig) -> RunFacts {
+    let paths: Vec<([f64; 3], [f64; 3])> = match &config.task {
+        TaskConfig::Screw(screw) => {
+            let fingers = screw.finger.iter();
+            fingers.map(|path| (path.approach, path.stroke)).collect()
+        }
+        TaskConfig::FrictionScan(scan) => vec![(scan.approach, scan.slide)],
+        // Where these go is told by what they feel.
+        TaskConfig::Contour(_) | TaskConfig::Carry(_) => Vec::new(),
+    };
+    let unit = |direction| DVec3::from_array(direction).normalize_or_zero().to_array();
+    RunFacts {
+        experiment: config.name.clone(),
+        task: config.task.name().to_string(),
+        seed: config.seed,
+        version: env!("CARGO_PKG_VERSION").to_string(),
+        sensing: match config.sensing {
+            Sensing::Image => "image".to_string(),
+            Sensing::Direct => "direct".to_string(),
+        },
+        control_period: config.control.period,
+        fingers: config.hand.finger.len(),
+        cap_radius: cap_radius(&config.sim),
+        feeler_tip_radius: config.sim.feeler.tip_radius,
+        touch_force_threshold: config.control.touch_force,
+        over_force_threshold: config.control.over_force,
+        slip_threshold: config.control.slip_threshold,
+        grasp_force_threshold: config.task.grasp_force(),
+        approach: paths.iter().map(|path| unit(path.0)).collect(),
+        stroke_direction: paths.iter().map(|path| unit(path.1)).collect(),
+        stroke_count: config.task.strokes(),
+        truth: BTreeMap::new(),
+        section: true_section(config),
+        cap: cap_facts(config),
+        replay_of: None,
+    }
+}
+
+/// The constants of a run of `config` in `world`, with what only that knows: friction on objects that have some of their own.
+pub fn simulated_facts(config: &ExperimentConfig, world: &World) -> RunFacts {
+    let objects = world.model().objects.iter();
+    let truth = objects
+        .filter_map(|object| Some((&object.name, object.friction?)))
+        .flat_map(|(name, friction)| {
+            [
+                (format!("{name}.static_friction"), friction.static_friction),
+                (
+                    format!("{name}.kinetic_friction"),
+                    friction.kinetic_friction,
+                ),
+            ]
+        });
+    RunFacts {
+        truth: truth.collect(),
+        ..run_facts(config)
+    }
+}
+
+/// What the cap is held to, unless strokes are counted. A simulated world knows its friction; what varies of it from seed to seed is
+/// left out.
+fn cap_facts(config: &ExperimentConfig) -> Option<CapFacts> {
+    let TaskConfig::Screw(screw) = &config.task else {
+        return None;
+    };
+    let known = screw.cap.as_ref()?;
+    let (_, object, _) = config.sim.cap()?;
+    let own = object.friction.unwrap_or(config.sim.feeler.friction());
+    let limit = own.static_friction * known.grip * cap_radius(&config.sim);
+    let limit = limit * config.hand.finger.len() as f64;
+    let sense = match screw.until {
+        Until::Strokes => return None,
+        Until::Closed => 1.0,
+        Until::Open => -1.0,
+    };
+    (limit > 0.0).then_some(CapFacts {
+        sense,
+        friction_limit: limit,
+        damage_force: known.damage_force,
+    })
+}
+
+/// Radius of the cap at its widest, m; 0 when there is no cap.
+fn cap_radius(sim: &SimConfig) -> f64 {
+    match sim.cap().map(|(_, object, _)| &object.shape) {
+        Some(
+            &ShapeConfig::Cylinder { radius, .. } | &ShapeConfig::KnurledCylinder { radius, .. },
+        ) => radius,
+        _ => 0.0,
+    }
+}
+
+/// The true section of the object whose outline is to be drawn; none where that is not the task, or a file would have to be
+/// read for it.
+fn true_section(config: &ExperimentConfig) -> Vec<[f64; 2]> {
+    let TaskConfig::Contour(contour) = &config.task else {
+        return Vec::new();
+    };
+    let mut objects = config.sim.object.iter();
+    let Some((name, object)) = objects.find(|(_, o)| o.shape != ShapeConfig::HalfSpace) else {
+        return Vec::new();
+    };
+    Object::new(name, object, 0.0, Path::new(""))
+        .map(|object| section(&object, contour.home[2]))
+        .unwrap_or_default()
+}

@@ -1,0 +1,320 @@
+//! One run in one process: the simulated rig, its sensors, the control loop and the recorder, wired up.
+
+mod facts;
+pub mod log;
+pub mod played_rig;
+pub mod replay;
+mod sensors;
+pub mod slip_bench;
+pub mod specimen;
+pub mod truth;
+pub mod warnings;
+
+use crate::config::{ConfigError, Experiment, ExperimentConfig};
+use facts::simulated_facts;
+use feeler::control::control_loop::{ControlError, ControlLoop};
+use feeler::control::controller::Controller;
+use feeler::control::phase::Phase;
+use feeler::control::stop_reason::StopReason;
+use feeler::control::task::Task;
+use feeler::control::touch::TouchSource;
+use feeler::hand::finger::{FingerError, FingerGeometry};
+use feeler::hand::hand::MAX_FINGERS;
+use feeler::hand::inverse_kinematics::{KinematicsError, inverse_kinematics};
+use feeler::sensor::fingertip::{Fingertip, FingertipError};
+use feeler::sensor::layout::ElementLayout;
+use feeler::sensor::optical::OpticalSensorError;
+use feeler_record::RunFacts;
+use feeler_sim::error::SimError;
+use feeler_sim::object::Motion;
+use feeler_sim::optics_config::OpticsError;
+use feeler_sim::pose::Pose;
+use feeler_sim::rig::{Rig, SimHand};
+use feeler_sim::thread::Turn;
+use feeler_sim::torque_sensor::TorqueReading;
+use feeler_sim::world::World;
+use glam::DVec3;
+use specimen::{SpecimenError, check_specimen};
+use truth::SlipMeter;
+
+/// Why a run could not be set up or go on.
+#[derive(Debug, thiserror::Error)]
+pub enum ExperimentError {
+    /// The experiment file or its calibration cannot be used.
+    #[error(transparent)]
+    Config(#[from] ConfigError),
+    /// A finger makes no sense.
+    #[error("hand.finger[{finger}].{source}")]
+    Finger {
+        /// The finger.
+        finger: usize,
+        /// What is wrong with it.
+        source: FingerError,
+    },
+    /// A finger cannot reach its home.
+    #[error("task.{task}.finger[{finger}].home = {home:?} cannot be reached: {source}")]
+    Home {
+        /// The task.
+        task: &'static str,
+        /// The finger.
+        finger: usize,
+        /// Where it should be, m, in W.
+        home: [f64; 3],
+        /// Why it cannot.
+        source: Box<KinematicsError>,
+    },
+    /// A fingertip makes no sense.
+    #[error("sensor.fingertip: finger {finger}: {source}")]
+    Fingertip {
+        /// The finger that carries it.
+        finger: usize,
+        /// What is wrong with it.
+        source: FingertipError,
+    },
+    /// The optics make no sense.
+    #[error("sim.optics: {0}")]
+    Optics(#[from] OpticsError),
+    /// The simulated world cannot be built.
+    #[error(transparent)]
+    Sim(#[from] SimError),
+    /// There is nothing to touch where the task expects it.
+    #[error(transparent)]
+    Specimen(#[from] SpecimenError),
+    /// A sensor cannot be built.
+    #[error("sensor: finger {finger}: {source}")]
+    Sensor {
+        /// The finger that carries it.
+        finger: usize,
+        /// What is wrong with it.
+        source: Box<OpticalSensorError>,
+    },
+    /// The loop could not go round.
+    #[error(transparent)]
+    Control(#[from] ControlError),
+}
+
+/// A fingertip's sensor, of whichever kind.
+type Sensor = Box<dyn TouchSource + Send>;
+
+/// A run under way.
+pub struct Session {
+    rig: Rig,
+    control_loop: ControlLoop<Sensor, SimHand>,
+    layouts: Vec<ElementLayout>,
+    /// The object on a thread.
+    cap: Option<usize>,
+    slip: SlipMeter,
+    time_limit: f64,
+}
+
+/// What the rig's own instruments say at one time, beside what the hand feels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Instruments {
+    /// The torque sensor's reading.
+    pub torque: TorqueReading,
+    /// How the cap stands, in truth: the first object on a thread, if there is one.
+    pub cap: Turn,
+    /// Where its origin is, m, in W.
+    pub cap_centre: DVec3,
+    /// Where the object is that is carried, in truth, in W: the first free object, if there is one.
+    pub object: Option<Pose>,
+    /// Of each finger's feelers, in truth, the longest way that an anchor slid since the instruments were read
+    /// at another time before, m.
+    pub slipped: [f64; MAX_FINGERS],
+}
+
+impl Instruments {
+    /// Reads those of `rig`, whose object `cap` is on a thread.
+    fn read(rig: &Rig, cap: Option<usize>, slip: &mut SlipMeter) -> Self {
+        let mut world = rig.world();
+        let torque = world.read_torque();
+        let objects = world.model().objects.iter();
+        let free = objects.zip(&world.state().objects);
+        let object = free
+            .filter(|(object, _)| matches!(object.motion, Motion::Free(_)))
+            .map(|(_, state)| state.pose)
+            .next();
+        let cap = cap.and_then(|cap| world.state().objects.get(cap));
+        Self {
+            torque,
+            cap: cap.map_or_else(Turn::default, |cap| cap.turn),
+            cap_centre: cap.map_or(DVec3::ZERO, |cap| cap.pose.position),
+            object,
+            slipped: slip.read(world.state()),
+        }
+    }
+}
+
+impl Session {
+    /// Sets up a run of `experiment`: fingers at home, cap open.
+    ///
+    /// # Errors
+    /// When a part of the experiment makes no sense.
+    pub fn new(experiment: &Experiment) -> Result<Self, ExperimentError> {
+        Self::with_task(experiment, experiment.config.task.task())
+    }
+
+    /// The same with `task` in place of the experiment's, whose homes the fingers start from.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn with_task(
+        experiment: &Experiment,
+        task: Box<dyn Task>,
+    ) -> Result<Self, ExperimentError> {
+        let config = &experiment.config;
+        let layouts = layouts(config)?;
+        let (fingers, _) = fingers_at_home(config)?;
+        let controller = Controller::with_task(config.control.clone(), task, &fingers, &layouts);
+        let (rig, cap) = rig(experiment)?;
+        check_specimen(config, &fingers, &rig.world())?;
+        let sensors = sensors::sensors(experiment, &rig, &layouts)?;
+        let slip = SlipMeter::new(rig.world().state());
+        let hand = SimHand::new(rig.clone(), steps_per_command(config));
+        Ok(Self {
+            rig,
+            control_loop: ControlLoop::new(sensors, hand, controller),
+            layouts,
+            cap,
+            slip,
+            time_limit: config.time_limit,
+        })
+    }
+
+    /// Goes round the control loop once; what the instruments said when it began.
+    ///
+    /// # Errors
+    /// When a sensor or the hand fails.
+    pub fn step(&mut self) -> Result<Instruments, ExperimentError> {
+        let instruments = Instruments::read(&self.rig, self.cap, &mut self.slip);
+        self.control_loop.step()?;
+        Ok(instruments)
+    }
+
+    /// Whether the task is done or was given up, or the time is over. A hand that was told to stop may
+    /// be told to go on, so that ends nothing.
+    pub fn finished(&self) -> bool {
+        let controller = self.control_loop.controller();
+        let over = match controller.phase() {
+            Phase::Done => true,
+            Phase::Stopped => !matches!(controller.stop_reason(), Some(StopReason::Told { .. })),
+            _ => false,
+        };
+        over || self.control_loop.state().stamp >= self.time_limit
+    }
+
+    /// Stops the hand from outside the control law, as `by` says; the rig goes on.
+    pub fn stop(&mut self, by: &str) {
+        let by = by.to_string();
+        let controller = self.control_loop.controller_mut();
+        controller.stop(StopReason::Told { by });
+    }
+
+    /// Lets a hand that was stopped go on.
+    pub fn resume(&mut self) {
+        self.control_loop.controller_mut().resume();
+    }
+
+    /// The control loop, as of the newest step.
+    pub fn control_loop(&self) -> &ControlLoop<Sensor, SimHand> {
+        &self.control_loop
+    }
+
+    /// The constants of the run, with what only the simulated world knows.
+    pub fn facts(&self, config: &ExperimentConfig) -> RunFacts {
+        simulated_facts(config, &self.rig.world())
+    }
+
+    /// The elements of each finger's fingertip.
+    pub fn layouts(&self) -> &[ElementLayout] {
+        &self.layouts
+    }
+
+    /// The simulated rig.
+    pub fn rig(&self) -> &Rig {
+        &self.rig
+    }
+}
+
+/// The rig of `experiment`, and its object on a thread.
+fn rig(experiment: &Experiment) -> Result<(Rig, Option<usize>), ExperimentError> {
+    let world = world(experiment)?;
+    let cap = experiment.config.sim.cap();
+    let cap = cap.and_then(|(name, ..)| world.model().object(name));
+    Ok((Rig::new(world), cap))
+}
+
+/// Steps of the world in a control period.
+fn steps_per_command(config: &ExperimentConfig) -> usize {
+    (config.control.period / config.sim.step).round() as usize
+}
+
+/// The simulated world of `experiment`, without sensors or control: fingers at home, objects where they
+/// start.
+///
+/// # Errors
+/// When a part of it makes no sense.
+pub fn world(experiment: &Experiment) -> Result<World, ExperimentError> {
+    let config = &experiment.config;
+    let (fingers, joints) = fingers_at_home(config)?;
+    let fingers: Vec<_> = fingers.into_iter().zip(layouts(config)?).collect();
+    let folder = experiment.folder();
+    Ok(World::new(
+        &config.sim,
+        &fingers,
+        &joints,
+        folder,
+        config.seed,
+    )?)
+}
+
+/// The controller of `config` for `fingers` with the elements of `layouts`, one each.
+pub fn controller(
+    config: &ExperimentConfig,
+    fingers: &[FingerGeometry],
+    layouts: &[ElementLayout],
+) -> Controller {
+    Controller::new(config.control.clone(), &config.task, fingers, layouts)
+}
+
+/// The elements of each finger's fingertip.
+///
+/// # Errors
+/// When a fingertip makes no sense.
+pub fn layouts(config: &ExperimentConfig) -> Result<Vec<ElementLayout>, ExperimentError> {
+    let fingers = 0..config.hand.finger.len();
+    fingers
+        .map(|finger| {
+            let made = Fingertip::layout_and_projection(config.sensor.fingertip(finger));
+            let made = made.map_err(|source| ExperimentError::Fingertip { finger, source });
+            made.map(|(layout, _)| layout)
+        })
+        .collect()
+}
+
+/// The fingers and the joint angles, rad, that bring them home.
+///
+/// # Errors
+/// When a finger makes no sense or cannot reach its home.
+pub fn fingers_at_home(
+    config: &ExperimentConfig,
+) -> Result<(Vec<FingerGeometry>, Vec<DVec3>), ExperimentError> {
+    let fingers = config.hand.finger.iter().zip(config.task.homes());
+    fingers
+        .enumerate()
+        .map(|(finger, (hand, home))| {
+            let geometry = FingerGeometry::new(hand)
+                .map_err(|source| ExperimentError::Finger { finger, source })?;
+            let middle = (geometry.joint_lower() + geometry.joint_upper()) / 2.0;
+            let joints = inverse_kinematics(&geometry, DVec3::from_array(home), middle).map_err(
+                |source| ExperimentError::Home {
+                    task: config.task.name(),
+                    finger,
+                    home,
+                    source: Box::new(source),
+                },
+            )?;
+            Ok((geometry, joints))
+        })
+        .collect()
+}

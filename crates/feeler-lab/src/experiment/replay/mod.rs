@@ -1,0 +1,223 @@
+//! A recording put through the sensor stage, the control stage or both again, and compared bit for bit.
+
+mod compare;
+mod error;
+mod fields;
+mod outside;
+mod recorded_touch;
+
+pub use compare::{Comparison, Difference, Kind, Tally};
+pub use error::ReplayError;
+
+use super::log::{RigRecord, RunLog};
+use super::{ExperimentError, Sensor, controller, fingers_at_home, layouts};
+use crate::config::{ConfigError, Experiment};
+use compare::Comparer;
+use feeler::control::control_loop::ControlLoop;
+use feeler::control::touch::AnalyzedSensor;
+use feeler::sensor::optical::OpticalSensor;
+use feeler_record::{RecordedCamera, RecordedHand, Recorder, Recording, Tactile};
+use outside::Outside;
+use recorded_touch::RecordedTouch;
+use std::iter::Peekable;
+use std::path::Path;
+use std::vec::IntoIter;
+
+/// Where a replay's forces come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ReplayFrom<'a> {
+    /// From the pictures in this file, which is the one that the recording was read from.
+    Frames(&'a Path),
+    /// From the record.
+    Forces,
+}
+
+/// A replay under way.
+pub struct Replay<'a> {
+    recording: &'a Recording,
+    control_loop: ControlLoop<Sensor, RecordedHand>,
+    log: RunLog<Comparer<'a>>,
+    outside: Peekable<IntoIter<(usize, Outside)>>,
+    step: usize,
+    steps: usize,
+}
+
+/// The experiment in `recording`, with its calibrations and with `settings` of the form
+/// `control.slip_threshold=2.5` put in.
+///
+/// # Errors
+/// When its text makes no sense, or a value is out of its range.
+pub fn recorded_experiment(
+    recording: &Recording,
+    settings: &[String],
+) -> Result<Experiment, ConfigError> {
+    let text = &recording.experiment;
+    let experiment = Experiment::parse(text, "the experiment on record", settings, None)?;
+    Ok(experiment.with_calibrations(recording.calibrations.clone()))
+}
+
+impl<'a> Replay<'a> {
+    /// Puts `recording` through `experiment`: as recorded, or with other settings.
+    ///
+    /// # Errors
+    /// When there is nothing to replay, or the experiment is not of the recording's rig.
+    pub fn new(
+        recording: &'a Recording,
+        from: ReplayFrom<'_>,
+        experiment: &Experiment,
+    ) -> Result<Self, ReplayError> {
+        let as_recorded = recorded_experiment(recording, &[])?;
+        check_rig(recording, experiment)?;
+        check_rig(recording, &as_recorded)?;
+        let sensors = match from {
+            ReplayFrom::Frames(file) => optical_sensors(recording, experiment, file)?,
+            ReplayFrom::Forces => recorded_forces(recording, experiment),
+        };
+        let of_frames = matches!(from, ReplayFrom::Frames(_));
+        let comparer = Comparer::new(recording, of_frames);
+        Ok(Self {
+            recording,
+            control_loop: control_loop(recording, experiment, sensors)?,
+            log: RunLog::new(comparer, &layouts(&experiment.config)?),
+            outside: outside::on_record(recording, &as_recorded)?
+                .into_iter()
+                .peekable(),
+            step: 0,
+            steps: steps(recording),
+        })
+    }
+
+    /// Writes what comes out to `recorder`, too.
+    #[must_use]
+    pub fn copy_to(mut self, recorder: Recorder) -> Self {
+        self.log.recorder_mut().copy = Some(recorder);
+        self
+    }
+
+    /// Goes round the control loop once on the next step on record.
+    ///
+    /// # Errors
+    /// When the record is at its end, a sensor fails, or the copy cannot be written.
+    pub fn step(&mut self) -> Result<(), ReplayError> {
+        let step = self.step;
+        while let Some((_, outside)) = self.outside.next_if(|(at, _)| *at == step) {
+            outside.tell(self.control_loop.controller_mut());
+        }
+        self.control_loop.step()?;
+        let rig = RigRecord {
+            torque: self.recording.torque_sensor.get(step),
+            cap: self.recording.cap.get(step),
+            slip: self.recording.true_slip.get(step),
+        };
+        self.log.write_step(&self.control_loop, rig)?;
+        self.step += 1;
+        Ok(())
+    }
+
+    /// Whether the record is at its end.
+    pub fn finished(&self) -> bool {
+        self.step >= self.steps
+    }
+
+    /// Steps on record.
+    pub fn steps(&self) -> usize {
+        self.steps
+    }
+
+    /// How it compares, and the copy.
+    pub fn finish(self) -> (Comparison, Option<Recorder>) {
+        let comparer = self.log.into_recorder();
+        (comparer.comparison, comparer.copy)
+    }
+}
+
+/// Control steps that are whole: of a recording that was cut off, the last may not be.
+fn steps(recording: &Recording) -> usize {
+    let fingers = recording.fingers.iter().flat_map(|finger| {
+        [
+            finger.tactile.len(),
+            finger.flags.len(),
+            finger.joints.len(),
+            finger.command.len(),
+        ]
+    });
+    fingers.fold(recording.task.len(), usize::min)
+}
+
+/// Refuses what a replay cannot change: how many fingers and elements there are, and how often they are
+/// looked at.
+fn check_rig(recording: &Recording, experiment: &Experiment) -> Result<(), ReplayError> {
+    if steps(recording) == 0 {
+        return Err(ReplayError::NoSteps);
+    }
+    let same = |what: &str, expected: f64, actual: f64| {
+        let other = ReplayError::OtherRig {
+            what: what.into(),
+            expected: expected.to_string(),
+            actual: actual.to_string(),
+        };
+        (expected == actual).then_some(()).ok_or(other)
+    };
+    let (facts, config) = (&recording.facts, &experiment.config);
+    let fingers = config.hand.finger.len();
+    same("hand.finger: fingers", facts.fingers as f64, fingers as f64)?;
+    let period = facts.control_period;
+    same("control.period (s)", period, config.control.period)?;
+    let layouts = layouts(config)?;
+    for (finger, (record, layout)) in recording.fingers.iter().zip(&layouts).enumerate() {
+        let elements = layout.elements.len() as f64;
+        let other = |frame: &&Tactile| frame.forces.len() != layout.elements.len();
+        if let Some(frame) = record.tactile.iter().find(other) {
+            let what = format!("sensor.fingertip.layout: elements of finger {finger}");
+            same(&what, frame.forces.len() as f64, elements)?;
+        }
+    }
+    Ok(())
+}
+
+/// One sensor per finger that feels what is on record.
+fn recorded_forces(recording: &Recording, experiment: &Experiment) -> Vec<Sensor> {
+    let thresholds = experiment.config.control.thresholds();
+    let sensor = |finger| Box::new(RecordedTouch::new(recording, finger, thresholds)) as Sensor;
+    (0..recording.fingers.len()).map(sensor).collect()
+}
+
+/// One sensor per finger that looks at the pictures on record in `file`.
+fn optical_sensors(
+    recording: &Recording,
+    experiment: &Experiment,
+    file: &Path,
+) -> Result<Vec<Sensor>, ReplayError> {
+    let fingers = recording.fingers.iter().enumerate();
+    fingers
+        .map(|(finger, record)| -> Result<Sensor, ReplayError> {
+            if record.pictures.is_empty() {
+                return Err(ReplayError::NoPictures { finger });
+            }
+            let camera = RecordedCamera::open(file, recording, finger)?;
+            let fingertip = experiment.config.sensor.fingertip(finger);
+            let calibration = experiment.calibration(finger)?;
+            let sensor = OpticalSensor::new(camera, fingertip, calibration).map_err(|source| {
+                ExperimentError::Sensor {
+                    finger,
+                    source: Box::new(source),
+                }
+            })?;
+            let thresholds = experiment.config.control.thresholds();
+            Ok(Box::new(AnalyzedSensor::new(sensor, thresholds)))
+        })
+        .collect()
+}
+
+/// The control stage of `experiment` over `sensors` and the hand on record.
+fn control_loop(
+    recording: &Recording,
+    experiment: &Experiment,
+    sensors: Vec<Sensor>,
+) -> Result<ControlLoop<Sensor, RecordedHand>, ReplayError> {
+    let config = &experiment.config;
+    let (fingers, _) = fingers_at_home(config)?;
+    let controller = controller(config, &fingers, &layouts(config)?);
+    let hand = RecordedHand::new(recording);
+    Ok(ControlLoop::new(sensors, hand, controller))
+}

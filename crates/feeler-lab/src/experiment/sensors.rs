@@ -1,0 +1,97 @@
+//! The fingertips' sensors of one run.
+
+use super::{ExperimentError, Sensor};
+use crate::config::{Experiment, Sensing};
+use feeler::control::touch::AnalyzedSensor;
+use feeler::sensor::fingertip::{Fingertip, FingertipConfig, FingertipError};
+use feeler::sensor::layout::ElementLayout;
+use feeler::sensor::optical::OpticalSensor;
+use feeler_sim::direct_sensor::DirectSensor;
+use feeler_sim::rig::Rig;
+use feeler_sim::sensor_faults::SensorFaults;
+use feeler_sim::sim_camera::SimCamera;
+
+/// What the rig has of a finger's sensor.
+pub(super) enum RigSensor {
+    /// The camera in its fingertip.
+    Camera(Box<SimCamera>),
+    /// Forces without pictures.
+    Direct(DirectSensor),
+}
+
+/// One sensor per finger, with its flag analyzer.
+pub(super) fn sensors(
+    experiment: &Experiment,
+    rig: &Rig,
+    layouts: &[ElementLayout],
+) -> Result<Vec<Sensor>, ExperimentError> {
+    let config = &experiment.config;
+    let thresholds = config.control.thresholds();
+    let rig_sensors = rig_sensors(experiment, rig, layouts)?;
+    let fingers = rig_sensors.into_iter().enumerate();
+    fingers
+        .map(|(finger, sensor)| -> Result<Sensor, ExperimentError> {
+            let camera = match sensor {
+                RigSensor::Direct(sensor) => {
+                    return Ok(Box::new(AnalyzedSensor::new(sensor, thresholds)));
+                }
+                RigSensor::Camera(camera) => *camera,
+            };
+            let calibration = experiment.calibration(finger)?;
+            let fingertip = config.sensor.fingertip(finger);
+            let sensor = OpticalSensor::new(camera, fingertip, calibration);
+            let sensor = sensor.map_err(|source| ExperimentError::Sensor {
+                finger,
+                source: Box::new(source),
+            })?;
+            Ok(Box::new(AnalyzedSensor::new(sensor, thresholds)))
+        })
+        .collect()
+}
+
+/// What the rig has of each finger's sensor.
+pub(super) fn rig_sensors(
+    experiment: &Experiment,
+    rig: &Rig,
+    layouts: &[ElementLayout],
+) -> Result<Vec<RigSensor>, ExperimentError> {
+    let config = &experiment.config;
+    let mut fingertips = Fingertips::default();
+    let fingers = layouts.iter().enumerate();
+    fingers
+        .map(|(finger, layout)| {
+            let (elements, period) = (layout.elements.len(), config.control.period);
+            let (seed, rig) = (config.seed, rig.clone());
+            let faults = SensorFaults::new(&config.sim.fault, finger, elements, period, seed);
+            if config.sensing == Sensing::Direct {
+                let noise = config.sim.direct_sensing.clone();
+                let sensor = DirectSensor::new(rig, finger, noise, faults, seed);
+                return Ok(RigSensor::Direct(sensor));
+            }
+            let fingertip = fingertips
+                .get(config.sensor.fingertip(finger))
+                .map_err(|source| ExperimentError::Fingertip { finger, source })?;
+            let optics = &config.sim.optics;
+            let camera = SimCamera::new(rig, finger, fingertip, optics, faults, seed)?;
+            Ok(RigSensor::Camera(Box::new(camera)))
+        })
+        .collect()
+}
+
+/// Fingertips, each built once for all fingers that carry one like it: building takes its time.
+#[derive(Default)]
+struct Fingertips(Vec<(FingertipConfig, Fingertip)>);
+
+impl Fingertips {
+    fn get(&mut self, config: &FingertipConfig) -> Result<&Fingertip, FingertipError> {
+        let found = self.0.iter().position(|(own, _)| own == config);
+        let index = match found {
+            Some(index) => index,
+            None => {
+                self.0.push((config.clone(), Fingertip::new(config)?));
+                self.0.len() - 1
+            }
+        };
+        Ok(&self.0[index].1)
+    }
+}

@@ -1,0 +1,75 @@
+//! What only the simulator knows of a run: for whoever judges it, never for the hand.
+
+use super::Session;
+use feeler::hand::hand::MAX_FINGERS;
+use feeler_sim::object::Motion;
+use feeler_sim::state::{FingerState, State};
+
+/// What came of a run so far, in truth.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Truth {
+    /// Torque that the cap is tightened to, N·m: what its thread now holds against being turned on. None
+    /// without a cap.
+    pub cap_torque: Option<f64>,
+    /// Work that friction took from feelers that slipped, J.
+    pub slip_work: f64,
+}
+
+impl Truth {
+    /// What came of `session` so far.
+    pub fn of(session: &Session) -> Self {
+        let world = session.rig().world();
+        let (model, state) = (world.model(), world.state());
+        let cap = session.cap.and_then(|cap| {
+            let (object, state) = (model.objects.get(cap)?, state.objects.get(cap)?);
+            match &object.motion {
+                Motion::Turns(hinge) => Some(hinge.thread.resisting_torque(state.turn.angle)),
+                Motion::Fixed | Motion::Free(_) => None,
+            }
+        });
+        Self {
+            cap_torque: cap,
+            slip_work: state.slip_work(),
+        }
+    }
+}
+
+/// Measures how far feelers slip from one time to the next.
+#[derive(Debug, Clone)]
+pub(super) struct SlipMeter {
+    /// Way that each feeler of each finger had slipped when it was last looked at, m.
+    ways: Vec<Vec<f64>>,
+    /// Steps of the world by then, and what it said.
+    newest: Option<(u64, [f64; MAX_FINGERS])>,
+}
+
+impl SlipMeter {
+    /// For the fingers of `state`, as far as they have slipped by then.
+    pub fn new(state: &State) -> Self {
+        let ways =
+            |finger: &FingerState| finger.slipped.iter().map(|slipped| slipped.way).collect();
+        Self {
+            ways: state.fingers.iter().map(ways).collect(),
+            newest: None,
+        }
+    }
+
+    /// Of each finger's feelers, the longest way that one slipped since the time before, m. At the same time it
+    /// says the same again.
+    pub fn read(&mut self, state: &State) -> [f64; MAX_FINGERS] {
+        match self.newest {
+            Some((steps, slipped)) if steps == state.steps => return slipped,
+            _ => {}
+        }
+        let mut slipped = [0.0; MAX_FINGERS];
+        let fingers = state.fingers.iter().zip(&mut self.ways);
+        for (longest, (finger, ways)) in slipped.iter_mut().zip(fingers) {
+            for (before, now) in ways.iter_mut().zip(&finger.slipped) {
+                *longest = f64::max(*longest, now.way - *before);
+                *before = now.way;
+            }
+        }
+        self.newest = Some((state.steps, slipped));
+        slipped
+    }
+}

@@ -1,0 +1,250 @@
+//! Control laws on the same trials: from each law's table to what the comparison's page shows.
+//!
+//! Trial `k` draws the same whatever the law, so that every difference between two laws is taken trial by
+//! trial, and what varies between trials drops out of it.
+
+use super::interval::{Estimate, bootstrap};
+use super::table::Table;
+use feeler::control::law::LawConfig;
+use feeler_report::compare_page::{ComparePage, ComparedLaw, Curve, Figure, Row};
+use feeler_report::figures::sweep::wilson;
+use std::collections::BTreeSet;
+
+/// Bins of what success and measures are drawn against.
+const BINS: usize = 8;
+/// Strokes in which the fingers are to follow a cap that is closed.
+const CLOSED: [u32; 2] = [3, 4];
+
+/// What a trial must come to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Goal {
+    /// Torque that the cap must be tightened to, N·m.
+    pub torque: f64,
+    /// Force that no element may exceed, N.
+    pub force: f64,
+}
+
+/// One law and its trials.
+pub struct Candidate<'a> {
+    /// The law.
+    pub law: LawConfig,
+    /// Its rows.
+    pub table: &'a Table,
+}
+
+/// What a trial of one law came to.
+#[derive(Debug, Clone, Copy)]
+struct Result {
+    success: bool,
+    /// In the order of [`MEASURES`].
+    measures: [Option<f64>; MEASURES.len()],
+}
+
+/// Name with unit, and where it comes from.
+type Measure = (&'static str, fn(&Fields<'_>) -> Option<f64>);
+
+/// What is measured of each trial. The first two are what a better law is judged by.
+const MEASURES: [Measure; 7] = [
+    ("final torque (mN·m)", |f| {
+        Some(1e3 * f.number("cap_torque")?)
+    }),
+    ("peak element force (N)", |f| {
+        f.strokes("peak_element_force").reduce(f64::max)
+    }),
+    ("work lost in slip (mJ)", |f| {
+        Some(1e3 * f.number("slip_work")?)
+    }),
+    ("distance to axis, std (mm)", |f| {
+        Some(1e3 * f.closed("path_radius_std")?)
+    }),
+    ("curvature relative to the arc", |f| {
+        f.closed("path_curvature")
+    }),
+    ("grip variation", |f| f.closed("grasp_force_variation")),
+    ("time to the end (s)", |f| f.number("sim_time")),
+];
+
+/// A row's fields by name.
+struct Fields<'a> {
+    table: &'a Table,
+    row: &'a [String],
+}
+
+impl Fields<'_> {
+    fn text(&self, name: &str) -> &str {
+        let column = self.table.column(name);
+        column
+            .and_then(|c| self.row.get(c))
+            .map_or("", String::as_str)
+    }
+
+    fn number(&self, name: &str) -> Option<f64> {
+        self.text(name).parse().ok()
+    }
+
+    /// A measure of every stroke that was made.
+    fn strokes(&self, name: &str) -> impl Iterator<Item = f64> {
+        let columns = (1..).map(move |stroke| format!("stroke{stroke}.{name}"));
+        let columns = columns.take_while(|column| self.table.column(column).is_some());
+        columns.filter_map(|column| self.number(&column))
+    }
+
+    /// Mean of a measure over [`CLOSED`], as far as those strokes were made; none where there is no such column.
+    fn closed(&self, name: &str) -> Option<f64> {
+        let strokes = CLOSED.map(|stroke| self.number(&format!("stroke{stroke}.{name}")));
+        let made: Vec<_> = strokes.into_iter().flatten().collect();
+        (!made.is_empty()).then(|| made.iter().sum::<f64>() / made.len() as f64)
+    }
+
+    fn result(&self, goal: Goal) -> Result {
+        let measures = MEASURES.map(|(_, measure)| measure(self));
+        let tight = measures[0].is_some_and(|torque| torque >= 1e3 * goal.torque);
+        let whole = measures[1].is_some_and(|force| force <= goal.force);
+        Result {
+            success: self.text("outcome") == "done" && tight && whole,
+            measures,
+        }
+    }
+}
+
+/// The trials that all laws have finished.
+fn common(candidates: &[Candidate<'_>]) -> Vec<u64> {
+    let mut trials = candidates
+        .iter()
+        .map(|c| c.table.rows.keys().copied().collect());
+    let first: BTreeSet<u64> = trials.next().unwrap_or_default();
+    let all = trials.fold(first, |all, own: BTreeSet<u64>| &all & &own);
+    all.into_iter().collect()
+}
+
+/// What the page shows of the trials that all `candidates` have finished; measures are drawn against
+/// the parameter `against`. The first candidate is what the others are compared with.
+pub fn compare(candidates: &[Candidate<'_>], goal: Goal, against: Option<&str>) -> ComparePage {
+    let trials = common(candidates);
+    let results: Vec<Vec<Result>> = candidates
+        .iter()
+        .map(|candidate| {
+            let rows = trials.iter().map(|trial| &candidate.table.rows[trial]);
+            let table = candidate.table;
+            rows.map(|row| Fields { table, row }.result(goal)).collect()
+        })
+        .collect();
+    let laws = candidates.iter().zip(&results);
+    ComparePage {
+        trials: trials.len() as u64,
+        goal: (1e3 * goal.torque, goal.force),
+        laws: laws
+            .map(|(candidate, own)| compared(&candidate.law, own, &results[0]))
+            .collect(),
+        figures: against.map_or_else(Vec::new, |name| {
+            figures(candidates, &trials, &results, name)
+        }),
+        ..ComparePage::default()
+    }
+}
+
+fn compared(law: &LawConfig, own: &[Result], first: &[Result]) -> ComparedLaw {
+    let share = |results: &[Result]| -> Vec<f64> {
+        results
+            .iter()
+            .map(|r| 100.0 * f64::from(u8::from(r.success)))
+            .collect()
+    };
+    let mut rows = vec![Row {
+        name: "success (%)",
+        value: rate(own),
+        difference: difference(&share(own), &share(first)),
+    }];
+    for (index, (name, _)) in MEASURES.iter().enumerate() {
+        let pairs = own.iter().zip(first);
+        let pairs = pairs.filter_map(|(a, b)| Some((a.measures[index]?, b.measures[index]?)));
+        let (ours, theirs): (Vec<_>, Vec<_>) = pairs.unzip();
+        let all: Vec<_> = own.iter().filter_map(|r| r.measures[index]).collect();
+        rows.push(Row {
+            name,
+            value: bootstrap(&all).map(ends),
+            difference: difference(&ours, &theirs),
+        });
+    }
+    ComparedLaw {
+        name: law.name(),
+        lines: lines_of_code(law.source()),
+        rows,
+    }
+}
+
+/// Success rate, %, with Wilson's interval.
+fn rate(results: &[Result]) -> Option<[f64; 3]> {
+    let (trials, successes) = (results.len(), results.iter().filter(|r| r.success).count());
+    let (low, high) = wilson(successes as u64, trials as u64);
+    let share = successes as f64 / trials as f64;
+    (trials > 0).then(|| [low, share, high].map(|part| 100.0 * part))
+}
+
+fn difference(ours: &[f64], theirs: &[f64]) -> Option<[f64; 3]> {
+    let pairs = ours.iter().zip(theirs);
+    bootstrap(&pairs.map(|(a, b)| a - b).collect::<Vec<_>>()).map(ends)
+}
+
+fn ends(estimate: Estimate) -> [f64; 3] {
+    [estimate.low, estimate.mean, estimate.high]
+}
+
+/// Success and each measure against a parameter.
+fn figures(
+    candidates: &[Candidate<'_>],
+    trials: &[u64],
+    results: &[Vec<Result>],
+    name: &str,
+) -> Vec<Figure> {
+    let Some(table) = candidates.first().map(|c| c.table) else {
+        return Vec::new();
+    };
+    let value = |trial: &u64| {
+        Fields {
+            table,
+            row: &table.rows[trial],
+        }
+        .number(name)
+    };
+    let Some(x) = trials.iter().map(value).collect::<Option<Vec<f64>>>() else {
+        return Vec::new();
+    };
+    let low = x.iter().copied().fold(f64::INFINITY, f64::min);
+    let width = (x.iter().copied().fold(low, f64::max) - low) / BINS as f64;
+    let bin = |x: f64| (((x - low) / width) as usize).min(BINS - 1);
+    let draw = |title: &str, point: &dyn Fn(&[Result]) -> Option<[f64; 3]>| {
+        let curves = candidates.iter().zip(results).map(|(candidate, own)| {
+            let points = (0..BINS).filter_map(|wanted| {
+                let inside = x.iter().zip(own).filter(|(x, _)| bin(**x) == wanted);
+                let inside: Vec<_> = inside.map(|(_, result)| *result).collect();
+                Some((low + (wanted as f64 + 0.5) * width, point(&inside)?))
+            });
+            Curve {
+                law: candidate.law.name(),
+                points: points.collect(),
+            }
+        });
+        Figure {
+            title: title.to_string(),
+            against: name.to_string(),
+            curves: curves.collect(),
+        }
+    };
+    let mut figures = vec![draw("success (%)", &rate)];
+    for (index, (title, _)) in MEASURES.iter().enumerate() {
+        figures.push(draw(title, &|inside: &[Result]| {
+            let values: Vec<_> = inside.iter().filter_map(|r| r.measures[index]).collect();
+            bootstrap(&values).map(ends)
+        }));
+    }
+    // What no trial has, as where there is no third stroke, is not drawn.
+    figures.retain(|figure| figure.curves.iter().any(|curve| !curve.points.is_empty()));
+    figures
+}
+
+/// Lines of a source that are neither blank nor comments.
+fn lines_of_code(source: &str) -> usize {
+    let code = |line: &&str| !line.trim().is_empty() && !line.trim().starts_with("//");
+    source.lines().filter(code).count()
+}

@@ -1,0 +1,274 @@
+//! From the table of a designed sweep to shares of plausible hands and sensitivity indices.
+//!
+//! A *hand* is a trial whose experiment can be run at all. One that is refused (`invalid`: a value out of its range, a
+//! home that no finger reaches) is no hand: it is counted, and stands in no share. A hand that stops, runs out of time
+//! or fails counts in every share, with the claims that hold of what it recorded; what was not measured does not hold.
+
+use super::design::Scheme;
+use super::distribution::Distribution;
+use super::interval::Estimate;
+use super::sensitivity::{Swap, indices};
+use super::summary::claim_columns;
+use super::table::Table;
+use super::trial::Trials;
+use feeler_report::figures::sweep::wilson;
+use feeler_report::robustness_page::{
+    Ending, Index, Measure, NOTHING, RangeRow, RobustnessPage, Share, Trace,
+};
+use feeler_report::sweep_page::Varied;
+use std::collections::BTreeMap;
+
+/// Largest size of a margin that counts: twice the bound, or none of it, is as good or bad as it gets.
+const MARGIN: f64 = 1.0;
+/// How many parameters are drawn for each measure.
+const TRACES: usize = 3;
+
+/// What is judged of every hand: a claim, or all of them.
+struct Judged {
+    name: String,
+    holds: usize,
+    /// The columns of its margins: the least counts.
+    margins: Vec<usize>,
+}
+
+/// What came of one hand.
+#[derive(Debug, Clone, Copy)]
+struct Result {
+    holds: bool,
+    margin: f64,
+}
+
+/// What the page shows of the trials that are finished.
+pub fn robustness(trials: &Trials, table: &Table) -> RobustnessPage {
+    let plan = trials.plan();
+    let Some(scheme) = plan.scheme() else {
+        return RobustnessPage::default();
+    };
+    let judged = judged(table, trials.success());
+    let measures = judged.iter().map(|judged| {
+        let result = |trial: u64| judged.of(table, trial);
+        measure(judged, trials, table, &scheme, &result)
+    });
+    let hand = |trial: &u64| table.rows.get(trial).is_some_and(|row| is_hand(table, row));
+    RobustnessPage {
+        name: plan.origin.clone(),
+        seed: plan.seed,
+        finished: table.rows.len() as u64,
+        planned: plan.trials,
+        rows: scheme.rows().end,
+        hands: scheme.rows().filter(hand).count() as u64,
+        pairs: scheme.swaps(0).count() as u64,
+        factors: scheme.factors.iter().map(|f| f.name.clone()).collect(),
+        parameters: plan.parameter.len(),
+        measures: measures.collect(),
+        endings: endings(table, &scheme),
+        ranges: ranges(trials),
+        experiment: plan.experiment.clone(),
+    }
+}
+
+fn judged(table: &Table, success: &str) -> Vec<Judged> {
+    let column = |name: &str| table.column(name);
+    let claims = claim_columns(table).filter_map(|(name, id)| {
+        let margin = column(&format!("{name}.margin"))?;
+        Some(Judged {
+            name: id.replace('-', " "),
+            holds: column(name)?,
+            margins: vec![margin],
+        })
+    });
+    let mut judged: Vec<_> = claims.collect();
+    if let Some(holds) = column("success") {
+        let name = match judged.is_empty() {
+            true => success.to_string(),
+            false => "all together".to_string(),
+        };
+        let margins = judged.iter().flat_map(|j| j.margins.clone()).collect();
+        judged.push(Judged {
+            name,
+            holds,
+            margins,
+        });
+    }
+    judged
+}
+
+fn is_hand(table: &Table, row: &[String]) -> bool {
+    let outcome = table.column("outcome").and_then(|c| row.get(c));
+    outcome.is_some_and(|outcome| outcome != "invalid")
+}
+
+impl Judged {
+    /// What came of a trial; none if it is not finished or no hand.
+    fn of(&self, table: &Table, trial: u64) -> Option<Result> {
+        let row = table.rows.get(&trial).filter(|row| is_hand(table, row))?;
+        // What was not measured is as bad as it gets.
+        let margin = |column: &usize| row[*column].parse().unwrap_or(-MARGIN);
+        let least = self.margins.iter().map(margin).fold(MARGIN, f64::min);
+        Some(Result {
+            holds: row[self.holds] == "1",
+            margin: least.max(-MARGIN),
+        })
+    }
+}
+
+fn measure(
+    judged: &Judged,
+    trials: &Trials,
+    table: &Table,
+    scheme: &Scheme,
+    result: &dyn Fn(u64) -> Option<Result>,
+) -> Measure {
+    let share = |of: &str, block: std::ops::Range<u64>| {
+        let hands: Vec<_> = block.filter_map(result).collect();
+        let holding = hands.iter().filter(|hand| hand.holds).count();
+        share(of, hands.len() as u64, holding as u64)
+    };
+    let mut shares = vec![share("all varied", scheme.rows())];
+    for (index, group) in scheme.groups.iter().enumerate() {
+        shares.push(share(&format!("{group} varied"), scheme.only(Some(index))));
+    }
+    shares.push(share(NOTHING, scheme.only(None)));
+    let by = |quantity: fn(Result) -> f64| -> Vec<Index> {
+        let factors = 0..scheme.factors.len();
+        factors
+            .map(|factor| index(scheme, factor, &|t| result(t).map(quantity)))
+            .collect()
+    };
+    let holds = by(|hand| f64::from(u8::from(hand.holds)));
+    let margin = match judged.margins.is_empty() {
+        true => Vec::new(),
+        false => by(|hand| hand.margin),
+    };
+    Measure {
+        traces: traces(&holds, trials, table, scheme, result),
+        name: judged.name.clone(),
+        shares: shares.into_iter().filter(|share| share.hands > 0).collect(),
+        holds,
+        margin,
+    }
+}
+
+fn share(of: &str, hands: u64, holding: u64) -> Share {
+    let (low, high) = wilson(holding, hands);
+    Share {
+        of: of.to_string(),
+        hands,
+        holding,
+        share: [low, holding as f64 / hands.max(1) as f64, high],
+    }
+}
+
+fn index(scheme: &Scheme, factor: usize, value: &dyn Fn(u64) -> Option<f64>) -> Index {
+    let swaps = scheme.swaps(factor).filter_map(|[a, b, ab]| {
+        Some(Swap {
+            a: value(a)?,
+            b: value(b)?,
+            ab: value(ab)?,
+        })
+    });
+    let found = indices(&swaps.collect::<Vec<_>>());
+    let ends = |e: Estimate| [e.low, e.mean, e.high];
+    Index {
+        factor: scheme.factors[factor].name.clone(),
+        first: found.map(|f| ends(f.first)),
+        total: found.map(|f| ends(f.total)),
+    }
+}
+
+/// The parameters of greatest total effect, with their values in all hands.
+fn traces(
+    holds: &[Index],
+    trials: &Trials,
+    table: &Table,
+    scheme: &Scheme,
+    result: &dyn Fn(u64) -> Option<Result>,
+) -> Vec<Trace> {
+    let mean = |index: &Index| index.total.map_or(0.0, |total| total[1]);
+    let alone = trials
+        .parameters()
+        .iter()
+        .zip(&trials.plan().parameter)
+        .zip(holds);
+    let mut ranked: Vec<_> = alone.filter(|(_, index)| mean(index) > 0.0).collect();
+    ranked.sort_by(|a, b| mean(b.1).total_cmp(&mean(a.1)));
+    let traces = ranked
+        .into_iter()
+        .filter_map(|((parameter, entry), index)| {
+            let column = table.column(&parameter.name)?;
+            let value = |trial: u64| table.rows.get(&trial)?.get(column)?.parse::<f64>().ok();
+            let hands = scheme
+                .rows()
+                .filter_map(|trial| Some((value(trial)?, result(trial)?.holds)));
+            Some(Trace {
+                varied: Varied {
+                    name: with_unit(&parameter.name, &entry.unit),
+                    logarithmic: matches!(parameter.distribution, Distribution::LogUniform(..)),
+                    trials: hands.collect(),
+                },
+                total: index.total?[1],
+                nominal: parameter.nominal.parse().ok(),
+            })
+        });
+    traces.take(TRACES).collect()
+}
+
+fn with_unit(name: &str, unit: &str) -> String {
+    match unit {
+        "" => name.to_string(),
+        unit => format!("{name} ({unit})"),
+    }
+}
+
+/// How the trials ended that take everything from one row, and a reason for each.
+fn endings(table: &Table, scheme: &Scheme) -> Vec<Ending> {
+    let (Some(outcome), Some(reason)) = (table.column("outcome"), table.column("reason")) else {
+        return Vec::new();
+    };
+    // Reasons that differ in their numbers only are one.
+    let kind = |reason: &str| {
+        let letters: String = reason.chars().filter(|c| !c.is_ascii_digit()).collect();
+        letters
+            .split_whitespace()
+            .take(8)
+            .collect::<Vec<_>>()
+            .join(" ")
+    };
+    let mut counts: BTreeMap<(String, String), (u64, String)> = BTreeMap::new();
+    for row in scheme.rows().filter_map(|trial| table.rows.get(&trial)) {
+        let entry = counts.entry((row[outcome].clone(), kind(&row[reason])));
+        entry.or_insert_with(|| (0, row[reason].clone())).0 += 1;
+    }
+    let mut endings: Vec<_> = (counts.into_iter())
+        .map(|((outcome, _), (trials, reason))| Ending {
+            outcome,
+            trials,
+            reason,
+        })
+        .collect();
+    endings.sort_by_key(|ending| std::cmp::Reverse(ending.trials));
+    endings
+}
+
+fn ranges(trials: &Trials) -> Vec<RangeRow> {
+    let entries = trials.plan().parameter.iter().zip(trials.parameters());
+    let rows = entries.map(|(entry, parameter)| {
+        let ends = parameter.distribution.extremes(parameter.whole);
+        let keys = entry
+            .key
+            .iter()
+            .chain(entry.keys.iter().map(|link| &link.key));
+        RangeRow {
+            name: entry.name.clone(),
+            group: entry.group.clone(),
+            unit: entry.unit.clone(),
+            keys: keys.cloned().collect(),
+            of: entry.of.clone(),
+            range: entry.range.clone(),
+            ends,
+            nominal: parameter.nominal.clone(),
+            why: entry.why.clone(),
+        }
+    });
+    rows.collect()
+}

@@ -1,0 +1,183 @@
+//! From a sweep's table to its page.
+
+use super::SweepError;
+use super::distribution::Distribution;
+use super::store::{SUMMARY_PAGE, write_whole};
+use super::table::Table;
+use super::trial::Trials;
+use feeler_report::sweep_page::{Counted, Measured, SweepPage, Varied, sweep_page};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// How many of the worst trials the page lists.
+const WORST: usize = 20;
+
+/// Measures that the page shows: column, name with unit, and factor to that unit.
+const SHOWN: [(&str, &str, f64); 4] = [
+    ("peak_torque", "peak torque (mN·m)", 1e3),
+    ("mean_grasp_force", "mean grasp force (N)", 1.0),
+    ("path_inward_bend", "inward bend (mm)", 1e3),
+    ("peak_element_force", "peak element force (N)", 1.0),
+];
+
+/// Writes the page of a sweep into its folder.
+///
+/// # Errors
+/// When it cannot be written.
+pub fn write(folder: &Path, trials: &Trials, table: &Table) -> Result<(), SweepError> {
+    let page = sweep_page(&page(trials, table));
+    write_whole(&folder.join(SUMMARY_PAGE), page.as_bytes())
+}
+
+fn page(trials: &Trials, table: &Table) -> SweepPage {
+    let plan = trials.plan();
+    let (mut numbers, mut words) = (Vec::new(), Vec::new());
+    for parameter in trials.parameters() {
+        let values: Vec<_> = column(table, &parameter.name)
+            .zip(column(table, "success"))
+            .collect();
+        let parsed: Option<Vec<_>> = (values.iter())
+            .map(|(value, success)| Some((value.parse::<f64>().ok()?, *success == "1")))
+            .collect();
+        match parsed {
+            Some(trials) if !matches!(parameter.distribution, Distribution::Choice(_)) => {
+                numbers.push(Varied {
+                    name: parameter.name.clone(),
+                    logarithmic: matches!(parameter.distribution, Distribution::LogUniform(..)),
+                    trials,
+                });
+            }
+            _ => words.push((parameter.name.clone(), count(values.into_iter()))),
+        }
+    }
+    // What the task found out says more than that it was done.
+    let told = match table.column("found") {
+        Some(_) => "found",
+        None => "outcome",
+    };
+    let outcomes = count(column(table, told).map(|outcome| (outcome, "0")));
+    let (worst_header, worst) = worst(trials, table);
+    SweepPage {
+        name: plan.origin.clone(),
+        success: trials.success(),
+        counts: table.successes(),
+        outcomes: outcomes
+            .into_iter()
+            .map(|(name, trials, _)| (name, trials))
+            .collect(),
+        claims: claims(table),
+        numbers,
+        words,
+        measures: measures(table),
+        worst_header,
+        worst,
+        varied: format!("--seed {} {}", plan.seed, vary(&plan.vary)),
+        experiment: plan.experiment.clone(),
+    }
+}
+
+fn vary(expressions: &[String]) -> String {
+    let options: Vec<_> = expressions
+        .iter()
+        .map(|e| format!("--vary '{e}'"))
+        .collect();
+    options.join(" ")
+}
+
+fn column<'a>(table: &'a Table, name: &str) -> impl Iterator<Item = &'a str> + use<'a> {
+    let column = table.column(name);
+    let rows = table.rows.values();
+    rows.filter_map(move |row| row.get(column?).map(String::as_str))
+}
+
+/// Trials and successes of each value.
+fn count<'a>(values: impl Iterator<Item = (&'a str, &'a str)>) -> Vec<Counted> {
+    let mut counts: BTreeMap<&str, (u64, u64)> = BTreeMap::new();
+    for (value, success) in values {
+        let (trials, successes) = counts.entry(value).or_default();
+        *trials += 1;
+        *successes += u64::from(success == "1");
+    }
+    let counts = counts.into_iter();
+    counts
+        .map(|(value, (trials, successes))| (value.to_string(), trials, successes))
+        .collect()
+}
+
+/// The columns that say whether a claim holds, with the claim's id. What else is known of it stands behind a dot.
+pub(super) fn claim_columns(table: &Table) -> impl Iterator<Item = (&str, &str)> {
+    let columns = table.header.iter();
+    let claims = columns.filter_map(|name| Some((name.as_str(), name.strip_prefix("claim.")?)));
+    claims.filter(|(_, id)| !id.contains('.'))
+}
+
+fn claims(table: &Table) -> Vec<Counted> {
+    claim_columns(table)
+        .map(|(name, id)| {
+            let held = column(table, name).filter(|&holds| holds == "1").count();
+            (id.to_string(), table.rows.len() as u64, held as u64)
+        })
+        .collect()
+}
+
+/// What the task found out, and the measures of the first stroke and the last one that has columns.
+fn measures(table: &Table) -> Vec<Measured> {
+    let numbers = |name: &str| {
+        let values = column(table, name).filter_map(|text| text.parse::<f64>().ok());
+        values.collect::<Vec<_>>()
+    };
+    let found = table
+        .header
+        .iter()
+        .filter(|name| name.starts_with("found."));
+    let mut measured: Vec<_> = found
+        .map(|name| Measured {
+            name: name.clone(),
+            values: numbers(name),
+        })
+        .collect();
+    if table.column("stroke1.peak_torque").is_none() {
+        return measured;
+    }
+    let strokes = (1..).take_while(|s| table.column(&format!("stroke{s}.peak_torque")).is_some());
+    let last = strokes.last().unwrap_or(1);
+    let strokes = if last > 1 { vec![1, last] } else { vec![1] };
+    for (name, title, factor) in SHOWN {
+        for stroke in &strokes {
+            let name = format!("stroke{stroke}.{name}");
+            let values = numbers(&name).into_iter();
+            measured.push(Measured {
+                name: format!("{stroke}: {title}"),
+                values: values.map(|value| factor * value).collect(),
+            });
+        }
+    }
+    measured
+}
+
+/// The trials that were no success, those that went worst first.
+fn worst(trials: &Trials, table: &Table) -> (Vec<String>, Vec<Vec<String>>) {
+    let mut names = vec!["trial".to_string()];
+    names.extend(trials.parameters().iter().map(|p| p.name.clone()));
+    names.extend(["outcome", "reason", "claims_held"].map(String::from));
+    let columns: Vec<_> = names.iter().filter_map(|name| table.column(name)).collect();
+    let (outcome, held) = (table.column("outcome"), table.column("claims_held"));
+    let success = table.column("success");
+    let field =
+        |row: &[String], column: Option<usize>| column.map_or(String::new(), |c| row[c].clone());
+    let rank = |row: &[String]| {
+        let order = ["error", "invalid", "stopped", "time_limit", "done"];
+        let outcome = field(row, outcome);
+        let place = order.iter().position(|o| *o == outcome);
+        (place, field(row, held).parse::<u32>().unwrap_or(0))
+    };
+    let mut rows: Vec<_> = table
+        .rows
+        .values()
+        .filter(|row| field(row, success) != "1")
+        .collect();
+    rows.sort_by_key(|row| rank(row));
+    let rows = rows.into_iter().take(WORST);
+    let rows = rows.map(|row| columns.iter().map(|&c| row[c].clone()).collect());
+    (names, rows.collect())
+}

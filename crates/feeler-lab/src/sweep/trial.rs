@@ -1,0 +1,389 @@
+//! One trial: what it draws, how it runs, and the row it makes.
+
+use super::SweepError;
+use super::design::Scheme;
+use super::parameter::{Parameter, settings};
+use super::plan::Plan;
+use crate::config::Experiment;
+use crate::experiment::Session;
+use crate::experiment::log::{RunLog, run_facts};
+use crate::experiment::truth::Truth;
+use feeler::control::phase::Phase;
+use feeler::control::task::TaskConfig;
+use feeler_record::{MemoryRecorder, Recording};
+use feeler_report::{RunData, StrokeMeasures, StrokePattern, Summary, tasks};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+use sha2::{Digest as _, Sha256};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+/// Most strokes that have columns of their own.
+const MAX_STROKES: u32 = 8;
+
+/// A measure of one stroke: its column and where it comes from.
+type Measure = (&'static str, fn(&StrokeMeasures) -> Option<f64>);
+
+/// What each stroke measures, in SI units; [`StrokeMeasures`] defines each.
+const MEASURES: [Measure; 15] = [
+    ("peak_torque", |m| m.peak_torque),
+    ("mean_grasp_force", |m| m.mean_grasp_force),
+    ("peak_grasp_force", |m| m.peak_grasp_force),
+    ("cap_turn", |m| m.cap_turn),
+    ("peak_shear_rate", |m| m.peak_shear_rate),
+    ("slip_fraction", |m| m.slip_fraction),
+    ("path_inward_bend", |m| m.path_inward_bend),
+    ("slip_precision", |m| m.slip_precision),
+    ("true_slip_fraction", |m| m.true_slip_fraction),
+    ("grasp_force_variation", |m| m.grasp_force_variation),
+    ("over_fraction", |m| m.over_fraction),
+    ("path_radius_std", |m| m.path_radius_std),
+    ("line_radius_std", |m| m.line_radius_std),
+    ("path_curvature", |m| m.path_curvature),
+    ("peak_element_force", |m| m.peak_element_force),
+];
+
+/// A part of the pattern of the strokes: its column and where it comes from.
+type Part = (&'static str, fn(&StrokePattern) -> bool);
+
+/// Whether the strokes go up and down as in the paper's Fig. 8, part by part; [`StrokePattern`] defines each.
+const PATTERN: [Part; 10] = [
+    ("fig8.grasp.second_below_first", |p| {
+        p.grasp_force.second_below_first
+    }),
+    ("fig8.grasp.last_above_first", |p| {
+        p.grasp_force.last_above_first
+    }),
+    ("fig8.grasp.last_alike", |p| p.grasp_force.last_alike),
+    ("fig8.grasp", |p| p.grasp_force.whole()),
+    ("fig8.torque.second_below_first", |p| {
+        p.torque.second_below_first
+    }),
+    ("fig8.torque.last_above_first", |p| {
+        p.torque.last_above_first
+    }),
+    ("fig8.torque.last_alike", |p| p.torque.last_alike),
+    ("fig8.torque", |p| p.torque.whole()),
+    ("fig8.second_below_first", StrokePattern::second_below_first),
+    ("fig8", StrokePattern::whole),
+];
+/// How many strokes the pattern is of.
+const PATTERN_STROKES: u32 = 4;
+
+/// The trials of a sweep, ready to run on any thread.
+pub struct Trials {
+    plan: Plan,
+    parameters: Vec<Parameter>,
+    scheme: Option<Scheme>,
+    claims: Vec<&'static str>,
+    /// What the task may find out.
+    findings: Vec<&'static str>,
+    /// Whether a cap is screwed until the hand knows what became of it.
+    has_cap: bool,
+    strokes: u32,
+}
+
+/// What a trial is made of.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Drawn {
+    /// The run's seed.
+    pub seed: u64,
+    /// The value of each parameter, as text.
+    pub values: Vec<String>,
+}
+
+impl Trials {
+    /// The trials of `plan`.
+    ///
+    /// # Errors
+    /// When its experiment or what varies in it makes no sense.
+    pub fn new(plan: &Plan) -> Result<Self, SweepError> {
+        let (experiment, parameters) = plan.load()?;
+        let config = &experiment.config;
+        let screws = matches!(config.task, TaskConfig::Screw(_));
+        // The claims about screwing are the paper's, of a cap that is screwed on.
+        let claims = if !screws || config.sim.cap().is_some() {
+            let facts = run_facts(config);
+            let nothing = MemoryRecorder::new(&facts)?.into_recording();
+            let claims = tasks::of(&facts).claims(&nothing, &RunData::new(&nothing));
+            claims.iter().map(|c| c.id).collect()
+        } else {
+            Vec::new()
+        };
+        let task = config.task.task();
+        let findings = task.findings().iter().map(|finding| finding.name).collect();
+        // The measures of a stroke are of a screw's.
+        let strokes = if screws {
+            config.task.strokes().min(MAX_STROKES)
+        } else {
+            0
+        };
+        let trials = Self {
+            plan: plan.clone(),
+            parameters,
+            scheme: plan.scheme(),
+            claims,
+            findings,
+            has_cap: run_facts(config).cap.is_some(),
+            strokes,
+        };
+        let header = trials.header();
+        for parameter in &trials.parameters {
+            let columns = header.iter().filter(|name| **name == parameter.name);
+            if columns.count() > 1 {
+                return Err(parameter.error("there is a column of that name already".to_string()));
+            }
+        }
+        Ok(trials)
+    }
+
+    /// The plan.
+    pub fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// What varies.
+    pub fn parameters(&self) -> &[Parameter] {
+        &self.parameters
+    }
+
+    /// Whether success means that all claims hold, rather than that the task is done.
+    pub fn has_claims(&self) -> bool {
+        !self.claims.is_empty()
+    }
+
+    /// What a success is, in words.
+    pub fn success(&self) -> &'static str {
+        if self.has_claims() {
+            "the task was done and all its claims hold"
+        } else if self.has_cap {
+            "the cap was found closed, is tight, and no element was harmed"
+        } else {
+            "the task was done"
+        }
+    }
+
+    /// The names of a row's columns.
+    pub fn header(&self) -> Vec<String> {
+        let mut header: Vec<String> = ["trial", "seed"].map(String::from).to_vec();
+        header.extend(self.parameters.iter().map(|p| p.name.clone()));
+        let fixed = [
+            "outcome",
+            "reason",
+            "success",
+            "sim_time",
+            "strokes_made",
+            "cap_angle",
+            "claims_held",
+        ];
+        header.extend(fixed.map(String::from));
+        for claim in &self.claims {
+            header.push(format!("claim.{claim}"));
+            header.extend(["value", "margin"].map(|what| format!("claim.{claim}.{what}")));
+        }
+        if !self.findings.is_empty() {
+            header.push("found".to_string());
+            header.extend(self.findings.iter().map(|name| format!("found.{name}")));
+        }
+        if self.has_cap {
+            header.extend(["torque_ratio", "time_over_damage"].map(String::from));
+        }
+        for stroke in 1..=self.strokes {
+            header.extend(MEASURES.map(|(name, _)| format!("stroke{stroke}.{name}")));
+        }
+        if self.strokes >= PATTERN_STROKES {
+            header.extend(PATTERN.map(|(name, _)| name.to_string()));
+        }
+        header.extend(["cap_torque", "slip_work"].map(String::from));
+        header
+    }
+
+    /// What trial `trial` draws: each quantity from a stream of its own, or as the design has it.
+    pub fn draw(&self, trial: u64) -> Drawn {
+        let stream = |trial: u64, purpose: &str| generator(self.plan.seed, trial, purpose);
+        // A seed of an experiment file is a TOML integer, which has a sign.
+        let run_seed = |trial| stream(trial, "").random::<u64>() >> 1;
+        let parameters = self.parameters.iter();
+        let Some(scheme) = &self.scheme else {
+            let draw = |p: &Parameter| p.distribution.draw(&mut stream(trial, &p.name), p.whole);
+            let values = parameters.map(draw).collect();
+            return Drawn {
+                seed: run_seed(trial),
+                values,
+            };
+        };
+        let key = stream(0, "design").random();
+        let (sources, seed) = scheme.sources(trial);
+        let value = |((index, p), source): ((usize, &Parameter), Option<u64>)| match source {
+            None => p.nominal.clone(),
+            Some(row) => (p.distribution).quantile(scheme.coordinate(row, index, key), p.whole),
+        };
+        let values = parameters.enumerate().zip(sources).map(value).collect();
+        Drawn {
+            seed: run_seed(seed),
+            values,
+        }
+    }
+
+    /// The experiment that trial `trial` runs.
+    ///
+    /// # Errors
+    /// When what was drawn is out of range.
+    pub fn experiment(&self, trial: u64) -> Result<Experiment, SweepError> {
+        let drawn = self.draw(trial);
+        let set = settings(self.parameters.iter().zip(&drawn.values))?;
+        let settings = [vec![format!("seed={}", drawn.seed)], set].concat();
+        let origin = format!("trial {trial} of {}", self.plan.origin);
+        let text = &self.plan.experiment;
+        Ok(Experiment::parse(
+            text,
+            &origin,
+            &settings,
+            self.plan.folder.clone(),
+        )?)
+    }
+
+    /// Runs trial `trial`; its row. Whatever goes wrong stands in the row.
+    pub fn run(&self, trial: u64) -> Vec<String> {
+        let ran = catch_unwind(AssertUnwindSafe(|| self.simulate(trial)));
+        let ran = ran.unwrap_or_else(|_| Ran::failed("error", "the program panicked".into()));
+        let drawn = self.draw(trial);
+        let mut row = vec![trial.to_string(), drawn.seed.to_string()];
+        row.extend(drawn.values);
+        row.extend([ran.outcome.to_string(), one_line(&ran.reason)]);
+        match &ran.came_of_it {
+            Some((recording, truth)) => {
+                row.extend(self.results(ran.outcome, recording));
+                row.extend([number(truth.cap_torque), number(Some(truth.slip_work))]);
+            }
+            None => {
+                row.push("0".to_string());
+                row.resize(self.header().len(), String::new());
+            }
+        }
+        row
+    }
+
+    fn simulate(&self, trial: u64) -> Ran {
+        let experiment = match self.experiment(trial) {
+            Ok(experiment) => experiment,
+            Err(error) => return Ran::failed("invalid", error.to_string()),
+        };
+        let mut session = match Session::new(&experiment) {
+            Ok(session) => session,
+            Err(error) => return Ran::failed("invalid", error.to_string()),
+        };
+        let recorder = match MemoryRecorder::new(&session.facts(&experiment.config)) {
+            Ok(recorder) => recorder,
+            Err(error) => return Ran::failed("invalid", error.to_string()),
+        };
+        let mut log = RunLog::new(recorder, session.layouts());
+        let mut failed = None;
+        while !session.finished() && failed.is_none() {
+            let stepped = session.step().map_err(|e| e.to_string());
+            let written =
+                stepped.and_then(|at| log.write(&session, &at).map_err(|e| e.to_string()));
+            failed = written.err();
+        }
+        let controller = session.control_loop().controller();
+        let (outcome, reason) = match (failed, controller.stop_reason()) {
+            (Some(error), _) => ("error", error),
+            (None, Some(reason)) => ("stopped", reason.to_string()),
+            (None, None) if controller.phase() == Phase::Done => ("done", String::new()),
+            (None, None) => ("time_limit", String::new()),
+        };
+        Ran {
+            outcome,
+            reason,
+            came_of_it: Some((log.into_recorder().into_recording(), Truth::of(&session))),
+        }
+    }
+
+    /// The columns from `success` to the strokes', by the very code that makes a run's report.
+    pub fn results(&self, outcome: &str, recording: &Recording) -> Vec<String> {
+        let summary = Summary::new(recording, &RunData::new(recording));
+        let held = summary.claims.iter().filter(|claim| claim.holds).count();
+        let found = summary.outcome.as_deref();
+        let well = summary
+            .cap
+            .as_ref()
+            .is_none_or(|cap| cap.closed_well(found));
+        let success = held == self.claims.len() && outcome == "done" && well;
+        let mut row = vec![
+            flag(success),
+            format!("{:?}", summary.sim_time),
+            summary.strokes.len().to_string(),
+        ];
+        if self.has_claims() {
+            row.extend([number(summary.cap_angle), held.to_string()]);
+            for claim in &summary.claims {
+                row.extend([
+                    flag(claim.holds),
+                    number(claim.value),
+                    number(claim.margin()),
+                ]);
+            }
+        } else {
+            let angle = summary.cap_angle.filter(|_| self.has_cap);
+            row.extend([number(angle), String::new()]);
+        }
+        if !self.findings.is_empty() {
+            row.push(summary.outcome.clone().unwrap_or_default());
+            let found = |name: &&str| number(summary.findings.get(*name).copied().flatten());
+            row.extend(self.findings.iter().map(found));
+        }
+        if self.has_cap {
+            let cap = summary.cap.as_ref();
+            row.push(number(cap.and_then(|cap| cap.torque_ratio)));
+            row.push(number(cap.and_then(|cap| cap.time_over_damage)));
+        }
+        for stroke in 1..=self.strokes {
+            let measured = summary.strokes.iter().find(|s| s.index == stroke);
+            row.extend(MEASURES.map(|(_, measure)| number(measured.and_then(measure))));
+        }
+        if self.strokes >= PATTERN_STROKES {
+            let pattern = summary.stroke_pattern.as_ref();
+            row.extend(PATTERN.map(|(_, part)| pattern.map(part).map_or_else(String::new, flag)));
+        }
+        row
+    }
+}
+
+/// What came of a trial.
+struct Ran {
+    outcome: &'static str,
+    reason: String,
+    /// What the hand recorded, and what the simulator knows beside.
+    came_of_it: Option<(Recording, Truth)>,
+}
+
+impl Ran {
+    fn failed(outcome: &'static str, reason: String) -> Self {
+        Self {
+            outcome,
+            reason,
+            came_of_it: None,
+        }
+    }
+}
+
+/// The stream of `purpose` in trial `trial` of the sweep of `seed`.
+fn generator(seed: u64, trial: u64, purpose: &str) -> Pcg64 {
+    let mut hash = Sha256::new();
+    hash.update(seed.to_le_bytes());
+    hash.update(trial.to_le_bytes());
+    hash.update(purpose.as_bytes());
+    Pcg64::from_seed(hash.finalize().into())
+}
+
+fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+fn flag(holds: bool) -> String {
+    u8::from(holds).to_string()
+}
+
+/// A number that reads back bit for bit; nothing where there is none.
+fn number(value: Option<f64>) -> String {
+    value.map_or_else(String::new, |value| format!("{value:?}"))
+}

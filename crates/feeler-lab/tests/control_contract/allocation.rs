@@ -1,0 +1,119 @@
+//! The control path from a picture to a command does not allocate: over whole runs, so that every
+//! phase, flag and limit has its turn.
+
+use super::rig::{IdealHand, config, controller};
+use assert_no_alloc::assert_no_alloc;
+use feeler::control::control_loop::ControlLoop;
+use feeler::control::phase::Phase;
+use feeler::control::touch::AnalyzedSensor;
+use feeler::hand::hand::HandCommand;
+use feeler::sensor::calibration::Calibration;
+use feeler::sensor::camera::{Camera, CameraError};
+use feeler::sensor::frame::Frame;
+use feeler::sensor::optical::OpticalSensor;
+use feeler::sensor::reading::{SensorError, TactileFrame, TactileSensor};
+use feeler_lab::config::{BUILT_IN, Experiment};
+use feeler_lab::experiment::{self, Session, fingers_at_home, layouts};
+
+/// A camera whose pictures get brighter and darker.
+struct Flicker(u64);
+
+impl Camera for Flicker {
+    fn capture(&mut self, frame: &mut Frame) -> Result<(), CameraError> {
+        let gray = (self.0 * 16 % 256) as u8;
+        frame.picture.pixels.fill(gray);
+        frame.sequence = self.0;
+        frame.stamp = 0.01 * self.0 as f64;
+        self.0 += 1;
+        Ok(())
+    }
+}
+
+#[test]
+fn reading_a_picture_does_not_allocate() {
+    let config = config();
+    let file = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/experiments/reference-fingertip.calibration.toml"
+    );
+    let text = std::fs::read_to_string(file).expect("the calibration");
+    let calibration = Calibration::from_toml(&text).expect("a calibration");
+    let sensor = OpticalSensor::new(Flicker(0), &config.sensor.fingertip, calibration);
+    let mut sensor = sensor.expect("a sensor");
+    let mut frame = TactileFrame::unloaded(sensor.element_count());
+    for _ in 0..20 {
+        let read = assert_no_alloc(|| sensor.read(&mut frame));
+        assert!(read.is_ok());
+    }
+}
+
+/// The tasks of all built-in experiments, over whole runs: what a session's controller decided is decided again.
+#[test]
+fn no_task_allocates() {
+    for built_in in BUILT_IN {
+        let settings = ["sensing=\"direct\"".to_string()];
+        let experiment = Experiment::load(built_in.name, &settings).expect("an experiment");
+        let (fingers, _) = fingers_at_home(&experiment.config).expect("fingers");
+        let layouts = layouts(&experiment.config).expect("fingertips");
+        let mut controller = experiment::controller(&experiment.config, &fingers, &layouts);
+        let mut command = HandCommand::stop(fingers.len());
+        let mut session = Session::new(&experiment).expect("a session");
+        while !session.finished() {
+            session.step().expect("a step");
+            let control_loop = session.control_loop();
+            let (touches, state) = (control_loop.touches(), control_loop.state());
+            assert_no_alloc(|| controller.decide(touches, state, &mut command));
+            assert_eq!(command, *control_loop.command(), "{}", built_in.name);
+        }
+        assert_eq!(controller.phase(), Phase::Done, "{}", built_in.name);
+    }
+}
+
+/// A sensor that presses harder from frame to frame, and fails in the end.
+struct Rising(u64);
+
+impl TactileSensor for Rising {
+    fn element_count(&self) -> usize {
+        41
+    }
+
+    fn read(&mut self, reading: &mut TactileFrame) -> Result<(), SensorError> {
+        if self.0 == 300 {
+            return Err(SensorError::Ended { count: self.0 });
+        }
+        reading.sequence = self.0;
+        reading.stamp = 0.01 * self.0 as f64;
+        reading.forces[0].z = 0.01 * self.0 as f64;
+        self.0 += 1;
+        Ok(())
+    }
+}
+
+#[test]
+fn going_round_the_loop_does_not_allocate_nor_does_failing() {
+    let config = config();
+    let hand = IdealHand::at_home(&config);
+    let quiet = super::loop_faults::Quiet(hand);
+    let sensors = [Rising(0), Rising(0)];
+    let sensors = sensors.map(|sensor| AnalyzedSensor::new(sensor, config.control.thresholds()));
+    let mut control_loop = ControlLoop::new(sensors.into(), quiet, controller(&config));
+    let failed = assert_no_alloc(|| (0..400).find_map(|_| control_loop.step().err()));
+    assert!(failed.is_some());
+}
+
+#[test]
+fn closing_and_opening_a_cap_by_touch_does_not_allocate() {
+    for (name, outcome) in [("cap-until-closed", "closed"), ("cap-opening", "open")] {
+        let experiment = Experiment::load(name, &[]).expect("an experiment");
+        let mut session = Session::new(&experiment).expect("a session");
+        let failed = assert_no_alloc(|| {
+            while !session.finished() {
+                session.step()?;
+            }
+            Ok::<_, feeler_lab::experiment::ExperimentError>(())
+        });
+        assert!(failed.is_ok(), "{failed:?}");
+        let task = session.control_loop().controller().task();
+        assert_eq!(task.outcome(), Some(outcome));
+    }
+}

@@ -1,0 +1,172 @@
+//! The screw task, with a hand that does exactly what it is told and an object that is a wall.
+
+use super::rig::{Analyzers, IdealHand, config, controller, geometries, pressed, screw};
+use feeler::control::controller::Controller;
+use feeler::control::phase::Phase;
+use feeler::control::stop_reason::StopReason;
+use feeler::control::task::screw::ScrewConfig;
+use feeler::hand::hand::{Hand, HandCommand};
+use feeler::hand::kinematics::fingertip_pose;
+use feeler_lab::config::ExperimentConfig;
+use glam::DVec3;
+
+/// How far from home the wall is, m, and how hard, N/m.
+const WALL: f64 = 0.004;
+const STIFFNESS: f64 = 2000.0;
+
+struct Run {
+    config: ExperimentConfig,
+    screw: ScrewConfig,
+    controller: Controller,
+    analyzers: Analyzers,
+    hand: IdealHand,
+    periods: u64,
+    /// Of finger 0 when it decided, N.
+    grasp_force: f64,
+}
+
+impl Run {
+    fn new(mut config: ExperimentConfig) -> Self {
+        let (controller, hand) = (controller(&config), IdealHand::at_home(&config));
+        Self {
+            analyzers: Analyzers::new(&config),
+            screw: screw(&mut config).clone(),
+            grasp_force: 0.0,
+            config,
+            controller,
+            hand,
+            periods: 0,
+        }
+    }
+
+    fn position(&self, finger: usize) -> DVec3 {
+        let geometry = &geometries(&self.config)[finger];
+        fingertip_pose(geometry, self.hand.joints[finger].position).0
+    }
+
+    /// Goes round once; `wall` is how far from home the wall is, m.
+    fn step(&mut self, wall: f64) {
+        let fingers = self.screw.finger.iter().enumerate();
+        let frames: Vec<_> = fingers
+            .map(|(finger, path)| {
+                let from_home = self.position(finger) - DVec3::from(path.home);
+                let depth = from_home.dot(path.approach.into()) - wall;
+                pressed(self.periods, self.hand.stamp, STIFFNESS * depth.max(0.0))
+            })
+            .collect();
+        let mut command = HandCommand::stop(2);
+        let touches = self.analyzers.touches(&frames);
+        self.grasp_force = touches[0].flags.grasp_force;
+        self.controller
+            .decide(&touches, &self.hand.state(), &mut command);
+        self.hand.command(&command).expect("an ideal hand");
+        self.periods += 1;
+    }
+}
+
+#[test]
+fn four_strokes_go_through_the_phases_in_order_and_travel_as_configured() {
+    let mut run = Run::new(config());
+    let (mut phases, mut start) = (vec![], [DVec3::ZERO; 2]);
+    while run.periods < 3000 && run.controller.phase() != Phase::Done {
+        run.step(WALL);
+        let now = (run.controller.task().stroke(), run.controller.phase());
+        if phases.last() == Some(&now) {
+            continue;
+        }
+        phases.push(now);
+        for (finger, start) in start.iter_mut().enumerate() {
+            // Where the controller saw the finger when it decided.
+            let position = run.controller.poses()[finger].position;
+            let path = &run.screw.finger[finger];
+            match now.1 {
+                Phase::Move => *start = position,
+                Phase::Release => {
+                    let travel = (position - *start).dot(path.stroke.into());
+                    // It stops at the first period past the end: one period's way further.
+                    let most = run.screw.travel + 1.1 * run.screw.move_speed * 0.01;
+                    assert!((run.screw.travel..most).contains(&travel), "{travel} m");
+                }
+                Phase::Search | Phase::Done => {
+                    let off = (position - DVec3::from(path.home)).length();
+                    let most = run.screw.home_tolerance + 1e-4;
+                    assert!(off < most, "{off} m from home");
+                }
+                _ => {}
+            }
+        }
+    }
+    let stroke = |n| [Phase::Search, Phase::Move, Phase::Release, Phase::Return].map(|p| (n, p));
+    let mut expected: Vec<_> = (1..=4).flat_map(stroke).collect();
+    expected.push((4, Phase::Done));
+    assert_eq!(phases, expected);
+    assert_eq!(run.controller.stop_reason(), None);
+    run.step(WALL);
+    run.step(WALL);
+    let last = run.hand.commands.last().expect("a command");
+    assert_eq!(
+        *last,
+        HandCommand::stop(2),
+        "a hand that is done stands still"
+    );
+}
+
+#[test]
+fn each_finger_waits_at_its_own_grasp_for_the_other() {
+    let mut run = Run::new(config());
+    while run.grasp_force < run.screw.grasp_force {
+        run.step(WALL);
+        assert!(run.periods < 1000);
+    }
+    // Both touch alike; a finger whose wall is out of reach keeps the first waiting.
+    let mut run = Run::new(config());
+    run.screw.finger[1].home[0] -= 0.004;
+    for _ in 0..150 {
+        run.step(WALL);
+    }
+    let speed = |finger: usize| run.controller.fingers()[finger].velocity.length();
+    assert_eq!(run.controller.phase(), Phase::Search);
+    assert_eq!(speed(0), 0.0);
+    assert_eq!(speed(1), run.screw.search_speed);
+}
+
+#[test]
+fn a_hand_that_finds_nothing_stops_and_says_so() {
+    let mut run = Run::new(config());
+    while run.periods < 1000 && run.controller.phase() == Phase::Search {
+        run.step(1.0);
+    }
+    assert_eq!(run.controller.phase(), Phase::Stopped);
+    let limit = run.screw.search_limit;
+    let Some(&StopReason::NothingToGrasp { travel, .. }) = run.controller.stop_reason() else {
+        panic!("{:?}", run.controller.stop_reason())
+    };
+    // Seen at the first period past the limit.
+    assert!((limit..limit + 1e-4).contains(&travel), "{travel} m");
+    let commands = run.hand.commands.len();
+    for _ in 0..10 {
+        run.step(1.0);
+    }
+    let after = &run.hand.commands[commands - 1..];
+    assert!(after.iter().all(|c| *c == HandCommand::stop(2)));
+}
+
+#[test]
+fn an_element_that_is_pressed_beyond_the_limit_stops_the_hand_for_good() {
+    let mut config = config();
+    config.control.limits.element_force = Some(5.0);
+    let mut run = Run::new(config);
+    while run.controller.phase() == Phase::Search {
+        run.step(WALL);
+        assert_eq!(run.controller.stop_reason(), None);
+    }
+    // The wall has come 5 mm nearer: 10 N more.
+    run.step(WALL - 0.005);
+    let Some(&StopReason::Overload { finger, force, .. }) = run.controller.stop_reason() else {
+        panic!("{:?}", run.controller.stop_reason())
+    };
+    assert_eq!(finger, 0);
+    assert!(force > 10.0, "{force} N");
+    assert!(!StopReason::may_pass(run.controller.stop_reason().unwrap()));
+    assert_eq!(run.hand.commands.last(), Some(&HandCommand::stop(2)));
+}

@@ -1,0 +1,154 @@
+//! The measures and claims of a made-up run whose answers are known.
+
+use crate::support;
+use feeler_record::Recording;
+use feeler_report::stroke_pattern::Heaps;
+use feeler_report::{RunData, Summary};
+use std::path::PathBuf;
+
+fn recording(name: &str, strokes: u32) -> Recording {
+    let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
+    support::write_run(&path, strokes).expect("a recording");
+    Recording::read(&path).expect("the recording")
+}
+
+fn close(actual: Option<f64>, expected: f64, tolerance: f64) {
+    let actual = actual.expect("a value");
+    assert!(
+        (actual - expected).abs() < tolerance,
+        "{actual} != {expected}"
+    );
+}
+
+#[test]
+fn a_made_up_run_measures_what_it_was_made_of() {
+    let recording = recording("measured.mcap", 4);
+    let data = RunData::new(&recording);
+    let summary = Summary::new(&recording, &data);
+    assert_eq!(summary.strokes.len(), 4);
+    let [first, .., fourth] = &summary.strokes[..] else {
+        panic!("strokes")
+    };
+    // Tolerances: noise of 0.4 mN·m; one control step of a hundred; the made-up ramps.
+    close(first.peak_torque, 0.029, 0.0005);
+    close(first.mean_grasp_force, 1.2, 0.01);
+    close(first.cap_turn, 0.4, 0.001);
+    close(fourth.cap_turn, 0.0, 1e-12);
+    // MOVE ends one step before the whole travel.
+    let bend = support::sagitta(0.99 * support::TRAVEL);
+    let [first_bend, .., fourth_bend] = support::BENDS;
+    close(first.path_inward_bend, first_bend * bend, 1e-9);
+    close(fourth.path_inward_bend, fourth_bend * bend, 1e-9);
+    // A parabola fits an arc over a third of its radius to a few per cent.
+    close(first.path_curvature, first_bend, 0.01);
+    close(fourth.path_curvature, fourth_bend, 0.06);
+    let kept = |bend: f64| (1.0 - bend) * fourth.line_radius_std.expect("a line");
+    // The cap stands 0.2 mm off, as the grip lets it; the line of stroke 4 begins where its arc has come to.
+    close(fourth.path_radius_std, kept(fourth_bend), 2e-5);
+    close(fourth.slip_precision, 1.0, 1e-12);
+    assert_eq!(fourth.true_slip_fraction, fourth.slip_fraction);
+    assert!(fourth.over_fraction > Some(0.05), "{fourth:?}");
+    assert!(fourth.grasp_force_variation < Some(0.1), "{fourth:?}");
+    close(fourth.peak_element_force, 0.7 * 2.3, 0.01);
+    assert!(fourth.slip_fraction > first.slip_fraction);
+    close(summary.real_time_factor, 12.19 / 0.25, 1e-9);
+    // Each heap is as high as the one before at least, the last two alike.
+    let heaps = Heaps {
+        second_below_first: false,
+        last_above_first: true,
+        last_alike: true,
+    };
+    let pattern = summary.stroke_pattern.expect("a pattern");
+    assert_eq!((pattern.grasp_force, pattern.torque), (heaps, heaps));
+    assert!(!pattern.whole());
+    for claim in &summary.claims {
+        assert!(claim.holds, "{claim:#?}");
+        assert!(claim.value.is_some(), "{claim:#?}");
+    }
+}
+
+#[test]
+fn what_an_unfinished_run_does_not_define_does_not_hold() {
+    let recording = recording("unfinished.mcap", 2);
+    let summary = Summary::new(&recording, &RunData::new(&recording));
+    let holds = |id| {
+        let claim = summary
+            .claims
+            .iter()
+            .find(|c| c.id == id)
+            .expect("the claim");
+        (claim.holds, claim.value.is_some())
+    };
+    assert_eq!(holds("four-heaps"), (false, true));
+    assert_eq!(holds("first-stroke-torque-rises"), (true, true));
+    for id in ["closed-after-third", "bumps-in-step", "path-saturates"] {
+        assert_eq!(holds(id), (false, false), "{id}");
+    }
+    let text = &summary.claims[2].text;
+    assert!(text.contains("not defined in this recording"), "{text}");
+    assert!(!summary.to_json().unwrap().contains("NaN"));
+}
+
+#[test]
+fn a_run_without_messages_defines_nothing_and_breaks_nothing() {
+    let recording = recording("empty.mcap", 0);
+    let summary = Summary::new(&recording, &RunData::new(&recording));
+    assert!(recording.complete);
+    assert!(summary.strokes.is_empty());
+    assert_eq!(summary.stroke_pattern, None);
+    assert!(summary.claims.iter().all(|claim| !claim.holds));
+    assert_eq!(summary.cap_angle, None);
+}
+
+#[test]
+fn the_keys_of_the_summary_are_stable() {
+    let recording = recording("keys.mcap", 4);
+    let summary = Summary::new(&recording, &RunData::new(&recording));
+    let json: serde_json::Value = serde_json::from_str(&summary.to_json().unwrap()).unwrap();
+    let keys = |value: &serde_json::Value| {
+        let mut keys: Vec<_> = value.as_object().unwrap().keys().cloned().collect();
+        keys.sort();
+        keys.join(" ")
+    };
+    assert_eq!(
+        keys(&json),
+        "cap_angle claims complete digest experiment findings outcome real_time_factor seed sensing \
+         sim_time stroke_pattern strokes task version wall_time"
+    );
+    assert_eq!(
+        keys(&json["strokes"][0]),
+        "cap_turn grasp_force_variation index line_radius_std mean_grasp_force over_fraction path_curvature \
+         path_inward_bend path_radius_std peak_element_force peak_grasp_force peak_shear_rate peak_torque \
+         slip_fraction slip_precision true_slip_fraction"
+    );
+    assert_eq!(keys(&json["stroke_pattern"]), "grasp_force torque");
+    assert_eq!(
+        keys(&json["stroke_pattern"]["torque"]),
+        "last_above_first last_alike second_below_first"
+    );
+    assert_eq!(keys(&json["claims"][0]), "bound holds id parts text value");
+    assert_eq!(
+        keys(&json["claims"][0]["parts"][0]),
+        "bound holds name relation unit value"
+    );
+    assert_eq!(json["seed"], u64::MAX);
+    let ids: Vec<_> = (json["claims"].as_array().unwrap().iter())
+        .map(|claim| claim["id"].as_str().unwrap())
+        .collect();
+    assert_eq!(
+        ids,
+        [
+            "four-heaps",
+            "first-stroke-torque-rises",
+            "closed-after-third",
+            "shear-rate-marks-closing",
+            "bumps-in-step",
+            "slip-means-slip",
+            "path-follows-contour",
+            "path-is-curved",
+            "grip-levels-off",
+            "path-saturates",
+            "no-damage",
+        ]
+    );
+}

@@ -1,0 +1,63 @@
+//! The committed calibration is what the bench makes of the reference experiment's fingertip.
+
+use feeler::sensor::calibration::{ForceCurve, ForceMap};
+use feeler_lab::config::Experiment;
+use feeler_sim::calibration_bench::{CalibrationBenchConfig, calibrate_simulated};
+
+/// A calibration is fitted to pictures whose noise is drawn with integers, but its geometry goes
+/// through sine and cosine, which differ in the last bit between machines; the fit's condition
+/// raises that by some orders. Any change of optics, layout or loads shows at 1e-3 or more.
+const TOLERANCE: f64 = 1e-6;
+
+#[test]
+fn the_reference_calibration_can_be_made_again() {
+    let separable = "sensor.calibration=\"reference-fingertip.calibration.toml\"".to_string();
+    let experiment = Experiment::load("cap-closing", &[separable]).unwrap();
+    let config = &experiment.config;
+    let committed = experiment.calibration(0).unwrap();
+    let bench = CalibrationBenchConfig::default();
+    let made = calibrate_simulated(&config.sensor.fingertip, &config.sim.optics, &bench).unwrap();
+
+    assert_eq!(committed.made_for, made.made_for);
+    assert_eq!(committed.elements.len(), made.elements.len());
+    for (element, (a, b)) in committed.elements.iter().zip(&made.elements).enumerate() {
+        close(element, a.unloaded_gray, b.unloaded_gray);
+        let centroids = a.unloaded_centroid - b.unloaded_centroid;
+        assert!(centroids.length() < TOLERANCE * 1e-3, "element {element}");
+        let (ForceMap::Separable(a), ForceMap::Separable(b)) = (&a.map, &b.map) else {
+            panic!("element {element}: the paper's model expected");
+        };
+        for (a, b) in [
+            (&a.normal, &b.normal),
+            (&a.shear_x, &b.shear_x),
+            (&a.shear_y, &b.shear_y),
+        ] {
+            same_curve(element, a, b);
+        }
+    }
+}
+
+/// Curves are compared by the forces they give over their range, relative to the largest.
+fn same_curve(element: usize, a: &ForceCurve, b: &ForceCurve) {
+    let [low, high] = a.range;
+    close(element, low, b.range[0]);
+    close(element, high, b.range[1]);
+    let largest = a.force(low).abs().max(a.force(high).abs());
+    for i in 0..=10 {
+        let input = low + (high - low) * f64::from(i) / 10.0;
+        let difference = (a.force(input) - b.force(input)).abs();
+        assert!(
+            difference <= TOLERANCE * largest,
+            "element {element} at {input}: {} and {} N",
+            a.force(input),
+            b.force(input)
+        );
+    }
+}
+
+fn close(element: usize, a: f64, b: f64) {
+    assert!(
+        (a - b).abs() <= TOLERANCE * a.abs(),
+        "element {element}: {a} and {b}"
+    );
+}

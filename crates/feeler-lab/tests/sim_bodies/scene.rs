@@ -1,0 +1,77 @@
+//! Worlds with free bodies.
+
+use feeler::hand::finger::FingerGeometry;
+use feeler::sensor::layout::ElementLayout;
+use feeler_lab::config::Experiment;
+use feeler_sim::config::SimConfig;
+use feeler_sim::object::{FreeConfig, MotionConfig, ObjectConfig};
+use feeler_sim::shape::ShapeConfig;
+use feeler_sim::world::World;
+use glam::DVec3;
+use std::path::Path;
+
+const RIG: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/stiff-feelers.toml");
+
+pub const GRAVITY: f64 = 9.81;
+
+/// The reference rig without anything to touch, and nothing varied.
+pub fn empty() -> SimConfig {
+    let experiment = Experiment::load(RIG, &[]).expect("the rig");
+    let mut sim = experiment.config.sim;
+    sim.object.clear();
+    sim.variation.friction = 0.0;
+    sim
+}
+
+/// An object that stays where it is.
+pub fn fixed(shape: ShapeConfig) -> ObjectConfig {
+    ObjectConfig {
+        shape,
+        motion: MotionConfig::Fixed,
+        position: [0.0; 3],
+        orientation_deg: [0.0; 3],
+        offset: [0.0; 3],
+        friction: None,
+    }
+}
+
+/// A free object of `mass`, kg, with `friction` on what is fixed.
+pub fn free(shape: ShapeConfig, mass: f64, friction: f64) -> ObjectConfig {
+    ObjectConfig {
+        motion: MotionConfig::Free(FreeConfig {
+            density: 1000.0,
+            mass: Some(mass),
+            inertia: None,
+            friction,
+        }),
+        ..fixed(shape)
+    }
+}
+
+pub fn cuboid(x: f64, y: f64, z: f64) -> ShapeConfig {
+    ShapeConfig::Box { size: [x, y, z] }
+}
+
+/// `sim` without fingers.
+pub fn world(sim: &SimConfig) -> World {
+    World::new(sim, &[], &[], Path::new(""), 0).expect("a world")
+}
+
+/// `sim` with as many of the reference fingers as `starts`, held there from outside later.
+pub fn world_with_fingers(sim: &SimConfig, count: usize) -> World {
+    let experiment = Experiment::load(RIG, &[]).expect("the rig");
+    let config = &experiment.config;
+    let layout = ElementLayout::new(&config.sensor.fingertip.layout);
+    let fingers: Vec<_> = (config.hand.finger.iter().take(count))
+        .map(|f| (FingerGeometry::new(f).expect("a finger"), layout.clone()))
+        .collect();
+    let joints = vec![DVec3::new(0.0, 1.0, -1.0); count];
+    World::new(sim, &fingers, &joints, Path::new(""), 0).expect("a world")
+}
+
+pub fn run(world: &mut World, seconds: f64) {
+    let steps = (seconds / world.model().step).round() as usize;
+    for _ in 0..steps {
+        world.step().expect("a step");
+    }
+}

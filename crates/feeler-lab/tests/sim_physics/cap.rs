@@ -1,0 +1,115 @@
+//! The cap on its thread: descent, and turning it loose again.
+
+use super::reference::{commands, experiment, replay, world};
+use feeler_sim::holder::PlaySpring;
+use feeler_sim::object::Motion;
+use feeler_sim::pose::Pose;
+use feeler_sim::thread::{Grip, Hinge, ThreadConfig, Turn};
+use glam::{DMat3, DVec3};
+use std::f64::consts::TAU;
+
+const CAP: Hinge = Hinge {
+    thread: ThreadConfig {
+        running_torque: 0.0025,
+        seat_angle: 0.46,
+        seat_stiffness: 0.9,
+        static_factor: 1.05,
+        lead: 0.00318,
+        fault: None,
+    },
+    on_torque_sensor: true,
+};
+const START: Pose = Pose {
+    position: DVec3::new(0.0, 0.0, 0.1),
+    rotation: DMat3::IDENTITY,
+};
+const SHAFT: f64 = 50.0;
+
+#[test]
+fn the_cap_descends_by_its_lead_per_turn() {
+    for angle in [0.0, 0.46, TAU, -TAU] {
+        let state = Turn {
+            angle,
+            ..Turn::default()
+        };
+        let expected = 0.1 - 0.00318 * angle / TAU;
+        // Rounding of numbers of about 0.1.
+        assert!((CAP.pose(&state, &START).position.z - expected).abs() < 1e-16);
+    }
+}
+
+/// Turns the far end of a torsion spring (`stiffness`, N·m/rad) to `to` (rad) and then back past 0
+/// by as much; the work put in, N·m·rad, and the cap in the end.
+fn close_and_open(stiffness: f64, to: f64) -> (f64, Turn) {
+    let (mut cap, mut work, mut drive) = (Turn::default(), 0.0, 0.0);
+    let steps = 4000;
+    for n in 1..=2 * steps {
+        let share = f64::from(n) / f64::from(steps);
+        let target = if n <= steps {
+            to * share
+        } else {
+            to * (3.0 - 2.0 * share)
+        };
+        let before = cap.torque;
+        CAP.turn(&mut cap, &PlaySpring::new(SHAFT, 0.0), |state| Grip {
+            load: stiffness * (target - state.angle - state.twist),
+            stiffness,
+        });
+        assert!(cap.angle.is_finite() && cap.torque.is_finite());
+        // Stuck below the breakaway torque, or turning at the resisting one.
+        let breakaway = CAP.thread.static_factor * CAP.thread.resisting_torque(cap.angle);
+        assert!(cap.torque.abs() <= breakaway + 1e-8, "{cap:?}");
+        // The spring's own energy is what its torque says; the rest went through the cap.
+        work += 0.5 * (before + cap.torque) * (target - drive);
+        drive = target;
+    }
+    (work, cap)
+}
+
+#[test]
+fn a_tightened_cap_comes_loose_and_gives_back_no_energy() {
+    // Softer and stiffer than the seat: the softer one snaps loose.
+    for stiffness in [0.3, 0.9, 3.0] {
+        let (work, cap) = close_and_open(stiffness, 0.8);
+        assert!(work > 0.0, "{work} J came out of the cap");
+        // Loose, it follows the spring: torque is the running torque against the motion.
+        assert!(
+            (cap.torque + CAP.thread.running_torque).abs() < 2e-4,
+            "{cap:?}"
+        );
+        assert!(cap.angle < 0.0, "{cap:?}");
+    }
+}
+
+#[test]
+fn the_hand_turns_a_seated_cap_loose_without_upsetting_the_world() {
+    let experiment = experiment(&[
+        "sim.object.cap.motion.thread.seat_angle=0",
+        "sim.variation.seat_angle=0",
+        "task.screw.strokes=2",
+        "task.screw.finger.0.stroke=[0.0, 1.0, 0.0]",
+        "task.screw.finger.1.stroke=[0.0, -1.0, 0.0]",
+        "task.screw.finger.0.home=[-0.038, 0.001, 0.1]",
+        "task.screw.finger.1.home=[0.038, -0.001, 0.1]",
+    ]);
+    let commands = commands(&experiment);
+    let mut world = world(&experiment, &commands.start);
+    let mut angle = 0.0;
+    replay(&mut world, &commands, |world, _| {
+        let (cap, object) = (&world.state().objects[0], &world.model().objects[0]);
+        let Motion::Turns(Hinge { thread, .. }) = &object.motion else {
+            panic!("the cap is on a thread");
+        };
+        let fingers = world.state().fingers.iter();
+        assert!(fingers.flat_map(|f| &f.forces).all(|f| f.is_finite()));
+        assert!(cap.turn.torque.abs() <= thread.static_factor * thread.running_torque + 1e-8);
+        // Turned one way only: it comes up, and meets nothing but its running torque.
+        let now = cap.turn.angle;
+        assert!(now <= angle + 1e-4, "{now} after {angle} rad");
+        angle = now;
+        let descent = thread.lead * angle / TAU;
+        let height = cap.pose.position.z;
+        assert!((height - (object.start.position.z - descent)).abs() < 1e-15);
+    });
+    assert!(angle < -0.3, "{angle} rad");
+}

@@ -1,0 +1,200 @@
+//! One feeler on a flat face, by calling the contact law itself: stick, slip, hold.
+
+use feeler_sim::columnar_feeler::{Anchor, FeelerConfig, Overload, Tip};
+use feeler_sim::object::{MotionConfig, Object, ObjectConfig};
+use feeler_sim::shape::ShapeConfig;
+use glam::DVec3;
+use std::path::Path;
+
+pub const FEELER: FeelerConfig = FeelerConfig {
+    normal_stiffness: 1150.0,
+    shear_stiffness: 460.0,
+    tip_radius: 0.0015,
+    static_friction: 1.0,
+    kinetic_friction: 0.65,
+    stribeck_speed: 0.0,
+    normal_damping: 0.0,
+    shear_damping: 0.0,
+    normal_shear_coupling: 0.0,
+    length_limit: None,
+    relaxation: None,
+};
+/// How far the feeler is pressed in, m.
+const DEPTH: f64 = 0.0004;
+const SPEED: f64 = 0.010;
+/// Rounding of a few operations on forces of about 1 N.
+const ROUNDING: f64 = 1e-12;
+
+/// A fixed upright cylinder about the origin.
+pub fn cylinder(radius: f64, height: f64) -> Object {
+    let config = ObjectConfig {
+        shape: ShapeConfig::Cylinder { radius, height },
+        motion: MotionConfig::Fixed,
+        position: [0.0; 3],
+        orientation_deg: [0.0; 3],
+        offset: [0.0; 3],
+        friction: None,
+    };
+    Object::new("cylinder", &config, 0.0, Path::new("")).expect("an object")
+}
+
+/// A disc of 1 m radius, face up: flat for a feeler that moves by millimetres.
+fn flat() -> Object {
+    cylinder(1.0, 0.02)
+}
+
+/// The hold that a free feeler takes, if it touches.
+pub fn hold(feeler: &FeelerConfig, object: &Object, tip: &Tip) -> Option<Anchor> {
+    let surface = object.nearest(tip.position)?;
+    (surface.distance < feeler.tip_radius).then(|| feeler.anchor(&surface))
+}
+
+/// What is left of `anchor`, and the force, when a steady or sudden overload has settled.
+pub fn settle(
+    feeler: &FeelerConfig,
+    object: &Object,
+    tip: &Tip,
+    anchor: Anchor,
+    overload: Overload,
+) -> Option<(Anchor, DVec3)> {
+    feeler.settle(object, feeler.friction(), tip, anchor, overload)
+}
+
+/// A feeler that points straight down, pressed in by [`DEPTH`], at `x` along the face.
+fn tip(x: f64) -> Tip {
+    Tip {
+        position: DVec3::new(x, 0.0, 0.01 + FEELER.tip_radius - DEPTH),
+        axis: DVec3::NEG_Z,
+        set: DVec3::ZERO,
+    }
+}
+
+fn pressed(object: &Object) -> Anchor {
+    hold(&FEELER, object, &tip(0.0)).expect("contact")
+}
+
+#[test]
+fn a_pressed_feeler_pushes_with_its_normal_stiffness_and_no_shear() {
+    let object = flat();
+    let (_, force) = settle(
+        &FEELER,
+        &object,
+        &tip(0.0),
+        pressed(&object),
+        Overload::Sudden,
+    )
+    .expect("contact");
+    let expected = -FEELER.normal_stiffness * DEPTH * DVec3::Z;
+    assert!((force - expected).length() < ROUNDING, "{force}");
+}
+
+#[test]
+fn a_dragged_feeler_makes_the_sawtooth_of_stick_and_slip_at_any_step() {
+    let object = flat();
+    let normal_force = FEELER.normal_stiffness * DEPTH;
+    let most = FEELER.static_friction * normal_force;
+    let drop = most - FEELER.kinetic_friction * normal_force;
+    // In closed form: the shear force rises by k_t v; at the static limit it drops to the kinetic
+    // one, so its period is (mu_s - mu_k) F_n / (k_t v), 35 ms here.
+    let sawtooth = |x: f64| {
+        let stuck = FEELER.shear_stiffness * x;
+        if stuck <= most {
+            stuck
+        } else {
+            most - drop + (stuck - most) % drop
+        }
+    };
+    for step in [0.001, 0.0003, 0.0071] {
+        let mut anchor = pressed(&object);
+        let (mut slips, mut before) = (0, 0.0);
+        while before < 2.0 {
+            let x = before + SPEED * step;
+            let (next, force) =
+                settle(&FEELER, &object, &tip(x), anchor, Overload::Steady).expect("contact");
+            assert!((force.z + normal_force).abs() < ROUNDING && force.y == 0.0);
+            // A slip ends within 1e-9 of the normal force, and the next begins there.
+            slips += u32::from(next != anchor);
+            let tolerance = 1e-9 * normal_force * f64::from(slips + 1);
+            let expected = sawtooth(x);
+            let off = (force.x - expected).abs();
+            assert!(
+                off.min(drop - off) < tolerance,
+                "{} N, not {expected} N",
+                force.x
+            );
+            (anchor, before) = (next, x);
+            if slips == 60 {
+                break;
+            }
+        }
+        assert_eq!(slips, 60);
+    }
+}
+
+#[test]
+fn a_feeler_overloaded_at_a_stroke_falls_to_the_kinetic_limit() {
+    let object = flat();
+    let normal_force = FEELER.normal_stiffness * DEPTH;
+    let x = 1.3 * FEELER.static_friction * normal_force / FEELER.shear_stiffness;
+    let (_, force) = settle(
+        &FEELER,
+        &object,
+        &tip(x),
+        pressed(&object),
+        Overload::Sudden,
+    )
+    .expect("contact");
+    let expected = FEELER.kinetic_friction * normal_force;
+    assert!((force.x - expected).abs() < 1e-9 * normal_force, "{force}");
+}
+
+#[test]
+fn a_feeler_at_rest_holds_its_shear_without_creep() {
+    let object = flat();
+    // Just short of the static limit.
+    let x =
+        0.999 * FEELER.static_friction * FEELER.normal_stiffness * DEPTH / FEELER.shear_stiffness;
+    let (mut anchor, start) = settle(
+        &FEELER,
+        &object,
+        &tip(x),
+        pressed(&object),
+        Overload::Sudden,
+    )
+    .expect("contact");
+    for _ in 0..10_000 {
+        let (next, force) =
+            settle(&FEELER, &object, &tip(x), anchor, Overload::Sudden).expect("contact");
+        assert_eq!((next, force), (anchor, start));
+        anchor = next;
+    }
+}
+
+#[test]
+fn a_feeler_that_is_lifted_lets_go_and_never_pulls() {
+    let object = flat();
+    let mut anchor = Some(pressed(&object));
+    for n in 0..=10 {
+        let lift = 0.0001 * f64::from(n);
+        let mut tip = tip(0.0);
+        tip.position.z += lift;
+        let settled =
+            anchor.and_then(|anchor| settle(&FEELER, &object, &tip, anchor, Overload::Sudden));
+        let force = settled.map_or(0.0, |(_, force)| force.z);
+        let expected = -FEELER.normal_stiffness * (DEPTH - lift).max(0.0);
+        assert!((force - expected).abs() < ROUNDING, "{force} N at {lift} m");
+        anchor = settled.map(|(anchor, _)| anchor);
+    }
+    assert_eq!(anchor, None);
+    assert_eq!(
+        hold(
+            &FEELER,
+            &object,
+            &Tip {
+                position: DVec3::Z,
+                ..tip(0.0)
+            }
+        ),
+        None
+    );
+}

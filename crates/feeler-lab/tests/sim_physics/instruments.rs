@@ -1,0 +1,179 @@
+//! Drives, encoders and the torque sensor against their textbook formulas.
+
+use feeler::hand::hand::{Hand, HandCommand, HandState};
+use feeler_sim::random::{Purpose, generator};
+use feeler_sim::rig::{Rig, SimHand};
+use feeler_sim::servo::{Joints, ServoConfig};
+use feeler_sim::torque_sensor::TorqueSensorConfig;
+use glam::DVec3;
+
+use super::reference::{commands, experiment, world};
+
+const SERVO: ServoConfig = ServoConfig {
+    lag: 0.01,
+    encoder_resolution: 1e-5,
+    backlash: 0.0,
+};
+const FREE: (DVec3, DVec3) = (DVec3::splat(-10.0), DVec3::splat(10.0));
+
+#[test]
+fn a_joint_follows_its_command_along_the_exponential() {
+    let start = DVec3::new(0.1, -0.2, 0.3);
+    let command = DVec3::new(0.5, -1.0, 0.0);
+    for step in [0.001, 0.0007, 0.02] {
+        let mut joints = Joints {
+            command,
+            ..Joints::at_rest(start)
+        };
+        let remaining = SERVO.remaining_error(step);
+        for n in 1..=200 {
+            SERVO.advance(&mut joints, step, remaining, FREE);
+            let t = step * f64::from(n);
+            let rise = 1.0 - (-t / SERVO.lag).exp();
+            // v = c (1 - e^(-t/T)), x = x0 + c (t - T (1 - e^(-t/T))): exact at any step, so only
+            // the rounding of 200 steps is left.
+            assert!((joints.velocity - rise * command).length() < 1e-13);
+            let position = start + command * (t - SERVO.lag * rise);
+            assert!((joints.position - position).length() < 1e-13);
+        }
+    }
+}
+
+#[test]
+fn a_joint_stops_dead_at_its_limit_and_comes_off_it() {
+    let mut joints = Joints::at_rest(DVec3::ZERO);
+    let limits = (DVec3::splat(-0.1), DVec3::splat(0.1));
+    let mut run = |command: DVec3| {
+        joints.command = command;
+        for _ in 0..200 {
+            SERVO.advance(&mut joints, 0.001, SERVO.remaining_error(0.001), limits);
+        }
+        joints
+    };
+    let stopped = run(DVec3::X);
+    assert_eq!((stopped.position.x, stopped.velocity.x), (0.1, 0.0));
+    assert!(run(DVec3::NEG_X).position.x < 0.0);
+}
+
+#[test]
+fn a_servo_without_lag_has_its_commanded_velocity_at_once() {
+    let servo = ServoConfig { lag: 0.0, ..SERVO };
+    let mut joints = Joints {
+        command: DVec3::X,
+        ..Joints::at_rest(DVec3::ZERO)
+    };
+    servo.advance(&mut joints, 0.001, servo.remaining_error(0.001), FREE);
+    assert_eq!((joints.position.x, joints.velocity.x), (0.001, 1.0));
+}
+
+#[test]
+fn encoders_round_to_whole_counts_and_velocity_is_their_difference() {
+    let experiment = experiment(&["time_limit=0.05"]);
+    let start = commands(&experiment).start;
+    let mut world = world(&experiment, &start);
+    let resolution = world.model().servo.encoder_resolution;
+    world.command(0, DVec3::ZERO);
+    let mut hand = SimHand::new(Rig::new(world), 10);
+    let mut state = HandState::zero(2);
+    let mut before = None;
+    let velocity = vec![DVec3::new(0.0123, -0.0171, 0.0031); 2];
+    for _ in 0..20 {
+        hand.read(&mut state).expect("a state");
+        let now = state.joints[0].position;
+        let counts = now / resolution;
+        // Angles of a few rad are 1e5 counts: rounding leaves 1e-11 of one.
+        assert!((counts - counts.round()).abs().max_element() < 1e-9);
+        if let Some(before) = before {
+            let difference: DVec3 = (now - before) / 0.01;
+            assert!((state.joints[0].velocity - difference).length() < 1e-12);
+        }
+        before = Some(now);
+        let command = HandCommand {
+            joint_velocity: velocity.clone(),
+        };
+        hand.command(&command).expect("a command");
+    }
+    // After 20 time constants the joint moves as commanded, read to a count either way.
+    let error = state.joints[0].velocity - velocity[0];
+    assert!(error.abs().max_element() <= resolution / 0.01, "{error}");
+}
+
+#[test]
+fn encoders_are_off_by_what_they_were_switched_on_with() {
+    let most = 0.01;
+    let setting = format!("sim.variation.encoder_offset={most}");
+    let (mut drawn, runs) = (Vec::new(), 100);
+    for seed in 0..runs {
+        let seed = format!("seed={seed}");
+        let experiment = experiment(&["time_limit=0.05", &seed, &setting]);
+        let mut world = world(&experiment, &[DVec3::new(0.0, 1.0, -1.0); 2]);
+        world.step().expect("a step");
+        let mut offsets = Vec::new();
+        for (finger, own) in world.model().fingers.iter().enumerate() {
+            let (read, joints) = (world.encoded(finger), &world.state().fingers[finger].joints);
+            let off = read - joints.position;
+            // To half a count.
+            assert!((off - own.encoder_offset).abs().max_element() <= 0.5e-5 + 1e-12);
+            offsets.extend(off.to_array());
+        }
+        assert!(offsets.iter().all(|off| off.abs() <= most + 0.5e-5));
+        drawn.extend(offsets);
+    }
+    // Uniform: the mean's deviation is most / sqrt(3 n), and four of them are rarer than 1 in 10 000.
+    let count = drawn.len() as f64;
+    assert_eq!(drawn.len(), 6 * runs);
+    let mean = drawn.iter().sum::<f64>() / count;
+    assert!(mean.abs() < 4.0 * most / (3.0 * count).sqrt(), "{mean}");
+    let spread = drawn.iter().map(|off| off * off).sum::<f64>() / count;
+    // The variance of a uniform number's square is 4 / 45.
+    let tolerance = 4.0 * (4.0 / 45.0 / count).sqrt();
+    assert!(
+        (spread / most.powi(2) - 1.0 / 3.0).abs() < tolerance,
+        "{spread}"
+    );
+}
+
+const TORQUE_SENSOR: TorqueSensorConfig = TorqueSensorConfig {
+    stiffness: 50.0,
+    rated_torque: 0.2,
+    rated_strain: 0.0005,
+    gauge_factor: 2.1,
+    bridge_voltage: 5.0,
+    amplifier_gain: 1000.0,
+    cutoff_frequency: 200.0,
+    noise: 0.0,
+    converter_range: 10.0,
+    converter_bits: 14,
+};
+
+#[test]
+fn the_bridge_obeys_the_full_bridge_formula() {
+    let mut random = generator(0, Purpose::TorqueNoise);
+    for n in -30..=30 {
+        let torque = 0.01 * f64::from(n);
+        let reading = TORQUE_SENSOR.read(torque, &mut random);
+        // Four active gauges: V = V_ex GF strain; a metal foil's strain of 5e-4 leaves the formula
+        // exact, for stretched and pressed gauges change alike.
+        let strain = TORQUE_SENSOR.rated_strain * torque / TORQUE_SENSOR.rated_torque;
+        let expected = 1000.0 * 5.0 * 2.1 * strain;
+        assert!(
+            (reading.voltage - expected).abs() < 1e-9,
+            "{}",
+            reading.voltage
+        );
+        // Half a count of 20 V / 2^14, in N m.
+        let half_count = 10.0 / 16384.0 / (1000.0 * 5.0 * 2.1 * 0.0005) * 0.2;
+        assert!((reading.torque - torque).abs() <= half_count * (1.0 + 1e-9));
+    }
+}
+
+#[test]
+fn the_converter_clips_at_its_range() {
+    let mut random = generator(0, Purpose::TorqueNoise);
+    let top = TORQUE_SENSOR.read(1.0, &mut random);
+    let bottom = TORQUE_SENSOR.read(-1.0, &mut random);
+    assert_eq!((top.counts, bottom.counts), (8191, -8192));
+    // 10 V at 26.25 V per N m; one count less at the top.
+    assert!((bottom.torque + 10.0 / 26.25).abs() < 1e-12);
+    assert!((top.torque - 10.0 / 26.25 * 8191.0 / 8192.0).abs() < 1e-12);
+}

@@ -1,0 +1,70 @@
+//! A fingertip with a single feeler, held from outside before a flat face.
+
+use feeler::hand::finger::FingerGeometry;
+use feeler::sensor::layout::{ElementLayout, LayoutConfig, RingConfig};
+use feeler_sim::columnar_feeler::FeelerConfig;
+use feeler_sim::config::SimConfig;
+use feeler_sim::pose::Pose;
+use feeler_sim::world::World;
+use glam::{DMat3, DVec3};
+use std::path::Path;
+
+use super::reference::experiment;
+
+/// s.
+pub const STEP: f64 = 0.001;
+const DOME_RADIUS: f64 = 0.018;
+
+/// The feeler points along W's x.
+pub struct OneFeeler {
+    pub world: World,
+    pub feeler: FeelerConfig,
+    /// Along x to the face of what it comes to, m.
+    face: f64,
+}
+
+impl OneFeeler {
+    /// The reference rig as `change` changes it, nothing varied: its object's face is at `face` (m) along x.
+    pub fn new(face: f64, change: impl FnOnce(&mut SimConfig)) -> Self {
+        let config = experiment(&[]).config;
+        let mut sim = config.sim;
+        sim.step = STEP;
+        sim.variation.bottle_position = 0.0;
+        sim.variation.friction = 0.0;
+        sim.variation.seat_angle = 0.0;
+        sim.variation.cap_angle = 0.0;
+        (sim.feeler.static_friction, sim.feeler.kinetic_friction) = (10.0, 10.0);
+        change(&mut sim);
+        let layout = ElementLayout::new(&LayoutConfig {
+            dome_radius: DOME_RADIUS,
+            rings: vec![RingConfig {
+                elements: 1,
+                polar_angle_deg: 0.0,
+            }],
+        });
+        let finger = FingerGeometry::new(&config.hand.finger[0]).expect("a finger");
+        let joints = [DVec3::new(0.0, 1.0, -1.0)];
+        let fingers = [(finger, layout)];
+        let world = World::new(&sim, &fingers, &joints, Path::new(""), 0).expect("a world");
+        Self {
+            world,
+            feeler: sim.feeler,
+            face,
+        }
+    }
+
+    /// One step after which the feeler's outside is `depth` (m) behind the face, and `aside` (m, in W) of the axis:
+    /// the force on the object, N, in W.
+    pub fn press(&mut self, depth: f64, aside: DVec3) -> DVec3 {
+        let reach = DOME_RADIUS + self.feeler.tip_radius;
+        self.world.hold_fingertip(
+            0,
+            Some(Pose {
+                position: (self.face + depth - reach) * DVec3::X + aside,
+                rotation: DMat3::IDENTITY,
+            }),
+        );
+        self.world.step().expect("a step");
+        self.world.state().fingers[0].forces[0]
+    }
+}

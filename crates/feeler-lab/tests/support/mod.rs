@@ -1,0 +1,291 @@
+//! A made-up run, plausible enough to look at: two fingers close a cap in four strokes.
+
+use feeler_record::wire::{Quaternion, Vector3};
+use feeler_record::{
+    Cap, Command, Digest, Fingertip, Flags, Joints, NO_ELEMENT, Phase, RecordError, Recorder,
+    RunFacts, Tactile, Task, TorqueSensor, TrueSlip,
+};
+use glam::DVec3;
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+use std::path::Path;
+
+pub const ELEMENTS: usize = 41;
+pub const PERIOD: f64 = 0.01;
+const FINGERS: usize = 2;
+const CAP_RADIUS: f64 = 0.014;
+const TIP_RADIUS: f64 = 0.0015;
+const DOME_RADIUS: f64 = 0.018;
+/// Distance of a dome's centre from the axis when its tip touches the cap.
+const REACH: f64 = DOME_RADIUS + CAP_RADIUS + TIP_RADIUS;
+/// How much of the arc about the cap's axis the path of each stroke has.
+pub const BENDS: [f64; 4] = [0.1, 0.7, 0.95, 0.95];
+/// Length of a stroke, m.
+pub const TRAVEL: f64 = 0.010;
+/// Phases of a stroke and how many control steps each lasts.
+const PHASES: [(Phase, usize); 4] = [
+    (Phase::Search, 90),
+    (Phase::Move, 100),
+    (Phase::Release, 30),
+    (Phase::Return, 80),
+];
+
+pub const EXPERIMENT: &str = "# A made-up run.\nname = \"made up <&> \\\"quoted\\\"\"\n[control]\nslip_threshold = 3.0 # N/s\n";
+
+pub fn facts() -> RunFacts {
+    RunFacts {
+        experiment: "made-up".into(),
+        task: "screw".into(),
+        seed: u64::MAX,
+        version: "0.1.0".into(),
+        sensing: "direct".into(),
+        control_period: PERIOD,
+        fingers: FINGERS,
+        cap_radius: CAP_RADIUS,
+        feeler_tip_radius: TIP_RADIUS,
+        touch_force_threshold: 0.1,
+        over_force_threshold: 1.5,
+        slip_threshold: 3.0,
+        grasp_force_threshold: 1.0,
+        approach: vec![[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]],
+        stroke_direction: vec![[0.0, 1.0, 0.0], [0.0, -1.0, 0.0]],
+        stroke_count: 4,
+        section: Vec::new(),
+        truth: BTreeMap::new(),
+        cap: None,
+        replay_of: None,
+    }
+}
+
+/// Writes a run of `strokes` strokes and closes it.
+pub fn write_run(path: &Path, strokes: u32) -> Result<Digest, RecordError> {
+    let mut recorder = Recorder::create(path, &facts(), EXPERIMENT)?;
+    write_strokes(&mut recorder, strokes)?;
+    recorder.finish(Some(0.25))
+}
+
+/// Writes the messages of `strokes` strokes, and of the end if there are four.
+pub fn write_strokes(recorder: &mut Recorder, strokes: u32) -> Result<(), RecordError> {
+    let mut run = MadeUp::default();
+    for stroke in 1..=strokes {
+        for (phase, steps) in PHASES {
+            for step in 0..steps {
+                run.step(recorder, stroke, phase, step as f64 / steps as f64)?;
+            }
+        }
+    }
+    if strokes == facts().stroke_count {
+        for _ in 0..20 {
+            run.step(recorder, strokes, Phase::Done, 0.0)?;
+        }
+    }
+    Ok(())
+}
+
+#[derive(Default)]
+struct MadeUp {
+    step: u64,
+    noise: u64,
+    angle: f64,
+    last_shear: [f64; FINGERS],
+    last_press: f64,
+    slipping: [bool; FINGERS],
+}
+
+impl MadeUp {
+    /// Noise in -1..1, the same in every run.
+    fn noise(&mut self) -> f64 {
+        let next = self.noise.wrapping_mul(6364136223846793005);
+        self.noise = next.wrapping_add(1442695040888963407);
+        (self.noise >> 33) as f64 / (1u64 << 30) as f64 - 1.0
+    }
+
+    fn step(
+        &mut self,
+        recorder: &mut Recorder,
+        stroke: u32,
+        phase: Phase,
+        s: f64,
+    ) -> Result<(), RecordError> {
+        let stamp = self.step as f64 * PERIOD;
+        let k = (stroke as usize).min(4) - 1;
+        let (press, travel) = motion(phase, s);
+        let closing = [
+            [0.003, 0.029],
+            [0.050, 0.071],
+            [0.079, 0.081],
+            [0.080, 0.081],
+        ][k];
+        let tightness = [0.0, 0.7, 1.0, 1.0][k];
+        let bump = tightness * (TAU * 7.0 * s).sin().max(0.0) * travel.min(0.3) / 0.3;
+        let moving = phase == Phase::Move;
+        let torque = match phase {
+            Phase::Move => {
+                let rise =
+                    closing[0] + (closing[1] - closing[0]) * ((s - 0.3) / 0.5).clamp(0.0, 1.0);
+                rise * (s / 0.15).min(1.0) * (1.0 - 0.2 * bump)
+            }
+            Phase::Release => 0.6 * closing[1] * (1.0 - s / 0.3).max(0.0),
+            _ => 0.0,
+        };
+        if moving {
+            self.angle += [0.4, 0.08, 0.02, 0.0][k] / 100.0;
+        }
+        let grasp = press * ([1.2, 1.7, 2.1, 2.1][k] + 0.2 * bump);
+        let bend = BENDS[k] * sagitta(TRAVEL * travel);
+        for finger in 0..FINGERS {
+            let shear = torque / CAP_RADIUS / 2.0;
+            self.finger(recorder, finger, stamp, press, travel, bend, grasp, shear)?;
+        }
+        recorder.true_slip(&TrueSlip {
+            stamp,
+            distance: self
+                .slipping
+                .map(|slips| if slips { 30e-6 } else { 5e-6 })
+                .into(),
+        })?;
+        self.last_press = press;
+        let noise = 0.0004 * self.noise();
+        recorder.torque_sensor(&TorqueSensor {
+            stamp,
+            torque: torque + noise,
+            bridge_voltage: 12.5 * (torque + noise),
+            counts: ((torque + noise) * 40_000.0) as i32,
+        })?;
+        recorder.cap(&Cap {
+            stamp,
+            angle: self.angle,
+            height: 0.1 - 0.003 * self.angle / TAU,
+            centre: Vector3 {
+                x: 0.0002,
+                y: -0.0001,
+                z: 0.1,
+            },
+            resisting_torque: torque,
+        })?;
+        let reason = format!("{phase:?}");
+        self.step += 1;
+        recorder.task(&Task {
+            stamp,
+            phase,
+            stroke,
+            reason,
+        })
+    }
+
+    #[allow(clippy::too_many_arguments)]
+    fn finger(
+        &mut self,
+        recorder: &mut Recorder,
+        finger: usize,
+        stamp: f64,
+        press: f64,
+        travel: f64,
+        bend: f64,
+        grasp: f64,
+        shear: f64,
+    ) -> Result<(), RecordError> {
+        let side = if finger == 0 { 1.0 } else { -1.0 };
+        let reach = REACH + 0.008 * (1.0 - press) - bend;
+        let position = side * DVec3::new(reach - 0.0002 * press, TRAVEL * travel, 0.1 * side);
+        // As the finger passes the cap, the element that faces it changes.
+        let largest = if travel < 0.35 { 0 } else { 1 };
+        let tips: Vec<_> = (0..ELEMENTS)
+            .map(|i| position + DOME_RADIUS * normal(i, side))
+            .collect();
+        let mut tactile = Tactile {
+            sequence: self.step,
+            stamp,
+            forces: vec![Vector3::default(); ELEMENTS],
+        };
+        for force in &mut tactile.forces {
+            force.z = 0.002 * self.noise();
+        }
+        if grasp > 0.0 {
+            tactile.forces[largest].z += 0.7 * grasp;
+            tactile.forces[2].z += 0.3 * grasp;
+            tactile.forces[largest].x = shear;
+        }
+        let rate = (shear - self.last_shear[finger]).abs() / PERIOD;
+        self.last_shear[finger] = shear;
+        let mut shear_rate = vec![0.05 + 0.05 * self.noise(); ELEMENTS];
+        shear_rate[largest] += rate;
+        let touch = grasp > 0.1;
+        self.slipping[finger] = rate > 3.0;
+        recorder.tactile(finger, &tactile)?;
+        recorder.flags(
+            finger,
+            &Flags {
+                stamp,
+                touch,
+                slip: self.slipping[finger],
+                over: grasp > 2.25,
+                largest_element: if touch { largest as u32 } else { NO_ELEMENT },
+                grasp_force: grasp,
+                shear_rate,
+            },
+        )?;
+        recorder.joints(
+            finger,
+            &Joints {
+                stamp,
+                position: [0.1, travel, press],
+                velocity: [0.0, 0.1, -0.1],
+            },
+        )?;
+        recorder.command(
+            finger,
+            &Command {
+                stamp,
+                joint_velocity: [0.0, 0.1, -0.1],
+                fingertip_velocity: DVec3::new(0.0, 0.01, 0.0).into(),
+                limited: press < self.last_press,
+                damping: 0.0,
+            },
+        )?;
+        recorder.fingertip(
+            finger,
+            &Fingertip {
+                stamp,
+                position: position.into(),
+                orientation: Quaternion {
+                    x: 0.0,
+                    y: 0.0,
+                    z: 0.0,
+                    w: 1.0,
+                },
+                element_tips: tips.into_iter().map(Into::into).collect(),
+            },
+        )
+    }
+}
+
+/// How far an arc about the axis bends inward over a way of `along` (m) from where it is tangent to the stroke, m.
+pub fn sagitta(along: f64) -> f64 {
+    REACH - (REACH * REACH - along * along).sqrt()
+}
+
+/// How firmly the fingers press (0 away, 1 grasping) and how far along the stroke they are.
+fn motion(phase: Phase, s: f64) -> (f64, f64) {
+    match phase {
+        Phase::Search => (((s - 0.8) / 0.2).max(0.0), 0.0),
+        Phase::Move => (1.0, s),
+        Phase::Release => ((1.0 - s * 2.0).max(0.0), 1.0),
+        Phase::Return => (0.0, 1.0 - s),
+        Phase::Done | Phase::Stopped => (0.0, 0.0),
+    }
+}
+
+/// Direction of an element from the dome's centre: a pole and a fan around it, facing the cap.
+fn normal(element: usize, side: f64) -> DVec3 {
+    if element == 0 {
+        return DVec3::new(-side, 0.0, 0.0);
+    }
+    let polar = 0.39 * (1.0 + (element / 14) as f64);
+    let azimuth = TAU * (element - 1) as f64 / 8.0;
+    side * DVec3::new(
+        -polar.cos(),
+        -polar.sin() * azimuth.cos(),
+        polar.sin() * azimuth.sin(),
+    )
+}

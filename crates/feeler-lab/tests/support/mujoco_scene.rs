@@ -1,0 +1,153 @@
+//! The scene of `references/mujoco_cap.py`: two fingertips turn a cap, under a motion that is a function
+//! of time.
+
+use feeler::hand::finger::{FingerConfig, FingerGeometry};
+use feeler::hand::kinematics::fingertip_pose;
+use feeler::sensor::layout::{ElementLayout, LayoutConfig};
+use feeler_lab::config::Experiment;
+use feeler_sim::object::MotionConfig;
+use feeler_sim::pose::Pose;
+use feeler_sim::shape::ShapeConfig;
+use feeler_sim::thread::ThreadConfig;
+use feeler_sim::world::World;
+use glam::DVec3;
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// MuJoCo's part.
+#[derive(Deserialize)]
+pub struct Reference {
+    pub header: Header,
+    /// rad, after every `sample` seconds.
+    pub cap_angle: Vec<f64>,
+    /// "finger/element" to F_x, F_y, F_z, N, of those that touch at all.
+    pub forces: BTreeMap<String, Vec<[f64; 3]>>,
+}
+
+/// The scene and its motion.
+#[derive(Deserialize)]
+pub struct Header {
+    dome_radius: f64,
+    tip_radius: f64,
+    normal_stiffness: f64,
+    shear_stiffness: f64,
+    friction: f64,
+    cap: Cap,
+    links: [f64; 3],
+    pub bases: Vec<[f64; 3]>,
+    phi1_deg: Vec<f64>,
+    pub knot_times: Vec<f64>,
+    /// Per finger and knot, rad.
+    knot_joints: Vec<Vec<[f64; 3]>>,
+    pub sample: f64,
+    /// Until when halving MuJoCo's step changes its cap angle by less than 0.5 % of the last, s.
+    pub converged_until: f64,
+}
+
+#[derive(Deserialize)]
+struct Cap {
+    radius: f64,
+    height: f64,
+    position: [f64; 3],
+    running_torque: f64,
+    seat_angle: f64,
+    seat_stiffness: f64,
+}
+
+impl Header {
+    /// Joint angles of `finger` at `time`, rad.
+    pub fn joints(&self, finger: usize, time: f64) -> DVec3 {
+        let knots = &self.knot_joints[finger];
+        let after = self.knot_times.iter().position(|&t| t > time);
+        let i = after.unwrap_or(knots.len() - 1) - 1;
+        let (from, to) = (self.knot_times[i], self.knot_times[i + 1]);
+        let s = ((time - from) / (to - from)).clamp(0.0, 1.0);
+        let s = s * s * (3.0 - 2.0 * s);
+        DVec3::from_array(knots[i]).lerp(DVec3::from_array(knots[i + 1]), s)
+    }
+}
+
+/// The one place that knows how the simulator is set up and driven.
+pub struct Scene {
+    pub world: World,
+    pub fingers: Vec<(FingerGeometry, ElementLayout)>,
+}
+
+impl Scene {
+    pub fn new(header: &Header, time_step: f64) -> Self {
+        let experiment = Experiment::load("cap-closing", &[]).expect("an experiment");
+        let mut sim = experiment.config.sim;
+        sim.step = time_step;
+        sim.torque_sensor.stiffness = 1e9;
+        sim.variation.bottle_position = 0.0;
+        sim.variation.friction = 0.0;
+        sim.variation.seat_angle = 0.0;
+        sim.feeler.normal_stiffness = header.normal_stiffness;
+        sim.feeler.shear_stiffness = header.shear_stiffness;
+        sim.feeler.tip_radius = header.tip_radius;
+        sim.feeler.static_friction = header.friction;
+        sim.feeler.kinetic_friction = header.friction;
+        let cap = sim.object.get_mut("cap").expect("a cap");
+        cap.position = header.cap.position;
+        cap.shape = ShapeConfig::Cylinder {
+            radius: header.cap.radius,
+            height: header.cap.height,
+        };
+        cap.motion = MotionConfig::Thread(ThreadConfig {
+            running_torque: header.cap.running_torque,
+            seat_angle: header.cap.seat_angle,
+            seat_stiffness: header.cap.seat_stiffness,
+            static_factor: 1.0,
+            lead: 0.0,
+            fault: None,
+        });
+        let layout = LayoutConfig::default();
+        assert!((layout.dome_radius - header.dome_radius).abs() < 1e-12);
+        let fingers = header.bases.iter().zip(&header.phi1_deg);
+        let fingers = fingers.map(|(&base_position, &phi1_deg)| {
+            let geometry = FingerGeometry::new(&FingerConfig {
+                base_position,
+                phi1_deg,
+                phi2_deg: 0.0,
+                links: header.links,
+                joint_lower_deg: [-180.0; 3],
+                joint_upper_deg: [180.0; 3],
+                joint_speed_limit: [10.0; 3],
+            });
+            (geometry.expect("a finger"), ElementLayout::new(&layout))
+        });
+        let fingers: Vec<_> = fingers.collect();
+        let start: Vec<_> = (0..fingers.len()).map(|f| header.joints(f, 0.0)).collect();
+        let world = World::new(&sim, &fingers, &start, Path::new(""), 0).expect("a world");
+        Self { world, fingers }
+    }
+
+    /// Steps with the fingers at `joints` (rad) at the end of it.
+    pub fn advance(&mut self, joints: impl Fn(usize) -> DVec3) {
+        for (f, (geometry, _)) in self.fingers.iter().enumerate() {
+            let (position, rotation) = fingertip_pose(geometry, joints(f));
+            self.world
+                .hold_fingertip(f, Some(Pose { position, rotation }));
+        }
+        self.world.step().expect("a step");
+    }
+
+    pub fn cap_angle(&self) -> f64 {
+        self.world.state().objects[0].turn.angle
+    }
+
+    /// F_x, F_y on the feeler, F_z compression, N, in the element's frame.
+    pub fn force(&self, finger: usize, element: usize) -> DVec3 {
+        let mut forces = vec![DVec3::ZERO; self.fingers[finger].1.elements.len()];
+        self.world.element_forces(finger, &mut forces);
+        forces[element]
+    }
+}
+
+/// The reference called `name`.
+pub fn reference(name: &str) -> Reference {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/references");
+    let text = std::fs::read_to_string(format!("{folder}/mujoco_cap_{name}.json"));
+    serde_json::from_str(&text.expect("the reference")).expect("a reference")
+}

@@ -1,0 +1,30 @@
+//! Whole runs of the reference experiment, through the library as a user would.
+
+use feeler_lab::config::Experiment;
+use feeler_lab::experiment::Session;
+use feeler_lab::experiment::log::{RunLog, run_facts};
+use feeler_record::{Digest, Recorder};
+use feeler_report::make::RECORDING;
+use std::path::{Path, PathBuf};
+
+/// A folder for a test's run.
+pub fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    std::fs::create_dir_all(&folder).expect("a folder");
+    folder
+}
+
+/// Runs the reference experiment with `settings` and records it in `folder`.
+pub fn run(settings: &[String], folder: &Path) -> Digest {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/experiments/cap-closing.toml");
+    let experiment = Experiment::load(file, settings).expect("the reference experiment");
+    let mut session = Session::new(&experiment).expect("a session");
+    let facts = run_facts(&experiment.config);
+    let recorder = Recorder::create(folder.join(RECORDING), &facts, &experiment.toml);
+    let mut log = RunLog::new(recorder.expect("a recorder"), session.layouts());
+    while !session.finished() {
+        let instruments = session.step().expect("a step");
+        log.write(&session, &instruments).expect("a recorded step");
+    }
+    log.into_recorder().finish(None).expect("a recording")
+}

@@ -1,0 +1,29 @@
+//! Several programs, one hand: what they say to each other, and what each makes of what it hears.
+//!
+//! Everything but `transport` and `linger` is pure: bytes and times in, bytes and decisions out.
+
+#![warn(missing_docs)]
+
+pub mod beacon;
+#[cfg(feature = "zenoh")]
+pub mod certificates;
+pub mod endpoints;
+pub mod freshness;
+pub mod hand_inbox;
+pub mod inbox;
+#[cfg(feature = "zenoh")]
+mod linger;
+pub mod message;
+pub mod mismatch;
+pub mod network;
+pub mod outlet;
+pub mod peers;
+pub mod rejection;
+pub mod remote;
+pub mod rig_inbox;
+pub mod sense_inbox;
+pub mod shared;
+pub mod topic;
+#[cfg(feature = "zenoh")]
+pub mod transport;
+pub mod watch_inbox;

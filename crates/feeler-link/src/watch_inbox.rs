@@ -1,0 +1,229 @@
+//! What somebody who only watches a rig has heard: every program, forces, joint angles and the hand's mode.
+//!
+//! Nothing of it is answered, so no program of the rig can tell whether it is watched.
+
+use super::hand_inbox::{check_protocol, check_state, check_update, flags};
+use super::inbox::{Inbox, read};
+use super::message::{HandMode, HandState, Header, Heartbeat, NO_FINGER, TactileUpdate};
+use super::peers::{Expected, Peers};
+use super::rejection::{Rejection, Rejections};
+use super::topic::Topic;
+use feeler::control::flags::FingerFlags;
+use feeler_record::wire::cdr;
+
+/// Everything that has arrived for somebody who watches.
+#[derive(Debug, Clone)]
+pub struct WatchInbox {
+    elements: Vec<usize>,
+    /// What the programs must agree in: the experiment of the rig's hand, or of whoever was heard first.
+    expected: Expected,
+    peers: Peers,
+    fingers: Vec<Option<TactileUpdate>>,
+    mode: Option<HandMode>,
+    state: Option<HandState>,
+    /// Updates of forces and joints that never came here, by their numbers. They may have come to the hand.
+    pub missed: u64,
+    /// What was not taken.
+    pub rejected: Rejections,
+}
+
+impl Inbox for WatchInbox {
+    fn take_in(&mut self, topic: Topic, bytes: &[u8], now: f64) -> Result<(), Rejection> {
+        match topic {
+            Topic::Heartbeat => {
+                self.agree(bytes, now);
+                self.peers.heard(bytes, now).map(|_| ())
+            }
+            Topic::Tactile(finger) => {
+                read(bytes).and_then(|update| self.take_update(finger, update))
+            }
+            Topic::State => read(bytes).and_then(|state| self.take_state(state)),
+            Topic::Mode => read(bytes).and_then(|mode| self.take_mode(mode)),
+            _ => Err(Rejection::Stranger),
+        }
+    }
+
+    fn peers(&self) -> &Peers {
+        &self.peers
+    }
+
+    fn rejected(&mut self) -> &mut Rejections {
+        &mut self.rejected
+    }
+}
+
+impl WatchInbox {
+    /// Nothing has arrived yet of a rig whose fingers have so many `elements` and whose fingertips are
+    /// `fingertips` (SHA-256).
+    pub fn new(elements: &[usize], fingertips: Vec<String>) -> Self {
+        let expected = Expected {
+            experiment: String::new(),
+            fingertips,
+        };
+        Self {
+            elements: elements.to_vec(),
+            peers: Peers::new(expected.clone()),
+            expected,
+            fingers: vec![None; elements.len()],
+            mode: None,
+            state: None,
+            missed: 0,
+            rejected: Rejections::default(),
+        }
+    }
+
+    /// The topics that are taken in.
+    pub fn topics(&self) -> Vec<Topic> {
+        let fingers = (0..self.fingers.len()).map(Topic::Tactile);
+        let others = [Topic::Heartbeat, Topic::State, Topic::Mode];
+        others.into_iter().chain(fingers).collect()
+    }
+
+    /// The experiment (SHA-256) that the rig works by; empty before a program of it was heard.
+    pub fn experiment(&self) -> &str {
+        &self.expected.experiment
+    }
+
+    /// What `finger` felt last.
+    pub fn finger(&self, finger: usize) -> Option<(FingerFlags, &TactileUpdate)> {
+        let update = self.fingers.get(finger)?.as_ref()?;
+        Some((flags(update), update))
+    }
+
+    /// What the hand was about last.
+    pub fn mode(&self) -> Option<&HandMode> {
+        self.mode.as_ref()
+    }
+
+    /// Where the joints were last.
+    pub fn state(&self) -> Option<&HandState> {
+        self.state.as_ref()
+    }
+
+    /// Whoever only watches has no say in what the experiment is. That of the hand counts, and before one
+    /// is there, that of whoever came first; then all are judged anew by their next heartbeats.
+    fn agree(&mut self, bytes: &[u8], now: f64) {
+        let Ok(heartbeat) = cdr::decode::<Heartbeat>(bytes) else {
+            return;
+        };
+        let is_first = self.expected.experiment.is_empty() && !heartbeat.experiment.is_empty();
+        let leads = heartbeat.program == "hand" && self.peers.taken("hand", now).next().is_none();
+        let is_sound = check_protocol(heartbeat.protocol).is_ok();
+        if is_sound && (is_first || leads) && heartbeat.experiment != self.expected.experiment {
+            self.expected.experiment = heartbeat.experiment;
+            self.peers = Peers::new(self.expected.clone());
+        }
+    }
+
+    fn take_update(&mut self, finger: usize, update: TactileUpdate) -> Result<(), Rejection> {
+        check_protocol(update.header.protocol)?;
+        let elements = *self.elements.get(finger).ok_or(Rejection::Size)?;
+        check_update(finger, elements, &update)?;
+        self.peers
+            .check(update.header.instance, "sense", update.finger)?;
+        let before = self.fingers[finger].as_ref().map(|before| before.header);
+        self.missed = self.missed.saturating_add(gap(before, update.header)?);
+        self.fingers[finger] = Some(update);
+        Ok(())
+    }
+
+    fn take_state(&mut self, state: HandState) -> Result<(), Rejection> {
+        check_protocol(state.header.protocol)?;
+        check_state(self.fingers.len(), &state)?;
+        self.peers
+            .check(state.header.instance, "world", NO_FINGER)?;
+        let before = self.state.as_ref().map(|before| before.header);
+        self.missed = self.missed.saturating_add(gap(before, state.header)?);
+        self.state = Some(state);
+        Ok(())
+    }
+
+    /// The hand tells no more modes than others need, so that numbers that are left out are not missed.
+    fn take_mode(&mut self, mode: HandMode) -> Result<(), Rejection> {
+        check_protocol(mode.header.protocol)?;
+        self.peers.check(mode.header.instance, "hand", NO_FINGER)?;
+        gap(self.mode.as_ref().map(|before| before.header), mode.header)?;
+        self.mode = Some(mode);
+        Ok(())
+    }
+}
+
+/// How many messages are missing between that of the header `before` and that of `header`.
+fn gap(before: Option<Header>, header: Header) -> Result<u64, Rejection> {
+    match before.filter(|before| before.instance == header.instance) {
+        Some(before) if header.sequence <= before.sequence => Err(Rejection::Old),
+        Some(before) => Ok(header.sequence - before.sequence - 1),
+        None => Ok(0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::message::PROTOCOL;
+    use crate::outlet::header;
+    use feeler_record::wire::Message;
+
+    fn bytes<M: Message>(message: &M) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        cdr::encode(message, &mut bytes).expect("bytes");
+        bytes
+    }
+
+    fn heartbeat(program: &str, instance: u64, experiment: &str, sequence: u64) -> Vec<u8> {
+        bytes(&Heartbeat {
+            protocol: PROTOCOL,
+            instance,
+            program: program.into(),
+            finger: NO_FINGER,
+            experiment: experiment.into(),
+            sequence,
+            ..Heartbeat::default()
+        })
+    }
+
+    fn state(instance: u64, sequence: u64) -> Vec<u8> {
+        bytes(&HandState {
+            header: header(instance, sequence, 1.0),
+            ..HandState::default()
+        })
+    }
+
+    #[test]
+    fn the_hand_says_what_the_experiment_is() {
+        let mut inbox = WatchInbox::new(&[], Vec::new());
+        let mut hear = |program, instance, experiment, sequence| {
+            let heard = heartbeat(program, instance, experiment, sequence);
+            inbox.take(Topic::Heartbeat, &heard, 0.1).expect("heard");
+            let refused = inbox.peers.all().last().map(|peer| peer.refused.is_some());
+            (inbox.experiment().to_string(), refused)
+        };
+        let here = |experiment: &str, refused| (experiment.to_string(), Some(refused));
+        assert_eq!(hear("world", 1, "other", 1), here("other", false));
+        assert_eq!(hear("hand", 2, "ours", 1), here("ours", false));
+        assert_eq!(hear("world", 1, "other", 2), here("ours", true));
+        assert_eq!(hear("hand", 3, "third", 1), here("ours", true));
+    }
+
+    #[test]
+    fn what_is_missing_is_counted_and_nothing_is_taken_of_strangers_or_twice() {
+        let mut inbox = WatchInbox::new(&[], Vec::new());
+        let world = heartbeat("world", 1, "ours", 1);
+        inbox.take(Topic::Heartbeat, &world, 0.1).expect("heard");
+        let mut take = |instance, sequence| {
+            let taken = inbox.take(Topic::State, &state(instance, sequence), 0.2);
+            (taken, inbox.missed)
+        };
+        assert_eq!(take(1, 5), (Ok(()), 0));
+        assert_eq!(take(1, 6), (Ok(()), 0));
+        assert_eq!(take(1, 9), (Ok(()), 2));
+        assert_eq!(take(1, 9), (Err(Rejection::Old), 2));
+        assert_eq!(take(2, 20), (Err(Rejection::Unintroduced), 2));
+        assert_eq!(inbox.state().map(|state| state.header.sequence), Some(9));
+        assert_eq!(
+            inbox.take(Topic::Stop, &[], 0.2),
+            Err(Rejection::Stranger),
+            "it takes no orders"
+        );
+    }
+}

@@ -1,0 +1,208 @@
+//! The messages between programs read back as they were written, and their ROS 2 texts say what is written.
+
+use feeler_link::message::{
+    DirectForces, HandCommand, HandMode, HandState, Header, Heartbeat, Instruments, Picture,
+    Resume, Stop, TactileUpdate,
+};
+use feeler_record::wire::{Message, Vector3, cdr};
+use proptest::prelude::*;
+use proptest::{bits, collection::vec};
+use serde_json::{Map, Value, json};
+use std::collections::HashMap;
+use std::fmt::Debug;
+
+/// Fields (type, name) of the types of a message text, by the types' names; the message's own is "".
+type Types<'a> = HashMap<&'a str, Vec<(&'a str, &'a str)>>;
+
+/// Reads a ROS 2 message text. Constants are no fields.
+fn parse(schema: &str) -> Types<'_> {
+    let mut types = Types::from([("", Vec::new())]);
+    let mut current = "";
+    for line in schema.lines() {
+        let line = line.split('#').next().unwrap().trim();
+        if let Some(name) = line.strip_prefix("MSG: ") {
+            current = name;
+            let before = types.insert(name, Vec::new());
+            assert!(before.is_none(), "{name} stands twice");
+        } else if !line.is_empty() && !line.starts_with("====") && !line.contains('=') {
+            let (kind, name) = line.split_once(' ').expect("a type and a name");
+            types.get_mut(current).unwrap().push((kind, name.trim()));
+        }
+    }
+    types
+}
+
+/// Reads CDR by nothing but a message text.
+struct Walker<'a> {
+    types: Types<'a>,
+    body: &'a [u8],
+    at: usize,
+}
+
+impl Walker<'_> {
+    fn bytes<const N: usize>(&mut self) -> [u8; N] {
+        self.at = self.at.next_multiple_of(N);
+        let bytes = self.body[self.at..self.at + N].try_into().unwrap();
+        self.at += N;
+        bytes
+    }
+
+    fn value(&mut self, kind: &str) -> Value {
+        if let Some(kind) = kind.strip_suffix("[]") {
+            let count = u32::from_le_bytes(self.bytes());
+            return (0..count).map(|_| self.value(kind)).collect();
+        }
+        if let Some((kind, length)) = kind.strip_suffix(']').and_then(|k| k.split_once('[')) {
+            let count: usize = length.parse().expect("a length");
+            return (0..count).map(|_| self.value(kind)).collect();
+        }
+        match kind {
+            "bool" => match self.bytes() {
+                [0_u8] => json!(false),
+                [1] => json!(true),
+                other => panic!("{other:?} is no bool"),
+            },
+            "uint8" => json!(u8::from_le_bytes(self.bytes())),
+            "int32" => json!(i32::from_le_bytes(self.bytes())),
+            "uint32" => json!(u32::from_le_bytes(self.bytes())),
+            "uint64" => json!(u64::from_le_bytes(self.bytes())),
+            "float64" => json!(f64::from_le_bytes(self.bytes())),
+            "string" => {
+                let length = u32::from_le_bytes(self.bytes()) as usize;
+                let text = &self.body[self.at..self.at + length];
+                self.at += length;
+                let (end, text) = text.split_last().expect("the text's end");
+                assert_eq!(*end, 0);
+                json!(str::from_utf8(text).unwrap())
+            }
+            nested => self.fields(nested),
+        }
+    }
+
+    fn fields(&mut self, name: &str) -> Value {
+        let fields = self.types.get(name);
+        let fields = fields.unwrap_or_else(|| panic!("no text of {name}"));
+        let mut read = Map::new();
+        for (kind, name) in fields.clone() {
+            let value = self.value(kind);
+            read.insert(name.into(), value);
+        }
+        Value::Object(read)
+    }
+}
+
+/// What is written reads back, and reads the same by the message's text: every field by its name.
+fn check<M: Message + PartialEq + Debug>(message: &M) {
+    let mut bytes = Vec::new();
+    cdr::encode(message, &mut bytes).unwrap();
+    assert_eq!(cdr::decode::<M>(&bytes).unwrap(), *message);
+    let mut walker = Walker {
+        types: parse(M::SCHEMA),
+        body: &bytes[4..],
+        at: 0,
+    };
+    let read = walker.fields("");
+    assert_eq!(walker.at, walker.body.len(), "{}", M::SCHEMA_NAME);
+    let told = serde_json::to_value(message).unwrap();
+    assert_eq!(read, told, "{}", M::SCHEMA_NAME);
+    for shorter in 0..bytes.len() {
+        assert!(cdr::decode::<M>(&bytes[..shorter]).is_err(), "{shorter}");
+    }
+}
+
+fn number() -> impl Strategy<Value = f64> {
+    prop::num::f64::NORMAL
+}
+
+fn vector() -> impl Strategy<Value = Vector3> {
+    [(); 3]
+        .map(|()| number())
+        .prop_map(|[x, y, z]| Vector3 { x, y, z })
+}
+
+prop_compose! {
+    fn header()(
+        protocol: u32, [instance, clock, sequence, echo_step] in any::<[u64; 4]>(),
+        stamp in number(), echo_age in number(),
+    ) -> Header {
+        Header { protocol, instance, clock, sequence, stamp, echo_step, echo_age }
+    }
+}
+
+prop_compose! {
+    fn instruments()(
+        [torque, bridge_voltage, cap_angle, cap_torque] in [number(), number(), number(), number()],
+        counts: i32, cap_centre in vector(), slipped in [(); 5].map(|()| number()),
+    ) -> Instruments {
+        Instruments { torque, bridge_voltage, counts, cap_angle, cap_centre, cap_torque, slipped }
+    }
+}
+
+proptest! {
+    #[test]
+    fn tactile_updates(
+        header in header(), finger: u32, frame: u64, flags in bits::u8::between(0, 3),
+        largest_element: u32, grasp_force in number(), forces in vec(vector(), 0..5),
+        shear_rate in vec(number(), 0..5), slip_mask: Vec<u8>, invalid_mask: Vec<u8>,
+    ) {
+        let [touch, slip, over] = [1, 2, 4].map(|bit| flags & bit != 0);
+        check(&TactileUpdate {
+            header, finger, frame, touch, slip, over, largest_element, grasp_force, forces, shear_rate,
+            slip_mask, invalid_mask,
+        });
+    }
+
+    #[test]
+    fn what_the_rig_shows(
+        header in header(), [finger, width, height] in any::<[u32; 3]>(), frame: u64, pixels: Vec<u8>,
+        forces in vec(vector(), 0..5),
+    ) {
+        check(&Picture { header, finger, frame, width, height, pixels });
+        check(&DirectForces { header, finger, frame, forces });
+    }
+
+    #[test]
+    fn hands(
+        header in header(), [search, r#move] in any::<[bool; 2]>(), phase: u8, stroke: u32,
+        stopped: String, state_sequence: u64, joint_velocity in vec(vector(), 0..4),
+        position in vec(vector(), 0..4), velocity in vec(vector(), 0..4),
+        instruments in vec(instruments(), 0..3),
+    ) {
+        check(&HandMode { header, search, r#move, phase, stroke, stopped });
+        check(&HandCommand { header, state_sequence, joint_velocity });
+        check(&HandState { header, position, velocity, instruments });
+    }
+
+    #[test]
+    fn heartbeats_and_orders(
+        [protocol, finger] in any::<[u32; 2]>(),
+        [instance, sequence, lost, refused, missed] in any::<[u64; 5]>(),
+        [program, version, experiment, fingertip, fault] in any::<[String; 5]>(),
+        [rate, age, speed] in [number(), number(), number()],
+    ) {
+        let from = fault.clone();
+        check(&Heartbeat {
+            protocol, instance, program, version, finger, experiment, fingertip, sequence, rate, age, lost,
+            refused, missed, speed, fault,
+        });
+        check(&Stop { protocol, from: from.clone() });
+        check(&Resume { protocol, from });
+    }
+}
+
+/// The walker itself: it would see two lines swapped.
+#[test]
+#[should_panic(expected = "left == right")]
+fn a_swapped_line_is_seen() {
+    #[derive(Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+    struct Swapped {
+        first: u32,
+        second: u32,
+    }
+    impl Message for Swapped {
+        const SCHEMA_NAME: &'static str = "feeler_msgs/msg/Swapped";
+        const SCHEMA: &'static str = "uint32 second  # text\nuint32 first\n";
+    }
+    let (first, second) = (1, 2);
+    check(&Swapped { first, second });
+}

@@ -1,0 +1,37 @@
+//! The recording of a run: one MCAP file, written as the run goes, readable by any MCAP tool.
+//!
+//! Messages are ROS 2 messages (`ros2msg` schemas, `cdr` encoding), so PlotJuggler, Foxglove and
+//! Python's `mcap-ros2-support` show them without anything of ours.
+
+#![warn(missing_docs)]
+
+pub mod channels;
+pub mod digest;
+pub mod error;
+pub mod facts;
+pub mod image;
+pub mod memory;
+pub mod recorded_camera;
+pub mod recorder;
+pub mod recording;
+pub mod replay;
+pub mod scan;
+pub mod sensed;
+mod sink;
+pub mod wire;
+
+pub use channels::{
+    Cap, Command, Findings, Fingertip, Flags, Joints, Moments, NO_ELEMENT, ObjectPose, Stamped,
+    Tactile, Task, Topic, TorqueSensor, TrueSlip,
+};
+pub use digest::Digest;
+pub use error::RecordError;
+pub use facts::{CapFacts, RunFacts};
+pub use feeler::control::phase::Phase;
+pub use image::Image;
+pub use memory::{MemoryRecorder, MessageSink};
+pub use recorded_camera::RecordedCamera;
+pub use recorder::{RecordOptions, Recorder};
+pub use recording::{FingerRecord, PictureAt, Recording};
+pub use replay::{RecordedHand, RecordedSensor};
+pub use sensed::{SensedWriter, read_moments};

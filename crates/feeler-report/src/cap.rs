@@ -1,0 +1,133 @@
+//! A cap that was screwed until the hand knew what became of it: what the hand felt, held against the rig's instruments.
+
+use super::claims::longest_above;
+use super::run_data::RunData;
+use super::series::{finite, maximum};
+use feeler_record::{Findings, Recording};
+use serde::Serialize;
+
+/// A closed cap is tight from this share of the torque that friction allows.
+pub const TIGHT: f64 = 0.7;
+/// An element is damaged that stays over its damage limit for longer than this, s.
+pub const DAMAGE_TIME: f64 = 0.05;
+/// What the hand calls a cap that it has closed.
+const CLOSED: &str = "closed";
+
+/// One stroke as it was felt, and as it was.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FeltStroke {
+    /// Number of the stroke, from 1.
+    pub index: u32,
+    /// By how much the cap turned, as felt, rad, positive with the stroke.
+    pub felt_turn: Option<f64>,
+    /// By how much it turned, rad.
+    pub turn: Option<f64>,
+    /// Largest torque as felt, N·m, positive with the stroke.
+    pub felt_torque: Option<f64>,
+    /// Largest torque as the torque sensor has it, N·m.
+    pub torque: Option<f64>,
+}
+
+/// What the run measures; `None` (JSON null) where the recording does not define it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CapMeasures {
+    /// Torque that friction allows: static coefficient times the grip allowed times radius times fingers, N·m.
+    pub friction_limit: f64,
+    /// 1 where the strokes close the cap, -1 where they open it.
+    pub sense: f64,
+    /// Largest torque of all strokes by the torque sensor, N·m, positive with the stroke.
+    pub largest_torque: Option<f64>,
+    /// Largest torque of the last stroke by the torque sensor, N·m, positive with the stroke.
+    pub final_torque: Option<f64>,
+    /// The final torque relative to the limit of friction.
+    pub torque_ratio: Option<f64>,
+    /// Longest time of an element over its damage limit, s.
+    pub time_over_damage: Option<f64>,
+    /// The strokes.
+    pub strokes: Vec<FeltStroke>,
+}
+
+impl CapMeasures {
+    /// Measures a run; none where the strokes were merely counted.
+    pub fn new(recording: &Recording, data: &RunData) -> Option<Self> {
+        let facts = data.facts.cap?;
+        let felt = Felt::new(recording);
+        let strokes = data.strokes.iter().filter(|s| !s.moving.is_empty());
+        let strokes: Vec<_> = strokes
+            .map(|stroke| {
+                let rows = stroke.moving.clone();
+                let (first, last) = (rows.start, rows.end - 1);
+                let times = (data.time[first], data.time[last]);
+                let turned = data.cap_angle[last] - data.cap_angle[first];
+                FeltStroke {
+                    index: stroke.index,
+                    felt_turn: felt.turn(times),
+                    turn: finite(facts.sense * turned),
+                    felt_torque: felt.largest_torque(times),
+                    torque: maximum(rows.map(|row| facts.sense * data.torque[row])),
+                }
+            })
+            .collect();
+        let final_torque = strokes.last().and_then(|stroke| stroke.torque);
+        let limit = facts.friction_limit;
+        Some(Self {
+            friction_limit: limit,
+            sense: facts.sense,
+            largest_torque: maximum(strokes.iter().filter_map(|stroke| stroke.torque)),
+            final_torque,
+            torque_ratio: final_torque.and_then(|torque| finite(torque / limit)),
+            time_over_damage: longest_above(data, facts.damage_force),
+            strokes,
+        })
+    }
+
+    /// Whether the cap was found closed, is tight, and no element was harmed.
+    pub fn closed_well(&self, outcome: Option<&str>) -> bool {
+        outcome == Some(CLOSED)
+            && self.torque_ratio.is_some_and(|ratio| ratio >= TIGHT)
+            && self
+                .time_over_damage
+                .is_some_and(|time| time <= DAMAGE_TIME)
+    }
+}
+
+/// What the hand felt over time.
+pub struct Felt<'a> {
+    findings: &'a [Findings],
+}
+
+impl<'a> Felt<'a> {
+    /// That of `recording`.
+    pub fn new(recording: &'a Recording) -> Self {
+        let findings = &recording.findings;
+        Self { findings }
+    }
+
+    /// Time (s) and value of a finding, within a span of time (s).
+    pub fn series(&self, name: &str, (from, to): (f64, f64)) -> Vec<(f64, f64)> {
+        let within = self.findings.iter();
+        let within = within.filter(|f| f.stamp >= from - 1e-9 && f.stamp <= to + 1e-9);
+        within
+            .filter_map(|f| Some((f.stamp, value(f, name)?)))
+            .collect()
+    }
+
+    fn turn(&self, (from, to): (f64, f64)) -> Option<f64> {
+        let before = self.series("turned_rad", (f64::NEG_INFINITY, from));
+        let after = self.series("turned_rad", (f64::NEG_INFINITY, to));
+        finite(after.last()?.1 - before.last()?.1)
+    }
+
+    fn largest_torque(&self, times: (f64, f64)) -> Option<f64> {
+        maximum(
+            self.series("torque_nm", times)
+                .into_iter()
+                .map(|(_, torque)| torque),
+        )
+    }
+}
+
+fn value(findings: &Findings, name: &str) -> Option<f64> {
+    let place = findings.names.iter().position(|n| n == name)?;
+    findings.values.get(place).copied()
+}

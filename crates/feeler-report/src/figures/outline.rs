@@ -1,0 +1,96 @@
+//! An outline that was felt, from above and against the true section.
+
+use super::Figure;
+use super::canvas::{CAP, Pen, finger_colour, frame, line, panel, range};
+use crate::measures::distance_to_path;
+use crate::run_data::RunData;
+use crate::tasks::contour::{drawn, section};
+use feeler_record::{Phase, Recording};
+use glam::DVec2;
+use kuva::render::figure::Figure as Panels;
+
+/// Metres to millimetres.
+const MM: f64 = 1e3;
+
+/// The outline from above, and its error along the way.
+pub fn figures(recording: &Recording, data: &RunData) -> Vec<Figure> {
+    vec![outline(recording, data), error(recording)]
+}
+
+fn outline(recording: &Recording, data: &RunData) -> Figure {
+    let title = "The outline as felt, from above";
+    let (section, drawn) = (section(recording), drawn(recording));
+    let millimetres = |p: DVec2| (MM * p.x, MM * p.y);
+    let centre = data.fingers.first().map(|finger| {
+        let rows = (0..data.time.len()).filter(|&row| data.phase[row] == Phase::Move);
+        rows.map(|row| finger.position[row].truncate())
+            .collect::<Vec<_>>()
+    });
+    let centre = centre.unwrap_or_default();
+    let truth = Pen::solid(CAP, 1.2);
+    let felt = Pen::solid(finger_colour(1), 1.6);
+    let path = Pen::dashed("#888888", 1.0);
+    let all = || {
+        section
+            .iter()
+            .chain(&centre)
+            .copied()
+            .chain(drawn.iter().map(|d| d.1))
+    };
+    let ranges = range(all().map(|p| MM * p.x)).zip(range(all().map(|p| MM * p.y)));
+    let svg = ranges.filter(|_| !drawn.is_empty()).map(|(x, y)| {
+        let plots = vec![
+            line(centre.iter().copied().map(millimetres), path),
+            line(drawn.iter().map(|d| millimetres(d.1)), felt),
+            line(section.iter().copied().map(millimetres), truth),
+        ];
+        let layout = panel(x, y, "x (mm)", "y (mm)").with_equal_aspect();
+        let panels = Panels::new(1, 1)
+            .with_plots(vec![plots])
+            .with_layouts(vec![layout]);
+        let legend = [
+            ("felt", felt),
+            ("true section", truth),
+            ("dome's centre", path),
+        ];
+        frame(1, title, &legend, panels, 480.0)
+    });
+    Figure {
+        number: 1,
+        title: title.into(),
+        caption: "Every point is where the feeler with the largest force on it touches, by that force, its stiffness and \
+            where the arm is. At a corner the finger goes from feeler to feeler, and its path has steps. The true section \
+            is the simulator's; the hand does not know it."
+            .into(),
+        svg,
+    }
+}
+
+fn error(recording: &Recording) -> Figure {
+    let title = "Error of the outline";
+    let (section, drawn) = (section(recording), drawn(recording));
+    let pen = Pen::solid(finger_colour(0), 1.4);
+    let points: Vec<_> = (drawn.iter().filter(|_| section.len() > 1))
+        .map(|&(time, point)| (time, MM * distance_to_path(point, &section)))
+        .collect();
+    let ranges = range(points.iter().map(|p| p.0)).zip(range(points.iter().map(|p| p.1)));
+    let svg = ranges.map(|(time, (_, most))| {
+        let layout = panel(time, (0.0, most), "Time (s)", "Distance (mm)");
+        let panels = Panels::new(1, 1)
+            .with_plots(vec![vec![line(points.iter().copied(), pen)]])
+            .with_layouts(vec![layout]);
+        frame(
+            2,
+            title,
+            &[("felt point to true section", pen)],
+            panels,
+            300.0,
+        )
+    });
+    Figure {
+        number: 2,
+        title: title.into(),
+        caption: "Distance of each point felt from the true section.".into(),
+        svg,
+    }
+}

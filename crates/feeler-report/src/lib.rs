@@ -1,0 +1,32 @@
+//! The report of a run: measures, claims, figures and page, all from its recording alone.
+
+#![warn(missing_docs)]
+
+pub mod calibration_page;
+pub mod cap;
+pub mod claim;
+pub mod claims;
+pub mod compare_page;
+mod document;
+pub mod figures;
+pub mod make;
+pub mod measures;
+pub mod page;
+pub mod path_fit;
+pub mod robustness_page;
+pub mod run_data;
+pub mod series;
+pub mod slip_page;
+pub mod stroke_pattern;
+pub mod strokes;
+pub mod summary;
+pub mod sweep_page;
+pub mod tasks;
+pub mod text;
+
+pub use claim::{Claim, ClaimPart, Relation};
+pub use make::{ReportError, ReportOutcome, make};
+pub use run_data::{FingerColumns, RunData, Stroke};
+pub use stroke_pattern::StrokePattern;
+pub use strokes::StrokeMeasures;
+pub use summary::Summary;

@@ -1,0 +1,181 @@
+//! Makes a run's report from its recording.
+
+use super::claim::Claim;
+use super::page::page;
+use super::run_data::RunData;
+use super::summary::Summary;
+use super::tasks;
+use feeler_record::{RecordError, Recording};
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Name of the recording in a run's directory.
+pub const RECORDING: &str = "recording.mcap";
+/// Name of the page in a run's directory.
+pub const REPORT: &str = "report.html";
+/// Name of the directory of single figures in a run's directory.
+pub const FIGURES: &str = "figures";
+/// Name of the summary in a run's directory.
+pub const SUMMARY: &str = "summary.json";
+/// What is added to the names of an earlier report's files when their recording is of no use.
+const STALE: &str = ".stale";
+
+/// Why a report could not be made.
+#[derive(Debug, thiserror::Error)]
+pub enum ReportError {
+    /// There is no recording of which anything is readable.
+    #[error(transparent)]
+    Recording(#[from] RecordError),
+    /// Nothing of the recording is readable, and there was an earlier report.
+    #[error(
+        "{error}; the earlier report cannot be held against it any more and is now called {files}"
+    )]
+    SetAside {
+        /// What is wrong with the recording.
+        error: RecordError,
+        /// What the earlier report's files are called now.
+        files: String,
+    },
+    /// A file of the report could not be written.
+    #[error("report {path}: {source}")]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+}
+
+/// What [`make`] made.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReportOutcome {
+    /// `report.html`.
+    pub report_path: PathBuf,
+    /// `summary.json`.
+    pub summary_path: PathBuf,
+    /// Whether the recording is whole.
+    pub complete: bool,
+    /// What is wrong with the recording, if it is not whole.
+    pub problem: Option<String>,
+    /// Time up to which the recording is readable, s.
+    pub readable_until: f64,
+    /// What stands in `summary.json`.
+    pub summary: Summary,
+    /// Whose the claims are, after the word "claims".
+    pub whose: &'static str,
+}
+
+impl ReportOutcome {
+    /// The claims of the task.
+    pub fn claims(&self) -> &[Claim] {
+        &self.summary.claims
+    }
+}
+
+/// Reads `recording.mcap` in `run_dir` and writes `report.html`, `summary.json` and the figures,
+/// one file each, beside it. A damaged recording
+/// gives a report of what is readable, marked as incomplete. Of one of which nothing is readable, an
+/// earlier report is set aside, so that it does not look as if it were the recording's.
+///
+/// # Errors
+/// When nothing of the recording is readable or a file cannot be written.
+pub fn make(run_dir: impl AsRef<Path>) -> Result<ReportOutcome, ReportError> {
+    let run_dir = run_dir.as_ref();
+    let recording = read(run_dir)?;
+    let data = RunData::new(&recording);
+    let summary = Summary::new(&recording, &data);
+    let task = tasks::of(&recording.facts);
+    let figures = task.figures(&recording, &data);
+    let html = page(&recording, &summary, &figures);
+    // Should anything go wrong from here on, no earlier report is left beside half of a new one.
+    remove(&run_dir.join(REPORT))?;
+    remove(&run_dir.join(SUMMARY))?;
+    let directory = run_dir.join(FIGURES);
+    fs::create_dir_all(&directory).map_err(|source| ReportError::Write {
+        path: directory.clone(),
+        source,
+    })?;
+    for figure in &figures {
+        let path = directory.join(figure.file_name());
+        match &figure.svg {
+            Some(svg) => write_whole(&path, svg.as_bytes())?,
+            None => remove(&path)?,
+        }
+    }
+    let summary_path = run_dir.join(SUMMARY);
+    let json = summary.to_json().map_err(|e| ReportError::Write {
+        path: summary_path.clone(),
+        source: e.into(),
+    })?;
+    write_whole(&summary_path, json.as_bytes())?;
+    let report_path = run_dir.join(REPORT);
+    write_whole(&report_path, html.as_bytes())?;
+    Ok(ReportOutcome {
+        report_path,
+        summary_path,
+        complete: recording.complete,
+        problem: recording.problem,
+        readable_until: recording.readable_until,
+        summary,
+        whose: task.whose(),
+    })
+}
+
+/// Reads the recording, or sets aside the report that it cannot back any more.
+fn read(run_dir: &Path) -> Result<Recording, ReportError> {
+    let error = match Recording::read(run_dir.join(RECORDING)) {
+        Ok(recording) => return Ok(recording),
+        Err(error) => error,
+    };
+    // Without a recording this may be no run's folder at all, and its files are not ours.
+    if !matches!(error, RecordError::NothingReadable { .. }) {
+        return Err(error.into());
+    }
+    let mut set_aside = Vec::new();
+    for name in [REPORT, SUMMARY] {
+        let (path, stale) = (run_dir.join(name), format!("{name}{STALE}"));
+        if path.exists() {
+            fs::rename(&path, run_dir.join(&stale))
+                .map_err(|source| ReportError::Write { path, source })?;
+            set_aside.push(stale);
+        }
+    }
+    if set_aside.is_empty() {
+        return Err(error.into());
+    }
+    let files = set_aside.join(", ");
+    Err(ReportError::SetAside { error, files })
+}
+
+/// Removes a file of an earlier report, if there is one.
+fn remove(path: &Path) -> Result<(), ReportError> {
+    match fs::remove_file(path) {
+        Err(source) if source.kind() != std::io::ErrorKind::NotFound => Err(ReportError::Write {
+            path: path.to_path_buf(),
+            source,
+        }),
+        _ => Ok(()),
+    }
+}
+
+/// Writes a file so that it is there whole or not at all.
+fn write_whole(path: &Path, content: &[u8]) -> Result<(), ReportError> {
+    let mut name = path.file_name().unwrap_or_default().to_os_string();
+    name.push(".part");
+    let part = path.with_file_name(name);
+    let written = fs::File::create(&part)
+        .and_then(|mut file| {
+            file.write_all(content)?;
+            file.sync_all()
+        })
+        .and_then(|()| fs::rename(&part, path));
+    written.map_err(|source| {
+        // The part is of no use to anyone; that it may not exist does not matter.
+        let _ = fs::remove_file(&part);
+        ReportError::Write {
+            path: path.to_path_buf(),
+            source,
+        }
+    })
+}

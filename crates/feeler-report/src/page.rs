@@ -1,0 +1,211 @@
+//! `report.html`: one self-contained page for phone, desk and print.
+
+use super::claim::{Claim, ClaimPart, Relation};
+use super::document::document;
+use super::figures::Figure;
+use super::summary::Summary;
+use super::tasks::{self, TaskReport};
+use super::text::{significant, value};
+use feeler_record::{Phase, Recording, RunFacts};
+use maud::{Markup, PreEscaped, html};
+
+/// The page, as HTML text.
+pub fn page(recording: &Recording, summary: &Summary, figures: &[Figure]) -> String {
+    let facts = &recording.facts;
+    let task = tasks::of(facts);
+    let name = format!("{}, seed {}", facts.experiment, facts.seed);
+    let mark = if recording.complete {
+        ""
+    } else {
+        "INCOMPLETE: "
+    };
+    let body = html! {
+        (banner(recording))
+        h1 { "Run report: " (name) }
+        @if let Some(original) = &facts.replay_of {
+            p.note {
+                "A replay. Joint angles, torque and cap are those on record and did not follow from the "
+                "commands here. Replayed was the recording with digest " span.digest { (original) } "."
+            }
+        }
+        p.verdict { (verdict(recording, summary, task)) }
+        @if !summary.claims.is_empty() {
+            h2 { "Claims " (task.whose()) }
+            (claims_table(&summary.claims))
+        }
+        (task.measured(recording, summary))
+        h2 { "Figures" }
+        div.figures { @for figure in figures { (figure_markup(figure)) } }
+        h2 { "The run" }
+        (facts_table(facts, summary))
+        details {
+            summary { "The experiment as run (" code { "experiment.toml" } ")" }
+            pre { (recording.experiment) }
+        }
+        p { "Digest of the recording's content (SHA-256):" br; span.digest { (summary.digest) } }
+        p.note {
+            "The paper is M. Ohka, N. Morisawa and H. B. Yussof, “Trajectory Generation of Robotic "
+            "Fingers Based on Tri-axial Tactile Data for Cap Screwing Task”, 2009. Everything on this "
+            "page is computed from the recording."
+        }
+    };
+    document(&format!("{mark}{name}"), body)
+}
+
+/// The unmistakable sign over a report of a damaged recording.
+fn banner(recording: &Recording) -> Markup {
+    html! {
+        @if let Some(problem) = &recording.problem {
+            div.incomplete role="alert" {
+                "INCOMPLETE: readable up to t = " (format!("{:.2}", recording.readable_until)) " s. "
+                "The recording is damaged or the run was interrupted (" (problem) "). "
+                "Numbers and figures below are of what is readable only."
+            }
+        }
+    }
+}
+
+/// The run in one paragraph.
+fn verdict(recording: &Recording, summary: &Summary, task: &dyn TaskReport) -> Markup {
+    let total = summary.claims.len();
+    let held = summary.claims.iter().filter(|claim| claim.holds).count();
+    let ids = |wanted: fn(&Claim) -> bool| {
+        let claims = summary.claims.iter().filter(|claim| wanted(claim));
+        claims.map(|claim| claim.id).collect::<Vec<_>>().join(", ")
+    };
+    let failed = ids(|claim| !claim.holds && claim.is_measured());
+    let unmeasured = ids(|claim| !claim.is_measured());
+    html! {
+        (task.verdict(recording, summary)) " "
+        @if total == 0 {
+        } @else if held == total {
+            span.holds { "All " (total) " claims " (task.whose()) " hold." }
+        } @else {
+            span.fails { (held) " of the " (total) " claims " (task.whose()) " hold" }
+            @if !failed.is_empty() { "; not: " (failed) }
+            @if !unmeasured.is_empty() { "; not measured: " (unmeasured) }
+            "."
+        }
+        @if let Some(task) = recording.task.last().filter(|task| task.phase != Phase::Done) {
+            " The task was not done: the run ended in " (task.phase) " of stroke " (task.stroke)
+            @if !task.reason.is_empty() { ", because " (task.reason) }
+            "."
+        }
+    }
+}
+
+fn claims_table(claims: &[Claim]) -> Markup {
+    html! {
+        div.scroll {
+            table {
+                thead { tr { th { "Claim" } th.number { "Value" } th.number { "Bound" } th { "Holds" } } }
+                @for claim in claims {
+                    tbody.claim {
+                        tr {
+                            td colspan="3" { (claim.text) " " span.unit { (claim.id) } }
+                            td { (holds(claim.holds)) }
+                        }
+                        @for part in &claim.parts { (part_row(part)) }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn part_row(part: &ClaimPart) -> Markup {
+    let sign = match part.relation {
+        Relation::AtLeast => "≥",
+        Relation::AtMost => "≤",
+        Relation::Below => "<",
+        Relation::Equals => "=",
+        Relation::Within => "±",
+    };
+    html! {
+        tr {
+            td.part { (part.name) }
+            td.number { (value(part.value)) " " span.unit { (part.unit) } }
+            td.number { (sign) " " (significant(part.bound)) " " span.unit { (part.unit) } }
+            // The claim's own mark covers the parts that hold.
+            td { @if !part.holds { (holds(false)) } }
+        }
+    }
+}
+
+fn holds(holds: bool) -> Markup {
+    html! {
+        @if holds { span.holds { "✓ yes" } } @else { span.fails { "✗ no" } }
+    }
+}
+
+fn figure_markup(figure: &Figure) -> Markup {
+    html! {
+        figure id=(format!("fig-{:02}", figure.number)) {
+            @match &figure.svg {
+                Some(svg) => (PreEscaped(svg)),
+                None => div.missing { "Not in this recording." },
+            }
+            figcaption {
+                b { "Fig. " (figure.number) ". " (figure.title) ". " }
+                (figure.caption)
+            }
+        }
+    }
+}
+
+fn facts_table(facts: &RunFacts, summary: &Summary) -> Markup {
+    let unknown = || "unknown".to_string();
+    let rows = [
+        ("Experiment", facts.experiment.clone()),
+        ("Task", facts.task.clone()),
+        ("Seed", facts.seed.to_string()),
+        ("Version of feeler", facts.version.clone()),
+        ("Sensing", facts.sensing.clone()),
+        ("Fingers", facts.fingers.to_string()),
+        (
+            "Control period",
+            format!("{} ms", significant(1e3 * facts.control_period)),
+        ),
+        (
+            "Feeler tip radius",
+            format!("{} mm", significant(1e3 * facts.feeler_tip_radius)),
+        ),
+        (
+            "Touch threshold F1",
+            format!("{} N", significant(facts.touch_force_threshold)),
+        ),
+        (
+            "Over threshold F2",
+            format!("{} N", significant(facts.over_force_threshold)),
+        ),
+        (
+            "Slip threshold dr",
+            format!("{} N/s", significant(facts.slip_threshold)),
+        ),
+        (
+            "Grasp threshold or load",
+            format!("{} N", significant(facts.grasp_force_threshold)),
+        ),
+        (
+            "Time on record",
+            format!("{} s", significant(summary.sim_time)),
+        ),
+        (
+            "Wall time",
+            summary
+                .wall_time
+                .map_or_else(unknown, |t| format!("{} s", significant(t))),
+        ),
+        (
+            "Real-time factor",
+            summary.real_time_factor.map_or_else(unknown, significant),
+        ),
+    ];
+    html! {
+        table {
+            tbody {
+                @for (name, value) in rows { tr { th scope="row" { (name) } td { (value) } } }
+            }
+        }
+    }
+}

@@ -1,0 +1,339 @@
+//! A recording as time-aligned columns: one row per control step, split into strokes.
+
+use feeler::sensor::layout::SensingElement;
+use feeler_record::{
+    Cap, FingerRecord, Fingertip, Flags, NO_ELEMENT, Phase, Recording, RunFacts, Stamped, Tactile,
+    Task, TorqueSensor, TrueSlip,
+};
+use glam::{DQuat, DVec3};
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+/// One finger's columns; all have as many rows as [`RunData::time`].
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct FingerColumns {
+    /// Sum of the positive F_z, N.
+    pub grasp_force: Vec<f64>,
+    /// SLIP.
+    pub slip: Vec<bool>,
+    /// OVER.
+    pub over: Vec<bool>,
+    /// Longest way that the anchor of one of its feelers slid since the row before, m, where a simulated world told.
+    pub slipped: Vec<Option<f64>>,
+    /// The touching element of largest F_z.
+    pub largest_element: Vec<Option<usize>>,
+    /// Shear rate of that element, N/s; 0 when none touches.
+    pub shear_rate: Vec<f64>,
+    /// Force on every element in its frame, N; z is compression.
+    pub forces: Vec<Vec<DVec3>>,
+    /// Centre of the dome, m in `W`.
+    pub position: Vec<DVec3>,
+    /// From the fingertip frame `T` to `W`.
+    pub rotation: Vec<DQuat>,
+    /// Undeformed tip of every element's feeler, m in `W`.
+    pub element_tips: Vec<Vec<DVec3>>,
+}
+
+impl FingerColumns {
+    /// Path over MOVE of the undeformed tip of the element that leads the stroke, m in `W`: the
+    /// touching element of largest F_z when MOVE begins.
+    pub fn leading_path(&self, stroke: &Stroke) -> Option<Vec<DVec3>> {
+        let moving = stroke.moving.clone();
+        let leading = moving.clone().find_map(|row| self.largest_element[row])?;
+        let tips = moving.map(|row| self.element_tips[row].get(leading).copied());
+        tips.collect()
+    }
+
+    /// Force on the feeler of `element` by what it touches at a row, N, in `W`.
+    pub fn force_in_world(&self, row: usize, element: usize) -> Option<DVec3> {
+        let force = self.forces.get(row)?.get(element)?;
+        let (centre, rotation) = (self.position.get(row)?, self.rotation.get(row)?);
+        let tip = self.element_tips.get(row)?.get(element)?;
+        let outward = rotation.inverse() * (*tip - *centre).normalize_or_zero();
+        let element = SensingElement::facing(outward).rotation;
+        Some(*rotation * (element * force.with_z(-force.z)))
+    }
+
+    fn push(&mut self, tactile: &Tactile, flags: &Flags, fingertip: &Fingertip) {
+        let largest = (flags.largest_element != NO_ELEMENT)
+            .then_some(flags.largest_element as usize)
+            .filter(|&element| element < flags.shear_rate.len());
+        self.grasp_force.push(flags.grasp_force);
+        self.slip.push(flags.slip);
+        self.over.push(flags.over);
+        self.largest_element.push(largest);
+        let shear_rate = largest.map_or(0.0, |element| flags.shear_rate[element]);
+        self.shear_rate.push(shear_rate);
+        let forces = tactile.forces.iter().map(|&force| force.into());
+        self.forces.push(forces.collect());
+        self.position.push(fingertip.position.into());
+        self.rotation.push(fingertip.orientation.into());
+        let tips = fingertip.element_tips.iter().map(|&tip| tip.into());
+        self.element_tips.push(tips.collect());
+    }
+}
+
+/// One touch-and-release stroke, as ranges of rows.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Stroke {
+    /// Number of the stroke, from 1.
+    pub index: u32,
+    /// All rows of the stroke.
+    pub rows: Range<usize>,
+    /// Rows of its MOVE phase; empty if it has none.
+    pub moving: Range<usize>,
+    /// Whether the recording goes on after MOVE, so that MOVE is known to be over.
+    pub whole: bool,
+}
+
+/// A run as columns, one row per control step at which every channel had a value.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RunData {
+    /// The run's constants.
+    pub facts: RunFacts,
+    /// Time of each row, s.
+    pub time: Vec<f64>,
+    /// Phase of the task.
+    pub phase: Vec<Phase>,
+    /// Measured torque, N·m, positive when the cap is turned in the closing direction.
+    pub torque: Vec<f64>,
+    /// Angle the cap has turned since the run's start, rad, positive = closing.
+    pub cap_angle: Vec<f64>,
+    /// The cap's centre, m in `W`.
+    pub cap_centre: Vec<DVec3>,
+    /// One entry per finger.
+    pub fingers: Vec<FingerColumns>,
+    /// The strokes, in the order of time.
+    pub strokes: Vec<Stroke>,
+    /// What the task found out in the end, by name.
+    pub findings: BTreeMap<String, f64>,
+}
+
+impl RunData {
+    /// Aligns a recording: each control step takes the newest message of every channel that is
+    /// not younger than the step.
+    pub fn new(recording: &Recording) -> Self {
+        let mut data = Self {
+            facts: recording.facts.clone(),
+            time: Vec::new(),
+            phase: Vec::new(),
+            torque: Vec::new(),
+            cap_angle: Vec::new(),
+            cap_centre: Vec::new(),
+            fingers: vec![FingerColumns::default(); recording.fingers.len()],
+            strokes: Vec::new(),
+            findings: findings(recording),
+        };
+        let mut torque = Newest::new(&recording.torque_sensor);
+        let mut cap = Newest::new(&recording.cap);
+        let mut slip = Newest::new(&recording.true_slip);
+        let mut fingers: Vec<_> = recording.fingers.iter().map(FingerNewest::new).collect();
+        let mut stroke_numbers = Vec::new();
+        for task in &recording.task {
+            // Advance all, also when one has nothing yet.
+            let (torque, cap) = (torque.at(task.stamp), cap.at(task.stamp));
+            let slip = slip.at(task.stamp);
+            let fingers: Vec<_> = fingers.iter_mut().map(|f| f.at(task.stamp)).collect();
+            let fingers: Option<Vec<_>> = fingers.into_iter().collect();
+            if let (Some(torque), Some(cap), Some(fingers)) = (torque, cap, fingers) {
+                data.push(task, torque, cap, &fingers);
+                data.push_slip(slip);
+                stroke_numbers.push(task.stroke);
+            }
+        }
+        data.strokes = split_strokes(&stroke_numbers, &data.phase);
+        data
+    }
+
+    /// The stroke of this number, if it was made and its MOVE is over.
+    pub fn whole_stroke(&self, index: u32) -> Option<&Stroke> {
+        let mut strokes = self.strokes.iter();
+        strokes.find(|s| s.index == index && s.whole && !s.moving.is_empty())
+    }
+
+    /// Grasp force at a row, mean over fingers, N.
+    pub fn grasp_force(&self, row: usize) -> f64 {
+        self.mean_over_fingers(|finger| finger.grasp_force[row])
+    }
+
+    /// Shear rate of the element of largest F_z at a row, mean over fingers, N/s.
+    pub fn shear_rate(&self, row: usize) -> f64 {
+        self.mean_over_fingers(|finger| finger.shear_rate[row])
+    }
+
+    /// Mean of a quantity over fingers.
+    pub fn mean_over_fingers(&self, quantity: impl Fn(&FingerColumns) -> f64) -> f64 {
+        self.fingers.iter().map(quantity).sum::<f64>() / self.fingers.len().max(1) as f64
+    }
+
+    fn push(
+        &mut self,
+        task: &Task,
+        torque: &TorqueSensor,
+        cap: &Cap,
+        fingers: &[(&Tactile, &Flags, &Fingertip)],
+    ) {
+        self.time.push(task.stamp);
+        self.phase.push(task.phase);
+        self.torque.push(torque.torque);
+        self.cap_angle.push(cap.angle);
+        self.cap_centre.push(cap.centre.into());
+        for (columns, (tactile, flags, fingertip)) in self.fingers.iter_mut().zip(fingers) {
+            columns.push(tactile, flags, fingertip);
+        }
+    }
+
+    fn push_slip(&mut self, slip: Option<&TrueSlip>) {
+        for (finger, columns) in self.fingers.iter_mut().enumerate() {
+            let distance = slip.and_then(|slip| slip.distance.get(finger).copied());
+            columns.slipped.push(distance);
+        }
+    }
+}
+
+/// What the task found out in the end, as far as it is known.
+fn findings(recording: &Recording) -> BTreeMap<String, f64> {
+    let last = recording.findings.last().into_iter();
+    last.flat_map(|found| {
+        found
+            .names
+            .iter()
+            .cloned()
+            .zip(found.values.iter().copied())
+    })
+    .filter(|(_, value)| value.is_finite())
+    .collect()
+}
+
+/// Walks one channel: the newest message that is not younger than a time.
+struct Newest<'a, M> {
+    messages: &'a [M],
+    next: usize,
+}
+
+impl<'a, M: Stamped> Newest<'a, M> {
+    fn new(messages: &'a [M]) -> Self {
+        Self { messages, next: 0 }
+    }
+
+    fn at(&mut self, time: f64) -> Option<&'a M> {
+        /// Stamps within a nanosecond, the resolution of the recording's clock, are one time.
+        const SAME: f64 = 1e-9;
+        while (self.messages.get(self.next)).is_some_and(|m| m.stamp() <= time + SAME) {
+            self.next += 1;
+        }
+        self.messages.get(self.next.checked_sub(1)?)
+    }
+}
+
+/// The channels of one finger that become columns.
+struct FingerNewest<'a> {
+    tactile: Newest<'a, Tactile>,
+    flags: Newest<'a, Flags>,
+    fingertip: Newest<'a, Fingertip>,
+}
+
+impl<'a> FingerNewest<'a> {
+    fn new(finger: &'a FingerRecord) -> Self {
+        Self {
+            tactile: Newest::new(&finger.tactile),
+            flags: Newest::new(&finger.flags),
+            fingertip: Newest::new(&finger.fingertip),
+        }
+    }
+
+    fn at(&mut self, time: f64) -> Option<(&'a Tactile, &'a Flags, &'a Fingertip)> {
+        let tactile = self.tactile.at(time);
+        let flags = self.flags.at(time);
+        let fingertip = self.fingertip.at(time);
+        Some((tactile?, flags?, fingertip?))
+    }
+}
+
+/// Splits rows into strokes: a stroke is a run of rows with one number above 0, without the rows
+/// after the task ended; its MOVE is the longest run of MOVE rows in it.
+fn split_strokes(numbers: &[u32], phases: &[Phase]) -> Vec<Stroke> {
+    let ended = |phase| matches!(phase, Phase::Done | Phase::Stopped);
+    let number = |row: usize| if ended(phases[row]) { 0 } else { numbers[row] };
+    runs(numbers.len(), number)
+        .filter(|(index, _)| *index > 0)
+        .map(|(index, rows)| {
+            let moving = runs(rows.len(), |row| phases[rows.start + row] == Phase::Move)
+                .filter(|(moving, _)| *moving)
+                .map(|(_, run)| rows.start + run.start..rows.start + run.end)
+                .max_by_key(ExactSizeIterator::len)
+                .unwrap_or(rows.start..rows.start);
+            let next = phases.get(moving.end);
+            let whole = next.is_some_and(|&phase| phase != Phase::Stopped);
+            Stroke {
+                index,
+                rows,
+                moving,
+                whole,
+            }
+        })
+        .collect()
+}
+
+/// The runs of equal keys in `0..length`.
+fn runs<K: PartialEq + Copy>(
+    length: usize,
+    key: impl Fn(usize) -> K,
+) -> impl Iterator<Item = (K, Range<usize>)> {
+    let mut start = 0;
+    std::iter::from_fn(move || {
+        let first = (start < length).then(|| key(start))?;
+        let end = (start..length).find(|&i| key(i) != first).unwrap_or(length);
+        let run = start..end;
+        start = end;
+        Some((first, run))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use Phase::{Done, Move, Release, Return, Search, Stopped};
+
+    #[test]
+    fn strokes_are_runs_of_one_number_and_end_with_the_task() {
+        let numbers = [0, 1, 1, 1, 1, 1, 2, 2, 2, 2];
+        let phases = [
+            Search, Search, Move, Move, Release, Return, Search, Move, Return, Done,
+        ];
+        let strokes = split_strokes(&numbers, &phases);
+        assert_eq!(strokes.len(), 2);
+        assert_eq!(
+            (strokes[0].rows.clone(), strokes[0].moving.clone()),
+            (1..6, 2..4)
+        );
+        assert_eq!(
+            (strokes[1].rows.clone(), strokes[1].moving.clone()),
+            (6..9, 7..8)
+        );
+        assert!(strokes.iter().all(|s| s.whole));
+    }
+
+    #[test]
+    fn a_stroke_whose_move_is_cut_off_is_not_whole() {
+        assert!(!split_strokes(&[1, 1, 1], &[Search, Move, Move])[0].whole);
+        assert!(!split_strokes(&[1, 1, 1], &[Search, Move, Stopped])[0].whole);
+        let without_move = &split_strokes(&[1, 1], &[Search, Search])[0];
+        assert!(without_move.moving.is_empty());
+    }
+
+    #[test]
+    fn newest_holds_the_last_message_and_knows_none_before_the_first() {
+        let cap = |stamp| Cap {
+            stamp,
+            ..Cap::default()
+        };
+        let messages = [cap(0.1), cap(0.2), cap(0.2 + 5e-10)];
+        let mut newest = Newest::new(&messages);
+        assert_eq!(newest.at(0.0), None);
+        assert_eq!(newest.at(0.1), Some(&messages[0]));
+        assert_eq!(newest.at(0.15), Some(&messages[0]));
+        assert_eq!(newest.at(0.2), Some(&messages[2]));
+        assert_eq!(newest.at(9.0), Some(&messages[2]));
+    }
+}

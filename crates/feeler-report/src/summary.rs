@@ -1,0 +1,94 @@
+//! `summary.json`: a run in numbers, with stable keys.
+
+use super::cap::CapMeasures;
+use super::claim::Claim;
+use super::run_data::RunData;
+use super::series::finite;
+use super::stroke_pattern::StrokePattern;
+use super::strokes::StrokeMeasures;
+use super::tasks;
+use feeler_record::Recording;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// A run in numbers. The field names are the keys of `summary.json`; what is not known is null.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Summary {
+    /// Name of the experiment.
+    pub experiment: String,
+    /// Which task it was.
+    pub task: String,
+    /// Seed of every random quantity.
+    pub seed: u64,
+    /// Version of the program that ran it.
+    pub version: String,
+    /// How forces were obtained: `image` or `direct`.
+    pub sensing: String,
+    /// Whether the recording is whole.
+    pub complete: bool,
+    /// Time of the run that is on record, s.
+    pub sim_time: f64,
+    /// Wall time that the run took, s.
+    pub wall_time: Option<f64>,
+    /// `sim_time / wall_time`.
+    pub real_time_factor: Option<f64>,
+    /// The strokes, in the order of time.
+    pub strokes: Vec<StrokeMeasures>,
+    /// Whether the strokes go up and down as in the paper's Fig. 8, if there are four.
+    pub stroke_pattern: Option<StrokePattern>,
+    /// What came of the task, in a few words, if it could tell.
+    pub outcome: Option<String>,
+    /// What the task found out, by name, in SI units.
+    pub findings: BTreeMap<String, Option<f64>>,
+    /// The claims of the task.
+    pub claims: Vec<Claim>,
+    /// How the cap was closed or opened, where that was not merely a count of strokes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cap: Option<CapMeasures>,
+    /// Angle the cap has turned at the end, rad, positive = closing.
+    pub cap_angle: Option<f64>,
+    /// Digest of the recording's content.
+    pub digest: String,
+}
+
+impl Summary {
+    /// Summarises a recording.
+    pub fn new(recording: &Recording, data: &RunData) -> Self {
+        let facts = &recording.facts;
+        let found = recording.findings.last();
+        let factor = |seconds| finite(recording.readable_until / seconds);
+        let strokes: Vec<_> = (data.strokes.iter())
+            .map(|stroke| StrokeMeasures::new(data, stroke))
+            .collect();
+        Self {
+            experiment: facts.experiment.clone(),
+            task: facts.task.clone(),
+            seed: facts.seed,
+            version: facts.version.clone(),
+            sensing: facts.sensing.clone(),
+            complete: recording.complete,
+            sim_time: recording.readable_until,
+            wall_time: recording.wall_time,
+            real_time_factor: recording.wall_time.and_then(factor),
+            stroke_pattern: StrokePattern::new(&strokes),
+            strokes,
+            outcome: found.and_then(|f| (!f.outcome.is_empty()).then(|| f.outcome.clone())),
+            findings: (found.into_iter())
+                .flat_map(|f| f.names.iter().cloned().zip(&f.values))
+                .map(|(name, &value)| (name, finite(value)))
+                .collect(),
+            claims: tasks::of(facts).claims(recording, data),
+            cap: CapMeasures::new(recording, data),
+            cap_angle: (recording.cap.last()).and_then(|cap| finite(cap.angle)),
+            digest: recording.digest.to_string(),
+        }
+    }
+
+    /// The text of `summary.json`.
+    ///
+    /// # Errors
+    /// None that a summary can cause; serde's signature has one.
+    pub fn to_json(&self) -> Result<String, serde_json::Error> {
+        serde_json::to_string_pretty(self).map(|json| json + "\n")
+    }
+}

@@ -1,0 +1,249 @@
+//! The carry task: where the object went, against where it should go, and how hard it was gripped.
+
+use super::{TaskReport, findings};
+use crate::claim::{Claim, ClaimPart, Relation};
+use crate::figures::Figure;
+use crate::figures::canvas::{CAP, Pen, finger_colour, frame, line, panel, range};
+use crate::run_data::RunData;
+use crate::series::{finite, maximum};
+use crate::summary::Summary;
+use feeler_record::{ObjectPose, Recording};
+use glam::{DQuat, DVec3};
+use kuva::render::figure::Figure as Panels;
+use maud::Markup;
+
+/// How far the object may end from its goal, m.
+const PLACE: f64 = 2e-3;
+/// How far it may have turned, and how far it may tip, deg.
+const TURN: f64 = 3.0;
+/// How much lower than the path's highest place it may stay, m.
+const DROP: f64 = 5e-3;
+/// Metres to millimetres.
+const MM: f64 = 1e3;
+
+/// What the experiment asks for.
+struct Goal {
+    /// From where the object was taken, m, in W.
+    end: DVec3,
+    highest: f64,
+    /// N.
+    crush_force: f64,
+}
+
+impl Goal {
+    fn new(recording: &Recording) -> Option<Self> {
+        let experiment: toml::Table = recording.experiment.parse().ok()?;
+        let carry = experiment.get("task")?.get("carry")?;
+        let waypoints = carry.get("waypoint")?.as_array()?.iter();
+        let place = |waypoint: &toml::Value| {
+            let to = waypoint.get("to")?.as_array()?;
+            let along = |axis: usize| number(to.get(axis)?);
+            Some(DVec3::new(along(0)?, along(1)?, along(2)?))
+        };
+        let places: Option<Vec<_>> = waypoints.map(place).collect();
+        let places = places?;
+        Some(Self {
+            end: *places.last()?,
+            highest: places.iter().map(|place| place.z).fold(0.0, f64::max),
+            crush_force: number(carry.get("crush_force")?)?,
+        })
+    }
+}
+
+/// A number, however it is written.
+fn number(value: &toml::Value) -> Option<f64> {
+    let whole = || value.as_integer().map(|number| number as f64);
+    value.as_float().or_else(whole)
+}
+
+fn position(pose: &ObjectPose) -> DVec3 {
+    pose.position.into()
+}
+
+/// How a pose is turned from another: about W's z, and by how much its upright axis tips, rad.
+fn turned(from: &ObjectPose, to: &ObjectPose) -> (f64, f64) {
+    let rotation = |pose: &ObjectPose| {
+        let q = &pose.orientation;
+        DQuat::from_xyzw(q.x, q.y, q.z, q.w)
+    };
+    let turn = rotation(to) * rotation(from).inverse();
+    let side = turn * DVec3::X;
+    let upright = turn * DVec3::Z;
+    (side.y.atan2(side.x), upright.angle_between(DVec3::Z))
+}
+
+/// The report of this task.
+pub struct CarryReport;
+
+impl TaskReport for CarryReport {
+    fn whose(&self) -> &'static str {
+        "of this task"
+    }
+
+    fn claims(&self, recording: &Recording, data: &RunData) -> Vec<Claim> {
+        claims(recording, data)
+    }
+
+    fn figures(&self, recording: &Recording, data: &RunData) -> Vec<Figure> {
+        figures(recording, data)
+    }
+
+    fn verdict(&self, _: &Recording, summary: &Summary) -> Markup {
+        findings::verdict(summary)
+    }
+
+    fn measured(&self, _: &Recording, summary: &Summary) -> Markup {
+        findings::table(summary)
+    }
+}
+
+/// What the task is held to.
+fn claims(recording: &Recording, data: &RunData) -> Vec<Claim> {
+    let goal = Goal::new(recording);
+    let ends = recording.object.first().zip(recording.object.last());
+    let end_error = ends.zip(goal.as_ref()).map(|((first, last), goal)| {
+        let way = position(last) - position(first);
+        MM * (way - goal.end).truncate().length()
+    });
+    let turn = ends.map(|(first, last)| turned(first, last).0.to_degrees());
+    let tip = ends.and_then(|(first, _)| {
+        maximum((recording.object.iter()).map(|pose| turned(first, pose).1.to_degrees()))
+    });
+    let rise = ends.and_then(|(first, _)| {
+        maximum((recording.object.iter()).map(|pose| position(pose).z - position(first).z))
+    });
+    let below = rise
+        .zip(goal.as_ref())
+        .map(|(rise, goal)| MM * (goal.highest - rise));
+    let carried = (recording.findings.last()).map(|f| f64::from(u8::from(f.outcome == "carried")));
+    let pressing = maximum(
+        data.fingers
+            .iter()
+            .flat_map(|finger| finger.grasp_force.iter().copied()),
+    );
+    let crush_force = goal.as_ref().map_or(0.0, |goal| goal.crush_force);
+    vec![
+        Claim::new(
+            "carried",
+            "The object is carried to the path's end.",
+            vec![
+                ClaimPart::new("carried", carried, Relation::Equals, 1.0),
+                ClaimPart::new(
+                    "distance from the path's end",
+                    end_error,
+                    Relation::AtMost,
+                    MM * PLACE,
+                )
+                .in_unit("mm"),
+                ClaimPart::new("turned about the upright", turn, Relation::Within, TURN)
+                    .in_unit("°"),
+            ],
+        ),
+        Claim::new(
+            "not-dropped",
+            "It neither tips nor stays behind.",
+            vec![
+                ClaimPart::new("tipped", tip, Relation::AtMost, TURN).in_unit("°"),
+                ClaimPart::new(
+                    "highest place below the path's",
+                    below,
+                    Relation::AtMost,
+                    MM * DROP,
+                )
+                .in_unit("mm"),
+            ],
+        ),
+        Claim::new(
+            "not-crushed",
+            "No finger presses harder than it may.",
+            vec![
+                ClaimPart::new(
+                    "largest grasp force of a finger",
+                    pressing,
+                    Relation::AtMost,
+                    crush_force,
+                )
+                .in_unit("N"),
+            ],
+        ),
+    ]
+}
+
+/// Where the object went, and how hard it was gripped.
+fn figures(recording: &Recording, data: &RunData) -> Vec<Figure> {
+    vec![way(recording), grip(data)]
+}
+
+/// What the hand found, as a series over time.
+fn found(recording: &Recording, name: &str) -> Vec<(f64, f64)> {
+    let found = recording.findings.iter().filter_map(|found| {
+        let place = found.names.iter().position(|n| n == name)?;
+        Some((found.stamp, MM * finite(*found.values.get(place)?)?))
+    });
+    found.collect()
+}
+
+fn way(recording: &Recording) -> Figure {
+    let title = "How far the object moved";
+    let names = ["x, true", "y, true", "z, true"];
+    let start = recording.object.first().map_or(DVec3::ZERO, position);
+    let (mut plots, mut legend, mut all) = (Vec::new(), Vec::new(), Vec::new());
+    for (axis, name) in names.into_iter().enumerate() {
+        let truth = recording.object.iter();
+        let truth: Vec<_> = truth
+            .map(|pose| (pose.stamp, MM * (position(pose) - start)[axis]))
+            .collect();
+        let felt = found(recording, ["moved_x_m", "moved_y_m", "moved_z_m"][axis]);
+        all.extend(truth.iter().chain(&felt).copied());
+        let pen = Pen::solid(finger_colour(axis), 1.6);
+        plots.push(line(truth, pen));
+        plots.push(line(felt, Pen::dashed(CAP, 1.0)));
+        legend.push((name, pen));
+    }
+    legend.push(("as felt", Pen::dashed(CAP, 1.0)));
+    let ranges = range(all.iter().map(|p| p.0)).zip(range(all.iter().map(|p| p.1)));
+    let svg = ranges
+        .filter(|_| !recording.object.is_empty())
+        .map(|(time, way)| {
+            let layout = panel(time, way, "Time (s)", "Moved (mm)");
+            let panels = Panels::new(1, 1)
+                .with_plots(vec![plots])
+                .with_layouts(vec![layout]);
+            frame(1, title, &legend, panels, 320.0)
+        });
+    Figure {
+        number: 1,
+        title: title.into(),
+        caption: "From where it was taken. Felt is what the tips say that stick to the object; the true way is the \
+            simulator's, and the hand does not know it."
+            .into(),
+        svg,
+    }
+}
+
+fn grip(data: &RunData) -> Figure {
+    let title = "Grasp force of each finger";
+    const NAMES: [&str; 5] = ["finger 0", "finger 1", "finger 2", "finger 3", "finger 4"];
+    let (mut plots, mut legend, mut most) = (Vec::new(), Vec::new(), 0.0_f64);
+    for (finger, columns) in data.fingers.iter().enumerate().take(NAMES.len()) {
+        let pen = Pen::solid(finger_colour(finger), 1.6);
+        let force = columns.grasp_force.iter().copied();
+        most = most.max(maximum(force.clone()).unwrap_or(0.0));
+        plots.push(line(data.time.iter().copied().zip(force), pen));
+        legend.push((NAMES[finger], pen));
+    }
+    let svg = range(data.time.iter().copied()).map(|time| {
+        let layout = panel(time, (0.0, most), "Time (s)", "Grasp force (N)");
+        let panels = Panels::new(1, 1)
+            .with_plots(vec![plots])
+            .with_layouts(vec![layout]);
+        frame(2, title, &legend, panels, 300.0)
+    });
+    Figure {
+        number: 2,
+        title: title.into(),
+        caption: "The sum of the compressions of a finger's elements. It grows with what the object pulls, and with every slip."
+            .into(),
+        svg,
+    }
+}

@@ -1,0 +1,249 @@
+//! The contour task: the outline that was drawn, against the true section.
+
+use super::{TaskReport, findings};
+use crate::claim::{Claim, ClaimPart, Relation};
+use crate::figures::{Figure, outline};
+use crate::measures::distance_to_path;
+use crate::run_data::RunData;
+use crate::series::{finite, longest_stretch, maximum, rms};
+use crate::summary::Summary;
+use feeler_record::{Phase, Recording};
+use glam::DVec2;
+use maud::Markup;
+
+/// The outline is off by no more than this, RMS, m.
+const RMS_ERROR: f64 = 0.5e-3;
+/// No contact is lost for longer than this, s.
+const LOST_TIME: f64 = 0.1;
+/// A corner was passed if the outline comes as close to it, m: the greatest error that three standard deviations of
+/// the RMS allowed would be.
+const CORNER_DISTANCE: f64 = 1.5e-3;
+/// No part of the section is further than this from the outline, m: it goes all the way round.
+const GREATEST_GAP: f64 = 1.5e-3;
+/// Where the section turns by so much within [`CORNER_LENGTH`], it has a corner, rad.
+const CORNER_ANGLE: f64 = 0.5;
+/// See [`CORNER_ANGLE`], m.
+const CORNER_LENGTH: f64 = 0.4e-3;
+/// Metres to millimetres.
+const MM: f64 = 1e3;
+
+/// The points that were drawn, with their times, s; m, in W.
+pub fn drawn(recording: &Recording) -> Vec<(f64, DVec2)> {
+    let points = recording.findings.iter().filter_map(|found| {
+        let value = |name: &str| {
+            let place = found.names.iter().position(|n| n == name)?;
+            finite(*found.values.get(place)?)
+        };
+        let point = DVec2::new(value("surface_x_m")?, value("surface_y_m")?);
+        Some((found.stamp, point))
+    });
+    points.collect()
+}
+
+/// The true section as a closed path, m, in W.
+pub fn section(recording: &Recording) -> Vec<DVec2> {
+    let points = recording.facts.section.iter();
+    let mut path: Vec<_> = points.map(|&point| DVec2::from_array(point)).collect();
+    path.extend(path.first().copied());
+    path
+}
+
+/// The corners of a closed path: the middles of the stretches in which it turns sharply.
+fn corners(section: &[DVec2]) -> Vec<DVec2> {
+    let Some(ring) = section.len().checked_sub(1).filter(|&count| count > 2) else {
+        return Vec::new();
+    };
+    let length: f64 = section
+        .windows(2)
+        .map(|pair| pair[0].distance(pair[1]))
+        .sum();
+    let reach = (CORNER_LENGTH / length * ring as f64).ceil() as usize;
+    let at = |place: usize| section[place % ring];
+    let turn = |place: usize| {
+        let (before, here, after) = (at(place + ring - reach), at(place), at(place + reach));
+        (here - before).angle_to(after - here).abs()
+    };
+    let turns: Vec<_> = (0..ring).map(turn).collect();
+    let sharpest = |place: &usize| {
+        let near = (ring - reach..=ring + reach).map(|offset| (place + offset) % ring);
+        let largest = near.map(|other| turns[other]).fold(0.0, f64::max);
+        turns[*place] > CORNER_ANGLE && turns[*place] >= largest
+    };
+    let mut found: Vec<DVec2> = Vec::new();
+    for place in (0..ring).filter(sharpest) {
+        let corner = at(place);
+        // Two neighbours that turn alike are one corner.
+        if found
+            .iter()
+            .all(|other| other.distance(corner) > CORNER_LENGTH)
+        {
+            found.push(corner);
+        }
+    }
+    found
+}
+
+/// Longest time without touch while the finger followed, s.
+fn longest_loss(recording: &Recording) -> Option<f64> {
+    let following = |stamp: f64| {
+        let steps = recording
+            .task
+            .partition_point(|task| task.stamp <= stamp + 1e-9);
+        let step = steps.checked_sub(1).map(|step| &recording.task[step]);
+        step.is_some_and(|task| task.phase == Phase::Move)
+    };
+    let threshold = recording.facts.touch_force_threshold;
+    let frames = &recording.fingers.first()?.tactile;
+    let mut frames = frames
+        .iter()
+        .filter(|frame| following(frame.stamp))
+        .peekable();
+    frames.peek()?;
+    let lost = frames.map(|frame| {
+        let forces = frame.forces.iter().map(|&force| glam::DVec3::from(force));
+        !forces
+            .map(|force| force.length())
+            .any(|force| force > threshold)
+    });
+    Some(longest_stretch(lost) as f64 * recording.facts.control_period)
+}
+
+/// The report of this task.
+pub struct ContourReport;
+
+impl TaskReport for ContourReport {
+    fn whose(&self) -> &'static str {
+        "of this task"
+    }
+
+    fn claims(&self, recording: &Recording, _: &RunData) -> Vec<Claim> {
+        claims(recording)
+    }
+
+    fn figures(&self, recording: &Recording, data: &RunData) -> Vec<Figure> {
+        outline::figures(recording, data)
+    }
+
+    fn verdict(&self, _: &Recording, summary: &Summary) -> Markup {
+        findings::verdict(summary)
+    }
+
+    fn measured(&self, _: &Recording, summary: &Summary) -> Markup {
+        findings::table(summary)
+    }
+}
+
+/// What the task is held to.
+fn claims(recording: &Recording) -> Vec<Claim> {
+    let section = section(recording);
+    let drawn: Vec<_> = drawn(recording).into_iter().map(|(_, p)| p).collect();
+    let known = section.len() > 1 && !drawn.is_empty();
+    let known = |value: Option<f64>| value.filter(|_| known);
+    let errors = || drawn.iter().map(|&point| distance_to_path(point, &section));
+    let nearest = |point: DVec2| {
+        drawn
+            .iter()
+            .map(|d| d.distance(point))
+            .fold(f64::INFINITY, f64::min)
+    };
+    let corners = corners(&section);
+    let passed = corners
+        .iter()
+        .filter(|&&corner| nearest(corner) <= CORNER_DISTANCE);
+    let closed = recording
+        .findings
+        .last()
+        .map(|found| f64::from(u8::from(found.outcome == "closed")));
+    let millimetres = |value: Option<f64>| known(value).map(|v| MM * v);
+    let gap = maximum(section.iter().map(|&point| nearest(point)));
+    vec![
+        Claim::new(
+            "outline-closed",
+            "The finger goes all the way round and notices it.",
+            vec![
+                ClaimPart::new("closed", closed, Relation::Equals, 1.0),
+                ClaimPart::new(
+                    "largest distance of the section from the outline",
+                    millimetres(gap),
+                    Relation::AtMost,
+                    MM * GREATEST_GAP,
+                )
+                .in_unit("mm"),
+            ],
+        ),
+        Claim::new(
+            "outline-true",
+            "The outline is the object's section.",
+            vec![
+                ClaimPart::new(
+                    "RMS error",
+                    millimetres(rms(errors())),
+                    Relation::AtMost,
+                    MM * RMS_ERROR,
+                )
+                .in_unit("mm"),
+            ],
+        ),
+        Claim::new(
+            "corners-passed",
+            "No corner is left out.",
+            vec![ClaimPart::new(
+                "corners passed",
+                known(Some(passed.count() as f64)),
+                Relation::Equals,
+                corners.len() as f64,
+            )],
+        ),
+        Claim::new(
+            "contact-kept",
+            "The finger does not lose the object.",
+            vec![
+                ClaimPart::new(
+                    "longest time without touch",
+                    longest_loss(recording),
+                    Relation::AtMost,
+                    LOST_TIME,
+                )
+                .in_unit("s"),
+            ],
+        ),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    fn closed(mut path: Vec<DVec2>) -> Vec<DVec2> {
+        path.push(path[0]);
+        path
+    }
+
+    #[test]
+    fn a_square_has_four_corners_and_a_circle_none() {
+        let corners_of = |ends: [DVec2; 4]| {
+            let sides = (0..4).flat_map(|side| {
+                let (from, to) = (ends[side], ends[(side + 1) % 4]);
+                (0..200).map(move |step| from.lerp(to, f64::from(step) / 200.0))
+            });
+            corners(&closed(sides.collect()))
+        };
+        let ends = [(0.01, 0.01), (-0.01, 0.01), (-0.01, -0.01), (0.01, -0.01)];
+        let found = corners_of(ends.map(DVec2::from));
+        assert_eq!(found.len(), 4, "{found:?}");
+        assert!(
+            ends.iter()
+                .all(|&end| found.iter().any(|f| f.distance(end.into()) < 1e-9))
+        );
+
+        let circle = (0..800).map(|i| 0.01 * DVec2::from_angle(TAU * f64::from(i) / 800.0));
+        assert_eq!(corners(&closed(circle.collect())), []);
+    }
+
+    #[test]
+    fn no_section_has_no_corners() {
+        assert_eq!(corners(&[]), []);
+        assert_eq!(corners(&[DVec2::ZERO, DVec2::X]), []);
+    }
+}

@@ -1,0 +1,117 @@
+//! The report of the friction scan: what was found, held against the truth where a simulated world knows it.
+
+use super::TaskReport;
+use crate::claim::{Claim, ClaimPart, Relation};
+use crate::claims::no_damage;
+use crate::figures::{Figure, friction};
+use crate::run_data::RunData;
+use crate::summary::Summary;
+use crate::text::{significant, value};
+use feeler_record::{Recording, RunFacts};
+use maud::{Markup, html};
+
+/// Greatest relative error of a coefficient.
+const TOLERANCE: f64 = 0.05;
+
+/// The coefficients: name of the finding, and in words.
+const COEFFICIENTS: [(&str, &str); 2] = [
+    ("static_friction", "Static coefficient"),
+    ("kinetic_friction", "Kinetic coefficient"),
+];
+
+/// The report of the friction scan.
+pub struct FrictionScanReport;
+
+impl TaskReport for FrictionScanReport {
+    fn whose(&self) -> &'static str {
+        "of this task"
+    }
+
+    fn claims(&self, _: &Recording, data: &RunData) -> Vec<Claim> {
+        let error =
+            |name: &str| Some(data.findings.get(name)? / true_value(&data.facts, name)? - 1.0);
+        let within = |id, text, name, part| {
+            let part = ClaimPart::new(part, error(name), Relation::Within, TOLERANCE);
+            Claim::new(id, text, vec![part])
+        };
+        vec![
+            within(
+                "static-friction",
+                "The static coefficient is within 5 % of the truth.",
+                "static_friction",
+                "found static coefficient's relative error",
+            ),
+            within(
+                "kinetic-friction",
+                "The kinetic coefficient is within 5 % of the truth.",
+                "kinetic_friction",
+                "found kinetic coefficient's relative error",
+            ),
+            no_damage(data),
+        ]
+    }
+
+    fn figures(&self, _: &Recording, data: &RunData) -> Vec<Figure> {
+        let truth = COEFFICIENTS.map(|(name, _)| true_value(&data.facts, name));
+        vec![
+            friction::forces(data),
+            friction::ratio(data),
+            friction::path(data),
+            friction::found_and_true(data, truth),
+        ]
+    }
+
+    fn verdict(&self, _: &Recording, summary: &Summary) -> Markup {
+        let found = |name: &str| value(summary.findings.get(name).copied().flatten());
+        html! {
+            "In " (significant(summary.sim_time)) " s the finger found a static coefficient of friction of "
+            (found("static_friction")) " and a kinetic one of " (found("kinetic_friction"))
+            @if let Some(outcome) = &summary.outcome { " (" (outcome) ")" }
+            "."
+        }
+    }
+
+    fn measured(&self, recording: &Recording, summary: &Summary) -> Markup {
+        let found = |name: &str| summary.findings.get(name).copied().flatten();
+        html! {
+            h2 { "Found" }
+            div.scroll {
+                table {
+                    thead {
+                        tr { th {} th.number { "Found" } th.number { "True" } th.number { "Error" } }
+                    }
+                    tbody {
+                        @for (name, words) in COEFFICIENTS {
+                            @let truth = true_value(&recording.facts, name);
+                            @let error = found(name).zip(truth).map(|(found, truth)| 100.0 * (found / truth - 1.0));
+                            tr {
+                                td { (words) }
+                                td.number { (value(found(name))) }
+                                td.number { (value(truth)) }
+                                td.number { (value(error)) " " span.unit { "%" } }
+                            }
+                        }
+                        tr {
+                            td { "Tilt of the specimen along the slide" }
+                            td.number { (value(found("tilt").map(f64::to_degrees))) " " span.unit { "°" } }
+                            td {} td {}
+                        }
+                        tr { td { "Slips that were counted" } td.number { (value(found("slips"))) } td {} td {} }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// What the simulated world knows of `name`, where that is of one object only.
+fn true_value(facts: &RunFacts, name: &str) -> Option<f64> {
+    let mut known = facts.truth.iter().filter(|(key, _)| {
+        let of = key.strip_suffix(name);
+        of.is_some_and(|object| object.ends_with('.'))
+    });
+    match (known.next(), known.next()) {
+        (Some((_, &value)), None) => Some(value),
+        _ => None,
+    }
+}

@@ -1,0 +1,44 @@
+//! What the report of each task shows that no other task's does: its claims, measures and figures.
+
+mod cap;
+mod carry;
+pub mod contour;
+mod findings;
+mod friction_scan;
+mod screw;
+
+use super::claim::Claim;
+use super::figures::Figure;
+use super::run_data::RunData;
+use super::summary::Summary;
+use feeler_record::{Recording, RunFacts};
+use maud::Markup;
+
+/// The part of a report that a task brings.
+pub trait TaskReport: Sync {
+    /// Whose its claims are, after the word "claims".
+    fn whose(&self) -> &'static str;
+
+    /// Its claims, measured on a run.
+    fn claims(&self, recording: &Recording, data: &RunData) -> Vec<Claim>;
+
+    /// Its figures.
+    fn figures(&self, recording: &Recording, data: &RunData) -> Vec<Figure>;
+
+    /// What came of the run, in a sentence.
+    fn verdict(&self, recording: &Recording, summary: &Summary) -> Markup;
+
+    /// What the run measured: sections with headings.
+    fn measured(&self, recording: &Recording, summary: &Summary) -> Markup;
+}
+
+/// The report of the task of a run with these facts; of one that is not known, as of the first that there was.
+pub fn of(facts: &RunFacts) -> &'static dyn TaskReport {
+    match facts.task.as_str() {
+        "carry" => &carry::CarryReport,
+        "contour" => &contour::ContourReport,
+        "friction_scan" => &friction_scan::FrictionScanReport,
+        _ if facts.cap.is_some() => &cap::CapReport,
+        _ => &screw::ScrewReport,
+    }
+}

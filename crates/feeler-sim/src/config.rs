@@ -1,0 +1,91 @@
+//! The simulated world, as an experiment file describes it.
+
+use super::columnar_feeler::FeelerConfig;
+use super::element::ElementConfig;
+use super::fault::FaultConfig;
+use super::holder::HolderConfig;
+use super::object::ObjectConfig;
+use super::optics_config::OpticsConfig;
+use super::servo::ServoConfig;
+use super::thread::ThreadConfig;
+use super::torque_sensor::TorqueSensorConfig;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// How much runs of different seeds differ. Every quantity is drawn uniformly once per run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct VariationConfig {
+    /// Greatest offset of what stands on a thread from its place along W's x and y, m.
+    pub bottle_position: f64,
+    /// Greatest relative change of all friction coefficients, of feelers and of objects.
+    pub friction: f64,
+    /// Greatest relative change of the kinetic coefficients alone; none comes out above its static one.
+    #[serde(default)]
+    pub kinetic_friction: f64,
+    /// Greatest relative change of the seat angle.
+    pub seat_angle: f64,
+    /// Greatest rotation of a cap at the start, rad. A round cap shows none of it.
+    pub cap_angle: f64,
+    /// Greatest offset of each joint's encoder, rad: what the hand takes for a joint's zero when it is
+    /// switched on is so far from it.
+    #[serde(default)]
+    pub encoder_offset: f64,
+}
+
+/// The simulated world.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SimConfig {
+    /// Time step of the physics, s.
+    pub step: f64,
+    /// Acceleration of free bodies, m/s², in W.
+    #[serde(default = "earth")]
+    pub gravity: [f64; 3],
+    /// The feelers on all fingertips.
+    pub feeler: FeelerConfig,
+    /// Feelers that differ from the others.
+    #[serde(default)]
+    pub element: Vec<ElementConfig>,
+    /// What there is to touch, by name.
+    pub object: BTreeMap<String, ObjectConfig>,
+    /// The torque sensor under what stands on a thread.
+    pub torque_sensor: TorqueSensorConfig,
+    /// How what stands on a thread is held on the torque sensor; by default it cannot shift, and turns only as the
+    /// sensor's shaft does.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub holder: Option<HolderConfig>,
+    /// The drives of the fingers.
+    pub servo: ServoConfig,
+    /// What differs from run to run.
+    pub variation: VariationConfig,
+    /// What the camera's picture is made of.
+    pub optics: OpticsConfig,
+    /// What breaks, and when.
+    #[serde(default)]
+    pub fault: Vec<FaultConfig>,
+    /// Noise of forces that are sensed without pictures.
+    pub direct_sensing: DirectSensingConfig,
+}
+
+fn earth() -> [f64; 3] {
+    [0.0, 0.0, -9.81]
+}
+
+impl SimConfig {
+    /// The first object that stands on a thread: its name, itself and its thread.
+    pub fn cap(&self) -> Option<(&str, &ObjectConfig, &ThreadConfig)> {
+        let mut objects = self.object.iter();
+        objects.find_map(|(name, object)| Some((name.as_str(), object, object.thread()?)))
+    }
+}
+
+/// Noise of forces that are sensed without pictures.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DirectSensingConfig {
+    /// Standard deviation of an element's normal force, N.
+    pub normal_noise: f64,
+    /// Standard deviation of either component of an element's shear force, N.
+    pub shear_noise: f64,
+}

@@ -1,0 +1,168 @@
+//! What never changes in a run: the rig's geometry and material, as this run's seed made them.
+
+use super::columnar_feeler::FeelerConfig;
+use super::config::SimConfig;
+use super::error::SimError;
+use super::holder::PlaySpring;
+use super::object::Object;
+use super::random::{Purpose, generator, uniform};
+use super::servo::ServoConfig;
+use super::torque_sensor::TorqueSensorConfig;
+use feeler::hand::finger::FingerGeometry;
+use feeler::sensor::layout::ElementLayout;
+use glam::{DMat3, DVec3};
+use std::f64::consts::TAU;
+use std::path::Path;
+
+/// The rig of one run.
+pub struct Model {
+    /// Time step, s.
+    pub step: f64,
+    /// Acceleration of free bodies, m/s², in W.
+    pub gravity: DVec3,
+    /// What there is to touch.
+    pub objects: Vec<Object>,
+    /// The torque sensor.
+    pub torque_sensor: TorqueSensorConfig,
+    /// What stands on a thread turns on the torque sensor's shaft, after its play.
+    pub shaft: PlaySpring,
+    /// What holds it along W's x and y, if it can shift at all.
+    pub sides: Option<[PlaySpring; 2]>,
+    /// The drives.
+    pub servo: ServoConfig,
+    /// The fingers.
+    pub fingers: Vec<Finger>,
+    /// Whether any force depends on speed: by damping, or friction.
+    pub depends_on_speed: bool,
+    /// Whether any feeler relaxes.
+    pub relaxes: bool,
+    /// Part of a joint's velocity error left after one step.
+    pub servo_remaining_error: f64,
+    /// Part of the way to a new torque that the sensor's low-pass goes in one step.
+    pub torque_low_pass_gain: f64,
+}
+
+/// A finger and the fingertip that it carries.
+pub struct Finger {
+    /// Its links and joints.
+    pub geometry: FingerGeometry,
+    /// Radius of its dome at the undeformed tips' centres, m.
+    pub dome_radius: f64,
+    /// Outward normals of its elements in the fingertip frame `T`.
+    pub normals: Vec<DVec3>,
+    /// From each element's frame `E_i` to the fingertip frame.
+    pub element_rotations: Vec<DMat3>,
+    /// The feelers, one per element.
+    pub feelers: Vec<FeelerConfig>,
+    /// What its encoders show above its joint angles, rad.
+    pub encoder_offset: DVec3,
+}
+
+impl Model {
+    /// The rig of `config`, varied as `seed` says: `fingers` with fingertips of `layouts`, one each.
+    /// Files that `config` names are relative to `folder`.
+    ///
+    /// # Errors
+    /// When a shape cannot be made, or an element is named that does not exist.
+    pub fn new(
+        config: &SimConfig,
+        fingers: &[(FingerGeometry, ElementLayout)],
+        folder: &Path,
+        seed: u64,
+    ) -> Result<Self, SimError> {
+        let mut config = config.clone();
+        let cap_angle = vary(&mut config, seed);
+        let objects = config.object.iter().map(|(name, object)| {
+            let angle = object.thread().map_or(0.0, |_| cap_angle);
+            Object::new(name, object, angle, folder).map_err(|source| SimError::Shape {
+                object: name.clone(),
+                source,
+            })
+        });
+        let objects = objects.collect::<Result<Vec<_>, _>>()?;
+        let mut fingers: Vec<Finger> = fingers
+            .iter()
+            .map(|(geometry, layout)| Finger::new(geometry, layout, &config.feeler))
+            .collect();
+        offset_encoders(&mut fingers, config.variation.encoder_offset, seed);
+        for exception in &config.element {
+            exception.apply(&mut fingers)?;
+        }
+        let feelers = || fingers.iter().flat_map(|finger| &finger.feelers);
+        let damped = feelers().any(FeelerConfig::is_damped);
+        let frictions = feelers().map(FeelerConfig::friction);
+        let stribeck = frictions
+            .chain(objects.iter().filter_map(|object| object.friction))
+            .any(|friction| friction.stribeck_speed > 0.0);
+        let holder = config.holder.unwrap_or_default();
+        Ok(Self {
+            depends_on_speed: damped || stribeck,
+            relaxes: feelers().any(|feeler| feeler.relaxation.is_some()),
+            step: config.step,
+            gravity: config.gravity.into(),
+            objects,
+            servo_remaining_error: config.servo.remaining_error(config.step),
+            torque_low_pass_gain: config.torque_sensor.low_pass_gain(config.step),
+            shaft: PlaySpring::new(config.torque_sensor.stiffness, holder.turn_play),
+            sides: holder.sides(),
+            torque_sensor: config.torque_sensor,
+            servo: config.servo,
+            fingers,
+        })
+    }
+
+    /// The object called `name` in the experiment file, as an index into what is listed per object.
+    pub fn object(&self, name: &str) -> Option<usize> {
+        self.objects.iter().position(|object| object.name == name)
+    }
+}
+
+impl Finger {
+    fn new(geometry: &FingerGeometry, layout: &ElementLayout, feeler: &FeelerConfig) -> Self {
+        let elements = &layout.elements;
+        Self {
+            geometry: geometry.clone(),
+            dome_radius: layout.dome_radius,
+            normals: elements.iter().map(|e| e.normal()).collect(),
+            element_rotations: elements.iter().map(|e| e.rotation).collect(),
+            feelers: vec![feeler.clone(); elements.len()],
+            encoder_offset: DVec3::ZERO,
+        }
+    }
+}
+
+/// Draws what every encoder shows at the joint's zero, rad, up to `most` of either sign.
+fn offset_encoders(fingers: &mut [Finger], most: f64, seed: u64) {
+    let mut random = generator(seed, Purpose::EncoderOffset);
+    for finger in fingers {
+        finger.encoder_offset = DVec3::from_array([(); 3].map(|()| uniform(&mut random, most)));
+    }
+}
+
+/// Draws what differs from seed to seed; the angle by which caps are turned at the start, rad.
+fn vary(config: &mut SimConfig, seed: u64) -> f64 {
+    let mut random = generator(seed, Purpose::Variation);
+    let variation = &config.variation;
+    let x = uniform(&mut random, variation.bottle_position);
+    let y = uniform(&mut random, variation.bottle_position);
+    let friction = 1.0 + uniform(&mut random, variation.friction);
+    let seat_angle = 1.0 + uniform(&mut random, variation.seat_angle);
+    let cap_angle = uniform(&mut random, variation.cap_angle).rem_euclid(TAU);
+    let kinetic = 1.0 + uniform(&mut random, variation.kinetic_friction);
+    let feeler = &mut config.feeler;
+    feeler.static_friction *= friction;
+    feeler.kinetic_friction *= friction * kinetic;
+    feeler.kinetic_friction = feeler.kinetic_friction.min(feeler.static_friction);
+    for object in config.object.values_mut() {
+        if let Some(own) = &mut object.friction {
+            *own = own.scaled(friction);
+            own.kinetic_friction = (kinetic * own.kinetic_friction).min(own.static_friction);
+        }
+        if let Some(thread) = object.thread_mut() {
+            thread.seat_angle *= seat_angle;
+            object.position[0] += x;
+            object.position[1] += y;
+        }
+    }
+    cap_angle
+}

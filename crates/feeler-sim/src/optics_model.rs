@@ -1,0 +1,184 @@
+//! Where a simulated fingertip's conical feelers press on the dome, and how the camera sees them.
+//!
+//! An element is a column on eight cones at radius `r_c` around its axis (paper, section II), each
+//! preloaded with `f_0`. A force on the feeler's tip, in the convention of
+//! [`TactileFrame`](feeler::sensor::reading::TactileFrame), loads cone k at `(x_k, y_k)` with
+//!
+//! ```text
+//! f_k = f_0 + F_z / 8 + (F_x x_k + F_y y_k) h / sum x²,   not less than 0.
+//! ```
+//!
+//! A shear force along +x acts at the height `h` over the cones: it tilts the column so that the
+//! cones on the +x side carry more, and it carries the whole foot along by `F_x / k_shift`. Both move
+//! the centroid of the bright spots in the direction of the shear force, by
+//! `F_x (h / (8 f_0 + F_z) + 1 / k_shift)` as long as no cone lifts off.
+//!
+//! The contact of a cone is a disc with `f = 2 E* tan(a) r² / pi`, `E* = E / (1 - nu²)` (Sneddon's
+//! elastic cone), `a` between flank and dome: its area grows linearly with the load.
+
+use super::{
+    camera_noise::NOISE_LANES,
+    optics_config::{OpticsConfig, OpticsError},
+};
+use feeler::sensor::{dome::DomeProjection, layout::ElementLayout};
+use glam::{DVec2, DVec3};
+use std::f64::consts::{PI, TAU};
+
+/// Conical feelers under one columnar feeler (paper, section II).
+pub const CONES: usize = 8;
+
+/// One of an element's bright spots.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spot {
+    /// Load of the cone, N.
+    pub load: f64,
+    /// Centre in x, y of the element's frame `E_i`, m.
+    pub centre: DVec2,
+    /// Radius of the contact, m.
+    pub radius: f64,
+}
+
+/// What the camera's picture consists of and does not change.
+#[derive(Debug, Clone)]
+pub struct OpticsModel {
+    pub(super) config: OpticsConfig,
+    pub(super) layout: ElementLayout,
+    pub(super) projection: DomeProjection,
+    cones: [DVec2; CONES],
+    /// Area of a contact per load, m²/N.
+    area_per_load: f64,
+    /// Pixels per metre of the dome at each element: in the direction in which it is largest, and as
+    /// the root of the area factor.
+    pub(super) scales: Vec<(f64, f64)>,
+    /// x, y, z of the dome's point at each pixel, m, in `T`; far away where there is none.
+    pub(super) dome_points: [Vec<f32>; 3],
+    /// Part of the light that vignetting takes, by column (padded to whole noise lanes) and by row;
+    /// a pixel loses the sum of both.
+    pub(super) light_lost_by_column: Vec<f32>,
+    pub(super) light_lost_by_row: Vec<f32>,
+}
+
+impl OpticsModel {
+    /// The optics of `config` for elements at `layout` seen through `projection`.
+    ///
+    /// # Errors
+    /// When a value is out of its range, or the camera does not see an element.
+    pub fn new(
+        config: &OpticsConfig,
+        layout: &ElementLayout,
+        projection: &DomeProjection,
+    ) -> Result<Self, OpticsError> {
+        config.check()?;
+        let modulus = config.youngs_modulus / (1.0 - config.poisson_ratio.powi(2));
+        let flank = config.cone_flank_deg.to_radians();
+        // Half a step off the element's axes: so turned, the spots of neighbours on a ring are
+        // farthest apart.
+        let cones = std::array::from_fn(|k| {
+            config.cone_circle_radius * DVec2::from_angle(TAU * (k as f64 + 0.5) / CONES as f64)
+        });
+        let scales = (0..layout.elements.len())
+            .map(|element| {
+                pixel_scales(layout, projection, element, config.cone_circle_radius)
+                    .ok_or(OpticsError::Unseen { element })
+            })
+            .collect::<Result<_, _>>()?;
+        // Per pixel squared off the centre.
+        let lost_per_square = config.vignetting / (projection.width() as f64 / 2.0).powi(2);
+        Ok(Self {
+            config: config.clone(),
+            layout: layout.clone(),
+            projection: projection.clone(),
+            cones,
+            area_per_load: PI * PI / (2.0 * modulus * flank.tan()),
+            scales,
+            dome_points: dome_points(projection),
+            light_lost_by_column: light_lost(
+                projection.width(),
+                projection.centre().x,
+                lost_per_square,
+            ),
+            light_lost_by_row: light_lost(
+                projection.height(),
+                projection.centre().y,
+                lost_per_square,
+            ),
+        })
+    }
+
+    /// The spots of an element under `force`, N, in its frame `E_i`.
+    pub fn spots(&self, force: DVec3) -> [Spot; CONES] {
+        let config = &self.config;
+        let sum_of_squares = 0.5 * CONES as f64 * config.cone_circle_radius.powi(2);
+        let shift =
+            (force.truncate() / config.shear_stiffness).clamp_length_max(config.cone_base_radius);
+        self.cones.map(|cone| {
+            let tilt = force.truncate().dot(cone) * config.lever_height / sum_of_squares;
+            let load = (config.preload + force.z / CONES as f64 + tilt).max(0.0);
+            Spot {
+                load,
+                centre: cone + shift,
+                radius: (self.area_per_load * load / PI)
+                    .sqrt()
+                    .min(config.cone_base_radius),
+            }
+        })
+    }
+
+    /// Pixels of a row and what pads it to whole noise lanes.
+    pub(super) fn padded_width(&self) -> usize {
+        self.light_lost_by_column.len()
+    }
+
+    /// Area of a cone's contact per load, m²/N.
+    pub fn area_per_load(&self) -> f64 {
+        self.area_per_load
+    }
+}
+
+/// Largest and mean number of pixels per metre of the dome within `radius` of an element's axis.
+fn pixel_scales(
+    layout: &ElementLayout,
+    projection: &DomeProjection,
+    element: usize,
+    radius: f64,
+) -> Option<(f64, f64)> {
+    let own = &layout.elements[element];
+    let step = 1e-5;
+    let mut largest = 0.0_f64;
+    for k in 0..CONES {
+        let place = radius * DVec2::from_angle(TAU * k as f64 / CONES as f64);
+        let seen = |offset| projection.project(projection.lift(place + offset, own)?);
+        let along_x = (seen(DVec2::X * step)? - seen(DVec2::ZERO)?) / step;
+        let along_y = (seen(DVec2::Y * step)? - seen(DVec2::ZERO)?) / step;
+        // Frobenius norm of the local map: no direction is stretched more.
+        largest = largest.max((along_x.length_squared() + along_y.length_squared()).sqrt());
+    }
+    let area = projection
+        .dewarp(projection.project(layout.tip(element))?, own)?
+        .area;
+    Some((largest, area.sqrt().recip()))
+}
+
+/// The dome's point at each pixel.
+fn dome_points(projection: &DomeProjection) -> [Vec<f32>; 3] {
+    let (width, height) = (projection.width(), projection.height());
+    let mut points = [(); 3].map(|()| Vec::with_capacity(width * height));
+    for row in 0..height {
+        for column in 0..width {
+            let pixel = DVec2::new(column as f64, row as f64);
+            // A metre away from the dome, where no spot reaches.
+            let point = projection.point_at(pixel).unwrap_or(DVec3::ONE);
+            for (points, coordinate) in points.iter_mut().zip(point.to_array()) {
+                points.push(coordinate as f32);
+            }
+        }
+    }
+    points
+}
+
+/// Part of the light that vignetting takes along one axis of the picture.
+fn light_lost(pixels: usize, centre: f64, per_square: f64) -> Vec<f32> {
+    (0..pixels.next_multiple_of(NOISE_LANES))
+        .map(|pixel| (per_square * (pixel as f64 - centre).powi(2)) as f32)
+        .collect()
+}

@@ -1,0 +1,100 @@
+//! The simulated rig behind the seams, and its hand.
+
+use super::world::World;
+use feeler::hand::hand::{Hand, HandCommand, HandError, HandState, check_finger_count};
+use glam::DVec3;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// A handle to a world that the simulated hand and sensors share.
+#[derive(Clone)]
+pub struct Rig {
+    world: Arc<Mutex<World>>,
+}
+
+impl Rig {
+    /// Shares `world`.
+    pub fn new(world: World) -> Self {
+        Self {
+            world: Arc::new(Mutex::new(world)),
+        }
+    }
+
+    /// The world, for as long as the guard lives. A panic elsewhere does not lock it for good.
+    pub fn world(&self) -> MutexGuard<'_, World> {
+        self.world.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// The drives and encoders of the simulated hand. Commanding it advances the world.
+pub struct SimHand {
+    rig: Rig,
+    fingers: usize,
+    steps_per_command: usize,
+    period: f64,
+    /// Encoder readings at the last command, rad.
+    encoded_before: Vec<DVec3>,
+}
+
+impl SimHand {
+    /// The hand of `rig`; every command advances the world by `steps_per_command` steps.
+    pub fn new(rig: Rig, steps_per_command: usize) -> Self {
+        let world = rig.world();
+        let fingers = world.state().fingers.len();
+        let encoded_before = (0..fingers).map(|finger| world.encoded(finger)).collect();
+        let period = steps_per_command as f64 * world.model().step;
+        drop(world);
+        Self {
+            rig,
+            fingers,
+            steps_per_command,
+            period,
+            encoded_before,
+        }
+    }
+}
+
+impl SimHand {
+    /// Begins a control period: joint velocities are those since the last time.
+    pub fn begin_period(&mut self) {
+        let world = self.rig.world();
+        for (finger, before) in self.encoded_before.iter_mut().enumerate() {
+            *before = world.encoded(finger);
+        }
+    }
+
+    /// Advances the world by one step, in which the drives do what `command` says.
+    ///
+    /// # Errors
+    /// When the command is for another number of fingers, or the world cannot go on.
+    pub fn advance(&mut self, command: &HandCommand) -> Result<(), HandError> {
+        check_finger_count(self.fingers, command.joint_velocity.len())?;
+        let mut world = self.rig.world();
+        for (finger, &velocity) in command.joint_velocity.iter().enumerate() {
+            world.command(finger, velocity);
+        }
+        world.step().map_err(|e| HandError::Failed(e.to_string()))
+    }
+}
+
+impl Hand for SimHand {
+    fn finger_count(&self) -> usize {
+        self.fingers
+    }
+
+    fn read(&mut self, state: &mut HandState) -> Result<(), HandError> {
+        check_finger_count(self.fingers, state.joints.len())?;
+        let world = self.rig.world();
+        state.stamp = world.state().time;
+        let fingers = self.encoded_before.iter().enumerate();
+        for (joints, (finger, &before)) in state.joints.iter_mut().zip(fingers) {
+            joints.position = world.encoded(finger);
+            joints.velocity = (joints.position - before) / self.period;
+        }
+        Ok(())
+    }
+
+    fn command(&mut self, command: &HandCommand) -> Result<(), HandError> {
+        self.begin_period();
+        (0..self.steps_per_command).try_for_each(|_| self.advance(command))
+    }
+}

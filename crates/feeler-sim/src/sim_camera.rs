@@ -1,0 +1,103 @@
+//! The camera inside a simulated fingertip.
+
+use super::optics::{OpticsScratch, render};
+use super::optics_config::{OpticsConfig, OpticsError};
+use super::optics_model::OpticsModel;
+use super::random::{Generator, Purpose, generator};
+use super::rig::Rig;
+use super::sensor_faults::SensorFaults;
+use feeler::sensor::camera::{Camera, CameraError, check_frame_size};
+use feeler::sensor::fingertip::Fingertip;
+use feeler::sensor::frame::Frame;
+use glam::DVec3;
+
+/// Takes pictures of one finger's dome. The picture is all that it tells of the forces.
+pub struct SimCamera {
+    rig: Rig,
+    finger: usize,
+    optics: OpticsModel,
+    scratch: OpticsScratch,
+    forces: Vec<DVec3>,
+    random: Generator,
+    faults: SensorFaults,
+    /// The newest frame, where a fault may ask for it again.
+    newest: Option<Frame>,
+}
+
+impl SimCamera {
+    /// The camera in the fingertip of `finger` with its `faults`, its noise drawn from `seed`.
+    ///
+    /// # Errors
+    /// When the optics make no sense.
+    pub fn new(
+        rig: Rig,
+        finger: usize,
+        fingertip: &Fingertip,
+        optics: &OpticsConfig,
+        faults: SensorFaults,
+        seed: u64,
+    ) -> Result<Self, OpticsError> {
+        let projection = &fingertip.projection;
+        let optics = OpticsModel::new(optics, &fingertip.layout, projection)?;
+        let newest =
+            (!faults.is_empty()).then(|| Frame::black(projection.width(), projection.height()));
+        Ok(Self {
+            rig,
+            finger,
+            scratch: OpticsScratch::new(&optics),
+            optics,
+            forces: vec![DVec3::ZERO; fingertip.layout.elements.len()],
+            random: generator(seed, Purpose::SensorNoise(finger)),
+            faults,
+            newest,
+        })
+    }
+
+    /// Draws the picture of what was exposed at `stamp`.
+    fn draw(&mut self, stamp: f64, frame: &mut Frame) -> Result<(), CameraError> {
+        render(
+            &self.optics,
+            &mut self.scratch,
+            &self.forces,
+            &mut self.random,
+            &mut frame.picture,
+        )
+        .map_err(|error| CameraError::Failed(error.to_string()))?;
+        self.faults.overwrite_rows(stamp, &mut frame.picture);
+        Ok(())
+    }
+}
+
+impl Camera for SimCamera {
+    fn capture(&mut self, frame: &mut Frame) -> Result<(), CameraError> {
+        let now = {
+            let world = self.rig.world();
+            world.element_forces(self.finger, &mut self.forces);
+            world.state().time
+        };
+        let arrival = self.faults.expose(now, &mut self.forces);
+        if let Some(arrival) = arrival.filter(|arrival| !arrival.frozen) {
+            self.draw(arrival.stamp, frame)?;
+        }
+        if let Some(arrival) = arrival {
+            frame.sequence = arrival.sequence;
+            frame.stamp = arrival.stamp;
+        }
+        let Some(newest) = &mut self.newest else {
+            return Ok(());
+        };
+        let size = (newest.picture.width, newest.picture.height);
+        check_frame_size(size, frame)?;
+        match arrival {
+            Some(arrival) if !arrival.frozen => {
+                newest.picture.pixels.copy_from_slice(&frame.picture.pixels);
+            }
+            _ => frame.picture.pixels.copy_from_slice(&newest.picture.pixels),
+        }
+        match arrival {
+            Some(arrival) => (newest.sequence, newest.stamp) = (arrival.sequence, arrival.stamp),
+            None => (frame.sequence, frame.stamp) = (newest.sequence, newest.stamp),
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,313 @@
+//! Tells depth and tilt of a contact from pictures of a real hemispherical sensor: finds its pins,
+//! senses them as `feeler sense` does, and fits a ridge regression from these to the pose.
+//!
+//! ```text
+//! cargo run --release --example contact_pose -- [FOLDER]
+//! ```
+//!
+//! FOLDER holds `targets.csv` and `images/` (see `DataSet`); without it,
+//! `$FEELER_DATA/tactip-surface3d-tap`, where `FEELER_DATA` is `../shared/data` unless set.
+
+use feeler::sensor::{
+    exposure::DEFAULT_MAX_SATURATED,
+    frame::Picture,
+    locate::{LocateConfig, ReferencePicture, locate},
+    located_layout::LocatedLayout,
+    sensing::{ElementReading, Sensing},
+};
+use feeler_sources::picture::read_picture;
+use nalgebra::{Cholesky, DMatrix, DVector, RowDVector};
+use std::{error::Error, fs, path::Path, path::PathBuf};
+
+/// Pictures that the regression is fitted on: the first ones. The rest are predicted.
+pub const FITTED: usize = 700;
+
+/// Depth of the tap, mm, and its tilts about two axes, degrees.
+pub const TARGETS: [&str; 3] = ["pose_3", "pose_4", "pose_5"];
+
+/// Parts that the fitted pictures are split into to choose the ridge and the sub-regions.
+const FOLDS: usize = 10;
+
+/// Radii of the sub-regions that are tried, over the pins' spacing.
+const REGION_RADII: [f64; 6] = [0.35, 0.4, 0.45, 0.5, 0.6, 0.8];
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let folder = std::env::args_os()
+        .nth(1)
+        .map_or_else(data_folder, PathBuf::from);
+    if !folder.join("targets.csv").exists() {
+        println!(
+            "SKIPPED: there is no {}",
+            folder.join("targets.csv").display()
+        );
+        return Ok(());
+    }
+    let found = contact_pose(&DataSet::read(&folder)?)?;
+    println!("{} pins, {:.2} px apart", found.pins, found.spacing_px);
+    for (told, name) in found.told.iter().zip(TARGETS) {
+        println!(
+            "{name}: mean absolute error {:.4} (cross-validated {:.4}: ridge {:.1}, sub-regions of {} spacings)",
+            told.error, told.cross_validated, told.ridge, told.region_radius
+        );
+    }
+    Ok(())
+}
+
+/// Where the pictures are.
+pub fn data_folder() -> PathBuf {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let data = std::env::var_os("FEELER_DATA")
+        .unwrap_or(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data").into());
+    root.join(data).join("tactip-surface3d-tap")
+}
+
+/// Pictures, and the pose of the contact in each.
+pub struct DataSet {
+    pub pictures: Vec<Picture>,
+    /// A row for each picture, a column for each of [`TARGETS`].
+    pub poses: DMatrix<f64>,
+}
+
+impl DataSet {
+    /// Reads `targets.csv` and the pictures in `images/` that its column `sensor_image` names.
+    pub fn read(folder: &Path) -> Result<Self, Box<dyn Error>> {
+        let text = fs::read_to_string(folder.join("targets.csv"))?;
+        let mut lines = text.lines();
+        let header = fields(lines.next().ok_or("targets.csv is empty")?);
+        let column = |name: &str| {
+            let found = header.iter().position(|field| field == name);
+            found.ok_or(format!("targets.csv: no column {name}"))
+        };
+        let image_column = column("sensor_image")?;
+        let pose_columns = TARGETS
+            .map(column)
+            .into_iter()
+            .collect::<Result<Vec<_>, _>>()?;
+        let (mut pictures, mut poses) = (Vec::new(), Vec::new());
+        for line in lines {
+            let row = fields(line);
+            let field = |column: usize| row.get(column).ok_or("targets.csv: a row is too short");
+            pictures.push(read_picture(
+                &folder.join("images").join(field(image_column)?),
+            )?);
+            for &column in &pose_columns {
+                poses.push(field(column)?.parse::<f64>()?);
+            }
+        }
+        let poses = DMatrix::from_row_slice(pictures.len(), TARGETS.len(), &poses);
+        Ok(Self { pictures, poses })
+    }
+}
+
+/// The fields of a row; commas in quotes do not part.
+fn fields(line: &str) -> Vec<String> {
+    let (mut fields, mut quoted) = (vec![String::new()], false);
+    for c in line.chars() {
+        match c {
+            '"' => quoted = !quoted,
+            ',' if !quoted => fields.push(String::new()),
+            c => fields.iter_mut().last().into_iter().for_each(|f| f.push(c)),
+        }
+    }
+    fields
+}
+
+/// How one target is told, all of it chosen by cross-validation on the fitted pictures.
+#[derive(Debug, Clone, Copy)]
+pub struct Told {
+    /// Radius of the sub-regions over the pins' spacing.
+    pub region_radius: f64,
+    /// Strength of the ridge.
+    pub ridge: f64,
+    /// Mean absolute error within the fitted pictures, mm or degrees.
+    pub cross_validated: f64,
+    /// Mean absolute error on the pictures kept from the fit, mm or degrees.
+    pub error: f64,
+}
+
+/// What came of it.
+pub struct ContactPose {
+    /// Pins that were found.
+    pub pins: usize,
+    /// How far they are apart, px.
+    pub spacing_px: f64,
+    /// One for each of [`TARGETS`].
+    pub told: [Told; 3],
+}
+
+/// Finds the pins in the mean of the first [`FITTED`] pictures, fits on these, predicts the rest.
+pub fn contact_pose(data: &DataSet) -> Result<ContactPose, Box<dyn Error>> {
+    if data.pictures.len() <= FITTED {
+        let pictures = data.pictures.len();
+        return Err(format!("more than {FITTED} pictures expected, got {pictures}").into());
+    }
+    let reference = ReferencePicture::mean(&data.pictures[..FITTED])?;
+    let nothing = Told {
+        region_radius: f64::NAN,
+        ridge: f64::NAN,
+        cross_validated: f64::INFINITY,
+        error: f64::INFINITY,
+    };
+    let mut pose = ContactPose {
+        pins: 0,
+        spacing_px: 0.0,
+        told: [nothing; 3],
+    };
+    for region_radius in REGION_RADII {
+        let config = LocateConfig {
+            region_radius,
+            ..LocateConfig::default()
+        };
+        let located = locate(&reference, &config)?;
+        (pose.pins, pose.spacing_px) = (located.elements.len(), located.spacing_px);
+        let layout = LocatedLayout::new(&located);
+        let sensing = Sensing::new(
+            (data.pictures[0].width, data.pictures[0].height),
+            layout.kernel()?,
+            &layout.weighted_pixels()?,
+            DEFAULT_MAX_SATURATED,
+        )?;
+        let features = features(sensing, &data.pictures)?;
+        for (target, told) in pose.told.iter_mut().enumerate() {
+            let new = tell(&features, data.poses.column(target).into(), region_radius)?;
+            if new.cross_validated < told.cross_validated {
+                *told = new;
+            }
+        }
+    }
+    Ok(pose)
+}
+
+/// Fits one target on the first [`FITTED`] rows and predicts the rest.
+fn tell(
+    features: &DMatrix<f64>,
+    target: DVector<f64>,
+    region_radius: f64,
+) -> Result<Told, Box<dyn Error>> {
+    let kept = features.nrows() - FITTED;
+    let fitted = features.rows(0, FITTED).into_owned();
+    let known = target.rows(0, FITTED).into_owned();
+    let (ridge, cross_validated) = choose_ridge(&fitted, &known);
+    let rest = features.rows(FITTED, kept).into_owned();
+    let predicted = Ridge::fit(&fitted, &known, ridge)?.predict(&rest);
+    Ok(Told {
+        region_radius,
+        ridge,
+        cross_validated,
+        error: mean_absolute(&predicted, &target.rows(FITTED, kept).into_owned()),
+    })
+}
+
+/// For each picture a row, for each pin three columns: its integrated gray value over the mean one,
+/// and its centroid, px. A pin that is not seen has not moved, as far as one knows.
+fn features(mut sensing: Sensing, pictures: &[Picture]) -> Result<DMatrix<f64>, Box<dyn Error>> {
+    let pins = sensing.element_count();
+    let mut readings = vec![ElementReading::default(); pins];
+    let mut features = DMatrix::zeros(pictures.len(), 3 * pins);
+    let mut seen = DMatrix::from_element(pictures.len(), pins, true);
+    for (row, picture) in pictures.iter().enumerate() {
+        sensing.sense(picture, &mut readings)?;
+        for (pin, reading) in readings.iter().enumerate() {
+            let centroid = reading.centroid.unwrap_or_default();
+            seen[(row, pin)] = reading.centroid.is_some();
+            features[(row, 3 * pin)] = reading.integrated_gray;
+            features[(row, 3 * pin + 1)] = centroid.x;
+            features[(row, 3 * pin + 2)] = centroid.y;
+        }
+    }
+    for pin in 0..pins {
+        let rows: Vec<usize> = (0..FITTED).filter(|&row| seen[(row, pin)]).collect();
+        let mean = |column: usize| {
+            rows.iter().map(|&row| features[(row, column)]).sum::<f64>() / rows.len().max(1) as f64
+        };
+        let gray = mean(3 * pin);
+        let centroid = [mean(3 * pin + 1), mean(3 * pin + 2)];
+        for row in 0..pictures.len() {
+            if gray > 0.0 {
+                features[(row, 3 * pin)] /= gray;
+            }
+            for (axis, mean) in centroid.into_iter().enumerate() {
+                let u = &mut features[(row, 3 * pin + 1 + axis)];
+                *u = if seen[(row, pin)] { *u - mean } else { 0.0 };
+            }
+        }
+    }
+    Ok(features)
+}
+
+/// A linear map with the sum of its squared coefficients held down.
+struct Ridge {
+    means: RowDVector<f64>,
+    offset: f64,
+    coefficients: DVector<f64>,
+}
+
+impl Ridge {
+    fn fit(x: &DMatrix<f64>, y: &DVector<f64>, ridge: f64) -> Result<Self, Box<dyn Error>> {
+        let means = x.row_mean();
+        let centred = centred(x, &means);
+        let offset = y.mean();
+        // There are more features than pictures: the dual form is the smaller one.
+        let gram = &centred * centred.transpose();
+        let dual = solve(&gram, ridge, &y.add_scalar(-offset)).ok_or("the ridge is too small")?;
+        Ok(Self {
+            coefficients: centred.transpose() * dual,
+            means,
+            offset,
+        })
+    }
+
+    fn predict(&self, x: &DMatrix<f64>) -> DVector<f64> {
+        (centred(x, &self.means) * &self.coefficients).add_scalar(self.offset)
+    }
+}
+
+fn centred(x: &DMatrix<f64>, means: &RowDVector<f64>) -> DMatrix<f64> {
+    let mut centred = x.clone();
+    centred.row_iter_mut().for_each(|mut row| row -= means);
+    centred
+}
+
+fn solve(gram: &DMatrix<f64>, ridge: f64, y: &DVector<f64>) -> Option<DVector<f64>> {
+    let mut gram = gram.clone();
+    for i in 0..gram.nrows() {
+        gram[(i, i)] += ridge;
+    }
+    Some(Cholesky::new(gram)?.solve(y))
+}
+
+/// The ridge of least cross-validated mean absolute error, and that error.
+fn choose_ridge(x: &DMatrix<f64>, y: &DVector<f64>) -> (f64, f64) {
+    let gram = {
+        let centred = centred(x, &x.row_mean());
+        &centred * centred.transpose()
+    };
+    let cross_validated = |exponent: i32| {
+        let ridge = 10_f64.powf(f64::from(exponent) / 4.0);
+        let sum: f64 = (0..FOLDS)
+            .map(|fold| fold_error(&gram, y, fold, ridge))
+            .sum();
+        (ridge, sum / FOLDS as f64)
+    };
+    let tried = (0..=12).map(cross_validated);
+    tried.fold((1.0, f64::INFINITY), |best, new| {
+        if new.1 < best.1 { new } else { best }
+    })
+}
+
+/// Mean absolute error on one fold when the others are fitted, from the products of all.
+fn fold_error(gram: &DMatrix<f64>, y: &DVector<f64>, fold: usize, ridge: f64) -> f64 {
+    let (out, kept): (Vec<usize>, Vec<usize>) = (0..y.len()).partition(|i| i % FOLDS == fold);
+    let own = gram.select_rows(&kept).select_columns(&kept);
+    let across = gram.select_rows(&out).select_columns(&kept);
+    let (fitted, truth) = (y.select_rows(&kept), y.select_rows(&out));
+    let offset = fitted.mean();
+    let dual = solve(&own, ridge, &fitted.add_scalar(-offset));
+    dual.map_or(f64::INFINITY, |dual| {
+        mean_absolute(&(across * dual).add_scalar(offset), &truth)
+    })
+}
+
+fn mean_absolute(a: &DVector<f64>, b: &DVector<f64>) -> f64 {
+    (a - b).abs().mean()
+}

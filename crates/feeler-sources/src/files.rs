@@ -1,0 +1,119 @@
+//! Picture files as a camera.
+
+use super::picture::{extensions, is_picture_name, picture_files, read_picture};
+use feeler::sensor::camera::{Camera, CameraError, check_frame_size};
+use feeler::sensor::frame::Frame;
+use std::path::{Path, PathBuf};
+
+/// Why there are no pictures.
+#[derive(Debug, thiserror::Error)]
+pub enum FilesError {
+    /// A folder cannot be read.
+    #[error("{}: {source}; expected a folder or a file of pictures", path.display())]
+    Read {
+        /// What was named.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// There is nothing to see in a folder.
+    #[error("{}: there is no picture in it; expected files ending in {}", path.display(), extensions())]
+    Empty {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// A file is of an unknown kind.
+    #[error("{}: expected a file ending in {}", path.display(), extensions())]
+    UnknownKind {
+        /// The file.
+        path: PathBuf,
+    },
+}
+
+/// A camera whose pictures are files: the k-th (from 0) of the list is frame k, taken at `k / rate`.
+///
+/// A file that cannot be read or decoded is [`CameraError::Unreadable`]; the next is good again.
+#[derive(Debug, Clone)]
+pub struct PictureFiles {
+    files: Vec<PathBuf>,
+    size: (usize, usize),
+    rate: f64,
+    next: usize,
+}
+
+impl PictureFiles {
+    /// The pictures that `paths` name, each a picture file or a folder of them (in the natural order
+    /// of their names), taken at `rate` Hz, `size` (columns, rows) px large.
+    ///
+    /// # Errors
+    /// When a folder cannot be read or holds no picture, or a file is of another kind.
+    pub fn new(
+        paths: &[impl AsRef<Path>],
+        size: (usize, usize),
+        rate: f64,
+    ) -> Result<Self, FilesError> {
+        let mut files = Vec::new();
+        for path in paths {
+            files.extend(files_at(path.as_ref())?);
+        }
+        Ok(Self {
+            files,
+            size,
+            rate,
+            next: 0,
+        })
+    }
+
+    /// The files, in the order in which they are taken.
+    pub fn files(&self) -> &[PathBuf] {
+        &self.files
+    }
+}
+
+fn files_at(path: &Path) -> Result<Vec<PathBuf>, FilesError> {
+    let path_buf = path.to_path_buf();
+    let failed = |source| FilesError::Read {
+        path: path.to_path_buf(),
+        source,
+    };
+    if !std::fs::metadata(path).map_err(failed)?.is_dir() {
+        return match is_picture_name(path) {
+            true => Ok(vec![path_buf]),
+            false => Err(FilesError::UnknownKind { path: path_buf }),
+        };
+    }
+    let files = picture_files(path).map_err(failed)?;
+    if files.is_empty() {
+        return Err(FilesError::Empty { path: path_buf });
+    }
+    Ok(files)
+}
+
+impl Camera for PictureFiles {
+    fn capture(&mut self, frame: &mut Frame) -> Result<(), CameraError> {
+        check_frame_size(self.size, frame)?;
+        let index = self.next;
+        let ended = CameraError::Ended {
+            count: index as u64,
+        };
+        let file = self.files.get(index).ok_or(ended)?;
+        self.next += 1;
+        let picture = read_picture(file).map_err(|error| CameraError::Unreadable {
+            name: file.display().to_string(),
+            reason: error.to_string(),
+        })?;
+        if (picture.width, picture.height) != self.size {
+            return Err(CameraError::PictureSize {
+                name: file.display().to_string(),
+                expected_width: self.size.0,
+                expected_height: self.size.1,
+                width: picture.width,
+                height: picture.height,
+            });
+        }
+        frame.picture = picture;
+        frame.sequence = index as u64;
+        frame.stamp = index as f64 / self.rate;
+        Ok(())
+    }
+}

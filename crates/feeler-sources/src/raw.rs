@@ -1,0 +1,72 @@
+//! A stream of raw grey frames as a camera: what `ffmpeg … -f rawvideo -pix_fmt gray -` writes.
+
+use feeler::sensor::camera::{Camera, CameraError, check_frame_size};
+use feeler::sensor::frame::Frame;
+use std::io::{ErrorKind, Read};
+
+/// Frames of `width * height` bytes, one after the other; frame k (from 0) is taken at `k / rate`,
+/// as nothing in the stream tells the time.
+///
+/// A stream that ends within a frame gives [`CameraError::Unreadable`] for it, and then its end.
+#[derive(Debug)]
+pub struct RawFrames<R> {
+    stream: R,
+    size: (usize, usize),
+    rate: f64,
+    next: u64,
+    ended: bool,
+}
+
+impl<R: Read> RawFrames<R> {
+    /// Frames of `size` (columns, rows) px at `rate` Hz from `stream`.
+    pub fn new(stream: R, size: (usize, usize), rate: f64) -> Self {
+        Self {
+            stream,
+            size,
+            rate,
+            next: 0,
+            ended: false,
+        }
+    }
+
+    /// Fills `pixels` as far as the stream goes; how far that is.
+    fn fill(&mut self, pixels: &mut [u8]) -> std::io::Result<usize> {
+        let mut filled = 0;
+        while filled < pixels.len() {
+            match self.stream.read(&mut pixels[filled..]) {
+                Ok(0) => break,
+                Ok(read) => filled += read,
+                Err(error) if error.kind() == ErrorKind::Interrupted => {}
+                Err(error) => return Err(error),
+            }
+        }
+        Ok(filled)
+    }
+}
+
+impl<R: Read> Camera for RawFrames<R> {
+    fn capture(&mut self, frame: &mut Frame) -> Result<(), CameraError> {
+        check_frame_size(self.size, frame)?;
+        let index = self.next;
+        if self.ended {
+            return Err(CameraError::Ended { count: index });
+        }
+        let expected = frame.picture.pixels.len();
+        let filled = self.fill(&mut frame.picture.pixels);
+        let filled = filled.map_err(|e| CameraError::Failed(format!("frame {index}: {e}")))?;
+        if filled < expected {
+            self.ended = true;
+            if filled == 0 {
+                return Err(CameraError::Ended { count: index });
+            }
+            return Err(CameraError::Unreadable {
+                name: format!("frame {index}"),
+                reason: format!("the stream ended after {filled} of its {expected} bytes"),
+            });
+        }
+        frame.sequence = index;
+        frame.stamp = index as f64 / self.rate;
+        self.next += 1;
+        Ok(())
+    }
+}
