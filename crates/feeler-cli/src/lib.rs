@@ -1,5 +1,4 @@
-//! The command line: one file per subcommand, each from arguments to an exit code.
-
+#![doc = include_str!("../README.md")]
 #![warn(missing_docs)]
 
 #[cfg(feature = "top")]

@@ -1,5 +1,4 @@
-//! Experiments with feeler: the experiment file, one run in one process, and many randomised trials.
-
+#![doc = include_str!("../README.md")]
 #![warn(missing_docs)]
 
 pub mod config;

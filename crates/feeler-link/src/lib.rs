@@ -1,7 +1,4 @@
-//! Several programs, one hand: what they say to each other, and what each makes of what it hears.
-//!
-//! Everything but `transport` and `linger` is pure: bytes and times in, bytes and decisions out.
-
+#![doc = include_str!("../README.md")]
 #![warn(missing_docs)]
 
 pub mod beacon;

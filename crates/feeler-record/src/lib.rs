@@ -1,8 +1,4 @@
-//! The recording of a run: one MCAP file, written as the run goes, readable by any MCAP tool.
-//!
-//! Messages are ROS 2 messages (`ros2msg` schemas, `cdr` encoding), so PlotJuggler, Foxglove and
-//! Python's `mcap-ros2-support` show them without anything of ours.
-
+#![doc = include_str!("../README.md")]
 #![warn(missing_docs)]
 
 pub mod channels;

@@ -1,5 +1,4 @@
-//! The report of a run: measures, claims, figures and page, all from its recording alone.
-
+#![doc = include_str!("../README.md")]
 #![warn(missing_docs)]
 
 pub mod calibration_page;

@@ -1,5 +1,4 @@
-//! The simulated rig: feelers, an object to touch, a torque sensor, servos, and the camera's picture.
-
+#![doc = include_str!("../README.md")]
 #![warn(missing_docs)]
 
 mod balance;

@@ -1,8 +1,4 @@
-//! Where pictures come from besides a simulated fingertip: files, a stream of raw frames, a camera.
-//!
-//! Each is a [`Camera`](feeler::sensor::camera::Camera). Pictures are grey with 8 bits: those of 16
-//! bits are scaled down, colours are weighted as in Rec. 709, transparency is ignored.
-
+#![doc = include_str!("../README.md")]
 #![warn(missing_docs)]
 
 pub mod files;

@@ -9,7 +9,10 @@ pub const PERIOD: f64 = 0.01;
 
 /// The reference experiment with `settings` and `faults`, inline tables of `sim.fault`.
 pub fn load(settings: &[&str], faults: &str) -> Experiment {
-    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/stiff-feelers.toml");
+    let file = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../feeler-lab/tests/stiff-feelers.toml"
+    );
     let mut settings: Vec<_> = settings.iter().map(ToString::to_string).collect();
     settings.push(format!("sim.fault=[{faults}]"));
     Experiment::load(file, &settings).expect("an experiment")

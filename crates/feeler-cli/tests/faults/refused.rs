@@ -152,9 +152,9 @@ fn caps_that_are_oval_or_off_their_centre_are_closed() {
 }
 
 #[test]
-fn what_the_readme_shows_can_be_put_into_an_experiment() {
+fn what_the_documentation_shows_can_be_put_into_an_experiment() {
     let mut text = include_str!("../../../feeler-lab/experiments/cap-closing.toml").to_string();
-    let readme = include_str!("../../../../README.md")
+    let readme = include_str!("../../../../docs/experiment-files.md")
         .split("```toml\n")
         .skip(1);
     let shown = readme.filter_map(|rest| rest.split("```").next());
