@@ -1,9 +1,10 @@
 //! `feeler check`
 
 use super::{CommandError, Outcome};
+use feeler::sensor::layout::ElementLayout;
 use feeler_lab::config::Experiment;
-use feeler_lab::experiment::Session;
 use feeler_lab::experiment::warnings::warnings;
+use feeler_lab::experiment::{Session, check_rig};
 use std::io::Write;
 
 #[derive(Debug, clap::Args)]
@@ -22,24 +23,32 @@ pub fn check(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comm
         writeln!(out, "warning: {warning}")?;
     }
     // Building everything checks what only the whole can tell: reach, sight, calibration.
-    let session = Session::new(&experiment)?;
     let config = &experiment.config;
+    let (layouts, rig) = match config.sim {
+        Some(_) => (Session::new(&experiment)?.layouts().to_vec(), ""),
+        None => (
+            check_rig(&experiment)?,
+            "; a real rig, as there is no [sim]",
+        ),
+    };
     writeln!(
         out,
-        "{}: good ({}; {} fingers of {} elements, {} strokes)",
+        "{}: good ({}; {} fingers of {} elements, {} strokes{rig})",
         arguments.experiment,
         config.name,
         config.hand.finger.len(),
-        elements(&session),
+        elements(&layouts),
         config.task.strokes(),
     )?;
     Ok(Outcome::Done)
 }
 
 /// How many elements the fingers have: one number, or one for each where they differ.
-fn elements(session: &Session) -> String {
-    let layouts = session.layouts().iter();
-    let mut counts: Vec<_> = layouts.map(|l| l.elements.len().to_string()).collect();
+fn elements(layouts: &[ElementLayout]) -> String {
+    let mut counts: Vec<_> = layouts
+        .iter()
+        .map(|l| l.elements.len().to_string())
+        .collect();
     if counts.iter().all(|count| *count == counts[0]) {
         counts.truncate(1);
     }

@@ -142,7 +142,7 @@ fn draws(arguments: &Arguments) -> Result<(Vec<String>, Vec<String>), CommandErr
     let mut settings = arguments.settings.clone();
     settings.push(format!("sensing={}", arguments.sensing));
     let config = Experiment::load(&arguments.experiment, &settings)?.config;
-    let Some((cap, object, thread)) = config.sim.cap() else {
+    let Some((cap, object, thread)) = config.simulation()?.cap() else {
         let name = &arguments.experiment;
         return Err(format!(
             "{name}: nothing is on a thread: expected an experiment in which a cap is closed"
@@ -167,18 +167,18 @@ fn draws(arguments: &Arguments) -> Result<(Vec<String>, Vec<String>), CommandErr
             1.5 * seat
         ),
     ];
-    Ok((vary.into_iter().chain(noise(&config)).collect(), settings))
+    Ok((vary.into_iter().chain(noise(&config)?).collect(), settings))
 }
 
 /// From none to three times the noise of the experiment.
-fn noise(config: &ExperimentConfig) -> [String; 2] {
-    let noise = &config.sim.direct_sensing;
+fn noise(config: &ExperimentConfig) -> Result<[String; 2], CommandError> {
+    let noise = &config.simulation()?.direct_sensing;
     let vary =
         |name: &str, value: f64| format!("direct_sensing.{name}=uniform(0,{:?})", 3.0 * value);
-    [
+    Ok([
         vary("normal_noise", noise.normal_noise),
         vary("shear_noise", noise.shear_noise),
-    ]
+    ])
 }
 
 /// The sweep of one law.

@@ -113,7 +113,7 @@ impl RunState {
         self.steps.next(now);
         self.newest_torque = instruments.torque.torque;
         self.torque.push(now, self.newest_torque);
-        self.cap_angle = self.config.sim.cap().map(|_| instruments.cap.angle);
+        self.cap_angle = self.config.cap().map(|_| instruments.cap.angle);
         self.late = late;
         self.speed.time(now);
         self.take_fault(session, now);

@@ -25,7 +25,12 @@ fn experiment() -> Experiment {
 fn picture() -> Picture {
     let config = experiment().config;
     let tip = Fingertip::new(&config.sensor.fingertip).expect("a fingertip");
-    let model = OpticsModel::new(&config.sim.optics, &tip.layout, &tip.projection).expect("optics");
+    let model = OpticsModel::new(
+        &config.simulation().expect("a simulated world").optics,
+        &tip.layout,
+        &tip.projection,
+    )
+    .expect("optics");
     let mut picture = Picture::black(tip.projection.width(), tip.projection.height());
     let mut rng = Pcg64::seed_from_u64(1);
     let forces = [DVec3::new(0.1, -0.2, 0.7); 41];

@@ -50,7 +50,13 @@ fn physics(bencher: Bencher, timed: fn(Phase) -> bool) {
     let start = phases.iter().position(|&p| timed(p)).expect("the phase");
     let length = phases[start..].iter().take_while(|&&p| timed(p)).count();
     let (before, own) = commands[..start + length].split_at(start);
-    let steps = (experiment.config.control.period / experiment.config.sim.step).round() as usize;
+    let steps = (experiment.config.control.period
+        / experiment
+            .config
+            .simulation()
+            .expect("a simulated world")
+            .step)
+        .round() as usize;
     bencher
         .counter(ItemsCount::new(steps * length))
         .with_inputs(|| {
@@ -104,7 +110,7 @@ fn physics_step_of_a_free_box(bencher: Bencher) {
 /// A box of 30 x 30 x 60 mm and 50 g on a table between two fingertips that press 1.5 mm deep.
 fn squeezed_box() -> World {
     let mut experiment = experiment("direct");
-    let sim = &mut experiment.config.sim;
+    let sim = experiment.config.sim.as_mut().expect("a simulated world");
     let object = |text: &str| toml::from_str(text).expect("an object");
     let text =
         "position = [0.0, 0.0, 0.1]\nshape.box.size = [0.03, 0.03, 0.06]\nmotion.free.mass = 0.05";

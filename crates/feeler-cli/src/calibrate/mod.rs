@@ -136,11 +136,12 @@ fn records(
     let experiment = Experiment::load(experiment_name(arguments), &[])?;
     let fingertip = experiment.fingertip(arguments.finger)?;
     let config = &experiment.config;
+    let optics = &config.simulation()?.optics;
     let bench = bench(arguments);
     if let Some(folder) = &arguments.write_loads {
-        loads::write_simulated(folder, fingertip, &config.sim.optics, &bench)?;
+        loads::write_simulated(folder, fingertip, optics, &bench)?;
     }
-    let records = load_simulated(fingertip, &config.sim.optics, &bench)?;
+    let records = load_simulated(fingertip, optics, &bench)?;
     Ok((records, format!("{}, simulated", config.name)))
 }
 

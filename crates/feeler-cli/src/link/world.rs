@@ -154,7 +154,7 @@ impl World {
             exposed: vec![(None, (0, 0.0)); fingers],
             limit: control.stale_periods * control.period,
             period: control.period,
-            step: experiment.config.sim.step,
+            step: experiment.config.simulation()?.step,
             missed: 0,
             refusals: Refusals::default(),
             fault: String::new(),

@@ -163,6 +163,7 @@ fn what_the_documentation_shows_can_be_put_into_an_experiment() {
     }
     let experiment = Experiment::parse(&text, "the README", &[], None).expect("an experiment");
     let config = experiment.config;
-    assert_eq!((config.sim.object.len(), config.sim.fault.len()), (3, 1));
+    let sim = config.sim.expect("a simulated world");
+    assert_eq!((sim.object.len(), sim.fault.len()), (3, 1));
     assert_eq!(config.sensor.finger.len(), 2);
 }

@@ -250,8 +250,14 @@ fn stuck_rows_are_all_that_differs_in_a_picture() {
         let session = Session::new(&experiment).unwrap();
         let rig: &Rig = session.rig();
         let fingertip = Fingertip::new(&config.sensor.fingertip).unwrap();
-        let faults = SensorFaults::new(&config.sim.fault, 0, 41, PERIOD, config.seed);
-        let optics = &config.sim.optics;
+        let faults = SensorFaults::new(
+            &config.simulation().expect("a simulated world").fault,
+            0,
+            41,
+            PERIOD,
+            config.seed,
+        );
+        let optics = &config.simulation().expect("a simulated world").optics;
         let camera = SimCamera::new(rig.clone(), 0, &fingertip, optics, faults, config.seed);
         let (mut camera, mut frame) = (camera.unwrap(), Frame::black(640, 480));
         let mut pictures = Vec::new();

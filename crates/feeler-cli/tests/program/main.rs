@@ -14,6 +14,7 @@ mod interrupted;
 mod locate;
 #[path = "../support/program.rs"]
 mod program;
+mod real_rig;
 mod replay;
 mod robustness;
 mod schema;

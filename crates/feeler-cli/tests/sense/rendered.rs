@@ -42,7 +42,11 @@ impl Renderer {
     fn new() -> Self {
         let experiment = Experiment::load("cap-closing", &[]).expect("the experiment");
         let tip = fingertip();
-        let optics = &experiment.config.sim.optics;
+        let optics = &experiment
+            .config
+            .simulation()
+            .expect("a simulated world")
+            .optics;
         let model = OpticsModel::new(optics, &tip.layout, &tip.projection).expect("optics");
         Self {
             scratch: OpticsScratch::new(&model),

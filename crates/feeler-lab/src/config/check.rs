@@ -40,19 +40,22 @@ pub fn check(config: &ExperimentConfig) -> Vec<Problem> {
     check_fingers(config, &mut checker);
     check_control(&config.control, &mut checker);
     check_task(config, &mut checker);
-    check_sim(&config.sim, &mut checker);
-    check_faults(config, &mut checker);
-    let steps = config.control.period / config.sim.step;
+    if let Some(sim) = &config.sim {
+        check_sim(sim, &mut checker);
+        check_faults(config, sim, &mut checker);
+        check_step(config.control.period, sim.step, &mut checker);
+    }
+    checker.problems
+}
+
+fn check_step(period: f64, step: f64, checker: &mut Checker) {
+    let steps = period / step;
     checker.require(
         "control.period",
-        config.control.period.to_string(),
+        period.to_string(),
         (steps - steps.round()).abs() < 1e-6 && (0.5..=MAX_STEPS_PER_PERIOD).contains(&steps),
-        &format!(
-            "1 to {MAX_STEPS_PER_PERIOD} times sim.step = {}, a whole number",
-            config.sim.step
-        ),
+        &format!("1 to {MAX_STEPS_PER_PERIOD} times sim.step = {step}, a whole number"),
     );
-    checker.problems
 }
 
 fn check_fingertip(key: &str, fingertip: &FingertipConfig, checker: &mut Checker) {

@@ -2,6 +2,7 @@
 
 use super::ExperimentConfig;
 use super::checker::Checker;
+use feeler_sim::config::SimConfig;
 use feeler_sim::fault::{FaultConfig, FaultKind};
 use feeler_sim::object::MotionConfig;
 
@@ -12,8 +13,8 @@ const MAX_LATE_PERIODS: f64 = 1000.0;
 /// Joints of a finger.
 const JOINTS: usize = 3;
 
-pub(super) fn check_faults(config: &ExperimentConfig, checker: &mut Checker) {
-    let faults = &config.sim.fault;
+pub(super) fn check_faults(config: &ExperimentConfig, sim: &SimConfig, checker: &mut Checker) {
+    let faults = &sim.fault;
     checker.require(
         "sim.fault",
         format!("{} faults", faults.len()),
@@ -29,7 +30,7 @@ pub(super) fn check_faults(config: &ExperimentConfig, checker: &mut Checker) {
             index_below(&key, finger, fingers, "fingers of hand.finger", checker);
         }
         let key = format!("{key}.kind.{}", name(&fault.kind));
-        check_kind(&key, &fault.kind, config, checker);
+        check_kind(&key, &fault.kind, (config, sim), checker);
     }
 }
 
@@ -45,7 +46,12 @@ fn check_times(key: &str, fault: &FaultConfig, checker: &mut Checker) {
     }
 }
 
-fn check_kind(key: &str, kind: &FaultKind, config: &ExperimentConfig, checker: &mut Checker) {
+fn check_kind(
+    key: &str,
+    kind: &FaultKind,
+    (config, sim): (&ExperimentConfig, &SimConfig),
+    checker: &mut Checker,
+) {
     match kind {
         &FaultKind::DeadElement { finger, element } => {
             let elements = config.sensor.fingertip(finger).layout.element_count();
@@ -87,7 +93,7 @@ fn check_kind(key: &str, kind: &FaultKind, config: &ExperimentConfig, checker: &
         FaultKind::FrictionDrop { object, factor } => {
             checker.between(&format!("{key}.factor"), *factor, 0.0, 1.0);
             let Some(object) = object else { return };
-            let names: Vec<_> = config.sim.object.keys().map(String::as_str).collect();
+            let names: Vec<_> = sim.object.keys().map(String::as_str).collect();
             checker.require(
                 &format!("{key}.object"),
                 format!("{object:?}"),
@@ -98,7 +104,7 @@ fn check_kind(key: &str, kind: &FaultKind, config: &ExperimentConfig, checker: &
         FaultKind::MassChange { object, mass, over } => {
             checker.positive(&format!("{key}.mass"), *mass);
             checker.not_negative(&format!("{key}.over"), *over);
-            let objects = config.sim.object.iter();
+            let objects = sim.object.iter();
             let free = objects.filter(|(_, o)| matches!(o.motion, MotionConfig::Free(_)));
             let names: Vec<_> = free.map(|(name, _)| name.as_str()).collect();
             checker.require(

@@ -99,6 +99,15 @@ pub enum ConfigError {
         /// Line, column and what was expected.
         message: String,
     },
+    /// The experiment is for a real rig, and a simulated one is needed.
+    #[error(
+        "{name}: the experiment has no [sim], so there is nothing to simulate; expected one with a simulated \
+         world, or `feeler hand` for a real rig"
+    )]
+    NoSimulation {
+        /// Name of the experiment.
+        name: String,
+    },
     /// A setting from the command line makes no sense.
     #[error("--set {setting}: {message}")]
     Setting {

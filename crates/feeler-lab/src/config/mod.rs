@@ -21,6 +21,8 @@ use feeler::control::task::TaskConfig;
 use feeler::hand::finger::FingerConfig;
 use feeler::sensor::fingertip::FingertipConfig;
 use feeler_sim::config::SimConfig;
+use feeler_sim::object::ObjectConfig;
+use feeler_sim::thread::ThreadConfig;
 use serde::{Deserialize, Serialize};
 
 /// Everything that an experiment is made of.
@@ -33,7 +35,8 @@ pub struct ExperimentConfig {
     pub description: String,
     /// Drives every random quantity of the run.
     pub seed: u64,
-    /// Whether the forces go through rendered pictures.
+    /// Whether simulated forces go through rendered pictures.
+    #[serde(default)]
     pub sensing: Sensing,
     /// The run is stopped at this simulated time, s.
     pub time_limit: f64,
@@ -45,15 +48,17 @@ pub struct ExperimentConfig {
     pub control: ControlConfig,
     /// What the hand does.
     pub task: TaskConfig,
-    /// The world that it does it in.
-    pub sim: SimConfig,
+    /// The simulated world that it does it in; none of a real rig.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sim: Option<SimConfig>,
 }
 
 /// How the controller comes by its forces.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Sensing {
     /// Through rendered camera frames, moments and calibration.
+    #[default]
     Image,
     /// The feelers' forces plus noise, for speed.
     Direct,
@@ -82,6 +87,24 @@ pub struct FingerSensorConfig {
     /// Its fingertip; without it, `sensor.fingertip`.
     #[serde(default)]
     pub fingertip: Option<FingertipConfig>,
+}
+
+impl ExperimentConfig {
+    /// The simulated world.
+    ///
+    /// # Errors
+    /// When there is none: the experiment is for a real rig.
+    pub fn simulation(&self) -> Result<&SimConfig, ConfigError> {
+        let name = || self.name.clone();
+        self.sim
+            .as_ref()
+            .ok_or_else(|| ConfigError::NoSimulation { name: name() })
+    }
+
+    /// The simulated cap: the first object on a thread, its name, itself and its thread.
+    pub fn cap(&self) -> Option<(&str, &ObjectConfig, &ThreadConfig)> {
+        self.sim.as_ref()?.cap()
+    }
 }
 
 impl SensorConfig {

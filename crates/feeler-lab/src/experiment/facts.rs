@@ -36,8 +36,8 @@ pub fn run_facts(config: &ExperimentConfig) -> RunFacts {
         },
         control_period: config.control.period,
         fingers: config.hand.finger.len(),
-        cap_radius: cap_radius(&config.sim),
-        feeler_tip_radius: config.sim.feeler.tip_radius,
+        cap_radius: config.sim.as_ref().map_or(0.0, cap_radius),
+        feeler_tip_radius: config.sim.as_ref().map_or(0.0, |sim| sim.feeler.tip_radius),
         touch_force_threshold: config.control.touch_force,
         over_force_threshold: config.control.over_force,
         slip_threshold: config.control.slip_threshold,
@@ -79,9 +79,10 @@ fn cap_facts(config: &ExperimentConfig) -> Option<CapFacts> {
         return None;
     };
     let known = screw.cap.as_ref()?;
-    let (_, object, _) = config.sim.cap()?;
-    let own = object.friction.unwrap_or(config.sim.feeler.friction());
-    let limit = own.static_friction * known.grip * cap_radius(&config.sim);
+    let sim = config.sim.as_ref()?;
+    let (_, object, _) = sim.cap()?;
+    let own = object.friction.unwrap_or(sim.feeler.friction());
+    let limit = own.static_friction * known.grip * cap_radius(sim);
     let limit = limit * config.hand.finger.len() as f64;
     let sense = match screw.until {
         Until::Strokes => return None,
@@ -111,7 +112,7 @@ fn true_section(config: &ExperimentConfig) -> Vec<[f64; 2]> {
     let TaskConfig::Contour(contour) = &config.task else {
         return Vec::new();
     };
-    let mut objects = config.sim.object.iter();
+    let mut objects = config.sim.iter().flat_map(|sim| &sim.object);
     let Some((name, object)) = objects.find(|(_, o)| o.shape != ShapeConfig::HalfSpace) else {
         return Vec::new();
     };

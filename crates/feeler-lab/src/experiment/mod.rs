@@ -170,7 +170,7 @@ impl Session {
         check_specimen(config, &fingers, &rig.world())?;
         let sensors = sensors::sensors(experiment, &rig, &layouts)?;
         let slip = SlipMeter::new(rig.world().state());
-        let hand = SimHand::new(rig.clone(), steps_per_command(config));
+        let hand = SimHand::new(rig.clone(), steps_per_command(config)?);
         Ok(Self {
             rig,
             control_loop: ControlLoop::new(sensors, hand, controller),
@@ -239,14 +239,14 @@ impl Session {
 /// The rig of `experiment`, and its object on a thread.
 fn rig(experiment: &Experiment) -> Result<(Rig, Option<usize>), ExperimentError> {
     let world = world(experiment)?;
-    let cap = experiment.config.sim.cap();
+    let cap = experiment.config.cap();
     let cap = cap.and_then(|(name, ..)| world.model().object(name));
     Ok((Rig::new(world), cap))
 }
 
 /// Steps of the world in a control period.
-fn steps_per_command(config: &ExperimentConfig) -> usize {
-    (config.control.period / config.sim.step).round() as usize
+fn steps_per_command(config: &ExperimentConfig) -> Result<usize, ConfigError> {
+    Ok((config.control.period / config.simulation()?.step).round() as usize)
 }
 
 /// The simulated world of `experiment`, without sensors or control: fingers at home, objects where they
@@ -260,7 +260,7 @@ pub fn world(experiment: &Experiment) -> Result<World, ExperimentError> {
     let fingers: Vec<_> = fingers.into_iter().zip(layouts(config)?).collect();
     let folder = experiment.folder();
     Ok(World::new(
-        &config.sim,
+        config.simulation()?,
         &fingers,
         &joints,
         folder,
@@ -290,6 +290,26 @@ pub fn layouts(config: &ExperimentConfig) -> Result<Vec<ElementLayout>, Experime
             made.map(|(layout, _)| layout)
         })
         .collect()
+}
+
+/// Builds all that a real rig's programs build of `config`: fingers that reach their homes, fingertips, and calibrations that were
+/// made for them.
+///
+/// # Errors
+/// The first part that makes no sense.
+pub fn check_rig(experiment: &Experiment) -> Result<Vec<ElementLayout>, ExperimentError> {
+    let config = &experiment.config;
+    fingers_at_home(config)?;
+    let layouts = layouts(config)?;
+    for finger in 0..layouts.len() {
+        let calibration = experiment.calibration(finger)?;
+        let made_for_it = calibration.check_made_for(config.sensor.fingertip(finger));
+        made_for_it.map_err(|source| ExperimentError::Sensor {
+            finger,
+            source: Box::new(source.into()),
+        })?;
+    }
+    Ok(layouts)
 }
 
 /// The fingers and the joint angles, rad, that bring them home.

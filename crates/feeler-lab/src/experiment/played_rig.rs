@@ -58,7 +58,7 @@ impl PlayedRig {
                 }
             }
         });
-        let steps_per_period = steps_per_command(config);
+        let steps_per_period = steps_per_command(config)?;
         let slip = SlipMeter::new(rig.world().state());
         Ok(Self {
             sensors: sensors.collect(),

@@ -56,22 +56,23 @@ pub(super) fn rig_sensors(
     layouts: &[ElementLayout],
 ) -> Result<Vec<RigSensor>, ExperimentError> {
     let config = &experiment.config;
+    let sim = config.simulation()?;
     let mut fingertips = Fingertips::default();
     let fingers = layouts.iter().enumerate();
     fingers
         .map(|(finger, layout)| {
             let (elements, period) = (layout.elements.len(), config.control.period);
             let (seed, rig) = (config.seed, rig.clone());
-            let faults = SensorFaults::new(&config.sim.fault, finger, elements, period, seed);
+            let faults = SensorFaults::new(&sim.fault, finger, elements, period, seed);
             if config.sensing == Sensing::Direct {
-                let noise = config.sim.direct_sensing.clone();
+                let noise = sim.direct_sensing.clone();
                 let sensor = DirectSensor::new(rig, finger, noise, faults, seed);
                 return Ok(RigSensor::Direct(sensor));
             }
             let fingertip = fingertips
                 .get(config.sensor.fingertip(finger))
                 .map_err(|source| ExperimentError::Fingertip { finger, source })?;
-            let optics = &config.sim.optics;
+            let optics = &sim.optics;
             let camera = SimCamera::new(rig, finger, fingertip, optics, faults, seed)?;
             Ok(RigSensor::Camera(Box::new(camera)))
         })

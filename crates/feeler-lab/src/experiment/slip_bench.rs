@@ -10,7 +10,7 @@ use feeler::control::slip_detector::SlipDetector;
 use feeler::control::touch::FingerTouch;
 use feeler::sensor::layout::ElementLayout;
 use feeler_sim::columnar_feeler::Friction;
-use feeler_sim::config::DirectSensingConfig;
+use feeler_sim::config::{DirectSensingConfig, SimConfig};
 use feeler_sim::object::{MotionConfig, ObjectConfig};
 use feeler_sim::pose::Pose;
 use feeler_sim::random::normal;
@@ -80,19 +80,21 @@ struct Motion {
 pub fn trial(experiment: &Experiment, seed: u64) -> Result<Vec<Sample>, ExperimentError> {
     let mut random = Pcg64::seed_from_u64(seed);
     let config = &experiment.config;
-    let mut judge = Judge::new(config, layouts(config)?.swap_remove(0));
+    let sim = config.simulation()?;
+    let steps = steps_per_command(config)?;
+    let mut judge = Judge::new(config, sim, layouts(config)?.swap_remove(0));
     let (mut world, mut course) = on_specimen(experiment, &mut random)?;
-    let reach = judge.layout.dome_radius + config.sim.feeler.tip_radius;
+    let reach = judge.layout.dome_radius + sim.feeler.tip_radius;
     for number in 0..=MOTIONS {
         let motion = Motion::draw(number, &course, &mut random);
         let frames = (motion.duration / config.control.period).round() as u32;
         for _ in 0..frames {
-            for _ in 0..steps_per_command(config) {
-                course.advance(&motion, config.sim.step);
+            for _ in 0..steps {
+                course.advance(&motion, sim.step);
                 world.hold_fingertip(0, Some(course.pose(reach)));
                 world.step()?;
             }
-            judge.feel(&world, &config.sim.direct_sensing, &mut random);
+            judge.feel(&world, &sim.direct_sensing, &mut random);
             judge.judge(&world, &course.pose(reach));
         }
     }
@@ -117,14 +119,14 @@ struct Judge {
 }
 
 impl Judge {
-    fn new(config: &ExperimentConfig, layout: ElementLayout) -> Self {
+    fn new(config: &ExperimentConfig, sim: &SimConfig, layout: ElementLayout) -> Self {
         let elements = layout.elements.len();
         let touch_force = config.control.touch_force;
         // The nominal rubber, as measured on a bench; that of a trial differs from it.
         let feeler = FeelerShape {
-            normal_stiffness: config.sim.feeler.normal_stiffness,
-            shear_stiffness: config.sim.feeler.shear_stiffness,
-            tip_radius: config.sim.feeler.tip_radius,
+            normal_stiffness: sim.feeler.normal_stiffness,
+            shear_stiffness: sim.feeler.shear_stiffness,
+            tip_radius: sim.feeler.tip_radius,
         };
         Self {
             layout,
@@ -194,7 +196,7 @@ fn on_specimen(
 ) -> Result<(World, Course), ExperimentError> {
     let config = &experiment.config;
     let mut between = |low: f64, high: f64| low + (high - low) * random.random::<f64>();
-    let mut sim = config.sim.clone();
+    let mut sim = config.simulation()?.clone();
     let stiffness = between(0.9, 1.1);
     sim.feeler.normal_stiffness *= stiffness;
     sim.feeler.shear_stiffness *= stiffness;

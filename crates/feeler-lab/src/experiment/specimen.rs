@@ -64,7 +64,8 @@ pub fn check_specimen(
     let (TaskConfig::FrictionScan(scan), Some(finger)) = (&config.task, fingers.first()) else {
         return Ok(());
     };
-    let dome = config.sensor.fingertip(0).layout.dome_radius + config.sim.feeler.tip_radius;
+    let tip_radius = config.sim.as_ref().map_or(0.0, |sim| sim.feeler.tip_radius);
+    let dome = config.sensor.fingertip(0).layout.dome_radius + tip_radius;
     let position = first_touch(scan, world, dome)?;
     let limits = &config.control.limits;
     let lower = DVec3::from_array(limits.workspace_lower);

@@ -59,8 +59,11 @@ impl fmt::Display for Warning {
 pub fn warnings(experiment: &Experiment) -> Vec<Warning> {
     let config = &experiment.config;
     let mut warnings = Vec::new();
+    let Some(sim) = &config.sim else {
+        return warnings;
+    };
     let reach = reach(config);
-    for (name, object) in &config.sim.object {
+    for (name, object) in &sim.object {
         let from_file = matches!(
             object.shape,
             ShapeConfig::Mesh { .. } | ShapeConfig::ConvexHull { .. }
@@ -76,7 +79,7 @@ pub fn warnings(experiment: &Experiment) -> Vec<Warning> {
         }));
     }
     if config.sensing == Sensing::Direct {
-        let faults = config.sim.fault.iter().enumerate();
+        let faults = sim.fault.iter().enumerate();
         let stuck = faults.filter(|(_, f)| matches!(f.kind, FaultKind::StuckRows { .. }));
         warnings.extend(stuck.map(|(fault, _)| Warning::NoPictures { fault }));
     }

@@ -328,7 +328,7 @@ mod tests {
             kinetic.settings("0.5", &set).unwrap(),
             ["sim.feeler.kinetic_friction=0.4"]
         );
-        let experiment = reference().config.sim.feeler;
+        let experiment = reference().config.sim.expect("a simulated rig").feeler;
         let ratio: f64 = kinetic.nominal.parse().unwrap();
         let nominal = kinetic.settings(&kinetic.nominal, &[]).unwrap();
         let value: f64 = nominal[0].split_once('=').unwrap().1.parse().unwrap();

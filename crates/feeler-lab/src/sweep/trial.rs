@@ -101,7 +101,7 @@ impl Trials {
         let config = &experiment.config;
         let screws = matches!(config.task, TaskConfig::Screw(_));
         // The claims about screwing are the paper's, of a cap that is screwed on.
-        let claims = if !screws || config.sim.cap().is_some() {
+        let claims = if !screws || config.cap().is_some() {
             let facts = run_facts(config);
             let nothing = MemoryRecorder::new(&facts)?.into_recording();
             let claims = tasks::of(&facts).claims(&nothing, &RunData::new(&nothing));

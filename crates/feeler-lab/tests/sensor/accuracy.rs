@@ -31,7 +31,10 @@ const FULL_SCALE: DVec3 = DVec3::new(1.0, 1.0, 2.0);
 /// The reference experiment's fingertip and optics.
 fn reference() -> (FingertipConfig, OpticsConfig) {
     let config = Experiment::load("cap-closing", &[]).unwrap().config;
-    (config.sensor.fingertip, config.sim.optics)
+    (
+        config.sensor.fingertip,
+        config.sim.expect("a simulated world").optics,
+    )
 }
 
 fn calibrated(model: ModelChoice) -> Calibration {

@@ -16,7 +16,12 @@ fn the_reference_calibration_can_be_made_again() {
     let config = &experiment.config;
     let committed = experiment.calibration(0).unwrap();
     let bench = CalibrationBenchConfig::default();
-    let made = calibrate_simulated(&config.sensor.fingertip, &config.sim.optics, &bench).unwrap();
+    let made = calibrate_simulated(
+        &config.sensor.fingertip,
+        &config.simulation().expect("a simulated world").optics,
+        &bench,
+    )
+    .unwrap();
 
     assert_eq!(committed.made_for, made.made_for);
     assert_eq!(committed.elements.len(), made.elements.len());

@@ -54,7 +54,7 @@ fn object(shape: ShapeConfig, motion: MotionConfig) -> ObjectConfig {
 
 fn world(header: &Header, case: &Case) -> World {
     let experiment = Experiment::load("cap-closing", &[]).expect("an experiment");
-    let mut sim = experiment.config.sim;
+    let mut sim = experiment.config.sim.expect("a simulated world");
     let shape = ShapeConfig::Box {
         size: header.half_size.map(|h| 2.0 * h),
     };

@@ -17,7 +17,7 @@ pub const GRAVITY: f64 = 9.81;
 /// The reference rig without anything to touch, and nothing varied.
 pub fn empty() -> SimConfig {
     let experiment = Experiment::load(RIG, &[]).expect("the rig");
-    let mut sim = experiment.config.sim;
+    let mut sim = experiment.config.sim.expect("a simulated world");
     sim.object.clear();
     sim.variation.friction = 0.0;
     sim

@@ -20,7 +20,7 @@ const CAP_RADIUS: f64 = 0.05;
 /// A finger with links of 1 m, so that it hardly tilts within a millimetre, before a cap that
 /// nothing can turn; its one feeler points along x at the cap's axis and just touches.
 fn one_element() -> World {
-    let mut sim = experiment(&[]).config.sim;
+    let mut sim = experiment(&[]).config.sim.expect("a simulated world");
     sim.step = STEP;
     sim.servo.lag = 0.0;
     sim.variation.bottle_position = 0.0;

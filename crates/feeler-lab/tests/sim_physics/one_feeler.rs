@@ -27,7 +27,7 @@ impl OneFeeler {
     /// The reference rig as `change` changes it, nothing varied: its object's face is at `face` (m) along x.
     pub fn new(face: f64, change: impl FnOnce(&mut SimConfig)) -> Self {
         let config = experiment(&[]).config;
-        let mut sim = config.sim;
+        let mut sim = config.sim.expect("a simulated world");
         sim.step = STEP;
         sim.variation.bottle_position = 0.0;
         sim.variation.friction = 0.0;

@@ -58,7 +58,14 @@ pub fn world(experiment: &Experiment, start: &[DVec3]) -> World {
     let fingers: Vec<_> = fingers
         .map(|f| (FingerGeometry::new(f).expect("a finger"), layout.clone()))
         .collect();
-    World::new(&config.sim, &fingers, start, Path::new(""), config.seed).expect("a world")
+    World::new(
+        config.simulation().expect("a simulated world"),
+        &fingers,
+        start,
+        Path::new(""),
+        config.seed,
+    )
+    .expect("a world")
 }
 
 /// Gives `world` the commands of a run and shows it after every physics step; beside it, the

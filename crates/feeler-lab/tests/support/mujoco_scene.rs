@@ -77,7 +77,7 @@ pub struct Scene {
 impl Scene {
     pub fn new(header: &Header, time_step: f64) -> Self {
         let experiment = Experiment::load("cap-closing", &[]).expect("an experiment");
-        let mut sim = experiment.config.sim;
+        let mut sim = experiment.config.sim.expect("a simulated world");
         sim.step = time_step;
         sim.torque_sensor.stiffness = 1e9;
         sim.variation.bottle_position = 0.0;

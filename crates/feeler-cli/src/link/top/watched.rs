@@ -110,7 +110,7 @@ impl Watched {
         let (inbox, now) = (self.inbox.lock(), (self.clock)());
         let heard = Heard::new(&inbox, now);
         let instruments = heard.instruments();
-        let has_cap = self.config.sim.cap().is_some();
+        let has_cap = self.config.cap().is_some();
         Snapshot {
             title: format!("rig {}", self.rig),
             time: heard.state.map_or(UNKNOWN, |state| state.header.stamp),
