@@ -51,8 +51,8 @@ impl TouchSource for RemoteFinger {
         if actual != expected {
             return Err(SensorError::ElementCount { expected, actual });
         }
-        for (force, &sent) in touch.frame.forces.iter_mut().zip(&update.forces) {
-            *force = sent.into();
+        for (force, sent) in touch.frame.forces.iter_mut().zip(update.valid_forces()) {
+            *force = sent;
         }
         touch.shear_rate.copy_from_slice(&update.shear_rate);
         touch.flags = flags;

@@ -10,7 +10,7 @@ use crate::sense::{Arguments, close, is_raised};
 use feeler::control::flags::{FingerFlags, FlagAnalyzer};
 use feeler::sensor::camera::CameraError;
 use feeler::sensor::frame::{Frame, Picture};
-use feeler::sensor::reading::TactileFrame;
+use feeler::sensor::reading::{NO_FORCE, TactileFrame};
 use feeler::sensor::sensing::{ElementReading, Sensing};
 use feeler_lab::config::{Experiment, Sensing as SensingBy};
 use feeler_link::beacon::Beacon;
@@ -219,7 +219,7 @@ impl<'a> Program<'a> {
         let mut invalid_mask = vec![0; self.readings.len().div_ceil(8)];
         let forces = self.frame.forces.iter_mut().zip(&self.readings);
         for (element, (force, reading)) in forces.enumerate() {
-            *force = reading.force.unwrap_or(DVec3::ZERO);
+            *force = reading.force.unwrap_or(NO_FORCE);
             if reading.force.is_none() {
                 raise(&mut invalid_mask, element);
             }
@@ -267,7 +267,8 @@ impl<'a> Program<'a> {
                 .frame
                 .forces
                 .iter()
-                .map(|&f| Vector3::from(f))
+                .map(|&f| if f.is_nan() { DVec3::ZERO } else { f })
+                .map(Vector3::from)
                 .collect(),
             shear_rate: shear_rate.to_vec(),
             slip_mask,

@@ -8,6 +8,7 @@ use super::check_task::check_task;
 use super::checker::{Checker, MAX, Problem};
 use feeler::control::controller::ControlConfig;
 use feeler::hand::hand::MAX_FINGERS;
+use feeler::sensor::drift::DriftConfig;
 use feeler::sensor::fingertip::{FingertipConfig, MAX_ELEMENTS};
 
 /// Physics steps in one control period at most: beyond, a run would seem to hang.
@@ -37,6 +38,9 @@ pub fn check(config: &ExperimentConfig) -> Vec<Problem> {
             check_fingertip(&key, fingertip, &mut checker);
         }
     }
+    if let Some(drift) = &config.sensor.drift {
+        check_drift(drift, &mut checker);
+    }
     check_fingers(config, &mut checker);
     check_control(&config.control, &mut checker);
     check_task(config, &mut checker);
@@ -53,6 +57,18 @@ pub fn check(config: &ExperimentConfig) -> Vec<Problem> {
         ),
     );
     checker.problems
+}
+
+fn check_drift(drift: &DriftConfig, checker: &mut Checker) {
+    let shares = [
+        ("tolerance", drift.tolerance),
+        ("displacement_tolerance", drift.displacement_tolerance),
+        ("gain_rate", drift.gain_rate),
+        ("rezero_rate", drift.rezero_rate),
+    ];
+    for (field, share) in shares {
+        checker.between(&format!("sensor.drift.{field}"), share, 0.0, 1.0);
+    }
 }
 
 fn check_fingertip(key: &str, fingertip: &FingertipConfig, checker: &mut Checker) {

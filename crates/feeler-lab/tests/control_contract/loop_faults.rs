@@ -163,11 +163,16 @@ fn every_fault_has_its_reason_and_stops_both_fingers() {
     cases.push((
         broken,
         at_home(),
-        StopReason::NotFinite {
+        StopReason::NoForce {
             finger: 0,
-            what: "force",
+            element: 7,
         },
     ));
+    let mut broken = good();
+    broken[0].forces[7].y = f64::INFINITY;
+    let what = "force";
+    let reason = StopReason::NotFinite { finger: 0, what };
+    cases.push((broken, at_home(), reason));
     let mut infinite = at_home();
     infinite.joints[1].position.z = f64::INFINITY;
     cases.push((

@@ -279,6 +279,9 @@ fn check_input(
             actual: forces.len(),
         });
     }
+    if let Some(element) = touch.frame.first_invalid() {
+        return Err(StopReason::NoForce { finger, element });
+    }
     let not_finite = |what| Err(StopReason::NotFinite { finger, what });
     if !forces.iter().all(|f| f.is_finite()) {
         return not_finite("force");

@@ -3,6 +3,10 @@
 use super::{camera::CameraError, frame::Frame, moments_config::MomentsError};
 use glam::DVec3;
 
+/// What stands in a [`TactileFrame`] for the force at an element that has no valid one. No component is a
+/// number, and neither is anything that is calculated from it.
+pub const NO_FORCE: DVec3 = DVec3::NAN;
+
 /// The forces on all sensing elements of one fingertip at one time.
 ///
 /// Allocated once with [`TactileFrame::unloaded`] and filled again and again.
@@ -14,7 +18,8 @@ pub struct TactileFrame {
     pub stamp: f64,
     /// Force at each element in its own frame `E_i`, N: `x`, `y` are the tangential force on the
     /// feeler by the object along the element's x, y; `z` is the compression, the force on the
-    /// feeler by the object along -z, positive when pressed.
+    /// feeler by the object along -z, positive when pressed. [`NO_FORCE`] where it is unknown because
+    /// the sub-region is dark or saturated; the controller refuses a frame with such an element.
     pub forces: Vec<DVec3>,
 }
 
@@ -26,6 +31,16 @@ impl TactileFrame {
             stamp: 0.0,
             forces: vec![DVec3::ZERO; elements],
         }
+    }
+
+    /// Whether the force at `element` is valid; none is where there is no such element.
+    pub fn is_valid(&self, element: usize) -> bool {
+        self.forces.get(element).is_some_and(|f| !f.is_nan())
+    }
+
+    /// The first element without a valid force, if there is one.
+    pub fn first_invalid(&self) -> Option<usize> {
+        self.forces.iter().position(|force| force.is_nan())
     }
 }
 

@@ -10,12 +10,11 @@ pub use compare::{Comparison, Difference, Kind, Tally};
 pub use error::ReplayError;
 
 use super::log::{RigRecord, RunLog};
-use super::{ExperimentError, Sensor, controller, fingers_at_home, layouts};
+use super::sensors::optical_sensor;
+use super::{Sensor, controller, fingers_at_home, layouts};
 use crate::config::{ConfigError, Experiment};
 use compare::Comparer;
 use feeler::control::control_loop::ControlLoop;
-use feeler::control::touch::AnalyzedSensor;
-use feeler::sensor::optical::OpticalSensor;
 use feeler_record::{RecordedCamera, RecordedHand, Recorder, Recording, Tactile};
 use outside::Outside;
 use recorded_touch::RecordedTouch;
@@ -195,16 +194,7 @@ fn optical_sensors(
                 return Err(ReplayError::NoPictures { finger });
             }
             let camera = RecordedCamera::open(file, recording, finger)?;
-            let fingertip = experiment.config.sensor.fingertip(finger);
-            let calibration = experiment.calibration(finger)?;
-            let sensor = OpticalSensor::new(camera, fingertip, calibration).map_err(|source| {
-                ExperimentError::Sensor {
-                    finger,
-                    source: Box::new(source),
-                }
-            })?;
-            let thresholds = experiment.config.control.thresholds();
-            Ok(Box::new(AnalyzedSensor::new(sensor, thresholds)))
+            Ok(optical_sensor(experiment, finger, camera)?)
         })
         .collect()
 }
