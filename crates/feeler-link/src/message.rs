@@ -5,9 +5,7 @@
 
 use feeler::control::phase::Phase;
 use feeler::hand::hand::MAX_FINGERS;
-use feeler::sensor::reading::NO_FORCE;
 use feeler_record::wire::{Vector3, message, vector3_schema};
-use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 /// Version of these messages. A program takes no other, and says so.
@@ -83,21 +81,6 @@ pub struct TactileUpdate {
     /// Which elements have no valid force (dark or saturated), in the same way; theirs are 0 N.
     #[serde(with = "serde_bytes")]
     pub invalid_mask: Vec<u8>,
-}
-
-impl TactileUpdate {
-    /// The force at each element as in a [`TactileFrame`](feeler::sensor::reading::TactileFrame):
-    /// [`NO_FORCE`] where it is marked as invalid.
-    pub fn valid_forces(&self) -> impl Iterator<Item = DVec3> {
-        let forces = self.forces.iter().enumerate();
-        forces.map(|(element, &force)| {
-            let byte = self.invalid_mask.get(element / 8);
-            match byte.is_some_and(|byte| byte >> (element % 8) & 1 == 1) {
-                true => NO_FORCE,
-                false => force.into(),
-            }
-        })
-    }
 }
 
 message!(

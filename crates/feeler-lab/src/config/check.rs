@@ -2,7 +2,7 @@
 
 use super::ExperimentConfig;
 use super::check_faults::check_faults;
-use super::check_law::check_law;
+use super::check_law::{check_law, check_law_of_task};
 use super::check_sim::check_sim;
 use super::check_task::check_task;
 use super::checker::{Checker, MAX, Problem};
@@ -43,6 +43,7 @@ pub fn check(config: &ExperimentConfig) -> Vec<Problem> {
     }
     check_fingers(config, &mut checker);
     check_control(&config.control, &mut checker);
+    check_law_of_task(config, &mut checker);
     check_task(config, &mut checker);
     check_sim(&config.sim, &mut checker);
     check_faults(config, &mut checker);

@@ -5,7 +5,6 @@ use super::stop_reason::StopReason;
 use super::touch::{FingerTouch, TouchSource};
 use crate::hand::hand::{Hand, HandCommand, HandError, HandState};
 use crate::sensor::reading::SensorError;
-use glam::DVec3;
 
 /// Why the loop could not go round.
 #[derive(Debug, thiserror::Error)]
@@ -68,7 +67,7 @@ impl<S: TouchSource, H: Hand> ControlLoop<S, H> {
                 ControlError::Hand(_) => "the hand's joint state",
             };
             self.controller.stop(StopReason::ReadFailed { what });
-            self.command.joint_velocity.fill(DVec3::ZERO);
+            self.command.set_to_stop();
             // The error that is reported is the first one, not what stopping may add to it.
             let _ = self.hand.command(&self.command);
             return Err(error);

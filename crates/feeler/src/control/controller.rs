@@ -160,14 +160,14 @@ impl Controller {
         state: &HandState,
         command: &mut HandCommand,
     ) {
-        command.joint_velocity.fill(DVec3::ZERO);
+        command.set_to_stop();
         let decided = self
             .feel(touches, state)
             .and_then(|()| self.plan(touches, state));
         if let Err(reason) = decided {
             self.stop(reason);
         }
-        for (finger, velocity) in self.fingers.iter().zip(&mut command.joint_velocity) {
+        for (finger, velocity) in self.fingers.iter().zip(command.admitted_mut()) {
             *velocity = finger.admitted.joint_velocity;
         }
     }

@@ -1,6 +1,8 @@
 //! What a tactile sensor says: one tri-axial force for every sensing element.
 
-use super::{camera::CameraError, frame::Frame, moments_config::MomentsError};
+use super::{
+    camera::CameraError, frame::Frame, layout::ElementLayout, moments_config::MomentsError,
+};
 use glam::DVec3;
 
 /// What stands in a [`TactileFrame`] for the force at an element that has no valid one. No component is a
@@ -36,6 +38,16 @@ impl TactileFrame {
     /// Whether the force at `element` is valid; none is where there is no such element.
     pub fn is_valid(&self, element: usize) -> bool {
         self.forces.get(element).is_some_and(|f| !f.is_nan())
+    }
+
+    /// Resultant force on the fingertip by what it touches, N, in the fingertip's frame `T`: the sum over
+    /// the elements of `layout`. An object that presses on the apex pushes the fingertip along -x, so
+    /// that x is negative. Not a number where an element has no valid force.
+    pub fn resultant(&self, layout: &ElementLayout) -> DVec3 {
+        let elements = layout.elements.iter().zip(&self.forces);
+        elements.fold(DVec3::ZERO, |sum, (element, &force)| {
+            sum + element.force_on_fingertip(force)
+        })
     }
 
     /// The first element without a valid force, if there is one.

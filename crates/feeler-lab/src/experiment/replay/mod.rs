@@ -15,6 +15,7 @@ use super::{Sensor, controller, fingers_at_home, layouts};
 use crate::config::{ConfigError, Experiment};
 use compare::Comparer;
 use feeler::control::control_loop::ControlLoop;
+use feeler::control::controller::Controller;
 use feeler_record::{RecordedCamera, RecordedHand, Recorder, Recording, Tactile};
 use outside::Outside;
 use recorded_touch::RecordedTouch;
@@ -111,6 +112,11 @@ impl<'a> Replay<'a> {
         self.log.write_step(&self.control_loop, rig)?;
         self.step += 1;
         Ok(())
+    }
+
+    /// The controller, as of the newest step.
+    pub fn controller(&self) -> &Controller {
+        self.control_loop.controller()
     }
 
     /// Whether the record is at its end.
