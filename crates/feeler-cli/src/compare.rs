@@ -4,6 +4,7 @@ use super::interrupt::watch_for_interrupt;
 use super::sweep::cores;
 use super::{CommandError, Outcome};
 use feeler::control::law::LawConfig;
+use feeler::control::task::TaskConfig;
 use feeler_lab::config::{Experiment, ExperimentConfig};
 use feeler_lab::sweep::comparison::{Candidate, Goal, compare as compare_laws};
 use feeler_lab::sweep::plan::PLAN;
@@ -142,6 +143,14 @@ fn draws(arguments: &Arguments) -> Result<(Vec<String>, Vec<String>), CommandErr
     let mut settings = arguments.settings.clone();
     settings.push(format!("sensing={}", arguments.sensing));
     let config = Experiment::load(&arguments.experiment, &settings)?.config;
+    if !config.task.takes_law() {
+        let (name, task) = (&arguments.experiment, config.task.name());
+        return Err(format!(
+            "{name}: the laws cannot differ, because its task.{task} controls its contact forces itself: expected an experiment with {}",
+            TaskConfig::WITH_LAW
+        )
+        .into());
+    }
     let Some((cap, object, thread)) = config.simulation()?.cap() else {
         let name = &arguments.experiment;
         return Err(format!(

@@ -45,7 +45,7 @@ fn physics(bencher: Bencher, timed: fn(Phase) -> bool) {
         session.step().expect("a step");
         let control_loop = session.control_loop();
         phases.push(control_loop.controller().phase());
-        commands.push(control_loop.command().joint_velocity.clone());
+        commands.push(control_loop.command().joint_velocity().to_vec());
     }
     let start = phases.iter().position(|&p| timed(p)).expect("the phase");
     let length = phases[start..].iter().take_while(|&&p| timed(p)).count();

@@ -199,17 +199,9 @@ impl HandInbox {
         if old(state) {
             return Some(StopReason::StaleState { age: state, limit });
         }
-        let stale = fingers.position(old);
-        if let Some(finger) = stale {
-            let age = now - self.fingers[finger].earliest;
-            return Some(StopReason::StaleForces { finger, age, limit });
-        }
-        self.fingers.iter().enumerate().find_map(|(finger, inbox)| {
-            let mask = &inbox.newest.as_ref()?.invalid_mask;
-            let element = mask.iter().position(|&byte| byte != 0)?;
-            let element = 8 * element + mask[element].trailing_zeros() as usize;
-            Some(StopReason::NoForce { finger, element })
-        })
+        let finger = fingers.position(old)?;
+        let age = now - self.fingers[finger].earliest;
+        Some(StopReason::StaleForces { finger, age, limit })
     }
 
     /// Whether the hand was told to go on since this was last asked.

@@ -20,6 +20,7 @@ pub mod remote;
 pub mod rig_inbox;
 pub mod sense_inbox;
 pub mod shared;
+mod tactile;
 pub mod topic;
 #[cfg(feature = "zenoh")]
 pub mod transport;

@@ -51,8 +51,8 @@ impl TouchSource for RemoteFinger {
         if actual != expected {
             return Err(SensorError::ElementCount { expected, actual });
         }
-        for (force, &sent) in touch.frame.forces.iter_mut().zip(&update.forces) {
-            *force = sent.into();
+        for (force, sent) in touch.frame.forces.iter_mut().zip(update.valid_forces()) {
+            *force = sent;
         }
         touch.shear_rate.copy_from_slice(&update.shear_rate);
         touch.flags = flags;
@@ -120,7 +120,7 @@ impl Hand for RemoteHand {
     }
 
     fn command(&mut self, command: &HandCommand) -> Result<(), HandError> {
-        check_finger_count(self.fingers, command.joint_velocity.len())?;
+        check_finger_count(self.fingers, command.joint_velocity().len())?;
         let message = {
             let mut inbox = self.inbox.lock();
             let state = inbox.state().newest.as_ref().map(|state| state.header);
@@ -139,7 +139,7 @@ impl Hand for RemoteHand {
                 },
                 state_sequence: state.sequence,
                 joint_velocity: command
-                    .joint_velocity
+                    .joint_velocity()
                     .iter()
                     .map(|&v| Vector3::from(v))
                     .collect(),

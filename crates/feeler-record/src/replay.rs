@@ -88,6 +88,6 @@ impl Hand for RecordedHand {
     }
 
     fn command(&mut self, command: &HandCommand) -> Result<(), HandError> {
-        check_finger_count(self.fingers.len(), command.joint_velocity.len())
+        check_finger_count(self.fingers.len(), command.joint_velocity().len())
     }
 }

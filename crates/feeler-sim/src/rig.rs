@@ -67,9 +67,9 @@ impl SimHand {
     /// # Errors
     /// When the command is for another number of fingers, or the world cannot go on.
     pub fn advance(&mut self, command: &HandCommand) -> Result<(), HandError> {
-        check_finger_count(self.fingers, command.joint_velocity.len())?;
+        check_finger_count(self.fingers, command.joint_velocity().len())?;
         let mut world = self.rig.world();
-        for (finger, &velocity) in command.joint_velocity.iter().enumerate() {
+        for (finger, &velocity) in command.joint_velocity().iter().enumerate() {
             world.command(finger, velocity);
         }
         world.step().map_err(|e| HandError::Failed(e.to_string()))

@@ -6,6 +6,9 @@ pub mod hand;
 pub mod pace;
 pub mod sensor;
 
+/// The vectors and rotations of the public interface.
+pub use glam;
+
 /// The code of the repository's README is compiled with the documentation's tests.
 #[cfg(doctest)]
 #[doc = include_str!("../../../README.md")]

@@ -40,7 +40,7 @@ const MAY_IMPORT: [(&str, &[&str]); 15] = [
     ("record", &["control", "hand", "sensor", "wire"]),
     ("top", &["control", "sensor"]),
     ("link", &["control", "hand", "sensor", "wire"]),
-    ("control", &["hand", "sensor"]),
+    ("control", &["hand", "pace", "sensor"]),
     ("sim", &["hand", "sensor"]),
     ("sources", &["sensor"]),
     ("sensor", &[]),

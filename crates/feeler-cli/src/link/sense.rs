@@ -7,23 +7,22 @@ use crate::sense::sensor::{self, SensorOf};
 use crate::sense::source::Source;
 use crate::sense::tally::Tally;
 use crate::sense::{Arguments, close, is_raised};
-use feeler::control::flags::{FingerFlags, FlagAnalyzer};
+use feeler::control::flags::FlagAnalyzer;
+use feeler::control::touch::FingerTouch;
 use feeler::sensor::camera::CameraError;
 use feeler::sensor::frame::{Frame, Picture};
-use feeler::sensor::reading::TactileFrame;
+use feeler::sensor::reading::NO_FORCE;
 use feeler::sensor::sensing::{ElementReading, Sensing};
 use feeler_lab::config::{Experiment, Sensing as SensingBy};
 use feeler_link::beacon::Beacon;
 use feeler_link::inbox::{Inbox, listen};
-use feeler_link::message::{Header, Heartbeat, NO_ELEMENT, TactileUpdate};
+use feeler_link::message::{Header, Heartbeat, TactileUpdate};
 use feeler_link::network::Network;
 use feeler_link::outlet::{Clock, draw_instance, header, monotonic, send};
 use feeler_link::sense_inbox::{Exposed, SenseInbox};
 use feeler_link::shared::Shared;
 use feeler_link::topic::Topic;
-use feeler_record::wire::Vector3;
 use feeler_sources::pump::{Captured, FramePump};
-use glam::DVec3;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
@@ -39,7 +38,7 @@ struct Program<'a> {
     finger: usize,
     sensing: Sensing,
     readings: Vec<ElementReading>,
-    frame: TactileFrame,
+    touch: FingerTouch,
     analyzer: FlagAnalyzer,
     slip_threshold: f64,
     inbox: Shared<SenseInbox>,
@@ -116,7 +115,7 @@ impl<'a> Program<'a> {
         Ok(Self {
             finger,
             readings: vec![ElementReading::default(); elements],
-            frame: TactileFrame::unloaded(elements),
+            touch: FingerTouch::none(elements),
             analyzer: FlagAnalyzer::new(thresholds, elements),
             slip_threshold: thresholds.slip_threshold,
             sensing,
@@ -216,21 +215,17 @@ impl<'a> Program<'a> {
     /// Raises flags on the newest readings, publishes and writes them. They are those of picture `number`,
     /// which came in at `at`.
     fn tell(&mut self, taken: Header, number: u64, at: Instant) -> Result<(), CommandError> {
-        let mut invalid_mask = vec![0; self.readings.len().div_ceil(8)];
-        let forces = self.frame.forces.iter_mut().zip(&self.readings);
-        for (element, (force, reading)) in forces.enumerate() {
-            *force = reading.force.unwrap_or(DVec3::ZERO);
-            if reading.force.is_none() {
-                raise(&mut invalid_mask, element);
-            }
+        let frame = &mut self.touch.frame;
+        for (force, reading) in frame.forces.iter_mut().zip(&self.readings) {
+            *force = reading.force.unwrap_or(NO_FORCE);
         }
-        (self.frame.sequence, self.frame.stamp) = (number, taken.stamp);
-        let flags = self.analyzer.analyze(&self.frame);
+        (frame.sequence, frame.stamp) = (number, taken.stamp);
+        self.touch.analyze(&mut self.analyzer);
         let header = Header {
             instance: self.instance,
             ..taken
         };
-        let update = self.update(header, flags, invalid_mask);
+        let update = TactileUpdate::of_touch(header, self.finger, &self.touch, self.slip_threshold);
         send(&*self.network, Topic::Tactile(self.finger), &update)?;
         if let Some(output) = &mut self.output {
             output.write(&FrameReadings {
@@ -244,35 +239,6 @@ impl<'a> Program<'a> {
             self.report(at);
         }
         Ok(())
-    }
-
-    fn update(&self, header: Header, flags: FingerFlags, invalid_mask: Vec<u8>) -> TactileUpdate {
-        let shear_rate = self.analyzer.shear_rate();
-        let mut slip_mask = vec![0; invalid_mask.len()];
-        for (element, &rate) in shear_rate.iter().enumerate() {
-            if rate > self.slip_threshold {
-                raise(&mut slip_mask, element);
-            }
-        }
-        TactileUpdate {
-            header,
-            finger: self.finger as u32,
-            frame: self.frame.sequence,
-            touch: flags.touch,
-            slip: flags.slip,
-            over: flags.over,
-            largest_element: flags.largest_element.map_or(NO_ELEMENT, |e| e as u32),
-            grasp_force: flags.grasp_force,
-            forces: self
-                .frame
-                .forces
-                .iter()
-                .map(|&f| Vector3::from(f))
-                .collect(),
-            shear_rate: shear_rate.to_vec(),
-            slip_mask,
-            invalid_mask,
-        }
     }
 
     /// Ends where a hand does not agree with this program: what is sensed would be refused.
@@ -304,9 +270,4 @@ impl<'a> Program<'a> {
             heartbeat.refused = inbox.rejected.total();
         });
     }
-}
-
-/// Sets the bit of `element`.
-fn raise(mask: &mut [u8], element: usize) {
-    mask[element / 8] |= 1 << (element % 8);
 }

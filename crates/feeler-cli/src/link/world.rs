@@ -17,7 +17,6 @@ use feeler_link::outlet::{Clock, draw_instance, monotonic};
 use feeler_link::rig_inbox::RigInbox;
 use feeler_link::shared::Shared;
 use feeler_link::topic::Topic;
-use glam::DVec3;
 use std::io::Write;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -185,8 +184,8 @@ impl World {
                     continue;
                 }
                 match inbox.drive(now, watchdog) {
-                    Some(velocities) => self.command.joint_velocity.copy_from_slice(velocities),
-                    None => self.command.joint_velocity.fill(DVec3::ZERO),
+                    Some(velocities) => self.command.relay(velocities),
+                    None => self.command.set_to_stop(),
                 }
                 drop(inbox);
                 self.rig.advance(&self.command)?;
@@ -207,7 +206,7 @@ impl World {
                 continue;
             }
             if let Some(velocities) = self.inbox.lock().drive((self.clock)(), f64::INFINITY) {
-                self.command.joint_velocity.copy_from_slice(velocities);
+                self.command.relay(velocities);
             }
             self.rig.begin_period();
             for _ in 0..self.rig.steps_per_period() {

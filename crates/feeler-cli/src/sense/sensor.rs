@@ -67,9 +67,10 @@ pub fn for_the_hand(
     let max_saturated = arguments.max_saturated;
     let sensing = Sensing::new(size, geometry.kernel, &geometry.regions, max_saturated)?;
     let sensing = sensing.with_calibration(calibration)?;
-    let sensing = match arguments.drift_correction {
-        true => sensing.with_drift_correction(DriftConfig::default()),
-        false => sensing,
+    let asked = arguments.drift_correction.then(DriftConfig::default);
+    let sensing = match experiment.config.sensor.drift.or(asked) {
+        Some(drift) => sensing.with_drift_correction(drift),
+        None => sensing,
     };
     Ok(SensorOf { sensing, sha256 })
 }

@@ -9,6 +9,7 @@ mod bench;
 mod program;
 mod refused;
 mod rig;
+mod same_stop;
 mod sensor;
 
 #[global_allocator]

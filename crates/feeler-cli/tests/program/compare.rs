@@ -268,5 +268,15 @@ fn what_makes_no_sense_is_refused_before_anything_runs() {
         run(&folder, &compare(&[arguments, &["-o=c"]].concat())).refused(words);
         assert!(!folder.join("c").exists(), "{arguments:?}");
     }
+    // Its laws would all do the same.
+    for name in ["cap-until-closed", "lift"] {
+        let words = [
+            name,
+            "the laws cannot differ",
+            "task.screw with until = \"strokes\"",
+        ];
+        run(&folder, &["compare", name, "-o=c"]).refused(&words);
+        assert!(!folder.join("c").exists(), "{name}");
+    }
     run(&folder, &["compare", "nothing"]).refused(&["nothing", "cap-closing"]);
 }

@@ -2,12 +2,13 @@
 
 use super::ExperimentConfig;
 use super::check_faults::check_faults;
-use super::check_law::check_law;
+use super::check_law::{check_law, check_law_of_task};
 use super::check_sim::check_sim;
 use super::check_task::check_task;
 use super::checker::{Checker, MAX, Problem};
 use feeler::control::controller::ControlConfig;
 use feeler::hand::hand::MAX_FINGERS;
+use feeler::sensor::drift::DriftConfig;
 use feeler::sensor::fingertip::{FingertipConfig, MAX_ELEMENTS};
 
 /// Physics steps in one control period at most: beyond, a run would seem to hang.
@@ -37,8 +38,12 @@ pub fn check(config: &ExperimentConfig) -> Vec<Problem> {
             check_fingertip(&key, fingertip, &mut checker);
         }
     }
+    if let Some(drift) = &config.sensor.drift {
+        check_drift(drift, &mut checker);
+    }
     check_fingers(config, &mut checker);
     check_control(&config.control, &mut checker);
+    check_law_of_task(config, &mut checker);
     check_task(config, &mut checker);
     if let Some(sim) = &config.sim {
         check_sim(sim, &mut checker);
@@ -56,6 +61,18 @@ fn check_step(period: f64, step: f64, checker: &mut Checker) {
         (steps - steps.round()).abs() < 1e-6 && (0.5..=MAX_STEPS_PER_PERIOD).contains(&steps),
         &format!("1 to {MAX_STEPS_PER_PERIOD} times sim.step = {step}, a whole number"),
     );
+}
+
+fn check_drift(drift: &DriftConfig, checker: &mut Checker) {
+    let shares = [
+        ("tolerance", drift.tolerance),
+        ("displacement_tolerance", drift.displacement_tolerance),
+        ("gain_rate", drift.gain_rate),
+        ("rezero_rate", drift.rezero_rate),
+    ];
+    for (field, share) in shares {
+        checker.between(&format!("sensor.drift.{field}"), share, 0.0, 1.0);
+    }
 }
 
 fn check_fingertip(key: &str, fingertip: &FingertipConfig, checker: &mut Checker) {

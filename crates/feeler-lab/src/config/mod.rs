@@ -19,6 +19,7 @@ pub use load::{BUILT_IN, BuiltIn, ConfigError, Experiment};
 use feeler::control::controller::ControlConfig;
 use feeler::control::task::TaskConfig;
 use feeler::hand::finger::FingerConfig;
+use feeler::sensor::drift::DriftConfig;
 use feeler::sensor::fingertip::FingertipConfig;
 use feeler_sim::config::SimConfig;
 use feeler_sim::object::ObjectConfig;
@@ -72,6 +73,10 @@ pub struct SensorConfig {
     pub calibration: String,
     /// The elements, the camera that looks at them, and how moments are taken of its picture.
     pub fingertip: FingertipConfig,
+    /// Drift of the lamp and slow creep are taken out of the moments, with these tolerances; without
+    /// it, they are not.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub drift: Option<DriftConfig>,
     /// What each finger has of its own: nothing, or an entry per finger of the hand.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub finger: Vec<FingerSensorConfig>,

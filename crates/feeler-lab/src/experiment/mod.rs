@@ -23,7 +23,7 @@ use feeler::hand::hand::MAX_FINGERS;
 use feeler::hand::inverse_kinematics::{KinematicsError, inverse_kinematics};
 use feeler::sensor::fingertip::{Fingertip, FingertipError};
 use feeler::sensor::layout::ElementLayout;
-use feeler::sensor::optical::OpticalSensorError;
+use feeler::sensor::sensing::SensingError;
 use feeler_record::RunFacts;
 use feeler_sim::error::SimError;
 use feeler_sim::object::Motion;
@@ -86,7 +86,7 @@ pub enum ExperimentError {
         /// The finger that carries it.
         finger: usize,
         /// What is wrong with it.
-        source: Box<OpticalSensorError>,
+        source: Box<SensingError>,
     },
     /// The loop could not go round.
     #[error(transparent)]

@@ -3,6 +3,7 @@
 use super::{ExperimentError, Sensor};
 use crate::config::{Experiment, Sensing};
 use feeler::control::touch::AnalyzedSensor;
+use feeler::sensor::camera::Camera;
 use feeler::sensor::fingertip::{Fingertip, FingertipConfig, FingertipError};
 use feeler::sensor::layout::ElementLayout;
 use feeler::sensor::optical::OpticalSensor;
@@ -37,16 +38,31 @@ pub(super) fn sensors(
                 }
                 RigSensor::Camera(camera) => *camera,
             };
-            let calibration = experiment.calibration(finger)?;
-            let fingertip = config.sensor.fingertip(finger);
-            let sensor = OpticalSensor::new(camera, fingertip, calibration);
-            let sensor = sensor.map_err(|source| ExperimentError::Sensor {
-                finger,
-                source: Box::new(source),
-            })?;
-            Ok(Box::new(AnalyzedSensor::new(sensor, thresholds)))
+            optical_sensor(experiment, finger, camera)
         })
         .collect()
+}
+
+/// The sensor of `finger` that looks at its fingertip through `camera`, with its flag analyzer.
+pub(super) fn optical_sensor<C: Camera + Send + 'static>(
+    experiment: &Experiment,
+    finger: usize,
+    camera: C,
+) -> Result<Sensor, ExperimentError> {
+    let config = &experiment.config;
+    let calibration = experiment.calibration(finger)?;
+    let fingertip = config.sensor.fingertip(finger);
+    let sensor = OpticalSensor::new(camera, fingertip, calibration);
+    let sensor = sensor.map_err(|source| ExperimentError::Sensor {
+        finger,
+        source: Box::new(source),
+    })?;
+    let sensor = match config.sensor.drift {
+        Some(drift) => sensor.with_drift_correction(drift),
+        None => sensor,
+    };
+    let thresholds = config.control.thresholds();
+    Ok(Box::new(AnalyzedSensor::new(sensor, thresholds)))
 }
 
 /// What the rig has of each finger's sensor.

@@ -2,7 +2,7 @@
 //! hand.
 
 use feeler::control::flags::{FingerFlags, FlagAnalyzer, FlagThresholds};
-use feeler::sensor::reading::TactileFrame;
+use feeler::sensor::reading::{NO_FORCE, TactileFrame};
 use glam::DVec3;
 
 /// F1 and F2 are sums of powers of two, so a force can equal them exactly.
@@ -29,6 +29,30 @@ fn analyze(frames: &[(f64, &[DVec3])]) -> FingerFlags {
 
 fn compression(force: f64) -> FingerFlags {
     analyze(&[(0.0, &[DVec3::ZERO, DVec3::Z * force])])
+}
+
+/// An element without a valid force raises no flag, and has no shear rate before its second valid frame.
+#[test]
+fn an_element_without_a_valid_force_raises_no_flag() {
+    let pressed = [DVec3::new(1.0, 0.0, 2.0), DVec3::Z];
+    let unknown = [NO_FORCE, DVec3::Z];
+    let mut analyzer = FlagAnalyzer::new(THRESHOLDS, 2);
+    let mut flags = |n: u64, forces: &[DVec3]| {
+        let flags = analyzer.analyze(&frame(n, 0.01 * n as f64, forces));
+        (flags, analyzer.shear_rate().to_vec())
+    };
+    flags(0, &[DVec3::ZERO, DVec3::Z]);
+    let (seen, rates) = flags(1, &unknown);
+    assert_eq!(
+        (seen.slip, seen.over, seen.largest_element),
+        (false, false, Some(1))
+    );
+    assert_eq!((seen.grasp_force, rates), (1.0, vec![0.0; 2]));
+    let (seen, rates) = flags(2, &pressed);
+    assert_eq!((seen.slip, seen.over), (false, true));
+    assert_eq!(rates, [0.0; 2]);
+    let (seen, rates) = flags(3, &[DVec3::new(0.0, 0.0, 2.0), DVec3::Z]);
+    assert!(seen.slip && (rates[0] - 100.0).abs() < 1e-9, "{rates:?}");
 }
 
 #[test]

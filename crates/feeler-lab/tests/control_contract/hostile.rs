@@ -104,10 +104,10 @@ proptest! {
                     .collect(),
             };
             controller.decide(&analyzers.touches(&frames), &state, &mut command);
-            prop_assert_eq!(command.joint_velocity.len(), 2);
+            prop_assert_eq!(command.joint_velocity().len(), 2);
             let stopped = controller.stop_reason().is_some();
             prop_assert_eq!(stopped, controller.phase() == Phase::Stopped);
-            let velocities = command.joint_velocity.iter().zip(&before.joint_velocity);
+            let velocities = command.joint_velocity().iter().zip(before.joint_velocity());
             for ((&velocity, &previous), limit) in velocities.zip(&limits) {
                 prop_assert!(velocity.is_finite());
                 if stopped {

@@ -24,7 +24,7 @@ impl Hand for Quiet {
     }
 
     fn command(&mut self, command: &HandCommand) -> Result<(), HandError> {
-        for (joints, &velocity) in self.0.joints.iter_mut().zip(&command.joint_velocity) {
+        for (joints, &velocity) in self.0.joints.iter_mut().zip(command.joint_velocity()) {
             joints.position += self.0.period * velocity;
             joints.velocity = velocity;
         }
@@ -119,7 +119,7 @@ fn stale_forces_stop_both_fingers_within_one_period() {
         assert!(
             before
                 .command()
-                .joint_velocity
+                .joint_velocity()
                 .iter()
                 .all(|v| *v != DVec3::ZERO)
         );
@@ -143,9 +143,8 @@ fn decide(frames: &[TactileFrame], state: &HandState) -> (Option<StopReason>, Ha
     let config = config();
     let mut controller = controller(&config);
     let touches = Analyzers::new(&config).touches(frames);
-    let mut command = HandCommand {
-        joint_velocity: vec![DVec3::ONE; 2],
-    };
+    let mut command = HandCommand::stop(2);
+    command.relay(&[DVec3::ONE; 2]);
     controller.decide(&touches, state, &mut command);
     (controller.stop_reason().cloned(), command)
 }
@@ -163,11 +162,16 @@ fn every_fault_has_its_reason_and_stops_both_fingers() {
     cases.push((
         broken,
         at_home(),
-        StopReason::NotFinite {
+        StopReason::NoForce {
             finger: 0,
-            what: "force",
+            element: 7,
         },
     ));
+    let mut broken = good();
+    broken[0].forces[7].y = f64::INFINITY;
+    let what = "force";
+    let reason = StopReason::NotFinite { finger: 0, what };
+    cases.push((broken, at_home(), reason));
     let mut infinite = at_home();
     infinite.joints[1].position.z = f64::INFINITY;
     cases.push((
@@ -274,6 +278,6 @@ fn a_stopped_hand_goes_on_when_told_to_and_stops_again_while_the_cause_is_there(
     controller.resume();
     controller.decide(&analyzers.touches(&good(3)), &at_home(), &mut command);
     assert_eq!(controller.phase(), Phase::Search);
-    let velocities = &command.joint_velocity;
+    let velocities = command.joint_velocity();
     assert!(velocities.iter().all(|v| *v != DVec3::ZERO), "{command:?}");
 }

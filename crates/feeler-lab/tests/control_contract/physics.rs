@@ -29,7 +29,7 @@ fn run_without_allocation(settings: &[&str]) {
     while !session.finished() {
         session.step().expect("a step");
         for (finger, &velocity) in
-            (session.control_loop().command().joint_velocity.iter()).enumerate()
+            (session.control_loop().command().joint_velocity().iter()).enumerate()
         {
             world.command(finger, velocity);
         }

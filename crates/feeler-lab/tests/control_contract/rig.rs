@@ -101,7 +101,7 @@ impl Hand for IdealHand {
     }
 
     fn command(&mut self, command: &HandCommand) -> Result<(), HandError> {
-        for (joints, &velocity) in self.joints.iter_mut().zip(&command.joint_velocity) {
+        for (joints, &velocity) in self.joints.iter_mut().zip(command.joint_velocity()) {
             joints.position += self.period * velocity;
             joints.velocity = velocity;
         }

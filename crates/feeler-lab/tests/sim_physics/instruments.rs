@@ -88,9 +88,8 @@ fn encoders_round_to_whole_counts_and_velocity_is_their_difference() {
             assert!((state.joints[0].velocity - difference).length() < 1e-12);
         }
         before = Some(now);
-        let command = HandCommand {
-            joint_velocity: velocity.clone(),
-        };
+        let mut command = HandCommand::stop(velocity.len());
+        command.relay(&velocity);
         hand.command(&command).expect("a command");
     }
     // After 20 time constants the joint moves as commanded, read to a count either way.

@@ -34,7 +34,7 @@ pub fn commands(experiment: &Experiment) -> Commands {
     while !session.finished() {
         session.step().expect("a step");
         let control_loop = session.control_loop();
-        rows.push(control_loop.command().joint_velocity.clone());
+        rows.push(control_loop.command().joint_velocity().to_vec());
         strokes.push(control_loop.controller().task().stroke());
     }
     Commands {

@@ -4,8 +4,10 @@ use super::controller::Controller;
 use super::stop_reason::StopReason;
 use super::touch::{FingerTouch, TouchSource};
 use crate::hand::hand::{Hand, HandCommand, HandError, HandState};
+use crate::pace::{Clock, Pace, Tick};
 use crate::sensor::reading::SensorError;
-use glam::DVec3;
+use std::ops::ControlFlow;
+use std::sync::atomic::AtomicBool;
 
 /// Why the loop could not go round.
 #[derive(Debug, thiserror::Error)]
@@ -68,7 +70,7 @@ impl<S: TouchSource, H: Hand> ControlLoop<S, H> {
                 ControlError::Hand(_) => "the hand's joint state",
             };
             self.controller.stop(StopReason::ReadFailed { what });
-            self.command.joint_velocity.fill(DVec3::ZERO);
+            self.command.set_to_stop();
             // The error that is reported is the first one, not what stopping may add to it.
             let _ = self.hand.command(&self.command);
             return Err(error);
@@ -83,6 +85,36 @@ impl<S: TouchSource, H: Hand> ControlLoop<S, H> {
     pub fn act(&mut self) -> Result<(), ControlError> {
         self.controller
             .decide(&self.touches, &self.state, &mut self.command);
+        Ok(self.hand.command(&self.command)?)
+    }
+
+    /// Goes round at `pace`, once a period, until `each_step` breaks or `interrupted` is raised (Ctrl-C);
+    /// then tells the hand to stop. `each_step` sees the loop after every step, and how punctual that was.
+    ///
+    /// Missed periods are not made up for. More than `most_missed` in a row stop the hand with
+    /// [`StopReason::MissedPeriods`]: its drives went on with an old command for so long.
+    ///
+    /// # Errors
+    /// As [`step`](Self::step).
+    pub fn run<C: Clock>(
+        &mut self,
+        pace: &mut Pace<C>,
+        most_missed: u64,
+        interrupted: &AtomicBool,
+        mut each_step: impl FnMut(&mut Self, &Tick) -> ControlFlow<()>,
+    ) -> Result<(), ControlError> {
+        while let Some(tick) = pace.wait_unless(interrupted) {
+            if tick.missed > most_missed {
+                let (missed, limit) = (tick.missed, most_missed);
+                let reason = StopReason::MissedPeriods { missed, limit };
+                self.controller.stop(reason);
+            }
+            self.step()?;
+            if each_step(self, &tick).is_break() {
+                break;
+            }
+        }
+        self.command.set_to_stop();
         Ok(self.hand.command(&self.command)?)
     }
 

@@ -160,14 +160,14 @@ impl Controller {
         state: &HandState,
         command: &mut HandCommand,
     ) {
-        command.joint_velocity.fill(DVec3::ZERO);
+        command.set_to_stop();
         let decided = self
             .feel(touches, state)
             .and_then(|()| self.plan(touches, state));
         if let Err(reason) = decided {
             self.stop(reason);
         }
-        for (finger, velocity) in self.fingers.iter().zip(&mut command.joint_velocity) {
+        for (finger, velocity) in self.fingers.iter().zip(command.admitted_mut()) {
             *velocity = finger.admitted.joint_velocity;
         }
     }
@@ -278,6 +278,9 @@ fn check_input(
             expected: elements,
             actual: forces.len(),
         });
+    }
+    if let Some(element) = touch.frame.first_invalid() {
+        return Err(StopReason::NoForce { finger, element });
     }
     let not_finite = |what| Err(StopReason::NotFinite { finger, what });
     if !forces.iter().all(|f| f.is_finite()) {

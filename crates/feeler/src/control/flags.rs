@@ -85,7 +85,7 @@ impl FlagAnalyzer {
     }
 
     /// The flags at `frame`. A frame that was analysed already changes nothing; the first frame
-    /// has no shear rate.
+    /// has no shear rate. Elements without a valid force raise no flag.
     pub fn analyze(&mut self, frame: &TactileFrame) -> FingerFlags {
         let seen = self.previous.is_some_and(|p| p.sequence == frame.sequence);
         if !seen {
@@ -100,8 +100,10 @@ impl FlagAnalyzer {
         let elements = self.shear_rate.iter_mut().zip(&mut self.previous_shear);
         for ((rate, previous), force) in elements.zip(&frame.forces) {
             let shear = force.with_z(0.0);
-            *rate = if interval > 0.0 {
-                (shear - *previous).length() / interval
+            let change = (shear - *previous).length();
+            // Of an element without a valid force in either frame, the rate is unknown.
+            *rate = if interval > 0.0 && !change.is_nan() {
+                change / interval
             } else {
                 0.0
             };

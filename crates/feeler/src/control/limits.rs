@@ -1,5 +1,8 @@
-//! The only door to the hand: every command passes the finite check, the workspace, the joint limits,
-//! the speed limits and the acceleration limit, in this order.
+//! The only door to the hand: every command that moves it passes the finite check, the workspace, the
+//! joint limits, the speed limits and the acceleration limit, in this order.
+//!
+//! A command to stop does not: it is for all drives at once, as fast as they brake, whatever the
+//! acceleration limit.
 
 use crate::hand::finger::FingerGeometry;
 use crate::hand::resolved_rate::{damping_threshold, resolved_rate};

@@ -53,8 +53,13 @@ impl FingerSense<'_> {
         let (Some(force), Some(element)) = (force, element) else {
             return DVec3::ZERO;
         };
-        // Compression is positive along the inward normal.
-        self.pose.rotation * (element.rotation * force.with_z(-force.z))
+        self.pose.rotation * element.force_on_fingertip(*force)
+    }
+
+    /// Resultant force on the fingertip by what it touches, N, in W; see
+    /// [`TactileFrame::resultant`](crate::sensor::reading::TactileFrame::resultant).
+    pub fn resultant(&self) -> DVec3 {
+        self.pose.rotation * self.touch.frame.resultant(self.layout)
     }
 }
 

@@ -85,6 +85,14 @@ pub enum StopReason {
         /// Who.
         by: String,
     },
+    /// The control loop came round too late: the drives went on with an old command meanwhile.
+    #[error("the control loop missed {missed} periods in a row (limit {limit})")]
+    MissedPeriods {
+        /// Whole periods without a step.
+        missed: u64,
+        /// How many may be missed.
+        limit: u64,
+    },
     /// In a replay: somebody stopped the hand at this step on record.
     #[error("it was stopped from outside the control law on record")]
     OnRecord,

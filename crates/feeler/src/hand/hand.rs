@@ -38,10 +38,18 @@ impl HandState {
 }
 
 /// What the drives of all fingers are to do until the next command.
+///
+/// A command that moves anything is made in one place, the controller, of what the limits admit:
+/// nobody else can write velocities into one. Whoever has no controller can only [`stop`](Self::stop),
+/// or [`relay`](Self::relay) the command of a hand program elsewhere.
+///
+/// ```compile_fail,E0451
+/// use feeler::{glam::DVec3, hand::hand::HandCommand};
+/// let command = HandCommand { joint_velocity: vec![DVec3::ONE] };
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct HandCommand {
-    /// Joint velocities theta1..theta3 of each finger, rad/s.
-    pub joint_velocity: Vec<DVec3>,
+    joint_velocity: Vec<DVec3>,
 }
 
 impl HandCommand {
@@ -50,6 +58,31 @@ impl HandCommand {
         Self {
             joint_velocity: vec![DVec3::ZERO; fingers],
         }
+    }
+
+    /// Joint velocities theta1..theta3 of each finger, rad/s.
+    pub fn joint_velocity(&self) -> &[DVec3] {
+        &self.joint_velocity
+    }
+
+    /// Makes it a command to stop, for as many fingers as before.
+    pub fn set_to_stop(&mut self) {
+        self.joint_velocity.fill(DVec3::ZERO);
+    }
+
+    /// Makes it the command that came from a hand program elsewhere, whose controller has limited it:
+    /// joint velocities of each finger, rad/s. A finger that it says nothing of stops. For the side
+    /// that has the drives; does not allocate.
+    pub fn relay(&mut self, joint_velocity: &[DVec3]) {
+        self.set_to_stop();
+        for (own, &relayed) in self.joint_velocity.iter_mut().zip(joint_velocity) {
+            *own = relayed;
+        }
+    }
+
+    /// The velocities, for the controller to put in what the limits admit.
+    pub(crate) fn admitted_mut(&mut self) -> &mut [DVec3] {
+        &mut self.joint_velocity
     }
 }
 

@@ -92,7 +92,7 @@ pub enum ForceValidity {
     /// Moments such as the calibration's loads caused.
     Calibrated,
     /// Beyond what its loads caused, by more than a tenth of their range: the force is a guess at a
-    /// straight line. Saturated and overexposed sub-regions are here.
+    /// straight line. Most saturated and overexposed sub-regions are here.
     Extrapolated,
     /// Less than half as bright as without load, or not a number: the light, the camera or the element
     /// failed, and the force means nothing.
@@ -128,17 +128,15 @@ impl ElementCalibration {
 
     /// How far the force under `moments` can be trusted.
     pub fn validity(&self, moments: &ElementMoments) -> ForceValidity {
-        /// Least growth of an element that is still lit.
-        const DARK: f64 = -0.5;
         /// Part of a range by which noise may exceed it.
         const MARGIN: f64 = 0.1;
+        if self.is_dark(moments) {
+            return ForceValidity::Dark;
+        }
         let Inputs {
             growth,
             displacement,
         } = self.inputs(moments);
-        if !(growth > DARK && displacement.is_finite()) {
-            return ForceValidity::Dark;
-        }
         let inputs = [growth, displacement.x, displacement.y];
         let within = |(input, [low, high]): (f64, [f64; 2])| {
             let margin = MARGIN * (high - low);
@@ -149,6 +147,12 @@ impl ElementCalibration {
         } else {
             ForceValidity::Extrapolated
         }
+    }
+
+    /// Whether `moments` are of an element that is less than half as bright as without load, or not
+    /// numbers: [`ForceValidity::Dark`].
+    pub fn is_dark(&self, moments: &ElementMoments) -> bool {
+        !(moments.integrated_gray > 0.5 * self.unloaded_gray && moments.centroid.is_finite())
     }
 
     /// Refuses numbers that would make a force infinite or not a number.
@@ -260,7 +264,8 @@ impl Calibration {
             .try_for_each(|(index, element)| element.check(index))
     }
 
-    /// Turns `moments` into `forces`, element by element, N. Neither allocates nor panics.
+    /// Turns `moments` into `forces`, element by element, N, whatever their validity. Neither allocates
+    /// nor panics.
     pub fn forces(&self, moments: &[ElementMoments], forces: &mut [DVec3]) {
         for ((element, moments), force) in self.elements.iter().zip(moments).zip(forces) {
             *force = element.force(moments);

@@ -81,6 +81,13 @@ impl SensingElement {
     pub fn normal(&self) -> DVec3 {
         self.rotation.z_axis
     }
+
+    /// A `force` as a [`TactileFrame`](super::reading::TactileFrame) has it (`F_x`, `F_y` and the
+    /// compression `F_z`, N), as the vector of the force on the element by what it touches, N, in `T`.
+    pub fn force_on_fingertip(&self, force: DVec3) -> DVec3 {
+        // Compression is positive along the inward normal.
+        self.rotation * force.with_z(-force.z)
+    }
 }
 
 /// The sensing elements of one fingertip, ring by ring from the apex.

@@ -1,9 +1,8 @@
 //! The sensor program: from a picture of the dome's inside to tri-axial forces on its elements.
 //!
 //! Picture ([`camera`], [`frame`]) → integrated gray value and centroid per element ([`moments`],
-//! through the dewarp of [`dome`]) → forces ([`calibration`]) → [`reading`]. [`optical`] is the
-//! whole chain to forces; [`sensing`] gives what the picture says besides, and works without a
-//! calibration.
+//! through the dewarp of [`dome`]) → forces ([`calibration`]) → [`reading`]. [`sensing`] is the whole
+//! chain, which also works without a calibration; [`optical`] puts it behind a camera.
 
 pub mod calibration;
 pub mod calibration_error;

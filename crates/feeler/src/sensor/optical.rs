@@ -1,25 +1,15 @@
-//! The whole chain: a camera's picture to the forces on all sensing elements.
+//! A calibrated camera in a fingertip as a [`TactileSensor`]: [`Sensing`] behind a [`Camera`].
 
 use super::{
-    calibration::{Calibration, CalibrationError, ForceValidity},
+    calibration::{Calibration, ForceValidity},
     camera::Camera,
-    drift::{DriftConfig, DriftCorrection},
-    fingertip::{Fingertip, FingertipConfig, FingertipError},
+    drift::DriftConfig,
+    fingertip::FingertipConfig,
     frame::Frame,
-    moments::{ElementMoments, MomentsKernel},
+    moments::ElementMoments,
     reading::{SensorError, TactileFrame, TactileSensor},
+    sensing::{Sensing, SensingError},
 };
-
-/// Why an optical sensor cannot be built.
-#[derive(Debug, thiserror::Error)]
-pub enum OpticalSensorError {
-    /// The fingertip makes no sense.
-    #[error(transparent)]
-    Fingertip(#[from] FingertipError),
-    /// The calibration cannot be used with it.
-    #[error(transparent)]
-    Calibration(#[from] CalibrationError),
-}
 
 /// An optical three-axis tactile sensor (paper, section II).
 ///
@@ -27,11 +17,8 @@ pub enum OpticalSensorError {
 #[derive(Debug)]
 pub struct OpticalSensor<C> {
     camera: C,
-    kernel: MomentsKernel,
-    drift: Option<DriftCorrection>,
-    calibration: Calibration,
+    sensing: Sensing,
     frame: Frame,
-    moments: Vec<ElementMoments>,
 }
 
 impl<C: Camera> OpticalSensor<C> {
@@ -43,25 +30,24 @@ impl<C: Camera> OpticalSensor<C> {
         camera: C,
         fingertip: &FingertipConfig,
         calibration: Calibration,
-    ) -> Result<Self, OpticalSensorError> {
-        let Fingertip { kernel, .. } = Fingertip::new(fingertip)?;
+    ) -> Result<Self, SensingError> {
+        let sensing = Sensing::of_fingertip(fingertip)?;
         calibration.check()?;
         calibration.check_made_for(fingertip)?;
         Ok(Self {
             camera,
             frame: Frame::black(fingertip.camera.width, fingertip.camera.height),
-            moments: vec![ElementMoments::default(); kernel.element_count()],
-            kernel,
-            drift: None,
-            calibration,
+            sensing: sensing.with_calibration(calibration)?,
         })
     }
 
     /// The same sensor with drift taken out of its moments.
     #[must_use]
-    pub fn with_drift_correction(mut self, config: DriftConfig) -> Self {
-        self.drift = Some(DriftCorrection::new(config, &self.calibration));
-        self
+    pub fn with_drift_correction(self, config: DriftConfig) -> Self {
+        Self {
+            sensing: self.sensing.with_drift_correction(config),
+            ..self
+        }
     }
 
     /// The camera.
@@ -81,19 +67,19 @@ impl<C: Camera> OpticalSensor<C> {
 
     /// The moments of the last reading, one for each element, without drift where it is corrected.
     pub fn moments(&self) -> &[ElementMoments] {
-        &self.moments
+        self.sensing.moments()
     }
 
-    /// How far the force at each element in the last reading can be trusted. Does not allocate.
+    /// How far the moments of the last reading are within what the calibration knows, one for each
+    /// element. Does not allocate.
     pub fn validity(&self) -> impl Iterator<Item = ForceValidity> {
-        let elements = self.calibration.elements.iter().zip(&self.moments);
-        elements.map(|(element, moments)| element.validity(moments))
+        self.sensing.validity()
     }
 }
 
 impl<C: Camera> TactileSensor for OpticalSensor<C> {
     fn element_count(&self) -> usize {
-        self.kernel.element_count()
+        self.sensing.element_count()
     }
 
     fn read(&mut self, reading: &mut TactileFrame) -> Result<(), SensorError> {
@@ -104,12 +90,7 @@ impl<C: Camera> TactileSensor for OpticalSensor<C> {
             });
         }
         self.camera.capture(&mut self.frame)?;
-        self.kernel
-            .measure(&self.frame.picture, &mut self.moments)?;
-        if let Some(drift) = &mut self.drift {
-            drift.correct(&mut self.moments);
-        }
-        self.calibration.forces(&self.moments, &mut reading.forces);
+        (self.sensing).sense_forces(&self.frame.picture, &mut reading.forces)?;
         reading.sequence = self.frame.sequence;
         reading.stamp = self.frame.stamp;
         Ok(())

@@ -1,7 +1,13 @@
 //! What a tactile sensor says: one tri-axial force for every sensing element.
 
-use super::{camera::CameraError, frame::Frame, moments_config::MomentsError};
+use super::{
+    camera::CameraError, frame::Frame, layout::ElementLayout, moments_config::MomentsError,
+};
 use glam::DVec3;
+
+/// What stands in a [`TactileFrame`] for the force at an element that has no valid one. No component is a
+/// number, and neither is anything that is calculated from it.
+pub const NO_FORCE: DVec3 = DVec3::NAN;
 
 /// The forces on all sensing elements of one fingertip at one time.
 ///
@@ -14,7 +20,8 @@ pub struct TactileFrame {
     pub stamp: f64,
     /// Force at each element in its own frame `E_i`, N: `x`, `y` are the tangential force on the
     /// feeler by the object along the element's x, y; `z` is the compression, the force on the
-    /// feeler by the object along -z, positive when pressed.
+    /// feeler by the object along -z, positive when pressed. [`NO_FORCE`] where it is unknown because
+    /// the sub-region is dark or saturated; the controller refuses a frame with such an element.
     pub forces: Vec<DVec3>,
 }
 
@@ -26,6 +33,26 @@ impl TactileFrame {
             stamp: 0.0,
             forces: vec![DVec3::ZERO; elements],
         }
+    }
+
+    /// Whether the force at `element` is valid; none is where there is no such element.
+    pub fn is_valid(&self, element: usize) -> bool {
+        self.forces.get(element).is_some_and(|f| !f.is_nan())
+    }
+
+    /// Resultant force on the fingertip by what it touches, N, in the fingertip's frame `T`: the sum over
+    /// the elements of `layout`. An object that presses on the apex pushes the fingertip along -x, so
+    /// that x is negative. Not a number where an element has no valid force.
+    pub fn resultant(&self, layout: &ElementLayout) -> DVec3 {
+        let elements = layout.elements.iter().zip(&self.forces);
+        elements.fold(DVec3::ZERO, |sum, (element, &force)| {
+            sum + element.force_on_fingertip(force)
+        })
+    }
+
+    /// The first element without a valid force, if there is one.
+    pub fn first_invalid(&self) -> Option<usize> {
+        self.forces.iter().position(|force| force.is_nan())
     }
 }
 

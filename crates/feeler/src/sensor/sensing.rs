@@ -2,13 +2,14 @@
 //! and, with a calibration, the force; and whether it can be believed.
 
 use super::{
-    calibration::{Calibration, CalibrationError},
+    calibration::{Calibration, CalibrationError, ElementCalibration, ForceValidity},
     drift::{DriftConfig, DriftCorrection},
     exposure::{DEFAULT_MAX_SATURATED, Exposure, SaturationCheck},
     fingertip::{Fingertip, FingertipConfig, FingertipError},
     frame::Picture,
     moments::{ElementMoments, MomentsKernel},
     moments_config::MomentsError,
+    reading::NO_FORCE,
     subregion::WeightedPixel,
 };
 use glam::{DVec2, DVec3};
@@ -219,26 +220,15 @@ impl Sensing {
         readings: &mut [ElementReading],
     ) -> Result<(), SensingError> {
         check_count("readings", self.element_count(), readings.len())?;
-        self.kernel.measure(picture, &mut self.moments)?;
-        if let Some(drift) = &mut self.drift {
-            drift.correct(&mut self.moments);
-        }
+        self.measure(picture)?;
         for (element, (reading, moments)) in readings.iter_mut().zip(&self.moments).enumerate() {
+            let exposure = self.exposure(picture, element, moments);
             let lit = moments.integrated_gray > 0.0;
-            let exposure = match lit {
-                false => Exposure::Dark,
-                true if self.saturation.saturated(picture, element) => Exposure::Saturated,
-                true => Exposure::Good,
-            };
-            let calibration = self.calibration.as_ref();
-            let calibration = calibration.filter(|_| exposure == Exposure::Good);
             *reading = ElementReading {
                 integrated_gray: moments.integrated_gray,
                 centroid: lit.then_some(moments.centroid),
                 displacement: None,
-                force: calibration
-                    .and_then(|c| c.elements.get(element))
-                    .map(|element| element.force(moments)),
+                force: self.force(element, moments, exposure),
                 exposure,
             };
         }
@@ -246,6 +236,74 @@ impl Sensing {
             reference.apply(readings);
         }
         Ok(())
+    }
+
+    /// Fills `forces` with the force at each element, N in `E_i`: those of [`sense`](Self::sense), and
+    /// [`NO_FORCE`] where it gives none. Neither allocates nor panics.
+    ///
+    /// # Errors
+    /// When the picture has another size than the sensor's, or `forces` is for another number of
+    /// elements.
+    pub fn sense_forces(
+        &mut self,
+        picture: &Picture,
+        forces: &mut [DVec3],
+    ) -> Result<(), MomentsError> {
+        let (expected, actual) = (self.element_count(), forces.len());
+        if actual != expected {
+            return Err(MomentsError::ElementCount { expected, actual });
+        }
+        self.measure(picture)?;
+        for (element, (force, moments)) in forces.iter_mut().zip(&self.moments).enumerate() {
+            let exposure = self.exposure(picture, element, moments);
+            *force = self.force(element, moments, exposure).unwrap_or(NO_FORCE);
+        }
+        Ok(())
+    }
+
+    /// The moments of the newest picture, one for each element, without drift where it is corrected.
+    pub fn moments(&self) -> &[ElementMoments] {
+        &self.moments
+    }
+
+    /// How far the moments of the newest picture are within what the calibration knows, one for each
+    /// element; none without a calibration. Does not allocate.
+    pub fn validity(&self) -> impl Iterator<Item = ForceValidity> {
+        let calibration = self.calibration.iter();
+        let elements = calibration.flat_map(|calibration| &calibration.elements);
+        let elements = elements.zip(&self.moments);
+        elements.map(|(element, moments)| element.validity(moments))
+    }
+
+    fn measure(&mut self, picture: &Picture) -> Result<(), MomentsError> {
+        self.kernel.measure(picture, &mut self.moments)?;
+        if let Some(drift) = &mut self.drift {
+            drift.correct(&mut self.moments);
+        }
+        Ok(())
+    }
+
+    fn exposure(&self, picture: &Picture, element: usize, moments: &ElementMoments) -> Exposure {
+        let is_dark = match self.calibration_of(element) {
+            Some(calibration) => calibration.is_dark(moments),
+            None => moments.integrated_gray <= 0.0,
+        };
+        match is_dark {
+            true => Exposure::Dark,
+            false if self.saturation.saturated(picture, element) => Exposure::Saturated,
+            false => Exposure::Good,
+        }
+    }
+
+    /// The force at `element`, N, if it is valid. This is the only place that decides so.
+    fn force(&self, element: usize, moments: &ElementMoments, exposure: Exposure) -> Option<DVec3> {
+        let calibration = self.calibration_of(element);
+        let calibration = calibration.filter(|_| exposure == Exposure::Good);
+        calibration.map(|calibration| calibration.force(moments))
+    }
+
+    fn calibration_of(&self, element: usize) -> Option<&ElementCalibration> {
+        self.calibration.as_ref()?.elements.get(element)
     }
 }
 

@@ -76,17 +76,7 @@ fn is_there(inbox: &WatchInbox, program: &str, finger: u32, instance: u64, now: 
 
 /// The force at each element, N; not a number where there is no valid one.
 pub fn forces(update: &TactileUpdate) -> Vec<DVec3> {
-    let is_invalid = |element: usize| {
-        let byte = update.invalid_mask.get(element / 8);
-        byte.is_some_and(|byte| byte >> (element % 8) & 1 == 1)
-    };
-    let forces = update.forces.iter().enumerate();
-    forces
-        .map(|(element, &force)| match is_invalid(element) {
-            true => DVec3::NAN,
-            false => force.into(),
-        })
-        .collect()
+    update.valid_forces().collect()
 }
 
 /// A finger of which nothing is heard.

@@ -10,12 +10,12 @@ pub use compare::{Comparison, Difference, Kind, Tally};
 pub use error::ReplayError;
 
 use super::log::{RigRecord, RunLog};
-use super::{ExperimentError, Sensor, controller, fingers_at_home, layouts};
+use super::sensors::optical_sensor;
+use super::{Sensor, controller, fingers_at_home, layouts};
 use crate::config::{ConfigError, Experiment};
 use compare::Comparer;
 use feeler::control::control_loop::ControlLoop;
-use feeler::control::touch::AnalyzedSensor;
-use feeler::sensor::optical::OpticalSensor;
+use feeler::control::controller::Controller;
 use feeler_record::{RecordedCamera, RecordedHand, Recorder, Recording, Tactile};
 use outside::Outside;
 use recorded_touch::RecordedTouch;
@@ -114,6 +114,11 @@ impl<'a> Replay<'a> {
         Ok(())
     }
 
+    /// The controller, as of the newest step.
+    pub fn controller(&self) -> &Controller {
+        self.control_loop.controller()
+    }
+
     /// Whether the record is at its end.
     pub fn finished(&self) -> bool {
         self.step >= self.steps
@@ -195,16 +200,7 @@ fn optical_sensors(
                 return Err(ReplayError::NoPictures { finger });
             }
             let camera = RecordedCamera::open(file, recording, finger)?;
-            let fingertip = experiment.config.sensor.fingertip(finger);
-            let calibration = experiment.calibration(finger)?;
-            let sensor = OpticalSensor::new(camera, fingertip, calibration).map_err(|source| {
-                ExperimentError::Sensor {
-                    finger,
-                    source: Box::new(source),
-                }
-            })?;
-            let thresholds = experiment.config.control.thresholds();
-            Ok(Box::new(AnalyzedSensor::new(sensor, thresholds)))
+            Ok(optical_sensor(experiment, finger, camera)?)
         })
         .collect()
 }

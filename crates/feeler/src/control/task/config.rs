@@ -66,6 +66,15 @@ impl TaskConfig {
         }
     }
 
+    /// Tasks whose fingers a [law](crate::control::law) drives, in words for messages.
+    pub const WITH_LAW: &str = "task.screw with until = \"strokes\"";
+
+    /// Whether the fingers move as the experiment's control law says. The other tasks control their
+    /// contact forces themselves, and no law changes what they do.
+    pub fn takes_law(&self) -> bool {
+        matches!(self, Self::Screw(config) if config.until == Until::Strokes)
+    }
+
     /// The grasp force that each finger is to reach before it moves on, N.
     pub fn grasp_force(&self) -> f64 {
         match self {

@@ -1,0 +1,263 @@
+//! A picture without a valid force somewhere stops the hand at the same frame, for the same reason, however
+//! the picture reaches it: in a run, from a recording, over the link.
+
+use super::bench::{load, step_at};
+use feeler::control::control_loop::ControlLoop;
+use feeler::control::controller::Controller;
+use feeler::control::flags::FlagAnalyzer;
+use feeler::control::stop_reason::StopReason;
+use feeler::control::touch::FingerTouch;
+use feeler::hand::hand::HandState;
+use feeler::sensor::reading::NO_FORCE;
+use feeler::sensor::sensing::Sensing;
+use feeler_lab::config::Experiment;
+use feeler_lab::experiment::log::{RunLog, run_facts};
+use feeler_lab::experiment::played_rig::{Exposure, PlayedRig};
+use feeler_lab::experiment::replay::{Replay, ReplayFrom, recorded_experiment};
+use feeler_lab::experiment::{Session, controller, fingers_at_home, layouts};
+use feeler_link::endpoints::LinkError;
+use feeler_link::hand_inbox::HandInbox;
+use feeler_link::inbox::Inbox;
+use feeler_link::message::{
+    HandState as StateMessage, Header, Heartbeat, NO_FINGER, PROTOCOL, TactileUpdate,
+};
+use feeler_link::outlet::{Outlet, header, monotonic};
+use feeler_link::peers::Expected;
+use feeler_link::remote::{RemoteFinger, RemoteHand};
+use feeler_link::shared::Shared;
+use feeler_link::topic::Topic;
+use feeler_record::wire::{Message, Vector3, cdr};
+use feeler_record::{RecordOptions, Recorder, Recording};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// When the camera of finger 1 breaks, s.
+const FROM: f64 = 0.05;
+/// Control steps that are tried at most.
+const STEPS: usize = 10;
+/// Upper half of the picture, saturated and dark.
+const FAULTS: [&str; 2] = [
+    "{from=0.05, kind.stuck_rows={finger=1, first=0, count=240, gray=255}}",
+    "{from=0.05, kind.stuck_rows={finger=1, first=0, count=240, gray=0}}",
+];
+
+/// In which control step the hand stopped, and why.
+type Stopped = (usize, StopReason);
+
+fn stopped(step: usize, controller: &Controller) -> Option<Stopped> {
+    Some((step, controller.stop_reason()?.clone()))
+}
+
+/// A run of `experiment`, recorded at `path` with its pictures.
+fn in_a_run(experiment: &Experiment, path: &Path) -> Option<Stopped> {
+    let options = RecordOptions {
+        calibrations: experiment.calibration_texts().unwrap(),
+        pictures: true,
+    };
+    let facts = run_facts(&experiment.config);
+    let recorder = Recorder::create_with(path, &facts, &experiment.toml, &options).unwrap();
+    let mut session = Session::new(experiment).unwrap();
+    let mut log = RunLog::new(recorder, session.layouts()).with_pictures();
+    let mut found = None;
+    for step in 0..STEPS {
+        let instruments = session.step().unwrap();
+        log.write(&session, &instruments).unwrap();
+        found = found.or(stopped(step, session.control_loop().controller()));
+    }
+    log.into_recorder().finish(None).unwrap();
+    found
+}
+
+/// A replay of the recording, which must give what is on record, bit for bit.
+fn in_a_replay(recording: &Recording, from: ReplayFrom<'_>) -> Option<Stopped> {
+    let experiment = recorded_experiment(recording, &[]).unwrap();
+    let mut replay = Replay::new(recording, from, &experiment).unwrap();
+    let mut found = None;
+    for step in 0..replay.steps() {
+        replay.step().unwrap();
+        found = found.or(stopped(step, replay.controller()));
+    }
+    let comparison = replay.finish().0;
+    assert!(comparison.same(), "{comparison:?}");
+    found
+}
+
+/// Where the hand's commands go: nowhere.
+struct Nowhere;
+
+impl Outlet for Nowhere {
+    fn send(&self, _topic: Topic, _bytes: Vec<u8>) -> Result<(), LinkError> {
+        Ok(())
+    }
+}
+
+/// Instance of the rig's program; those of the sensor programs follow.
+const WORLD: u64 = 1;
+
+/// A hand program without a network: sensor programs and rig put their messages into its inbox.
+struct LinkedHand {
+    rig: PlayedRig,
+    sensors: Vec<(Sensing, FingerTouch, FlagAnalyzer)>,
+    inbox: Shared<HandInbox>,
+    control_loop: ControlLoop<RemoteFinger, RemoteHand>,
+    slip_threshold: f64,
+}
+
+impl LinkedHand {
+    fn new(experiment: &Experiment) -> Self {
+        let config = &experiment.config;
+        let layouts = layouts(config).unwrap();
+        let elements: Vec<_> = layouts.iter().map(|layout| layout.elements.len()).collect();
+        let fingers = elements.len();
+        let expected = Expected {
+            experiment: "same".into(),
+            fingertips: vec!["tip".into(); fingers],
+        };
+        let inbox = Shared::new(HandInbox::new(&elements, expected));
+        let remote = |finger| RemoteFinger::new(inbox.clone(), finger, elements[finger]);
+        let remote = (0..fingers).map(remote).collect();
+        let who = (0, fingers);
+        let hand = RemoteHand::new(inbox.clone(), Arc::new(Nowhere), monotonic(), who);
+        let (geometries, _) = fingers_at_home(config).unwrap();
+        let controller = controller(config, &geometries, &layouts);
+        let thresholds = config.control.thresholds();
+        let sensor = |finger: usize| {
+            let sensing = Sensing::of_fingertip(config.sensor.fingertip(finger)).unwrap();
+            let calibration = experiment.calibration(finger).unwrap();
+            let analyzer = FlagAnalyzer::new(thresholds, elements[finger]);
+            let touch = FingerTouch::none(elements[finger]);
+            let sensing = sensing.with_calibration(calibration).unwrap();
+            (sensing, touch, analyzer)
+        };
+        let linked = Self {
+            rig: PlayedRig::new(experiment).unwrap(),
+            sensors: (0..fingers).map(sensor).collect(),
+            control_loop: ControlLoop::new(remote, hand, controller),
+            slip_threshold: thresholds.slip_threshold,
+            inbox,
+        };
+        linked.introduce(WORLD, "world", NO_FINGER);
+        for finger in 0..fingers as u32 {
+            linked.introduce(WORLD + 1 + u64::from(finger), "sense", finger);
+        }
+        linked
+    }
+
+    fn introduce(&self, instance: u64, program: &str, finger: u32) {
+        let heartbeat = Heartbeat {
+            protocol: PROTOCOL,
+            instance,
+            program: program.into(),
+            finger,
+            experiment: "same".into(),
+            fingertip: "tip".into(),
+            sequence: 1,
+            ..Heartbeat::default()
+        };
+        self.put(Topic::Heartbeat, &heartbeat);
+    }
+
+    fn put<M: Message>(&self, topic: Topic, message: &M) {
+        let mut bytes = Vec::new();
+        cdr::encode(message, &mut bytes).unwrap();
+        let taken = self.inbox.lock().take_in(topic, &bytes, 0.0);
+        assert!(taken.is_ok(), "{topic}: {taken:?}");
+    }
+
+    fn step(&mut self, step: usize) {
+        let mut state = HandState::zero(self.sensors.len());
+        self.rig.read(&mut state).unwrap();
+        let now = Header {
+            clock: WORLD,
+            ..header(WORLD, step as u64 + 1, state.stamp)
+        };
+        let vectors = |of: fn(&feeler::hand::hand::JointState) -> glam::DVec3| {
+            state.joints.iter().map(|j| Vector3::from(of(j))).collect()
+        };
+        let message = StateMessage {
+            header: now,
+            position: vectors(|joints| joints.position),
+            velocity: vectors(|joints| joints.velocity),
+            instruments: Vec::new(),
+        };
+        self.put(Topic::State, &message);
+        for finger in 0..self.sensors.len() {
+            let update = self.sense(finger, now);
+            self.put(Topic::Tactile(finger), &update);
+        }
+        self.control_loop.step().unwrap();
+        self.rig.begin_period();
+        for _ in 0..self.rig.steps_per_period() {
+            self.rig.advance(self.control_loop.command()).unwrap();
+        }
+    }
+
+    /// What the sensor program of `finger` publishes.
+    fn sense(&mut self, finger: usize, now: Header) -> TactileUpdate {
+        let (sensing, touch, analyzer) = &mut self.sensors[finger];
+        let Exposure::Picture(frame) = self.rig.expose(finger).unwrap() else {
+            panic!("a picture expected")
+        };
+        let mut readings = vec![Default::default(); sensing.element_count()];
+        sensing.sense(&frame.picture, &mut readings).unwrap();
+        for (force, reading) in touch.frame.forces.iter_mut().zip(&readings) {
+            *force = reading.force.unwrap_or(NO_FORCE);
+        }
+        (touch.frame.sequence, touch.frame.stamp) = (frame.sequence, frame.stamp);
+        touch.analyze(analyzer);
+        let header = Header {
+            instance: WORLD + 1 + finger as u64,
+            ..now
+        };
+        TactileUpdate::of_touch(header, finger, touch, self.slip_threshold)
+    }
+}
+
+fn in_a_linked_hand(experiment: &Experiment) -> Option<Stopped> {
+    let mut hand = LinkedHand::new(experiment);
+    (0..STEPS).find_map(|step| {
+        hand.step(step);
+        stopped(step, hand.control_loop.controller())
+    })
+}
+
+fn file(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("same-stop-{name}.mcap"))
+}
+
+#[test]
+fn a_saturated_or_dark_picture_stops_run_replay_and_hand_at_the_same_frame() {
+    for (index, fault) in FAULTS.into_iter().enumerate() {
+        let experiment = load(&["sensing=image"], fault);
+        let path = file(&index.to_string());
+        let run = in_a_run(&experiment, &path);
+        let Some((step, StopReason::NoForce { finger: 1, .. })) = run else {
+            panic!("{fault}: {run:?}")
+        };
+        assert_eq!(step, step_at(FROM), "{fault}");
+        let recording = Recording::read(&path).unwrap();
+        assert_eq!(in_a_replay(&recording, ReplayFrom::Frames(&path)), run);
+        assert_eq!(in_a_replay(&recording, ReplayFrom::Forces), run);
+        fs::remove_file(&path).unwrap();
+        assert_eq!(in_a_linked_hand(&experiment), run, "{fault}");
+    }
+    assert_eq!(in_a_linked_hand(&load(&["sensing=image"], "")), None);
+}
+
+/// With drift correction, other forces; and the same again in a replay.
+#[test]
+fn drift_is_corrected_in_a_run_and_in_its_replay() {
+    let forces = |settings: &[&str], name: &str| {
+        let path = file(name);
+        let run = in_a_run(&load(settings, ""), &path);
+        assert_eq!(run, None);
+        let recording = Recording::read(&path).unwrap();
+        assert_eq!(in_a_replay(&recording, ReplayFrom::Frames(&path)), None);
+        fs::remove_file(&path).unwrap();
+        recording.fingers[0].tactile.clone()
+    };
+    let plain = forces(&["sensing=image"], "plain");
+    let corrected = forces(&["sensing=image", "sensor.drift={}"], "corrected");
+    assert_ne!(plain, corrected);
+}

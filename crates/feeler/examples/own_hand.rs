@@ -1,0 +1,140 @@
+//! A hand and a tactile sensor of your own in a loop at 100 Hz. Here both are toys: drives that do at once what
+//! they are told, and feelers that are springs on a wall, which the finger touches, strokes and leaves again.
+
+use feeler::control::control_loop::ControlLoop;
+use feeler::control::controller::{ControlConfig, Controller};
+use feeler::control::phase::Phase;
+use feeler::control::task::TaskConfig;
+use feeler::control::touch::AnalyzedSensor;
+use feeler::glam::DVec3;
+use feeler::hand::finger::{FingerConfig, FingerGeometry};
+use feeler::hand::hand::{Hand, HandCommand, HandError, HandState, JointState};
+use feeler::hand::{inverse_kinematics::inverse_kinematics, kinematics::fingertip_pose};
+use feeler::pace::Pace;
+use feeler::sensor::layout::{ElementLayout, LayoutConfig};
+use feeler::sensor::reading::{SensorError, TactileFrame, TactileSensor};
+use std::{cell::Cell, ops::ControlFlow, rc::Rc, sync::atomic::AtomicBool};
+
+#[derive(serde::Deserialize)]
+struct Config {
+    finger: FingerConfig,
+    layout: LayoutConfig,
+    control: ControlConfig,
+    task: TaskConfig,
+}
+
+/// Joint angles, rad, and time, s: what encoders and clock of a rig would say.
+type Rig = Rc<Cell<(DVec3, f64)>>;
+
+struct MyHand {
+    rig: Rig,
+    velocity: DVec3,
+    period: f64,
+}
+
+impl Hand for MyHand {
+    fn finger_count(&self) -> usize {
+        1
+    }
+
+    fn read(&mut self, state: &mut HandState) -> Result<(), HandError> {
+        let (position, stamp) = self.rig.get(); // yours: read the encoders
+        let velocity = self.velocity;
+        state.stamp = stamp;
+        state.joints.fill(JointState { position, velocity });
+        Ok(())
+    }
+
+    fn command(&mut self, command: &HandCommand) -> Result<(), HandError> {
+        self.velocity = command.joint_velocity().iter().sum(); // yours: send it to the drives
+        let (position, stamp) = self.rig.get();
+        let moved = position + self.period * self.velocity;
+        self.rig.set((moved, stamp + self.period));
+        Ok(())
+    }
+}
+
+struct MyTouch {
+    rig: Rig,
+    finger: FingerGeometry,
+    layout: ElementLayout,
+    frames: u64,
+}
+
+impl TactileSensor for MyTouch {
+    fn element_count(&self) -> usize {
+        self.layout.elements.len()
+    }
+
+    /// Yours: see `OpticalSensor`, which makes one of a camera and a calibration.
+    fn read(&mut self, reading: &mut TactileFrame) -> Result<(), SensorError> {
+        const WALL: f64 = -0.018; // m, x in W
+        const STIFFNESS: f64 = 200.0; // N/m
+        let (theta, stamp) = self.rig.get();
+        let (centre, rotation) = fingertip_pose(&self.finger, theta);
+        for (element, force) in reading.forces.iter_mut().enumerate() {
+            let tip = centre + rotation * self.layout.tip(element);
+            *force = DVec3::Z * (STIFFNESS * (tip.x - WALL)).max(0.0);
+        }
+        (reading.sequence, reading.stamp) = (self.frames, stamp);
+        self.frames += 1;
+        Ok(())
+    }
+}
+
+/// The phase in which the task ended, and the greatest grasp force on the way, N.
+pub fn touch_and_stroke() -> Result<(Phase, f64), Box<dyn std::error::Error>> {
+    let config: Config = toml::from_str(include_str!("own_hand.toml"))?;
+    let (finger, layout) = (
+        FingerGeometry::new(&config.finger)?,
+        ElementLayout::new(&config.layout),
+    );
+    let (period, thresholds) = (config.control.period, config.control.thresholds());
+    let middle = (finger.joint_lower() + finger.joint_upper()) / 2.0;
+    let home = inverse_kinematics(&finger, config.task.homes()[0].into(), middle)?;
+    let rig = Rig::new(Cell::new((home, 0.0)));
+    let fingers = [finger.clone()];
+    let controller = Controller::new(
+        config.control,
+        &config.task,
+        &fingers,
+        std::slice::from_ref(&layout),
+    );
+    let touch = MyTouch {
+        rig: rig.clone(),
+        finger,
+        layout,
+        frames: 0,
+    };
+    let hand = MyHand {
+        rig,
+        velocity: DVec3::ZERO,
+        period,
+    };
+    let mut control_loop = ControlLoop::new(
+        vec![AnalyzedSensor::new(touch, thresholds)],
+        hand,
+        controller,
+    );
+    let mut greatest = 0.0_f64;
+    let interrupted = AtomicBool::new(false); // yours: raised by Ctrl-C
+    control_loop.run(
+        &mut Pace::new(period)?,
+        100,
+        &interrupted,
+        |after, _tick| {
+            greatest = greatest.max(after.touches()[0].flags.grasp_force);
+            match after.controller().phase() {
+                Phase::Done | Phase::Stopped => ControlFlow::Break(()),
+                _ => ControlFlow::Continue(()),
+            }
+        },
+    )?;
+    Ok((control_loop.controller().phase(), greatest))
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let (phase, force) = touch_and_stroke()?;
+    println!("{phase:?} with {force:.2} N at most");
+    Ok(())
+}
