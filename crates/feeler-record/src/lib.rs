@@ -2,6 +2,7 @@
 #![warn(missing_docs)]
 
 pub mod channels;
+mod container;
 pub mod digest;
 pub mod error;
 pub mod facts;
@@ -14,11 +15,12 @@ pub mod replay;
 pub mod scan;
 pub mod sensed;
 mod sink;
+pub mod topic;
 pub mod wire;
 
 pub use channels::{
     Cap, Command, Findings, Fingertip, Flags, Joints, Moments, NO_ELEMENT, ObjectPose, Stamped,
-    Tactile, Task, Topic, TorqueSensor, TrueSlip,
+    Tactile, Task, TorqueSensor, TrueSlip,
 };
 pub use digest::Digest;
 pub use error::RecordError;
@@ -31,3 +33,4 @@ pub use recorder::{RecordOptions, Recorder};
 pub use recording::{FingerRecord, PictureAt, Recording};
 pub use replay::{RecordedHand, RecordedSensor};
 pub use sensed::{SensedWriter, read_moments};
+pub use topic::{RecordedMessage, Topic, topics};

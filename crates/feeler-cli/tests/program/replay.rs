@@ -1,7 +1,8 @@
 //! `feeler run --record-frames` and `feeler replay`, through the program itself.
 
 use crate::program::{Ended, folder, run};
-use feeler_record::{Recorder, Recording, SensedWriter, Tactile};
+use feeler_record::sensed::TACTILE;
+use feeler_record::{MessageSink, Recorder, Recording, SensedWriter, Tactile};
 use std::fs;
 use std::path::Path;
 
@@ -234,7 +235,7 @@ fn what_cannot_be_replayed_is_refused() {
     }
     // Recordings of something else, and no recordings.
     let mut sensed = SensedWriter::create(folder.join("sensed.mcap")).unwrap();
-    sensed.tactile(&Tactile::default()).unwrap();
+    sensed.write(TACTILE, &Tactile::default()).unwrap();
     sensed.finish().unwrap();
     fs::write(folder.join("words.mcap"), "hello").unwrap();
     for (file, word) in [("sensed.mcap", "feeler.run"), ("words.mcap", "MCAP magic")] {
