@@ -3,6 +3,7 @@
 //! The order of a struct's fields is the order of its schema's lines; both are the wire format.
 //! All stamps are seconds of the run's time (simulated or real), not of the wall clock.
 
+use super::names::{FindingName, TaskOutcome};
 use crate::wire::{Message, Quaternion, Vector3, message, vector3_schema};
 use feeler::control::phase::Phase;
 use serde::{Deserialize, Serialize};
@@ -308,10 +309,11 @@ message!(
 pub struct Findings {
     /// Time of the control step, s.
     pub stamp: f64,
-    /// What came of the task, in a few words; empty until it can tell.
-    pub outcome: String,
-    /// What each finding is called.
-    pub names: Vec<String>,
+    /// What came of the task; none until it can tell. Its text on the wire, which is empty where there is none.
+    #[serde(with = "optional_text")]
+    pub outcome: Option<TaskOutcome>,
+    /// What each finding is.
+    pub names: Vec<FindingName>,
     /// The value of each, in SI units.
     pub values: Vec<f64>,
 }
@@ -325,6 +327,26 @@ message!(
     "string[] names",
     "float64[] values  # SI units",
 );
+
+/// A text that is empty where there is none, as ROS 2 has no optional fields.
+mod optional_text {
+    use super::TaskOutcome;
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    pub fn serialize<S: Serializer>(
+        outcome: &Option<TaskOutcome>,
+        serializer: S,
+    ) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(outcome.as_ref().map_or("", TaskOutcome::as_str))
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<Option<TaskOutcome>, D::Error> {
+        let text = String::deserialize(deserializer)?;
+        Ok((!text.is_empty()).then(|| text.into()))
+    }
+}
 
 /// Where the object is that is carried; only a simulated world knows it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -8,6 +8,7 @@ pub mod error;
 pub mod facts;
 pub mod image;
 pub mod memory;
+pub mod names;
 pub mod recorded_camera;
 pub mod recorder;
 pub mod recording;
@@ -15,6 +16,7 @@ pub mod replay;
 pub mod scan;
 pub mod sensed;
 mod sink;
+mod text_enum;
 pub mod topic;
 pub mod wire;
 
@@ -24,10 +26,11 @@ pub use channels::{
 };
 pub use digest::Digest;
 pub use error::RecordError;
-pub use facts::{CapFacts, RunFacts};
+pub use facts::{CapFacts, CarryGoal, RunFacts};
 pub use feeler::control::phase::Phase;
 pub use image::Image;
 pub use memory::{MemoryRecorder, MessageSink};
+pub use names::{FindingName, SensingKind, TaskKind, TaskOutcome};
 pub use recorded_camera::RecordedCamera;
 pub use recorder::{RecordOptions, Recorder};
 pub use recording::{FingerRecord, PictureAt, Recording};

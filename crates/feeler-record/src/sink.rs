@@ -115,8 +115,8 @@ impl Sink {
 }
 
 /// The facts that are no part of the digest: what only a simulated world knows shows in the forces, and a hand in a
-/// program of its own does not know it.
-const TRUTH: [&str; 2] = ["truth", "section"];
+/// program of its own does not know it; the goal of carrying follows from the experiment.
+const NOT_DIGESTED: [&str; 3] = ["truth", "section", "carry"];
 
 /// Takes in the facts and the experiment, as they stand before all messages.
 pub fn digest_facts(
@@ -126,7 +126,7 @@ pub fn digest_facts(
 ) {
     for (key, value) in facts
         .iter()
-        .filter(|(key, _)| !TRUTH.contains(&key.as_str()))
+        .filter(|(key, _)| !NOT_DIGESTED.contains(&key.as_str()))
     {
         digester.block(key.as_bytes());
         digester.block(value.as_bytes());

@@ -2,7 +2,7 @@
 
 use crate::program::{Ended, folder, run};
 use feeler_record::sensed::TACTILE;
-use feeler_record::{MessageSink, Recorder, Recording, SensedWriter, Tactile};
+use feeler_record::{MessageSink, Recorder, Recording, SensedWriter, Tactile, topics};
 use std::fs;
 use std::path::Path;
 
@@ -123,20 +123,20 @@ fn rewrite(recording: &Recording, path: &Path, change: impl FnOnce(&mut Recordin
     let mut recorder = Recorder::create(path, &changed.facts, &changed.experiment).unwrap();
     for (finger, record) in changed.fingers.iter().enumerate() {
         for message in &record.tactile {
-            recorder.tactile(finger, message).unwrap();
+            recorder.write(topics::tactile(finger), message).unwrap();
         }
         for message in &record.flags {
-            recorder.flags(finger, message).unwrap();
+            recorder.write(topics::flags(finger), message).unwrap();
         }
         for message in &record.joints {
-            recorder.joints(finger, message).unwrap();
+            recorder.write(topics::joints(finger), message).unwrap();
         }
         for message in &record.command {
-            recorder.command(finger, message).unwrap();
+            recorder.write(topics::command(finger), message).unwrap();
         }
     }
     for message in &changed.task {
-        recorder.task(message).unwrap();
+        recorder.write(topics::TASK, message).unwrap();
     }
     recorder.finish(None).unwrap();
 }

@@ -16,7 +16,7 @@ use feeler::sensor::layout::ElementLayout;
 use feeler_record::wire::Vector3;
 use feeler_record::{
     Cap, Command, Findings, Fingertip, Flags, Image, Joints, MessageSink, NO_ELEMENT, ObjectPose,
-    RecordError, Recorder, Tactile, Task, TorqueSensor, TrueSlip, topics,
+    RecordError, Recorder, Tactile, Task, TaskOutcome, TorqueSensor, TrueSlip, topics,
 };
 use feeler_sim::pose::Pose;
 use glam::{DQuat, DVec3};
@@ -259,7 +259,7 @@ impl<R: MessageSink> RunLog<R> {
 
     /// Writes what the task found out, if that is more than it was.
     fn write_findings(&mut self, stamp: f64, task: &dyn ControlTask) -> Result<(), RecordError> {
-        let (found, outcome) = (task.findings(), task.outcome().unwrap_or_default());
+        let (found, outcome) = (task.findings(), task.outcome());
         let written = self.findings.names.iter().zip(&self.findings.values);
         // To the bit, so that what is not a number is not new for ever.
         let same = written
@@ -267,13 +267,13 @@ impl<R: MessageSink> RunLog<R> {
             .eq(found
                 .iter()
                 .map(|finding| (finding.name, finding.value.to_bits())));
-        if same && self.findings.outcome == outcome {
+        if same && self.findings.outcome.as_ref().map(TaskOutcome::as_str) == outcome {
             return Ok(());
         }
         self.findings = Findings {
             stamp,
-            outcome: outcome.to_string(),
-            names: found.iter().map(|f| f.name.to_string()).collect(),
+            outcome: outcome.map(TaskOutcome::from),
+            names: found.iter().map(|f| f.name.into()).collect(),
             values: found.iter().map(|f| f.value).collect(),
         };
         self.recorder.write(topics::FINDINGS, &self.findings)

@@ -53,6 +53,7 @@ pub fn facts() -> RunFacts {
         section: Vec::new(),
         truth: BTreeMap::new(),
         cap: None,
+        carry: None,
         replay_of: None,
     }
 }
