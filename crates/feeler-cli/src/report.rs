@@ -1,6 +1,7 @@
 //! `feeler report`
 
 use super::{CommandError, Outcome};
+use feeler_record::TaskOutcome;
 use feeler_report::cap::CapMeasures;
 use feeler_report::make::{RECORDING, ReportOutcome, make};
 use std::io::{self, Write};
@@ -65,7 +66,11 @@ pub fn print_claims(made: &ReportOutcome, out: &mut dyn Write) -> io::Result<()>
 
 /// Prints what became of a cap and where to read more.
 fn print_cap(made: &ReportOutcome, cap: &CapMeasures, out: &mut dyn Write) -> io::Result<()> {
-    let outcome = made.summary.outcome.as_deref().unwrap_or("none");
+    let outcome = made
+        .summary
+        .outcome
+        .as_ref()
+        .map_or("none", TaskOutcome::as_str);
     writeln!(out, "outcome: {outcome}")?;
     let share = cap.torque_ratio.filter(|_| cap.sense > 0.0);
     if let (Some(torque), Some(share)) = (cap.final_torque, share) {

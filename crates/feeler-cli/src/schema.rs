@@ -3,7 +3,7 @@
 use super::{CommandError, Outcome};
 use feeler_link::{message as linked, topic};
 use feeler_record::wire::Message;
-use feeler_record::{self, channels};
+use feeler_record::{Topic, sensed, topics};
 use std::io::Write;
 
 #[derive(Debug, clap::Args)]
@@ -21,11 +21,11 @@ struct Schema {
 }
 
 impl Schema {
-    fn recorded<M: Message>(topic: &str) -> Self {
+    fn recorded<M: Message>(topic: Topic<M>) -> Self {
         Self {
             name: M::SCHEMA_NAME,
             text: M::SCHEMA,
-            place: format!("recorded as {}", of_any_finger(topic)),
+            place: format!("recorded as {}", of_any_finger(&topic.name())),
         }
     }
 
@@ -62,21 +62,20 @@ pub fn schema(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Com
 }
 
 fn recorded() -> [Schema; 13] {
-    use feeler_record::Topic;
     [
-        Schema::recorded::<channels::Tactile>(&Topic::Tactile(0).name()),
-        Schema::recorded::<channels::Flags>(&Topic::Flags(0).name()),
-        Schema::recorded::<channels::Joints>(&Topic::Joints(0).name()),
-        Schema::recorded::<channels::Command>(&Topic::Command(0).name()),
-        Schema::recorded::<channels::Fingertip>(&Topic::Fingertip(0).name()),
-        Schema::recorded::<channels::TorqueSensor>(&Topic::TorqueSensor.name()),
-        Schema::recorded::<channels::Cap>(&Topic::Cap.name()),
-        Schema::recorded::<channels::Task>(&Topic::Task.name()),
-        Schema::recorded::<channels::Findings>(&Topic::Findings.name()),
-        Schema::recorded::<channels::ObjectPose>(&Topic::Object.name()),
-        Schema::recorded::<channels::TrueSlip>(&Topic::TrueSlip.name()),
-        Schema::recorded::<feeler_record::Image>(&Topic::Image(0).name()),
-        Schema::recorded::<channels::Moments>(feeler_record::sensed::MOMENTS_TOPIC),
+        Schema::recorded(topics::tactile(0)),
+        Schema::recorded(topics::flags(0)),
+        Schema::recorded(topics::joints(0)),
+        Schema::recorded(topics::command(0)),
+        Schema::recorded(topics::fingertip(0)),
+        Schema::recorded(topics::TORQUE_SENSOR),
+        Schema::recorded(topics::CAP),
+        Schema::recorded(topics::TASK),
+        Schema::recorded(topics::FINDINGS),
+        Schema::recorded(topics::OBJECT),
+        Schema::recorded(topics::TRUE_SLIP),
+        Schema::recorded(topics::image(0)),
+        Schema::recorded(sensed::MOMENTS),
     ]
 }
 

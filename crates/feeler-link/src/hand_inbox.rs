@@ -2,7 +2,9 @@
 
 use super::freshness::SentSteps;
 use super::inbox::{Inbox, read};
-use super::message::{HandState, Header, NO_FINGER, PROTOCOL, Resume, Stop, TactileUpdate};
+use super::message::{
+    HandState, Header, NO_FINGER, PROTOCOL, ProgramKind, Resume, Stop, TactileUpdate,
+};
 use super::peers::{Expected, Peers};
 use super::rejection::{Rejection, Rejections};
 use super::topic::Topic;
@@ -120,7 +122,7 @@ impl HandInbox {
         check_protocol(header.protocol)?;
         let inbox = self.fingers.get_mut(finger).ok_or(Rejection::Size)?;
         check_update(finger, inbox.elements, &update)?;
-        (self.peers).check(header.instance, "sense", update.finger)?;
+        (self.peers).check(header.instance, &ProgramKind::Sense, update.finger)?;
         let before = inbox.newest.as_ref().map(|newest| newest.header);
         let before = (before, inbox.earliest);
         let (lost, earliest) = follow(before, header, &self.sent, now)?;
@@ -136,7 +138,8 @@ impl HandInbox {
         let header = state.header;
         check_protocol(header.protocol)?;
         check_state(self.fingers.len(), &state)?;
-        self.peers.check(header.instance, "world", NO_FINGER)?;
+        self.peers
+            .check(header.instance, &ProgramKind::World, NO_FINGER)?;
         let before = self.state.newest.as_ref().map(|newest| newest.header);
         let before = (before, self.state.earliest);
         let (lost, earliest) = follow(before, header, &self.sent, now)?;

@@ -1,35 +1,51 @@
-//! Sockets that are closed at once, whatever their peer has not read yet.
+//! Sockets of the link are closed at once, whatever their peer has not read yet.
 //!
-//! The link's library gives each of its TCP sockets a linger of ten seconds, and has no setting for it. To close a socket to
-//! a program that is frozen then waits for so long, on the thread that serves all others.
+//! Zenoh gives each of its TCP sockets a linger of ten seconds, and has no setting for it. To close a socket to a
+//! program that is frozen then waits for so long, on the thread that serves all others.
 
+use serde::Deserialize;
 use std::io;
-use std::thread;
-use std::time::Duration;
+use std::net::SocketAddr;
 
-/// Time between two looks for new sockets.
-const INTERVAL: Duration = Duration::from_millis(200);
-
-/// Takes the linger from all sockets of this process, from a thread of its own while `is_open`.
-///
-/// Where the system does not let a process look at its own descriptors, as some containers do not, it stays.
-///
-/// # Errors
-/// When there is no thread to be had.
-pub fn keep_off(is_open: impl Fn() -> bool + Send + 'static) -> io::Result<()> {
-    let work = move || {
-        while is_open() {
-            // It is tried again; and without it, all else works.
-            let _ = turn_off();
-            thread::sleep(INTERVAL);
-        }
-    };
-    thread::Builder::new().name("linger".into()).spawn(work)?;
-    Ok(())
+/// A link of the session, as Zenoh describes it: locators such as `tcp/127.0.0.1:7447`.
+#[derive(Deserialize)]
+struct LinkDescription {
+    src: String,
+    dst: String,
 }
 
+/// The addresses of a connection's two ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Connection {
+    local: SocketAddr,
+    peer: SocketAddr,
+}
+
+impl Connection {
+    /// The connection of a link that Zenoh describes in `json`; none where the link is no TCP connection.
+    pub fn of_link(json: &[u8]) -> Option<Self> {
+        let link: LinkDescription = serde_json::from_slice(json).ok()?;
+        Some(Self {
+            local: address(&link.src)?,
+            peer: address(&link.dst)?,
+        })
+    }
+}
+
+/// The address of a locator of TCP or TLS.
+fn address(locator: &str) -> Option<SocketAddr> {
+    let (protocol, rest) = locator.split_once('/')?;
+    let address = rest.split(['?', '#']).next()?;
+    let is_tcp = ["tcp", "tls"].contains(&protocol);
+    is_tcp.then(|| address.parse().ok())?
+}
+
+/// Clears the linger of this process's socket of `connection`, and of no other.
+///
+/// # Errors
+/// When the system does not let a process look at its own descriptors, as some containers do not.
 #[cfg(target_os = "linux")]
-fn turn_off() -> io::Result<()> {
+pub fn clear(connection: Connection) -> io::Result<()> {
     use rustix::net::sockopt::{set_socket_linger, socket_linger};
     use rustix::process::{PidfdFlags, PidfdGetfdFlags, getpid, pidfd_getfd, pidfd_open};
 
@@ -43,36 +59,87 @@ fn turn_off() -> io::Result<()> {
         let Ok(descriptor) = pidfd_getfd(&this, number, PidfdGetfdFlags::empty()) else {
             continue;
         };
-        if let Ok(Some(_)) = socket_linger(&descriptor) {
+        if is_of(&descriptor, connection)
+            && let Ok(Some(_)) = socket_linger(&descriptor)
+        {
             set_socket_linger(&descriptor, None)?;
         }
     }
     Ok(())
 }
 
+/// Whether `descriptor` is a socket with the ends of `connection`.
+#[cfg(target_os = "linux")]
+fn is_of(descriptor: &std::os::fd::OwnedFd, connection: Connection) -> bool {
+    use rustix::net::{getpeername, getsockname};
+
+    let same = |found: SocketAddr, expected: SocketAddr| {
+        let canonical = |address: SocketAddr| (address.ip().to_canonical(), address.port());
+        canonical(found) == canonical(expected)
+    };
+    let local = getsockname(descriptor).and_then(SocketAddr::try_from);
+    let peer = getpeername(descriptor).ok().flatten();
+    let peer = peer.and_then(|peer| SocketAddr::try_from(peer).ok());
+    local.is_ok_and(|local| same(local, connection.local))
+        && peer.is_some_and(|peer| same(peer, connection.peer))
+}
+
+/// Does nothing: only on Linux can a process find the socket.
 #[cfg(not(target_os = "linux"))]
-fn turn_off() -> io::Result<()> {
+pub fn clear(_: Connection) -> io::Result<()> {
     Ok(())
 }
 
-#[cfg(all(test, target_os = "linux"))]
+#[cfg(test)]
 mod tests {
-    use rustix::net::sockopt::{set_socket_linger, socket_linger};
-    use std::net::{TcpListener, TcpStream};
-    use std::time::Duration;
+    use super::*;
 
     #[test]
-    fn the_linger_of_a_socket_is_turned_off() {
+    fn links_over_tcp_have_connections() {
+        let link = |src: &str, dst: &str| {
+            let json = serde_json::json!({"src": src, "dst": dst, "mtu": 65535, "group": null});
+            Connection::of_link(json.to_string().as_bytes())
+        };
+        let found = link("tcp/127.0.0.1:7447", "tcp/127.0.0.1:40000?rel=1#iface=lo");
+        assert_eq!(
+            found,
+            Some(Connection {
+                local: ([127, 0, 0, 1], 7447).into(),
+                peer: ([127, 0, 0, 1], 40000).into(),
+            })
+        );
+        assert!(link("tls/[::1]:7447", "tls/[::1]:40000").is_some());
+        assert_eq!(link("udp/127.0.0.1:7447", "udp/127.0.0.1:40000"), None);
+        assert_eq!(link("tcp/host:7447", "tcp/host:40000"), None);
+        assert_eq!(Connection::of_link(b"{}"), None);
+        assert_eq!(Connection::of_link(b"\xff"), None);
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn only_the_socket_of_the_connection_is_changed() {
+        use rustix::net::sockopt::{set_socket_linger, socket_linger};
+        use std::net::{TcpListener, TcpStream};
+        use std::time::Duration;
+
         let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
-        let stream = TcpStream::connect(listener.local_addr().expect("its address"));
-        let stream = stream.expect("a connection");
+        let to = listener.local_addr().expect("its address");
         let ten = Some(Duration::from_secs(10));
-        set_socket_linger(&stream, ten).expect("a socket");
-        assert_eq!(socket_linger(&stream), Ok(ten));
-        if let Err(error) = super::turn_off() {
+        let connect = || {
+            let stream = TcpStream::connect(to).expect("a connection");
+            set_socket_linger(&stream, ten).expect("a socket");
+            stream
+        };
+        let (ours, other) = (connect(), connect());
+        let connection = Connection {
+            local: ours.local_addr().expect("its address"),
+            peer: to,
+        };
+        if let Err(error) = clear(connection) {
             eprintln!("skipped: this system does not let a process see its descriptors: {error}");
             return;
         }
-        assert_eq!(socket_linger(&stream), Ok(None));
+        assert_eq!(socket_linger(&ours), Ok(None));
+        assert_eq!(socket_linger(&other), Ok(ten));
     }
 }

@@ -5,6 +5,7 @@
 
 use feeler::control::phase::Phase;
 use feeler::hand::hand::MAX_FINGERS;
+use feeler_record::text_enum;
 use feeler_record::wire::{Vector3, message, vector3_schema};
 use serde::{Deserialize, Serialize};
 
@@ -279,6 +280,26 @@ pub struct Instruments {
     pub slipped: [f64; MAX_FINGERS],
 }
 
+text_enum! {
+    /// What a program of a rig is.
+    ProgramKind {
+        /// Senses for one finger.
+        Sense = "sense",
+        /// Controls the hand.
+        Hand = "hand",
+        /// Plays the rig.
+        World = "world",
+        /// Sends one order to the hand, and ends.
+        Order = "order",
+    }
+}
+
+impl Default for ProgramKind {
+    fn default() -> Self {
+        Self::Other(String::new())
+    }
+}
+
 /// That a program is there, what it is, and how it does. Sent ten times a second.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Heartbeat {
@@ -286,8 +307,8 @@ pub struct Heartbeat {
     pub protocol: u32,
     /// The program, by a number that it drew when it started.
     pub instance: u64,
-    /// What it is: `sense`, `hand`, `world` or another.
-    pub program: String,
+    /// What it is.
+    pub program: ProgramKind,
     /// Version of feeler that it is.
     pub version: String,
     /// The finger it is of, from 0, or [`NO_FINGER`].

@@ -1,7 +1,7 @@
 //! Which programs there are, and which of them are taken for what.
 
 use super::inbox;
-use super::message::{Heartbeat, NO_FINGER, PROTOCOL};
+use super::message::{Heartbeat, NO_FINGER, PROTOCOL, ProgramKind};
 use super::mismatch::{Mismatch, short};
 use super::rejection::Rejection;
 use feeler_record::wire::cdr;
@@ -13,7 +13,7 @@ pub const SILENT_AFTER: f64 = 1.0;
 pub const MOST_PEERS: usize = 64;
 
 /// The programs that do something for the rig. Others only look or give orders.
-const WORKING: [&str; 3] = ["sense", "hand", "world"];
+const WORKING: [ProgramKind; 3] = [ProgramKind::Sense, ProgramKind::Hand, ProgramKind::World];
 
 /// What a program must agree in with this one.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -84,7 +84,7 @@ impl Peers {
     }
 
     /// The programs of a kind that are there and taken.
-    pub fn taken(&self, program: &str, now: f64) -> impl Iterator<Item = &Peer> {
+    pub fn taken(&self, program: ProgramKind, now: f64) -> impl Iterator<Item = &Peer> {
         self.peers.iter().filter(move |peer| {
             peer.refused.is_none() && peer.heartbeat.program == program && !peer.is_silent(now)
         })
@@ -94,11 +94,16 @@ impl Peers {
     ///
     /// # Errors
     /// When it is not known yet, is another program, or was refused.
-    pub fn check(&self, instance: u64, program: &str, finger: u32) -> Result<(), Rejection> {
+    pub fn check(
+        &self,
+        instance: u64,
+        program: &ProgramKind,
+        finger: u32,
+    ) -> Result<(), Rejection> {
         let known = |peer: &&Peer| peer.heartbeat.instance == instance;
         let peer = self.peers.iter().find(known);
         let heartbeat = &peer.ok_or(Rejection::Unintroduced)?.heartbeat;
-        let as_expected = heartbeat.program == program && heartbeat.finger == finger;
+        let as_expected = heartbeat.program == *program && heartbeat.finger == finger;
         let taken = as_expected && peer.is_some_and(|peer| peer.refused.is_none());
         taken.then_some(()).ok_or(Rejection::Stranger)
     }
@@ -206,7 +211,7 @@ impl Peers {
         }
         let finger = usize::try_from(heartbeat.finger).unwrap_or(usize::MAX);
         let ours = self.expected.fingertips.get(finger);
-        if heartbeat.program == "sense" && ours != Some(&heartbeat.fingertip) {
+        if heartbeat.program == ProgramKind::Sense && ours != Some(&heartbeat.fingertip) {
             return Some(Mismatch::Fingertip {
                 program,
                 theirs: short(&heartbeat.fingertip),
@@ -239,7 +244,7 @@ fn read(bytes: &[u8]) -> Result<Heartbeat, Rejection> {
             return Err(Rejection::NotFinite);
         }
         // Hand and world are there once, not once for each finger.
-        let is_whole = ["hand", "world"].contains(&heartbeat.program.as_str());
+        let is_whole = matches!(heartbeat.program, ProgramKind::Hand | ProgramKind::World);
         if is_whole && heartbeat.finger != NO_FINGER {
             return Err(Rejection::Size);
         }
@@ -258,11 +263,11 @@ fn read(bytes: &[u8]) -> Result<Heartbeat, Rejection> {
 }
 
 fn works(heartbeat: &Heartbeat) -> bool {
-    WORKING.contains(&heartbeat.program.as_str())
+    WORKING.contains(&heartbeat.program)
 }
 
 /// What only one program can be.
-fn place(heartbeat: &Heartbeat) -> (&str, u32) {
+fn place(heartbeat: &Heartbeat) -> (&ProgramKind, u32) {
     (&heartbeat.program, heartbeat.finger)
 }
 
@@ -279,7 +284,7 @@ fn identity(heartbeat: &Heartbeat) -> impl PartialEq {
 
 fn name(heartbeat: &Heartbeat) -> String {
     match heartbeat.finger {
-        NO_FINGER => heartbeat.program.clone(),
+        NO_FINGER => heartbeat.program.to_string(),
         finger => format!("{} of finger {finger}", heartbeat.program),
     }
 }

@@ -3,7 +3,7 @@
 use super::freshness::Echo;
 use super::hand_inbox::check_protocol;
 use super::inbox::{Inbox, read};
-use super::message::{HandCommand, HandMode, Header, NO_FINGER};
+use super::message::{HandCommand, HandMode, Header, NO_FINGER, ProgramKind};
 use super::peers::{Expected, Peers};
 use super::rejection::{Rejection, Rejections};
 use super::topic::Topic;
@@ -119,7 +119,8 @@ impl RigInbox {
     /// Takes in that the hand is at a step.
     fn take_step(&mut self, header: Header, now: f64) -> Result<(), Rejection> {
         check_protocol(header.protocol)?;
-        self.peers.check(header.instance, "hand", NO_FINGER)?;
+        self.peers
+            .check(header.instance, &ProgramKind::Hand, NO_FINGER)?;
         if self.hand != Some(header.instance) {
             self.hand = Some(header.instance);
             self.echo.forget();

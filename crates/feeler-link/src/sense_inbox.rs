@@ -3,7 +3,7 @@
 use super::freshness::Echo;
 use super::hand_inbox::check_protocol;
 use super::inbox::{Inbox, read};
-use super::message::{DirectForces, HandMode, Header, NO_FINGER, Picture};
+use super::message::{DirectForces, HandMode, Header, NO_FINGER, Picture, ProgramKind};
 use super::peers::{Expected, Peers};
 use super::rejection::{Rejection, Rejections};
 use super::topic::Topic;
@@ -98,7 +98,8 @@ impl SenseInbox {
 
     fn take_step(&mut self, header: Header, now: f64) -> Result<(), Rejection> {
         check_protocol(header.protocol)?;
-        self.peers.check(header.instance, "hand", NO_FINGER)?;
+        self.peers
+            .check(header.instance, &ProgramKind::Hand, NO_FINGER)?;
         if self.hand != Some(header.instance) {
             self.hand = Some(header.instance);
             self.echoes.clear();
@@ -151,7 +152,8 @@ impl SenseInbox {
         if !header.stamp.is_finite() {
             return Err(Rejection::NotFinite);
         }
-        self.peers.check(header.instance, "world", NO_FINGER)?;
+        self.peers
+            .check(header.instance, &ProgramKind::World, NO_FINGER)?;
         let same = self
             .newest
             .filter(|newest| newest.instance == header.instance);

@@ -1,7 +1,7 @@
 //! Messages over Zenoh. What they say is none of its business.
 
 use super::endpoints::{LinkConfig, LinkError};
-use super::linger;
+use super::linger::{self, Connection};
 use super::network::{Heard, Network};
 use super::outlet::Outlet;
 use super::topic::Topic;
@@ -42,10 +42,34 @@ impl Link {
             publishers: Mutex::default(),
             subscribers: Mutex::default(),
         });
-        let link = Arc::downgrade(&shared);
-        linger::keep_off(move || link.strong_count() > 0)
-            .map_err(|e| LinkError::Transport(e.to_string()))?;
-        Ok(Self { shared })
+        let link = Self { shared };
+        link.keep_linger_off()?;
+        Ok(link)
+    }
+
+    /// Clears the linger of this session's sockets, of those that there are and of each new one.
+    fn keep_linger_off(&self) -> Result<(), LinkError> {
+        let session = &self.shared.session;
+        // Zenoh tells a session of its own links under this key; no other program hears it.
+        let key = format!("@/{}/session/transport/unicast/*/link/*", session.zid());
+        let of_new = session
+            .declare_subscriber(&key)
+            .allowed_origin(Locality::SessionLocal)
+            .callback(|sample| clear_linger(&sample.payload().to_bytes()))
+            .wait()
+            .map_err(transport)?;
+        lock(&self.shared.subscribers).push(of_new);
+        let clear_known = |reply: zenoh::query::Reply| {
+            if let Ok(sample) = reply.result() {
+                clear_linger(&sample.payload().to_bytes());
+            }
+        };
+        session
+            .get(&key)
+            .allowed_destination(Locality::SessionLocal)
+            .callback(clear_known)
+            .wait()
+            .map_err(transport)
     }
 
     fn publisher(&self, topic: Topic) -> Result<Publisher<'static>, LinkError> {
@@ -94,6 +118,14 @@ impl Network for Link {
             .map_err(transport)?;
         lock(&self.shared.subscribers).push(subscriber);
         Ok(())
+    }
+}
+
+/// Clears the linger of the socket of a link that Zenoh describes; nothing if the link is gone.
+fn clear_linger(link: &[u8]) {
+    if let Some(connection) = Connection::of_link(link) {
+        // Where the system does not allow it, closing a frozen peer takes ten seconds; all else works.
+        let _ = linger::clear(connection);
     }
 }
 

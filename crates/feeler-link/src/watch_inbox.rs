@@ -4,7 +4,9 @@
 
 use super::hand_inbox::{check_protocol, check_state, check_update, flags};
 use super::inbox::{Inbox, read};
-use super::message::{HandMode, HandState, Header, Heartbeat, NO_FINGER, TactileUpdate};
+use super::message::{
+    HandMode, HandState, Header, Heartbeat, NO_FINGER, ProgramKind, TactileUpdate,
+};
 use super::peers::{Expected, Peers};
 use super::rejection::{Rejection, Rejections};
 use super::topic::Topic;
@@ -107,7 +109,8 @@ impl WatchInbox {
             return;
         };
         let is_first = self.expected.experiment.is_empty() && !heartbeat.experiment.is_empty();
-        let leads = heartbeat.program == "hand" && self.peers.taken("hand", now).next().is_none();
+        let leads = heartbeat.program == ProgramKind::Hand
+            && self.peers.taken(ProgramKind::Hand, now).next().is_none();
         let is_sound = check_protocol(heartbeat.protocol).is_ok();
         if is_sound && (is_first || leads) && heartbeat.experiment != self.expected.experiment {
             self.expected.experiment = heartbeat.experiment;
@@ -120,7 +123,7 @@ impl WatchInbox {
         let elements = *self.elements.get(finger).ok_or(Rejection::Size)?;
         check_update(finger, elements, &update)?;
         self.peers
-            .check(update.header.instance, "sense", update.finger)?;
+            .check(update.header.instance, &ProgramKind::Sense, update.finger)?;
         let before = self.fingers[finger].as_ref().map(|before| before.header);
         self.missed = self.missed.saturating_add(gap(before, update.header)?);
         self.fingers[finger] = Some(update);
@@ -131,7 +134,7 @@ impl WatchInbox {
         check_protocol(state.header.protocol)?;
         check_state(self.fingers.len(), &state)?;
         self.peers
-            .check(state.header.instance, "world", NO_FINGER)?;
+            .check(state.header.instance, &ProgramKind::World, NO_FINGER)?;
         let before = self.state.as_ref().map(|before| before.header);
         self.missed = self.missed.saturating_add(gap(before, state.header)?);
         self.state = Some(state);
@@ -141,7 +144,8 @@ impl WatchInbox {
     /// The hand tells no more modes than others need, so that numbers that are left out are not missed.
     fn take_mode(&mut self, mode: HandMode) -> Result<(), Rejection> {
         check_protocol(mode.header.protocol)?;
-        self.peers.check(mode.header.instance, "hand", NO_FINGER)?;
+        self.peers
+            .check(mode.header.instance, &ProgramKind::Hand, NO_FINGER)?;
         gap(self.mode.as_ref().map(|before| before.header), mode.header)?;
         self.mode = Some(mode);
         Ok(())

@@ -182,7 +182,7 @@ proptest! {
     ) {
         let from = fault.clone();
         check(&Heartbeat {
-            protocol, instance, program, version, finger, experiment, fingertip, sequence, rate, age, lost,
+            protocol, instance, program: program.into(), version, finger, experiment, fingertip, sequence, rate, age, lost,
             refused, missed, speed, fault,
         });
         check(&Stop { protocol, from: from.clone() });

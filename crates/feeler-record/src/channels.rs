@@ -3,7 +3,7 @@
 //! The order of a struct's fields is the order of its schema's lines; both are the wire format.
 //! All stamps are seconds of the run's time (simulated or real), not of the wall clock.
 
-use super::image::Image;
+use super::names::{FindingName, TaskOutcome};
 use crate::wire::{Message, Quaternion, Vector3, message, vector3_schema};
 use feeler::control::phase::Phase;
 use serde::{Deserialize, Serialize};
@@ -309,10 +309,11 @@ message!(
 pub struct Findings {
     /// Time of the control step, s.
     pub stamp: f64,
-    /// What came of the task, in a few words; empty until it can tell.
-    pub outcome: String,
-    /// What each finding is called.
-    pub names: Vec<String>,
+    /// What came of the task; none until it can tell. Its text on the wire, which is empty where there is none.
+    #[serde(with = "optional_text")]
+    pub outcome: Option<TaskOutcome>,
+    /// What each finding is.
+    pub names: Vec<FindingName>,
     /// The value of each, in SI units.
     pub values: Vec<f64>,
 }
@@ -326,6 +327,26 @@ message!(
     "string[] names",
     "float64[] values  # SI units",
 );
+
+/// A text that is empty where there is none, as ROS 2 has no optional fields.
+mod optional_text {
+    use super::TaskOutcome;
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    pub fn serialize<S: Serializer>(
+        outcome: &Option<TaskOutcome>,
+        serializer: S,
+    ) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(outcome.as_ref().map_or("", TaskOutcome::as_str))
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<Option<TaskOutcome>, D::Error> {
+        let text = String::deserialize(deserializer)?;
+        Ok((!text.is_empty()).then(|| text.into()))
+    }
+}
 
 /// Where the object is that is carried; only a simulated world knows it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -353,92 +374,3 @@ message!(
     "float64 z",
     "float64 w",
 );
-
-/// The topics of a recording.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Topic {
-    /// [`Tactile`] of a finger.
-    Tactile(usize),
-    /// [`Flags`] of a finger.
-    Flags(usize),
-    /// [`Joints`] of a finger.
-    Joints(usize),
-    /// [`Command`] of a finger.
-    Command(usize),
-    /// [`Fingertip`] of a finger.
-    Fingertip(usize),
-    /// [`TorqueSensor`].
-    TorqueSensor,
-    /// [`Cap`].
-    Cap,
-    /// [`TrueSlip`]; without messages where no simulated world tells.
-    TrueSlip,
-    /// [`Task`].
-    Task,
-    /// [`Findings`].
-    Findings,
-    /// [`ObjectPose`]; without messages where no object is free.
-    Object,
-    /// [`Image`] of the camera in a finger's fingertip; only where pictures are recorded.
-    Image(usize),
-}
-
-impl Topic {
-    /// The topics that every run with `fingers` fingers has, in the order of the recording's channels.
-    pub fn all(fingers: usize) -> Vec<Self> {
-        let mut topics = Vec::new();
-        for f in 0..fingers {
-            topics.extend([
-                Self::Tactile(f),
-                Self::Flags(f),
-                Self::Joints(f),
-                Self::Command(f),
-                Self::Fingertip(f),
-            ]);
-        }
-        topics.extend([Self::TorqueSensor, Self::Cap, Self::Task]);
-        topics.extend([Self::Findings, Self::Object, Self::TrueSlip]);
-        topics
-    }
-
-    /// The topics of a run that records pictures, too; they follow after [`all`](Self::all) others.
-    pub fn images(fingers: usize) -> impl Iterator<Item = Self> {
-        (0..fingers).map(Self::Image)
-    }
-
-    /// Name of the topic in the recording.
-    pub fn name(self) -> String {
-        match self {
-            Self::Tactile(f) => format!("/finger/{f}/tactile"),
-            Self::Flags(f) => format!("/finger/{f}/flags"),
-            Self::Joints(f) => format!("/finger/{f}/joints"),
-            Self::Command(f) => format!("/finger/{f}/command"),
-            Self::Fingertip(f) => format!("/finger/{f}/fingertip"),
-            Self::TorqueSensor => "/torque_sensor".into(),
-            Self::Cap => "/cap".into(),
-            Self::Task => "/task".into(),
-            Self::Findings => "/findings".into(),
-            Self::Object => "/object".into(),
-            Self::TrueSlip => "/true_slip".into(),
-            Self::Image(f) => format!("/finger/{f}/image"),
-        }
-    }
-
-    /// Name and text of the topic's schema.
-    pub fn schema(self) -> (&'static str, &'static str) {
-        match self {
-            Self::Tactile(_) => (Tactile::SCHEMA_NAME, Tactile::SCHEMA),
-            Self::Flags(_) => (Flags::SCHEMA_NAME, Flags::SCHEMA),
-            Self::Joints(_) => (Joints::SCHEMA_NAME, Joints::SCHEMA),
-            Self::Command(_) => (Command::SCHEMA_NAME, Command::SCHEMA),
-            Self::Fingertip(_) => (Fingertip::SCHEMA_NAME, Fingertip::SCHEMA),
-            Self::TorqueSensor => (TorqueSensor::SCHEMA_NAME, TorqueSensor::SCHEMA),
-            Self::Cap => (Cap::SCHEMA_NAME, Cap::SCHEMA),
-            Self::Task => (Task::SCHEMA_NAME, Task::SCHEMA),
-            Self::Findings => (Findings::SCHEMA_NAME, Findings::SCHEMA),
-            Self::Object => (ObjectPose::SCHEMA_NAME, ObjectPose::SCHEMA),
-            Self::TrueSlip => (TrueSlip::SCHEMA_NAME, TrueSlip::SCHEMA),
-            Self::Image(_) => (Image::SCHEMA_NAME, Image::SCHEMA),
-        }
-    }
-}

@@ -41,9 +41,12 @@ pub enum RecordError {
         /// Finger of the message.
         actual: usize,
     },
-    /// A picture for a recording that was opened for none.
-    #[error("the recording was opened without pictures, a picture is to be written")]
-    NoPictures,
+    /// A message of a topic that the recording was opened without.
+    #[error("the recording was opened without the topic {topic}, a message of it is to be written")]
+    NotRegistered {
+        /// Topic of the message.
+        topic: String,
+    },
     /// A stamp that is no time of a run.
     #[error("{topic}: a stamp of 0 s or later expected, {stamp} found")]
     Stamp {

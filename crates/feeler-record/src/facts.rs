@@ -1,6 +1,7 @@
 //! What a run was: the constants that a report needs beside the messages.
 
 use super::error::RecordError;
+use super::names::{SensingKind, TaskKind};
 use crate::wire::WireError;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -20,15 +21,15 @@ const TEXT_FIELDS: [&str; 5] = ["experiment", "task", "version", "sensing", "rep
 pub struct RunFacts {
     /// Name of the experiment.
     pub experiment: String,
-    /// Which task it was, as in the experiment file: `screw`.
+    /// Which task it was.
     #[serde(default = "screw")]
-    pub task: String,
+    pub task: TaskKind,
     /// Seed of every random quantity.
     pub seed: u64,
     /// Version of the program that ran it.
     pub version: String,
-    /// How forces were obtained: `image` (through camera pictures) or `direct`.
-    pub sensing: String,
+    /// How forces were obtained.
+    pub sensing: SensingKind,
     /// Period of the control loop, s, 0.0001 to 1.
     pub control_period: f64,
     /// Number of fingers.
@@ -63,6 +64,10 @@ pub struct RunFacts {
     /// What a cap that is screwed until it is closed or open is held to; none where strokes are counted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cap: Option<CapFacts>,
+    /// What a task of carrying is held to; none in recordings of other tasks and in older ones. It
+    /// follows from the experiment, and is no part of the digest.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub carry: Option<CarryGoal>,
     /// Of a replay: the digest of what was replayed. Joint angles, torque and cap are from there, and did
     /// not follow from this recording's commands.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -80,9 +85,20 @@ pub struct CapFacts {
     pub damage_force: f64,
 }
 
+/// Where an object is to be carried, and how hard it may be gripped.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct CarryGoal {
+    /// The path's end from where the object was taken, m in `W`.
+    pub end: [f64; 3],
+    /// The path's highest place above where the object was taken, m.
+    pub highest: f64,
+    /// Force with which no finger may press, N, more than 0.
+    pub crush_force: f64,
+}
+
 /// The only task that there was when recordings did not name theirs.
-fn screw() -> String {
-    "screw".into()
+fn screw() -> TaskKind {
+    TaskKind::Screw
 }
 
 impl RunFacts {
@@ -123,6 +139,13 @@ impl RunFacts {
                 return Err(facts_error("cap", expected, format!("{cap:?}")));
             }
         }
+        if let Some(carry) = &self.carry {
+            let mut numbers = carry.end.iter().chain([&carry.highest, &carry.crush_force]);
+            if !(numbers.all(|number| number.is_finite()) && carry.crush_force > 0.0) {
+                let expected = "finite numbers, crush_force above 0";
+                return Err(facts_error("carry", expected, format!("{carry:?}")));
+            }
+        }
         self.validate_directions("approach", &self.approach)?;
         self.validate_directions("stroke_direction", &self.stroke_direction)
     }
@@ -133,7 +156,7 @@ impl RunFacts {
         directions: &[[f64; 3]],
     ) -> Result<(), RecordError> {
         // Only what is screwed goes round planned rectangles.
-        if directions.is_empty() && self.task != "screw" {
+        if directions.is_empty() && self.task != TaskKind::Screw {
             return Ok(());
         }
         if directions.len() != self.fingers {
@@ -193,5 +216,63 @@ fn facts_error(field: &'static str, expected: &str, actual: impl ToString) -> Re
         field,
         expected: expected.into(),
         actual: actual.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn map(task: &str) -> BTreeMap<String, String> {
+        let facts = [
+            ("experiment", "made-up"),
+            ("task", task),
+            ("seed", "0"),
+            ("version", "0.1.0"),
+            ("sensing", "direct"),
+            ("control_period", "0.01"),
+            ("fingers", "1"),
+            ("cap_radius", "0"),
+            ("feeler_tip_radius", "0.001"),
+            ("touch_force_threshold", "0.1"),
+            ("over_force_threshold", "1.5"),
+            ("slip_threshold", "3"),
+            ("grasp_force_threshold", "1"),
+            ("approach", "[]"),
+            ("stroke_direction", "[]"),
+            ("stroke_count", "1"),
+        ];
+        let facts = facts.map(|(key, value)| (key.to_string(), value.to_string()));
+        BTreeMap::from(facts)
+    }
+
+    #[test]
+    fn facts_without_a_goal_and_of_an_unknown_task_are_readable() {
+        let facts = RunFacts::from_map(&map("carry")).expect("facts");
+        assert_eq!((facts.task, facts.carry), (TaskKind::Carry, None));
+        let facts = RunFacts::from_map(&map("juggle")).expect("facts");
+        assert!(matches!(&facts.task, TaskKind::Other(task) if task == "juggle"));
+        assert_eq!(facts.to_map().expect("a map"), map("juggle"));
+    }
+
+    #[test]
+    fn a_goal_is_read_as_it_was_written_and_checked() {
+        let mut facts = RunFacts::from_map(&map("carry")).expect("facts");
+        let goal = CarryGoal {
+            end: [0.03, 0.0, 0.0],
+            highest: 0.02,
+            crush_force: 2.5,
+        };
+        facts.carry = Some(goal);
+        let again = RunFacts::from_map(&facts.to_map().expect("a map"));
+        assert_eq!(again.as_ref(), Ok(&facts));
+        for crush_force in [0.0, f64::NAN] {
+            facts.carry = Some(CarryGoal {
+                crush_force,
+                ..goal
+            });
+            let error = facts.validate().expect_err("no goal").to_string();
+            assert!(error.contains("carry"), "{error}");
+        }
     }
 }

@@ -1,8 +1,8 @@
 //! A camera's picture as ROS 2's `sensor_msgs/Image`, which every viewer of recordings shows.
 
 use super::channels::Stamped;
+use super::container::nanoseconds;
 use super::error::RecordError;
-use super::recorder::nanoseconds;
 use crate::wire::{Message, WireError};
 use feeler::sensor::frame::{Frame, Picture};
 use serde::{Deserialize, Serialize};

@@ -2,11 +2,13 @@
 #![warn(missing_docs)]
 
 pub mod channels;
+mod container;
 pub mod digest;
 pub mod error;
 pub mod facts;
 pub mod image;
 pub mod memory;
+pub mod names;
 pub mod recorded_camera;
 pub mod recorder;
 pub mod recording;
@@ -14,20 +16,24 @@ pub mod replay;
 pub mod scan;
 pub mod sensed;
 mod sink;
+mod text_enum;
+pub mod topic;
 pub mod wire;
 
 pub use channels::{
     Cap, Command, Findings, Fingertip, Flags, Joints, Moments, NO_ELEMENT, ObjectPose, Stamped,
-    Tactile, Task, Topic, TorqueSensor, TrueSlip,
+    Tactile, Task, TorqueSensor, TrueSlip,
 };
 pub use digest::Digest;
 pub use error::RecordError;
-pub use facts::{CapFacts, RunFacts};
+pub use facts::{CapFacts, CarryGoal, RunFacts};
 pub use feeler::control::phase::Phase;
 pub use image::Image;
 pub use memory::{MemoryRecorder, MessageSink};
+pub use names::{FindingName, SensingKind, TaskKind, TaskOutcome};
 pub use recorded_camera::RecordedCamera;
 pub use recorder::{RecordOptions, Recorder};
 pub use recording::{FingerRecord, PictureAt, Recording};
 pub use replay::{RecordedHand, RecordedSensor};
 pub use sensed::{SensedWriter, read_moments};
+pub use topic::{RecordedMessage, Topic, topics};

@@ -1,8 +1,8 @@
 //! A camera behind the seam that takes again the pictures on record.
 
+use super::container::nanoseconds;
 use super::error::RecordError;
 use super::image::Image;
-use super::recorder::nanoseconds;
 use super::recording::{PictureAt, Recording};
 use crate::wire::cdr;
 use feeler::sensor::camera::{Camera, CameraError, check_frame_size};

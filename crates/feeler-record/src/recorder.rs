@@ -1,14 +1,12 @@
 //! Writes a run's recording as the run goes.
 
-use super::channels::{
-    Cap, Command, Findings, Fingertip, Flags, Joints, ObjectPose, Stamped, Tactile, Task, Topic,
-    TorqueSensor, TrueSlip,
-};
+use super::container::{find, log_time};
 use super::digest::Digest;
 use super::error::RecordError;
 use super::facts::RunFacts;
-use super::image::Image;
+use super::memory::MessageSink;
 use super::sink::{Batch, Entry, Sink};
+use super::topic::{Channel, RecordedMessage, Topic};
 use crate::wire::cdr;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -24,12 +22,6 @@ const BATCH_ROOM: usize = CHUNK_BYTES + 16 * 1024;
 
 /// Chunks that may wait for the file before a write waits, too.
 const WAITING_CHUNKS: usize = 4;
-
-/// Channels of one finger, in the order of [`Topic::all`].
-const FINGER_CHANNELS: usize = 5;
-
-/// Channels that belong to no finger: torque sensor, cap, task, findings, object, true slip.
-const OTHER_CHANNELS: usize = 6;
 
 /// What a recording holds beside the messages that every run has.
 #[derive(Debug, Clone, Default)]
@@ -50,9 +42,8 @@ pub struct RecordOptions {
 /// marked as not closed.
 pub struct Recorder {
     path: PathBuf,
-    topics: Vec<String>,
+    channels: Vec<Channel>,
     fingers: usize,
-    pictures: bool,
     batch: Batch,
     /// Batches that have been written and can be filled again.
     spare: Receiver<Batch>,
@@ -97,12 +88,9 @@ impl Recorder {
         options: &RecordOptions,
     ) -> Result<Self, RecordError> {
         let path = path.as_ref().to_path_buf();
-        let mut topics = Topic::all(facts.fingers);
-        if options.pictures {
-            topics.extend(Topic::images(facts.fingers));
-        }
+        let channels = Channel::of_run(facts.fingers, options.pictures);
         let calibrations = &options.calibrations;
-        let mut sink = Sink::create(&path, facts, experiment_toml, calibrations, &topics)?;
+        let mut sink = Sink::create(&path, facts, experiment_toml, calibrations, &channels)?;
         let (batches, receiver) = sync_channel::<Batch>(WAITING_CHUNKS);
         let (give_back, spare) = channel();
         let write_all = move || {
@@ -123,115 +111,12 @@ impl Recorder {
             })?;
         Ok(Self {
             path,
-            topics: topics.into_iter().map(Topic::name).collect(),
+            channels,
             fingers: facts.fingers,
-            pictures: options.pictures,
             batch: Batch::with_capacity(BATCH_ROOM),
             spare,
             thread: Some(WriterThread { batches, handle }),
         })
-    }
-
-    /// Writes a finger's tactile frame.
-    ///
-    /// # Errors
-    /// As all writes: unknown finger, a stamp that is no time, or an earlier chunk could not be
-    /// written to the file.
-    pub fn tactile(&mut self, finger: usize, message: &Tactile) -> Result<(), RecordError> {
-        self.write(self.finger_channel(finger, 0)?, message)
-    }
-
-    /// Writes a finger's flags.
-    ///
-    /// # Errors
-    /// As [`Self::tactile`].
-    pub fn flags(&mut self, finger: usize, message: &Flags) -> Result<(), RecordError> {
-        self.write(self.finger_channel(finger, 1)?, message)
-    }
-
-    /// Writes a finger's encoder reading.
-    ///
-    /// # Errors
-    /// As [`Self::tactile`].
-    pub fn joints(&mut self, finger: usize, message: &Joints) -> Result<(), RecordError> {
-        self.write(self.finger_channel(finger, 2)?, message)
-    }
-
-    /// Writes a finger's command.
-    ///
-    /// # Errors
-    /// As [`Self::tactile`].
-    pub fn command(&mut self, finger: usize, message: &Command) -> Result<(), RecordError> {
-        self.write(self.finger_channel(finger, 3)?, message)
-    }
-
-    /// Writes a fingertip's pose.
-    ///
-    /// # Errors
-    /// As [`Self::tactile`].
-    pub fn fingertip(&mut self, finger: usize, message: &Fingertip) -> Result<(), RecordError> {
-        self.write(self.finger_channel(finger, 4)?, message)
-    }
-
-    /// Writes a sample of the torque sensor.
-    ///
-    /// # Errors
-    /// As [`Self::tactile`].
-    pub fn torque_sensor(&mut self, message: &TorqueSensor) -> Result<(), RecordError> {
-        self.write(self.fingers * FINGER_CHANNELS, message)
-    }
-
-    /// Writes the cap's state.
-    ///
-    /// # Errors
-    /// As [`Self::tactile`].
-    pub fn cap(&mut self, message: &Cap) -> Result<(), RecordError> {
-        self.write(self.fingers * FINGER_CHANNELS + 1, message)
-    }
-
-    /// Writes where the task stands.
-    ///
-    /// # Errors
-    /// As [`Self::tactile`].
-    pub fn task(&mut self, message: &Task) -> Result<(), RecordError> {
-        self.write(self.fingers * FINGER_CHANNELS + 2, message)
-    }
-
-    /// Writes what the task found out.
-    ///
-    /// # Errors
-    /// As [`Self::tactile`].
-    pub fn findings(&mut self, message: &Findings) -> Result<(), RecordError> {
-        self.write(self.fingers * FINGER_CHANNELS + 3, message)
-    }
-
-    /// Writes where the carried object is.
-    ///
-    /// # Errors
-    /// As [`Self::tactile`].
-    pub fn object(&mut self, message: &ObjectPose) -> Result<(), RecordError> {
-        self.write(self.fingers * FINGER_CHANNELS + 4, message)
-    }
-
-    /// Writes how far feelers slipped.
-    ///
-    /// # Errors
-    /// As [`Self::tactile`].
-    pub fn true_slip(&mut self, message: &TrueSlip) -> Result<(), RecordError> {
-        self.write(self.fingers * FINGER_CHANNELS + 5, message)
-    }
-
-    /// Writes the picture that a finger's newest forces come from.
-    ///
-    /// # Errors
-    /// As [`Self::tactile`], and when the recording was opened for none.
-    pub fn image(&mut self, finger: usize, message: &Image) -> Result<(), RecordError> {
-        if !self.pictures {
-            return Err(RecordError::NoPictures);
-        }
-        self.finger_channel(finger, 0)?;
-        let others = self.fingers * FINGER_CHANNELS + OTHER_CHANNELS;
-        self.write(others + finger, message)
     }
 
     /// Writes wall time (s; none if not measured) and digest, and closes the file.
@@ -244,35 +129,6 @@ impl Recorder {
             Some(thread) => thread.join(&self.path)?.close(wall_time),
             None => Err(self.closed()),
         }
-    }
-
-    fn finger_channel(&self, finger: usize, channel: usize) -> Result<usize, RecordError> {
-        if finger < self.fingers {
-            Ok(finger * FINGER_CHANNELS + channel)
-        } else {
-            Err(RecordError::Finger {
-                fingers: self.fingers,
-                actual: finger,
-            })
-        }
-    }
-
-    fn write<M: Stamped>(&mut self, channel: usize, message: &M) -> Result<(), RecordError> {
-        let stamp = message.stamp();
-        let log_time = nanoseconds(stamp).ok_or_else(|| RecordError::Stamp {
-            topic: self.topics[channel].clone(),
-            stamp,
-        })?;
-        cdr::encode(message, &mut self.batch.bytes)?;
-        self.batch.messages.push(Entry {
-            channel,
-            log_time,
-            end: self.batch.bytes.len(),
-        });
-        if self.batch.bytes.len() < CHUNK_BYTES {
-            return Ok(());
-        }
-        self.send()
     }
 
     /// Hands the batch to the thread; if that has stopped, says why.
@@ -300,16 +156,31 @@ impl Recorder {
     }
 }
 
+impl MessageSink for Recorder {
+    fn write<M: RecordedMessage>(
+        &mut self,
+        topic: Topic<M>,
+        message: &M,
+    ) -> Result<(), RecordError> {
+        let channel = find(&self.channels, self.fingers, topic)?;
+        let log_time = log_time(topic, message)?;
+        cdr::encode(message, &mut self.batch.bytes)?;
+        self.batch.messages.push(Entry {
+            channel,
+            log_time,
+            end: self.batch.bytes.len(),
+        });
+        if self.batch.bytes.len() < CHUNK_BYTES {
+            return Ok(());
+        }
+        self.send()
+    }
+}
+
 impl Drop for Recorder {
     fn drop(&mut self) {
         // Without `finish` nobody asks what became of the rest; reading says it was not closed.
         let _ = self.send();
         let _ = self.thread.take().map(|thread| thread.join(&self.path));
     }
-}
-
-/// A stamp in whole nanoseconds; none if it is no time of a run.
-pub(super) fn nanoseconds(stamp: f64) -> Option<u64> {
-    let ns = (stamp * 1e9).round();
-    (ns >= 0.0 && ns < u64::MAX as f64).then_some(ns as u64)
 }

@@ -1,16 +1,15 @@
 //! Reads a recording back, whole or as far as it goes.
 
 use super::channels::{
-    Cap, Command, Findings, Fingertip, Flags, Joints, ObjectPose, Stamped, Tactile, Task, Topic,
-    TorqueSensor, TrueSlip,
+    Cap, Command, Findings, Fingertip, Flags, Joints, ObjectPose, Tactile, Task, TorqueSensor,
+    TrueSlip,
 };
 use super::digest::{Digest, Digester};
 use super::error::RecordError;
 use super::facts::RunFacts;
-use super::image::Image;
 use super::scan::scan;
 use super::sink::{CALIBRATION, END, EXPERIMENT, FACTS, digest_facts};
-use crate::wire::cdr;
+use super::topic::Channel;
 use ::mcap::records::Record;
 use std::collections::{BTreeMap, HashMap};
 use std::fs::File;
@@ -134,41 +133,6 @@ impl Recording {
             true_slip: Vec::new(),
         }
     }
-
-    /// Stores one message; of a picture, that there is one.
-    fn push(&mut self, topic: Topic, bytes: &[u8], at: PictureAt) -> Result<(), String> {
-        match topic {
-            Topic::Tactile(f) => push(&mut self.fingers[f].tactile, bytes),
-            Topic::Flags(f) => push(&mut self.fingers[f].flags, bytes),
-            Topic::Joints(f) => push(&mut self.fingers[f].joints, bytes),
-            Topic::Command(f) => push(&mut self.fingers[f].command, bytes),
-            Topic::Fingertip(f) => push(&mut self.fingers[f].fingertip, bytes),
-            Topic::TorqueSensor => push(&mut self.torque_sensor, bytes),
-            Topic::Cap => push(&mut self.cap, bytes),
-            Topic::Task => push(&mut self.task, bytes),
-            Topic::Findings => push(&mut self.findings, bytes),
-            Topic::Object => push(&mut self.object, bytes),
-            Topic::TrueSlip => push(&mut self.true_slip, bytes),
-            Topic::Image(f) => {
-                let image: Image = cdr::decode(bytes).map_err(|e| e.to_string())?;
-                image.check()?;
-                self.fingers[f].pictures.push(at);
-                Ok(())
-            }
-        }
-    }
-}
-
-fn push<M: Stamped>(messages: &mut Vec<M>, bytes: &[u8]) -> Result<(), String> {
-    let message: M = cdr::decode(bytes).map_err(|e| e.to_string())?;
-    if !message.stamp().is_finite() {
-        return Err(format!(
-            "a finite stamp expected, {} found",
-            message.stamp()
-        ));
-    }
-    messages.push(message);
-    Ok(())
 }
 
 /// The text of the attachment called `name`.
@@ -186,7 +150,7 @@ struct Collector {
     recording: Option<Recording>,
     facts: BTreeMap<String, String>,
     digester: Option<Digester>,
-    channels: HashMap<u16, (Topic, String)>,
+    channels: HashMap<u16, (Channel, String)>,
     end: Option<BTreeMap<String, String>>,
     has_experiment: bool,
 }
@@ -212,11 +176,9 @@ impl Collector {
             }
             Record::Channel(channel) => {
                 let fingers = self.recording()?.facts.fingers;
-                let mut topics = Topic::all(fingers)
-                    .into_iter()
-                    .chain(Topic::images(fingers));
-                if let Some(topic) = topics.find(|t| t.name() == channel.topic) {
-                    self.channels.insert(channel.id, (topic, channel.topic));
+                let mut channels = Channel::of_run(fingers, true).into_iter();
+                if let Some(known) = channels.find(|c| c.topic() == channel.topic) {
+                    self.channels.insert(channel.id, (known, channel.topic));
                 }
             }
             Record::Message { header, data } => {
@@ -240,11 +202,10 @@ impl Collector {
         let log_time = at.log_time;
         let recording = (self.recording.as_mut())
             .ok_or_else(|| format!("no metadata {FACTS:?} before the data"))?;
-        let Some((topic, name)) = self.channels.get(&channel) else {
+        let Some((known, name)) = self.channels.get(&channel) else {
             return Ok(()); // a channel of someone else's
         };
-        recording
-            .push(*topic, bytes, at)
+        (known.read_into)(recording, known.finger, bytes, at)
             .map_err(|e| format!("message on {name}: {e}"))?;
         let digester = self.digester.get_or_insert_with(|| {
             let mut digester = Digester::default();

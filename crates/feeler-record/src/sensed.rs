@@ -1,37 +1,31 @@
 //! What a sensor felt, without any run around it: one MCAP file of ROS 2 messages, written and read.
 
-use super::channels::{Moments, Stamped, Tactile};
+use super::channels::{Moments, Tactile};
+use super::container::{Container, find, log_time};
 use super::error::RecordError;
+use super::memory::MessageSink;
 use super::scan::scan;
-use crate::wire::{Message, cdr};
-use ::mcap::records::{MessageHeader, Record};
-use ::mcap::write::NoSeek;
-use ::mcap::{McapError, WriteOptions, Writer};
-use std::collections::{BTreeMap, HashSet};
+use super::topic::{Channel, RecordedMessage, Topic};
+use crate::wire::cdr;
+use ::mcap::WriteOptions;
+use ::mcap::records::Record;
+use std::collections::HashSet;
 use std::fs::File;
-use std::io::{BufReader, BufWriter, Write as _};
-use std::path::{Path, PathBuf};
+use std::io::BufReader;
+use std::path::Path;
 
-/// Topic of the [`Moments`].
-pub const MOMENTS_TOPIC: &str = "/moments";
-/// Topic of the [`Tactile`] frames.
-pub const TACTILE_TOPIC: &str = "/tactile";
+/// What pictures say before any calibration.
+pub const MOMENTS: Topic<Moments> = Topic::of_rig("moments");
+/// Tactile frames of the one fingertip.
+pub const TACTILE: Topic<Tactile> = Topic::of_rig("tactile");
 
-/// Writes [`Moments`] and [`Tactile`] frames to a file.
+/// Writes [`Moments`] to [`MOMENTS`] and [`Tactile`] frames to [`TACTILE`] of a file.
 ///
 /// Until it is [finished](Self::finish) the file lacks its end, and MCAP readers say so.
 pub struct SensedWriter {
-    path: PathBuf,
-    writer: Writer<NoSeek<BufWriter<File>>>,
-    moments: Channel,
-    tactile: Channel,
+    container: Container,
+    channels: [Channel; 2],
     buffer: Vec<u8>,
-}
-
-struct Channel {
-    id: u16,
-    topic: &'static str,
-    sequence: u32,
 }
 
 impl SensedWriter {
@@ -40,78 +34,36 @@ impl SensedWriter {
     /// # Errors
     /// When it cannot be written.
     pub fn create(path: impl AsRef<Path>) -> Result<Self, RecordError> {
-        let path = path.as_ref().to_path_buf();
-        let file = File::create(&path).map_err(|source| RecordError::File {
-            path: path.clone(),
-            source,
-        })?;
-        let options = WriteOptions::new()
-            .profile("ros2")
-            .library(concat!("feeler ", env!("CARGO_PKG_VERSION")))
-            .compression(None)
-            .disable_seeking(true);
-        let made = options
-            .create(NoSeek::new(BufWriter::new(file)))
-            .and_then(|mut writer| {
-                let moments = add_channel::<Moments>(&mut writer, MOMENTS_TOPIC)?;
-                let tactile = add_channel::<Tactile>(&mut writer, TACTILE_TOPIC)?;
-                Ok((writer, moments, tactile))
-            });
-        let (writer, moments, tactile) =
-            made.map_err(|source| RecordError::of_mcap(&path, source))?;
+        let mut container = Container::create(path.as_ref(), WriteOptions::new())?;
+        let channels = [MOMENTS.into(), TACTILE.into()];
+        container.register(&channels)?;
         Ok(Self {
-            path,
-            writer,
-            moments,
-            tactile,
+            container,
+            channels,
             buffer: Vec::new(),
         })
-    }
-
-    /// Writes what one picture says before any calibration.
-    ///
-    /// # Errors
-    /// When the file cannot be written, or the stamp is no time.
-    pub fn moments(&mut self, message: &Moments) -> Result<(), RecordError> {
-        let written = write(
-            &mut self.writer,
-            &mut self.moments,
-            &mut self.buffer,
-            message,
-        )?;
-        written.map_err(|source| self.failed(source))
-    }
-
-    /// Writes one tactile frame.
-    ///
-    /// # Errors
-    /// When the file cannot be written, or the stamp is no time.
-    pub fn tactile(&mut self, message: &Tactile) -> Result<(), RecordError> {
-        let written = write(
-            &mut self.writer,
-            &mut self.tactile,
-            &mut self.buffer,
-            message,
-        )?;
-        written.map_err(|source| self.failed(source))
     }
 
     /// Writes the end of the file and closes it.
     ///
     /// # Errors
     /// When the file cannot be written.
-    pub fn finish(mut self) -> Result<(), RecordError> {
-        let finished = self.writer.finish();
-        finished.map_err(|source| self.failed(source))?;
-        let flushed = self.writer.into_inner().into_inner().flush();
-        flushed.map_err(|source| RecordError::File {
-            path: self.path,
-            source,
-        })
+    pub fn finish(self) -> Result<(), RecordError> {
+        self.container.close()
     }
+}
 
-    fn failed(&self, source: McapError) -> RecordError {
-        RecordError::of_mcap(&self.path, source)
+impl MessageSink for SensedWriter {
+    fn write<M: RecordedMessage>(
+        &mut self,
+        topic: Topic<M>,
+        message: &M,
+    ) -> Result<(), RecordError> {
+        let channel = find(&self.channels, 0, topic)?;
+        let log_time = log_time(topic, message)?;
+        self.buffer.clear();
+        cdr::encode(message, &mut self.buffer)?;
+        self.container.write(channel, log_time, &self.buffer)
     }
 }
 
@@ -128,7 +80,7 @@ pub fn read_moments(path: &Path) -> Result<Vec<Moments>, RecordError> {
     let (mut channels, mut moments) = (HashSet::new(), Vec::new());
     let scanned = scan(&mut BufReader::new(file), &mut |record, _| {
         match record {
-            Record::Channel(channel) if channel.topic == MOMENTS_TOPIC => {
+            Record::Channel(channel) if channel.topic == MOMENTS.name() => {
                 channels.insert(channel.id);
             }
             Record::Message { header, data } if channels.contains(&header.channel_id) => {
@@ -140,7 +92,8 @@ pub fn read_moments(path: &Path) -> Result<Vec<Moments>, RecordError> {
     });
     if moments.is_empty() {
         let reason = scanned.err().unwrap_or_else(|| {
-            format!("there is nothing on {MOMENTS_TOPIC}; expected what `feeler sense -o FILE.mcap` writes")
+            let topic = MOMENTS.name();
+            format!("there is nothing on {topic}; expected what `feeler sense -o FILE.mcap` writes")
         });
         return Err(RecordError::NothingReadable {
             path: path.to_path_buf(),
@@ -148,41 +101,4 @@ pub fn read_moments(path: &Path) -> Result<Vec<Moments>, RecordError> {
         });
     }
     Ok(moments)
-}
-
-fn add_channel<M: Message>(
-    writer: &mut Writer<NoSeek<BufWriter<File>>>,
-    topic: &'static str,
-) -> Result<Channel, McapError> {
-    let schema = writer.add_schema(M::SCHEMA_NAME, "ros2msg", M::SCHEMA.as_bytes())?;
-    let id = writer.add_channel(schema, topic, "cdr", &BTreeMap::new())?;
-    Ok(Channel {
-        id,
-        topic,
-        sequence: 0,
-    })
-}
-
-/// Writes a message; the inner error is the file's.
-fn write<M: Stamped>(
-    writer: &mut Writer<NoSeek<BufWriter<File>>>,
-    channel: &mut Channel,
-    buffer: &mut Vec<u8>,
-    message: &M,
-) -> Result<Result<(), McapError>, RecordError> {
-    let stamp = message.stamp();
-    let log_time = super::recorder::nanoseconds(stamp).ok_or_else(|| RecordError::Stamp {
-        topic: channel.topic.into(),
-        stamp,
-    })?;
-    buffer.clear();
-    cdr::encode(message, buffer)?;
-    let header = MessageHeader {
-        channel_id: channel.id,
-        sequence: channel.sequence,
-        log_time,
-        publish_time: log_time,
-    };
-    channel.sequence = channel.sequence.wrapping_add(1);
-    Ok(writer.write_to_known_channel(&header, buffer))
 }

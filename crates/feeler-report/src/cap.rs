@@ -3,15 +3,13 @@
 use super::claims::longest_above;
 use super::run_data::RunData;
 use super::series::{finite, maximum};
-use feeler_record::{Findings, Recording};
+use feeler_record::{FindingName, Findings, Recording, TaskOutcome};
 use serde::Serialize;
 
 /// A closed cap is tight from this share of the torque that friction allows.
 pub const TIGHT: f64 = 0.7;
 /// An element is damaged that stays over its damage limit for longer than this, s.
 pub const DAMAGE_TIME: f64 = 0.05;
-/// What the hand calls a cap that it has closed.
-const CLOSED: &str = "closed";
 
 /// One stroke as it was felt, and as it was.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -82,8 +80,8 @@ impl CapMeasures {
     }
 
     /// Whether the cap was found closed, is tight, and no element was harmed.
-    pub fn closed_well(&self, outcome: Option<&str>) -> bool {
-        outcome == Some(CLOSED)
+    pub fn closed_well(&self, outcome: Option<&TaskOutcome>) -> bool {
+        outcome == Some(&TaskOutcome::Closed)
             && self.torque_ratio.is_some_and(|ratio| ratio >= TIGHT)
             && self
                 .time_over_damage
@@ -104,7 +102,7 @@ impl<'a> Felt<'a> {
     }
 
     /// Time (s) and value of a finding, within a span of time (s).
-    pub fn series(&self, name: &str, (from, to): (f64, f64)) -> Vec<(f64, f64)> {
+    pub fn series(&self, name: &FindingName, (from, to): (f64, f64)) -> Vec<(f64, f64)> {
         let within = self.findings.iter();
         let within = within.filter(|f| f.stamp >= from - 1e-9 && f.stamp <= to + 1e-9);
         within
@@ -113,21 +111,21 @@ impl<'a> Felt<'a> {
     }
 
     fn turn(&self, (from, to): (f64, f64)) -> Option<f64> {
-        let before = self.series("turned_rad", (f64::NEG_INFINITY, from));
-        let after = self.series("turned_rad", (f64::NEG_INFINITY, to));
+        let before = self.series(&FindingName::Turned, (f64::NEG_INFINITY, from));
+        let after = self.series(&FindingName::Turned, (f64::NEG_INFINITY, to));
         finite(after.last()?.1 - before.last()?.1)
     }
 
     fn largest_torque(&self, times: (f64, f64)) -> Option<f64> {
         maximum(
-            self.series("torque_nm", times)
+            self.series(&FindingName::Torque, times)
                 .into_iter()
                 .map(|(_, torque)| torque),
         )
     }
 }
 
-fn value(findings: &Findings, name: &str) -> Option<f64> {
+fn value(findings: &Findings, name: &FindingName) -> Option<f64> {
     let place = findings.names.iter().position(|n| n == name)?;
     findings.values.get(place).copied()
 }

@@ -157,10 +157,10 @@ fn facts_table(facts: &RunFacts, summary: &Summary) -> Markup {
     let unknown = || "unknown".to_string();
     let rows = [
         ("Experiment", facts.experiment.clone()),
-        ("Task", facts.task.clone()),
+        ("Task", facts.task.to_string()),
         ("Seed", facts.seed.to_string()),
         ("Version of feeler", facts.version.clone()),
-        ("Sensing", facts.sensing.clone()),
+        ("Sensing", facts.sensing.to_string()),
         ("Fingers", facts.fingers.to_string()),
         (
             "Control period",

@@ -2,8 +2,8 @@
 
 use feeler::sensor::layout::SensingElement;
 use feeler_record::{
-    Cap, FingerRecord, Fingertip, Flags, NO_ELEMENT, Phase, Recording, RunFacts, Stamped, Tactile,
-    Task, TorqueSensor, TrueSlip,
+    Cap, FindingName, FingerRecord, Fingertip, Flags, NO_ELEMENT, Phase, Recording, RunFacts,
+    Stamped, Tactile, Task, TorqueSensor, TrueSlip,
 };
 use glam::{DQuat, DVec3};
 use std::collections::BTreeMap;
@@ -106,7 +106,7 @@ pub struct RunData {
     /// The strokes, in the order of time.
     pub strokes: Vec<Stroke>,
     /// What the task found out in the end, by name.
-    pub findings: BTreeMap<String, f64>,
+    pub findings: BTreeMap<FindingName, f64>,
 }
 
 impl RunData {
@@ -192,7 +192,7 @@ impl RunData {
 }
 
 /// What the task found out in the end, as far as it is known.
-fn findings(recording: &Recording) -> BTreeMap<String, f64> {
+fn findings(recording: &Recording) -> BTreeMap<FindingName, f64> {
     let last = recording.findings.last().into_iter();
     last.flat_map(|found| {
         found

@@ -7,7 +7,7 @@ use super::series::finite;
 use super::stroke_pattern::StrokePattern;
 use super::strokes::StrokeMeasures;
 use super::tasks;
-use feeler_record::Recording;
+use feeler_record::{FindingName, Recording, SensingKind, TaskKind, TaskOutcome};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -17,13 +17,13 @@ pub struct Summary {
     /// Name of the experiment.
     pub experiment: String,
     /// Which task it was.
-    pub task: String,
+    pub task: TaskKind,
     /// Seed of every random quantity.
     pub seed: u64,
     /// Version of the program that ran it.
     pub version: String,
     /// How forces were obtained: `image` or `direct`.
-    pub sensing: String,
+    pub sensing: SensingKind,
     /// Whether the recording is whole.
     pub complete: bool,
     /// Time of the run that is on record, s.
@@ -36,10 +36,10 @@ pub struct Summary {
     pub strokes: Vec<StrokeMeasures>,
     /// Whether the strokes go up and down as in the paper's Fig. 8, if there are four.
     pub stroke_pattern: Option<StrokePattern>,
-    /// What came of the task, in a few words, if it could tell.
-    pub outcome: Option<String>,
+    /// What came of the task, if it could tell.
+    pub outcome: Option<TaskOutcome>,
     /// What the task found out, by name, in SI units.
-    pub findings: BTreeMap<String, Option<f64>>,
+    pub findings: BTreeMap<FindingName, Option<f64>>,
     /// The claims of the task.
     pub claims: Vec<Claim>,
     /// How the cap was closed or opened, where that was not merely a count of strokes.
@@ -72,7 +72,7 @@ impl Summary {
             real_time_factor: recording.wall_time.and_then(factor),
             stroke_pattern: StrokePattern::new(&strokes),
             strokes,
-            outcome: found.and_then(|f| (!f.outcome.is_empty()).then(|| f.outcome.clone())),
+            outcome: found.and_then(|f| f.outcome.clone()),
             findings: (found.into_iter())
                 .flat_map(|f| f.names.iter().cloned().zip(&f.values))
                 .map(|(name, &value)| (name, finite(value)))

@@ -12,6 +12,7 @@ use super::CommandError;
 use feeler::sensor::made_for::MadeFor;
 use feeler_lab::config::Experiment;
 use feeler_link::endpoints::{HAND_ENDPOINT, LOCAL_ENDPOINT, LinkConfig};
+use feeler_link::message::ProgramKind;
 use feeler_link::mismatch::Mismatch;
 use feeler_link::network::{Network, Rehearsal, RehearsedNetwork};
 use feeler_link::peers::{Expected, Peers};
@@ -168,7 +169,7 @@ impl Refusals {
     }
 
     /// The same, each with what program it is.
-    pub fn new_peers(&mut self, peers: &Peers) -> Vec<(String, Mismatch)> {
+    pub fn new_peers(&mut self, peers: &Peers) -> Vec<(ProgramKind, Mismatch)> {
         let refused = peers.all().iter().filter_map(|peer| {
             let mismatch = peer.refused.clone()?;
             let is_new = self.0.insert(peer.heartbeat.instance);

@@ -5,7 +5,7 @@ use crate::{CommandError, Outcome};
 use feeler_link::beacon::Beacon;
 use feeler_link::endpoints::LinkError;
 use feeler_link::inbox::{Inbox, listen, read};
-use feeler_link::message::{HandMode, Heartbeat, NO_FINGER, PROTOCOL, Resume, Stop};
+use feeler_link::message::{HandMode, Heartbeat, NO_FINGER, PROTOCOL, ProgramKind, Resume, Stop};
 use feeler_link::network::Network;
 use feeler_link::outlet::{draw_instance, monotonic, send};
 use feeler_link::peers::{Expected, Peers};
@@ -93,7 +93,7 @@ pub fn order(
     let clock = monotonic();
     let heartbeat = Heartbeat {
         instance: draw_instance(),
-        program: "order".into(),
+        program: ProgramKind::Order,
         finger: NO_FINGER,
         age: f64::NAN,
         ..Heartbeat::default()
@@ -108,7 +108,7 @@ pub fn order(
     listen(&*network, &topics, &lookout, &clock, &beacon)?;
     let is_hand = |lookout: &mut Lookout| {
         let mut peers = lookout.peers.all().iter();
-        peers.any(|peer| peer.heartbeat.program == "hand")
+        peers.any(|peer| peer.heartbeat.program == ProgramKind::Hand)
     };
     if !lookout.wait_for(LONGEST, is_hand) {
         let rig = &arguments.rig;

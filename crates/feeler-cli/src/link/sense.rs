@@ -16,7 +16,7 @@ use feeler::sensor::sensing::{ElementReading, Sensing};
 use feeler_lab::config::{Experiment, Sensing as SensingBy};
 use feeler_link::beacon::Beacon;
 use feeler_link::inbox::{Inbox, listen};
-use feeler_link::message::{Header, Heartbeat, TactileUpdate};
+use feeler_link::message::{Header, Heartbeat, ProgramKind, TactileUpdate};
 use feeler_link::network::Network;
 use feeler_link::outlet::{Clock, draw_instance, header, monotonic, send};
 use feeler_link::sense_inbox::{Exposed, SenseInbox};
@@ -95,7 +95,7 @@ impl<'a> Program<'a> {
         let instance = draw_instance();
         let heartbeat = Heartbeat {
             instance,
-            program: "sense".into(),
+            program: ProgramKind::Sense,
             finger: finger as u32,
             experiment: experiment.sha256(),
             fingertip: sha256,
@@ -246,11 +246,11 @@ impl<'a> Program<'a> {
         let (refused, has_hand) = {
             let (inbox, now) = (self.inbox.lock(), (self.clock)());
             let refused = self.refusals.new_peers(inbox.peers());
-            let has_hand = inbox.peers().taken("hand", now).next().is_some();
+            let has_hand = inbox.peers().taken(ProgramKind::Hand, now).next().is_some();
             (refused, has_hand)
         };
         for (program, mismatch) in refused {
-            if program == "hand" && !has_hand && mismatch.is_final() {
+            if program == ProgramKind::Hand && !has_hand && mismatch.is_final() {
                 return Err(mismatch.into());
             }
             self.tally.warn(&format!("refused: {mismatch}"));

@@ -11,7 +11,7 @@ use feeler_lab::config::Experiment;
 use feeler_lab::experiment::played_rig::PlayedRig;
 use feeler_link::beacon::Beacon;
 use feeler_link::inbox::listen;
-use feeler_link::message::{Heartbeat, NO_FINGER};
+use feeler_link::message::{Heartbeat, NO_FINGER, ProgramKind};
 use feeler_link::network::Network;
 use feeler_link::outlet::{Clock, draw_instance, monotonic};
 use feeler_link::rig_inbox::RigInbox;
@@ -126,7 +126,7 @@ impl World {
         let instance = draw_instance();
         let heartbeat = Heartbeat {
             instance,
-            program: "world".into(),
+            program: ProgramKind::World,
             finger: NO_FINGER,
             experiment: experiment.sha256(),
             age: f64::NAN,

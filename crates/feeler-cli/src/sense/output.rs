@@ -2,8 +2,9 @@
 
 use super::CommandError;
 use feeler::sensor::sensing::ElementReading;
+use feeler_record::sensed::{MOMENTS, TACTILE};
 use feeler_record::wire::Vector3;
-use feeler_record::{Moments, SensedWriter, Tactile};
+use feeler_record::{MessageSink, Moments, SensedWriter, Tactile};
 use glam::{DVec2, DVec3};
 use serde::Serialize;
 use std::fs::File;
@@ -245,23 +246,29 @@ impl Output for Mcap {
                 .map(|r| place(r).map_or(f64::NAN, |p| p[axis]))
                 .collect()
         };
-        self.writer.moments(&Moments {
-            sequence,
-            stamp,
-            integrated_gray: readings.iter().map(|r| r.integrated_gray).collect(),
-            displacement_x: along(|r| r.displacement, 0),
-            displacement_y: along(|r| r.displacement, 1),
-            centroid_x: along(|r| r.centroid, 0),
-            centroid_y: along(|r| r.centroid, 1),
-        })?;
+        self.writer.write(
+            MOMENTS,
+            &Moments {
+                sequence,
+                stamp,
+                integrated_gray: readings.iter().map(|r| r.integrated_gray).collect(),
+                displacement_x: along(|r| r.displacement, 0),
+                displacement_y: along(|r| r.displacement, 1),
+                centroid_x: along(|r| r.centroid, 0),
+                centroid_y: along(|r| r.centroid, 1),
+            },
+        )?;
         if self.forces {
             // A force that there is not is not a number in each component.
             let force = |r: &ElementReading| Vector3::from(r.force.unwrap_or(DVec3::NAN));
-            self.writer.tactile(&Tactile {
-                sequence,
-                stamp,
-                forces: readings.iter().map(force).collect(),
-            })?;
+            self.writer.write(
+                TACTILE,
+                &Tactile {
+                    sequence,
+                    stamp,
+                    forces: readings.iter().map(force).collect(),
+                },
+            )?;
         }
         Ok(())
     }

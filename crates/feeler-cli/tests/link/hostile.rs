@@ -58,7 +58,7 @@ fn spy(peer: &Link) -> HashMap<String, u64> {
     let note = move |_, bytes: &[u8]| {
         let heartbeat: Heartbeat = cdr::decode(bytes).expect("a heartbeat");
         let mut notes = notes.lock().expect("the notes");
-        notes.insert(heartbeat.program, heartbeat.instance);
+        notes.insert(heartbeat.program.to_string(), heartbeat.instance);
     };
     let listening = peer.listen(Topic::Heartbeat, Arc::new(note));
     listening.expect("the others' heartbeats");

@@ -1,7 +1,8 @@
 //! `feeler run --record-frames` and `feeler replay`, through the program itself.
 
 use crate::program::{Ended, folder, run};
-use feeler_record::{Recorder, Recording, SensedWriter, Tactile};
+use feeler_record::sensed::TACTILE;
+use feeler_record::{MessageSink, Recorder, Recording, SensedWriter, Tactile, topics};
 use std::fs;
 use std::path::Path;
 
@@ -122,20 +123,20 @@ fn rewrite(recording: &Recording, path: &Path, change: impl FnOnce(&mut Recordin
     let mut recorder = Recorder::create(path, &changed.facts, &changed.experiment).unwrap();
     for (finger, record) in changed.fingers.iter().enumerate() {
         for message in &record.tactile {
-            recorder.tactile(finger, message).unwrap();
+            recorder.write(topics::tactile(finger), message).unwrap();
         }
         for message in &record.flags {
-            recorder.flags(finger, message).unwrap();
+            recorder.write(topics::flags(finger), message).unwrap();
         }
         for message in &record.joints {
-            recorder.joints(finger, message).unwrap();
+            recorder.write(topics::joints(finger), message).unwrap();
         }
         for message in &record.command {
-            recorder.command(finger, message).unwrap();
+            recorder.write(topics::command(finger), message).unwrap();
         }
     }
     for message in &changed.task {
-        recorder.task(message).unwrap();
+        recorder.write(topics::TASK, message).unwrap();
     }
     recorder.finish(None).unwrap();
 }
@@ -234,7 +235,7 @@ fn what_cannot_be_replayed_is_refused() {
     }
     // Recordings of something else, and no recordings.
     let mut sensed = SensedWriter::create(folder.join("sensed.mcap")).unwrap();
-    sensed.tactile(&Tactile::default()).unwrap();
+    sensed.write(TACTILE, &Tactile::default()).unwrap();
     sensed.finish().unwrap();
     fs::write(folder.join("words.mcap"), "hello").unwrap();
     for (file, word) in [("sensed.mcap", "feeler.run"), ("words.mcap", "MCAP magic")] {

@@ -3,7 +3,7 @@
 use crate::config::{ExperimentConfig, Sensing};
 use feeler::control::task::TaskConfig;
 use feeler::control::task::cap_config::Until;
-use feeler_record::{CapFacts, RunFacts};
+use feeler_record::{CapFacts, CarryGoal, RunFacts, SensingKind};
 use feeler_sim::config::SimConfig;
 use feeler_sim::object::Object;
 use feeler_sim::section::section;
@@ -27,12 +27,12 @@ pub fn run_facts(config: &ExperimentConfig) -> RunFacts {
     let unit = |direction| DVec3::from_array(direction).normalize_or_zero().to_array();
     RunFacts {
         experiment: config.name.clone(),
-        task: config.task.name().to_string(),
+        task: config.task.name().into(),
         seed: config.seed,
         version: env!("CARGO_PKG_VERSION").to_string(),
         sensing: match config.sensing {
-            Sensing::Image => "image".to_string(),
-            Sensing::Direct => "direct".to_string(),
+            Sensing::Image => SensingKind::Image,
+            Sensing::Direct => SensingKind::Direct,
         },
         control_period: config.control.period,
         fingers: config.hand.finger.len(),
@@ -48,6 +48,7 @@ pub fn run_facts(config: &ExperimentConfig) -> RunFacts {
         truth: BTreeMap::new(),
         section: true_section(config),
         cap: cap_facts(config),
+        carry: carry_goal(config),
         replay_of: None,
     }
 }
@@ -93,6 +94,19 @@ fn cap_facts(config: &ExperimentConfig) -> Option<CapFacts> {
         sense,
         friction_limit: limit,
         damage_force: known.damage_force,
+    })
+}
+
+/// What the task of carrying is held to.
+fn carry_goal(config: &ExperimentConfig) -> Option<CarryGoal> {
+    let TaskConfig::Carry(carry) = &config.task else {
+        return None;
+    };
+    let heights = carry.waypoint.iter().map(|waypoint| waypoint.to[2]);
+    Some(CarryGoal {
+        end: carry.waypoint.last()?.to,
+        highest: heights.fold(0.0, f64::max),
+        crush_force: carry.crush_force,
     })
 }
 

@@ -16,7 +16,7 @@ use feeler::sensor::layout::ElementLayout;
 use feeler_record::wire::Vector3;
 use feeler_record::{
     Cap, Command, Findings, Fingertip, Flags, Image, Joints, MessageSink, NO_ELEMENT, ObjectPose,
-    RecordError, Recorder, Tactile, Task, TorqueSensor, TrueSlip,
+    RecordError, Recorder, Tactile, Task, TaskOutcome, TorqueSensor, TrueSlip, topics,
 };
 use feeler_sim::pose::Pose;
 use glam::{DQuat, DVec3};
@@ -140,7 +140,7 @@ impl<R: MessageSink> RunLog<R> {
     /// # Errors
     /// When the recording cannot be written.
     pub fn write_object(&mut self, pose: &ObjectPose) -> Result<(), RecordError> {
-        self.recorder.object(pose)
+        self.recorder.write(topics::OBJECT, pose)
     }
 
     /// Writes the newest step of `control_loop`, and what else is known of the `rig` at its time.
@@ -167,13 +167,13 @@ impl<R: MessageSink> RunLog<R> {
             self.write_fingertip(index, stamp, pose)?;
         }
         if let Some(torque) = rig.torque {
-            self.recorder.torque_sensor(torque)?;
+            self.recorder.write(topics::TORQUE_SENSOR, torque)?;
         }
         if let Some(cap) = rig.cap {
-            self.recorder.cap(cap)?;
+            self.recorder.write(topics::CAP, cap)?;
         }
         if let Some(slip) = rig.slip {
-            self.recorder.true_slip(slip)?;
+            self.recorder.write(topics::TRUE_SLIP, slip)?;
         }
         self.write_findings(stamp, controller.task())?;
         self.write_task(stamp, controller)
@@ -188,7 +188,7 @@ impl<R: MessageSink> RunLog<R> {
             return Ok(());
         }
         picture.image.fill(frame)?;
-        self.recorder.image(index, &picture.image)
+        self.recorder.write(topics::image(index), &picture.image)
     }
 
     fn write_felt(&mut self, index: usize, touch: &FingerTouch) -> Result<(), RecordError> {
@@ -199,7 +199,7 @@ impl<R: MessageSink> RunLog<R> {
         self.tactile
             .forces
             .extend(tactile.forces.iter().map(|&f| Vector3::from(f)));
-        self.recorder.tactile(index, &self.tactile)?;
+        self.recorder.write(topics::tactile(index), &self.tactile)?;
 
         self.flags.stamp = tactile.stamp;
         self.flags.touch = flags.touch;
@@ -209,7 +209,7 @@ impl<R: MessageSink> RunLog<R> {
         self.flags.grasp_force = flags.grasp_force;
         self.flags.shear_rate.clear();
         self.flags.shear_rate.extend(&touch.shear_rate);
-        self.recorder.flags(index, &self.flags)
+        self.recorder.write(topics::flags(index), &self.flags)
     }
 
     fn write_motion(
@@ -219,16 +219,16 @@ impl<R: MessageSink> RunLog<R> {
         finger: &FingerControl,
         joints: &JointState,
     ) -> Result<(), RecordError> {
-        self.recorder.joints(
-            index,
+        self.recorder.write(
+            topics::joints(index),
             &Joints {
                 stamp,
                 position: joints.position.to_array(),
                 velocity: joints.velocity.to_array(),
             },
         )?;
-        self.recorder.command(
-            index,
+        self.recorder.write(
+            topics::command(index),
             &Command {
                 stamp,
                 joint_velocity: finger.admitted.joint_velocity.to_array(),
@@ -253,12 +253,13 @@ impl<R: MessageSink> RunLog<R> {
         let tips = self.tips.get(index).into_iter().flatten();
         let tips = tips.map(|&tip| position + rotation * tip);
         self.fingertip.element_tips.extend(tips.map(Vector3::from));
-        self.recorder.fingertip(index, &self.fingertip)
+        self.recorder
+            .write(topics::fingertip(index), &self.fingertip)
     }
 
     /// Writes what the task found out, if that is more than it was.
     fn write_findings(&mut self, stamp: f64, task: &dyn ControlTask) -> Result<(), RecordError> {
-        let (found, outcome) = (task.findings(), task.outcome().unwrap_or_default());
+        let (found, outcome) = (task.findings(), task.outcome());
         let written = self.findings.names.iter().zip(&self.findings.values);
         // To the bit, so that what is not a number is not new for ever.
         let same = written
@@ -266,16 +267,16 @@ impl<R: MessageSink> RunLog<R> {
             .eq(found
                 .iter()
                 .map(|finding| (finding.name, finding.value.to_bits())));
-        if same && self.findings.outcome == outcome {
+        if same && self.findings.outcome.as_ref().map(TaskOutcome::as_str) == outcome {
             return Ok(());
         }
         self.findings = Findings {
             stamp,
-            outcome: outcome.to_string(),
-            names: found.iter().map(|f| f.name.to_string()).collect(),
+            outcome: outcome.map(TaskOutcome::from),
+            names: found.iter().map(|f| f.name.into()).collect(),
             values: found.iter().map(|f| f.value).collect(),
         };
-        self.recorder.findings(&self.findings)
+        self.recorder.write(topics::FINDINGS, &self.findings)
     }
 
     fn write_task(&mut self, stamp: f64, controller: &Controller) -> Result<(), RecordError> {
@@ -289,12 +290,15 @@ impl<R: MessageSink> RunLog<R> {
                 .stop_reason()
                 .map_or_else(String::new, ToString::to_string);
         }
-        self.recorder.task(&Task {
-            stamp,
-            phase,
-            stroke: controller.task().stroke(),
-            reason,
-        })
+        self.recorder.write(
+            topics::TASK,
+            &Task {
+                stamp,
+                phase,
+                stroke: controller.task().stroke(),
+                reason,
+            },
+        )
     }
 }
 

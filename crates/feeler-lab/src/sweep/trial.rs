@@ -10,7 +10,7 @@ use crate::experiment::log::{RunLog, run_facts};
 use crate::experiment::truth::Truth;
 use feeler::control::phase::Phase;
 use feeler::control::task::TaskConfig;
-use feeler_record::{MemoryRecorder, Recording};
+use feeler_record::{FindingName, MemoryRecorder, Recording};
 use feeler_report::{RunData, StrokeMeasures, StrokePattern, Summary, tasks};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -302,7 +302,7 @@ impl Trials {
     pub fn results(&self, outcome: &str, recording: &Recording) -> Vec<String> {
         let summary = Summary::new(recording, &RunData::new(recording));
         let held = summary.claims.iter().filter(|claim| claim.holds).count();
-        let found = summary.outcome.as_deref();
+        let found = summary.outcome.as_ref();
         let well = summary
             .cap
             .as_ref()
@@ -327,8 +327,16 @@ impl Trials {
             row.extend([number(angle), String::new()]);
         }
         if !self.findings.is_empty() {
-            row.push(summary.outcome.clone().unwrap_or_default());
-            let found = |name: &&str| number(summary.findings.get(*name).copied().flatten());
+            row.push(
+                summary
+                    .outcome
+                    .clone()
+                    .map_or_else(String::new, String::from),
+            );
+            let found = |&name: &&str| {
+                let found = summary.findings.get(&FindingName::from(name));
+                number(found.copied().flatten())
+            };
             row.extend(self.findings.iter().map(found));
         }
         if self.has_cap {

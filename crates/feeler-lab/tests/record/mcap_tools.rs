@@ -6,7 +6,7 @@
 use crate::support;
 use feeler::sensor::frame::Frame;
 use feeler_record::wire::Message;
-use feeler_record::{Image, RecordOptions, Recorder, Recording};
+use feeler_record::{Image, MessageSink, RecordOptions, Recorder, Recording, topics};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -53,7 +53,7 @@ fn python_sees_the_pictures() {
     frame.picture.pixels = (0..12).map(|i| 20 * i).collect();
     let mut image = Image::of_finger(1);
     image.fill(&frame).unwrap();
-    recorder.image(1, &image).unwrap();
+    recorder.write(topics::image(1), &image).unwrap();
     recorder.finish(None).unwrap();
     let Some(found) = read_by_python(&path) else {
         return;

@@ -5,7 +5,9 @@
 use crate::support;
 use feeler::sensor::camera::{Camera, CameraError};
 use feeler::sensor::frame::Frame;
-use feeler_record::{Image, RecordOptions, RecordedCamera, Recorder, Recording, Tactile};
+use feeler_record::{
+    Image, MessageSink, RecordOptions, RecordedCamera, Recorder, Recording, Tactile, topics,
+};
 use proptest::prelude::*;
 use std::fs::{self, File};
 use std::io::Cursor;
@@ -40,14 +42,14 @@ fn record(name: &str, count: usize) -> PathBuf {
         if !written.contains(&sequence) && written.len() < count {
             written.push(sequence);
             image.fill(&frame(sequence, stamp)).unwrap();
-            recorder.image(1, &image).unwrap();
+            recorder.write(topics::image(1), &image).unwrap();
         }
         let tactile = Tactile {
             sequence,
             stamp,
             forces: Vec::new(),
         };
-        recorder.tactile(1, &tactile).unwrap();
+        recorder.write(topics::tactile(1), &tactile).unwrap();
     }
     recorder.finish(None).unwrap();
     path

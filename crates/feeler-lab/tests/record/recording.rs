@@ -2,7 +2,7 @@
 
 use crate::support;
 use feeler_record::wire::Vector3;
-use feeler_record::{Phase, RecordError, Recorder, Recording, Tactile};
+use feeler_record::{Image, MessageSink, Phase, RecordError, Recorder, Recording, Tactile, topics};
 use proptest::prelude::*;
 use std::path::PathBuf;
 use std::sync::OnceLock;
@@ -72,7 +72,7 @@ fn the_digest_is_of_the_content_and_not_of_the_wall_time() {
             forces,
             ..Tactile::default()
         };
-        recorder.tactile(0, &frame).unwrap();
+        recorder.write(topics::tactile(0), &frame).unwrap();
         recorder.finish(wall_time).unwrap()
     };
     let reference = run("a", "x = 1", Some(1.0), 0.5);
@@ -124,17 +124,22 @@ fn what_cannot_be_written_is_refused_with_what_was_expected() {
     assert!(error.to_string().contains("missing"), "{error}");
     let path = directory.join("d");
     let mut recorder = Recorder::create(path, &support::facts(), "").unwrap();
-    let error = recorder.tactile(2, &Tactile::default()).unwrap_err();
+    let error = recorder
+        .write(topics::tactile(2), &Tactile::default())
+        .unwrap_err();
     assert!(error.to_string().contains("finger 2"), "{error}");
     let stamp = f64::NAN;
-    let error = recorder.tactile(
-        0,
+    let error = recorder.write(
+        topics::tactile(0),
         &Tactile {
             stamp,
             ..Tactile::default()
         },
     );
     assert!(matches!(error, Err(RecordError::Stamp { .. })));
+    let error = recorder.write(topics::image(0), &Image::of_finger(0));
+    let error = error.unwrap_err().to_string();
+    assert!(error.contains("/finger/0/image"), "{error}");
 }
 
 #[test]

@@ -2,8 +2,8 @@
 
 use feeler_record::wire::{Quaternion, Vector3};
 use feeler_record::{
-    Cap, Command, Digest, Fingertip, Flags, Joints, NO_ELEMENT, Phase, RecordError, Recorder,
-    RunFacts, Tactile, Task, TorqueSensor, TrueSlip,
+    Cap, Command, Digest, Fingertip, Flags, Joints, MessageSink, NO_ELEMENT, Phase, RecordError,
+    Recorder, RunFacts, Tactile, Task, TorqueSensor, TrueSlip, topics,
 };
 use glam::DVec3;
 use std::collections::BTreeMap;
@@ -53,6 +53,7 @@ pub fn facts() -> RunFacts {
         section: Vec::new(),
         truth: BTreeMap::new(),
         cap: None,
+        carry: None,
         replay_of: None,
     }
 }
@@ -137,40 +138,52 @@ impl MadeUp {
             let shear = torque / CAP_RADIUS / 2.0;
             self.finger(recorder, finger, stamp, press, travel, bend, grasp, shear)?;
         }
-        recorder.true_slip(&TrueSlip {
-            stamp,
-            distance: self
-                .slipping
-                .map(|slips| if slips { 30e-6 } else { 5e-6 })
-                .into(),
-        })?;
+        recorder.write(
+            topics::TRUE_SLIP,
+            &TrueSlip {
+                stamp,
+                distance: self
+                    .slipping
+                    .map(|slips| if slips { 30e-6 } else { 5e-6 })
+                    .into(),
+            },
+        )?;
         self.last_press = press;
         let noise = 0.0004 * self.noise();
-        recorder.torque_sensor(&TorqueSensor {
-            stamp,
-            torque: torque + noise,
-            bridge_voltage: 12.5 * (torque + noise),
-            counts: ((torque + noise) * 40_000.0) as i32,
-        })?;
-        recorder.cap(&Cap {
-            stamp,
-            angle: self.angle,
-            height: 0.1 - 0.003 * self.angle / TAU,
-            centre: Vector3 {
-                x: 0.0002,
-                y: -0.0001,
-                z: 0.1,
+        recorder.write(
+            topics::TORQUE_SENSOR,
+            &TorqueSensor {
+                stamp,
+                torque: torque + noise,
+                bridge_voltage: 12.5 * (torque + noise),
+                counts: ((torque + noise) * 40_000.0) as i32,
             },
-            resisting_torque: torque,
-        })?;
+        )?;
+        recorder.write(
+            topics::CAP,
+            &Cap {
+                stamp,
+                angle: self.angle,
+                height: 0.1 - 0.003 * self.angle / TAU,
+                centre: Vector3 {
+                    x: 0.0002,
+                    y: -0.0001,
+                    z: 0.1,
+                },
+                resisting_torque: torque,
+            },
+        )?;
         let reason = format!("{phase:?}");
         self.step += 1;
-        recorder.task(&Task {
-            stamp,
-            phase,
-            stroke,
-            reason,
-        })
+        recorder.write(
+            topics::TASK,
+            &Task {
+                stamp,
+                phase,
+                stroke,
+                reason,
+            },
+        )
     }
 
     #[allow(clippy::too_many_arguments)]
@@ -212,9 +225,9 @@ impl MadeUp {
         shear_rate[largest] += rate;
         let touch = grasp > 0.1;
         self.slipping[finger] = rate > 3.0;
-        recorder.tactile(finger, &tactile)?;
-        recorder.flags(
-            finger,
+        recorder.write(topics::tactile(finger), &tactile)?;
+        recorder.write(
+            topics::flags(finger),
             &Flags {
                 stamp,
                 touch,
@@ -225,16 +238,16 @@ impl MadeUp {
                 shear_rate,
             },
         )?;
-        recorder.joints(
-            finger,
+        recorder.write(
+            topics::joints(finger),
             &Joints {
                 stamp,
                 position: [0.1, travel, press],
                 velocity: [0.0, 0.1, -0.1],
             },
         )?;
-        recorder.command(
-            finger,
+        recorder.write(
+            topics::command(finger),
             &Command {
                 stamp,
                 joint_velocity: [0.0, 0.1, -0.1],
@@ -243,8 +256,8 @@ impl MadeUp {
                 damping: 0.0,
             },
         )?;
-        recorder.fingertip(
-            finger,
+        recorder.write(
+            topics::fingertip(finger),
             &Fingertip {
                 stamp,
                 position: position.into(),

@@ -4,7 +4,7 @@ use super::super::cap::{CapMeasures, Felt};
 use super::super::run_data::RunData;
 use super::Figure;
 use super::canvas::{CAP, Pen, SHADE, finger_colour, frame, line, panel, range, thin};
-use feeler_record::Recording;
+use feeler_record::{FindingName, Recording};
 use kuva::render::annotations::{ReferenceLine, ShadedRegion};
 use kuva::render::figure::Figure as Panels;
 use kuva::render::layout::Layout;
@@ -42,15 +42,18 @@ fn torque_and_turn(
         let points = data.time.iter().zip(values);
         points.map(|(&t, value)| (t, factor * value)).collect()
     };
-    let own = |name: &str, factor: f64| -> Vec<_> {
+    let own = |name: &FindingName, factor: f64| -> Vec<_> {
         let points = felt.series(name, ALWAYS).into_iter();
         points.map(|(t, value)| (t, factor * value)).collect()
     };
     let (truth, hand) = (Pen::solid(CAP, 2.4), Pen::solid(finger_colour(1), 1.4));
-    let torques = [measured(&data.torque, 1e3 * sense), own("torque_nm", 1e3)];
+    let torques = [
+        measured(&data.torque, 1e3 * sense),
+        own(&FindingName::Torque, 1e3),
+    ];
     let turns = [
         measured(&data.cap_angle, sense * 1f64.to_degrees()),
-        own("turned_rad", 1f64.to_degrees()),
+        own(&FindingName::Turned, 1f64.to_degrees()),
     ];
     let limit = 1e3 * cap.friction_limit;
     let panel_of = |points: &[Vec<(f64, f64)>; 2], least: f64, x: &str, y: &str| {
@@ -69,7 +72,7 @@ fn torque_and_turn(
     let felt_torques = strokes.map(|stroke| {
         let (start, end) = (stroke.moving.start, stroke.moving.end - 1);
         let times = (data.time[start], data.time[end]);
-        let points = felt.series("torque_nm", times).into_iter();
+        let points = felt.series(&FindingName::Torque, times).into_iter();
         line(points.map(|(t, torque)| (t, 1e3 * torque)), hand)
     });
     let mut upper_lines = vec![line(thin(&torques[0], BUCKETS), truth)];

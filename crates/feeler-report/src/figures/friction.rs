@@ -6,6 +6,7 @@ use super::canvas::{CAP, Pen, SHADE, Style, finger_colour, frame, line, panel, r
 use super::friction_samples::{Sample, strokes};
 use crate::run_data::RunData;
 use crate::series::mean;
+use feeler_record::FindingName;
 use kuva::render::annotations::ShadedRegion;
 use kuva::render::figure::Figure as Panels;
 use kuva::render::layout::Layout;
@@ -91,7 +92,7 @@ fn ratio_over_time(data: &RunData, title: &str) -> Option<String> {
     let mut plots = over_time(&strokes, |s| s.ratio(), pen);
     let mut legend = vec![("friction by normal force", pen)];
     for (name, words, pen) in found_lines() {
-        if let Some(&value) = data.findings.get(name) {
+        if let Some(&value) = data.findings.get(&name) {
             plots.push(line([(time.0, value), (time.1, value)], pen));
             legend.push((words, pen));
         }
@@ -104,10 +105,10 @@ fn ratio_over_time(data: &RunData, title: &str) -> Option<String> {
     Some(frame(2, title, &legend, panels, 300.0))
 }
 
-fn found_lines() -> [(&'static str, &'static str, Pen); 2] {
+fn found_lines() -> [(FindingName, &'static str, Pen); 2] {
     [
-        ("static_friction", "found static", STATIC),
-        ("kinetic_friction", "found kinetic", KINETIC),
+        (FindingName::StaticFriction, "found static", STATIC),
+        (FindingName::KineticFriction, "found kinetic", KINETIC),
     ]
 }
 
@@ -142,7 +143,7 @@ fn tangential_path(data: &RunData, title: &str) -> Option<String> {
     let ratios = strokes.iter().flatten().map(|s| s.ratio());
     let mut reach = range(ratios)?.1;
     for (name, words, pen) in found_lines() {
-        if let Some(&radius) = data.findings.get(name) {
+        if let Some(&radius) = data.findings.get(&name) {
             let circle = (0..=240).map(|i| (TAU * f64::from(i) / 240.0).sin_cos());
             plots.push(line(
                 circle.map(|(y, x)| (radius * x, across + radius * y)),
@@ -185,7 +186,7 @@ fn crosses(data: &RunData, truth: [Option<f64>; 2], title: &str) -> Option<Strin
     let mut plots = vec![ray(1.0, same), ray(0.95, off), ray(1.05, off)];
     let mut legend = vec![("found as it is", same), ("5 % off", off)];
     for ((name, words, pen), truth) in found_lines().into_iter().zip(truth) {
-        let Some((&found, truth)) = data.findings.get(name).zip(truth) else {
+        let Some((&found, truth)) = data.findings.get(&name).zip(truth) else {
             continue;
         };
         let pen = Pen {

@@ -2,6 +2,7 @@
 //! axes of the specimen.
 
 use crate::run_data::{RunData, Stroke};
+use feeler_record::FindingName;
 use glam::DVec3;
 
 /// The force on the element at one row, N.
@@ -40,7 +41,12 @@ fn samples(data: &RunData, stroke: &Stroke) -> Option<Vec<Sample>> {
     let along = DVec3::from(*data.facts.stroke_direction.first()?);
     let along = along.reject_from_normalized(approach).normalize_or_zero();
     // The axes of a surface that is tilted so.
-    let (sin, cos) = data.findings.get("tilt").copied().unwrap_or(0.0).sin_cos();
+    let (sin, cos) = data
+        .findings
+        .get(&FindingName::Tilt)
+        .copied()
+        .unwrap_or(0.0)
+        .sin_cos();
     let normal = -cos * approach - sin * along;
     let against = sin * approach - cos * along;
     let across = normal.cross(against);

@@ -8,7 +8,7 @@ use crate::figures::{Figure, cap};
 use crate::run_data::RunData;
 use crate::summary::Summary;
 use crate::text::{significant, value};
-use feeler_record::Recording;
+use feeler_record::{Recording, TaskOutcome};
 use maud::{Markup, html};
 
 /// The report of a cap that was closed or opened by touch.
@@ -60,8 +60,8 @@ const COLUMNS: [Column; 4] = [
 fn cap_section(summary: &Summary, cap: &CapMeasures) -> Markup {
     let outcome = summary
         .outcome
-        .as_deref()
-        .unwrap_or("nothing that it could tell");
+        .as_ref()
+        .map_or("nothing that it could tell", TaskOutcome::as_str);
     html! {
         h2 { "What became of the cap" }
         p.verdict {

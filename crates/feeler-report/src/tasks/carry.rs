@@ -7,7 +7,7 @@ use crate::figures::canvas::{CAP, Pen, finger_colour, frame, line, panel, range}
 use crate::run_data::RunData;
 use crate::series::{finite, maximum};
 use crate::summary::Summary;
-use feeler_record::{ObjectPose, Recording};
+use feeler_record::{CarryGoal, FindingName, ObjectPose, Recording, TaskOutcome};
 use glam::{DQuat, DVec3};
 use kuva::render::figure::Figure as Panels;
 use maud::Markup;
@@ -21,44 +21,16 @@ const DROP: f64 = 5e-3;
 /// Metres to millimetres.
 const MM: f64 = 1e3;
 
-/// What the experiment asks for.
-struct Goal {
-    /// From where the object was taken, m, in W.
-    end: DVec3,
-    highest: f64,
-    /// N.
-    crush_force: f64,
-}
-
-impl Goal {
-    fn new(recording: &Recording) -> Option<Self> {
-        let experiment: toml::Table = recording.experiment.parse().ok()?;
-        let carry = experiment.get("task")?.get("carry")?;
-        let waypoints = carry.get("waypoint")?.as_array()?.iter();
-        let place = |waypoint: &toml::Value| {
-            let to = waypoint.get("to")?.as_array()?;
-            let along = |axis: usize| number(to.get(axis)?);
-            Some(DVec3::new(along(0)?, along(1)?, along(2)?))
-        };
-        let places: Option<Vec<_>> = waypoints.map(place).collect();
-        let places = places?;
-        Some(Self {
-            end: *places.last()?,
-            highest: places.iter().map(|place| place.z).fold(0.0, f64::max),
-            crush_force: number(carry.get("crush_force")?)?,
-        })
-    }
-}
-
-/// A number, however it is written.
-fn number(value: &toml::Value) -> Option<f64> {
-    let whole = || value.as_integer().map(|number| number as f64);
-    value.as_float().or_else(whole)
-}
-
 fn position(pose: &ObjectPose) -> DVec3 {
     pose.position.into()
 }
+
+/// Way of the object along x, y and z.
+const MOVED: [FindingName; 3] = [
+    FindingName::MovedX,
+    FindingName::MovedY,
+    FindingName::MovedZ,
+];
 
 /// How a pose is turned from another: about W's z, and by how much its upright axis tips, rad.
 fn turned(from: &ObjectPose, to: &ObjectPose) -> (f64, f64) {
@@ -99,11 +71,11 @@ impl TaskReport for CarryReport {
 
 /// What the task is held to.
 fn claims(recording: &Recording, data: &RunData) -> Vec<Claim> {
-    let goal = Goal::new(recording);
+    let goal: Option<CarryGoal> = recording.facts.carry;
     let ends = recording.object.first().zip(recording.object.last());
     let end_error = ends.zip(goal.as_ref()).map(|((first, last), goal)| {
         let way = position(last) - position(first);
-        MM * (way - goal.end).truncate().length()
+        MM * (way - DVec3::from_array(goal.end)).truncate().length()
     });
     let turn = ends.map(|(first, last)| turned(first, last).0.to_degrees());
     let tip = ends.and_then(|(first, _)| {
@@ -115,7 +87,8 @@ fn claims(recording: &Recording, data: &RunData) -> Vec<Claim> {
     let below = rise
         .zip(goal.as_ref())
         .map(|(rise, goal)| MM * (goal.highest - rise));
-    let carried = (recording.findings.last()).map(|f| f64::from(u8::from(f.outcome == "carried")));
+    let carried = (recording.findings.last())
+        .map(|f| f64::from(u8::from(f.outcome == Some(TaskOutcome::Carried))));
     let pressing = maximum(
         data.fingers
             .iter()
@@ -175,7 +148,7 @@ fn figures(recording: &Recording, data: &RunData) -> Vec<Figure> {
 }
 
 /// What the hand found, as a series over time.
-fn found(recording: &Recording, name: &str) -> Vec<(f64, f64)> {
+fn found(recording: &Recording, name: &FindingName) -> Vec<(f64, f64)> {
     let found = recording.findings.iter().filter_map(|found| {
         let place = found.names.iter().position(|n| n == name)?;
         Some((found.stamp, MM * finite(*found.values.get(place)?)?))
@@ -193,7 +166,7 @@ fn way(recording: &Recording) -> Figure {
         let truth: Vec<_> = truth
             .map(|pose| (pose.stamp, MM * (position(pose) - start)[axis]))
             .collect();
-        let felt = found(recording, ["moved_x_m", "moved_y_m", "moved_z_m"][axis]);
+        let felt = found(recording, &MOVED[axis]);
         all.extend(truth.iter().chain(&felt).copied());
         let pen = Pen::solid(finger_colour(axis), 1.6);
         plots.push(line(truth, pen));

@@ -7,7 +7,7 @@ use crate::measures::distance_to_path;
 use crate::run_data::RunData;
 use crate::series::{finite, longest_stretch, maximum, rms};
 use crate::summary::Summary;
-use feeler_record::{Phase, Recording};
+use feeler_record::{FindingName, Phase, Recording, TaskOutcome};
 use glam::DVec2;
 use maud::Markup;
 
@@ -30,11 +30,11 @@ const MM: f64 = 1e3;
 /// The points that were drawn, with their times, s; m, in W.
 pub fn drawn(recording: &Recording) -> Vec<(f64, DVec2)> {
     let points = recording.findings.iter().filter_map(|found| {
-        let value = |name: &str| {
-            let place = found.names.iter().position(|n| n == name)?;
+        let value = |name: FindingName| {
+            let place = found.names.iter().position(|n| *n == name)?;
             finite(*found.values.get(place)?)
         };
-        let point = DVec2::new(value("surface_x_m")?, value("surface_y_m")?);
+        let point = DVec2::new(value(FindingName::SurfaceX)?, value(FindingName::SurfaceY)?);
         Some((found.stamp, point))
     });
     points.collect()
@@ -153,7 +153,7 @@ fn claims(recording: &Recording) -> Vec<Claim> {
     let closed = recording
         .findings
         .last()
-        .map(|found| f64::from(u8::from(found.outcome == "closed")));
+        .map(|found| f64::from(u8::from(found.outcome == Some(TaskOutcome::Closed))));
     let millimetres = |value: Option<f64>| known(value).map(|v| MM * v);
     let gap = maximum(section.iter().map(|&point| nearest(point)));
     vec![

@@ -2,11 +2,12 @@
 
 use crate::summary::Summary;
 use crate::text::{significant, value};
+use feeler_record::TaskOutcome;
 use maud::{Markup, html};
 
 /// How the run ended, in a sentence.
 pub fn verdict(summary: &Summary) -> Markup {
-    let outcome = summary.outcome.as_deref();
+    let outcome = summary.outcome.as_ref().map(TaskOutcome::as_str);
     html! {
         "After " (significant(summary.sim_time)) " s the task ended with: "
         (outcome.unwrap_or("nothing that it could tell")) "."

@@ -7,16 +7,16 @@ use crate::figures::{Figure, friction};
 use crate::run_data::RunData;
 use crate::summary::Summary;
 use crate::text::{significant, value};
-use feeler_record::{Recording, RunFacts};
+use feeler_record::{FindingName, Recording, RunFacts};
 use maud::{Markup, html};
 
 /// Greatest relative error of a coefficient.
 const TOLERANCE: f64 = 0.05;
 
 /// The coefficients: name of the finding, and in words.
-const COEFFICIENTS: [(&str, &str); 2] = [
-    ("static_friction", "Static coefficient"),
-    ("kinetic_friction", "Kinetic coefficient"),
+const COEFFICIENTS: [(FindingName, &str); 2] = [
+    (FindingName::StaticFriction, "Static coefficient"),
+    (FindingName::KineticFriction, "Kinetic coefficient"),
 ];
 
 /// The report of the friction scan.
@@ -28,8 +28,7 @@ impl TaskReport for FrictionScanReport {
     }
 
     fn claims(&self, _: &Recording, data: &RunData) -> Vec<Claim> {
-        let error =
-            |name: &str| Some(data.findings.get(name)? / true_value(&data.facts, name)? - 1.0);
+        let error = |name| Some(data.findings.get(name)? / true_value(&data.facts, name)? - 1.0);
         let within = |id, text, name, part| {
             let part = ClaimPart::new(part, error(name), Relation::Within, TOLERANCE);
             Claim::new(id, text, vec![part])
@@ -38,13 +37,13 @@ impl TaskReport for FrictionScanReport {
             within(
                 "static-friction",
                 "The static coefficient is within 5 % of the truth.",
-                "static_friction",
+                &FindingName::StaticFriction,
                 "found static coefficient's relative error",
             ),
             within(
                 "kinetic-friction",
                 "The kinetic coefficient is within 5 % of the truth.",
-                "kinetic_friction",
+                &FindingName::KineticFriction,
                 "found kinetic coefficient's relative error",
             ),
             no_damage(data),
@@ -52,7 +51,7 @@ impl TaskReport for FrictionScanReport {
     }
 
     fn figures(&self, _: &Recording, data: &RunData) -> Vec<Figure> {
-        let truth = COEFFICIENTS.map(|(name, _)| true_value(&data.facts, name));
+        let truth = COEFFICIENTS.map(|(name, _)| true_value(&data.facts, &name));
         vec![
             friction::forces(data),
             friction::ratio(data),
@@ -62,17 +61,17 @@ impl TaskReport for FrictionScanReport {
     }
 
     fn verdict(&self, _: &Recording, summary: &Summary) -> Markup {
-        let found = |name: &str| value(summary.findings.get(name).copied().flatten());
+        let found = |name| value(summary.findings.get(name).copied().flatten());
         html! {
             "In " (significant(summary.sim_time)) " s the finger found a static coefficient of friction of "
-            (found("static_friction")) " and a kinetic one of " (found("kinetic_friction"))
+            (found(&FindingName::StaticFriction)) " and a kinetic one of " (found(&FindingName::KineticFriction))
             @if let Some(outcome) = &summary.outcome { " (" (outcome) ")" }
             "."
         }
     }
 
     fn measured(&self, recording: &Recording, summary: &Summary) -> Markup {
-        let found = |name: &str| summary.findings.get(name).copied().flatten();
+        let found = |name| summary.findings.get(name).copied().flatten();
         html! {
             h2 { "Found" }
             div.scroll {
@@ -81,7 +80,7 @@ impl TaskReport for FrictionScanReport {
                         tr { th {} th.number { "Found" } th.number { "True" } th.number { "Error" } }
                     }
                     tbody {
-                        @for (name, words) in COEFFICIENTS {
+                        @for (name, words) in &COEFFICIENTS {
                             @let truth = true_value(&recording.facts, name);
                             @let error = found(name).zip(truth).map(|(found, truth)| 100.0 * (found / truth - 1.0));
                             tr {
@@ -93,10 +92,10 @@ impl TaskReport for FrictionScanReport {
                         }
                         tr {
                             td { "Tilt of the specimen along the slide" }
-                            td.number { (value(found("tilt").map(f64::to_degrees))) " " span.unit { "°" } }
+                            td.number { (value(found(&FindingName::Tilt).map(f64::to_degrees))) " " span.unit { "°" } }
                             td {} td {}
                         }
-                        tr { td { "Slips that were counted" } td.number { (value(found("slips"))) } td {} td {} }
+                        tr { td { "Slips that were counted" } td.number { (value(found(&FindingName::Slips))) } td {} td {} }
                     }
                 }
             }
@@ -105,9 +104,9 @@ impl TaskReport for FrictionScanReport {
 }
 
 /// What the simulated world knows of `name`, where that is of one object only.
-fn true_value(facts: &RunFacts, name: &str) -> Option<f64> {
+fn true_value(facts: &RunFacts, name: &FindingName) -> Option<f64> {
     let mut known = facts.truth.iter().filter(|(key, _)| {
-        let of = key.strip_suffix(name);
+        let of = key.strip_suffix(name.as_str());
         of.is_some_and(|object| object.ends_with('.'))
     });
     match (known.next(), known.next()) {

@@ -11,7 +11,7 @@ use super::claim::Claim;
 use super::figures::Figure;
 use super::run_data::RunData;
 use super::summary::Summary;
-use feeler_record::{Recording, RunFacts};
+use feeler_record::{Recording, RunFacts, TaskKind};
 use maud::Markup;
 
 /// The part of a report that a task brings.
@@ -34,10 +34,10 @@ pub trait TaskReport: Sync {
 
 /// The report of the task of a run with these facts; of one that is not known, as of the first that there was.
 pub fn of(facts: &RunFacts) -> &'static dyn TaskReport {
-    match facts.task.as_str() {
-        "carry" => &carry::CarryReport,
-        "contour" => &contour::ContourReport,
-        "friction_scan" => &friction_scan::FrictionScanReport,
+    match &facts.task {
+        TaskKind::Carry => &carry::CarryReport,
+        TaskKind::Contour => &contour::ContourReport,
+        TaskKind::FrictionScan => &friction_scan::FrictionScanReport,
         _ if facts.cap.is_some() => &cap::CapReport,
         _ => &screw::ScrewReport,
     }

@@ -16,7 +16,7 @@ use feeler_lab::experiment::{controller, fingers_at_home, layouts};
 use feeler_link::beacon::Beacon;
 use feeler_link::hand_inbox::HandInbox;
 use feeler_link::inbox::listen;
-use feeler_link::message::{HandMode, Heartbeat, Instruments, NO_FINGER};
+use feeler_link::message::{HandMode, Heartbeat, Instruments, NO_FINGER, ProgramKind};
 use feeler_link::network::Network;
 use feeler_link::outlet::{Clock, draw_instance, monotonic, send};
 use feeler_link::remote::{RemoteFinger, RemoteHand, mode_of};
@@ -68,7 +68,7 @@ impl Program {
         let (clock, instance) = (monotonic(), draw_instance());
         let heartbeat = Heartbeat {
             instance,
-            program: "hand".into(),
+            program: ProgramKind::Hand,
             finger: NO_FINGER,
             experiment: experiment.sha256(),
             age: f64::NAN,

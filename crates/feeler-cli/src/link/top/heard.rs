@@ -4,7 +4,9 @@ use super::programs::complaints;
 use crate::top::{Fault, UNKNOWN};
 use feeler::control::flags::FingerFlags;
 use feeler_link::inbox::Inbox;
-use feeler_link::message::{HandMode, HandState, Instruments, NO_FINGER, TactileUpdate};
+use feeler_link::message::{
+    HandMode, HandState, Instruments, NO_FINGER, ProgramKind, TactileUpdate,
+};
 use feeler_link::watch_inbox::WatchInbox;
 use glam::DVec3;
 
@@ -27,8 +29,8 @@ impl<'a> Heard<'a> {
         Self {
             inbox,
             now,
-            mode: mode.filter(|mode| is_there("hand", mode.header.instance)),
-            state: state.filter(|state| is_there("world", state.header.instance)),
+            mode: mode.filter(|mode| is_there(ProgramKind::Hand, mode.header.instance)),
+            state: state.filter(|state| is_there(ProgramKind::World, state.header.instance)),
         }
     }
 
@@ -37,7 +39,13 @@ impl<'a> Heard<'a> {
         let felt = self.inbox.finger(finger);
         felt.filter(|(_, update)| {
             let instance = update.header.instance;
-            is_there(self.inbox, "sense", update.finger, instance, self.now)
+            is_there(
+                self.inbox,
+                ProgramKind::Sense,
+                update.finger,
+                instance,
+                self.now,
+            )
         })
     }
 
@@ -67,7 +75,13 @@ impl<'a> Heard<'a> {
     }
 }
 
-fn is_there(inbox: &WatchInbox, program: &str, finger: u32, instance: u64, now: f64) -> bool {
+fn is_there(
+    inbox: &WatchInbox,
+    program: ProgramKind,
+    finger: u32,
+    instance: u64,
+    now: f64,
+) -> bool {
     inbox
         .peers()
         .taken(program, now)

@@ -1,22 +1,25 @@
 //! The programs of a rig as its heartbeats tell, and what is wrong with them.
 
 use crate::top::{Program, ProgramState, UNKNOWN};
-use feeler_link::message::NO_FINGER;
+use feeler_link::message::{NO_FINGER, ProgramKind};
 use feeler_link::mismatch::Mismatch;
 use feeler_link::peers::{Peer, Peers};
 
 /// The programs of a hand of so many `fingers`: those that should be there first, then those that are
 /// refused.
 pub fn programs(peers: &Peers, fingers: usize, now: f64) -> Vec<Program> {
-    let senses = (0..fingers).map(|finger| ("sense", finger as u32));
-    let places = senses.chain([("hand", NO_FINGER), ("world", NO_FINGER)]);
+    let senses = (0..fingers).map(|finger| (ProgramKind::Sense, finger as u32));
+    let places = senses.chain([
+        (ProgramKind::Hand, NO_FINGER),
+        (ProgramKind::World, NO_FINGER),
+    ]);
     let in_place = places.map(|(name, finger)| {
         let heartbeats = peers.all().iter().filter(|peer| peer.refused.is_none());
         let mut there = heartbeats
             .filter(|peer| peer.heartbeat.program == name && peer.heartbeat.finger == finger);
         match there.next() {
             Some(peer) => program(peer, now),
-            None => absent(name, finger),
+            None => absent(name.as_str(), finger),
         }
     });
     in_place
@@ -61,7 +64,7 @@ fn program(peer: &Peer, now: f64) -> Program {
         None => ProgramState::Alive,
     };
     Program {
-        name: heartbeat.program.clone(),
+        name: heartbeat.program.to_string(),
         finger: finger(heartbeat.finger),
         version: heartbeat.version.clone(),
         rate,

@@ -2,9 +2,10 @@
 
 use super::fields::{Field, of_command, of_findings, of_flags, of_tactile, of_task};
 use feeler_record::{
-    Cap, Command, Findings, FingerRecord, Fingertip, Flags, Image, Joints, MessageSink, ObjectPose,
-    RecordError, Recorder, Recording, Tactile, Task, TorqueSensor, TrueSlip,
+    Command, Findings, FingerRecord, Flags, MessageSink, RecordError, RecordedMessage, Recorder,
+    Recording, Tactile, Task, Topic,
 };
+use std::any::Any;
 use std::fmt;
 
 /// What is compared.
@@ -188,16 +189,7 @@ impl<'a> Comparer<'a> {
         self.found = found;
     }
 
-    fn pass_on(
-        &mut self,
-        write: impl FnOnce(&mut Recorder) -> Result<(), RecordError>,
-    ) -> Result<(), RecordError> {
-        self.copy.as_mut().map_or(Ok(()), write)
-    }
-}
-
-impl MessageSink for Comparer<'_> {
-    fn tactile(&mut self, finger: usize, message: &Tactile) -> Result<(), RecordError> {
+    fn compare_tactile(&mut self, finger: usize, message: &Tactile) {
         let task = self.recording.task.get(self.step);
         self.time = task.map_or(message.stamp, |task| task.stamp);
         if self.forces {
@@ -206,66 +198,57 @@ impl MessageSink for Comparer<'_> {
                 of_tactile(expected, message)
             });
         }
-        self.pass_on(|copy| copy.tactile(finger, message))
     }
 
-    fn flags(&mut self, finger: usize, message: &Flags) -> Result<(), RecordError> {
+    fn compare_flags(&mut self, finger: usize, message: &Flags) {
         let expected = self.on_record(finger, |record| &record.flags);
         self.compare(Kind::Flags, Some(finger), expected, |expected| {
             of_flags(expected, message)
         });
-        self.pass_on(|copy| copy.flags(finger, message))
     }
 
-    fn joints(&mut self, finger: usize, message: &Joints) -> Result<(), RecordError> {
-        self.pass_on(|copy| copy.joints(finger, message))
-    }
-
-    fn command(&mut self, finger: usize, message: &Command) -> Result<(), RecordError> {
+    fn compare_command(&mut self, finger: usize, message: &Command) {
         let expected = self.on_record(finger, |record| &record.command);
         self.compare(Kind::Commands, Some(finger), expected, |expected| {
             of_command(expected, message)
         });
-        self.pass_on(|copy| copy.command(finger, message))
-    }
-
-    fn fingertip(&mut self, finger: usize, message: &Fingertip) -> Result<(), RecordError> {
-        self.pass_on(|copy| copy.fingertip(finger, message))
-    }
-
-    fn torque_sensor(&mut self, message: &TorqueSensor) -> Result<(), RecordError> {
-        self.pass_on(|copy| copy.torque_sensor(message))
-    }
-
-    fn cap(&mut self, message: &Cap) -> Result<(), RecordError> {
-        self.pass_on(|copy| copy.cap(message))
     }
 
     /// The last message of a step.
-    fn task(&mut self, message: &Task) -> Result<(), RecordError> {
+    fn compare_task(&mut self, message: &Task) {
         let expected = self.recording.task.get(self.step);
         self.compare(Kind::Phases, None, expected, |expected| {
             of_task(expected, message)
         });
         self.compare_findings();
         self.step += 1;
-        self.pass_on(|copy| copy.task(message))
     }
+}
 
-    fn findings(&mut self, message: &Findings) -> Result<(), RecordError> {
-        self.found.clone_from(message);
-        self.pass_on(|copy| copy.findings(message))
-    }
-
-    fn object(&mut self, message: &ObjectPose) -> Result<(), RecordError> {
-        self.pass_on(|copy| copy.object(message))
-    }
-
-    fn true_slip(&mut self, message: &TrueSlip) -> Result<(), RecordError> {
-        self.pass_on(|copy| copy.true_slip(message))
-    }
-
-    fn image(&mut self, finger: usize, message: &Image) -> Result<(), RecordError> {
-        self.pass_on(|copy| copy.image(finger, message))
+impl MessageSink for Comparer<'_> {
+    fn write<M: RecordedMessage>(
+        &mut self,
+        topic: Topic<M>,
+        message: &M,
+    ) -> Result<(), RecordError> {
+        let any: &dyn Any = message;
+        if let Some(finger) = topic.finger() {
+            if let Some(tactile) = any.downcast_ref() {
+                self.compare_tactile(finger, tactile);
+            } else if let Some(flags) = any.downcast_ref() {
+                self.compare_flags(finger, flags);
+            } else if let Some(command) = any.downcast_ref() {
+                self.compare_command(finger, command);
+            }
+        } else if let Some(findings) = any.downcast_ref() {
+            self.found.clone_from(findings);
+        } else if let Some(task) = any.downcast_ref() {
+            self.compare_task(task);
+        }
+        // What is not compared follows from the record, or is the rig's own.
+        match &mut self.copy {
+            Some(copy) => copy.write(topic, message),
+            None => Ok(()),
+        }
     }
 }

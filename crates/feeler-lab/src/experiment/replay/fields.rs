@@ -2,7 +2,7 @@
 
 use feeler::control::phase::Phase;
 use feeler_record::wire::Vector3;
-use feeler_record::{Command, Findings, Flags, Tactile, Task};
+use feeler_record::{Command, Findings, Flags, Tactile, Task, TaskOutcome};
 use std::fmt;
 
 /// One value of a message.
@@ -199,11 +199,14 @@ pub fn of_findings<'a>(
 ) -> impl Iterator<Item = Field<'a>> {
     let count = |findings: &Findings| Value::Count(findings.values.len() as u64);
     let names = expected.names.iter().zip(&actual.names);
-    let names = names.map(|(was, is)| one("name", Value::Text(was), Value::Text(is)));
+    let names =
+        names.map(|(was, is)| one("name", Value::Text(was.as_str()), Value::Text(is.as_str())));
     let values = expected.values.iter().zip(&actual.values);
     let values = expected.names.iter().zip(values);
-    let values = values.map(|(name, (&was, &is))| number(name, was, is));
-    let (was, is) = (&expected.outcome, &actual.outcome);
+    let values = values.map(|(name, (&was, &is))| number(name.as_str(), was, is));
+    let outcome =
+        |findings: &'a Findings| findings.outcome.as_ref().map_or("", TaskOutcome::as_str);
+    let (was, is) = (outcome(expected), outcome(actual));
     [
         one("outcome", Value::Text(was), Value::Text(is)),
         one("number of findings", count(expected), count(actual)),

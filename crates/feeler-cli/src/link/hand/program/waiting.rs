@@ -4,6 +4,7 @@ use super::Program;
 use crate::CommandError;
 use feeler::control::stop_reason::StopReason;
 use feeler_link::inbox::Inbox;
+use feeler_link::message::ProgramKind;
 use feeler_link::mismatch::Mismatch;
 use feeler_link::outlet::send;
 use feeler_link::remote::waiting_mode;
@@ -21,11 +22,11 @@ impl Program {
     /// The programs that are not there.
     pub fn missing(&self) -> Vec<String> {
         let (inbox, now) = (self.inbox.lock(), (self.clock)());
-        let world = inbox.peers().taken("world", now).next();
-        let world = world.is_none().then(|| "world".to_string());
+        let world = inbox.peers().taken(ProgramKind::World, now).next();
+        let world = world.is_none().then(|| ProgramKind::World.to_string());
         let fingers = 0..inbox.fingers().len();
         let senses = |finger: &usize| {
-            let mut senses = inbox.peers().taken("sense", now);
+            let mut senses = inbox.peers().taken(ProgramKind::Sense, now);
             senses.all(|peer| peer.heartbeat.finger as usize != *finger)
         };
         let fingers = fingers
@@ -61,7 +62,7 @@ impl Program {
     /// A rig has one hand.
     pub(super) fn other_hand(&self) -> Option<Mismatch> {
         let (inbox, now) = (self.inbox.lock(), (self.clock)());
-        let other = inbox.peers().taken("hand", now).next()?;
+        let other = inbox.peers().taken(ProgramKind::Hand, now).next()?;
         let program = other.name();
         Some(Mismatch::Taken { program })
     }
@@ -77,7 +78,7 @@ impl Program {
     /// for the hand, data never are, and there is no period.
     pub(super) fn limits(&self) -> (f64, Option<f64>) {
         let (inbox, now) = (self.inbox.lock(), (self.clock)());
-        let speed = inbox.peers().taken("world", now).next();
+        let speed = inbox.peers().taken(ProgramKind::World, now).next();
         match speed.map_or(1.0, |world| world.heartbeat.speed) {
             speed if speed > 0.0 => (self.limit / speed, Some(self.period / speed)),
             _ => (f64::INFINITY, None),

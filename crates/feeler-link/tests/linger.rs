@@ -1,0 +1,71 @@
+//! Opening a link leaves the sockets of the program around it alone.
+#![cfg(all(feature = "zenoh", target_os = "linux"))]
+
+use feeler_link::endpoints::LinkConfig;
+use feeler_link::network::Network;
+use feeler_link::outlet::Outlet;
+use feeler_link::topic::Topic;
+use feeler_link::transport::Link;
+use rustix::net::sockopt::{set_socket_linger, socket_linger};
+use rustix::process::{PidfdFlags, PidfdGetfdFlags, getpid, pidfd_getfd, pidfd_open};
+use std::net::{TcpListener, TcpStream};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// Sockets of this process that linger; none where the system does not let it look.
+fn lingering() -> Option<usize> {
+    let this = pidfd_open(getpid(), PidfdFlags::empty()).ok()?;
+    pidfd_getfd(&this, 0, PidfdGetfdFlags::empty()).ok()?;
+    let numbers = std::fs::read_dir("/proc/self/fd").ok()?.flatten();
+    let numbers = numbers.filter_map(|entry| entry.file_name().to_str()?.parse().ok());
+    let sockets = numbers.filter(|&number| {
+        let descriptor = pidfd_getfd(&this, number, PidfdGetfdFlags::empty());
+        descriptor.is_ok_and(|descriptor| matches!(socket_linger(&descriptor), Ok(Some(_))))
+    });
+    Some(sockets.count())
+}
+
+fn endpoint() -> String {
+    let port = TcpListener::bind("127.0.0.1:0").expect("a port");
+    format!("tcp/{}", port.local_addr().expect("its address"))
+}
+
+#[test]
+fn the_links_sockets_do_not_linger_and_others_still_do() {
+    let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
+    let stranger = TcpStream::connect(listener.local_addr().expect("its address"));
+    let stranger = stranger.expect("a connection");
+    set_socket_linger(&stranger, Some(Duration::from_secs(10))).expect("a socket");
+    if lingering().is_none() {
+        eprintln!("skipped: this system does not let a process see its descriptors");
+        return;
+    }
+
+    let endpoint = endpoint();
+    let config = |listen: &[String], connect: &[String]| LinkConfig {
+        rig: "linger".into(),
+        listen: listen.to_vec(),
+        connect: connect.to_vec(),
+        ..LinkConfig::default()
+    };
+    let one = Link::open(&config(std::slice::from_ref(&endpoint), &[])).expect("a link");
+    let other = Link::open(&config(&[], &[endpoint])).expect("a link");
+    let arrived = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&arrived);
+    let heard = Arc::new(move |_: Topic, _: &[u8]| flag.store(true, Ordering::Relaxed));
+    one.listen(Topic::Stop, heard).expect("to hear");
+    let give_up = Instant::now() + Duration::from_secs(60);
+    while !arrived.load(Ordering::Relaxed) {
+        assert!(
+            Instant::now() < give_up,
+            "the programs do not find each other"
+        );
+        other.send(Topic::Stop, Vec::new()).expect("to send");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+
+    assert_eq!(lingering(), Some(1), "only the stranger's socket lingers");
+    let linger = socket_linger(&stranger);
+    assert_eq!(linger, Ok(Some(Duration::from_secs(10))));
+}

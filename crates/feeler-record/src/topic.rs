@@ -1,0 +1,277 @@
+//! The topics of a recording, each of which carries messages of one type.
+
+use super::channels::{
+    Cap, Command, Findings, Fingertip, Flags, Joints, Moments, ObjectPose, Stamped, Tactile, Task,
+    TorqueSensor, TrueSlip,
+};
+use super::error::RecordError;
+use super::image::Image;
+use super::recording::{PictureAt, Recording};
+use crate::wire::cdr;
+use std::any::Any;
+use std::fmt;
+use std::marker::PhantomData;
+
+/// A topic of a recording, which carries messages of type `M`.
+pub struct Topic<M> {
+    name: &'static str,
+    finger: Option<usize>,
+    message: PhantomData<fn() -> M>,
+}
+
+impl<M> Topic<M> {
+    /// The topic `name` of the whole rig.
+    pub(crate) const fn of_rig(name: &'static str) -> Self {
+        Self {
+            name,
+            finger: None,
+            message: PhantomData,
+        }
+    }
+
+    const fn of_finger(finger: usize, name: &'static str) -> Self {
+        Self {
+            name,
+            finger: Some(finger),
+            message: PhantomData,
+        }
+    }
+
+    /// The finger that its messages are about; none where they are about the whole rig.
+    pub fn finger(self) -> Option<usize> {
+        self.finger
+    }
+
+    /// Name of the topic in the recording.
+    pub fn name(self) -> String {
+        name(self.name, self.finger)
+    }
+
+    /// Checks that the topic is of a rig with `fingers` fingers.
+    pub(crate) fn check_finger(self, fingers: usize) -> Result<(), RecordError> {
+        match self.finger {
+            Some(actual) if actual >= fingers => Err(RecordError::Finger { fingers, actual }),
+            _ => Ok(()),
+        }
+    }
+}
+
+impl<M> Clone for Topic<M> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<M> Copy for Topic<M> {}
+
+impl<M> fmt::Debug for Topic<M> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Topic({})", self.name())
+    }
+}
+
+fn name(topic: &str, finger: Option<usize>) -> String {
+    match finger {
+        Some(finger) => format!("/finger/{finger}/{topic}"),
+        None => format!("/{topic}"),
+    }
+}
+
+/// The topics of a run's recording.
+pub mod topics {
+    use super::*;
+
+    /// Tri-axial forces of a finger.
+    pub const fn tactile(finger: usize) -> Topic<Tactile> {
+        Topic::of_finger(finger, "tactile")
+    }
+
+    /// Flags of a finger.
+    pub const fn flags(finger: usize) -> Topic<Flags> {
+        Topic::of_finger(finger, "flags")
+    }
+
+    /// Encoder readings of a finger.
+    pub const fn joints(finger: usize) -> Topic<Joints> {
+        Topic::of_finger(finger, "joints")
+    }
+
+    /// Commands to a finger.
+    pub const fn command(finger: usize) -> Topic<Command> {
+        Topic::of_finger(finger, "command")
+    }
+
+    /// Poses of a fingertip.
+    pub const fn fingertip(finger: usize) -> Topic<Fingertip> {
+        Topic::of_finger(finger, "fingertip")
+    }
+
+    /// Pictures of the camera in a finger's fingertip; only where pictures are recorded.
+    pub const fn image(finger: usize) -> Topic<Image> {
+        Topic::of_finger(finger, "image")
+    }
+
+    /// Samples of the torque sensor.
+    pub const TORQUE_SENSOR: Topic<TorqueSensor> = Topic::of_rig("torque_sensor");
+    /// True states of the cap.
+    pub const CAP: Topic<Cap> = Topic::of_rig("cap");
+    /// State of the task.
+    pub const TASK: Topic<Task> = Topic::of_rig("task");
+    /// Findings of the task.
+    pub const FINDINGS: Topic<Findings> = Topic::of_rig("findings");
+    /// True poses of the carried object; without messages where no object is free.
+    pub const OBJECT: Topic<ObjectPose> = Topic::of_rig("object");
+    /// True slip of the feelers; without messages where no simulated world tells.
+    pub const TRUE_SLIP: Topic<TrueSlip> = Topic::of_rig("true_slip");
+}
+
+/// A message that a recording holds.
+pub trait RecordedMessage: Stamped + Clone + Any {
+    /// The list of `recording` that keeps the messages of this type: those of `finger`, or of the rig. None
+    /// where there is no such list: there is no such finger, or a recording does not keep them in memory.
+    fn list(recording: &mut Recording, finger: Option<usize>) -> Option<&mut Vec<Self>>;
+
+    /// Reads a message, whose bytes stand in the file as `at` says, into its list.
+    ///
+    /// # Errors
+    /// What is wrong with `bytes`, in words.
+    fn read_into(
+        recording: &mut Recording,
+        finger: Option<usize>,
+        bytes: &[u8],
+        at: PictureAt,
+    ) -> Result<(), String> {
+        let _ = at;
+        let message: Self = cdr::decode(bytes).map_err(|e| e.to_string())?;
+        let stamp = message.stamp();
+        if !stamp.is_finite() {
+            return Err(format!("a finite stamp expected, {stamp} found"));
+        }
+        if let Some(list) = Self::list(recording, finger) {
+            list.push(message);
+        }
+        Ok(())
+    }
+}
+
+/// Implements [`RecordedMessage`] for messages of a finger and of the rig: type and list.
+macro_rules! recorded {
+    (finger: $($of_finger:ident in $finger_list:ident),+; rig: $($of_rig:ident in $rig_list:ident),+ $(,)?) => {
+        $(impl RecordedMessage for $of_finger {
+            fn list(recording: &mut Recording, finger: Option<usize>) -> Option<&mut Vec<Self>> {
+                Some(&mut recording.fingers.get_mut(finger?)?.$finger_list)
+            }
+        })+
+        $(impl RecordedMessage for $of_rig {
+            fn list(recording: &mut Recording, _: Option<usize>) -> Option<&mut Vec<Self>> {
+                Some(&mut recording.$rig_list)
+            }
+        })+
+    };
+}
+
+recorded!(
+    finger: Tactile in tactile,
+    Flags in flags,
+    Joints in joints,
+    Command in command,
+    Fingertip in fingertip;
+    rig: TorqueSensor in torque_sensor,
+    Cap in cap,
+    Task in task,
+    Findings in findings,
+    ObjectPose in object,
+    TrueSlip in true_slip,
+);
+
+/// Only in the file of a sensor without a run around it.
+impl RecordedMessage for Moments {
+    fn list(_: &mut Recording, _: Option<usize>) -> Option<&mut Vec<Self>> {
+        None
+    }
+}
+
+/// Left in its file: a recording in memory has the place of each.
+impl RecordedMessage for Image {
+    fn list(_: &mut Recording, _: Option<usize>) -> Option<&mut Vec<Self>> {
+        None
+    }
+
+    fn read_into(
+        recording: &mut Recording,
+        finger: Option<usize>,
+        bytes: &[u8],
+        at: PictureAt,
+    ) -> Result<(), String> {
+        let image: Self = cdr::decode(bytes).map_err(|e| e.to_string())?;
+        image.check()?;
+        if let Some(finger) = finger.and_then(|finger| recording.fingers.get_mut(finger)) {
+            finger.pictures.push(at);
+        }
+        Ok(())
+    }
+}
+
+/// [`RecordedMessage::read_into`] of a topic's messages.
+pub(crate) type ReadInto =
+    fn(&mut Recording, Option<usize>, &[u8], PictureAt) -> Result<(), String>;
+
+/// A topic whose type of messages is known when the program runs only.
+#[derive(Clone, Copy)]
+pub(crate) struct Channel {
+    name: &'static str,
+    pub finger: Option<usize>,
+    /// Name and text of the schema.
+    pub schema: (&'static str, &'static str),
+    pub read_into: ReadInto,
+}
+
+impl Channel {
+    /// The channels of a run with `fingers` fingers in the order of the recording; those of pictures, if there
+    /// are `pictures`, at the end.
+    pub fn of_run(fingers: usize, pictures: bool) -> Vec<Self> {
+        let mut channels = Vec::new();
+        for finger in 0..fingers {
+            channels.extend([
+                Self::from(topics::tactile(finger)),
+                topics::flags(finger).into(),
+                topics::joints(finger).into(),
+                topics::command(finger).into(),
+                topics::fingertip(finger).into(),
+            ]);
+        }
+        channels.extend([
+            Self::from(topics::TORQUE_SENSOR),
+            topics::CAP.into(),
+            topics::TASK.into(),
+            topics::FINDINGS.into(),
+            topics::OBJECT.into(),
+            topics::TRUE_SLIP.into(),
+        ]);
+        if pictures {
+            channels.extend((0..fingers).map(|finger| Self::from(topics::image(finger))));
+        }
+        channels
+    }
+
+    /// Name of the topic in the recording.
+    pub fn topic(self) -> String {
+        name(self.name, self.finger)
+    }
+
+    /// Whether it is the channel of `topic`.
+    pub fn is_of<M>(self, topic: Topic<M>) -> bool {
+        self.finger == topic.finger && self.name == topic.name
+    }
+}
+
+impl<M: RecordedMessage> From<Topic<M>> for Channel {
+    fn from(topic: Topic<M>) -> Self {
+        Self {
+            name: topic.name,
+            finger: topic.finger,
+            schema: (M::SCHEMA_NAME, M::SCHEMA),
+            read_into: M::read_into,
+        }
+    }
+}
