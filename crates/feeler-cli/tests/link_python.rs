@@ -1,12 +1,15 @@
 //! A program in Python that is no part of feeler watches forces over the link, and stops the hand.
 //!
 //! Needs `pip install eclipse-zenoh==1.10.2 mcap-ros2-support==0.6.0` in the Python named by
-//! `FEELER_PYTHON` (default `python3`); without them the test says that it is skipped.
+//! `FEELER_PYTHON` (default `python3`); without them the test says that it is skipped,
+//! or fails where `FEELER_REQUIRE_ALL` is set.
 
 #![cfg(feature = "link")]
 
 #[path = "support/program.rs"]
 mod program;
+#[path = "support/skip.rs"]
+mod skip;
 
 use feeler_record::Recording;
 use program::{Ended, feeler, folder};
@@ -62,7 +65,9 @@ fn python() -> Option<String> {
     if probe.is_ok_and(|output| output.status.success()) {
         return Some(python);
     }
-    eprintln!("SKIPPED: {python} has no packages eclipse-zenoh and mcap-ros2-support");
+    skip::skipped(&format!(
+        "{python} has no packages eclipse-zenoh and mcap-ros2-support"
+    ));
     None
 }
 

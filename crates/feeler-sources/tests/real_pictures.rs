@@ -5,6 +5,7 @@
 mod contact_pose;
 
 use contact_pose::{DataSet, contact_pose, data_folder};
+use std::io::Write;
 
 /// Bounds: what the data's README knows to be possible (0.080 mm, 0.88 and 0.76 degrees), rounded up
 /// for depth and the second tilt.
@@ -12,7 +13,13 @@ use contact_pose::{DataSet, contact_pose, data_folder};
 fn contact_pose_is_told_from_real_pictures() {
     let folder = data_folder();
     if !folder.join("targets.csv").exists() {
-        eprintln!("SKIPPED: there is no {}; set FEELER_DATA", folder.display());
+        // Not `eprintln!`, which the harness keeps to itself where a test passes. The data are no part of the repository,
+        // so that it is no failure where all else is required.
+        let folder = folder.display();
+        let _ = writeln!(
+            std::io::stderr(),
+            "SKIPPED contact_pose_is_told_from_real_pictures: there is no {folder}; set FEELER_DATA"
+        );
         return;
     }
     let found = contact_pose(&DataSet::read(&folder).unwrap()).unwrap();

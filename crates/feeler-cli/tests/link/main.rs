@@ -5,6 +5,9 @@
 #[path = "../support/program.rs"]
 mod program;
 
+#[path = "../support/skip.rs"]
+mod skip;
+
 #[cfg(all(feature = "top", target_os = "linux"))]
 #[path = "../support/terminal.rs"]
 mod in_terminal;

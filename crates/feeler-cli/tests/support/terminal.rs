@@ -3,6 +3,7 @@
 // Not every test program uses all of it.
 #![allow(dead_code)]
 
+use crate::skip::skipped;
 use std::io::{Read, Write};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
@@ -31,7 +32,7 @@ impl InTerminal {
             .stdout(Stdio::piped())
             .spawn();
         let Ok(child) = child else {
-            eprintln!("skipped: there is no program `script`, which makes a terminal (util-linux)");
+            skipped("there is no program `script`, which makes a terminal (util-linux)");
             return None;
         };
         let drawn = String::new();

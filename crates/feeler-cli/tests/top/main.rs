@@ -4,6 +4,10 @@
 mod program;
 
 #[cfg(target_os = "linux")]
+#[path = "../support/skip.rs"]
+mod skip;
+
+#[cfg(target_os = "linux")]
 #[path = "../support/terminal.rs"]
 mod in_terminal;
 

@@ -6,10 +6,8 @@
 use assert_no_alloc::AllocDisabler;
 
 mod allocation;
-mod flags;
 mod hostile;
 mod laws;
-mod limits;
 mod loop_faults;
 mod missing_shear;
 mod physics;

@@ -1,11 +1,15 @@
 //! Recordings: written, read, by other tools, too, reported and replayed.
 
 mod claims;
+mod digest;
 mod figures;
 mod mcap_tools;
 mod recorded_camera;
 mod recording;
 mod replay;
 mod report;
+#[path = "../support/skip.rs"]
+mod skip;
+mod strokes;
 #[path = "../support/mod.rs"]
 mod support;

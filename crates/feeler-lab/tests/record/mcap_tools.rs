@@ -1,8 +1,10 @@
 //! The MCAP project's own Python packages read a recording as feeler does.
 //!
 //! Needs `pip install mcap mcap-ros2-support` in the Python named by `FEELER_PYTHON` (default
-//! `python3`); without them the test says that it is skipped.
+//! `python3`); without them the test says that it is skipped, or fails where
+//! `FEELER_REQUIRE_ALL` is set.
 
+use crate::skip::skipped;
 use crate::support;
 use feeler::sensor::frame::Frame;
 use feeler_record::wire::Message;
@@ -18,7 +20,9 @@ fn read_by_python(path: &Path) -> Option<Value> {
         .args(["-c", "import mcap, mcap_ros2"])
         .output();
     if !probe.is_ok_and(|output| output.status.success()) {
-        eprintln!("SKIPPED: {python} has no packages mcap and mcap-ros2-support");
+        skipped(&format!(
+            "{python} has no packages mcap and mcap-ros2-support"
+        ));
         return None;
     }
     let output = Command::new(&python)

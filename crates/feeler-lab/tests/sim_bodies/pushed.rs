@@ -48,7 +48,17 @@ fn held(sim: &SimConfig, poses: &[Pose]) -> World {
 
 #[test]
 fn a_pushed_box_gains_the_momentum_that_the_feelers_give() {
-    let sim = floating(0.0);
+    // The object's origin need not be its centre of mass, about which it turns.
+    for offset in [DVec3::ZERO, DVec3::new(0.006, -0.005, 0.008)] {
+        pushed_box_gains_momentum(offset);
+    }
+}
+
+/// Pushes a box about the origin, whose own origin lies off its middle by `-offset`, m.
+fn pushed_box_gains_momentum(offset: DVec3) {
+    let mut sim = floating(0.0);
+    let body = sim.object.get_mut("box").expect("the box");
+    (body.position, body.offset) = ((-offset).to_array(), offset.to_array());
     let at = |time: f64| {
         facing(
             DVec3::X,
@@ -60,10 +70,11 @@ fn a_pushed_box_gains_the_momentum_that_the_feelers_give() {
     let (mut impulse, mut angular_impulse) = (DVec3::ZERO, DVec3::ZERO);
     for n in 1..=400 {
         world.hold_fingertip(0, Some(at(sim.step * f64::from(n))));
+        let centre = world.state().objects[0].pose.rotation * offset;
         world.step().expect("a step");
         let (force, torque) = world.wrench(0);
         impulse += sim.step * force;
-        angular_impulse += sim.step * torque;
+        angular_impulse += sim.step * (torque - centre.cross(force));
     }
     let body = &world.state().objects[0];
     let momentum = MASS * body.velocity;

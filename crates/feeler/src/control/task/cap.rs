@@ -304,3 +304,95 @@ impl Task for CapTask {
             .is_some_and(|o| !["closed", "open"].contains(&o))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::control::feeler_shape::FeelerShape;
+    use crate::control::task::screw::FingerPathConfig;
+
+    const RADIUS: f64 = 0.014;
+    const TRAVEL: f64 = 0.02;
+
+    /// Two fingers on a cap that is screwed until `until`.
+    fn task(until: Until) -> CapTask {
+        let finger = |side: f64| FingerPathConfig {
+            home: [0.05 * side, 0.0, 0.0],
+            approach: [-side, 0.0, 0.0],
+            stroke: [0.0, side, 0.0],
+        };
+        let cap = CapConfig {
+            axis: [0.0; 2],
+            grip: 8.0,
+            damage_force: 4.0,
+            grip_gain: 0.002,
+            clearance: 0.002,
+            still_turn: 0.05,
+            most_friction: 1.5,
+            softest_seat: 0.0,
+            least_turns: 0.0,
+            most_turns: 3.0,
+            open_turns: 3.0,
+            feeler: FeelerShape::default(),
+        };
+        let config = ScrewConfig {
+            until,
+            strokes: 20,
+            search_speed: 0.01,
+            grasp_force: 3.0,
+            search_limit: 0.05,
+            move_speed: 0.02,
+            travel: TRAVEL,
+            return_speed: 0.05,
+            home_tolerance: 0.001,
+            cap: None,
+            finger: vec![finger(1.0), finger(-1.0)],
+        };
+        CapTask::new(&config, &cap)
+    }
+
+    /// What the task says after each stroke: by how much it turns the cap, rad, and whether both fingers slip.
+    fn judged(task: &mut CapTask, strokes: &[(f64, bool)]) -> Vec<Option<&'static str>> {
+        let judge = |&(turn, slid): &(f64, bool)| {
+            for felt in &mut task.touch.fingers {
+                (felt.radius, felt.largest, felt.slid) = (RADIUS, 1.0, slid);
+            }
+            task.stroke_turn = turn;
+            task.turned += turn;
+            task.judge();
+            task.outcome
+        };
+        strokes.iter().map(judge).collect()
+    }
+
+    const STILL: (f64, bool) = (0.01, true);
+    /// Less than half of what the travel would turn a cap freely.
+    const TURNS: (f64, bool) = (0.3 * TRAVEL / RADIUS, true);
+
+    #[test]
+    fn a_cap_has_stood_still_after_two_strokes_in_a_row() {
+        for (until, outcome) in [(Until::Closed, "closed"), (Until::Open, "stuck")] {
+            let mut task = task(until);
+            let strokes = [TURNS, STILL, TURNS, STILL, TURNS, STILL, STILL];
+            let mut expected = [None; 7];
+            expected[6] = Some(outcome);
+            assert_eq!(judged(&mut task, &strokes), expected, "{until:?}");
+        }
+    }
+
+    #[test]
+    fn a_gentle_stroke_or_one_that_does_not_slip_is_none_that_stands_still() {
+        let mut gentle = task(Until::Closed);
+        // The first is made gently, and says that the next shall be firm.
+        assert_eq!(
+            judged(&mut gentle, &[STILL, STILL, STILL]),
+            [None, None, Some("closed")]
+        );
+        let mut sticks = task(Until::Open);
+        let stuck = (STILL.0, false);
+        assert_eq!(
+            judged(&mut sticks, &[STILL, stuck, STILL, STILL]),
+            [None, None, None, Some("stuck")]
+        );
+    }
+}

@@ -105,4 +105,29 @@ mod tests {
         assert_eq!(curve.stiffness(0.5), Some(f64::INFINITY));
         assert_eq!(curve.largest, 1e-3 * 59.0);
     }
+
+    /// What resists with 0.1 N·m/rad up to 42 mN·m and with 0.5 N·m/rad from there to 50 mN·m, felt in steps of 10 µN·m.
+    fn bent() -> ResistanceCurve {
+        let mut curve = ResistanceCurve::default();
+        for step in 0..=5000 {
+            let torque = 1e-5 * f64::from(step);
+            curve.push(
+                torque,
+                torque.min(0.042) / 0.1 + (torque - 0.042).max(0.0) / 0.5,
+            );
+        }
+        curve
+    }
+
+    #[test]
+    fn gentle_strokes_that_grip_as_hard_as_firm_ones_leave_a_fifth_of_the_torque_to_judge_by() {
+        // From 35 to 45 mN·m it gives way by 70 and by 6 mrad.
+        let expected = 0.010 / 0.076;
+        for gentle in [0.6, 0.7, 0.74, 1.0, 3.0] {
+            let stiffness = bent().stiffness(gentle).expect("a stiffness");
+            // Points are 3 % apart, and either end may be one off: 1.4 of 10 mN·m, of which the turn goes along.
+            let error = (stiffness / expected - 1.0).abs();
+            assert!(error < 0.15, "{stiffness} N m/rad with {gentle}");
+        }
+    }
 }

@@ -1,6 +1,6 @@
 //! The one door to the hand: each limit with numbers, by itself and over whole motions.
 
-use super::rig::{config, geometries, home};
+use super::rig::{control, geometry, home};
 use feeler::control::limits::{Admitted, LimitsConfig, Request};
 use feeler::hand::finger::FingerGeometry;
 use feeler::hand::kinematics::{fingertip_pose, jacobian};
@@ -17,11 +17,10 @@ struct Finger {
 
 impl Finger {
     fn at_home() -> Self {
-        let config = config();
         Self {
-            limits: config.control.limits.clone(),
-            geometry: geometries(&config)[0].clone(),
-            theta: home(&config)[0],
+            limits: control().limits,
+            geometry: geometry(),
+            theta: home(),
             previous: DVec3::ZERO,
         }
     }

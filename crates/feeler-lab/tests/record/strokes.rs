@@ -1,0 +1,64 @@
+//! The measures of one stroke on columns made by hand.
+
+use crate::support;
+use feeler_record::Phase;
+use feeler_report::StrokeMeasures;
+use feeler_report::run_data::{FingerColumns, RunData, Stroke};
+use glam::{DQuat, DVec3};
+use std::collections::BTreeMap;
+
+const ROWS: usize = 1001;
+
+/// A stroke in which the shear rate of each finger takes 0, 1, .. 1000 times its `rate` (N/s), in no order, and the torque
+/// goes up to `torque` (N m).
+fn data(rates: &[f64], torque: f64) -> RunData {
+    let finger = |&rate: &f64| FingerColumns {
+        grasp_force: vec![1.0; ROWS],
+        slip: vec![false; ROWS],
+        over: vec![false; ROWS],
+        slipped: vec![None; ROWS],
+        largest_element: vec![Some(0); ROWS],
+        // 389 and 1001 have no divisor in common: every value once.
+        shear_rate: (0..ROWS)
+            .map(|row| rate * (389 * row % ROWS) as f64)
+            .collect(),
+        forces: vec![vec![DVec3::Z]; ROWS],
+        position: vec![DVec3::ZERO; ROWS],
+        rotation: vec![DQuat::IDENTITY; ROWS],
+        element_tips: vec![vec![DVec3::X]; ROWS],
+    };
+    RunData {
+        facts: support::facts(),
+        time: (0..ROWS).map(|row| row as f64 * support::PERIOD).collect(),
+        phase: vec![Phase::Move; ROWS],
+        torque: (0..ROWS).map(|row| torque * row as f64 / 1000.0).collect(),
+        cap_angle: vec![0.0; ROWS],
+        cap_centre: vec![DVec3::ZERO; ROWS],
+        fingers: rates.iter().map(finger).collect(),
+        strokes: Vec::new(),
+        findings: BTreeMap::new(),
+    }
+}
+
+#[test]
+fn the_peak_of_the_shear_rate_is_what_one_row_in_a_hundred_exceeds() {
+    let stroke = Stroke {
+        index: 1,
+        rows: 0..ROWS,
+        moving: 0..ROWS,
+        whole: true,
+    };
+    let data = data(&[0.01, 0.03], 0.05);
+    let measures = StrokeMeasures::new(&data, &stroke);
+    // 990 of 0..=1000 for each finger, mean of both; rounding.
+    let peak = measures.peak_shear_rate.expect("a shear rate");
+    assert!((peak - 0.02 * 990.0).abs() < 1e-12, "{peak} N/s");
+    let above = |finger: &FingerColumns| {
+        let rates = finger.shear_rate.iter();
+        rates
+            .filter(|&&rate| rate > peak * finger.shear_rate[1] / (0.02 * 389.0))
+            .count()
+    };
+    assert!(data.fingers.iter().all(|finger| above(finger) == 10));
+    assert_eq!(measures.peak_torque, Some(0.05));
+}

@@ -1,0 +1,135 @@
+//! What the trials of a sweep draw, and which of them are left after a stop.
+
+use feeler_lab::config::Experiment;
+use feeler_lab::sweep::store::GROWING;
+use feeler_lab::sweep::table::line;
+use feeler_lab::sweep::trial::Trials;
+use feeler_lab::sweep::{Ended, Plan, Progress, Store, engine};
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+use std::sync::atomic::AtomicBool;
+use std::{fs, io};
+
+/// A sweep of `trials` trials over `vary`, each of a tenth of a second.
+fn trials(vary: &[&str], trials: u64) -> Trials {
+    let settings = ["sensing=direct", "time_limit=0.1"].map(String::from);
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/stiff-feelers.toml");
+    let experiment = Experiment::load(file, &settings).expect("the rig");
+    let vary: Vec<_> = vary.iter().map(|text| (*text).to_string()).collect();
+    Trials::new(&Plan::new(&experiment, file, &vary, 7, trials)).expect("a sweep")
+}
+
+const FRICTION: &str = "sim.variation.friction=uniform(0,0.5)";
+const SPEED: &str = "control.recompression_speed=uniform(0.001,0.005)";
+const OVER: &str = "control.over_force=uniform(1,3)";
+
+/// What trials 0 to 399 draw: seeds, and the values of each parameter, of its range 0 to 1.
+fn drawn(vary: &[&str]) -> (Vec<u64>, Vec<Vec<f64>>) {
+    let trials = trials(vary, 400);
+    let draws: Vec<_> = (0..400).map(|trial| trials.draw(trial)).collect();
+    let number = |text: &str| -> f64 { text.parse().expect("a number") };
+    let values = vary.iter().enumerate().map(|(index, parameter)| {
+        let range = parameter.split(['(', ',', ')']).skip(1).take(2).map(number);
+        let [low, high] = range.collect::<Vec<_>>()[..] else {
+            panic!("a range: {parameter}")
+        };
+        let values = draws.iter().map(|drawn| number(&drawn.values[index]));
+        values.map(|value| (value - low) / (high - low)).collect()
+    });
+    (draws.iter().map(|d| d.seed).collect(), values.collect())
+}
+
+#[test]
+fn what_a_parameter_draws_does_not_depend_on_what_else_varies() {
+    let (seeds, one) = drawn(&[OVER]);
+    let (seeds_beside, beside) = drawn(&[FRICTION, SPEED, OVER]);
+    assert_eq!(seeds, seeds_beside);
+    assert_eq!(one[0], beside[2]);
+}
+
+#[test]
+fn trials_and_parameters_draw_independently() {
+    let (seeds, values) = drawn(&[FRICTION, SPEED, OVER]);
+    assert_eq!(seeds.iter().collect::<BTreeSet<_>>().len(), 400);
+    // Each is uniform from 0 to 1: mean 1/2, variance 1/12. Of 400, the mean is within five standard deviations of
+    // 1/sqrt(12 * 400), and a correlation of independent ones within five of 1/sqrt(400).
+    let deviation = |v: &[f64]| -> Vec<f64> { v.iter().map(|x| x - 0.5).collect() };
+    let seeds: Vec<f64> = seeds.iter().map(|&s| s as f64 / 2_f64.powi(63)).collect();
+    let series: Vec<_> = values
+        .iter()
+        .chain([&seeds])
+        .map(|v| deviation(v))
+        .collect();
+    for (index, a) in series.iter().enumerate() {
+        let mean = a.iter().sum::<f64>() / 400.0;
+        assert!(mean.abs() < 0.0722, "mean {mean} of {index}");
+        for (other, b) in series.iter().enumerate().skip(index + 1) {
+            let product: f64 = a.iter().zip(b).map(|(a, b)| a * b).sum();
+            let correlation = 12.0 * product / 400.0;
+            assert!(
+                correlation.abs() < 0.25,
+                "{correlation} of {index} and {other}"
+            );
+        }
+        // One trial and the next.
+        let product: f64 = a.windows(2).map(|pair| pair[0] * pair[1]).sum();
+        let correlation = 12.0 * product / 399.0;
+        assert!(
+            correlation.abs() < 0.25,
+            "{correlation} of {index} and the next trial"
+        );
+    }
+}
+
+/// Counts what is run.
+#[derive(Default)]
+struct Count(u64);
+
+impl Progress for Count {
+    fn show(&mut self, _: u64, of: u64, _: u64) {
+        assert_eq!(of, 5);
+        self.0 += 1;
+    }
+}
+
+/// An empty folder for a test.
+fn folder(name: &str) -> PathBuf {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
+    match fs::remove_dir_all(&folder) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => panic!("{error}"),
+        _ => folder,
+    }
+}
+
+#[test]
+fn a_sweep_that_goes_on_runs_all_that_is_missing_wherever_it_is() {
+    let trials = trials(&["control.recompression_speed=uniform(0.002,0.004)"], 5);
+    let rows: Vec<_> = (0..5).map(|trial| trials.run(trial)).collect();
+    // Several threads finish in any order: the rows on disk have gaps before, between and after them.
+    for (number, kept) in [vec![], vec![2], vec![4, 1], vec![3, 0, 4]]
+        .iter()
+        .enumerate()
+    {
+        let folder = folder(&format!("resumed-{number}"));
+        let plan = trials.plan();
+        let store = Store::create(&folder, plan, trials.header()).expect("a folder");
+        drop(store);
+        let lines = kept.iter().map(|&trial: &usize| line(&rows[trial]));
+        let text = [line(&trials.header()), lines.flatten().collect()].concat();
+        fs::write(folder.join(GROWING), text).expect("the table");
+        let mut store = Store::resume(&folder, plan, trials.header()).expect("a sweep");
+        let mut count = Count::default();
+        let stop = AtomicBool::new(false);
+        let ended = engine::run(&trials, &mut store, 5, 2, &stop, &mut count).expect("a run");
+        assert_eq!(
+            (ended, count.0),
+            (Ended::Whole, 5 - kept.len() as u64),
+            "{kept:?}"
+        );
+        let table = store.finish().expect("the table");
+        assert!(
+            table.rows.into_values().eq(rows.iter().cloned()),
+            "{kept:?}"
+        );
+    }
+}

@@ -1,0 +1,83 @@
+//! Input that is no number stops the hand, wherever it stands.
+
+use super::rig::{controller, state, touch};
+use feeler::control::stop_reason::StopReason;
+use feeler::control::touch::FingerTouch;
+use feeler::hand::hand::{HandCommand, HandState};
+use glam::DVec3;
+
+/// Why the hand stops at this input, and what it is told.
+fn decided(touch: &FingerTouch, state: &HandState) -> (Option<StopReason>, DVec3) {
+    let mut controller = controller();
+    let mut command = HandCommand {
+        joint_velocity: vec![DVec3::ONE],
+    };
+    controller.decide(std::slice::from_ref(touch), state, &mut command);
+    let stopped = controller.stop_reason().cloned();
+    (stopped, command.joint_velocity[0])
+}
+
+#[test]
+fn a_finger_that_all_is_well_with_moves() {
+    let (stopped, velocity) = decided(&touch(1.0), &state());
+    assert_eq!(stopped, None);
+    assert!(velocity != DVec3::ZERO);
+}
+
+#[test]
+fn a_number_that_is_none_stops_the_hand_in_every_place() {
+    for wrong in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        for axis in 0..3 {
+            let mut angle = state();
+            angle.joints[0].position[axis] = wrong;
+            let mut speed = state();
+            speed.joints[0].velocity[axis] = wrong;
+            let mut force = touch(1.0);
+            force.frame.forces[2][axis] = wrong;
+            for (touch, state, what) in [
+                (touch(1.0), angle, "joint state"),
+                (touch(1.0), speed, "joint state"),
+                (force, state(), "force"),
+            ] {
+                let finger = 0;
+                let expected = Some(StopReason::NotFinite { finger, what });
+                let (stopped, velocity) = decided(&touch, &state);
+                assert_eq!(stopped, expected, "{wrong} along {axis}");
+                assert_eq!(velocity, DVec3::ZERO);
+            }
+        }
+    }
+}
+
+#[test]
+fn forces_may_be_as_old_as_the_limit_and_no_older_nor_from_a_time_to_come() {
+    // 3.5 periods of 10 ms; a microsecond beside it is beyond rounding.
+    for (stamp, good) in [
+        (1.0 - 0.034_999, true),
+        (1.0 - 0.035_001, false),
+        (1.0 + 0.034_999, true),
+        (1.0 + 0.035_001, false),
+        (f64::NAN, false),
+    ] {
+        let (stopped, _) = decided(&touch(stamp), &state());
+        let stale = matches!(stopped, Some(StopReason::StaleForces { finger: 0, .. }));
+        assert_eq!(stale, !good, "{stamp}: {stopped:?}");
+        assert_eq!(stopped.is_none(), good, "{stamp}: {stopped:?}");
+    }
+}
+
+#[test]
+fn an_element_that_is_pressed_harder_than_the_limit_stops_the_hand() {
+    for (force, good) in [(4.0, true), (4.000_1, false), (-9.0, true)] {
+        let mut touch = touch(1.0);
+        touch.frame.forces[1].z = force;
+        let (stopped, _) = decided(&touch, &state());
+        let expected = (!good).then_some(StopReason::Overload {
+            finger: 0,
+            element: 1,
+            force,
+            limit: 4.0,
+        });
+        assert_eq!(stopped, expected);
+    }
+}

@@ -1,0 +1,7 @@
+//! The hand program on made-up input: checks, flags, limits and tasks.
+
+mod contour;
+mod faulty_input;
+mod flags;
+mod limits;
+mod rig;

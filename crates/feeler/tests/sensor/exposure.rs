@@ -1,0 +1,35 @@
+//! How many saturated pixels an element may have.
+
+use feeler::sensor::exposure::{SATURATED, SaturationCheck};
+use feeler::sensor::frame::Picture;
+use feeler::sensor::subregion::WeightedPixel;
+use glam::DVec2;
+
+#[test]
+fn no_more_than_the_allowed_part_of_any_number_of_pixels_may_be_saturated() {
+    // In parts of which none has a multiple that is a whole number but for rounding.
+    for (max_saturated, part) in [(0.0, (0, 1)), (0.0625, (1, 16)), (0.25, (1, 4))] {
+        for pixels in 1..=70 {
+            let region = (0..pixels).map(|column| WeightedPixel {
+                column,
+                row: 0,
+                area: 1.0,
+                point: DVec2::ZERO,
+            });
+            let check = SaturationCheck::new(70, &[region.collect()], max_saturated);
+            let mut picture = Picture::black(70, 1);
+            for saturated in 0..=pixels {
+                let (numerator, denominator) = part;
+                let too_many = saturated * denominator > pixels * numerator;
+                assert_eq!(
+                    check.saturated(&picture, 0),
+                    too_many,
+                    "{saturated} of {pixels} with {max_saturated} allowed"
+                );
+                if saturated < pixels {
+                    picture.pixels[saturated] = SATURATED;
+                }
+            }
+        }
+    }
+}
