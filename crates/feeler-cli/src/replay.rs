@@ -1,7 +1,7 @@
 //! `feeler replay`
 
 use super::interrupt::watch_for_interrupt;
-use super::progress::Steps;
+use super::progress::{Steps, Working};
 use super::report::print_claims;
 use super::{CommandError, Outcome, run_folder};
 use feeler_lab::config::Experiment;
@@ -42,7 +42,9 @@ enum From {
 
 pub fn replay(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     let path = recording_path(&arguments.run)?;
+    let reading = Working::on("reading the recording");
     let recording = Recording::read(&path)?;
+    drop(reading);
     let experiment = recorded_experiment(&recording, &arguments.settings)?;
     let from = match arguments.from {
         From::Frames => ReplayFrom::Frames(&path),
@@ -140,7 +142,7 @@ fn go_through(
         ended = replay.step();
         progress.advance();
     }
-    progress.clear();
+    drop(progress);
     let (comparison, copy) = replay.finish();
     (comparison, copy, ended.map_err(CommandError::from))
 }
