@@ -32,6 +32,7 @@ pub mod top;
 mod watcher;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use feeler_record::{RunEnd, RunState};
 use link::orders::Order;
 use output::Output;
 use std::io::{Write, stderr, stdout};
@@ -115,6 +116,15 @@ enum Outcome {
     Done,
     GivenUp,
     Differs,
+}
+
+impl From<&RunEnd> for Outcome {
+    fn from(end: &RunEnd) -> Self {
+        match end.state {
+            RunState::Done => Self::Done,
+            RunState::GivenUp | RunState::Interrupted => Self::GivenUp,
+        }
+    }
 }
 
 type CommandError = Box<dyn std::error::Error>;

@@ -2,7 +2,7 @@
 
 use super::interrupt::watch_for_interrupt;
 use super::progress::{Steps, Working};
-use super::report::print_claims;
+use super::report::print_outcome;
 use super::{CommandError, Outcome, run_folder};
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::log::run_facts;
@@ -66,7 +66,7 @@ pub fn replay(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Com
     ended?;
     closed?;
     if let Some(made) = made? {
-        print_claims(&made, out)?;
+        print_outcome(&made, out)?;
     }
     if let Some(problem) = &recording.problem {
         let (path, until) = (path.display(), recording.readable_until);

@@ -8,6 +8,7 @@ use super::digest::{Digest, Digester};
 use super::error::RecordError;
 use super::facts::RunFacts;
 use super::image::Image;
+use super::run_end::{RunEnd, RunState};
 use super::scan::scan;
 use super::sink::{CALIBRATION, END, EXPERIMENT, FACTS, digest_facts};
 use crate::wire::cdr;
@@ -55,6 +56,8 @@ pub struct Recording {
     /// The calibration files that the experiment names: name to text. Empty in a recording of forces that were
     /// not calibrated.
     pub calibrations: BTreeMap<String, String>,
+    /// How the run ended.
+    pub end: RunEnd,
     /// Wall time of the run, s, if it was written.
     pub wall_time: Option<f64>,
     /// Digest of what was read.
@@ -121,6 +124,7 @@ impl Recording {
             facts,
             experiment: String::new(),
             calibrations: BTreeMap::new(),
+            end: RunEnd::because(RunState::Interrupted, "the run was not closed"),
             wall_time: None,
             digest: Digester::default().finish(),
             complete: false,
@@ -282,6 +286,7 @@ impl Collector {
             (None, Some(_)) => None,
         };
         recording.complete = recording.problem.is_none();
+        recording.end = RunEnd::of(&recording, self.end.as_ref());
         Ok(recording)
     }
 }

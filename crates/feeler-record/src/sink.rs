@@ -4,6 +4,7 @@ use super::channels::Topic;
 use super::digest::{Digest, Digester};
 use super::error::RecordError;
 use super::facts::RunFacts;
+use super::run_end::RunEnd;
 use ::mcap::records::{MessageHeader, Metadata};
 use ::mcap::write::NoSeek;
 use ::mcap::{Attachment, McapError, WriteOptions, Writer};
@@ -15,7 +16,7 @@ use std::path::{Path, PathBuf};
 
 /// Name of the metadata record that holds the run's facts, at the file's start.
 pub const FACTS: &str = "feeler.run";
-/// Name of the metadata record at the file's end: wall time and digest.
+/// Name of the metadata record at the file's end: wall time, digest, and how the run ended.
 pub const END: &str = "feeler.end";
 /// Name of the attachment that holds the experiment as run.
 pub const EXPERIMENT: &str = "experiment.toml";
@@ -160,12 +161,19 @@ impl Sink {
         flushed.map_err(|source| mcap_error(&self.path, source))
     }
 
-    /// Writes wall time (s) and digest, and closes the file.
-    pub fn close(mut self, wall_time: Option<f64>) -> Result<Digest, RecordError> {
+    /// Writes wall time (s), digest and how the run ended, and closes the file.
+    pub fn close(
+        mut self,
+        wall_time: Option<f64>,
+        run_end: Option<&RunEnd>,
+    ) -> Result<Digest, RecordError> {
         let digest = std::mem::take(&mut self.digester).finish();
         let mut metadata = BTreeMap::from([("digest".to_string(), digest.to_string())]);
         if let Some(seconds) = wall_time {
             metadata.insert("wall_time".into(), seconds.to_string());
+        }
+        if let Some(run_end) = run_end {
+            run_end.write(&mut metadata);
         }
         let end = Metadata {
             name: END.into(),
@@ -182,8 +190,8 @@ impl Sink {
 }
 
 /// The facts that are no part of the digest: what only a simulated world knows shows in the forces, and a hand in a
-/// program of its own does not know it.
-const TRUTH: [&str; 2] = ["truth", "section"];
+/// program of its own does not know it; and what the experiment, which is taken in, says, too.
+const NOT_DIGESTED: [&str; 3] = ["truth", "section", "law"];
 
 /// Takes in the facts and the experiment, as they stand before all messages.
 pub fn digest_facts(
@@ -193,7 +201,7 @@ pub fn digest_facts(
 ) {
     for (key, value) in facts
         .iter()
-        .filter(|(key, _)| !TRUTH.contains(&key.as_str()))
+        .filter(|(key, _)| !NOT_DIGESTED.contains(&key.as_str()))
     {
         digester.block(key.as_bytes());
         digester.block(value.as_bytes());

@@ -34,6 +34,7 @@ pub fn run_facts(config: &ExperimentConfig) -> RunFacts {
             Sensing::Image => "image".to_string(),
             Sensing::Direct => "direct".to_string(),
         },
+        law: Some(config.control.law.name().to_string()),
         control_period: config.control.period,
         fingers: config.hand.finger.len(),
         cap_radius: cap_radius(&config.sim),

@@ -79,7 +79,7 @@ fn what_an_unfinished_run_does_not_define_does_not_hold() {
             .expect("the claim");
         (claim.holds, claim.value.is_some())
     };
-    assert_eq!(holds("four-heaps"), (false, true));
+    assert_eq!(holds("four-peaks"), (false, true));
     assert_eq!(holds("first-stroke-torque-rises"), (true, true));
     for id in ["closed-after-third", "bumps-in-step", "path-saturates"] {
         assert_eq!(holds(id), (false, false), "{id}");
@@ -138,7 +138,7 @@ fn the_keys_of_the_summary_are_stable() {
     assert_eq!(
         ids,
         [
-            "four-heaps",
+            "four-peaks",
             "first-stroke-torque-rises",
             "closed-after-third",
             "shear-rate-marks-closing",
