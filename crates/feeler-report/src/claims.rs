@@ -16,11 +16,11 @@ use glam::DVec3;
 
 /// Strokes that the paper's experiment makes.
 const STROKES: u32 = 4;
-/// A heap rises above this share of the run's peak…
+/// A peak rises above this share of the run's peak…
 const PEAK_RISES_ABOVE: f64 = 0.10;
 /// …and ends when it falls below this share.
 const PEAK_ENDS_BELOW: f64 = 0.05;
-/// Length of the moving mean that goes over series before heaps are counted and before torque
+/// Length of the moving mean that goes over series before peaks are counted and before torque
 /// rate and shear rate are compared, s.
 pub const SMOOTHING: f64 = 0.05;
 /// Largest lag at which torque rate and shear rate are compared, s.
@@ -52,7 +52,7 @@ pub fn claims(data: &RunData) -> Vec<Claim> {
 
 fn four_peaks(data: &RunData) -> Claim {
     let window = samples(data, SMOOTHING);
-    let heaps = |values: Vec<f64>| {
+    let peaks = |values: Vec<f64>| {
         let count = count_peaks(
             &moving_mean(&values, window),
             PEAK_RISES_ABOVE,
@@ -61,8 +61,8 @@ fn four_peaks(data: &RunData) -> Claim {
         count.map(|count| count as f64)
     };
     let rows = 0..data.time.len();
-    let grasp_force = heaps(rows.map(|row| data.grasp_force(row)).collect());
-    let torque = heaps(data.torque.clone());
+    let grasp_force = peaks(rows.map(|row| data.grasp_force(row)).collect());
+    let torque = peaks(data.torque.clone());
     let bound = f64::from(STROKES);
     Claim::new(
         "four-peaks",
