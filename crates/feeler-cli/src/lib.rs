@@ -31,7 +31,8 @@ mod throttle;
 pub mod top;
 mod watcher;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use feeler_record::{RunEnd, RunState};
 use link::orders::Order;
 use output::Output;
 use std::io::{Write, stderr, stdout};
@@ -117,11 +118,21 @@ enum Outcome {
     Differs,
 }
 
+impl From<&RunEnd> for Outcome {
+    fn from(end: &RunEnd) -> Self {
+        match end.state {
+            RunState::Done => Self::Done,
+            RunState::GivenUp | RunState::Interrupted => Self::GivenUp,
+        }
+    }
+}
+
 type CommandError = Box<dyn std::error::Error>;
 
 /// Runs the program on the process's arguments.
 pub fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let matches = command_line().get_matches();
+    let arguments = Arguments::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     let mut out = Output::new(stdout().lock());
     let result = run_command(arguments.command, &mut out)
         .and_then(|outcome| Ok(out.flush().map(|()| outcome)?));
@@ -134,6 +145,16 @@ pub fn main() -> ExitCode {
             ExitCode::from(2)
         }
     }
+}
+
+/// The program's command line. A value may be negative, so that -1 is refused for what it is and not taken for an option.
+fn command_line() -> clap::Command {
+    let negative = |argument: clap::Arg| {
+        let is_option = argument.get_long().is_some() && argument.get_action().takes_values();
+        argument.allow_negative_numbers(is_option)
+    };
+    let subcommand = move |command: clap::Command| command.mut_args(negative);
+    Arguments::command().mut_subcommands(subcommand)
 }
 
 fn run_command(command: Command, out: &mut dyn Write) -> Result<Outcome, CommandError> {
@@ -163,12 +184,11 @@ fn run_command(command: Command, out: &mut dyn Write) -> Result<Outcome, Command
 
 #[cfg(test)]
 mod tests {
-    use super::Arguments;
-    use clap::CommandFactory;
+    use super::command_line;
 
     /// Without debug assertions, clap lets one argument's value stand for another of the same name.
     #[test]
     fn no_subcommand_has_two_arguments_of_a_name() {
-        Arguments::command().debug_assert();
+        command_line().debug_assert();
     }
 }

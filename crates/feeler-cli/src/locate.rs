@@ -1,7 +1,8 @@
 //! `feeler locate`
 
 use super::locate_preview::preview;
-use super::part_file::PartFile;
+use super::part_file::{Outputs, Overwrite};
+use super::progress::{Steps, Working};
 use super::{CommandError, Outcome};
 use feeler::sensor::{
     dome::CameraConfig,
@@ -11,7 +12,7 @@ use feeler::sensor::{
 use feeler_lab::config::Experiment;
 use feeler_sources::picture::read_picture;
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
@@ -24,6 +25,8 @@ pub struct Arguments {
     /// Draw what was found over the picture, into this file (PNG).
     #[arg(long, value_name = "FILE")]
     preview: Option<PathBuf>,
+    #[command(flatten)]
+    overwrite: Overwrite,
     /// Diameter of a bright spot, px [default: what most spots have]
     #[arg(long, value_name = "PX")]
     spot_diameter: Option<f64>,
@@ -44,12 +47,7 @@ pub struct Arguments {
     #[arg(long, value_name = "PX", requires = "dome_radius")]
     focal_length_px: Option<f64>,
     /// Distance of the camera's pinhole behind the dome's centre, m.
-    #[arg(
-        long,
-        value_name = "M",
-        requires = "dome_radius",
-        allow_negative_numbers = true
-    )]
+    #[arg(long, value_name = "M", requires = "dome_radius", value_parser = distance)]
     standoff: Option<f64>,
     /// Column and row at which the dome's axis is seen, px [default: the picture's middle]
     #[arg(
@@ -62,25 +60,42 @@ pub struct Arguments {
     axis_px: Vec<f64>,
 }
 
+fn distance(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok();
+    let distance = number.filter(|number| number.is_finite() && *number >= 0.0);
+    distance.ok_or_else(|| "expected a distance, 0 m or more".into())
+}
+
 pub fn locate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
+    let references = arguments.references.iter().map(|path| Some(path.as_path()));
+    let inputs = references.chain([arguments.dome.as_deref().map(Path::new)]);
+    let mut outputs = Outputs::new(arguments.overwrite, inputs);
+    // Opened first: locating takes its time.
+    let layout_file = outputs.create(&arguments.output, "--output")?;
+    let preview_file = match &arguments.preview {
+        Some(path) => Some(outputs.create(path, "--preview")?),
+        None => None,
+    };
     let reference = mean_of_files(&arguments.references)?;
     let config = LocateConfig {
         spot_diameter_px: arguments.spot_diameter,
         element_diameter_px: arguments.element_diameter,
         region_radius: arguments.region_radius,
     };
+    let working = Working::on("locating the elements");
     let located = locate::locate(&reference, &config)?;
+    drop(working);
     let layout = match dome_geometry(arguments, &reference)? {
         Some(dome) => LocatedLayout::on_dome(&located, dome)?,
         None => LocatedLayout::new(&located),
     };
     // What the layout is for has to work before it is written.
     layout.kernel()?;
-    PartFile::create(&arguments.output, "--output")?.finish(layout.to_toml()?.as_bytes())?;
-    if let Some(path) = &arguments.preview {
+    layout_file.finish(layout.to_toml()?.as_bytes())?;
+    if let Some(file) = preview_file {
         let mut png = std::io::Cursor::new(Vec::new());
         preview(&reference, &layout).write_to(&mut png, image::ImageFormat::Png)?;
-        PartFile::create(path, "--preview")?.finish(png.get_ref())?;
+        file.finish(png.get_ref())?;
     }
     let spots = match located.spots_per_element {
         1 => "spots".into(),
@@ -136,10 +151,12 @@ fn in_layout_order(located: &locate::Located, layout: &LocatedLayout) -> Vec<Loc
 /// The mean of the pictures in `files`.
 fn mean_of_files(files: &[PathBuf]) -> Result<ReferencePicture, CommandError> {
     let mut mean = MeanPicture::default();
+    let progress = Steps::new(files.len());
     for file in files {
         let failed = |e: &dyn std::error::Error| format!("{}: {e}", file.display());
         let picture = read_picture(file).map_err(|e| failed(&e))?;
         mean.add(&picture).map_err(|e| failed(&e))?;
+        progress.advance();
     }
     Ok(mean.finish()?)
 }

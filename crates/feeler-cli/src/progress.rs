@@ -3,7 +3,7 @@
 use feeler::control::phase::Phase;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::Session;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{ProgressBar, ProgressStyle};
 use std::time::{Duration, Instant};
 
 /// A progress bar over the run's strokes.
@@ -61,37 +61,53 @@ impl Progress {
     }
 }
 
-/// A progress bar over steps, for work that may be over before anyone looks.
+/// How often what waits for its next step shows that it goes on.
+const TICK: Duration = Duration::from_millis(100);
+
+/// A progress bar over steps, there from the first moment, for the first step may take long.
 pub struct Steps {
     bar: ProgressBar,
-    start: Instant,
 }
 
 impl Steps {
-    /// What takes no longer than this shows no bar.
-    const PATIENCE: Duration = Duration::from_secs(2);
-
     /// A bar over so many steps; hidden unless standard error is a terminal.
     pub fn new(steps: usize) -> Self {
-        let bar = ProgressBar::with_draw_target(Some(steps as u64), ProgressDrawTarget::hidden());
+        let bar = ProgressBar::new(steps as u64);
         let style = ProgressStyle::with_template("{bar:32} {pos}/{len} steps, {eta} left");
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-        Self {
-            bar,
-            start: Instant::now(),
-        }
+        bar.enable_steady_tick(TICK);
+        Self { bar }
     }
 
     /// One more step is done.
     pub fn advance(&self) {
         self.bar.inc(1);
-        if self.bar.is_hidden() && self.start.elapsed() > Self::PATIENCE {
-            self.bar.set_draw_target(ProgressDrawTarget::stderr());
-        }
     }
+}
 
-    /// Takes the bar off the screen.
-    pub fn clear(&self) {
+impl Drop for Steps {
+    fn drop(&mut self) {
         self.bar.finish_and_clear();
+    }
+}
+
+/// Work of which nobody knows how long it takes; on the screen until it is dropped.
+pub struct Working(ProgressBar);
+
+impl Working {
+    /// Says what is done, as in `fitting`; hidden unless standard error is a terminal.
+    pub fn on(what: &'static str) -> Self {
+        let bar = ProgressBar::new_spinner();
+        let style = ProgressStyle::with_template("{spinner} {msg}, {elapsed}");
+        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
+        bar.set_message(what);
+        bar.enable_steady_tick(TICK);
+        Self(bar)
+    }
+}
+
+impl Drop for Working {
+    fn drop(&mut self) {
+        self.0.finish_and_clear();
     }
 }

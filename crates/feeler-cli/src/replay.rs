@@ -1,8 +1,8 @@
 //! `feeler replay`
 
 use super::interrupt::watch_for_interrupt;
-use super::progress::Steps;
-use super::report::print_claims;
+use super::progress::{Steps, Working};
+use super::report::print_outcome;
 use super::{CommandError, Outcome, run_folder};
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::log::run_facts;
@@ -42,7 +42,9 @@ enum From {
 
 pub fn replay(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     let path = recording_path(&arguments.run)?;
+    let reading = Working::on("reading the recording");
     let recording = Recording::read(&path)?;
+    drop(reading);
     let experiment = recorded_experiment(&recording, &arguments.settings)?;
     let from = match arguments.from {
         From::Frames => ReplayFrom::Frames(&path),
@@ -64,7 +66,7 @@ pub fn replay(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Com
     ended?;
     closed?;
     if let Some(made) = made? {
-        print_claims(&made, out)?;
+        print_outcome(&made, out)?;
     }
     if let Some(problem) = &recording.problem {
         let (path, until) = (path.display(), recording.readable_until);
@@ -140,7 +142,7 @@ fn go_through(
         ended = replay.step();
         progress.advance();
     }
-    progress.clear();
+    drop(progress);
     let (comparison, copy) = replay.finish();
     (comparison, copy, ended.map_err(CommandError::from))
 }

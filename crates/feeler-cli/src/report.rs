@@ -1,9 +1,9 @@
 //! `feeler report`
 
 use super::{CommandError, Outcome};
-use feeler_record::TaskOutcome;
 use feeler_report::cap::CapMeasures;
 use feeler_report::make::{RECORDING, ReportOutcome, make};
+use feeler_report::{Summary, Verdict};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -16,7 +16,7 @@ pub struct Arguments {
 pub fn report(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     let folder = folder(&arguments.run)?;
     let made = make(folder)?;
-    print_claims(&made, out)?;
+    print_outcome(&made, out)?;
     if let Some(problem) = &made.problem {
         let readable_until = made.readable_until;
         return Err(format!(
@@ -44,43 +44,62 @@ fn folder(path: &Path) -> Result<&Path, CommandError> {
     }
 }
 
-/// Prints the verdict and where to read more.
-pub fn print_claims(made: &ReportOutcome, out: &mut dyn Write) -> io::Result<()> {
-    if let Some(cap) = &made.summary.cap {
-        return print_cap(made, cap, out);
+/// Prints how the run ended and what was achieved, then how far it reproduces the paper, and where to read more.
+pub fn print_outcome(made: &ReportOutcome, out: &mut dyn Write) -> io::Result<()> {
+    let summary = &made.summary;
+    write!(out, "{}", summary.state)?;
+    if let Some(reason) = &summary.reason {
+        write!(out, ": {reason}")?;
     }
-    let claims = made.claims();
-    let holding = claims.iter().filter(|claim| claim.holds).count();
-    let (count, whose) = (claims.len(), made.whose);
-    writeln!(out, "{holding} of {count} claims {whose} hold")?;
-    for claim in claims.iter().filter(|claim| !claim.holds) {
-        let why = if claim.is_measured() {
-            "does not hold"
-        } else {
-            "not measured"
-        };
-        writeln!(out, "  {why}: {} ({})", claim.id, claim.bound)?;
+    writeln!(out)?;
+    if let Some(outcome) = &summary.outcome {
+        writeln!(out, "outcome: {outcome}")?;
     }
+    let achieved = achieved(summary);
+    if !achieved.is_empty() {
+        writeln!(out, "{}", achieved.join(", "))?;
+    }
+    print_claims(made, out)?;
     writeln!(out, "{}", made.report_path.display())
 }
 
-/// Prints what became of a cap and where to read more.
-fn print_cap(made: &ReportOutcome, cap: &CapMeasures, out: &mut dyn Write) -> io::Result<()> {
-    let outcome = made
-        .summary
-        .outcome
-        .as_ref()
-        .map_or("none", TaskOutcome::as_str);
-    writeln!(out, "outcome: {outcome}")?;
-    let share = cap.torque_ratio.filter(|_| cap.sense > 0.0);
-    if let (Some(torque), Some(share)) = (cap.final_torque, share) {
-        let (torque, share) = (1e3 * torque, 1e2 * share);
-        writeln!(
-            out,
-            "torque of the last stroke: {torque:.1} mN m, {share:.0} % of what friction allows"
-        )?;
-    } else if let Some(torque) = cap.largest_torque {
-        writeln!(out, "largest torque: {:.1} mN m", 1e3 * torque)?;
+/// What the hand achieved, as far as it was measured.
+fn achieved(summary: &Summary) -> Vec<String> {
+    let mut achieved = Vec::new();
+    // A cap that is opened is loosest at the end.
+    let opens = |cap: &&CapMeasures| cap.sense < 0.0;
+    if let Some(cap) = summary.cap.as_ref().filter(opens) {
+        let torque = cap.largest_torque;
+        achieved.extend(torque.map(|t| format!("largest torque {:.1} mN m", 1e3 * t)));
+    } else if let Some(torque) = summary.final_torque {
+        let ratio = summary.cap.as_ref().and_then(|cap| cap.torque_ratio);
+        let share = ratio.map(|r| format!(" ({:.0} % of what friction allows)", 1e2 * r));
+        let share = share.unwrap_or_default();
+        achieved.push(format!("final torque {:.1} mN m{share}", 1e3 * torque));
     }
-    writeln!(out, "{}", made.report_path.display())
+    let turned = summary.cap_angle.map(f64::to_degrees);
+    achieved.extend(turned.map(|angle| format!("cap turned by {angle:.1}°")));
+    let force = summary.peak_element_force;
+    achieved.extend(force.map(|force| format!("peak element force {force:.2} N")));
+    achieved
+}
+
+/// Prints how many claims hold, and which do not.
+fn print_claims(made: &ReportOutcome, out: &mut dyn Write) -> io::Result<()> {
+    let claims = made.claims();
+    if claims.is_empty() {
+        return Ok(());
+    }
+    let holding = claims.iter().filter(|claim| claim.holds).count();
+    let (count, whose) = (claims.len(), made.whose);
+    writeln!(out, "{holding} of {count} claims {whose} hold")?;
+    for claim in claims {
+        let why = match claim.verdict {
+            Verdict::Holds => continue,
+            Verdict::Fails => "does not hold",
+            Verdict::NotMeasured => "not measured",
+        };
+        writeln!(out, "  {why}: {} ({})", claim.id, claim.bound)?;
+    }
+    Ok(())
 }

@@ -1,7 +1,7 @@
 //! `feeler run`
 
 use super::interrupt::watch_for_interrupt;
-use super::report::print_claims;
+use super::report::print_outcome;
 use super::screen::Screen;
 use super::sweep::one_trial;
 use super::throttle::{Throttle, parse_speed};
@@ -12,7 +12,7 @@ use feeler::control::phase::Phase;
 use feeler_lab::config::{Experiment, Sensing};
 use feeler_lab::experiment::Session;
 use feeler_lab::experiment::log::{RunLog, run_facts};
-use feeler_record::{RecordOptions, Recorder};
+use feeler_record::{RecordOptions, Recorder, RunEnd, RunState};
 use feeler_report::make::{RECORDING, ReportOutcome, make};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -82,8 +82,13 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comman
     let ended = simulate(&mut session, &mut log, throttle, &mut watcher, &interrupted);
     let wall_time = start.elapsed().as_secs_f64();
     let was_interrupted = interrupted.load(Ordering::Relaxed);
+    let end = match &ended {
+        Ok(()) => run_end(session.control_loop().controller(), was_interrupted),
+        Err(error) => RunEnd::because(RunState::Interrupted, error.to_string()),
+    };
+    let outcome = Outcome::from(&end);
     // However it ended: what was recorded is kept and reported before anything is said.
-    let made = finish(log, wall_time, &folder);
+    let made = finish(log, wall_time, end, &folder);
     ended?;
     let made = made?;
     watcher.leave(&session);
@@ -94,11 +99,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comman
         out,
         "{sim_time:.2} s simulated in {wall_time:.2} s, {factor:.0} x real time"
     )?;
-    print_claims(&made, out)?;
-    let (outcome, reason) = outcome(session.control_loop().controller(), was_interrupted);
-    if let Some(reason) = reason {
-        writeln!(out, "{reason}")?;
-    }
+    print_outcome(&made, out)?;
     Ok(outcome)
 }
 
@@ -158,26 +159,38 @@ fn settings(arguments: &Arguments) -> Vec<String> {
     settings
 }
 
-/// How the run ended, and why the task is not done, if it is not.
-pub fn outcome(controller: &Controller, interrupted: bool) -> (Outcome, Option<String>) {
-    let reason = if let Some(reason) = controller.stop_reason() {
-        format!("the hand was stopped: {reason}")
+/// How the run ended.
+pub fn run_end(controller: &Controller, interrupted: bool) -> RunEnd {
+    let given_up = |reason: String| RunEnd::because(RunState::GivenUp, reason);
+    if let Some(reason) = controller.stop_reason() {
+        given_up(format!("the hand was stopped: {reason}"))
     } else if controller.phase() == Phase::Done && controller.task().failed() {
         let found = controller.task().outcome().unwrap_or_default();
-        format!("the task ended, but not as it should have: {found}")
+        given_up(format!(
+            "the task ended, but not as it should have: {found}"
+        ))
     } else if controller.phase() == Phase::Done {
-        return (Outcome::Done, None);
+        RunEnd::DONE
     } else if interrupted {
-        "interrupted: the report shows the run so far".into()
+        RunEnd::because(
+            RunState::Interrupted,
+            "by Ctrl-C or by the system; the report shows the run so far",
+        )
     } else {
-        "the task was not done when the experiment's time limit was over".into()
-    };
-    (Outcome::GivenUp, Some(reason))
+        given_up("the task was not done when the experiment's time limit was over".into())
+    }
 }
 
 /// Closes the recording in `folder` of a run that took `wall_time` (s), and makes its report.
-pub fn finish(log: RunLog, wall_time: f64, folder: &Path) -> Result<ReportOutcome, CommandError> {
-    log.into_recorder().finish(Some(wall_time))?;
+pub fn finish(
+    log: RunLog,
+    wall_time: f64,
+    end: RunEnd,
+    folder: &Path,
+) -> Result<ReportOutcome, CommandError> {
+    let mut recorder = log.into_recorder();
+    recorder.set_end(end);
+    recorder.finish(Some(wall_time))?;
     Ok(make(folder)?)
 }
 

@@ -1,14 +1,14 @@
 //! `feeler score-slip`
 
+use super::part_file::{Outputs, Overwrite};
 use super::progress::Steps;
 use super::{CommandError, Outcome};
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::slip_bench::{DETECTORS, Sample, trial};
 use feeler_lab::sweep::slip_score::{operating_point, roc, tune};
-use feeler_lab::sweep::store::write_whole;
 use feeler_report::slip_page::{COLUMNS, SlipPage, slip_page};
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Name of the page.
 const PAGE: &str = "slip.html";
@@ -30,10 +30,18 @@ pub struct Arguments {
     /// The page's folder.
     #[arg(short, long, value_name = "DIR", default_value = "slip")]
     out: PathBuf,
+    #[command(flatten)]
+    overwrite: Overwrite,
 }
 
 pub fn score_slip(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     let experiment = Experiment::load(&arguments.experiment, &arguments.settings)?;
+    std::fs::create_dir_all(&arguments.out)
+        .map_err(|e| format!("--out {}: {e}; expected a folder", arguments.out.display()))?;
+    let path = arguments.out.join(PAGE);
+    let inputs = [Some(Path::new(&arguments.experiment))];
+    // Opened first: scoring takes its time.
+    let file = Outputs::new(arguments.overwrite, inputs).create(&path, "--out")?;
     let bar = Steps::new(2 * arguments.trials as usize);
     let run = |part: u64| -> Result<Vec<Vec<Sample>>, CommandError> {
         (0..arguments.trials)
@@ -47,7 +55,7 @@ pub fn score_slip(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome,
             .collect()
     };
     let (chosen_on, scored) = (run(0)?, run(1)?);
-    bar.clear();
+    drop(bar);
     let paper = experiment.config.control.slip_threshold;
     let tuned = (0..DETECTORS.len()).map(|detector| (detector, tune(&chosen_on, detector)));
     let points = [(0, paper)].into_iter().chain(tuned);
@@ -68,10 +76,7 @@ pub fn score_slip(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome,
             .map(|detector| roc(&scored, detector))
             .collect(),
     };
-    std::fs::create_dir_all(&arguments.out)
-        .map_err(|e| format!("--out {}: {e}; expected a folder", arguments.out.display()))?;
-    let path = arguments.out.join(PAGE);
-    write_whole(&path, slip_page(&page).as_bytes())?;
+    file.finish(slip_page(&page).as_bytes())?;
     for point in &page.points {
         writeln!(out, "{}", point.name)?;
         for (column, field) in COLUMNS.iter().zip(point.fields()) {

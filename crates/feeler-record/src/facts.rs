@@ -14,7 +14,14 @@ pub const MAX_FINGERS: usize = 16;
 const PERIODS: std::ops::RangeInclusive<f64> = 1e-4..=1.0;
 
 /// Facts whose value is a text, written as it stands; all others are written as JSON.
-const TEXT_FIELDS: [&str; 5] = ["experiment", "task", "version", "sensing", "replay_of"];
+const TEXT_FIELDS: [&str; 6] = [
+    "experiment",
+    "task",
+    "version",
+    "sensing",
+    "law",
+    "replay_of",
+];
 
 /// The constants of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -30,6 +37,9 @@ pub struct RunFacts {
     pub version: String,
     /// How forces were obtained.
     pub sensing: SensingKind,
+    /// Name of the control law, as in the experiment file: `tri-axial`. Not part of the digest, as the experiment is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub law: Option<String>,
     /// Period of the control loop, s, 0.0001 to 1.
     pub control_period: f64,
     /// Number of fingers.

@@ -5,6 +5,7 @@ use super::digest::Digest;
 use super::error::RecordError;
 use super::facts::RunFacts;
 use super::memory::MessageSink;
+use super::run_end::RunEnd;
 use super::sink::{Batch, Entry, Sink};
 use super::topic::{Channel, RecordedMessage, Topic};
 use crate::wire::cdr;
@@ -48,6 +49,7 @@ pub struct Recorder {
     /// Batches that have been written and can be filled again.
     spare: Receiver<Batch>,
     thread: Option<WriterThread>,
+    run_end: Option<RunEnd>,
 }
 
 struct WriterThread {
@@ -116,17 +118,26 @@ impl Recorder {
             batch: Batch::with_capacity(BATCH_ROOM),
             spare,
             thread: Some(WriterThread { batches, handle }),
+            run_end: None,
         })
     }
 
-    /// Writes wall time (s; none if not measured) and digest, and closes the file.
+    /// Sets how the run ended, to be written by [`finish`](Self::finish). Without it, readers take it from the task.
+    pub fn set_end(&mut self, end: RunEnd) {
+        self.run_end = Some(end);
+    }
+
+    /// Writes wall time (s; none if not measured), digest and how the run ended, and closes the file.
     ///
     /// # Errors
     /// When the file cannot be written.
     pub fn finish(mut self, wall_time: Option<f64>) -> Result<Digest, RecordError> {
         self.send()?;
         match self.thread.take() {
-            Some(thread) => thread.join(&self.path)?.close(wall_time),
+            Some(thread) => {
+                let sink = thread.join(&self.path)?;
+                sink.close(wall_time, self.run_end.as_ref())
+            }
             None => Err(self.closed()),
         }
     }

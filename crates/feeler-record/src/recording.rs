@@ -7,6 +7,7 @@ use super::channels::{
 use super::digest::{Digest, Digester};
 use super::error::RecordError;
 use super::facts::RunFacts;
+use super::run_end::{RunEnd, RunState};
 use super::scan::scan;
 use super::sink::{CALIBRATION, END, EXPERIMENT, FACTS, digest_facts};
 use super::topic::Channel;
@@ -54,6 +55,8 @@ pub struct Recording {
     /// The calibration files that the experiment names: name to text. Empty in a recording of forces that were
     /// not calibrated.
     pub calibrations: BTreeMap<String, String>,
+    /// How the run ended.
+    pub end: RunEnd,
     /// Wall time of the run, s, if it was written.
     pub wall_time: Option<f64>,
     /// Digest of what was read.
@@ -120,6 +123,7 @@ impl Recording {
             facts,
             experiment: String::new(),
             calibrations: BTreeMap::new(),
+            end: RunEnd::because(RunState::Interrupted, "the run was not closed"),
             wall_time: None,
             digest: Digester::default().finish(),
             complete: false,
@@ -243,6 +247,7 @@ impl Collector {
             (None, Some(_)) => None,
         };
         recording.complete = recording.problem.is_none();
+        recording.end = RunEnd::of(&recording, self.end.as_ref());
         Ok(recording)
     }
 }

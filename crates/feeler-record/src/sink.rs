@@ -4,6 +4,7 @@ use super::container::Container;
 use super::digest::{Digest, Digester};
 use super::error::RecordError;
 use super::facts::RunFacts;
+use super::run_end::RunEnd;
 use super::topic::Channel;
 use ::mcap::WriteOptions;
 use std::collections::BTreeMap;
@@ -11,7 +12,7 @@ use std::path::Path;
 
 /// Name of the metadata record that holds the run's facts, at the file's start.
 pub const FACTS: &str = "feeler.run";
-/// Name of the metadata record at the file's end: wall time and digest.
+/// Name of the metadata record at the file's end: wall time, digest, and how the run ended.
 pub const END: &str = "feeler.end";
 /// Name of the attachment that holds the experiment as run.
 pub const EXPERIMENT: &str = "experiment.toml";
@@ -101,12 +102,19 @@ impl Sink {
         self.container.flush()
     }
 
-    /// Writes wall time (s) and digest, and closes the file.
-    pub fn close(mut self, wall_time: Option<f64>) -> Result<Digest, RecordError> {
+    /// Writes wall time (s), digest and how the run ended, and closes the file.
+    pub fn close(
+        mut self,
+        wall_time: Option<f64>,
+        run_end: Option<&RunEnd>,
+    ) -> Result<Digest, RecordError> {
         let digest = self.digester.finish();
         let mut end = BTreeMap::from([("digest".to_string(), digest.to_string())]);
         if let Some(seconds) = wall_time {
             end.insert("wall_time".into(), seconds.to_string());
+        }
+        if let Some(run_end) = run_end {
+            run_end.write(&mut end);
         }
         self.container.metadata(END, end)?;
         self.container.close()?;
@@ -115,8 +123,8 @@ impl Sink {
 }
 
 /// The facts that are no part of the digest: what only a simulated world knows shows in the forces, and a hand in a
-/// program of its own does not know it; the goal of carrying follows from the experiment.
-const NOT_DIGESTED: [&str; 3] = ["truth", "section", "carry"];
+/// program of its own does not know it; goal and law follow from the experiment, which is taken in, too.
+const NOT_DIGESTED: [&str; 4] = ["truth", "section", "carry", "law"];
 
 /// Takes in the facts and the experiment, as they stand before all messages.
 pub fn digest_facts(

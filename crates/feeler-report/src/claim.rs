@@ -46,6 +46,18 @@ impl Serialize for Relation {
     }
 }
 
+/// Whether a claim, or a part of one, holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// All of it is measured and holds.
+    Holds,
+    /// Something is measured that does not hold.
+    Fails,
+    /// What is measured holds, but the recording does not define all of it.
+    NotMeasured,
+}
+
 /// One comparison of a claim.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ClaimPart {
@@ -74,18 +86,26 @@ pub struct Claim {
     pub value: Option<f64>,
     /// All bounds, as text.
     pub bound: String,
-    /// Whether all parts hold.
+    /// Whether all parts hold; what is not measured does not.
     pub holds: bool,
+    /// The same, with what is not measured told apart.
+    pub verdict: Verdict,
     /// Every comparison of the claim.
     pub parts: Vec<ClaimPart>,
 }
 
-impl Claim {
-    /// Whether the recording defines all that the claim is about.
-    pub fn is_measured(&self) -> bool {
-        self.parts.iter().all(|part| part.value.is_some())
+impl Verdict {
+    fn of_parts(parts: &[ClaimPart]) -> Self {
+        let any = |wanted| parts.iter().any(|part| part.verdict() == wanted);
+        match (any(Self::Fails), any(Self::NotMeasured)) {
+            (true, _) => Self::Fails,
+            (false, true) => Self::NotMeasured,
+            (false, false) => Self::Holds,
+        }
     }
+}
 
+impl Claim {
     /// How far the claim is from failing, in units of its bounds: the least of its parts. Not
     /// negative where it holds, not positive where it does not; none where a part is not measured.
     pub fn margin(&self) -> Option<f64> {
@@ -109,6 +129,7 @@ impl Claim {
             value: parts.first().and_then(|part| part.value),
             bound: bounds.join("; "),
             holds: parts.iter().all(|part| part.holds),
+            verdict: Verdict::of_parts(&parts),
             parts,
         }
     }
@@ -134,6 +155,15 @@ impl ClaimPart {
 
     pub(super) fn in_unit(self, unit: &'static str) -> Self {
         Self { unit, ..self }
+    }
+
+    /// Whether it holds.
+    pub fn verdict(&self) -> Verdict {
+        match (self.value, self.holds) {
+            (None, _) => Verdict::NotMeasured,
+            (Some(_), true) => Verdict::Holds,
+            (Some(_), false) => Verdict::Fails,
+        }
     }
 
     /// How far the value is on the good side of its bound (negative: on the bad one), relative to the bound's size; in
@@ -204,6 +234,13 @@ mod tests {
             ClaimPart::new("", Some(3.0), AtLeast, 2.0),
             ClaimPart::new("", None, AtLeast, 2.0),
         ];
-        assert_eq!(Claim::new("", "", parts).margin(), None);
+        let claim = Claim::new("", "", parts);
+        assert_eq!(
+            (claim.margin(), claim.verdict),
+            (None, Verdict::NotMeasured)
+        );
+        let fails = ClaimPart::new("", Some(1.0), AtLeast, 2.0);
+        let parts = [claim.parts, vec![fails]].concat();
+        assert_eq!(Claim::new("", "", parts).verdict, Verdict::Fails);
     }
 }

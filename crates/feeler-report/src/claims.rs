@@ -7,7 +7,7 @@ use super::claim::{Claim, ClaimPart, Relation};
 use super::measures::{LaggedCorrelation, distance_between_paths, lagged_correlation};
 use super::path_fit::PathFit;
 use super::run_data::{RunData, Stroke};
-use super::series::{absolute_rate, count_heaps, longest_stretch, mean, moving_mean};
+use super::series::{absolute_rate, count_peaks, longest_stretch, mean, moving_mean};
 use super::stroke_pattern::ALIKE;
 use super::strokes::{
     StrokeMeasures, grasp_force_variation, over_fraction, share, slip_precision, slip_skill,
@@ -16,11 +16,11 @@ use glam::DVec3;
 
 /// Strokes that the paper's experiment makes.
 const STROKES: u32 = 4;
-/// A heap rises above this share of the run's peak…
-const HEAP_RISES_ABOVE: f64 = 0.10;
+/// A peak rises above this share of the run's peak…
+const PEAK_RISES_ABOVE: f64 = 0.10;
 /// …and ends when it falls below this share.
-const HEAP_ENDS_BELOW: f64 = 0.05;
-/// Length of the moving mean that goes over series before heaps are counted and before torque
+const PEAK_ENDS_BELOW: f64 = 0.05;
+/// Length of the moving mean that goes over series before peaks are counted and before torque
 /// rate and shear rate are compared, s.
 pub const SMOOTHING: f64 = 0.05;
 /// Largest lag at which torque rate and shear rate are compared, s.
@@ -36,7 +36,7 @@ const CLOSED: [u32; 2] = [3, 4];
 /// The claims, in the order of the paper.
 pub fn claims(data: &RunData) -> Vec<Claim> {
     vec![
-        four_heaps(data),
+        four_peaks(data),
         first_stroke_torque_rises(data),
         closed_after_third(data),
         shear_rate_marks_closing(data),
@@ -50,26 +50,26 @@ pub fn claims(data: &RunData) -> Vec<Claim> {
     ]
 }
 
-fn four_heaps(data: &RunData) -> Claim {
+fn four_peaks(data: &RunData) -> Claim {
     let window = samples(data, SMOOTHING);
-    let heaps = |values: Vec<f64>| {
-        let count = count_heaps(
+    let peaks = |values: Vec<f64>| {
+        let count = count_peaks(
             &moving_mean(&values, window),
-            HEAP_RISES_ABOVE,
-            HEAP_ENDS_BELOW,
+            PEAK_RISES_ABOVE,
+            PEAK_ENDS_BELOW,
         );
         count.map(|count| count as f64)
     };
     let rows = 0..data.time.len();
-    let grasp_force = heaps(rows.map(|row| data.grasp_force(row)).collect());
-    let torque = heaps(data.torque.clone());
+    let grasp_force = peaks(rows.map(|row| data.grasp_force(row)).collect());
+    let torque = peaks(data.torque.clone());
     let bound = f64::from(STROKES);
     Claim::new(
-        "four-heaps",
-        "Grasp force and torque each show four heaps.",
+        "four-peaks",
+        "Grasp force and torque each show four peaks.",
         vec![
-            ClaimPart::new("heaps of grasp force", grasp_force, Relation::Equals, bound),
-            ClaimPart::new("heaps of torque", torque, Relation::Equals, bound),
+            ClaimPart::new("peaks of grasp force", grasp_force, Relation::Equals, bound),
+            ClaimPart::new("peaks of torque", torque, Relation::Equals, bound),
         ],
     )
 }

@@ -37,7 +37,7 @@ pub struct ComparedLaw {
 }
 
 /// One measure of a law: its mean, and the mean of its difference from the first law's in the same trial. Each
-/// stands between the ends of its 95 % confidence interval.
+/// stands between the ends of its 95 % confidence interval, which are not numbers where one trial has no interval.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row {
     /// What it is, with its unit.
@@ -80,6 +80,7 @@ impl ComparePage {
             (true, false) => "more torque at about the same force",
             (false, true) if torque[2] < 0.0 => "less force, at less torque",
             (false, true) => "less force at about the same torque",
+            (false, false) if torque[0].is_nan() => "not to be judged by one trial",
             (false, false) => "better in neither",
         };
         let first = self.laws.first().map_or("", |first| first.name);
@@ -109,6 +110,7 @@ pub fn compare_page(page: &ComparePage) -> String {
             (page.trials) " trials under each law, with the same draws. A success is a cap that was tightened to "
             (torque) " mN·m or more with no element above " (force) " N. In brackets 95 % confidence: "
             "Wilson's interval for success, the percentile bootstrap for all else; differences are taken trial by trial."
+            @if page.trials == 1 { " One trial has no interval but that of success." }
         }
         p { code { (page.varied) } }
         h2 { "Means" }
@@ -168,15 +170,24 @@ fn table(
     }
 }
 
+/// What stands for the interval of a single trial.
+const NO_INTERVAL: &str = "(no interval)";
+
 /// A mean and its interval.
 pub fn number([low, mean, high]: [f64; 3]) -> String {
     let digits = digits(mean);
+    if low.is_nan() || high.is_nan() {
+        return format!("{mean:.digits$} {NO_INTERVAL}");
+    }
     format!("{mean:.digits$} [{low:.digits$}, {high:.digits$}]")
 }
 
 /// A difference and its interval.
 pub fn signed([low, mean, high]: [f64; 3]) -> String {
     let digits = digits(mean);
+    if low.is_nan() || high.is_nan() {
+        return format!("{mean:+.digits$} {NO_INTERVAL}");
+    }
     format!("{mean:+.digits$} [{low:+.digits$}, {high:+.digits$}]")
 }
 

@@ -23,7 +23,7 @@ pub mod sweep_page;
 pub mod tasks;
 pub mod text;
 
-pub use claim::{Claim, ClaimPart, Relation};
+pub use claim::{Claim, ClaimPart, Relation, Verdict};
 pub use make::{ReportError, ReportOutcome, make};
 pub use run_data::{FingerColumns, RunData, Stroke};
 pub use stroke_pattern::StrokePattern;

@@ -1,12 +1,12 @@
 //! `report.html`: one self-contained page for phone, desk and print.
 
-use super::claim::{Claim, ClaimPart, Relation};
+use super::claim::{Claim, ClaimPart, Relation, Verdict};
 use super::document::document;
 use super::figures::Figure;
 use super::summary::Summary;
 use super::tasks::{self, TaskReport};
 use super::text::{significant, value};
-use feeler_record::{Phase, Recording, RunFacts};
+use feeler_record::{Phase, Recording, RunFacts, RunState};
 use maud::{Markup, PreEscaped, html};
 
 /// The page, as HTML text.
@@ -14,13 +14,13 @@ pub fn page(recording: &Recording, summary: &Summary, figures: &[Figure]) -> Str
     let facts = &recording.facts;
     let task = tasks::of(facts);
     let name = format!("{}, seed {}", facts.experiment, facts.seed);
-    let mark = if recording.complete {
-        ""
-    } else {
-        "INCOMPLETE: "
+    let mark = match (recording.complete, summary.state) {
+        (false, _) => "INCOMPLETE: ",
+        (true, RunState::Interrupted) => "INTERRUPTED: ",
+        (true, RunState::Done | RunState::GivenUp) => "",
     };
     let body = html! {
-        (banner(recording))
+        (banner(recording, summary))
         h1 { "Run report: " (name) }
         @if let Some(original) = &facts.replay_of {
             p.note {
@@ -52,14 +52,20 @@ pub fn page(recording: &Recording, summary: &Summary, figures: &[Figure]) -> Str
     document(&format!("{mark}{name}"), body)
 }
 
-/// The unmistakable sign over a report of a damaged recording.
-fn banner(recording: &Recording) -> Markup {
+/// The unmistakable sign over a report of a damaged recording or an interrupted run.
+fn banner(recording: &Recording, summary: &Summary) -> Markup {
     html! {
         @if let Some(problem) = &recording.problem {
             div.incomplete role="alert" {
                 "INCOMPLETE: readable up to t = " (format!("{:.2}", recording.readable_until)) " s. "
                 "The recording is damaged or the run was interrupted (" (problem) "). "
                 "Numbers and figures below are of what is readable only."
+            }
+        } @else if summary.state == RunState::Interrupted {
+            div.incomplete role="alert" {
+                "INTERRUPTED at t = " (format!("{:.2}", recording.readable_until)) " s, before the task was over"
+                @if let Some(reason) = &summary.reason { " (" (reason) ")" }
+                ". Numbers and figures below are of the run until then."
             }
         }
     }
@@ -73,21 +79,25 @@ fn verdict(recording: &Recording, summary: &Summary, task: &dyn TaskReport) -> M
         let claims = summary.claims.iter().filter(|claim| wanted(claim));
         claims.map(|claim| claim.id).collect::<Vec<_>>().join(", ")
     };
-    let failed = ids(|claim| !claim.holds && claim.is_measured());
-    let unmeasured = ids(|claim| !claim.is_measured());
+    let failed = ids(|claim| claim.verdict == Verdict::Fails);
+    let unmeasured = ids(|claim| claim.verdict == Verdict::NotMeasured);
     html! {
-        (task.verdict(recording, summary)) " "
+        @match summary.state {
+            RunState::Done => { span.holds { "Done." } }
+            state => { span.fails { (capitalised(state)) } ": " (summary.reason.as_deref().unwrap_or("no reason on record")) "." }
+        }
+        " " (task.verdict(recording, summary)) " "
         @if total == 0 {
         } @else if held == total {
             span.holds { "All " (total) " claims " (task.whose()) " hold." }
         } @else {
-            span.fails { (held) " of the " (total) " claims " (task.whose()) " hold" }
-            @if !failed.is_empty() { "; not: " (failed) }
+            (held) " of the " (total) " claims " (task.whose()) " hold"
+            @if !failed.is_empty() { "; " span.fails { "not: " (failed) } }
             @if !unmeasured.is_empty() { "; not measured: " (unmeasured) }
             "."
         }
         @if let Some(task) = recording.task.last().filter(|task| task.phase != Phase::Done) {
-            " The task was not done: the run ended in " (task.phase) " of stroke " (task.stroke)
+            " The run ended in " (task.phase) " of stroke " (task.stroke)
             @if !task.reason.is_empty() { ", because " (task.reason) }
             "."
         }
@@ -103,7 +113,7 @@ fn claims_table(claims: &[Claim]) -> Markup {
                     tbody.claim {
                         tr {
                             td colspan="3" { (claim.text) " " span.unit { (claim.id) } }
-                            td { (holds(claim.holds)) }
+                            td { (holds(claim.verdict)) }
                         }
                         @for part in &claim.parts { (part_row(part)) }
                     }
@@ -127,15 +137,27 @@ fn part_row(part: &ClaimPart) -> Markup {
             td.number { (value(part.value)) " " span.unit { (part.unit) } }
             td.number { (sign) " " (significant(part.bound)) " " span.unit { (part.unit) } }
             // The claim's own mark covers the parts that hold.
-            td { @if !part.holds { (holds(false)) } }
+            td { @if !part.holds { (holds(part.verdict())) } }
         }
     }
 }
 
-fn holds(holds: bool) -> Markup {
+fn holds(verdict: Verdict) -> Markup {
     html! {
-        @if holds { span.holds { "✓ yes" } } @else { span.fails { "✗ no" } }
+        @match verdict {
+            Verdict::Holds => span.holds { "✓ yes" },
+            Verdict::Fails => span.fails { "✗ no" },
+            Verdict::NotMeasured => span.unit { "not measured" },
+        }
     }
+}
+
+/// With a capital at the beginning, as a sentence has it.
+fn capitalised(state: RunState) -> String {
+    let text = state.to_string();
+    let mut letters = text.chars();
+    let first = letters.next().map(|letter| letter.to_ascii_uppercase());
+    first.into_iter().chain(letters).collect()
 }
 
 fn figure_markup(figure: &Figure) -> Markup {

@@ -87,9 +87,9 @@ pub fn correlation(pairs: &[(f64, f64)]) -> Option<f64> {
     finite(xy / (xx.sqrt() * yy.sqrt()))
 }
 
-/// Counts heaps: stretches that rise above `upper` times the largest value, each ended only by a
+/// Counts peaks: stretches that rise above `upper` times the largest value, each ended only by a
 /// fall below `lower` times it. None if nothing is above 0.
-pub fn count_heaps(values: &[f64], upper: f64, lower: f64) -> Option<usize> {
+pub fn count_peaks(values: &[f64], upper: f64, lower: f64) -> Option<usize> {
     let peak = maximum(values.iter().copied()).filter(|peak| *peak > 0.0)?;
     let (mut inside, mut count) = (false, 0);
     for &value in values {
@@ -134,8 +134,8 @@ mod tests {
         assert_eq!(percentile([f64::NAN], 50.0), None);
         assert_eq!(correlation(&[(1.0, 2.0), (2.0, 3.0)]), None);
         assert_eq!(correlation(&[(1.0, 2.0), (1.0, 3.0), (1.0, 4.0)]), None);
-        assert_eq!(count_heaps(&[0.0, -1.0], 0.3, 0.1), None);
-        assert_eq!(count_heaps(&[], 0.3, 0.1), None);
+        assert_eq!(count_peaks(&[0.0, -1.0], 0.3, 0.1), None);
+        assert_eq!(count_peaks(&[], 0.3, 0.1), None);
     }
 
     #[test]
@@ -149,9 +149,9 @@ mod tests {
     }
 
     #[test]
-    fn a_dent_in_a_heap_does_not_make_two() {
-        let heaps = [0.0, 1.0, 0.5, 1.0, 0.0, 0.9, 0.05, 0.2, 0.0];
-        assert_eq!(count_heaps(&heaps, 0.3, 0.15), Some(2));
+    fn a_dent_in_a_peak_does_not_make_two() {
+        let peaks = [0.0, 1.0, 0.5, 1.0, 0.0, 0.9, 0.05, 0.2, 0.0];
+        assert_eq!(count_peaks(&peaks, 0.3, 0.15), Some(2));
     }
 
     #[test]

@@ -5,8 +5,8 @@
 //! almost the same variations in grasping force and torque" (section VI.A). Nothing claims that a run shows it: it is told,
 //! so that it can be counted.
 //!
-//! What is compared is what a reader of the figure compares, its heaps ("four heaps are found in Fig. 8"): of torque the
-//! *peak* of each stroke, as torque rises within the first one and a heap is as high as its peak; of grasp force the
+//! What is compared is what a reader of the figure compares, its peaks ("four heaps are found in Fig. 8"): of torque the
+//! *peak* of each stroke, which rises within the first one; of grasp force the
 //! *mean over MOVE*, as the same text calls it constant in the first stroke while torque rises, and as its peak there would
 //! be the 1 N at which every stroke begins to move. *Decrease* and *increase* are taken at their weakest: any amount.
 
@@ -16,9 +16,9 @@ use serde::Serialize;
 /// Largest relative change from stroke 3 to stroke 4 at which both are alike, as the claim `closed-after-third` has it.
 pub const ALIKE: f64 = 0.15;
 
-/// How four heaps stand to each other.
+/// How four peaks stand to each other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-pub struct Heaps {
+pub struct Peaks {
     /// The second is below the first.
     pub second_below_first: bool,
     /// The third and the fourth are above the first and the second.
@@ -27,8 +27,8 @@ pub struct Heaps {
     pub last_alike: bool,
 }
 
-impl Heaps {
-    /// Compares the heights of four heaps.
+impl Peaks {
+    /// Compares the heights of four peaks.
     pub fn new([first, second, third, fourth]: [f64; 4]) -> Self {
         Self {
             second_below_first: second < first,
@@ -47,9 +47,9 @@ impl Heaps {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct StrokePattern {
     /// Of grasp force, mean over MOVE.
-    pub grasp_force: Heaps,
+    pub grasp_force: Peaks,
     /// Of torque, peak of the stroke.
-    pub torque: Heaps,
+    pub torque: Peaks,
 }
 
 impl StrokePattern {
@@ -60,8 +60,8 @@ impl StrokePattern {
             Some([height(1)?, height(2)?, height(3)?, height(4)?])
         };
         Some(Self {
-            grasp_force: Heaps::new(heights(|m| m.mean_grasp_force)?),
-            torque: Heaps::new(heights(|m| m.peak_torque)?),
+            grasp_force: Peaks::new(heights(|m| m.mean_grasp_force)?),
+            torque: Peaks::new(heights(|m| m.peak_torque)?),
         })
     }
 
@@ -81,15 +81,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn heaps_are_compared_part_by_part() {
+    fn peaks_are_compared_part_by_part() {
         let parts = |heights| {
-            let heaps = Heaps::new(heights);
-            let Heaps {
+            let peaks = Peaks::new(heights);
+            let Peaks {
                 second_below_first,
                 last_above_first,
                 last_alike,
-            } = heaps;
-            let whole = heaps.whole();
+            } = peaks;
+            let whole = peaks.whole();
             [second_below_first, last_above_first, last_alike, whole]
         };
         for (heights, expected) in [
@@ -111,7 +111,7 @@ mod tests {
         ] {
             assert_eq!(parts(heights), expected, "{heights:?}");
         }
-        let at_the_bound = Heaps::new([1.0, 0.5, 2.0, 2.0 * (1.0 + ALIKE)]);
+        let at_the_bound = Peaks::new([1.0, 0.5, 2.0, 2.0 * (1.0 + ALIKE)]);
         assert!(at_the_bound.last_alike);
     }
 }

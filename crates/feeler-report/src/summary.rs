@@ -3,11 +3,11 @@
 use super::cap::CapMeasures;
 use super::claim::Claim;
 use super::run_data::RunData;
-use super::series::finite;
+use super::series::{finite, maximum};
 use super::stroke_pattern::StrokePattern;
 use super::strokes::StrokeMeasures;
 use super::tasks;
-use feeler_record::{FindingName, Recording, SensingKind, TaskKind, TaskOutcome};
+use feeler_record::{FindingName, Recording, RunState, SensingKind, TaskKind, TaskOutcome};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -24,8 +24,10 @@ pub struct Summary {
     pub version: String,
     /// How forces were obtained: `image` or `direct`.
     pub sensing: SensingKind,
-    /// Whether the recording is whole.
-    pub complete: bool,
+    /// How the run ended: `done`, `given_up` or `interrupted`.
+    pub state: RunState,
+    /// Why it is not done, if it is not.
+    pub reason: Option<String>,
     /// Time of the run that is on record, s.
     pub sim_time: f64,
     /// Wall time that the run took, s.
@@ -40,13 +42,17 @@ pub struct Summary {
     pub outcome: Option<TaskOutcome>,
     /// What the task found out, by name, in SI units.
     pub findings: BTreeMap<FindingName, Option<f64>>,
-    /// The claims of the task.
+    /// The claims of the task; none of the paper where another control law than the paper's ran.
     pub claims: Vec<Claim>,
     /// How the cap was closed or opened, where that was not merely a count of strokes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cap: Option<CapMeasures>,
     /// Angle the cap has turned at the end, rad, positive = closing.
     pub cap_angle: Option<f64>,
+    /// Largest torque of the last stroke, N·m, where an object is screwed.
+    pub final_torque: Option<f64>,
+    /// Largest force on an element in its frame's z, of all strokes, N.
+    pub peak_element_force: Option<f64>,
     /// Digest of the recording's content.
     pub digest: String,
 }
@@ -66,18 +72,21 @@ impl Summary {
             seed: facts.seed,
             version: facts.version.clone(),
             sensing: facts.sensing.clone(),
-            complete: recording.complete,
+            state: recording.end.state,
+            reason: recording.end.reason.clone(),
             sim_time: recording.readable_until,
             wall_time: recording.wall_time,
             real_time_factor: recording.wall_time.and_then(factor),
             stroke_pattern: StrokePattern::new(&strokes),
+            final_torque: strokes.last().and_then(|stroke| stroke.peak_torque),
+            peak_element_force: maximum(strokes.iter().filter_map(|s| s.peak_element_force)),
             strokes,
             outcome: found.and_then(|f| f.outcome.clone()),
             findings: (found.into_iter())
                 .flat_map(|f| f.names.iter().cloned().zip(&f.values))
                 .map(|(name, &value)| (name, finite(value)))
                 .collect(),
-            claims: tasks::of(facts).claims(recording, data),
+            claims: tasks::claims(recording, data),
             cap: CapMeasures::new(recording, data),
             cap_angle: (recording.cap.last()).and_then(|cap| finite(cap.angle)),
             digest: recording.digest.to_string(),

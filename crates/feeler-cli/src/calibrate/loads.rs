@@ -2,10 +2,12 @@
 //! elements in each.
 
 use super::CommandError;
+use crate::part_file::{Outputs, Overwrite};
+use crate::progress::Steps;
 use crate::sensor_geometry::SensorGeometry;
 use feeler::sensor::calibration_fit::ElementRecord;
 use feeler::sensor::fingertip::FingertipConfig;
-use feeler::sensor::loads::{COLUMNS, RecordBuilder, read_loads};
+use feeler::sensor::loads::{COLUMNS, LoadedPicture, RecordBuilder, read_loads};
 use feeler::sensor::moments::ElementMoments;
 use feeler_record::{Moments, read_moments};
 use feeler_sim::calibration_bench::{CalibrationBenchConfig, take_pictures};
@@ -13,48 +15,89 @@ use feeler_sim::optics_config::OpticsConfig;
 use feeler_sources::picture::read_picture;
 use glam::{DVec2, DVec3};
 use image::{ExtendedColorType, ImageFormat};
-use std::collections::HashMap;
 use std::collections::hash_map::Entry;
+use std::collections::{HashMap, HashSet};
 use std::fs::{self, File};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Name of the file of loads in the folder that simulated loads are written to.
 const LOADS: &str = "LOADS.csv";
 
-/// Reads a file of loads and takes the moments of all that it names: pictures, or times of recordings.
-pub fn read(csv: &Path, sensor: &SensorGeometry) -> Result<Vec<ElementRecord>, CommandError> {
-    let name = csv.display();
-    let file = File::open(csv)
-        .map_err(|e| format!("{name}: {e}; expected a CSV file of {}", COLUMNS.join(",")))?;
-    let elements = sensor.kernel.element_count();
-    let pictures = read_loads(file, elements).map_err(|e| format!("{name}: {e}"))?;
-    let mut builder = RecordBuilder::new(elements);
-    let mut moments = vec![ElementMoments::default(); elements];
-    let folder = csv.parent().unwrap_or(Path::new(""));
-    let mut recordings = HashMap::new();
-    for loaded in pictures {
-        let read = match recorded(&loaded.picture) {
-            Some((file, time)) => {
-                let path = folder.join(file);
-                let frames = match recordings.entry(path) {
-                    Entry::Occupied(entry) => Ok(entry.into_mut()),
-                    Entry::Vacant(entry) => {
-                        let read = read_moments(entry.key());
-                        read.map_err(|e| e.to_string())
-                            .map(|read| entry.insert(read))
-                    }
-                };
-                frames.and_then(|frames| take_recorded(frames, time, &mut moments))
-            }
-            None => measure(&folder.join(&loaded.picture), sensor, &mut moments),
-        };
-        read.map_err(|what| {
-            let (line, picture) = (loaded.line, &loaded.picture);
-            format!("{name}: line {line}: picture = {picture:?}: {what}")
-        })?;
-        builder.add(&loaded.forces, &moments);
+/// A file of loads, with what was on the elements in each picture that it names.
+pub struct Loads {
+    csv: PathBuf,
+    pictures: Vec<LoadedPicture>,
+}
+
+impl Loads {
+    /// Reads the file of loads at `csv`.
+    pub fn read(csv: &Path, sensor: &SensorGeometry) -> Result<Self, CommandError> {
+        let name = csv.display();
+        let file = File::open(csv)
+            .map_err(|e| format!("{name}: {e}; expected a CSV file of {}", COLUMNS.join(",")))?;
+        let pictures = read_loads(file, sensor.kernel.element_count());
+        Ok(Self {
+            csv: csv.to_path_buf(),
+            pictures: pictures.map_err(|e| format!("{name}: {e}"))?,
+        })
     }
-    Ok(builder.finish())
+
+    /// The file's name.
+    pub fn name(&self) -> String {
+        self.csv.display().to_string()
+    }
+
+    /// All files that are read: the file of loads, and the pictures and recordings that it names.
+    pub fn files(&self) -> Vec<PathBuf> {
+        let named = self.pictures.iter().map(|loaded| {
+            let recorded = recorded(&loaded.picture);
+            let file = recorded.map_or(loaded.picture.as_str(), |(file, _)| file);
+            self.folder().join(file)
+        });
+        let files: HashSet<_> = named.chain([self.csv.clone()]).collect();
+        files.into_iter().collect()
+    }
+
+    fn folder(&self) -> &Path {
+        self.csv.parent().unwrap_or(Path::new(""))
+    }
+
+    /// Takes the moments of all pictures, and of the recordings at their times.
+    pub fn measure(&self, sensor: &SensorGeometry) -> Result<Vec<ElementRecord>, CommandError> {
+        let elements = sensor.kernel.element_count();
+        let mut builder = RecordBuilder::new(elements);
+        let mut moments = vec![ElementMoments::default(); elements];
+        let mut recordings = HashMap::new();
+        let progress = Steps::new(self.pictures.len());
+        for loaded in &self.pictures {
+            let read = match recorded(&loaded.picture) {
+                Some((file, time)) => recorded_frames(&mut recordings, self.folder().join(file))
+                    .and_then(|frames| take_recorded(frames, time, &mut moments)),
+                None => measure(&self.folder().join(&loaded.picture), sensor, &mut moments),
+            };
+            read.map_err(|what| {
+                let (name, line, picture) = (self.name(), loaded.line, &loaded.picture);
+                format!("{name}: line {line}: picture = {picture:?}: {what}")
+            })?;
+            builder.add(&loaded.forces, &moments);
+            progress.advance();
+        }
+        Ok(builder.finish())
+    }
+}
+
+/// The frames of the recording at `path`, which is read once.
+fn recorded_frames(
+    recordings: &mut HashMap<PathBuf, Vec<Moments>>,
+    path: PathBuf,
+) -> Result<&[Moments], String> {
+    match recordings.entry(path) {
+        Entry::Occupied(entry) => Ok(entry.into_mut()),
+        Entry::Vacant(entry) => {
+            let read = read_moments(entry.key()).map_err(|e| e.to_string())?;
+            Ok(entry.insert(read))
+        }
+    }
 }
 
 /// Takes the moments of a picture.
@@ -137,26 +180,30 @@ pub fn write_simulated(
         format!("--write-loads {folder}: {e}; expected a new folder that can be written to")
     };
     fs::create_dir_all(folder).map_err(|e| failed(&e))?;
-    if folder.join(LOADS).exists() {
-        return Err(failed(&format!("there is a {LOADS} already")).into());
-    }
-    let mut rows = csv::Writer::from_path(folder.join(LOADS)).map_err(|e| failed(&e))?;
+    // Written last: its rows may name pictures only when all are there.
+    let keep = Overwrite { force: false };
+    let file = Outputs::new(keep, []).create(&folder.join(LOADS), "--write-loads")?;
+    let mut rows = csv::Writer::from_writer(Vec::new());
     rows.write_record(COLUMNS).map_err(|e| failed(&e))?;
     let mut number = 0;
     take_pictures(fingertip, optics, bench, |picture, loads| {
         let name = format!("{number:05}.png");
         number += 1;
+        let path = folder.join(&name);
+        if path.exists() {
+            return Err(failed(&format!("there is a {name} already")).into());
+        }
         let (width, height) = (picture.width as u32, picture.height as u32);
-        let (path, gray) = (folder.join(&name), ExtendedColorType::L8);
-        image::save_buffer_with_format(
+        let gray = ExtendedColorType::L8;
+        let saved = image::save_buffer_with_format(
             path,
             &picture.pixels,
             width,
             height,
             gray,
             ImageFormat::Png,
-        )
-        .map_err(|e| failed(&e))?;
+        );
+        saved.map_err(|e| failed(&e))?;
         for (element, load) in loads.iter().enumerate() {
             let DVec3 { x, y, z } = load.force();
             rows.serialize((&name, element, x, y, z))
@@ -164,6 +211,5 @@ pub fn write_simulated(
         }
         Ok::<_, CommandError>(())
     })?;
-    rows.flush().map_err(|e| failed(&e))?;
-    Ok(())
+    file.finish(&rows.into_inner().map_err(|e| failed(&e))?)
 }

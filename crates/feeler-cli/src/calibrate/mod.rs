@@ -3,7 +3,8 @@
 mod loads;
 mod page;
 
-use super::part_file::PartFile;
+use super::part_file::{Outputs, Overwrite};
+use super::progress::Working;
 use super::sensor_geometry::SensorGeometry;
 use super::{CommandError, Outcome};
 use feeler::sensor::calibration::{Calibration, FullScale};
@@ -11,11 +12,14 @@ use feeler::sensor::calibration_fit::{ElementRecord, ModelChoice, fit};
 use feeler::sensor::calibration_report::CalibrationReport;
 use feeler_lab::config::Experiment;
 use feeler_sim::calibration_bench::{CalibrationBenchConfig, load_simulated};
+use loads::Loads;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 /// The experiment whose fingertip is calibrated unless another is named.
 const EXPERIMENT: &str = "cap-closing";
+/// Most combined loads of a simulated calibration: more would take hours and say nothing new.
+const MAX_LOADS: i64 = 20_000;
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
@@ -40,6 +44,8 @@ pub struct Arguments {
     /// Where to write the calibration; a page with curves and residuals is written beside it.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
+    #[command(flatten)]
+    overwrite: Overwrite,
     /// Which model to fit: the paper's (separable), the one that knows how a column tilts (coupled),
     /// or the one that predicts loads better which it has not been fitted to (auto).
     #[arg(long, value_parser = model, default_value = "auto", value_name = "MODEL")]
@@ -56,10 +62,10 @@ pub struct Arguments {
     /// Seed of the simulated loads' order and of the simulated camera's noise.
     #[arg(long, default_value_t = CalibrationBenchConfig::default().seed)]
     seed: u64,
-    /// Combined loads that are put on the simulated fingertip; other kinds in proportion.
-    #[arg(long, default_value_t = CalibrationBenchConfig::default().combined, value_name = "COUNT",
-        value_parser = clap::value_parser!(usize))]
-    loads: usize,
+    /// Combined loads that are put on the simulated fingertip, at most 20,000 (some 35,000 pictures, which take
+    /// minutes); other kinds in proportion.
+    #[arg(long, default_value_t = 400, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..=MAX_LOADS))]
+    loads: u32,
     /// Write the simulated pictures and their LOADS.csv into this folder, which must not hold any yet.
     #[arg(long, value_name = "DIR", requires = "simulated")]
     write_loads: Option<PathBuf>,
@@ -83,17 +89,6 @@ fn positive(text: &str) -> Result<f64, String> {
 
 pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     let output = &arguments.output;
-    // Opened first, for calibrating takes its time.
-    let mut file = PartFile::create(output, "--output")?;
-    let experiment_name = experiment_name(arguments);
-    let sensor = SensorGeometry::of(
-        experiment_name,
-        arguments.finger,
-        arguments.layout.as_deref(),
-    )?;
-    let (records, source) = records(arguments, &sensor)?;
-    let full_scale = full_scale(arguments, &records);
-    let calibration = fit(sensor.made_for, &records, arguments.model, full_scale)?;
     let page_path = output.with_extension("html");
     if page_path == *output {
         return Err(format!(
@@ -102,7 +97,33 @@ pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, 
         )
         .into());
     }
-    let mut page_file = PartFile::create(&page_path, "--output")?;
+    let experiment_name = experiment_name(arguments);
+    let sensor = SensorGeometry::of(
+        experiment_name,
+        arguments.finger,
+        arguments.layout.as_deref(),
+    )?;
+    let csv = arguments.input.as_ref().filter(|_| !arguments.simulated);
+    let loads = csv.map(|csv| Loads::read(Path::new(csv), &sensor));
+    let loads = loads.transpose()?;
+    let files = loads.as_ref().map_or_else(Vec::new, Loads::files);
+    let inputs = files.iter().map(|path| Some(path.as_path()));
+    let named = [
+        Some(Path::new(experiment_name)),
+        arguments.layout.as_deref(),
+    ];
+    let mut outputs = Outputs::new(arguments.overwrite, inputs.chain(named));
+    // Opened first, for calibrating takes its time.
+    let file = outputs.create(output, "--output")?;
+    let page_file = outputs.create(&page_path, "--output")?;
+    let (records, source) = match &loads {
+        Some(loads) => (loads.measure(&sensor)?, loads.name()),
+        None => simulated(arguments)?,
+    };
+    let full_scale = full_scale(arguments, &records);
+    let fitting = Working::on("fitting");
+    let calibration = fit(sensor.made_for, &records, arguments.model, full_scale)?;
+    drop(fitting);
     page_file.finish(page::page(&calibration, &records, &source).as_bytes())?;
     file.finish(calibration.to_toml()?.as_bytes())?;
     print(arguments, &calibration, out)?;
@@ -125,19 +146,14 @@ fn experiment_name(arguments: &Arguments) -> &str {
     name.unwrap_or(EXPERIMENT)
 }
 
-/// What is known of each element, and where it comes from.
-fn records(
-    arguments: &Arguments,
-    sensor: &SensorGeometry,
-) -> Result<(Vec<ElementRecord>, String), CommandError> {
-    if let Some(csv) = arguments.input.as_ref().filter(|_| !arguments.simulated) {
-        return Ok((loads::read(Path::new(csv), sensor)?, csv.clone()));
-    }
+/// What is known of each element of a simulated fingertip, and where it comes from.
+fn simulated(arguments: &Arguments) -> Result<(Vec<ElementRecord>, String), CommandError> {
     let experiment = Experiment::load(experiment_name(arguments), &[])?;
     let fingertip = experiment.fingertip(arguments.finger)?;
     let config = &experiment.config;
     let optics = &config.simulation()?.optics;
     let bench = bench(arguments);
+    let _working = Working::on("loading the simulated fingertip");
     if let Some(folder) = &arguments.write_loads {
         loads::write_simulated(folder, fingertip, optics, &bench)?;
     }
@@ -148,8 +164,7 @@ fn records(
 /// The simulated loads, all kinds in proportion to the combined ones.
 fn bench(arguments: &Arguments) -> CalibrationBenchConfig {
     let default = CalibrationBenchConfig::default();
-    // Sums of all kinds stay far from overflowing.
-    let combined = arguments.loads.min(1_000_000);
+    let combined = arguments.loads as usize;
     let share = |count: usize| (count * combined).div_ceil(default.combined);
     CalibrationBenchConfig {
         seed: arguments.seed,

@@ -4,14 +4,14 @@ pub mod program;
 
 use super::{ExperimentArguments, LinkArguments};
 use crate::interrupt::watch_for_interrupt;
-use crate::report::print_claims;
-use crate::run::{finish, make_folder, outcome};
+use crate::report::print_outcome;
+use crate::run::{finish, make_folder, run_end};
 use crate::{CommandError, Outcome};
 use feeler::pace::real_time::{self, MODERATE, Refusal};
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::layouts;
 use feeler_lab::experiment::log::{RunLog, run_facts};
-use feeler_record::{RecordOptions, Recorder};
+use feeler_record::{RecordOptions, Recorder, RunEnd, RunState};
 use feeler_report::make::RECORDING;
 use program::Program;
 use std::io::{Write, stderr};
@@ -63,15 +63,15 @@ pub fn hand(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comma
     let wall_time = start.elapsed().as_secs_f64();
     program.stand_still();
     // However it ended: what was recorded is kept and reported before anything is said.
-    let made = finish(log, wall_time, &folder);
+    let end = match &ended {
+        Ok(()) => run_end(program.controller(), interrupted.load(Ordering::Relaxed)),
+        Err(error) => RunEnd::because(RunState::Interrupted, error.to_string()),
+    };
+    let outcome = Outcome::from(&end);
+    let made = finish(log, wall_time, end, &folder);
     ended?;
     program.tell(out)?;
-    print_claims(&made?, out)?;
-    let interrupted = interrupted.load(Ordering::Relaxed);
-    let (outcome, reason) = outcome(program.controller(), interrupted);
-    if let Some(reason) = reason {
-        writeln!(out, "{reason}")?;
-    }
+    print_outcome(&made?, out)?;
     Ok(outcome)
 }
 

@@ -61,6 +61,18 @@ impl LinkArguments {
         }
     }
 
+    /// The first option that is given.
+    pub fn given(&self) -> Option<&'static str> {
+        let options = [
+            ("--listen", !self.listen.is_empty()),
+            ("--connect", !self.connect.is_empty()),
+            ("--certificates", self.certificates.is_some()),
+            ("--insecure", self.insecure),
+            ("--rehearse", self.rehearse.is_some()),
+        ];
+        first_given(&options)
+    }
+
     /// The network of the rig `name`. The hand waits for the others to connect.
     pub fn open(&self, name: &str, is_hand: bool) -> Result<Arc<dyn Network>, CommandError> {
         if is_hand {
@@ -148,6 +160,17 @@ impl ExperimentArguments {
         self.rig.clone().unwrap_or_else(name)
     }
 
+    /// The first option that is given.
+    pub fn given(&self) -> Option<&'static str> {
+        let options = [
+            ("--set", !self.settings.is_empty()),
+            ("--seed", self.seed.is_some()),
+            ("--sensing", self.sensing.is_some()),
+            ("--rig", self.rig.is_some()),
+        ];
+        first_given(&options)
+    }
+
     /// What the command line sets, the named flags last.
     pub fn settings(&self) -> Vec<String> {
         let seed = self.seed.map(|seed| format!("seed={seed}"));
@@ -155,6 +178,11 @@ impl ExperimentArguments {
         let named = seed.into_iter().chain(sensing);
         self.settings.iter().cloned().chain(named).collect()
     }
+}
+
+fn first_given(options: &[(&'static str, bool)]) -> Option<&'static str> {
+    let given = options.iter().find(|(_, given)| *given);
+    given.map(|(option, _)| *option)
 }
 
 /// Says what programs came that are not taken, once each.

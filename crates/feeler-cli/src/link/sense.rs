@@ -2,7 +2,7 @@
 
 use super::{Refusals, expected};
 use crate::CommandError;
-use crate::sense::output::{self, FrameReadings, Output};
+use crate::sense::output::{FrameReadings, Output};
 use crate::sense::sensor::{self, SensorOf};
 use crate::sense::source::Source;
 use crate::sense::tally::Tally;
@@ -71,7 +71,7 @@ pub fn publish(
     };
     let Program { output, tally, .. } = program;
     match output {
-        Some(output) => close(output, tally, ended),
+        Some(output) => close(output, tally, ended, source.is_stream() || !is_raised(stop)),
         None => {
             tally.close();
             ended
@@ -90,6 +90,10 @@ impl<'a> Program<'a> {
         let (elements, size) = (sensing.element_count(), sensing.picture_size());
         let inbox = SenseInbox::new((finger, elements), size, expected(experiment)?);
         let (inbox, clock) = (Shared::new(inbox), monotonic());
+        let output = match arguments.output {
+            Some(_) => Some(arguments.open_output(true)?),
+            None => None,
+        };
         let rig = arguments.values.rig(experiment);
         let network = arguments.link.open(&rig, false)?;
         let instance = draw_instance();
@@ -110,7 +114,6 @@ impl<'a> Program<'a> {
             Topic::DirectForces(finger),
         ];
         listen(&*network, &topics, &inbox, &clock, &beacon)?;
-        let output = arguments.output.as_deref();
         let thresholds = experiment.config.control.thresholds();
         Ok(Self {
             finger,
@@ -124,9 +127,7 @@ impl<'a> Program<'a> {
             beacon,
             clock,
             instance,
-            output: output
-                .map(|path| output::open(Some(path), true))
-                .transpose()?,
+            output,
             tally,
             refusals: Refusals::default(),
             reported: (0, 0.0),

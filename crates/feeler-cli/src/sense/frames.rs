@@ -1,6 +1,6 @@
 //! Pictures in, readings out.
 
-use super::output::{self, FrameReadings, Output};
+use super::output::{FrameReadings, Output};
 use super::sensor::sensor;
 use super::source::Source;
 use super::tally::Tally;
@@ -25,7 +25,7 @@ pub fn sense(
     let sensing = sensor(arguments)?;
     let size = sensing.picture_size();
     let camera = source.camera(arguments, size)?;
-    let output = output::open(arguments.output.as_deref(), sensing.is_calibrated())?;
+    let output = arguments.open_output(sensing.is_calibrated())?;
     let mut stage = Stage {
         readings: vec![ElementReading::default(); sensing.element_count()],
         sensing,
@@ -37,7 +37,8 @@ pub fn sense(
     let pump = FramePump::start(camera, size)?;
     let ended = sense_all(&pump, &mut stage, interrupted);
     let settled = stage.settle_reference();
-    close(stage.output, stage.tally, ended.and(settled))
+    let whole = source.is_stream() || !is_raised(interrupted);
+    close(stage.output, stage.tally, ended.and(settled), whole)
 }
 
 fn sense_all(

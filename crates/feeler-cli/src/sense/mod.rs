@@ -9,8 +9,10 @@ pub(super) mod tally;
 
 use super::interrupt::watch_for_interrupt;
 use super::link::{self, ExperimentArguments, LinkArguments};
+use super::part_file::{Outputs, Overwrite};
 use super::{CommandError, Outcome};
 use feeler::sensor::exposure::DEFAULT_MAX_SATURATED;
+use feeler_report::make::RECORDING;
 use output::Output;
 use source::Source;
 use std::io::ErrorKind;
@@ -50,6 +52,8 @@ pub struct Arguments {
     /// Where to write: .csv, .jsonl or .mcap [default: a table on standard output]
     #[arg(short, long, value_name = "FILE")]
     pub(super) output: Option<PathBuf>,
+    #[command(flatten)]
+    overwrite: Overwrite,
     /// Size of the raw frames on standard input, px.
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size)]
     raw: Option<(usize, usize)>,
@@ -85,9 +89,48 @@ pub struct Arguments {
     pub(super) link: LinkArguments,
 }
 
+impl Arguments {
+    /// Refuses what would change nothing.
+    fn refuse_without_effect(&self) -> Result<(), CommandError> {
+        let for_the_hand = self.values.given().or(self.link.given());
+        if let Some(option) = for_the_hand.filter(|_| !self.publish) {
+            return Err(format!(
+                "{option}: changes nothing without --publish; expected --publish beside it, or an experiment file \
+                 that says so"
+            )
+            .into());
+        }
+        let without = [
+            ("--reference", self.reference.is_some()),
+            ("--unloaded", self.unloaded.is_some()),
+        ];
+        let given = without
+            .into_iter()
+            .find(|&(_, given)| given && self.publish);
+        match given {
+            Some((option, _)) => Err(format!(
+                "{option}: changes nothing with --publish, where the calibration says what is without load"
+            )
+            .into()),
+            None => Ok(()),
+        }
+    }
+
+    /// Opens the output, which is none of the files that are read.
+    pub(super) fn open_output(&self, forces: bool) -> Result<Box<dyn Output>, CommandError> {
+        let recordings: Vec<_> = self.sources.iter().map(|s| s.join(RECORDING)).collect();
+        let named = [&self.layout, &self.calibration, &self.reference];
+        let sources = self.sources.iter().chain(&recordings).map(PathBuf::as_path);
+        let inputs = sources.map(Some).chain(named.map(|path| path.as_deref()));
+        let experiment = Some(Path::new(&self.experiment));
+        let outputs = Outputs::new(self.overwrite, inputs.chain([experiment]));
+        output::open(self.output.as_deref(), outputs, forces)
+    }
+}
+
 pub fn sense(arguments: &Arguments) -> Result<Outcome, CommandError> {
     let source = Source::of(arguments)?;
-    refuse_to_overwrite(arguments.output.as_deref(), &source)?;
+    arguments.refuse_without_effect()?;
     let interrupted = watch_for_interrupt()?;
     let mut tally = Tally::new();
     match source {
@@ -119,16 +162,26 @@ pub fn sense(arguments: &Arguments) -> Result<Outcome, CommandError> {
     Ok(Outcome::Done)
 }
 
-/// Closes `output` however sensing `ended`, and says how it went.
+/// Closes `output` however sensing `ended`, and says how it went. What is not `whole` stays a partial file.
 ///
 /// A reader that has had enough is no error.
 pub(super) fn close(
     output: Box<dyn Output>,
     tally: &Tally,
     ended: Result<(), CommandError>,
+    whole: bool,
 ) -> Result<(), CommandError> {
-    let written = ended.and(output.finish());
+    let left = output.finish(whole && ended.is_ok());
     tally.close();
+    let written = match (ended, left) {
+        (Ok(()), Ok(Some(part))) => {
+            tally.warn(&format!("{} is partial", part.display()));
+            Ok(())
+        }
+        (Ok(()), left) => left.map(|_| ()),
+        (Err(error), Ok(Some(part))) => Err(output::partial(&error, &part)),
+        (ended, _) => ended,
+    };
     match written {
         Err(error) if is_closed_pipe(&error) => Ok(()),
         written => written,
@@ -148,21 +201,6 @@ fn is_closed_pipe(error: &CommandError) -> bool {
 /// Whether to stop.
 pub(super) fn is_raised(flag: &AtomicBool) -> bool {
     flag.load(Ordering::Relaxed)
-}
-
-fn refuse_to_overwrite(output: Option<&Path>, source: &Source) -> Result<(), CommandError> {
-    let (Some(output), Source::Recording(recording)) = (output, source) else {
-        return Ok(());
-    };
-    let same = match (output.canonicalize(), recording.canonicalize()) {
-        (Ok(output), Ok(recording)) => output == recording,
-        _ => false,
-    };
-    if same {
-        let output = output.display();
-        return Err(format!("--output {output}: it is the source; expected another file").into());
-    }
-    Ok(())
 }
 
 fn parse_size(text: &str) -> Result<(usize, usize), String> {

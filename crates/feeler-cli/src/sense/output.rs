@@ -1,15 +1,15 @@
 //! Where readings go: a table, lines of JSON, or MCAP.
 
 use super::CommandError;
+use crate::part_file::{Outputs, PartFile};
 use feeler::sensor::sensing::ElementReading;
 use feeler_record::sensed::{MOMENTS, TACTILE};
 use feeler_record::wire::Vector3;
 use feeler_record::{MessageSink, Moments, SensedWriter, Tactile};
 use glam::{DVec2, DVec3};
 use serde::Serialize;
-use std::fs::File;
 use std::io::{self, BufWriter, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Bytes that are collected before they are written while frames wait.
 const BUFFER: usize = 1 << 18;
@@ -30,38 +30,39 @@ pub trait Output {
     fn write(&mut self, frame: &FrameReadings) -> Result<(), CommandError>;
     /// Hands on what was collected.
     fn flush(&mut self) -> Result<(), CommandError>;
-    /// Writes what belongs at the end.
-    fn finish(self: Box<Self>) -> Result<(), CommandError>;
+    /// Writes what belongs at the end of what is `whole` or not: the partial file that is left, if one is.
+    fn finish(self: Box<Self>, whole: bool) -> Result<Option<PathBuf>, CommandError>;
 }
 
-/// The output that `path` names by its extension, or a table on standard output.
-pub fn open(path: Option<&Path>, forces: bool) -> Result<Box<dyn Output>, CommandError> {
+/// The output that `path` names by its extension, one of `outputs`, or a table on standard output.
+pub fn open(
+    path: Option<&Path>,
+    mut outputs: Outputs,
+    forces: bool,
+) -> Result<Box<dyn Output>, CommandError> {
     let Some(path) = path else {
         return Ok(Box::new(Table::new(Box::new(io::stdout()), forces)?));
     };
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("");
-    let create = || -> Result<Box<dyn Write>, CommandError> {
-        match File::create(path) {
-            Ok(file) => Ok(Box::new(file)),
-            Err(error) => Err(format!(
-                "--output {}: {error}; expected a file in a folder that can be written to",
-                path.display()
-            )
-            .into()),
-        }
+    if !["csv", "jsonl", "mcap"].contains(&extension) {
+        let path = path.display();
+        return Err(
+            format!("--output {path}: expected a file ending in .csv, .jsonl or .mcap").into(),
+        );
+    }
+    let part = outputs.create(path, "--output")?;
+    let output: Box<dyn Output> = match extension {
+        "csv" => Box::new(Table::new(Box::new(part.writer()?), forces)?),
+        "jsonl" => Box::new(JsonLines::new(Box::new(part.writer()?), forces)),
+        _ => Box::new(Mcap::create(part.part(), forces)?),
     };
-    let name = path.display().to_string();
-    Ok(match extension {
-        "csv" => Named::boxed(name, Table::new(create()?, forces)?),
-        "jsonl" => Named::boxed(name, JsonLines::new(create()?, forces)),
-        "mcap" => Box::new(Mcap::create(path, forces)?),
-        _ => {
-            return Err(format!(
-                "--output {name}: expected a file ending in .csv, .jsonl or .mcap"
-            )
-            .into());
-        }
-    })
+    Ok(Box::new(Filed {
+        name: path.display().to_string(),
+        output,
+        part,
+        is_text: extension != "mcap",
+        frames: 0,
+    }))
 }
 
 /// One element in one frame, as it is written; what there is not is left empty.
@@ -141,8 +142,8 @@ impl Output for Table {
         Ok(self.writer.flush()?)
     }
 
-    fn finish(mut self: Box<Self>) -> Result<(), CommandError> {
-        self.flush()
+    fn finish(mut self: Box<Self>, _: bool) -> Result<Option<PathBuf>, CommandError> {
+        self.flush().map(|()| None)
     }
 }
 
@@ -184,40 +185,72 @@ impl Output for JsonLines {
         Ok(self.writer.flush()?)
     }
 
-    fn finish(mut self: Box<Self>) -> Result<(), CommandError> {
-        self.flush()
+    fn finish(mut self: Box<Self>, _: bool) -> Result<Option<PathBuf>, CommandError> {
+        self.flush().map(|()| None)
     }
 }
 
-/// An output to a file, whose errors name it.
-struct Named<O> {
+/// An output to a file, which has its name only when it is whole.
+struct Filed {
     name: String,
-    output: Box<O>,
+    output: Box<dyn Output>,
+    part: PartFile,
+    /// Whether a line may be torn.
+    is_text: bool,
+    /// Frames that were written.
+    frames: u64,
 }
 
-impl<O: Output + 'static> Named<O> {
-    fn boxed(name: String, output: O) -> Box<dyn Output> {
-        let output = Box::new(output);
-        Box::new(Self { name, output })
+impl Filed {
+    fn named<T>(&self, written: Result<T, CommandError>) -> Result<T, CommandError> {
+        written.map_err(|error| format!("--output {}: {error}", self.name).into())
     }
 }
 
-fn named(name: &str, error: &CommandError) -> CommandError {
-    format!("--output {name}: {error}; what was written before it is good").into()
-}
-
-impl<O: Output> Output for Named<O> {
+impl Output for Filed {
     fn write(&mut self, frame: &FrameReadings) -> Result<(), CommandError> {
-        self.output.write(frame).map_err(|e| named(&self.name, &e))
+        self.frames += 1;
+        let written = self.output.write(frame);
+        self.named(written)
     }
 
     fn flush(&mut self) -> Result<(), CommandError> {
-        self.output.flush().map_err(|e| named(&self.name, &e))
+        let flushed = self.output.flush();
+        self.named(flushed)
     }
 
-    fn finish(self: Box<Self>) -> Result<(), CommandError> {
-        self.output.finish().map_err(|e| named(&self.name, &e))
+    fn finish(mut self: Box<Self>, whole: bool) -> Result<Option<PathBuf>, CommandError> {
+        let flushed = self.flush();
+        let Self {
+            output,
+            part,
+            is_text,
+            frames,
+            ..
+        } = *self;
+        let finished = flushed.and_then(|()| output.finish(whole));
+        if frames == 0 {
+            part.discard();
+            return Ok(None);
+        }
+        if whole && finished.is_ok() {
+            return part.rename().map(|()| None);
+        }
+        if is_text {
+            part.drop_torn_line();
+        }
+        let left = part.part().to_path_buf();
+        match finished {
+            // Why it is not whole, if it was to be.
+            Err(error) if whole => Err(partial(&error, &left)),
+            _ => Ok(Some(left)),
+        }
     }
+}
+
+/// An error after which a part of the output is left.
+pub fn partial(error: &CommandError, part: &Path) -> CommandError {
+    format!("{error}; {} is partial", part.display()).into()
 }
 
 /// ROS 2 messages in an MCAP file: moments and, calibrated, forces.
@@ -277,7 +310,7 @@ impl Output for Mcap {
         Ok(())
     }
 
-    fn finish(self: Box<Self>) -> Result<(), CommandError> {
-        Ok(self.writer.finish()?)
+    fn finish(self: Box<Self>, _: bool) -> Result<Option<PathBuf>, CommandError> {
+        Ok(self.writer.finish().map(|()| None)?)
     }
 }

@@ -1,6 +1,6 @@
 //! The forces that a run has on record.
 
-use super::output::{self, FrameReadings, Output};
+use super::output::{FrameReadings, Output};
 use super::tally::Tally;
 use super::{Arguments, CommandError, close, is_raised};
 use feeler::sensor::reading::{SensorError, TactileFrame, TactileSensor};
@@ -24,19 +24,20 @@ pub fn sense(
             format!("--finger {finger}: expected less than {fingers}, the run's fingers").into(),
         );
     }
-    let mut output = output::open(arguments.output.as_deref(), true)?;
+    let mut output = arguments.open_output(true)?;
     let mut sensor = RecordedSensor::new(&recording, finger);
     let ended = give_out(&mut sensor, output.as_mut(), tally, interrupted);
-    let until = recording.readable_until;
-    let whole = recording.problem.map_or(Ok(()), |problem| {
-        let path = path.display();
-        Err(
-            format!("{path}: the recording is incomplete ({problem}); forces up to {until:.2} s")
-                .into(),
-        )
+    let ended = ended.and_then(|()| match &recording.problem {
+        None => Ok(()),
+        Some(problem) => {
+            let (path, until) = (path.display(), recording.readable_until);
+            Err(format!(
+                "{path}: the recording is incomplete ({problem}); forces up to {until:.2} s"
+            )
+            .into())
+        }
     });
-    close(output, tally, ended)?;
-    whole
+    close(output, tally, ended, !is_raised(interrupted))
 }
 
 fn give_out(

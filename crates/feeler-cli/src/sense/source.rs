@@ -48,6 +48,11 @@ impl Source {
                 "a recorded run or an experiment's fingertip",
             ),
             (
+                "--layout",
+                arguments.layout.is_some() && recording,
+                "pictures",
+            ),
+            (
                 "--calibration",
                 arguments.calibration.is_some() && recording,
                 "pictures",
@@ -71,6 +76,11 @@ impl Source {
             .into()),
             None => Ok(source),
         }
+    }
+
+    /// Whether it ends only when somebody ends it: what was sensed until then is whole.
+    pub fn is_stream(&self) -> bool {
+        matches!(self, Self::Raw(_) | Self::Video(_) | Self::Rig)
     }
 
     fn named(paths: &[PathBuf], raw: Option<(usize, usize)>) -> Result<Self, CommandError> {

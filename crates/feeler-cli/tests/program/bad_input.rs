@@ -289,6 +289,25 @@ fn a_folder_that_holds_a_run_is_not_written_over() {
 }
 
 #[test]
+fn values_of_another_kind_or_size_are_named_in_plain_words() {
+    let folder = folder("plain-words");
+    let cases = [
+        ("time_limit=long", "the text \"long\": expected a number"),
+        ("seed=-1", "expected a whole number, 0 or more"),
+        ("task.screw.strokes=1.5", "expected a whole number"),
+        ("name=3", "expected text"),
+        ("time_limit=1e300", "time_limit = 1e300: expected"),
+    ];
+    for (setting, words) in cases {
+        let said = run(&folder, &["check", "cap-closing", "--set", setting]).refused(&[words]);
+        for rust in ["f64", "u64", "u32", "usize", "000000000000"] {
+            assert!(!said.contains(rust), "{said}");
+        }
+    }
+    run(&folder, &["run", "cap-closing", "--seed", "-1"]).refused(&["'-1'", "--seed", "0.."]);
+}
+
+#[test]
 fn a_truncated_recording_is_reported_as_far_as_it_goes() {
     let folder = folder("truncated");
     let run_folder = whole_run(&folder);

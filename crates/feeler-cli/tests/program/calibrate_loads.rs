@@ -40,7 +40,8 @@ fn pictures_and_forces_on_disk_make_a_calibration() {
     }
     let page = fs::read_to_string(folder.join("b.html")).unwrap();
     assert!(page.contains("loads/LOADS.csv") && page.ends_with("</html>"));
-    let said = run(&folder, &[&start[..], &["--model", "separable"]].concat()).done();
+    let again = [&start[..], &["--model", "separable", "--force"]].concat();
+    let said = run(&folder, &again).done();
     assert!(said.contains("separable"), "{said}");
     let text = fs::read_to_string(folder.join("b.toml")).unwrap();
     let calibration = feeler::sensor::calibration::Calibration::from_toml(&text).unwrap();
@@ -53,9 +54,9 @@ fn pictures_and_forces_on_disk_make_a_calibration() {
         "--write-loads",
         "loads",
         "-o",
-        "a.toml",
+        "c.toml",
     ];
-    run(&folder, &again).refused(&["--write-loads loads", "LOADS.csv already"]);
+    run(&folder, &again).refused(&["--write-loads loads/LOADS.csv", "exists already"]);
 }
 
 #[test]
@@ -209,8 +210,13 @@ fn loads_that_determine_nothing_are_refused() {
 fn arguments_that_make_no_sense_are_refused() {
     let folder = folder("calibrate-arguments");
     let start = ["calibrate", "-o", "b.toml"];
-    let cases: [(&[&str], &[&str]); 5] = [
+    let cases: [(&[&str], &[&str]); 7] = [
         (&[], &["LOADS.csv"]),
+        (
+            &["--simulated", "--loads", "100000000"],
+            &["--loads", "1..=20000"],
+        ),
+        (&["--simulated", "--seed", "-1"], &["'-1'", "--seed"]),
         (
             &["nowhere.csv"],
             &["nowhere.csv", "No such file", "expected a CSV file"],

@@ -100,7 +100,7 @@ fn a_run_that_is_held_back_is_the_same_run() {
         let out = format!("--out={name}");
         run(&folder, &[&start, arguments, &[&out]].concat()).done();
         let summary = summary(&folder.join(name));
-        assert_eq!(summary["complete"], true, "{summary}");
+        assert_eq!(summary["state"], "done", "{summary}");
         summary["digest"].clone()
     };
     let fast = digest(&[], "fast");

@@ -31,6 +31,25 @@ fn peak_force(row: &HashMap<String, String>) -> f64 {
 }
 
 #[test]
+fn one_trial_has_no_interval() {
+    let folder = folder("compare-one");
+    let arguments = [
+        "compare",
+        "cap-closing",
+        "--trials=1",
+        "--laws=tri-axial,open-loop",
+        "--set=task.screw.strokes=1",
+    ];
+    let said = run(&folder, &arguments).done();
+    let torque = said.lines().find(|line| line.contains("final torque"));
+    assert!(torque.unwrap().ends_with("(no interval)"), "{said}");
+    assert!(said.contains("not to be judged by one trial"), "{said}");
+    let page = fs::read_to_string(folder.join("compare/compare.html")).unwrap();
+    assert!(page.contains("One trial has no interval") && page.contains("(no interval)"));
+    assert!(!page.contains("NaN"));
+}
+
+#[test]
 fn laws_are_compared_on_the_same_draws_and_the_best_beats_the_papers() {
     let folder = folder("compare-laws");
     let said = run(&folder, &compare(&["--trials=24", "-o=c"])).done();

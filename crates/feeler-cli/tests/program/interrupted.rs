@@ -2,7 +2,7 @@
 
 #![cfg(unix)]
 
-use crate::program::{Ended, experiment, feeler, folder, run};
+use crate::program::{Ended, experiment, feeler, folder, run, summary};
 use std::fs;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
@@ -48,10 +48,15 @@ fn an_interrupted_run_is_closed_and_reported() {
         let ended = Ended::of(child.wait_with_output().unwrap());
         assert_eq!(ended.status, Some(1), "{ended:?}");
         assert!(ended.stdout.contains("interrupted"), "{ended:?}");
-        assert!(folder.join("run/report.html").exists());
-        assert!(folder.join("run/summary.json").exists());
+        let page = fs::read_to_string(folder.join("run/report.html")).unwrap();
+        assert!(page.contains("<title>INTERRUPTED: ") && page.contains("INTERRUPTED at t = "));
+        assert!(page.contains("not measured"), "what there was no time for");
+        let made = summary(&folder.join("run"));
+        assert_eq!(made["state"], "interrupted", "{made}");
+        assert!(made["reason"].as_str().unwrap().contains("Ctrl-C"));
         // The recording is whole: the same report can be made of it again.
         run(&folder, &["report", "run"]).done();
+        assert_eq!(summary(&folder.join("run")), made);
     }
 }
 

@@ -53,7 +53,7 @@ fn a_dome_gives_directions() {
         "--focal-length-px",
         "60",
         "--standoff",
-        "-0.001",
+        "0.001",
     ];
     let arguments = [&["locate", "a.png", "-o", "layout.toml"], &dome[..]].concat();
     run(&folder, &arguments).done();
@@ -97,6 +97,11 @@ fn bad_input_is_refused_and_nothing_is_written() {
         &["good.png", "--dome-radius", "0.02"],
         &["--focal-length-px"],
     );
+    let behind = ["--dome-radius=0.02", "--focal-length-px=60"];
+    for standoff in [["--standoff", "-0.01"], ["--standoff", "nan"]] {
+        let arguments = [&["good.png"], &behind[..], &standoff].concat();
+        refused(&arguments, &["--standoff", "0 m or more"]);
+    }
     refused(
         &["good.png", "--dome", "cap-closing"],
         &["640x480", "150x120"],

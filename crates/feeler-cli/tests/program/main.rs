@@ -12,6 +12,7 @@ mod friction_scan;
 mod hands;
 mod interrupted;
 mod locate;
+mod outputs;
 #[path = "../support/program.rs"]
 mod program;
 mod real_rig;

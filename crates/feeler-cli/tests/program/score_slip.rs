@@ -49,6 +49,11 @@ fn missing_shear_tells_slips_that_the_rate_of_shear_does_not() {
     }
     assert!(!page.contains("NaN"));
 
+    run(&folder, &arguments).refused(&["--out s/slip.html", "exists already", "--force"]);
+    assert_eq!(
+        page,
+        fs::read_to_string(folder.join("s/slip.html")).unwrap()
+    );
     let again = run(&folder, &["score-slip", "--trials=60", "--seed=4", "-o=t"]).done();
     assert_eq!(said.replace("s/slip", "t/slip"), again);
     assert_eq!(
@@ -76,8 +81,9 @@ fn stiff_feelers_lose_more_shear_in_a_slip_and_meet_the_goal() {
 fn noise_hides_slips() {
     let folder = folder("score-slip-noise");
     let recall = |noise: &str| {
+        let out = format!("-o=noise{noise}");
         let noise = format!("--set=sim.direct_sensing.shear_noise={noise}");
-        let said = run(&folder, &["score-slip", "--trials=20", &noise, "-o=s"]).done();
+        let said = run(&folder, &["score-slip", "--trials=20", &noise, &out]).done();
         percent(&said, "recall (%)")
     };
     assert!(recall("0.0") > recall("0.02") + 5.0);

@@ -1,6 +1,6 @@
 //! Bad input is named, with what was expected; what can be sensed is.
 
-use super::program::{folder, run};
+use super::program::{Ended, folder, run};
 use super::rendered::{CALIBRATION, image, pictures, save};
 use super::table::{WITH_FORCES, WITHOUT_FORCES, rows};
 use std::fs;
@@ -154,14 +154,107 @@ fn outputs_that_cannot_be_written() {
     }
 }
 
-#[cfg(target_os = "linux")]
 #[test]
-fn a_full_disk_is_no_success() {
-    let folder = folder("sense-full");
+fn options_that_would_change_nothing_are_refused() {
+    let folder = folder("sense-no-effect");
     save(&pictures(1), &folder.join("pictures"));
+    let cases = [
+        ["--set=control.touch_force=1.0", "--set"],
+        ["--seed=3", "--seed"],
+        ["--rig=mine", "--rig"],
+        ["--connect=tcp/127.0.0.1:7447", "--connect"],
+    ];
+    for [option, name] in cases {
+        run(&folder, &["sense", "pictures", option]).refused(&[name, "without --publish"]);
+    }
+}
+
+#[test]
+fn what_fails_or_is_cut_leaves_a_good_table_and_is_called_partial() {
+    let folder = folder("sense-keeps");
+    save(&pictures(3), &folder.join("pictures"));
+    let sense = ["sense", "pictures", "-o", "out.csv"];
+    assert_eq!(run(&folder, &sense).status, Some(0));
+    let good = fs::read(folder.join("out.csv")).unwrap();
+    let unchanged = || assert_eq!(fs::read(folder.join("out.csv")).unwrap(), good);
+
+    run(&folder, &sense).refused(&["--output out.csv", "exists already", "--force"]);
+    unchanged();
+    let forced = run(&folder, &[&sense[..], &["--force"]].concat());
+    assert_eq!(forced.status, Some(0), "{forced:?}");
+    unchanged();
+    // Nothing is sensed.
+    fs::create_dir(folder.join("none")).unwrap();
+    fs::write(folder.join("none/a.png"), "no picture").unwrap();
+    let none = ["sense", "none", "-o", "out.csv", "--force"];
+    run(&folder, &none).refused(&["no frame"]);
+    unchanged();
+    assert!(!folder.join("out.csv.part").exists());
+    // A picture is of another size.
+    image::GrayImage::new(320, 240)
+        .save(folder.join("pictures/frame2.png"))
+        .unwrap();
+    let failed = run(&folder, &[&sense[..], &["--force"]].concat());
+    failed.refused(&["320x240", "out.csv.part is partial"]);
+    unchanged();
+    let part = fs::read_to_string(folder.join("out.csv.part")).unwrap();
+    assert_eq!(part.lines().count(), 1 + 2 * 41);
+    // What is left of it is no less safe than a table.
+    let another = ["sense", "pictures/frame0.png", "-o", "new.csv"];
+    fs::rename(folder.join("out.csv.part"), folder.join("new.csv.part")).unwrap();
+    run(&folder, &another).refused(&["new.csv.part exists already"]);
+}
+
+#[test]
+fn an_input_is_never_written_over() {
+    let folder = folder("sense-inputs");
+    save(&pictures(1), &folder.join("pictures"));
+    fs::copy(CALIBRATION, folder.join("c.csv")).unwrap();
+    fs::copy(folder.join("pictures/frame0.png"), folder.join("r.csv")).unwrap();
+    fs::hard_link(folder.join("c.csv"), folder.join("link.csv")).unwrap();
+    for (option, output) in [
+        ("--calibration=c.csv", "c.csv"),
+        ("--calibration=c.csv", "pictures/../c.csv"),
+        ("--calibration=c.csv", "link.csv"),
+        ("--layout=c.csv", "c.csv"),
+        ("--reference=r.csv", "r.csv"),
+    ] {
+        let before = fs::read(folder.join(output)).unwrap();
+        let sense = ["sense", "pictures", option, "-o", output, "--force"];
+        let ended = run(&folder, &sense);
+        assert_eq!(ended.status, Some(2), "{ended:?}");
+        assert_eq!(fs::read(folder.join(output)).unwrap(), before, "{option}");
+    }
+    let onto = |output| {
+        [
+            "sense",
+            "pictures",
+            "--calibration=c.csv",
+            "--force",
+            "-o",
+            output,
+        ]
+    };
+    for output in ["c.csv", "link.csv"] {
+        run(&folder, &onto(output)).refused(&["--output", output, "it is an input"]);
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_full_disk_is_no_success_and_tears_no_row() {
+    let folder = folder("sense-full");
+    save(&pictures(40), &folder.join("pictures"));
     for name in ["full.csv", "full.jsonl", "full.mcap"] {
-        std::os::unix::fs::symlink("/dev/full", folder.join(name)).unwrap();
-        let ended = run(&folder, &["sense", "pictures", "-o", name]);
-        ended.refused(&[name, "No space left"]);
+        // No file may grow past 16 blocks of 512 bytes: the disk is full within a row.
+        let limited = "trap '' XFSZ; ulimit -f 16; exec \"$@\"";
+        let mut command = std::process::Command::new("sh");
+        command.args(["-c", limited, "sh", env!("CARGO_BIN_EXE_feeler")]);
+        command.args(["sense", "pictures", "-o", name]);
+        let ended = Ended::of(command.current_dir(&folder).output().unwrap());
+        ended.refused(&[name, "File too large", &format!("{name}.part is partial")]);
+        assert!(!folder.join(name).exists());
+        let part = fs::read(folder.join(format!("{name}.part"))).unwrap();
+        assert!(!part.is_empty() && (name == "full.mcap" || part.ends_with(b"\n")));
     }
 }

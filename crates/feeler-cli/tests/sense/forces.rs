@@ -281,10 +281,11 @@ fn a_recorded_run_gives_its_forces_out() {
     let recording = Recording::read(whole_run(&folder).join("recording.mcap")).unwrap();
     for (source, finger) in [("run", 0), ("run/recording.mcap", 1)] {
         let number = finger.to_string();
-        let arguments = ["sense", source, "--finger", &number, "-o", "out.csv"];
+        let output = format!("out{number}.csv");
+        let arguments = ["sense", source, "--finger", &number, "-o", &output];
         let ended = run(&folder, &arguments);
         assert_eq!(ended.status, Some(0), "{ended:?}");
-        let table = fs::read_to_string(folder.join("out.csv")).unwrap();
+        let table = fs::read_to_string(folder.join(output)).unwrap();
         let rows = rows(&table, WITH_FORCES);
         let tactile = &recording.fingers[finger].tactile;
         assert_eq!(rows.len(), tactile.len() * 41);
@@ -301,12 +302,17 @@ fn a_recorded_run_gives_its_forces_out() {
     }
     run(&folder, &["sense", "run", "--finger=2"]).refused(&["--finger 2", "less than 2"]);
     let onto_itself = ["sense", "run", "-o", "run/recording.mcap"];
-    run(&folder, &onto_itself).refused(&["it is the source"]);
+    run(&folder, &onto_itself).refused(&["it is an input"]);
+    run(&folder, &["sense", "run", "--layout", "none.toml"])
+        .refused(&["--layout is for pictures", "run is something else"]);
     let bytes = fs::read(folder.join("run/recording.mcap")).unwrap();
     fs::write(folder.join("cut.mcap"), &bytes[..bytes.len() / 2]).unwrap();
     let cut = run(&folder, &["sense", "cut.mcap"]);
     assert!(cut.stdout.lines().count() > 41 * 100);
     cut.refused(&["incomplete", "forces up to"]);
+    let to_a_file = run(&folder, &["sense", "cut.mcap", "-o", "cut.csv"]);
+    to_a_file.refused(&["incomplete", "cut.csv.part is partial"]);
+    assert!(folder.join("cut.csv.part").exists() && !folder.join("cut.csv").exists());
 }
 
 #[test]

@@ -41,7 +41,7 @@ fn the_output_is_closed_properly() {
     let folder = folder("sense-interrupted");
     for name in ["out.csv", "out.mcap"] {
         let (mut child, writer) = start(&folder, &["-o", name]);
-        wait_for(&folder.join(name), 100_000, &mut child);
+        wait_for(&folder.join(format!("{name}.part")), 100_000, &mut child);
         let ended = interrupt(child);
         writer.join().unwrap();
         assert_eq!(ended.status, Some(1), "{ended:?}");
@@ -63,10 +63,12 @@ fn a_silent_stream_is_interrupted_too() {
     let mut child = command.spawn().expect("the program");
     // Waiting for the end would close its input.
     let stdin = child.stdin.take();
-    wait_for(&folder.join("out.csv"), 0, &mut child);
+    wait_for(&folder.join("out.csv.part"), 0, &mut child);
     let ended = interrupt(child);
     assert_eq!(ended.status, Some(1), "{ended:?}");
     drop(stdin);
+    // There was nothing to write.
+    assert_eq!(fs::read_dir(&folder).unwrap().count(), 0);
 }
 
 #[test]

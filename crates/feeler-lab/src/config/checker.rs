@@ -6,6 +6,9 @@ use std::fmt;
 /// have, and far below where arithmetic overflows.
 pub(super) const MAX: f64 = 1e9;
 
+/// More characters than a number needs.
+const LONG: usize = 20;
+
 /// A value that is out of its range.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Problem {
@@ -40,7 +43,7 @@ impl Checker {
         if !good {
             self.problems.push(Problem {
                 field: field.to_string(),
-                value,
+                value: compact(value),
                 expected: expected.to_string(),
             });
         }
@@ -85,6 +88,14 @@ impl Checker {
             good,
             "a direction: a vector that is not zero",
         );
+    }
+}
+
+/// A number of hundreds of digits as a reader would write it; all else as it is.
+fn compact(value: String) -> String {
+    match value.parse::<f64>() {
+        Ok(value_of) if value.len() > LONG => number(value_of),
+        _ => value,
     }
 }
 

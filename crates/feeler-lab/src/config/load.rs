@@ -4,6 +4,7 @@ use super::ExperimentConfig;
 use super::check::check;
 use super::checker::Problem;
 use super::settings::put;
+use super::words::in_words;
 use feeler::sensor::calibration::CalibrationError;
 use feeler::sensor::fingertip::FingertipConfig;
 use feeler::sensor::made_for::sha256;
@@ -196,8 +197,9 @@ impl Experiment {
             put(&mut document, setting)?;
         }
         let toml = document.to_string();
-        let config: ExperimentConfig = toml::from_str(&toml)
-            .map_err(|e| to_blame(text, settings).unwrap_or_else(|| syntax(e.to_string())))?;
+        let config: ExperimentConfig = toml::from_str(&toml).map_err(|e| {
+            to_blame(text, settings).unwrap_or_else(|| syntax(in_words(&e.to_string())))
+        })?;
         let problems = check(&config);
         if !problems.is_empty() {
             let origin = origin.to_string();
@@ -247,7 +249,7 @@ fn to_blame(text: &str, settings: &[String]) -> Option<ConfigError> {
         let read = toml::from_str::<ExperimentConfig>(&document.to_string());
         read.err().map(|e| ConfigError::Setting {
             setting: setting.clone(),
-            message: e.message().to_string(),
+            message: in_words(e.message()),
         })
     })
 }

@@ -12,6 +12,7 @@ mod check_touch_tasks;
 mod checker;
 mod load;
 mod settings;
+mod words;
 
 pub use checker::Problem;
 pub use load::{BUILT_IN, BuiltIn, ConfigError, Experiment};
@@ -34,7 +35,7 @@ pub struct ExperimentConfig {
     pub name: String,
     /// What the experiment shows, in a sentence.
     pub description: String,
-    /// Drives every random quantity of the run.
+    /// Random seed.
     pub seed: u64,
     /// Whether simulated forces go through rendered pictures.
     #[serde(default)]

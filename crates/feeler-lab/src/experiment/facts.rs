@@ -34,6 +34,7 @@ pub fn run_facts(config: &ExperimentConfig) -> RunFacts {
             Sensing::Image => SensingKind::Image,
             Sensing::Direct => SensingKind::Direct,
         },
+        law: Some(config.control.law.name().to_string()),
         control_period: config.control.period,
         fingers: config.hand.finger.len(),
         cap_radius: config.sim.as_ref().map_or(0.0, cap_radius),

@@ -162,7 +162,7 @@ fn compared(law: &LawConfig, own: &[Result], first: &[Result]) -> ComparedLaw {
         let all: Vec<_> = own.iter().filter_map(|r| r.measures[index]).collect();
         rows.push(Row {
             name,
-            value: bootstrap(&all).map(ends),
+            value: estimate(&all),
             difference: difference(&ours, &theirs),
         });
     }
@@ -183,7 +183,15 @@ fn rate(results: &[Result]) -> Option<[f64; 3]> {
 
 fn difference(ours: &[f64], theirs: &[f64]) -> Option<[f64; 3]> {
     let pairs = ours.iter().zip(theirs);
-    bootstrap(&pairs.map(|(a, b)| a - b).collect::<Vec<_>>()).map(ends)
+    estimate(&pairs.map(|(a, b)| a - b).collect::<Vec<_>>())
+}
+
+/// The mean between the ends of its interval, which are not numbers where a single value has none.
+fn estimate(values: &[f64]) -> Option<[f64; 3]> {
+    match values {
+        &[value] => value.is_finite().then_some([f64::NAN, value, f64::NAN]),
+        values => bootstrap(values).map(ends),
+    }
 }
 
 fn ends(estimate: Estimate) -> [f64; 3] {

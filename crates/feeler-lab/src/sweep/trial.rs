@@ -99,6 +99,7 @@ impl Trials {
     pub fn new(plan: &Plan) -> Result<Self, SweepError> {
         let (experiment, parameters) = plan.load()?;
         let config = &experiment.config;
+        config.simulation()?;
         let screws = matches!(config.task, TaskConfig::Screw(_));
         // The claims about screwing are the paper's, of a cap that is screwed on.
         let claims = if !screws || config.cap().is_some() {

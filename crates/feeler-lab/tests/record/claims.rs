@@ -2,7 +2,7 @@
 
 use crate::support;
 use feeler_record::Recording;
-use feeler_report::stroke_pattern::Heaps;
+use feeler_report::stroke_pattern::Peaks;
 use feeler_report::{RunData, Summary};
 use std::path::PathBuf;
 
@@ -52,14 +52,14 @@ fn a_made_up_run_measures_what_it_was_made_of() {
     close(fourth.peak_element_force, 0.7 * 2.3, 0.01);
     assert!(fourth.slip_fraction > first.slip_fraction);
     close(summary.real_time_factor, 12.19 / 0.25, 1e-9);
-    // Each heap is as high as the one before at least, the last two alike.
-    let heaps = Heaps {
+    // Each peak is as high as the one before at least, the last two alike.
+    let peaks = Peaks {
         second_below_first: false,
         last_above_first: true,
         last_alike: true,
     };
     let pattern = summary.stroke_pattern.expect("a pattern");
-    assert_eq!((pattern.grasp_force, pattern.torque), (heaps, heaps));
+    assert_eq!((pattern.grasp_force, pattern.torque), (peaks, peaks));
     assert!(!pattern.whole());
     for claim in &summary.claims {
         assert!(claim.holds, "{claim:#?}");
@@ -79,7 +79,7 @@ fn what_an_unfinished_run_does_not_define_does_not_hold() {
             .expect("the claim");
         (claim.holds, claim.value.is_some())
     };
-    assert_eq!(holds("four-heaps"), (false, true));
+    assert_eq!(holds("four-peaks"), (false, true));
     assert_eq!(holds("first-stroke-torque-rises"), (true, true));
     for id in ["closed-after-third", "bumps-in-step", "path-saturates"] {
         assert_eq!(holds(id), (false, false), "{id}");
@@ -138,7 +138,7 @@ fn the_keys_of_the_summary_are_stable() {
     assert_eq!(
         ids,
         [
-            "four-heaps",
+            "four-peaks",
             "first-stroke-torque-rises",
             "closed-after-third",
             "shear-rate-marks-closing",

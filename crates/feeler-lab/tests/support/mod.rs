@@ -39,6 +39,7 @@ pub fn facts() -> RunFacts {
         seed: u64::MAX,
         version: "0.1.0".into(),
         sensing: "direct".into(),
+        law: None,
         control_period: PERIOD,
         fingers: FINGERS,
         cap_radius: CAP_RADIUS,

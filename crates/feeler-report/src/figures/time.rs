@@ -38,7 +38,7 @@ pub fn grasp_force_and_torque(data: &RunData) -> Figure {
         caption: "Each touch-and-release stroke makes a heap of grasp force and a heap of torque. In \
             the paper's Fig. 8 there are four of each; in stroke 1 torque rises while grasp force \
             stays level, and strokes 3 and 4 are almost the same, because the cap is closed. Claims \
-            four-heaps, first-stroke-torque-rises and closed-after-third say how far this run \
+            four-peaks, first-stroke-torque-rises and closed-after-third say how far this run \
             agrees."
             .into(),
         svg: panels(data, 8, title, &upper, 0..data.time.len(), false),

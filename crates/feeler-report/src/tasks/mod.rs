@@ -14,6 +14,9 @@ use super::summary::Summary;
 use feeler_record::{Recording, RunFacts, TaskKind};
 use maud::Markup;
 
+/// Whose the claims of the screw task are.
+pub(crate) const PAPERS: &str = "of the paper";
+
 /// The part of a report that a task brings.
 pub trait TaskReport: Sync {
     /// Whose its claims are, after the word "claims".
@@ -30,6 +33,19 @@ pub trait TaskReport: Sync {
 
     /// What the run measured: sections with headings.
     fn measured(&self, recording: &Recording, summary: &Summary) -> Markup;
+}
+
+/// The control law of the paper.
+const PAPERS_LAW: &str = "tri-axial";
+
+/// The claims of the task, measured on a run: those of the paper only where its law ran.
+pub fn claims(recording: &Recording, data: &RunData) -> Vec<Claim> {
+    let (facts, task) = (&recording.facts, of(&recording.facts));
+    let another_law = facts.law.as_deref().is_some_and(|law| law != PAPERS_LAW);
+    if another_law && task.whose() == PAPERS {
+        return Vec::new();
+    }
+    task.claims(recording, data)
 }
 
 /// The report of the task of a run with these facts; of one that is not known, as of the first that there was.

@@ -1,6 +1,6 @@
 //! The report of the screw task: the paper's claims and figures, and a table of strokes.
 
-use super::TaskReport;
+use super::{PAPERS, TaskReport};
 use crate::claim::Claim;
 use crate::claims::claims;
 use crate::figures::{Figure, paths, radius, time};
@@ -16,7 +16,7 @@ pub struct ScrewReport;
 
 impl TaskReport for ScrewReport {
     fn whose(&self) -> &'static str {
-        "of the paper"
+        PAPERS
     }
 
     fn claims(&self, _: &Recording, data: &RunData) -> Vec<Claim> {

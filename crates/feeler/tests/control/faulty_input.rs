@@ -14,7 +14,7 @@ fn decided(touch: &FingerTouch, state: &HandState) -> (Option<StopReason>, DVec3
     };
     controller.decide(std::slice::from_ref(touch), state, &mut command);
     let stopped = controller.stop_reason().cloned();
-    (stopped, command.joint_velocity[0])
+    (stopped, command.joint_velocity()[0])
 }
 
 #[test]
