@@ -1,7 +1,7 @@
 //! `feeler compare`
 
 use super::interrupt::watch_for_interrupt;
-use super::sweep::cores;
+use super::trials::TrialArguments;
 use super::{CommandError, Outcome};
 use feeler::control::law::LawConfig;
 use feeler::control::task::TaskConfig;
@@ -28,7 +28,7 @@ A law is as the experiment has it, if that is the one it chooses, and otherwise 
 Examples:
   feeler compare cap-closing -o compare                     all laws, 200 trials each
   feeler compare cap-closing --laws tri-axial,best --trials 2000 -o compare
-  feeler compare cap-closing --resume -o compare            go on after it was stopped
+  feeler compare cap-closing --resume -o compare            continue what was stopped
   feeler run --trial compare/best 17                        one trial again, with recording and report";
 
 #[derive(Debug, clap::Args)]
@@ -39,15 +39,12 @@ pub struct Arguments {
     /// The control laws; the others are compared with the first.
     #[arg(long, value_delimiter = ',', default_values_t = LawConfig::NAMES.map(String::from))]
     laws: Vec<String>,
-    /// How many trials of each law.
+    /// Number of trials of each law.
     #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u64).range(1..=10_000_000))]
     trials: u64,
     /// What varies, instead of friction, noise, off-centre and seat; figures are drawn against the first.
     #[arg(long = "vary", value_name = "NAME=DISTRIBUTION")]
     vary: Vec<String>,
-    /// Set any value of the experiment for all trials, as in task.screw.strokes=2.
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    settings: Vec<String>,
     /// Where forces come from: rendered camera pictures, or the feelers themselves plus noise.
     #[arg(long, value_parser = ["image", "direct"], default_value = "direct")]
     sensing: String,
@@ -57,15 +54,8 @@ pub struct Arguments {
     /// A success loads no element above this force, N. The default is what counts as no damage: a quarter above F2.
     #[arg(long, value_name = "FORCE", default_value_t = 0.63)]
     goal_force: f64,
-    /// Drives all that is drawn.
-    #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
-    seed: u64,
-    /// Trials at a time [default: one for each core]
-    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1024))]
-    jobs: Option<u64>,
-    /// Go on with a comparison that was stopped, with the same arguments.
-    #[arg(long)]
-    resume: bool,
+    #[command(flatten)]
+    trial: TrialArguments,
     /// The comparison's folder.
     #[arg(short, long, value_name = "DIR", default_value = "compare")]
     out: PathBuf,
@@ -140,7 +130,7 @@ fn laws(arguments: &Arguments) -> Result<Vec<LawConfig>, CommandError> {
 
 /// What varies, and what is set so that it can.
 fn draws(arguments: &Arguments) -> Result<(Vec<String>, Vec<String>), CommandError> {
-    let mut settings = arguments.settings.clone();
+    let mut settings = arguments.trial.settings.clone();
     settings.push(format!("sensing={}", arguments.sensing));
     let config = Experiment::load(&arguments.experiment, &settings)?.config;
     if !config.task.takes_law() {
@@ -204,7 +194,13 @@ fn plan(
         experiment = Experiment::load(name, &settings)?;
     }
     let law = experiment.config.control.law.clone();
-    let plan = Plan::new(&experiment, name, vary, arguments.seed, arguments.trials);
+    let plan = Plan::new(
+        &experiment,
+        name,
+        vary,
+        arguments.trial.seed,
+        arguments.trials,
+    );
     Ok((law, Trials::new(&plan)?))
 }
 
@@ -212,7 +208,7 @@ fn plan(
 fn store(arguments: &Arguments, law: &LawConfig, trials: &Trials) -> Result<Store, CommandError> {
     let folder = arguments.out.join(law.name());
     let plan = trials.plan();
-    if !(arguments.resume && folder.join(PLAN).exists()) {
+    if !(arguments.trial.resume && folder.join(PLAN).exists()) {
         return Ok(Store::create(&folder, plan, trials.header())?);
     }
     if let Some(difference) = Plan::read(&folder)?.difference(plan) {
@@ -222,12 +218,12 @@ fn store(arguments: &Arguments, law: &LawConfig, trials: &Trials) -> Result<Stor
         )
         .into());
     }
-    Ok(Store::resume(&folder, plan, trials.header())?)
+    arguments.trial.store(&folder, trials)
 }
 
 /// Runs what is left, a block of trials of each law after the other.
 fn run(arguments: &Arguments, contenders: &mut [Contender]) -> Result<Ended, CommandError> {
-    let jobs = arguments.jobs.map_or_else(cores, |jobs| jobs as usize);
+    let jobs = arguments.trial.jobs();
     let stop = watch_for_interrupt()?;
     let mut bar = Bar::new(arguments.trials * contenders.len() as u64);
     let mut end = 0;
@@ -261,7 +257,7 @@ fn page(arguments: &Arguments, contenders: &[Contender], goal: Goal) -> CompareP
     ComparePage {
         name: arguments.experiment.clone(),
         planned: arguments.trials,
-        varied: format!("--seed {}{vary}", arguments.seed),
+        varied: format!("--seed {}{vary}", arguments.trial.seed),
         experiment: first.map_or_else(String::new, |trials| trials.plan().experiment.clone()),
         ..compare_laws(
             &candidates,

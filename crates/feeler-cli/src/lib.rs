@@ -6,6 +6,7 @@ mod arrivals;
 mod calibrate;
 mod check;
 mod compare;
+mod init;
 mod interrupt;
 mod link;
 mod list;
@@ -29,6 +30,7 @@ mod sweep;
 mod throttle;
 #[cfg(feature = "top")]
 pub mod top;
+mod trials;
 mod watcher;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
@@ -44,7 +46,8 @@ Examples:
   feeler run cap-closing --sensing direct --seed 7 --out runs/seven
   feeler run cap-closing --top                watch it: flags, forces, phase and programs
   feeler run my.toml --set control.slip_threshold=2.5 --set task.screw.strokes=3
-  feeler check my.toml                        say what is wrong with an experiment file
+  feeler init my.toml                         write an experiment of your own to start from
+  feeler check my.toml                        report what is wrong with an experiment file
   feeler report runs/seven                    make a run's report again from its recording
   feeler run cap-closing --record-frames --out runs/seen
   feeler replay runs/seen --from frames       pictures -> forces -> flags -> commands again, compared bit for bit
@@ -75,23 +78,25 @@ enum Command {
     Sweep(sweep::Arguments),
     /// Run all control laws on the same randomised trials; a page that compares them.
     Compare(compare::Arguments),
-    /// Vary all that nobody knows over plausible ranges; how often each claim holds, and what decides it.
+    /// Vary uncertain parameters over plausible ranges: how often each claim holds, and what decides it.
     Robustness(robustness::Arguments),
     /// Score slip detectors against the simulator's truth; a page with their characteristics.
     ScoreSlip(score_slip::Arguments),
     /// List the built-in experiments.
     List,
+    /// Write an experiment file of your own, with its calibration beside it, to start from.
+    Init(init::Arguments),
     /// Check an experiment file without running it.
     Check(check::Arguments),
-    /// Make a run's report again from its recording alone.
+    /// Make a run's report again, from its recording alone.
     Report(report::Arguments),
-    /// Put a recording through the sensor stage, the control stage or both again, and compare bit for bit.
+    /// Replay a recording through the sensor stage, the control stage or both, and compare bit for bit.
     Replay(replay::Arguments),
     /// Calibrate a fingertip: load its elements, take pictures, fit.
     Calibrate(calibrate::Arguments),
     /// Find the sensing elements in pictures of an untouched sensor.
     Locate(locate::Arguments),
-    /// Play the rig of an experiment for programs of their own: cameras, encoders, drives.
+    /// Simulate an experiment's rig (cameras, encoders, drives) for separate sensor and hand programs.
     World(link::world::Arguments),
     /// Control a hand whose sensors and drives are in other programs.
     Hand(link::hand::Arguments),
@@ -99,15 +104,15 @@ enum Command {
     Top(link::top::Arguments),
     /// Stop the hand of a rig, from anywhere.
     Stop(link::orders::Arguments),
-    /// Let the hand of a rig go on that was stopped.
+    /// Resume a hand that was stopped.
     Resume(link::orders::Arguments),
-    /// Make the certificates that computers of a lab know each other by.
+    /// Make the certificates by which a lab's computers authenticate each other.
     Certificates(link::certificates::Arguments),
     /// Measure this computer.
     Bench(link::bench::Arguments),
-    /// Print the ROS 2 message text of what is recorded and what the programs of a rig say.
+    /// Print the ROS 2 message definitions of recordings and of the link between programs.
     Schema(schema::Arguments),
-    /// Sense forces: pictures, a camera or a recorded run in; a table of each element's force out.
+    /// Sense forces: from pictures, a camera or a recorded run to a table of the force on each element.
     Sense(sense::Arguments),
 }
 
@@ -165,6 +170,7 @@ fn run_command(command: Command, out: &mut dyn Write) -> Result<Outcome, Command
         Command::Robustness(arguments) => robustness::robustness(&arguments, out),
         Command::ScoreSlip(arguments) => score_slip::score_slip(&arguments, out),
         Command::List => list::list(out),
+        Command::Init(arguments) => init::init(&arguments, out),
         Command::Check(arguments) => check::check(&arguments, out),
         Command::Report(arguments) => report::report(&arguments, out),
         Command::Replay(arguments) => replay::replay(&arguments, out),

@@ -16,25 +16,25 @@ use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Pictures (PNG) of the untouched sensor; elements are looked for in their mean.
+    /// Pictures (PNG) of the untouched sensor; elements are detected in their mean.
     #[arg(required = true, value_name = "REFERENCE.png")]
     references: Vec<PathBuf>,
-    /// Where to write the layout.
+    /// Output file of the layout.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// Draw what was found over the picture, into this file (PNG).
+    /// Output file (PNG) of the picture with the detected elements drawn over it.
     #[arg(long, value_name = "FILE")]
     preview: Option<PathBuf>,
     #[command(flatten)]
     overwrite: Overwrite,
-    /// Diameter of a bright spot, px [default: what most spots have]
+    /// Diameter of a bright spot, px [default: estimated from the picture]
     #[arg(long, value_name = "PX")]
     spot_diameter: Option<f64>,
-    /// Diameter of an element, px: spots that fit into it together are one element [default: groups
-    /// of equal numbers of spots, if there are such]
+    /// Diameter of an element, px: spots within it are grouped into one element [default: groups of equal
+    /// numbers of spots, if there are any]
     #[arg(long, value_name = "PX")]
     element_diameter: Option<f64>,
-    /// Radius of a sub-region, as a part of the distance to the nearest other element.
+    /// Radius of a sub-region relative to the distance to the nearest element.
     #[arg(long, value_name = "PART", default_value_t = LocateConfig::default().region_radius)]
     region_radius: f64,
     /// Take the dome's and the camera's geometry from this experiment: a file, or a built-in one.

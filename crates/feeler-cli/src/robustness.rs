@@ -1,15 +1,14 @@
 //! `feeler robustness`
 
-use super::interrupt::watch_for_interrupt;
-use super::sweep::{Bar, cores};
+use super::trials::TrialArguments;
 use super::{CommandError, Outcome};
 use feeler_lab::config::Experiment;
 use feeler_lab::sweep::design::{Design, MAX_ROWS};
 use feeler_lab::sweep::ranges::{self, Ranges};
 use feeler_lab::sweep::robustness::robustness as judge;
-use feeler_lab::sweep::store::{Store, TRIALS, write_whole};
+use feeler_lab::sweep::store::{TRIALS, write_whole};
 use feeler_lab::sweep::trial::Trials;
-use feeler_lab::sweep::{Ended, Plan, engine};
+use feeler_lab::sweep::{Ended, Plan};
 use feeler_report::robustness_page::{RobustnessPage, percent, robustness_page};
 use std::collections::BTreeSet;
 use std::io::Write;
@@ -35,7 +34,7 @@ Examples:
   feeler robustness cap-closing --trials 8192 --sensitivity 0 -o shares
   feeler robustness my.toml --ranges my.robustness.toml -o mine
   feeler robustness cap-closing --ranges experiments/cap-closing.rubber.toml --sensitivity 0 -o rubber
-  feeler robustness --resume -o robustness                   go on after it was stopped
+  feeler robustness --resume -o robustness                   continue what was stopped
   feeler run --trial robustness 17                           one trial again, with recording and report";
 
 #[derive(Debug, clap::Args)]
@@ -50,30 +49,20 @@ pub struct Arguments {
     /// What varies: all, or these groups of the ranges, as apparatus or tuning.
     #[arg(long, value_name = "GROUP,…", value_delimiter = ',', default_value = ALL)]
     group: Vec<String>,
-    /// At how many points everything varies; an even number.
+    /// Number of points at which everything varies; an even number.
     #[arg(long, default_value_t = 2048, value_parser = clap::value_parser!(u64).range(2..=MAX_ROWS))]
     trials: u64,
-    /// How many runs vary one group alone, and nothing.
+    /// Number of runs that vary one group alone, and of those that vary nothing.
     #[arg(long, default_value_t = 512, value_parser = clap::value_parser!(u64).range(..=MAX_ROWS))]
     controls: u64,
-    /// How many pairs of points the sensitivity indices are of; 0 for none.
+    /// Number of pairs of points from which sensitivity indices are estimated; 0 for none.
     #[arg(long, value_name = "PAIRS", default_value_t = 256, value_parser = clap::value_parser!(u64).range(..=MAX_ROWS / 2))]
     sensitivity: u64,
-    /// Set any value of the experiment for all trials.
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    settings: Vec<String>,
     /// Where forces come from: rendered camera pictures, or the feelers themselves plus noise.
     #[arg(long, value_parser = ["image", "direct"], default_value = "direct")]
     sensing: String,
-    /// Drives all that is drawn.
-    #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
-    seed: u64,
-    /// Trials at a time [default: one for each core]
-    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1024))]
-    jobs: Option<u64>,
-    /// Go on with one that was stopped.
-    #[arg(long)]
-    resume: bool,
+    #[command(flatten)]
+    trial: TrialArguments,
     /// The folder of table and page.
     #[arg(short, long, value_name = "DIR", default_value = "robustness")]
     out: PathBuf,
@@ -83,16 +72,8 @@ pub fn robustness(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome,
     let plan = plan(arguments)?;
     let trials = Trials::new(&plan)?;
     let folder = &arguments.out;
-    let mut store = match arguments.resume {
-        true => Store::resume(folder, &plan, trials.header())?,
-        false => Store::create(folder, &plan, trials.header())?,
-    };
-    let jobs = arguments.jobs.map_or_else(cores, |jobs| jobs as usize);
-    let stop = watch_for_interrupt()?;
-    let mut bar = Bar::new(store.table.rows.len() as u64);
-    let ended = engine::run(&trials, &mut store, plan.trials, jobs, &stop, &mut bar);
-    bar.clear();
-    let ended = ended?;
+    let mut store = arguments.trial.store(folder, &trials)?;
+    let ended = arguments.trial.run(&trials, &mut store)?;
     let page = judge(&trials, &store.table);
     let json = serde_json::to_vec_pretty(&page)?;
     write_whole(&folder.join(JSON), &json)?;
@@ -117,7 +98,7 @@ pub fn robustness(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome,
 /// What is to be done: as the command line says, or as the folder does of what was stopped.
 fn plan(arguments: &Arguments) -> Result<Plan, CommandError> {
     let folder = arguments.out.display();
-    let kept = match arguments.resume {
+    let kept = match arguments.trial.resume {
         true => Some(Plan::read(&arguments.out)?),
         false => None,
     };
@@ -128,7 +109,7 @@ fn plan(arguments: &Arguments) -> Result<Plan, CommandError> {
         .into());
     }
     let Some(name) = &arguments.experiment else {
-        let others = !arguments.ranges.is_empty() || !arguments.settings.is_empty();
+        let others = !arguments.ranges.is_empty() || !arguments.trial.settings.is_empty();
         return match kept {
             Some(kept) if !others => Ok(kept),
             _ => Err("--resume alone goes on as it was: name the experiment to check other options against it".into()),
@@ -166,7 +147,7 @@ fn new_plan(arguments: &Arguments, name: &str) -> Result<Plan, CommandError> {
         set: mut settings,
         parameter: mut entries,
     } = ranges::load(&arguments.ranges, name)?;
-    settings.extend(arguments.settings.clone());
+    settings.extend(arguments.trial.settings.clone());
     settings.push(format!("sensing={}", arguments.sensing));
     let experiment = Experiment::load(name, &settings)?;
     let groups: BTreeSet<_> = entries.iter().map(|entry| entry.group.clone()).collect();
@@ -185,7 +166,7 @@ fn new_plan(arguments: &Arguments, name: &str) -> Result<Plan, CommandError> {
         name,
         entries,
         design,
-        arguments.seed,
+        arguments.trial.seed,
     ))
 }
 

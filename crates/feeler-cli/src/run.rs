@@ -27,7 +27,7 @@ pub struct Arguments {
     /// Run one trial of a sweep again: the sweep's folder and the trial's number.
     #[arg(long, num_args = 2, value_names = ["SWEEP", "TRIAL"], conflicts_with_all = ["experiment", "seed", "sensing", "settings"])]
     trial: Option<Vec<String>>,
-    /// Drives every random quantity of the run.
+    /// Random seed.
     #[arg(long, value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     seed: Option<u64>,
     /// Where forces come from: rendered camera pictures, or the feelers themselves plus noise.
@@ -36,17 +36,17 @@ pub struct Arguments {
     /// Set any value of the experiment, as in control.slip_threshold=2.5.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     settings: Vec<String>,
-    /// The run's folder, which must not hold a run yet [default: runs/NAME-SENSING-seedN]
+    /// The run's folder, which must not hold a run yet [default: runs/NAME-SENSING-seedN, or -trialN]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Record the cameras' pictures, too: about 0.3 MB each, 60 MB for every simulated second of two fingers
-    /// at 100 Hz. `feeler replay --from frames` makes forces of them again, and Foxglove shows them.
+    /// Record the camera pictures, too, for `feeler replay --from frames` and Foxglove: about 0.3 MB each, 60 MB
+    /// for every simulated second of two fingers at 100 Hz.
     #[arg(long)]
     record_frames: bool,
-    /// Simulate this many seconds in a second, or `max` [default: max; with --top: 1]
+    /// Simulated seconds per second, or `max` [default: max; with --top: 1]
     #[arg(long, value_name = "FACTOR", value_parser = parse_speed)]
     speed: Option<f64>,
-    /// Show the run on the whole terminal while it goes on: flags, forces, torque, phase, programs.
+    /// Watch the run full-screen in the terminal: flags, forces, torque, phase, programs.
     #[arg(long)]
     top: bool,
 }
@@ -66,7 +66,8 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comman
     let experiment = load(arguments)?;
     let options = record_options(arguments, &experiment)?;
     let mut session = Session::new(&experiment)?;
-    let folder = make_folder(arguments.out.as_deref(), &experiment)?;
+    let trial = arguments.trial.as_deref().and_then(|trial| trial.last());
+    let folder = make_folder(arguments.out.as_deref(), &experiment, trial)?;
     let facts = session.facts(&experiment.config);
     let file = folder.join(RECORDING);
     let recorder = Recorder::create_with(file, &facts, &experiment.toml, &options)?;
@@ -194,14 +195,23 @@ pub fn finish(
     Ok(make(folder)?)
 }
 
-/// Makes the run's folder. Without a name given, one that does not exist yet.
-pub fn make_folder(out: Option<&Path>, experiment: &Experiment) -> Result<PathBuf, CommandError> {
+/// Makes the run's folder. Without a name given, one that does not exist yet, called by the seed or the number of the
+/// `trial`.
+pub fn make_folder(
+    out: Option<&Path>,
+    experiment: &Experiment,
+    trial: Option<&String>,
+) -> Result<PathBuf, CommandError> {
     if let Some(out) = out {
         run_folder::named(out)?;
         return Ok(out.to_path_buf());
     }
     let facts = run_facts(&experiment.config);
-    let stem = format!("{}-{}-seed{}", facts.experiment, facts.sensing, facts.seed);
+    let number = trial.map_or_else(
+        || format!("seed{}", facts.seed),
+        |trial| format!("trial{trial}"),
+    );
+    let stem = format!("{}-{}-{number}", facts.experiment, facts.sensing);
     run_folder::new(Path::new("runs"), &stem)
         .map_err(|e| format!("runs/{stem}: {e}; name a folder that can be made with --out").into())
 }

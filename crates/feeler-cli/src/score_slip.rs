@@ -18,13 +18,13 @@ pub struct Arguments {
     /// An experiment file, or the name of a built-in experiment: its fingertip of finger 0, noise and thresholds.
     #[arg(default_value = "cap-closing")]
     experiment: String,
-    /// How many trials to score; as many others choose the thresholds.
+    /// Number of trials to score; as many others choose the thresholds.
     #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u64).range(1..=100_000))]
     trials: u64,
     /// Set any value of the experiment, as in sim.direct_sensing.shear_noise=0.005.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     settings: Vec<String>,
-    /// Drives all that is drawn.
+    /// Random seed.
     #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     seed: u64,
     /// The page's folder.

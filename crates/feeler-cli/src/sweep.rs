@@ -1,11 +1,11 @@
 //! `feeler sweep`
 
-use super::interrupt::watch_for_interrupt;
+use super::trials::TrialArguments;
 use super::{CommandError, Outcome};
 use feeler_lab::config::Experiment;
 use feeler_lab::sweep::store::{Store, TRIALS, read_finished};
 use feeler_lab::sweep::trial::Trials;
-use feeler_lab::sweep::{Ended, Plan, Progress, Shard, SweepError, Table, engine, summary};
+use feeler_lab::sweep::{Ended, Plan, Progress, Shard, SweepError, Table, summary};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -18,7 +18,7 @@ log_uniform(a,b), choice(a,b,...), a value, relative(a,b) times the experiment's
 
 Examples:
   feeler sweep cap-closing --sensing direct --trials 10000 --vary 'friction=uniform(0.3,1.2)' -o sweep
-  feeler sweep --resume -o sweep                go on after it was stopped
+  feeler sweep --resume -o sweep                continue a sweep that was stopped
   feeler run --trial sweep 4711                 one trial again, with recording and report
   feeler sweep cap-closing --trials 10000 --vary 'cap.radius=normal(0.014,0.0002)' --shard 1/2 -o one
   feeler sweep merge one two -o both            join what two machines did";
@@ -31,30 +31,20 @@ pub struct Arguments {
     /// An experiment file, or the name of a built-in experiment; not needed with --resume.
     #[arg(required_unless_present = "resume")]
     experiment: Option<String>,
-    /// How many trials.
+    /// Number of trials.
     #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u64).range(1..=100_000_000))]
     trials: u64,
     /// A parameter and what it is drawn from, as in friction=uniform(0.3,1.2).
     #[arg(long = "vary", value_name = "NAME=DISTRIBUTION")]
     vary: Vec<String>,
-    /// Set any value of the experiment for all trials, as in control.slip_threshold=2.5.
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    settings: Vec<String>,
     /// Where forces come from: rendered camera pictures, or the feelers themselves plus noise.
     #[arg(long, value_parser = ["image", "direct"])]
     sensing: Option<String>,
-    /// Drives all that is drawn, each trial's seed included.
-    #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
-    seed: u64,
-    /// Trials at a time [default: one for each core]
-    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1024))]
-    jobs: Option<u64>,
-    /// Do the i-th of n shares of the trials.
+    #[command(flatten)]
+    trial: TrialArguments,
+    /// Run the i-th of n shares of the trials.
     #[arg(long, value_name = "I/N")]
     shard: Option<Shard>,
-    /// Go on with a sweep that was stopped.
-    #[arg(long)]
-    resume: bool,
     /// The sweep's folder.
     #[arg(short, long, value_name = "DIR", default_value = "sweep")]
     out: PathBuf,
@@ -83,18 +73,10 @@ pub fn sweep(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comm
     let plan = plan(arguments)?;
     let trials = Trials::new(&plan)?;
     let folder = &arguments.out;
-    let mut store = match arguments.resume {
-        true => Store::resume(folder, &plan, trials.header())?,
-        false => Store::create(folder, &plan, trials.header())?,
-    };
-    let jobs = arguments.jobs.map_or_else(cores, |jobs| jobs as usize);
-    let stop = watch_for_interrupt()?;
+    let mut store = arguments.trial.store(folder, &trials)?;
     let before = store.table.rows.len();
     let start = Instant::now();
-    let mut bar = Bar::new(before as u64);
-    let ended = engine::run(&trials, &mut store, plan.trials, jobs, &stop, &mut bar);
-    bar.clear();
-    let ended = ended?;
+    let ended = arguments.trial.run(&trials, &mut store)?;
     let ran = store.table.rows.len() - before;
     let seconds = start.elapsed().as_secs_f64();
     writeln!(
@@ -117,11 +99,12 @@ pub fn sweep(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comm
 /// What is to be done: as the command line says, or as a stopped sweep's folder does.
 fn plan(arguments: &Arguments) -> Result<Plan, CommandError> {
     let kept = arguments
+        .trial
         .resume
         .then(|| Plan::read(&arguments.out))
         .transpose()?;
     let Some(name) = &arguments.experiment else {
-        let others = !(arguments.vary.is_empty() && arguments.settings.is_empty());
+        let others = !(arguments.vary.is_empty() && arguments.trial.settings.is_empty());
         if others || arguments.sensing.is_some() || arguments.shard.is_some() {
             return Err(
                 "--resume alone goes on with the sweep as it was: name the experiment to check \
@@ -131,10 +114,10 @@ fn plan(arguments: &Arguments) -> Result<Plan, CommandError> {
         }
         return kept.ok_or_else(|| "which experiment?".into());
     };
-    let mut settings = arguments.settings.clone();
+    let mut settings = arguments.trial.settings.clone();
     settings.extend(arguments.sensing.iter().map(|s| format!("sensing={s}")));
     let experiment = Experiment::load(name, &settings)?;
-    let (seed, trials) = (arguments.seed, arguments.trials);
+    let (seed, trials) = (arguments.trial.seed, arguments.trials);
     let mut plan = Plan::new(&experiment, name, &arguments.vary, seed, trials);
     plan.shard = arguments.shard.unwrap_or(Shard::WHOLE);
     let Some(kept) = kept else { return Ok(plan) };
@@ -237,10 +220,6 @@ pub fn one_trial(folder: &Path, trial: &str) -> Result<Experiment, CommandError>
     })?;
     let trials = Trials::new(&plan).map_err(|e: SweepError| e.to_string())?;
     Ok(trials.experiment(number)?)
-}
-
-pub(super) fn cores() -> usize {
-    std::thread::available_parallelism().map_or(1, std::num::NonZero::get)
 }
 
 /// How far the sweep is, on a terminal.

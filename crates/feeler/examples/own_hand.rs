@@ -26,7 +26,8 @@ struct Config {
 /// Joint angles, rad, and time, s: what encoders and clock of a rig would say.
 type Rig = Rc<Cell<(DVec3, f64)>>;
 
-struct MyHand {
+/// A finger whose drives do at once what they are told.
+pub struct MyHand {
     rig: Rig,
     velocity: DVec3,
     period: f64,
@@ -54,7 +55,8 @@ impl Hand for MyHand {
     }
 }
 
-struct MyTouch {
+/// Feelers that are springs on a wall.
+pub struct MyTouch {
     rig: Rig,
     finger: FingerGeometry,
     layout: ElementLayout,
@@ -82,24 +84,19 @@ impl TactileSensor for MyTouch {
     }
 }
 
-/// The phase in which the task ended, and the greatest grasp force on the way, N.
-pub fn touch_and_stroke() -> Result<(Phase, f64), Box<dyn std::error::Error>> {
+type Failure = Box<dyn std::error::Error>;
+
+/// The loop, with the finger at home.
+pub fn control_loop() -> Result<ControlLoop<AnalyzedSensor<MyTouch>, MyHand>, Failure> {
     let config: Config = toml::from_str(include_str!("own_hand.toml"))?;
-    let (finger, layout) = (
-        FingerGeometry::new(&config.finger)?,
-        ElementLayout::new(&config.layout),
-    );
     let (period, thresholds) = (config.control.period, config.control.thresholds());
-    let middle = (finger.joint_lower() + finger.joint_upper()) / 2.0;
-    let home = inverse_kinematics(&finger, config.task.homes()[0].into(), middle)?;
+    let finger = FingerGeometry::new(&config.finger)?;
+    let layout = ElementLayout::new(&config.layout);
+    let home = config.task.homes()[0].into();
+    let home = inverse_kinematics(&finger, home, finger.joint_lower())?;
+    let (fingers, layouts) = ([finger.clone()], [layout.clone()]);
+    let controller = Controller::new(config.control, &config.task, &fingers, &layouts);
     let rig = Rig::new(Cell::new((home, 0.0)));
-    let fingers = [finger.clone()];
-    let controller = Controller::new(
-        config.control,
-        &config.task,
-        &fingers,
-        std::slice::from_ref(&layout),
-    );
     let touch = MyTouch {
         rig: rig.clone(),
         finger,
@@ -111,29 +108,26 @@ pub fn touch_and_stroke() -> Result<(Phase, f64), Box<dyn std::error::Error>> {
         velocity: DVec3::ZERO,
         period,
     };
-    let mut control_loop = ControlLoop::new(
-        vec![AnalyzedSensor::new(touch, thresholds)],
-        hand,
-        controller,
-    );
-    let mut greatest = 0.0_f64;
+    let sensors = vec![AnalyzedSensor::new(touch, thresholds)];
+    Ok(ControlLoop::new(sensors, hand, controller))
+}
+
+/// The phase in which the task ended, and the greatest grasp force on the way, N.
+pub fn touch_and_stroke() -> Result<(Phase, f64), Failure> {
+    let mut control_loop = control_loop()?;
     let interrupted = AtomicBool::new(false); // yours: raised by Ctrl-C
-    control_loop.run(
-        &mut Pace::new(period)?,
-        100,
-        &interrupted,
-        |after, _tick| {
-            greatest = greatest.max(after.touches()[0].flags.grasp_force);
-            match after.controller().phase() {
-                Phase::Done | Phase::Stopped => ControlFlow::Break(()),
-                _ => ControlFlow::Continue(()),
-            }
-        },
-    )?;
+    let mut greatest = 0.0_f64;
+    control_loop.run(&mut Pace::new(0.01)?, 100, &interrupted, |after, _tick| {
+        greatest = greatest.max(after.touches()[0].flags.grasp_force);
+        match after.controller().phase() {
+            Phase::Done | Phase::Stopped => ControlFlow::Break(()),
+            _ => ControlFlow::Continue(()),
+        }
+    })?;
     Ok((control_loop.controller().phase(), greatest))
 }
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
+fn main() -> Result<(), Failure> {
     let (phase, force) = touch_and_stroke()?;
     println!("{phase:?} with {force:.2} N at most");
     Ok(())

@@ -41,13 +41,13 @@ pub struct Arguments {
     /// The sensing elements as `feeler locate` found them, instead of an experiment's.
     #[arg(long, value_name = "LAYOUT.toml", conflicts_with_all = ["simulated", "experiment"])]
     layout: Option<PathBuf>,
-    /// Where to write the calibration; a page with curves and residuals is written beside it.
+    /// Output file; a page with curves and residuals is written beside it.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     #[command(flatten)]
     overwrite: Overwrite,
-    /// Which model to fit: the paper's (separable), the one that knows how a column tilts (coupled),
-    /// or the one that predicts loads better which it has not been fitted to (auto).
+    /// Model to fit: the paper's (separable), one that includes the tilt of the column (coupled), or whichever
+    /// predicts held-out loads better (auto).
     #[arg(long, value_parser = model, default_value = "auto", value_name = "MODEL")]
     model: ModelChoice,
     /// Compression that shares of full scale refer to, N [default: the largest load; simulated: 2]

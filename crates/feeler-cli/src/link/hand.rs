@@ -51,7 +51,7 @@ pub fn hand(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comma
     if arguments.real_time {
         ask_for_real_time();
     }
-    let folder = make_folder(arguments.out.as_deref(), &experiment)?;
+    let folder = make_folder(arguments.out.as_deref(), &experiment, None)?;
     let facts = run_facts(&experiment.config);
     let options = RecordOptions::default();
     let recorder =

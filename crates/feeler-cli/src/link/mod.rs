@@ -139,7 +139,7 @@ pub fn expected(experiment: &Experiment) -> Result<Expected, CommandError> {
 /// The experiment that all programs of a rig work by.
 #[derive(Debug, Clone, clap::Args)]
 pub struct ExperimentArguments {
-    /// Drives every random quantity of the run.
+    /// Random seed.
     #[arg(long, value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     pub seed: Option<u64>,
     /// Where forces come from: rendered camera pictures, or the feelers themselves plus noise.

@@ -44,12 +44,13 @@ pub struct Arguments {
     /// Calibration of the fingertip, as `feeler calibrate` writes it.
     #[arg(long, value_name = "FILE")]
     pub(super) calibration: Option<PathBuf>,
-    /// Take out a lamp that dims or brightens: the quarter of the elements that have brightened least are
-    /// taken for untouched, if they agree and have not moved, and tell the change for all. Needs a quarter
-    /// of the elements free of touch; while there are fewer, the last known change is kept.
+    /// Correct for a lamp that dims or brightens: the quarter of the elements that have brightened least are
+    /// taken as untouched, if they agree and have not moved, and their change is applied to all. While less than
+    /// a quarter of the elements is untouched, the last correction is kept.
     #[arg(long, requires = "calibration")]
     pub(super) drift_correction: bool,
-    /// Where to write: .csv, .jsonl or .mcap [default: a table on standard output]
+    /// Output file: .csv, .jsonl or .mcap [default: a table on standard output]. It is called FILE.part until it is
+    /// whole; Ctrl-C completes a camera's or a stream's.
     #[arg(short, long, value_name = "FILE")]
     pub(super) output: Option<PathBuf>,
     #[command(flatten)]
@@ -60,20 +61,20 @@ pub struct Arguments {
     /// Size of the camera's pictures, px [default: that of the fingertip's pictures]
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size)]
     size: Option<(usize, usize)>,
-    /// Frames per second: asked of a camera; of pictures and raw frames, what their stamps count by.
+    /// Frames per second: requested from a camera; assumed for pictures and raw frames.
     #[arg(long, value_name = "HZ", default_value = "30", value_parser = parse_rate)]
     rate: f64,
     /// Exposure time of the camera, s [default: as the camera is set]
     #[arg(long, value_name = "SECONDS", value_parser = parse_exposure)]
     exposure: Option<f64>,
-    /// Picture without load that u counts from.
+    /// Picture without load, from which u is measured.
     #[arg(long, value_name = "PICTURE", conflicts_with = "calibration")]
     reference: Option<PathBuf>,
-    /// Frames at the start without load, whose mean u counts from [default: 1]
+    /// Number of frames without load at the start, from whose mean u is measured [default: 1]
     #[arg(long, value_name = "FRAMES", conflicts_with_all = ["calibration", "reference"],
         value_parser = clap::value_parser!(u32).range(1..=10_000))]
     unloaded: Option<u32>,
-    /// Part of a sub-region's pixels that may be saturated before its force is left out.
+    /// Share of a sub-region's pixels that may be saturated before its force is left out.
     #[arg(long, value_name = "PART", default_value_t = DEFAULT_MAX_SATURATED, value_parser = parse_part)]
     max_saturated: f64,
     /// Finger of a recorded run, from 0 [default: 0]; of pictures, the finger of the experiment whose

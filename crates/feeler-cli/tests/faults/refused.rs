@@ -1,4 +1,4 @@
-//! Faults that make no sense are refused, and what is likely not meant is warned of.
+//! Faults that make no sense are refused, and likely mistakes are warned of.
 
 use super::program::{experiment, folder, run};
 use feeler_lab::config::Experiment;

@@ -84,3 +84,63 @@ fn calibrate_keeps_loads_pictures_and_calibrations() {
     refused_without_change(&folder, &again, &["--output c.html", "exists already"]);
     run(&folder, &[&again[..], &["--force"]].concat()).done();
 }
+
+#[test]
+fn init_writes_an_experiment_that_runs_and_never_over_a_file() {
+    let folder = folder("outputs-init");
+    let said = run(&folder, &["init", "my.toml"]).done();
+    assert!(
+        said.contains("my.toml") && said.contains("feeler run my.toml"),
+        "{said}"
+    );
+    let text = fs::read_to_string(folder.join("my.toml")).unwrap();
+    assert!(text.contains("name = \"my\"") && text.contains("# N, F1"));
+    run(&folder, &["check", "my.toml"]).done();
+    let direct = ["run", "my.toml", "--sensing=direct", "--out=run"];
+    let said = run(&folder, &direct).done();
+    // What came of it, then what was achieved.
+    let lines: Vec<_> = said.lines().skip(1).collect();
+    assert_eq!(lines[0], "done", "{said}");
+    for word in ["final torque", "cap turned by", "peak element force"] {
+        assert!(lines[1].contains(word), "{said}");
+    }
+    refused_without_change(
+        &folder,
+        &["init", "my.toml"],
+        &["my.toml", "exists already"],
+    );
+    // A calibration that is there already serves the second one, too.
+    run(&folder, &["init", "second.toml", "--from", "lift"]).done();
+    let calibration = "reference-fingertip.coupled.calibration.toml";
+    fs::write(folder.join(calibration), "mine").unwrap();
+    refused_without_change(
+        &folder,
+        &["init", "third.toml"],
+        &[calibration, "another calibration"],
+    );
+    for (arguments, words) in [
+        (["init", "my"], ["my: ", "ends in .toml"]),
+        (["init", "a b.toml"], ["name = \"a b\"", "letters"]),
+        (["init", "none/my.toml"], ["none/my.toml", "folder"]),
+    ] {
+        refused_without_change(&folder, &arguments, &words);
+    }
+    let unknown = ["init", "x.toml", "--from=nothing"];
+    refused_without_change(&folder, &unknown, &["--from nothing", "cap-closing"]);
+}
+
+#[test]
+fn another_law_than_the_papers_is_not_held_to_its_claims() {
+    let folder = folder("outputs-best");
+    let start = ["run", "cap-closing", "--sensing=direct"];
+    let best = ["--set=control.law=best", "--out=best"];
+    let said = run(&folder, &[&start[..], &best].concat()).done();
+    assert!(
+        !said.contains("claims") && said.contains("final torque"),
+        "{said}"
+    );
+    let page = fs::read_to_string(folder.join("best/report.html")).unwrap();
+    assert!(!page.contains("claims of the paper") && page.contains("Done."));
+    let said = run(&folder, &[&start[..], &["--out=paper"]].concat()).done();
+    assert!(said.contains("11 of 11 claims of the paper hold"), "{said}");
+}

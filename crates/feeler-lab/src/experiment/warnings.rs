@@ -6,7 +6,7 @@ use feeler_sim::object::{MotionConfig, ObjectConfig};
 use feeler_sim::shape::{Shape, ShapeConfig};
 use std::fmt;
 
-/// Something in an experiment that is likely not meant.
+/// A likely mistake in an experiment.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Warning {
     /// An object is larger than any finger reaches: a mesh in millimetres, most often.
@@ -55,7 +55,7 @@ impl fmt::Display for Warning {
     }
 }
 
-/// What in `experiment` is likely not meant. What cannot be built is left to be refused.
+/// The likely mistakes in `experiment`. What cannot be built is left to be refused.
 pub fn warnings(experiment: &Experiment) -> Vec<Warning> {
     let config = &experiment.config;
     let mut warnings = Vec::new();

@@ -9,9 +9,9 @@ use glam::DVec3;
 /// Why the hand stops at this input, and what it is told.
 fn decided(touch: &FingerTouch, state: &HandState) -> (Option<StopReason>, DVec3) {
     let mut controller = controller();
-    let mut command = HandCommand {
-        joint_velocity: vec![DVec3::ONE],
-    };
+    let mut command = HandCommand::stop(1);
+    // So that a command that is left as it was does not pass for a stop.
+    command.relay(&[DVec3::ONE]);
     controller.decide(std::slice::from_ref(touch), state, &mut command);
     let stopped = controller.stop_reason().cloned();
     (stopped, command.joint_velocity()[0])

@@ -1,0 +1,76 @@
+//! `feeler init`
+
+use super::part_file::{Outputs, Overwrite};
+use super::{CommandError, Outcome};
+use feeler_lab::config::{BUILT_IN, Experiment};
+use std::collections::BTreeMap;
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// The experiment file to write, as in my.toml; must not exist yet.
+    #[arg(value_name = "FILE.toml")]
+    file: PathBuf,
+    /// The built-in experiment to start from (see `feeler list`).
+    #[arg(long, value_name = "NAME", default_value = "cap-closing")]
+    from: String,
+}
+
+pub fn init(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
+    let (file, from) = (&arguments.file, &arguments.from);
+    if !BUILT_IN.iter().any(|built_in| built_in.name == from) {
+        let names = BUILT_IN.map(|built_in| built_in.name).join(", ");
+        return Err(format!("--from {from}: expected one of the built-in {names}").into());
+    }
+    let experiment = Experiment::load(from, &[format!("name={:?}", name(file)?)])?;
+    let mut outputs = Outputs::new(Overwrite { force: false }, []);
+    let calibrations = missing(file, &experiment.calibration_texts()?)?;
+    let toml = outputs.create(file, "FILE.toml")?;
+    for (path, text) in &calibrations {
+        outputs
+            .create(path, "calibration")?
+            .finish(text.as_bytes())?;
+    }
+    toml.finish(experiment.toml.as_bytes())?;
+    for path in calibrations.iter().map(|(path, _)| path).chain([file]) {
+        writeln!(out, "{}", path.display())?;
+    }
+    writeln!(out, "run it with `feeler run {}`", file.display())?;
+    Ok(Outcome::Done)
+}
+
+/// The experiment's name: the file's, without its extension.
+fn name(file: &Path) -> Result<&str, CommandError> {
+    let is_toml = file
+        .extension()
+        .is_some_and(|extension| extension == "toml");
+    let stem = file.file_stem().and_then(|stem| stem.to_str());
+    stem.filter(|_| is_toml).ok_or_else(|| {
+        let file = file.display();
+        format!("{file}: expected a file whose name ends in .toml").into()
+    })
+}
+
+/// The calibration files that are not beside `file` yet, as they may be of an experiment that was begun before.
+fn missing(
+    file: &Path,
+    texts: &BTreeMap<String, String>,
+) -> Result<Vec<(PathBuf, String)>, CommandError> {
+    let folder = file.parent().unwrap_or(Path::new(""));
+    let mut missing = Vec::new();
+    for (name, text) in texts {
+        let path = folder.join(name);
+        match fs::read_to_string(&path) {
+            Ok(there) if there == *text => {}
+            Ok(_) => {
+                let path = path.display();
+                let message = "exists already and is another calibration; expected another folder";
+                return Err(format!("{path}: {message}").into());
+            }
+            Err(_) => missing.push((path, text.clone())),
+        }
+    }
+    Ok(missing)
+}
