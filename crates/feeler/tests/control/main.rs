@@ -5,3 +5,4 @@ mod faulty_input;
 mod flags;
 mod limits;
 mod rig;
+mod stopped;

@@ -66,13 +66,20 @@ pub fn layout() -> ElementLayout {
     })
 }
 
-/// Goes on along y for ever.
-#[derive(Debug, Clone)]
-struct Along;
+/// Goes on along y for ever, and counts how often it is asked.
+#[derive(Debug, Clone, Default)]
+struct Along {
+    asked: u32,
+}
 
 impl Task for Along {
     fn advance(&mut self, _: &HandSense<'_>) -> Result<(), StopReason> {
+        self.asked += 1;
         Ok(())
+    }
+
+    fn stroke(&self) -> u32 {
+        self.asked
     }
 
     fn plan(&self, _: usize, _: &HandSense<'_>) -> Plan {
@@ -88,7 +95,12 @@ impl Task for Along {
 }
 
 pub fn controller() -> Controller {
-    Controller::with_task(control(), Box::new(Along), &[geometry()], &[layout()])
+    Controller::with_task(
+        control(),
+        Box::new(Along::default()),
+        &[geometry()],
+        &[layout()],
+    )
 }
 
 /// The finger at rest, at 1 s.
