@@ -55,7 +55,7 @@ fn a_task_is_not_asked_while_the_hand_is_stopped() {
     assert_eq!(controller.phase(), Phase::Stopped);
     for _ in 0..5 {
         controller.decide(&touches, &state, &mut command);
-        assert_eq!(command.joint_velocity, [DVec3::ZERO]);
+        assert_eq!(command.joint_velocity(), [DVec3::ZERO]);
     }
     assert_eq!(controller.task().stroke(), 1);
     controller.resume();
@@ -64,5 +64,5 @@ fn a_task_is_not_asked_while_the_hand_is_stopped() {
         (controller.task().stroke(), controller.phase()),
         (2, Phase::Move)
     );
-    assert!(command.joint_velocity[0] != DVec3::ZERO);
+    assert!(command.joint_velocity()[0] != DVec3::ZERO);
 }
