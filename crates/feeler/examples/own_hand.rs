@@ -47,7 +47,7 @@ impl Hand for MyHand {
     }
 
     fn command(&mut self, command: &HandCommand) -> Result<(), HandError> {
-        self.velocity = command.joint_velocity().iter().sum(); // yours: send it to the drives
+        self.velocity = command.joint_velocity()[0]; // yours: send it to the drives
         let (position, stamp) = self.rig.get();
         let moved = position + self.period * self.velocity;
         self.rig.set((moved, stamp + self.period));
