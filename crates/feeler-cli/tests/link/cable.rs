@@ -2,7 +2,7 @@
 
 use super::faults::{LastWords, NO_HURRY, check};
 use super::rig::Setup;
-use super::skip::skipped;
+use super::skip::not_permitted;
 use std::process::Command;
 use std::time::Duration;
 
@@ -66,7 +66,7 @@ fn cut(name: &str, seconds: u64, by_itself: bool) {
     );
     let mut setup = setup.with(&[&resume]);
     let Some(cable) = Cable::lay() else {
-        skipped("a cable needs `ip` and the right to make network namespaces");
+        not_permitted("a cable needs `ip` and the right to make network namespaces");
         return;
     };
     setup = setup.with_certificates(ADDRESSES[0], ADDRESSES[1]);

@@ -4,7 +4,7 @@ use super::faults::NO_HURRY;
 use super::in_terminal::InTerminal;
 use super::program::{folder, run};
 use super::rig::{Rig, Setup};
-use super::skip::skipped;
+use super::skip::not_permitted;
 use super::soak::number_before;
 use std::fs;
 use std::net::TcpListener;
@@ -99,7 +99,7 @@ fn keys_reach_the_hand_and_it_is_missed_when_it_is_gone() {
 #[test]
 fn a_viewer_that_is_frozen_holds_up_nobody() {
     if !sees_its_descriptors() {
-        skipped("this system does not let a process see its own descriptors");
+        not_permitted("this system does not let a process see its own descriptors");
         return;
     }
     let settings = [NO_HURRY, "control.resume=fresh"];
