@@ -25,6 +25,10 @@ pub fn init(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comma
         return Err(format!("--from {from}: expected one of the built-in {names}").into());
     }
     let experiment = Experiment::load(from, &[format!("name={:?}", name(file)?)])?;
+    if file.exists() {
+        let file = file.display();
+        return Err(format!("{file}: exists already; expected a new file").into());
+    }
     let mut outputs = Outputs::new(Overwrite { force: false }, []);
     let calibrations = missing(file, &experiment.calibration_texts()?)?;
     let toml = outputs.create(file, "FILE.toml")?;

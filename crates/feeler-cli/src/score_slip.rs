@@ -25,7 +25,7 @@ pub struct Arguments {
     #[arg(long = "set", value_name = "KEY=VALUE")]
     settings: Vec<String>,
     /// Random seed.
-    #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
+    #[arg(long, default_value_t = 0, value_parser = crate::trials::parse_seed)]
     seed: u64,
     /// The page's folder.
     #[arg(short, long, value_name = "DIR", default_value = "slip")]

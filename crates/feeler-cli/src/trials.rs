@@ -15,7 +15,7 @@ pub struct TrialArguments {
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub settings: Vec<String>,
     /// Random seed; the seed of each trial follows from it.
-    #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
+    #[arg(long, default_value_t = 0, value_parser = crate::trials::parse_seed)]
     pub seed: u64,
     /// Number of trials at a time [default: one for each core]
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1024))]
@@ -50,4 +50,13 @@ impl TrialArguments {
         bar.clear();
         Ok(ended?)
     }
+}
+
+/// A random seed: what TOML can hold of the whole numbers from 0.
+pub fn parse_seed(text: &str) -> Result<u64, String> {
+    let seed = text
+        .parse()
+        .ok()
+        .filter(|&seed: &u64| seed <= i64::MAX as u64);
+    seed.ok_or_else(|| format!("expected a whole number from 0 to {}", i64::MAX))
 }

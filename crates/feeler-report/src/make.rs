@@ -84,7 +84,9 @@ pub fn make(run_dir: impl AsRef<Path>) -> Result<ReportOutcome, ReportError> {
     let run_dir = run_dir.as_ref();
     let recording = read(run_dir)?;
     let data = RunData::new(&recording);
-    let summary = Summary::new(&recording, &data);
+    let mut summary = Summary::new(&recording, &data);
+    // A table of trials has the same columns for every law; a report holds only the paper's law to the paper.
+    summary.claims = tasks::claims(&recording, &data);
     let task = tasks::of(&recording.facts);
     let figures = task.figures(&recording, &data);
     let html = page(&recording, &summary, &figures);

@@ -42,7 +42,7 @@ pub struct Summary {
     pub outcome: Option<TaskOutcome>,
     /// What the task found out, by name, in SI units.
     pub findings: BTreeMap<FindingName, Option<f64>>,
-    /// The claims of the task; none of the paper where another control law than the paper's ran.
+    /// The claims of the task.
     pub claims: Vec<Claim>,
     /// How the cap was closed or opened, where that was not merely a count of strokes.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -86,7 +86,7 @@ impl Summary {
                 .flat_map(|f| f.names.iter().cloned().zip(&f.values))
                 .map(|(name, &value)| (name, finite(value)))
                 .collect(),
-            claims: tasks::claims(recording, data),
+            claims: tasks::of(facts).claims(recording, data),
             cap: CapMeasures::new(recording, data),
             cap_angle: (recording.cap.last()).and_then(|cap| finite(cap.angle)),
             digest: recording.digest.to_string(),

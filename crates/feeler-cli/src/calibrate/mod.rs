@@ -60,7 +60,7 @@ pub struct Arguments {
     #[arg(long)]
     verbose: bool,
     /// Seed of the simulated loads' order and of the simulated camera's noise.
-    #[arg(long, default_value_t = CalibrationBenchConfig::default().seed)]
+    #[arg(long, default_value_t = CalibrationBenchConfig::default().seed, value_parser = crate::trials::parse_seed)]
     seed: u64,
     /// Combined loads that are put on the simulated fingertip, at most 20,000 (some 35,000 pictures, which take
     /// minutes); other kinds in proportion.

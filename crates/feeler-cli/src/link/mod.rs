@@ -140,7 +140,7 @@ pub fn expected(experiment: &Experiment) -> Result<Expected, CommandError> {
 #[derive(Debug, Clone, clap::Args)]
 pub struct ExperimentArguments {
     /// Random seed.
-    #[arg(long, value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
+    #[arg(long, value_parser = crate::trials::parse_seed)]
     pub seed: Option<u64>,
     /// Where forces come from: rendered camera pictures, or the feelers themselves plus noise.
     #[arg(long, value_parser = ["image", "direct"])]

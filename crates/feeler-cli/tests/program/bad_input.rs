@@ -102,7 +102,7 @@ fn values_out_of_range() {
             "type",
             "lag = 0.0125 ",
             "lag = \"fast\" ",
-            &["lag", "\"fast\"", "expected f64"],
+            &["lag", "\"fast\"", "expected a number"],
         ),
         (
             "missing-key",
@@ -183,7 +183,7 @@ fn settings_that_make_no_sense() {
         ("control.period", &["expected key=value"]),
         (
             "control.period=soon",
-            &["--set control.period=soon", "\"soon\"", "expected f64"],
+            &["--set control.period=soon", "\"soon\"", "expected a number"],
         ),
         ("control.period.x=1", &["control.period.x", "single value"]),
         (
@@ -218,7 +218,7 @@ fn settings_that_make_no_sense() {
     }
     let start = ["run", "cap-closing"];
     let seed = [&start[..], &["--seed", "18446744073709551615"]].concat();
-    run(&folder, &seed).refused(&["--seed", "18446744073709551615", "not in 0..=922337203685"]);
+    run(&folder, &seed).refused(&["--seed", "18446744073709551615", "0 to 922337203685"]);
     let sensing = [&start[..], &["--sensing", "smell"]].concat();
     run(&folder, &sensing).refused(&["--sensing", "smell", "image, direct"]);
     assert!(!folder.join("runs").exists());
@@ -304,7 +304,11 @@ fn values_of_another_kind_or_size_are_named_in_plain_words() {
             assert!(!said.contains(rust), "{said}");
         }
     }
-    run(&folder, &["run", "cap-closing", "--seed", "-1"]).refused(&["'-1'", "--seed", "0.."]);
+    run(&folder, &["run", "cap-closing", "--seed", "-1"]).refused(&[
+        "'-1'",
+        "--seed",
+        "a whole number from 0",
+    ]);
 }
 
 #[test]

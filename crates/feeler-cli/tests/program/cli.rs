@@ -140,7 +140,11 @@ fn a_task_that_is_not_done_ends_with_status_1_and_says_why() {
 fn a_calibration_can_be_made_and_used() {
     let folder = folder("calibrate");
     experiment(&folder, "elements = 12", "elements = 11");
-    let calibration = ["-o", "reference-fingertip.coupled.calibration.toml"];
+    let calibration = [
+        "--force",
+        "-o",
+        "reference-fingertip.coupled.calibration.toml",
+    ];
     run(&folder, &["check", "my.toml"]).refused(&["elements", "11 here, 12"]);
     let arguments = [&["calibrate", "--simulated", "my.toml"][..], &calibration].concat();
     let said = run(&folder, &arguments).done();

@@ -37,7 +37,7 @@ fn one_trial_has_no_interval() {
         "compare",
         "cap-closing",
         "--trials=1",
-        "--laws=tri-axial,open-loop",
+        "--laws=tri-axial,best",
         "--set=task.screw.strokes=1",
     ];
     let said = run(&folder, &arguments).done();

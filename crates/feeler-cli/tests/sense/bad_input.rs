@@ -202,7 +202,7 @@ fn what_fails_or_is_cut_leaves_a_good_table_and_is_called_partial() {
     // What is left of it is no less safe than a table.
     let another = ["sense", "pictures/frame0.png", "-o", "new.csv"];
     fs::rename(folder.join("out.csv.part"), folder.join("new.csv.part")).unwrap();
-    run(&folder, &another).refused(&["new.csv.part exists already"]);
+    run(&folder, &another).refused(&["new.csv.part: exists already"]);
 }
 
 #[test]
