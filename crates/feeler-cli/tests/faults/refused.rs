@@ -41,7 +41,7 @@ fn what_is_not_there_cannot_break() {
         (
             "gray",
             "{kind.stuck_rows={finger=0, first=0, count=1, gray=256}}",
-            &["256", "u8"],
+            &["256", "0 to 255"],
         ),
         (
             "probability",

@@ -1,11 +1,10 @@
 //! What a TOML value should have been, in the words of who writes the file.
 
 /// What the parser calls a type, and what its writer does.
-const TYPES: [(&[&str], &str); 5] = [
+const TYPES: [(&[&str], &str); 6] = [
+    (&["u8"], "a whole number from 0 to 255"),
     (
-        &[
-            "u8", "u16", "u32", "u64", "usize", "i8", "i16", "i32", "i64", "isize",
-        ],
+        &["u16", "u32", "u64", "usize", "i32", "i64"],
         "a whole number",
     ),
     (&["f32", "f64"], "a number"),
@@ -76,6 +75,10 @@ mod tests {
             (
                 "invalid type: integer `3`, expected struct SensorConfig",
                 "the whole number `3`: expected a table",
+            ),
+            (
+                "invalid value: integer `256`, expected u8",
+                "the whole number `256`: expected a whole number from 0 to 255",
             ),
             (
                 "unknown field `u64`, expected f64",

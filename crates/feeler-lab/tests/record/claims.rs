@@ -112,8 +112,8 @@ fn the_keys_of_the_summary_are_stable() {
     };
     assert_eq!(
         keys(&json),
-        "cap_angle claims complete digest experiment findings outcome real_time_factor seed sensing \
-         sim_time stroke_pattern strokes task version wall_time"
+        "cap_angle claims digest experiment final_torque findings outcome peak_element_force real_time_factor \
+         reason seed sensing sim_time state stroke_pattern strokes task version wall_time"
     );
     assert_eq!(
         keys(&json["strokes"][0]),
@@ -126,7 +126,10 @@ fn the_keys_of_the_summary_are_stable() {
         keys(&json["stroke_pattern"]["torque"]),
         "last_above_first last_alike second_below_first"
     );
-    assert_eq!(keys(&json["claims"][0]), "bound holds id parts text value");
+    assert_eq!(
+        keys(&json["claims"][0]),
+        "bound holds id parts text value verdict"
+    );
     assert_eq!(
         keys(&json["claims"][0]["parts"][0]),
         "bound holds name relation unit value"

@@ -130,7 +130,8 @@ impl ElementCalibration {
     pub fn validity(&self, moments: &ElementMoments) -> ForceValidity {
         /// Part of a range by which noise may exceed it.
         const MARGIN: f64 = 0.1;
-        if self.is_dark(moments) {
+        let is_lit = moments.integrated_gray > 0.5 * self.unloaded_gray;
+        if !(is_lit && moments.centroid.is_finite()) {
             return ForceValidity::Dark;
         }
         let Inputs {
@@ -147,12 +148,6 @@ impl ElementCalibration {
         } else {
             ForceValidity::Extrapolated
         }
-    }
-
-    /// Whether `moments` are of an element that is less than half as bright as without load, or not
-    /// numbers: [`ForceValidity::Dark`].
-    pub fn is_dark(&self, moments: &ElementMoments) -> bool {
-        !(moments.integrated_gray > 0.5 * self.unloaded_gray && moments.centroid.is_finite())
     }
 
     /// Refuses numbers that would make a force infinite or not a number.

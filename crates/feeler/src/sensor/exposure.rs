@@ -17,8 +17,7 @@ pub enum Exposure {
     /// Its moments can be used.
     #[default]
     Good,
-    /// No pixel is above the dark level, so that there is no centroid; or, where a calibration knows
-    /// the element, it is less than half as bright as without load.
+    /// No pixel is above the dark level, so that there is no centroid.
     Dark,
     /// Too many pixels are saturated: its integrated gray value is less than the light that there
     /// was.

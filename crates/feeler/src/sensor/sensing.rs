@@ -284,14 +284,12 @@ impl Sensing {
     }
 
     fn exposure(&self, picture: &Picture, element: usize, moments: &ElementMoments) -> Exposure {
-        let is_dark = match self.calibration_of(element) {
-            Some(calibration) => calibration.is_dark(moments),
-            None => moments.integrated_gray <= 0.0,
-        };
-        match is_dark {
-            true => Exposure::Dark,
-            false if self.saturation.saturated(picture, element) => Exposure::Saturated,
-            false => Exposure::Good,
+        if moments.integrated_gray <= 0.0 {
+            Exposure::Dark
+        } else if self.saturation.saturated(picture, element) {
+            Exposure::Saturated
+        } else {
+            Exposure::Good
         }
     }
 

@@ -34,15 +34,20 @@ fn a_number_that_is_none_stops_the_hand_in_every_place() {
             speed.joints[0].velocity[axis] = wrong;
             let mut force = touch(1.0);
             force.frame.forces[2][axis] = wrong;
-            for (touch, state, what) in [
-                (touch(1.0), angle, "joint state"),
-                (touch(1.0), speed, "joint state"),
-                (force, state(), "force"),
+            let finger = 0;
+            let not_finite = |what| StopReason::NotFinite { finger, what };
+            // What is not a number marks a force that is not valid.
+            let no_force = match wrong.is_nan() {
+                true => StopReason::NoForce { finger, element: 2 },
+                false => not_finite("force"),
+            };
+            for (touch, state, reason) in [
+                (touch(1.0), angle, not_finite("joint state")),
+                (touch(1.0), speed, not_finite("joint state")),
+                (force, state(), no_force),
             ] {
-                let finger = 0;
-                let expected = Some(StopReason::NotFinite { finger, what });
                 let (stopped, velocity) = decided(&touch, &state);
-                assert_eq!(stopped, expected, "{wrong} along {axis}");
+                assert_eq!(stopped, Some(reason), "{wrong} along {axis}");
                 assert_eq!(velocity, DVec3::ZERO);
             }
         }
