@@ -49,16 +49,21 @@ fn a_rig_is_shown_with_its_programs_flags_and_phase() {
     let rig = Setup::new("link-top").with(&[NO_HURRY]).start();
     let mut hand = rig.setup.hand(&[]);
     hand.wait_for("waiting for");
-    // It takes a moment until all are at work.
+    let at_work = |shown: &str| {
+        let programs = ["sense 0", "sense 1", "hand ", "world "];
+        let mut rates = programs
+            .map(|name| shown_before(shown, name, " Hz"))
+            .into_iter();
+        shown.matches("● alive").count() == 4
+            && shown.contains("stroke 1 of 4")
+            && rates.all(|rate| rate.is_some_and(|rate| rate > 1.0))
+    };
+    // It takes a moment until all are, and until each has told its rate.
     let start = std::time::Instant::now();
     let mut shown = picture(&rig, &[]);
-    while !(shown.matches("● alive").count() == 4 && shown.contains("stroke 1 of 4")) {
+    while !at_work(&shown) {
         assert!(start.elapsed().as_secs() < 90, "{shown}");
         shown = picture(&rig, &[]);
-    }
-    for name in ["sense 0", "sense 1", "hand ", "world "] {
-        let rate = shown_before(&shown, name, " Hz");
-        assert!(rate.is_some_and(|rate| rate > 1.0), "{name}: {shown}");
     }
     let phases = [" SEARCH ", " MOVE ", " RELEASE ", " RETURN "];
     let lit = phases.iter().filter(|phase| shown.contains(*phase));
