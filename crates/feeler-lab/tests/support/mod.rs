@@ -66,29 +66,9 @@ pub fn write_run(path: &Path, strokes: u32) -> Result<Digest, RecordError> {
     recorder.finish(Some(0.25))
 }
 
-/// Writes a run of `strokes` strokes on a real rig: no torque sensor, and nobody knows cap, truth or feelers.
-#[allow(dead_code, reason = "the benches do without")]
-pub fn write_real_run(path: &Path, strokes: u32) -> Result<Digest, RecordError> {
-    let facts = RunFacts {
-        cap_radius: 0.0,
-        feeler_tip_radius: 0.0,
-        ..facts()
-    };
-    let mut recorder = Recorder::create(path, &facts, EXPERIMENT)?;
-    let run = MadeUp {
-        is_real: true,
-        ..MadeUp::default()
-    };
-    write(run, &mut recorder, strokes)?;
-    recorder.finish(None)
-}
-
 /// Writes the messages of `strokes` strokes, and of the end if there are four.
 pub fn write_strokes(recorder: &mut Recorder, strokes: u32) -> Result<(), RecordError> {
-    write(MadeUp::default(), recorder, strokes)
-}
-
-fn write(mut run: MadeUp, recorder: &mut Recorder, strokes: u32) -> Result<(), RecordError> {
+    let mut run = MadeUp::default();
     for stroke in 1..=strokes {
         for (phase, steps) in PHASES {
             for step in 0..steps {
@@ -106,8 +86,6 @@ fn write(mut run: MadeUp, recorder: &mut Recorder, strokes: u32) -> Result<(), R
 
 #[derive(Default)]
 struct MadeUp {
-    /// Whether there is nothing but what fingers feel and do.
-    is_real: bool,
     step: u64,
     noise: u64,
     angle: f64,
@@ -161,30 +139,6 @@ impl MadeUp {
             let shear = torque / CAP_RADIUS / 2.0;
             self.finger(recorder, finger, stamp, press, travel, bend, grasp, shear)?;
         }
-        self.last_press = press;
-        if !self.is_real {
-            self.instruments(recorder, stamp, torque)?;
-        }
-        let reason = format!("{phase:?}");
-        self.step += 1;
-        recorder.write(
-            topics::TASK,
-            &Task {
-                stamp,
-                phase,
-                stroke,
-                reason,
-            },
-        )
-    }
-
-    /// What the torque sensor says, and what only a simulated world knows.
-    fn instruments(
-        &mut self,
-        recorder: &mut Recorder,
-        stamp: f64,
-        torque: f64,
-    ) -> Result<(), RecordError> {
         recorder.write(
             topics::TRUE_SLIP,
             &TrueSlip {
@@ -195,6 +149,7 @@ impl MadeUp {
                     .into(),
             },
         )?;
+        self.last_press = press;
         let noise = 0.0004 * self.noise();
         recorder.write(
             topics::TORQUE_SENSOR,
@@ -217,6 +172,17 @@ impl MadeUp {
                     z: 0.1,
                 },
                 resisting_torque: torque,
+            },
+        )?;
+        let reason = format!("{phase:?}");
+        self.step += 1;
+        recorder.write(
+            topics::TASK,
+            &Task {
+                stamp,
+                phase,
+                stroke,
+                reason,
             },
         )
     }
