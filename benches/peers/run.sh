@@ -9,7 +9,8 @@ if ! "$venv/bin/python" -c 'import cv2' 2>/dev/null; then
     python3 -m venv "$venv"
     "$venv/bin/pip" install --quiet opencv-python-headless==4.12.0.88
 fi
-cargo build --release --quiet --example moments_speed
+cargo build --release --quiet -p feeler-lab --example moments_speed
+mkdir -p target/peers
 target/release/examples/moments_speed target/peers | tee target/peers/feeler.txt
 "$venv/bin/python" benches/peers/opencv.py target/peers
 
@@ -18,5 +19,5 @@ if ! "$venv/bin/python" -c 'import mujoco' 2>/dev/null; then
     python3 -m venv "$venv"
     "$venv/bin/pip" install --quiet mujoco==3.3.7 numpy==2.4.6
 fi
-cargo bench --quiet --bench sim -- physics_of_mujocos_scene | tee target/peers/sim.txt
+cargo bench --quiet -p feeler-lab --bench sim -- physics_of_mujocos_scene | tee target/peers/sim.txt
 "$venv/bin/python" benches/peers/mujoco.py target/peers/sim.txt

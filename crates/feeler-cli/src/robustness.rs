@@ -24,8 +24,8 @@ const ALL: &str = "all";
 const NAMED: usize = 3;
 
 const EXAMPLES: &str = "\
-A file of ranges says over what each value is plausible, and why; experiments/cap-closing.robustness.toml is the one
-that comes with cap-closing. Runs: the trials, as many controls for each group as asked for, and for the indices
+A file of ranges says over what each value is plausible, and why; crates/feeler-lab/experiments/cap-closing.robustness.toml
+in the repository is the one that comes with cap-closing. Runs: the trials, as many controls for each group as asked for, and for the indices
 one for each pair and parameter, group and seed.
 
 Examples:
@@ -33,7 +33,7 @@ Examples:
   feeler robustness cap-closing --group tuning -o tuning     only what an engineer sets
   feeler robustness cap-closing --trials 8192 --sensitivity 0 -o shares
   feeler robustness my.toml --ranges my.robustness.toml -o mine
-  feeler robustness cap-closing --ranges experiments/cap-closing.rubber.toml --sensitivity 0 -o rubber
+  feeler robustness cap-closing --ranges rubber.toml --sensitivity 0 -o rubber
   feeler robustness --resume -o robustness                   continue what was stopped
   feeler run --trial robustness 17                           one trial again, with recording and report";
 

@@ -83,10 +83,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comman
     let ended = simulate(&mut session, &mut log, throttle, &mut watcher, &interrupted);
     let wall_time = start.elapsed().as_secs_f64();
     let was_interrupted = interrupted.load(Ordering::Relaxed);
-    let end = match &ended {
-        Ok(()) => run_end(session.control_loop().controller(), was_interrupted),
-        Err(error) => RunEnd::because(RunState::Interrupted, error.to_string()),
-    };
+    let end = run_end(&ended, session.control_loop().controller(), was_interrupted);
     let outcome = Outcome::from(&end);
     // However it ended: what was recorded is kept and reported before anything is said.
     let made = finish(log, wall_time, end, &folder);
@@ -160,10 +157,16 @@ fn settings(arguments: &Arguments) -> Vec<String> {
     settings
 }
 
-/// How the run ended.
-pub fn run_end(controller: &Controller, interrupted: bool) -> RunEnd {
+/// How the run ended that the control loop of `controller` `ended`.
+pub fn run_end(
+    ended: &Result<(), CommandError>,
+    controller: &Controller,
+    interrupted: bool,
+) -> RunEnd {
     let given_up = |reason: String| RunEnd::because(RunState::GivenUp, reason);
-    if let Some(reason) = controller.stop_reason() {
+    if let Err(error) = ended {
+        RunEnd::because(RunState::Interrupted, error.to_string())
+    } else if let Some(reason) = controller.stop_reason() {
         given_up(format!("the hand was stopped: {reason}"))
     } else if controller.phase() == Phase::Done && controller.task().failed() {
         let found = controller.task().outcome().unwrap_or_default();

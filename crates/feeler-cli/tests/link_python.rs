@@ -8,7 +8,7 @@
 
 #[path = "support/program.rs"]
 mod program;
-#[path = "support/skip.rs"]
+#[path = "../../feeler-lab/tests/support/skip.rs"]
 mod skip;
 
 use feeler_record::Recording;

@@ -318,6 +318,14 @@ pub struct Findings {
     pub values: Vec<f64>,
 }
 
+impl Findings {
+    /// The value of a finding, in SI units, if it was found.
+    pub fn value(&self, name: &FindingName) -> Option<f64> {
+        let place = self.names.iter().position(|n| n == name)?;
+        self.values.get(place).copied()
+    }
+}
+
 message!(
     Findings,
     "Findings",

@@ -106,7 +106,7 @@ impl<'a> Felt<'a> {
         let within = self.findings.iter();
         let within = within.filter(|f| f.stamp >= from - 1e-9 && f.stamp <= to + 1e-9);
         within
-            .filter_map(|f| Some((f.stamp, value(f, name)?)))
+            .filter_map(|f| Some((f.stamp, f.value(name)?)))
             .collect()
     }
 
@@ -123,9 +123,4 @@ impl<'a> Felt<'a> {
                 .map(|(_, torque)| torque),
         )
     }
-}
-
-fn value(findings: &Findings, name: &FindingName) -> Option<f64> {
-    let place = findings.names.iter().position(|n| n == name)?;
-    findings.values.get(place).copied()
 }

@@ -86,7 +86,9 @@ pub fn make(run_dir: impl AsRef<Path>) -> Result<ReportOutcome, ReportError> {
     let data = RunData::new(&recording);
     let mut summary = Summary::new(&recording, &data);
     // A table of trials has the same columns for every law; a report holds only the paper's law to the paper.
-    summary.claims = tasks::claims(&recording, &data);
+    if !tasks::claims_apply(&recording.facts) {
+        summary.claims.clear();
+    }
     let task = tasks::of(&recording.facts);
     let figures = task.figures(&recording, &data);
     let html = page(&recording, &summary, &figures);

@@ -10,7 +10,6 @@ pub mod direct_sensor;
 pub mod element;
 pub mod error;
 pub mod fault;
-
 pub mod free_bodies;
 pub mod holder;
 pub mod knurled_cylinder;

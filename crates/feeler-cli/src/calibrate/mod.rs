@@ -64,7 +64,7 @@ pub struct Arguments {
     seed: u64,
     /// Combined loads that are put on the simulated fingertip, at most 20,000 (some 35,000 pictures, which take
     /// minutes); other kinds in proportion.
-    #[arg(long, default_value_t = 400, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..=MAX_LOADS))]
+    #[arg(long, default_value_t = CalibrationBenchConfig::default().combined as u32, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..=MAX_LOADS))]
     loads: u32,
     /// Write the simulated pictures and their LOADS.csv into this folder, which must not hold any yet.
     #[arg(long, value_name = "DIR", requires = "simulated")]

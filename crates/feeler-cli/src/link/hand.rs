@@ -11,7 +11,7 @@ use feeler::pace::real_time::{self, MODERATE, Refusal};
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::layouts;
 use feeler_lab::experiment::log::{RunLog, run_facts};
-use feeler_record::{RecordOptions, Recorder, RunEnd, RunState};
+use feeler_record::{RecordOptions, Recorder};
 use feeler_report::make::RECORDING;
 use program::Program;
 use std::io::{Write, stderr};
@@ -63,10 +63,8 @@ pub fn hand(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comma
     let wall_time = start.elapsed().as_secs_f64();
     program.stand_still();
     // However it ended: what was recorded is kept and reported before anything is said.
-    let end = match &ended {
-        Ok(()) => run_end(program.controller(), interrupted.load(Ordering::Relaxed)),
-        Err(error) => RunEnd::because(RunState::Interrupted, error.to_string()),
-    };
+    let was_interrupted = interrupted.load(Ordering::Relaxed);
+    let end = run_end(&ended, program.controller(), was_interrupted);
     let outcome = Outcome::from(&end);
     let made = finish(log, wall_time, end, &folder);
     ended?;

@@ -5,7 +5,7 @@
 #[path = "../support/program.rs"]
 mod program;
 
-#[path = "../support/skip.rs"]
+#[path = "../../../feeler-lab/tests/support/skip.rs"]
 mod skip;
 
 #[cfg(all(feature = "top", target_os = "linux"))]

@@ -4,7 +4,7 @@
 mod program;
 
 #[cfg(target_os = "linux")]
-#[path = "../support/skip.rs"]
+#[path = "../../../feeler-lab/tests/support/skip.rs"]
 mod skip;
 
 #[cfg(target_os = "linux")]

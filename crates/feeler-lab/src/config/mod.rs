@@ -101,10 +101,9 @@ impl ExperimentConfig {
     /// # Errors
     /// When there is none: the experiment is for a real rig.
     pub fn simulation(&self) -> Result<&SimConfig, ConfigError> {
-        let name = || self.name.clone();
-        self.sim
-            .as_ref()
-            .ok_or_else(|| ConfigError::NoSimulation { name: name() })
+        self.sim.as_ref().ok_or_else(|| ConfigError::NoSimulation {
+            name: self.name.clone(),
+        })
     }
 
     /// The simulated cap: the first object on a thread, its name, itself and its thread.

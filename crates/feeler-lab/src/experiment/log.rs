@@ -5,7 +5,6 @@ pub use super::facts::run_facts;
 use super::{Instruments, Session};
 use feeler::control::control_loop::ControlLoop;
 use feeler::control::controller::{Controller, FingerControl};
-use feeler::control::phase::Phase;
 use feeler::control::sense::FingertipPose;
 use feeler::control::stop_reason::StopReason;
 use feeler::control::task::Task as ControlTask;
@@ -29,7 +28,6 @@ pub struct RunLog<R = Recorder> {
     tactile: Tactile,
     flags: Flags,
     fingertip: Fingertip,
-    phase: Option<Phase>,
     /// Why the hand is stopped, as written last.
     stop_reason: Option<StopReason>,
     findings: Findings,
@@ -72,7 +70,6 @@ impl<R: MessageSink> RunLog<R> {
                 orientation: DQuat::IDENTITY.into(),
                 element_tips: Vec::new(),
             },
-            phase: None,
             stop_reason: None,
             findings: Findings::default(),
             pictures: Vec::new(),
@@ -280,21 +277,17 @@ impl<R: MessageSink> RunLog<R> {
     }
 
     fn write_task(&mut self, stamp: f64, controller: &Controller) -> Result<(), RecordError> {
-        let phase = controller.phase();
-        let entered = self.phase.replace(phase) != Some(phase);
         let mut reason = String::new();
         // A hand that stands still for want of data may be told to stop, too: both are written.
-        if entered || self.stop_reason.as_ref() != controller.stop_reason() {
+        if self.stop_reason.as_ref() != controller.stop_reason() {
             self.stop_reason = controller.stop_reason().cloned();
-            reason = controller
-                .stop_reason()
-                .map_or_else(String::new, ToString::to_string);
+            reason = (self.stop_reason.as_ref()).map_or_else(String::new, ToString::to_string);
         }
         self.recorder.write(
             topics::TASK,
             &Task {
                 stamp,
-                phase,
+                phase: controller.phase(),
                 stroke: controller.task().stroke(),
                 reason,
             },

@@ -2,8 +2,7 @@
 
 use super::super::robustness_page::{Index, Measure, NOTHING, RobustnessPage, Share, Trace};
 use super::canvas::{Pen, WIDTH, finger_colour, frame, line, panel, range, sheet};
-use super::sweep::rates;
-use kuva::plot::BandPlot;
+use super::sweep::rate_with_band;
 use kuva::render::figure::Figure as Panels;
 use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
@@ -167,14 +166,7 @@ pub fn traces_figure(measure: &Measure, number: u32) -> String {
 }
 
 fn trace(trace: &Trace) -> (Vec<Plot>, Layout) {
-    let rates = rates(&trace.varied);
-    let percent = |which: usize| rates.iter().map(move |(_, rate)| 100.0 * rate[which]);
-    let x = || rates.iter().map(|(x, _)| *x);
-    let pen = Pen::solid(finger_colour(0), 2.0);
-    let band = BandPlot::new(x(), percent(0), percent(2))
-        .with_color(pen.colour)
-        .with_opacity(0.2);
-    let mut plots = vec![Plot::Band(band), line(x().zip(percent(1)), pen)];
+    let mut plots = rate_with_band(&trace.varied, Pen::solid(finger_colour(0), 2.0));
     let (low, high) = range(trace.varied.trials.iter().map(|t| t.0)).unwrap_or((0.0, 1.0));
     if let Some(nominal) = trace
         .nominal

@@ -28,7 +28,7 @@ pub fn wilson(successes: u64, trials: u64) -> (f64, f64) {
 }
 
 /// Success rate in bins of a parameter: the middle of each, and the rate's interval and value.
-pub(super) fn rates(varied: &Varied) -> Vec<(f64, [f64; 3])> {
+fn rates(varied: &Varied) -> Vec<(f64, [f64; 3])> {
     let Some((low, high)) = range(varied.trials.iter().map(|trial| trial.0)) else {
         return Vec::new();
     };
@@ -55,16 +55,21 @@ pub(super) fn rates(varied: &Varied) -> Vec<(f64, [f64; 3])> {
         .collect()
 }
 
-/// Success rate against a parameter, %, with its 95 % confidence band.
-pub fn success_figure(varied: &Varied, number: u32) -> String {
+/// A rate against a parameter, %, within its 95 % confidence band.
+pub(super) fn rate_with_band(varied: &Varied, pen: Pen) -> Vec<Plot> {
     let rates = rates(varied);
     let percent = |which: usize| rates.iter().map(move |(_, rate)| 100.0 * rate[which]);
     let x = || rates.iter().map(|(x, _)| *x);
-    let pen = Pen::solid(finger_colour(0), 2.0);
     let band = BandPlot::new(x(), percent(0), percent(2))
         .with_color(pen.colour)
         .with_opacity(0.2);
-    let plots = vec![Plot::Band(band), line(x().zip(percent(1)), pen)];
+    vec![Plot::Band(band), line(x().zip(percent(1)), pen)]
+}
+
+/// Success rate against a parameter, %, with its 95 % confidence band.
+pub fn success_figure(varied: &Varied, number: u32) -> String {
+    let pen = Pen::solid(finger_colour(0), 2.0);
+    let plots = rate_with_band(varied, pen);
     let (low, high) = range(varied.trials.iter().map(|trial| trial.0)).unwrap_or((0.0, 1.0));
     let layout = panel((low, high), (0.0, 100.0), &varied.name, "success (%)");
     let panels = Panels::new(1, 1)

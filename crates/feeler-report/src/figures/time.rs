@@ -35,7 +35,7 @@ pub fn grasp_force_and_torque(data: &RunData) -> Figure {
     Figure {
         number: 8,
         title: title.into(),
-        caption: "Each touch-and-release stroke makes a heap of grasp force and a heap of torque. In \
+        caption: "Each touch-and-release stroke makes a peak of grasp force and a peak of torque. In \
             the paper's Fig. 8 there are four of each; in stroke 1 torque rises while grasp force \
             stays level, and strokes 3 and 4 are almost the same, because the cap is closed. Claims \
             four-peaks, first-stroke-torque-rises and closed-after-third say how far this run \

@@ -150,10 +150,10 @@ fn figures(recording: &Recording, data: &RunData) -> Vec<Figure> {
 
 /// What the hand found, as a series over time.
 fn found(recording: &Recording, name: &FindingName) -> Vec<(f64, f64)> {
-    let found = recording.findings.iter().filter_map(|found| {
-        let place = found.names.iter().position(|n| n == name)?;
-        Some((found.stamp, MM * finite(*found.values.get(place)?)?))
-    });
+    let found = recording
+        .findings
+        .iter()
+        .filter_map(|found| Some((found.stamp, MM * finite(found.value(name)?)?)));
     found.collect()
 }
 

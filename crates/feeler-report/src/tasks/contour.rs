@@ -30,10 +30,7 @@ const MM: f64 = 1e3;
 /// The points that were drawn, with their times, s; m, in W.
 pub fn drawn(recording: &Recording) -> Vec<(f64, DVec2)> {
     let points = recording.findings.iter().filter_map(|found| {
-        let value = |name: FindingName| {
-            let place = found.names.iter().position(|n| *n == name)?;
-            finite(*found.values.get(place)?)
-        };
+        let value = |name: FindingName| finite(found.value(&name)?);
         let point = DVec2::new(value(FindingName::SurfaceX)?, value(FindingName::SurfaceY)?);
         Some((found.stamp, point))
     });

@@ -38,14 +38,10 @@ pub trait TaskReport: Sync {
 /// The control law of the paper.
 const PAPERS_LAW: &str = "tri-axial";
 
-/// The claims of the task, measured on a run: those of the paper only where its law ran.
-pub fn claims(recording: &Recording, data: &RunData) -> Vec<Claim> {
-    let (facts, task) = (&recording.facts, of(&recording.facts));
+/// Whether the claims of the task are about runs with these facts: those of the paper only where its law ran.
+pub fn claims_apply(facts: &RunFacts) -> bool {
     let another_law = facts.law.as_deref().is_some_and(|law| law != PAPERS_LAW);
-    if another_law && task.whose() == PAPERS {
-        return Vec::new();
-    }
-    task.claims(recording, data)
+    !(another_law && of(facts).whose() == PAPERS)
 }
 
 /// The report of the task of a run with these facts; of one that is not known, as of the first that there was.
