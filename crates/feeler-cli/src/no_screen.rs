@@ -1,8 +1,9 @@
 //! In place of the terminal view where the program was built without it.
 
 use super::CommandError;
+use feeler::pace::Tick;
 use feeler_lab::config::Experiment;
-use feeler_lab::experiment::{Instruments, Session};
+use feeler_lab::experiment::{Instruments, SimulatedLoop};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -18,15 +19,15 @@ impl Screen {
         Err(MISSING.into())
     }
 
-    pub fn open(_: &Experiment, _: &Arc<AtomicBool>) -> Result<Self, CommandError> {
+    pub fn open(_: &Experiment, _: bool, _: &Arc<AtomicBool>) -> Result<Self, CommandError> {
         Err(MISSING.into())
     }
 
-    pub fn step(&mut self, _: &mut Session, _: &Instruments, _: Option<u64>) {
+    pub fn step(&mut self, _: &mut SimulatedLoop, _: &Instruments, _: &Tick) {
         match *self {}
     }
 
-    pub fn wait_for_quit(self, _: &Session) {
+    pub fn wait_for_quit(self, _: &SimulatedLoop) {
         match self {}
     }
 }

@@ -2,13 +2,14 @@
 
 use feeler::control::phase::Phase;
 use feeler_lab::config::Experiment;
-use feeler_lab::experiment::Session;
+use feeler_lab::experiment::SimulatedLoop;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::time::{Duration, Instant};
 
 /// A progress bar over the run's strokes.
 pub struct Progress {
     bar: ProgressBar,
+    start: Instant,
     shown: Instant,
 }
 
@@ -23,22 +24,24 @@ impl Progress {
         let bar = ProgressBar::new(strokes * Self::PHASES_PER_STROKE);
         let style = ProgressStyle::with_template("{bar:32} {msg}");
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+        let start = Instant::now();
         Self {
             bar,
-            shown: Instant::now(),
+            start,
+            shown: start,
         }
     }
 
-    /// Shows how far `session` is, which was started at `start`.
-    pub fn show(&mut self, session: &Session, start: Instant) {
+    /// Shows how far the run is.
+    pub fn show(&mut self, control_loop: &SimulatedLoop) {
         let now = Instant::now();
         if now - self.shown < Self::INTERVAL {
             return;
         }
         self.shown = now;
-        let controller = session.control_loop().controller();
+        let controller = control_loop.controller();
         let (stroke, phase) = (controller.task().stroke(), controller.phase());
-        let sim_time = session.control_loop().state().stamp;
+        let sim_time = control_loop.state().stamp;
         let strokes_done = u64::from(stroke.saturating_sub(1));
         let phases_done = match phase {
             Phase::Search => 0,
@@ -51,7 +54,7 @@ impl Progress {
             .set_position(strokes_done * Self::PHASES_PER_STROKE + phases_done);
         self.bar.set_message(format!(
             "{sim_time:5.1} s simulated, stroke {stroke} {phase}, {:.0} x real time",
-            sim_time / (now - start).as_secs_f64()
+            sim_time / (now - self.start).as_secs_f64()
         ));
     }
 

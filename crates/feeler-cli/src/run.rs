@@ -10,11 +10,11 @@ use super::{CommandError, Outcome, run_folder};
 use feeler::control::controller::Controller;
 use feeler::control::phase::Phase;
 use feeler_lab::config::{Experiment, Sensing};
-use feeler_lab::experiment::Session;
-use feeler_lab::experiment::log::{RunLog, run_facts};
-use feeler_record::{RecordOptions, Recorder, RunEnd, RunState};
+use feeler_lab::experiment::{Session, run_facts};
+use feeler_record::{RecordOptions, Recorder, RunEnd, RunLog, RunState};
 use feeler_report::make::{RECORDING, ReportOutcome, make};
 use std::io::Write;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -77,8 +77,13 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comman
     }
 
     let interrupted = watch_for_interrupt()?;
-    let mut watcher = Watcher::new(arguments.top, &experiment, &interrupted)?;
     let throttle = Throttle::new(experiment.config.control.period, arguments.speed());
+    let mut watcher = Watcher::new(
+        arguments.top,
+        &experiment,
+        throttle.is_paced(),
+        &interrupted,
+    )?;
     let start = Instant::now();
     let ended = simulate(&mut session, &mut log, throttle, &mut watcher, &interrupted);
     let wall_time = start.elapsed().as_secs_f64();
@@ -89,7 +94,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comman
     let made = finish(log, wall_time, end, &folder);
     ended?;
     let made = made?;
-    watcher.leave(&session);
+    watcher.leave(session.control_loop());
 
     let sim_time = session.control_loop().state().stamp;
     let factor = sim_time / wall_time;
@@ -129,7 +134,7 @@ fn record_options(
     }
 }
 
-/// Goes round the control loop until the task or the time is over, or Ctrl-C.
+/// Makes control steps until the task or the time is over, or Ctrl-C.
 fn simulate(
     session: &mut Session,
     log: &mut RunLog,
@@ -137,15 +142,15 @@ fn simulate(
     watcher: &mut Watcher,
     interrupted: &AtomicBool,
 ) -> Result<(), CommandError> {
-    let start = Instant::now();
-    while !session.finished() && !interrupted.load(Ordering::Relaxed) {
-        throttle.wait(interrupted);
-        let instruments = session.step()?;
-        log.write(session, &instruments)?;
-        watcher.step(session, &instruments, throttle.late(), start);
-    }
+    let failed = session.run(&mut throttle, interrupted, |control_loop, at, tick| {
+        if let Err(error) = at.record(control_loop, log) {
+            return ControlFlow::Break(error);
+        }
+        watcher.step(control_loop, at, tick);
+        ControlFlow::Continue(())
+    })?;
     watcher.run_ended();
-    Ok(())
+    failed.map_or(Ok(()), |error| Err(error.into()))
 }
 
 /// What the command line sets, the named flags last.

@@ -83,14 +83,14 @@ fn linked() -> [Schema; 9] {
     use topic::Topic;
     [
         Schema::linked::<linked::TactileUpdate>(Topic::Tactile(0)),
-        Schema::linked::<linked::Picture>(Topic::Picture(0)),
+        Schema::linked::<linked::PictureMessage>(Topic::Picture(0)),
         Schema::linked::<linked::DirectForces>(Topic::DirectForces(0)),
         Schema::linked::<linked::HandMode>(Topic::Mode),
-        Schema::linked::<linked::HandCommand>(Topic::Command),
-        Schema::linked::<linked::HandState>(Topic::State),
+        Schema::linked::<linked::CommandMessage>(Topic::Command),
+        Schema::linked::<linked::StateMessage>(Topic::State),
         Schema::linked::<linked::Heartbeat>(Topic::Heartbeat),
-        Schema::linked::<linked::Stop>(Topic::Stop),
-        Schema::linked::<linked::Resume>(Topic::Resume),
+        Schema::linked::<linked::StopMessage>(Topic::Stop),
+        Schema::linked::<linked::ResumeMessage>(Topic::Resume),
     ]
 }
 

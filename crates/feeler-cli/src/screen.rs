@@ -6,12 +6,12 @@ use crate::top::{
     Action, Clock, Fault, Finger, History, Program, ProgramState, Snapshot, TaskState, Torque,
     UNKNOWN, View,
 };
-use feeler::control::control_loop::ControlLoop;
-use feeler::control::touch::{FingerTouch, TouchSource};
-use feeler::hand::hand::Hand;
+use feeler::control::stop_reason::StopReason;
+use feeler::control::touch::FingerTouch;
+use feeler::pace::Tick;
 use feeler::sensor::layout::ElementLayout;
 use feeler_lab::config::{Experiment, ExperimentConfig, Sensing};
-use feeler_lab::experiment::{Instruments, Session};
+use feeler_lab::experiment::{Instruments, SimulatedLoop, layouts};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
@@ -28,6 +28,7 @@ pub struct Screen {
 /// What is remembered of a run from step to step.
 struct RunState {
     config: ExperimentConfig,
+    layouts: Vec<ElementLayout>,
     title: String,
     /// The pictures, or what stands for them, of each finger.
     frames: Vec<Arrivals>,
@@ -36,6 +37,7 @@ struct RunState {
     torque: History,
     fault: Option<Fault>,
     speed: Speedometer,
+    /// Steps that began later than the next one was due; none where steps have no real time.
     late: Option<u64>,
     /// The angle of the cap, where there is one, rad.
     cap_angle: Option<f64>,
@@ -48,25 +50,32 @@ impl Screen {
         View::check_terminal().map_err(|e| format!("--top: {e}").into())
     }
 
-    /// Takes the terminal for a run of `experiment`. `interrupted` is raised when whoever watches leaves.
+    /// Takes the terminal for a run of `experiment`, whose steps have real times where it `is_paced`. `interrupted` is raised when whoever watches leaves.
     pub fn open(
         experiment: &Experiment,
+        is_paced: bool,
         interrupted: &Arc<AtomicBool>,
     ) -> Result<Self, CommandError> {
+        let run = RunState::new(&experiment.config, is_paced)?;
         let view = View::open(interrupted).map_err(|e| format!("--top: {e}"))?;
-        let run = RunState::new(&experiment.config);
         Ok(Self { view, run })
     }
 
-    /// Takes in the newest step of `session`, of which `late` were late so far; shows it, when it is time to;
-    /// does what the keys ask for.
-    pub fn step(&mut self, session: &mut Session, instruments: &Instruments, late: Option<u64>) {
-        self.run.step(session, instruments, late);
-        self.view.show(|| self.run.snapshot(session));
+    /// Takes in the newest step of `control_loop`; shows it, when it is time to; does what the keys ask for.
+    pub fn step(
+        &mut self,
+        control_loop: &mut SimulatedLoop,
+        instruments: &Instruments,
+        tick: &Tick,
+    ) {
+        self.run.step(control_loop, instruments, tick);
+        self.view.show(|| self.run.snapshot(control_loop));
         for action in self.view.actions() {
             match action {
-                Action::Stop => session.stop(BY),
-                Action::Resume => session.resume(),
+                Action::Stop => control_loop
+                    .controller_mut()
+                    .stop(StopReason::Told { by: BY.into() }),
+                Action::Resume => control_loop.controller_mut().resume(),
                 // The view says that it is interrupted.
                 Action::Quit => {}
             }
@@ -74,38 +83,38 @@ impl Screen {
     }
 
     /// Shows how the run ended until whoever watches leaves.
-    pub fn wait_for_quit(mut self, session: &Session) {
+    pub fn wait_for_quit(mut self, control_loop: &SimulatedLoop) {
         let snapshot = Snapshot {
             notice: "the run is over and its report made: q leaves".into(),
             hand_listens: false,
-            ..self.run.snapshot(session)
+            ..self.run.snapshot(control_loop)
         };
         self.view.wait_for_quit(snapshot);
     }
 }
 
 impl RunState {
-    fn new(config: &ExperimentConfig) -> Self {
+    fn new(config: &ExperimentConfig, is_paced: bool) -> Result<Self, CommandError> {
         let sensing = match config.sensing {
             Sensing::Image => "pictures",
             Sensing::Direct => "direct sensing",
         };
-        Self {
+        Ok(Self {
+            layouts: layouts(config)?,
             title: format!("{}, {sensing}, seed {}", config.name, config.seed),
             frames: vec![Arrivals::default(); config.hand.finger.len()],
             steps: Arrivals::default(),
             torque: History::default(),
             fault: None,
             speed: Speedometer::new(),
-            late: None,
+            late: is_paced.then_some(0),
             cap_angle: None,
             newest_torque: UNKNOWN,
             config: config.clone(),
-        }
+        })
     }
 
-    fn step(&mut self, session: &Session, instruments: &Instruments, late: Option<u64>) {
-        let control_loop = session.control_loop();
+    fn step(&mut self, control_loop: &SimulatedLoop, instruments: &Instruments, tick: &Tick) {
         let now = control_loop.state().stamp;
         for (frames, touch) in self.frames.iter_mut().zip(control_loop.touches()) {
             frames.newest(touch.frame.sequence, now);
@@ -114,14 +123,16 @@ impl RunState {
         self.newest_torque = instruments.torque.torque;
         self.torque.push(now, self.newest_torque);
         self.cap_angle = self.config.cap().map(|_| instruments.cap.angle);
-        self.late = late;
+        if let Some(late) = &mut self.late {
+            *late += u64::from(tick.overran);
+        }
         self.speed.time(now);
-        self.take_fault(session, now);
+        self.take_fault(control_loop, now);
     }
 
     /// A stop of the hand is a fault, and over when the hand goes on.
-    fn take_fault(&mut self, session: &Session, now: f64) {
-        let reason = session.control_loop().controller().stop_reason();
+    fn take_fault(&mut self, control_loop: &SimulatedLoop, now: f64) {
+        let reason = control_loop.controller().stop_reason();
         match (reason, &mut self.fault) {
             (Some(_), Some(Fault { over: false, .. })) | (None, None) => {}
             (Some(reason), _) => {
@@ -135,8 +146,7 @@ impl RunState {
         }
     }
 
-    fn snapshot(&self, session: &Session) -> Snapshot {
-        let control_loop = session.control_loop();
+    fn snapshot(&self, control_loop: &SimulatedLoop) -> Snapshot {
         let controller = control_loop.controller();
         Snapshot {
             title: self.title.clone(),
@@ -149,7 +159,7 @@ impl RunState {
                 stroke: controller.task().stroke(),
                 strokes: Some(self.config.task.strokes()),
             }),
-            fingers: self.fingers(session.layouts(), control_loop),
+            fingers: self.fingers(control_loop),
             torque: Some(Torque {
                 newest: self.newest_torque,
                 history: self.torque.values(),
@@ -164,12 +174,8 @@ impl RunState {
         }
     }
 
-    fn fingers<S: TouchSource, H: Hand>(
-        &self,
-        layouts: &[ElementLayout],
-        control_loop: &ControlLoop<S, H>,
-    ) -> Vec<Finger> {
-        let touches = control_loop.touches().iter().zip(layouts);
+    fn fingers(&self, control_loop: &SimulatedLoop) -> Vec<Finger> {
+        let touches = control_loop.touches().iter().zip(&self.layouts);
         let fingers = touches.zip(&control_loop.state().joints).enumerate();
         fingers
             .map(|(number, ((touch, layout), joints))| Finger {
@@ -186,7 +192,7 @@ impl RunState {
     }
 
     /// The programs that a run has in one process, as if each were one by itself.
-    fn programs<S: TouchSource, H: Hand>(&self, control_loop: &ControlLoop<S, H>) -> Vec<Program> {
+    fn programs(&self, control_loop: &SimulatedLoop) -> Vec<Program> {
         let now = control_loop.state().stamp;
         let sensors = self.frames.iter().zip(control_loop.touches()).enumerate();
         let mut programs: Vec<_> = sensors

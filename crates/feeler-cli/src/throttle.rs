@@ -1,5 +1,6 @@
 //! Simulated time at a speed that one can watch.
 
+use feeler::pace::{Schedule, Tick};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -29,7 +30,7 @@ pub struct Throttle {
     /// Real time of a step; nothing for as fast as possible.
     period: Option<Duration>,
     due: Instant,
-    late: u64,
+    steps: u64,
 }
 
 impl Throttle {
@@ -39,28 +40,39 @@ impl Throttle {
         Self {
             period: period.ok().filter(|period| !period.is_zero()),
             due: Instant::now(),
-            late: 0,
+            steps: 0,
         }
     }
 
-    /// Waits until the next step is due, or `interrupted` is raised.
-    pub fn wait(&mut self, interrupted: &AtomicBool) {
-        let Some(period) = self.period else { return };
+    /// Whether steps are held back at all.
+    pub fn is_paced(&self) -> bool {
+        self.period.is_some()
+    }
+
+    /// Waits until the next step is due, or `interrupted` is raised; how late it is then.
+    fn wait(&mut self, period: Duration, interrupted: &AtomicBool) -> Duration {
         let mut now = Instant::now();
         while now < self.due && !interrupted.load(Ordering::Relaxed) {
             thread::sleep((self.due - now).min(PATIENCE));
             now = Instant::now();
         }
         let behind = now.saturating_duration_since(self.due);
-        if behind > period.max(TIMER_SLACK) {
-            self.late += 1;
-        }
         self.due = if behind > FORGIVEN { now } else { self.due } + period;
+        behind
     }
+}
 
-    /// Steps that began later than the next one was due; nothing when none ever is.
-    pub fn late(&self) -> Option<u64> {
-        self.period.map(|_| self.late)
+impl Schedule for Throttle {
+    /// A step that begins later than the next one was due overran.
+    fn next_tick(&mut self, interrupted: &AtomicBool) -> Option<Tick> {
+        self.steps += 1;
+        let mut tick = Tick::on_time(self.steps);
+        if let Some(period) = self.period {
+            let behind = self.wait(period, interrupted);
+            tick.lateness = behind.as_secs_f64();
+            tick.overran = behind > period.max(TIMER_SLACK);
+        }
+        (!interrupted.load(Ordering::Relaxed)).then_some(tick)
     }
 }
 
@@ -84,21 +96,23 @@ mod tests {
         let go_on = AtomicBool::new(false);
         let mut throttle = Throttle::new(0.01, 10.0);
         let start = Instant::now();
-        for _ in 0..=20 {
-            throttle.wait(&go_on);
+        for step in 1..=21 {
+            let tick = throttle.next_tick(&go_on).expect("a step");
+            assert_eq!(tick.number, step);
         }
         assert!(start.elapsed() >= Duration::from_millis(20));
-        assert!(throttle.late().is_some());
+        assert!(throttle.is_paced());
     }
 
     #[test]
     fn an_interrupt_ends_the_wait_and_full_speed_has_none() {
         let mut throttle = Throttle::new(0.01, 1e-3);
         let interrupted = AtomicBool::new(true);
-        throttle.wait(&interrupted);
-        throttle.wait(&interrupted);
+        assert_eq!(throttle.next_tick(&interrupted), None);
+        assert_eq!(throttle.next_tick(&interrupted), None);
         let mut fastest = Throttle::new(0.01, f64::INFINITY);
-        fastest.wait(&AtomicBool::new(false));
-        assert_eq!(fastest.late(), None);
+        let tick = fastest.next_tick(&AtomicBool::new(false));
+        assert_eq!(tick, Some(Tick::on_time(1)));
+        assert!(!fastest.is_paced());
     }
 }

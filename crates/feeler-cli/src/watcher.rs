@@ -3,11 +3,11 @@
 use super::CommandError;
 use super::progress::Progress;
 use super::screen::Screen;
+use feeler::pace::Tick;
 use feeler_lab::config::Experiment;
-use feeler_lab::experiment::{Instruments, Session};
+use feeler_lab::experiment::{Instruments, SimulatedLoop};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
-use std::time::Instant;
 
 /// Shows a run while it goes on.
 pub enum Watcher {
@@ -18,33 +18,32 @@ pub enum Watcher {
 }
 
 impl Watcher {
-    /// Begins to watch a run of `experiment`; with `top`, on the whole terminal. `interrupted` is raised when
-    /// whoever watches has had enough.
+    /// Begins to watch a run of `experiment`, whose steps have real times where it `is_paced`; with `top`, on the
+    /// whole terminal. `interrupted` is raised when whoever watches has had enough.
     pub fn new(
         top: bool,
         experiment: &Experiment,
+        is_paced: bool,
         interrupted: &Arc<AtomicBool>,
     ) -> Result<Self, CommandError> {
         if top {
-            let screen = Screen::open(experiment, interrupted)?;
+            let screen = Screen::open(experiment, is_paced, interrupted)?;
             Ok(Self::Screen(Box::new(screen)))
         } else {
             Ok(Self::Bar(Progress::new(experiment)))
         }
     }
 
-    /// Shows the newest step of `session`, which was started at `start` and of which `late` steps were late;
-    /// does to the hand what whoever watches asks for.
+    /// Shows the newest step of `control_loop`; does to the hand what whoever watches asks for.
     pub fn step(
         &mut self,
-        session: &mut Session,
+        control_loop: &mut SimulatedLoop,
         instruments: &Instruments,
-        late: Option<u64>,
-        start: Instant,
+        tick: &Tick,
     ) {
         match self {
-            Self::Bar(progress) => progress.show(session, start),
-            Self::Screen(screen) => screen.step(session, instruments, late),
+            Self::Bar(progress) => progress.show(control_loop),
+            Self::Screen(screen) => screen.step(control_loop, instruments, tick),
         }
     }
 
@@ -56,9 +55,9 @@ impl Watcher {
     }
 
     /// Leaves when whoever watches does: at once, unless there is a screen.
-    pub fn leave(self, session: &Session) {
+    pub fn leave(self, control_loop: &SimulatedLoop) {
         if let Self::Screen(screen) = self {
-            screen.wait_for_quit(session);
+            screen.wait_for_quit(control_loop);
         }
     }
 }

@@ -4,8 +4,8 @@
 mod bodies;
 
 use feeler_link::message::{
-    DirectForces, HandCommand, HandMode, HandState, Header, Heartbeat, PROTOCOL, Picture, Resume,
-    Stop, TactileUpdate,
+    CommandMessage, DirectForces, HandMode, Heartbeat, MessageHeader, PROTOCOL, PictureMessage,
+    ResumeMessage, StateMessage, StopMessage, TactileUpdate,
 };
 use feeler_link::topic::Topic;
 use feeler_record::wire::{Message, Vector3, cdr};
@@ -83,12 +83,12 @@ fn write_the_corpus_of_the_link() {
 
 /// One message of each kind, as the link's fuzz target reads them, by the programs that it introduces.
 fn messages() -> Vec<Vec<u8>> {
-    let header = |instance, sequence| Header {
+    let header = |instance, sequence| MessageHeader {
         protocol: PROTOCOL,
         instance,
         sequence,
         echo_step: 1,
-        ..Header::default()
+        ..MessageHeader::default()
     };
     let update = TactileUpdate {
         header: header(3, 1),
@@ -98,24 +98,24 @@ fn messages() -> Vec<Vec<u8>> {
         invalid_mask: vec![0],
         ..TactileUpdate::default()
     };
-    let picture = Picture {
+    let picture = PictureMessage {
         header: header(2, 1),
         width: 3,
         height: 2,
         pixels: vec![0; 6],
-        ..Picture::default()
+        ..PictureMessage::default()
     };
     let forces = DirectForces {
         header: header(2, 2),
         forces: vec![Vector3::default(); 2],
         ..DirectForces::default()
     };
-    let command = HandCommand {
+    let command = CommandMessage {
         header: header(1, 2),
         state_sequence: 1,
         joint_velocity: vec![Vector3::default()],
     };
-    let state = HandState {
+    let state = StateMessage {
         header: header(2, 3),
         position: vec![Vector3::default()],
         velocity: vec![Vector3::default()],
@@ -132,7 +132,7 @@ fn messages() -> Vec<Vec<u8>> {
         ..Heartbeat::default()
     };
     let (protocol, from) = (PROTOCOL, "fuzz".to_string());
-    let stop = Stop {
+    let stop = StopMessage {
         protocol,
         from: from.clone(),
     };
@@ -145,7 +145,7 @@ fn messages() -> Vec<Vec<u8>> {
         framed(Topic::Command, &command),
         framed(Topic::Heartbeat, &heartbeat),
         framed(Topic::Stop, &stop),
-        framed(Topic::Resume, &Resume { protocol, from }),
+        framed(Topic::Resume, &ResumeMessage { protocol, from }),
     ]
 }
 

@@ -4,9 +4,8 @@ use divan::Bencher;
 use divan::counter::ItemsCount;
 use feeler::control::phase::Phase;
 use feeler_lab::config::Experiment;
-use feeler_lab::experiment::Session;
-use feeler_lab::experiment::log::{RunLog, run_facts};
-use feeler_record::Recorder;
+use feeler_lab::experiment::{Session, run_facts};
+use feeler_record::{Recorder, RunLog};
 use feeler_sim::world::World;
 use glam::{DMat3, DVec3};
 
@@ -162,7 +161,9 @@ fn control_period(bencher: Bencher, sensing: &str) {
             (session, log) = start();
         }
         let instruments = session.step().expect("a step");
-        log.write(&session, &instruments).expect("a recorded step");
+        instruments
+            .record(session.control_loop(), &mut log)
+            .expect("a recorded step");
     });
     drop(log);
     // That the file is left over is no reason to fail.

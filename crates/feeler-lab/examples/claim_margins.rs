@@ -7,8 +7,7 @@
 
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::Session;
-use feeler_lab::experiment::log::RunLog;
-use feeler_record::MemoryRecorder;
+use feeler_record::{MemoryRecorder, RunLog};
 use feeler_report::{Claim, RunData, tasks};
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -56,7 +55,7 @@ fn claims(settings: &[String]) -> Result<Vec<Claim>, AnyError> {
     let mut log = RunLog::new(MemoryRecorder::new(&facts)?, session.layouts());
     while !session.finished() {
         let instruments = session.step()?;
-        log.write(&session, &instruments)?;
+        instruments.record(session.control_loop(), &mut log)?;
     }
     let recording = log.into_recorder().into_recording();
     Ok(tasks::of(&facts).claims(&recording, &RunData::new(&recording)))

@@ -3,7 +3,8 @@
 use super::freshness::SentSteps;
 use super::inbox::{Inbox, read};
 use super::message::{
-    HandState, Header, NO_FINGER, PROTOCOL, ProgramKind, Resume, Stop, TactileUpdate,
+    MessageHeader, NO_FINGER, PROTOCOL, ProgramKind, ResumeMessage, StateMessage, StopMessage,
+    TactileUpdate,
 };
 use super::peers::{Expected, Peers};
 use super::rejection::{Rejection, Rejections};
@@ -45,7 +46,7 @@ pub struct FingerInbox {
 #[derive(Debug, Clone, Default)]
 pub struct StateInbox {
     /// The newest state; none before the first.
-    pub newest: Option<HandState>,
+    pub newest: Option<StateMessage>,
     /// States that never came, by their numbers.
     pub lost: u64,
     earliest: f64,
@@ -59,19 +60,19 @@ impl Inbox for HandInbox {
                 self.take_update(finger, update, now)
             }
             Topic::State => {
-                let state: HandState = read(bytes)?;
+                let state: StateMessage = read(bytes)?;
                 self.take_state(state, now)
             }
             Topic::Heartbeat => self.peers.heard(bytes, now).map(|_| ()),
             Topic::Stop => {
-                let stop: Stop = read(bytes)?;
+                let stop: StopMessage = read(bytes)?;
                 // Of whatever version: that it is to stop is all that counts.
                 self.stop = Some(stop.from);
                 self.resume = false;
                 Ok(())
             }
             Topic::Resume => {
-                let resume: Resume = read(bytes)?;
+                let resume: ResumeMessage = read(bytes)?;
                 check_protocol(resume.protocol)?;
                 self.resume = true;
                 Ok(())
@@ -134,7 +135,7 @@ impl HandInbox {
         Ok(())
     }
 
-    fn take_state(&mut self, state: HandState, now: f64) -> Result<(), Rejection> {
+    fn take_state(&mut self, state: StateMessage, now: f64) -> Result<(), Rejection> {
         let header = state.header;
         check_protocol(header.protocol)?;
         check_state(self.fingers.len(), &state)?;
@@ -164,10 +165,15 @@ impl HandInbox {
         &self.state
     }
 
+    /// Number of the newest state; 0 before the first.
+    pub fn state_sequence(&self) -> u64 {
+        let state = self.state.newest.as_ref();
+        state.map_or(0, |state| state.header.sequence)
+    }
+
     /// Whether a state after that of the number `answered` has come, and what all fingers felt then.
     pub fn is_whole_after(&self, answered: u64) -> bool {
-        let state = self.state.newest.as_ref();
-        let state = state.map_or(0, |state| state.header.sequence);
+        let state = self.state_sequence();
         let felt = |finger: &FingerInbox| {
             let update = finger.newest.as_ref();
             update.is_some_and(|update| update.header.sequence == state)
@@ -243,7 +249,7 @@ pub(super) fn check_update(
 }
 
 /// Holds a state to a hand of so many `fingers`.
-pub(super) fn check_state(fingers: usize, state: &HandState) -> Result<(), Rejection> {
+pub(super) fn check_state(fingers: usize, state: &StateMessage) -> Result<(), Rejection> {
     let joints = [state.position.len(), state.velocity.len()];
     if joints != [fingers; 2] || state.instruments.len() > 1 {
         return Err(Rejection::Size);
@@ -298,8 +304,8 @@ pub(super) fn check_protocol(protocol: u32) -> Result<(), Rejection> {
 /// earliest time of what the latter tells. A program tells nothing older than it told before; what another
 /// told says nothing of its data.
 fn follow(
-    (before, earliest_before): (Option<Header>, f64),
-    header: Header,
+    (before, earliest_before): (Option<MessageHeader>, f64),
+    header: MessageHeader,
     sent: &SentSteps,
     now: f64,
 ) -> Result<(u64, f64), Rejection> {
@@ -315,7 +321,7 @@ fn follow(
 }
 
 /// The earliest time at which what a message of `header` tells can have been; none known is long ago.
-fn earliest(sent: &SentSteps, header: Header, now: f64) -> Result<f64, Rejection> {
+fn earliest(sent: &SentSteps, header: MessageHeader, now: f64) -> Result<f64, Rejection> {
     if header.echo_step > sent.newest() {
         return Err(Rejection::Future);
     }

@@ -3,7 +3,7 @@
 use super::beacon::Beacon;
 use super::endpoints::LinkError;
 use super::network::Network;
-use super::outlet::Clock;
+use super::outlet::TimeSource;
 use super::peers::Peers;
 use super::rejection::{Rejection, Rejections};
 use super::shared::Shared;
@@ -56,7 +56,7 @@ pub fn listen<I: Inbox + Send + 'static>(
     network: &dyn Network,
     topics: &[Topic],
     inbox: &Shared<I>,
-    clock: &Clock,
+    clock: &TimeSource,
     beacon: &Arc<Beacon>,
 ) -> Result<(), LinkError> {
     for &topic in topics {

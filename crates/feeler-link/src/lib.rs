@@ -15,6 +15,7 @@ pub mod mismatch;
 pub mod network;
 pub mod outlet;
 pub mod peers;
+pub mod programs;
 pub mod rejection;
 pub mod remote;
 pub mod rig_inbox;

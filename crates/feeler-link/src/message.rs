@@ -1,6 +1,6 @@
 //! What the programs say to each other: one plain struct per message, each with its ROS 2 message text.
 //!
-//! All stamps are seconds on the clock of the program that `Header::clock` names: in a system with
+//! All stamps are seconds on the clock of the program that `MessageHeader::clock` names: in a system with
 //! simulated cameras, that of the world.
 
 use feeler::control::phase::Phase;
@@ -20,7 +20,7 @@ pub const NO_FINGER: u32 = u32::MAX;
 
 /// Who sends, what came before, and how fresh it is.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-pub struct Header {
+pub struct MessageHeader {
     /// Version of the messages: [`PROTOCOL`].
     pub protocol: u32,
     /// The sending program, by a number that it drew when it started.
@@ -37,7 +37,7 @@ pub struct Header {
     pub echo_age: f64,
 }
 
-/// The text of [`Header`], to stand after a schema that uses it.
+/// The text of [`MessageHeader`], to stand after a schema that uses it.
 macro_rules! header_schema {
     () => {
         "================================================================================\n\
@@ -56,7 +56,7 @@ macro_rules! header_schema {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct TactileUpdate {
     /// Who, when, how fresh.
-    pub header: Header,
+    pub header: MessageHeader,
     /// The finger, from 0.
     pub finger: u32,
     /// Number of the picture; the same again where the camera delivered nothing new.
@@ -106,9 +106,9 @@ message!(
 
 /// What one finger's camera sees; from a rig whose cameras are not on the sensor computer.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub struct Picture {
+pub struct PictureMessage {
     /// Who, when, how fresh.
-    pub header: Header,
+    pub header: MessageHeader,
     /// The finger, from 0.
     pub finger: u32,
     /// Number of the picture; the same again where the camera delivered nothing new.
@@ -123,7 +123,7 @@ pub struct Picture {
 }
 
 message!(
-    Picture,
+    PictureMessage,
     "Picture",
     "# What one finger's camera sees",
     "feeler_msgs/Header header",
@@ -139,7 +139,7 @@ message!(
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct DirectForces {
     /// Who, when, how fresh.
-    pub header: Header,
+    pub header: MessageHeader,
     /// The finger, from 0.
     pub finger: u32,
     /// Number of the picture; the same again where the camera delivered nothing new.
@@ -160,11 +160,11 @@ message!(
     vector3_schema!(),
 );
 
-/// What the hand is about, once each control step. `Header::sequence` is the step, from 1.
+/// What the hand is about, once each control step. `MessageHeader::sequence` is the step, from 1.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct HandMode {
     /// Who and when; it echoes nothing.
-    pub header: Header,
+    pub header: MessageHeader,
     /// SEARCH: the fingers approach the object.
     pub search: bool,
     /// MOVE: the fingers move the object.
@@ -205,19 +205,19 @@ message!(
 );
 
 /// What the drives are to do until the next one, but no longer than the rig's watchdog allows.
-/// `Header::sequence` is the control step.
+/// `MessageHeader::sequence` is the control step.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub struct HandCommand {
+pub struct CommandMessage {
     /// Who and when; the stamp is that of the oldest data that it was made from.
-    pub header: Header,
-    /// Sequence number of the [`HandState`] that it was made from.
+    pub header: MessageHeader,
+    /// Sequence number of the [`StateMessage`] that it was made from.
     pub state_sequence: u64,
     /// Joint velocities theta1..theta3 of each finger, rad/s.
     pub joint_velocity: Vec<Vector3>,
 }
 
 message!(
-    HandCommand,
+    CommandMessage,
     "HandCommand",
     "# What the drives are to do; header.sequence is the control step",
     "feeler_msgs/Header header  # the stamp is that of the oldest data that it was made from",
@@ -229,19 +229,19 @@ message!(
 
 /// What the encoders say, and the rig's instruments where it has any.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub struct HandState {
+pub struct StateMessage {
     /// Who, when, how fresh.
-    pub header: Header,
+    pub header: MessageHeader,
     /// Joint angles theta1..theta3 of each finger, rad.
     pub position: Vec<Vector3>,
     /// Joint velocities of each finger, rad/s.
     pub velocity: Vec<Vector3>,
     /// The instruments; none or one.
-    pub instruments: Vec<Instruments>,
+    pub instruments: Vec<InstrumentsMessage>,
 }
 
 message!(
-    HandState,
+    StateMessage,
     "HandState",
     "# What the encoders say",
     "feeler_msgs/Header header",
@@ -263,7 +263,7 @@ message!(
 
 /// What the rig's own instruments say, and what only a simulated world knows of its cap.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-pub struct Instruments {
+pub struct InstrumentsMessage {
     /// Torque between cap and bottle as measured, N·m, positive when turned in the closing direction.
     pub torque: f64,
     /// Voltage of the strain gauges' bridge, V.
@@ -358,7 +358,7 @@ message!(
 
 /// Stops the hand, whoever sends it.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub struct Stop {
+pub struct StopMessage {
     /// Version of the messages.
     pub protocol: u32,
     /// Who says so, for the screen and the record.
@@ -366,7 +366,7 @@ pub struct Stop {
 }
 
 message!(
-    Stop,
+    StopMessage,
     "Stop",
     "# Stops the hand, whoever sends it",
     "uint32 protocol  # version of the messages",
@@ -375,7 +375,7 @@ message!(
 
 /// Tells a stopped hand to go on.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub struct Resume {
+pub struct ResumeMessage {
     /// Version of the messages.
     pub protocol: u32,
     /// Who says so, for the screen and the record.
@@ -383,7 +383,7 @@ pub struct Resume {
 }
 
 message!(
-    Resume,
+    ResumeMessage,
     "Resume",
     "# Tells a stopped hand to go on",
     "uint32 protocol  # version of the messages",

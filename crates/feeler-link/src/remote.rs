@@ -1,8 +1,8 @@
 //! Fingers and a hand in other programs, behind the seams of the control loop.
 
 use super::hand_inbox::HandInbox;
-use super::message::{HandCommand as CommandMessage, HandMode, Header};
-use super::outlet::{Clock, Outlet, header, send};
+use super::message::{CommandMessage, HandMode, MessageHeader};
+use super::outlet::{Outlet, TimeSource, header, send};
 use super::shared::Shared;
 use super::topic::Topic;
 use feeler::control::controller::Controller;
@@ -65,7 +65,7 @@ impl TouchSource for RemoteFinger {
 
 /// The stamp of `header` on the clock of the rig's newest header, s. Where that is another clock, what is
 /// known is only how much `later` than the rig's state it can have been.
-fn on_rigs_clock(header: Header, rig: Option<Header>, later: f64) -> f64 {
+fn on_rigs_clock(header: MessageHeader, rig: Option<MessageHeader>, later: f64) -> f64 {
     match rig {
         Some(rig) if rig.clock != header.clock => rig.stamp + later,
         _ => header.stamp,
@@ -76,7 +76,7 @@ fn on_rigs_clock(header: Header, rig: Option<Header>, later: f64) -> f64 {
 pub struct RemoteHand {
     inbox: Shared<HandInbox>,
     outlet: Arc<dyn Outlet>,
-    clock: Clock,
+    clock: TimeSource,
     instance: u64,
     fingers: usize,
 }
@@ -86,7 +86,7 @@ impl RemoteHand {
     pub fn new(
         inbox: Shared<HandInbox>,
         outlet: Arc<dyn Outlet>,
-        clock: Clock,
+        clock: TimeSource,
         (instance, fingers): (u64, usize),
     ) -> Self {
         Self {
@@ -133,7 +133,7 @@ impl Hand for RemoteHand {
             let stamp = oldest.fold(state.stamp, f64::min);
             let step = next_step(&mut inbox, &self.clock);
             CommandMessage {
-                header: Header {
+                header: MessageHeader {
                     clock: state.clock,
                     ..header(self.instance, step, stamp)
                 },
@@ -150,7 +150,7 @@ impl Hand for RemoteHand {
 }
 
 /// The number of the control step that begins now.
-fn next_step(inbox: &mut HandInbox, clock: &Clock) -> u64 {
+fn next_step(inbox: &mut HandInbox, clock: &TimeSource) -> u64 {
     let step = inbox.sent.newest() + 1;
     inbox.sent.sent(step, clock());
     step
@@ -172,7 +172,7 @@ pub fn mode_of(inbox: &HandInbox, controller: &Controller, instance: u64, stamp:
 }
 
 /// A step in which the hand commands nothing: it waits for the other programs.
-pub fn waiting_mode(inbox: &mut HandInbox, clock: &Clock, instance: u64) -> HandMode {
+pub fn waiting_mode(inbox: &mut HandInbox, clock: &TimeSource, instance: u64) -> HandMode {
     let step = next_step(inbox, clock);
     HandMode {
         header: header(instance, step, 0.0),

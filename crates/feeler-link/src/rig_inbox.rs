@@ -3,7 +3,7 @@
 use super::freshness::Echo;
 use super::hand_inbox::check_protocol;
 use super::inbox::{Inbox, read};
-use super::message::{HandCommand, HandMode, Header, NO_FINGER, ProgramKind};
+use super::message::{CommandMessage, HandMode, MessageHeader, NO_FINGER, ProgramKind};
 use super::peers::{Expected, Peers};
 use super::rejection::{Rejection, Rejections};
 use super::topic::Topic;
@@ -32,7 +32,7 @@ pub struct RigInbox {
 
 #[derive(Debug, Clone)]
 struct Command {
-    header: Header,
+    header: MessageHeader,
     state_sequence: u64,
     joint_velocity: Vec<DVec3>,
     /// When it came, s on the rig's wall clock.
@@ -80,7 +80,7 @@ impl RigInbox {
         }
     }
 
-    fn take_command(&mut self, command: HandCommand, now: f64) -> Result<(), Rejection> {
+    fn take_command(&mut self, command: CommandMessage, now: f64) -> Result<(), Rejection> {
         let header = command.header;
         check_protocol(header.protocol)?;
         if command.joint_velocity.len() != self.fingers {
@@ -117,7 +117,7 @@ impl RigInbox {
     }
 
     /// Takes in that the hand is at a step.
-    fn take_step(&mut self, header: Header, now: f64) -> Result<(), Rejection> {
+    fn take_step(&mut self, header: MessageHeader, now: f64) -> Result<(), Rejection> {
         check_protocol(header.protocol)?;
         self.peers
             .check(header.instance, &ProgramKind::Hand, NO_FINGER)?;

@@ -3,7 +3,9 @@
 use super::freshness::Echo;
 use super::hand_inbox::check_protocol;
 use super::inbox::{Inbox, read};
-use super::message::{DirectForces, HandMode, Header, NO_FINGER, Picture, ProgramKind};
+use super::message::{
+    DirectForces, HandMode, MessageHeader, NO_FINGER, PictureMessage, ProgramKind,
+};
 use super::peers::{Expected, Peers};
 use super::rejection::{Rejection, Rejections};
 use super::topic::Topic;
@@ -20,14 +22,14 @@ const REMEMBERED: usize = 16;
 #[derive(Debug, Clone, PartialEq)]
 pub enum Exposed {
     /// A picture.
-    Picture(Picture),
+    Picture(PictureMessage),
     /// Forces without pictures.
     Forces(DirectForces),
 }
 
 impl Exposed {
     /// Its header, and the number of its picture.
-    pub fn header(&self) -> (Header, u64) {
+    pub fn header(&self) -> (MessageHeader, u64) {
         match self {
             Self::Picture(picture) => (picture.header, picture.frame),
             Self::Forces(forces) => (forces.header, forces.frame),
@@ -43,7 +45,7 @@ pub struct SenseInbox {
     size: (usize, usize),
     hand: Option<u64>,
     echoes: VecDeque<Echo>,
-    newest: Option<Header>,
+    newest: Option<MessageHeader>,
     waiting: VecDeque<Exposed>,
     /// Pictures that never came or waited too long, by their numbers.
     pub lost: u64,
@@ -96,7 +98,7 @@ impl SenseInbox {
         }
     }
 
-    fn take_step(&mut self, header: Header, now: f64) -> Result<(), Rejection> {
+    fn take_step(&mut self, header: MessageHeader, now: f64) -> Result<(), Rejection> {
         check_protocol(header.protocol)?;
         self.peers
             .check(header.instance, &ProgramKind::Hand, NO_FINGER)?;
@@ -118,7 +120,7 @@ impl SenseInbox {
         Ok(())
     }
 
-    fn take_picture(&mut self, picture: Picture) -> Result<(), Rejection> {
+    fn take_picture(&mut self, picture: PictureMessage) -> Result<(), Rejection> {
         check_protocol(picture.header.protocol)?;
         let (width, height) = self.size;
         let size = (picture.width as usize, picture.height as usize);
@@ -145,7 +147,7 @@ impl SenseInbox {
     }
 
     /// Makes room for what comes with `header`.
-    fn queue(&mut self, header: Header, finger: u32) -> Result<(), Rejection> {
+    fn queue(&mut self, header: MessageHeader, finger: u32) -> Result<(), Rejection> {
         if finger != self.finger {
             return Err(Rejection::Size);
         }

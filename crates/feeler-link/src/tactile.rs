@@ -1,6 +1,6 @@
 //! What a finger feels, to its message and back.
 
-use super::message::{Header, NO_ELEMENT, TactileUpdate};
+use super::message::{MessageHeader, NO_ELEMENT, TactileUpdate};
 use feeler::control::touch::FingerTouch;
 use feeler::sensor::reading::NO_FORCE;
 use feeler_record::wire::Vector3;
@@ -11,7 +11,7 @@ impl TactileUpdate {
     /// `slip_threshold`, N/s. A message holds numbers only: an element without a valid force is marked,
     /// and its force 0 N.
     pub fn of_touch(
-        header: Header,
+        header: MessageHeader,
         finger: usize,
         touch: &FingerTouch,
         slip_threshold: f64,

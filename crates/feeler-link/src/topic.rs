@@ -7,21 +7,21 @@ use std::fmt;
 pub enum Topic {
     /// [`super::message::TactileUpdate`] of a finger.
     Tactile(usize),
-    /// [`super::message::Picture`] of a finger.
+    /// [`super::message::PictureMessage`] of a finger.
     Picture(usize),
     /// [`super::message::DirectForces`] of a finger.
     DirectForces(usize),
     /// [`super::message::HandMode`].
     Mode,
-    /// [`super::message::HandCommand`].
+    /// [`super::message::CommandMessage`].
     Command,
-    /// [`super::message::HandState`].
+    /// [`super::message::StateMessage`].
     State,
     /// [`super::message::Heartbeat`] of any program.
     Heartbeat,
-    /// [`super::message::Stop`].
+    /// [`super::message::StopMessage`].
     Stop,
-    /// [`super::message::Resume`].
+    /// [`super::message::ResumeMessage`].
     Resume,
 }
 

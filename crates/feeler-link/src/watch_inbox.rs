@@ -5,7 +5,7 @@
 use super::hand_inbox::{check_protocol, check_state, check_update, flags};
 use super::inbox::{Inbox, read};
 use super::message::{
-    HandMode, HandState, Header, Heartbeat, NO_FINGER, ProgramKind, TactileUpdate,
+    HandMode, Heartbeat, MessageHeader, NO_FINGER, ProgramKind, StateMessage, TactileUpdate,
 };
 use super::peers::{Expected, Peers};
 use super::rejection::{Rejection, Rejections};
@@ -22,7 +22,7 @@ pub struct WatchInbox {
     peers: Peers,
     fingers: Vec<Option<TactileUpdate>>,
     mode: Option<HandMode>,
-    state: Option<HandState>,
+    state: Option<StateMessage>,
     /// Updates of forces and joints that never came here, by their numbers. They may have come to the hand.
     pub missed: u64,
     /// What was not taken.
@@ -98,7 +98,7 @@ impl WatchInbox {
     }
 
     /// Where the joints were last.
-    pub fn state(&self) -> Option<&HandState> {
+    pub fn state(&self) -> Option<&StateMessage> {
         self.state.as_ref()
     }
 
@@ -130,7 +130,7 @@ impl WatchInbox {
         Ok(())
     }
 
-    fn take_state(&mut self, state: HandState) -> Result<(), Rejection> {
+    fn take_state(&mut self, state: StateMessage) -> Result<(), Rejection> {
         check_protocol(state.header.protocol)?;
         check_state(self.fingers.len(), &state)?;
         self.peers
@@ -153,7 +153,7 @@ impl WatchInbox {
 }
 
 /// How many messages are missing between that of the header `before` and that of `header`.
-fn gap(before: Option<Header>, header: Header) -> Result<u64, Rejection> {
+fn gap(before: Option<MessageHeader>, header: MessageHeader) -> Result<u64, Rejection> {
     match before.filter(|before| before.instance == header.instance) {
         Some(before) if header.sequence <= before.sequence => Err(Rejection::Old),
         Some(before) => Ok(header.sequence - before.sequence - 1),
@@ -187,9 +187,9 @@ mod tests {
     }
 
     fn state(instance: u64, sequence: u64) -> Vec<u8> {
-        bytes(&HandState {
+        bytes(&StateMessage {
             header: header(instance, sequence, 1.0),
-            ..HandState::default()
+            ..StateMessage::default()
         })
     }
 

@@ -1,8 +1,8 @@
 //! The messages between programs read back as they were written, and their ROS 2 texts say what is written.
 
 use feeler_link::message::{
-    DirectForces, HandCommand, HandMode, HandState, Header, Heartbeat, Instruments, Picture,
-    Resume, Stop, TactileUpdate,
+    CommandMessage, DirectForces, HandMode, Heartbeat, InstrumentsMessage, MessageHeader,
+    PictureMessage, ResumeMessage, StateMessage, StopMessage, TactileUpdate,
 };
 use feeler_record::wire::{Message, Vector3, cdr};
 use proptest::prelude::*;
@@ -124,8 +124,8 @@ prop_compose! {
     fn header()(
         protocol: u32, [instance, clock, sequence, echo_step] in any::<[u64; 4]>(),
         stamp in number(), echo_age in number(),
-    ) -> Header {
-        Header { protocol, instance, clock, sequence, stamp, echo_step, echo_age }
+    ) -> MessageHeader {
+        MessageHeader { protocol, instance, clock, sequence, stamp, echo_step, echo_age }
     }
 }
 
@@ -133,8 +133,8 @@ prop_compose! {
     fn instruments()(
         [torque, bridge_voltage, cap_angle, cap_torque] in [number(), number(), number(), number()],
         counts: i32, cap_centre in vector(), slipped in [(); 5].map(|()| number()),
-    ) -> Instruments {
-        Instruments { torque, bridge_voltage, counts, cap_angle, cap_centre, cap_torque, slipped }
+    ) -> InstrumentsMessage {
+        InstrumentsMessage { torque, bridge_voltage, counts, cap_angle, cap_centre, cap_torque, slipped }
     }
 }
 
@@ -157,7 +157,7 @@ proptest! {
         header in header(), [finger, width, height] in any::<[u32; 3]>(), frame: u64, pixels: Vec<u8>,
         forces in vec(vector(), 0..5),
     ) {
-        check(&Picture { header, finger, frame, width, height, pixels });
+        check(&PictureMessage { header, finger, frame, width, height, pixels });
         check(&DirectForces { header, finger, frame, forces });
     }
 
@@ -169,8 +169,8 @@ proptest! {
         instruments in vec(instruments(), 0..3),
     ) {
         check(&HandMode { header, search, r#move, phase, stroke, stopped });
-        check(&HandCommand { header, state_sequence, joint_velocity });
-        check(&HandState { header, position, velocity, instruments });
+        check(&CommandMessage { header, state_sequence, joint_velocity });
+        check(&StateMessage { header, position, velocity, instruments });
     }
 
     #[test]
@@ -185,8 +185,8 @@ proptest! {
             protocol, instance, program: program.into(), version, finger, experiment, fingertip, sequence, rate, age, lost,
             refused, missed, speed, fault,
         });
-        check(&Stop { protocol, from: from.clone() });
-        check(&Resume { protocol, from });
+        check(&StopMessage { protocol, from: from.clone() });
+        check(&ResumeMessage { protocol, from });
     }
 }
 

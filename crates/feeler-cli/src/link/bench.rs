@@ -1,20 +1,21 @@
 //! `feeler bench link`: how long it takes from what a sensor feels to what the hand commands.
 
-use super::hand::program::Program;
+use super::hand::program;
 use super::{LinkArguments, expected};
 use crate::interrupt::watch_for_interrupt;
 use crate::{CommandError, Outcome};
 use feeler::pace::{Clock, Monotonic, Pace};
 use feeler_lab::config::Experiment;
 use feeler_link::beacon::Beacon;
-use feeler_link::message::{HandState, Heartbeat, NO_ELEMENT, NO_FINGER, TactileUpdate};
+use feeler_link::message::{Heartbeat, NO_ELEMENT, NO_FINGER, StateMessage, TactileUpdate};
 use feeler_link::network::Network;
-use feeler_link::outlet::{draw_instance, header};
+use feeler_link::outlet::{draw_instance, header, send};
 use feeler_link::topic::Topic;
-use feeler_record::wire::{Message, Vector3, cdr};
+use feeler_record::wire::{Message, Vector3};
 use hdrhistogram::Histogram;
 use std::io::Write;
 use std::net::TcpListener;
+use std::ops::ControlFlow;
 use std::process::{Child, Command};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -74,7 +75,7 @@ fn answer(
             .args(["--sensors-of", &endpoint])
             .spawn()?,
     );
-    let mut program = Program::new(experiment, network)?;
+    let mut program = program(experiment, network)?;
     if !program.wait_for_others(stop)? {
         return Ok(Outcome::GivenUp);
     }
@@ -83,16 +84,21 @@ fn answer(
     let mut latency = Histogram::<u64>::new_with_bounds(1, 10_000_000_000, 3)?;
     let steps = u64::from(bench.rate) * u64::from(bench.seconds);
     // A second to get going, which is not counted.
-    for step in 0..steps + u64::from(bench.rate) {
-        if !program.wait_in_step(stop) {
-            break;
+    let (mut step, getting_going) = (0, u64::from(bench.rate));
+    program.run(stop, |control_loop, _| {
+        let touches = control_loop.touches().iter();
+        let oldest = touches
+            .map(|touch| touch.stamp)
+            .fold(f64::INFINITY, f64::min);
+        step += 1;
+        if step > getting_going {
+            latency.saturating_record(((now() - oldest) * 1e9) as u64);
         }
-        let oldest = program.answer()?;
-        if step >= u64::from(bench.rate) {
-            let took = now() - oldest;
-            latency.saturating_record((took * 1e9) as u64);
+        match step < steps + getting_going {
+            true => ControlFlow::Continue(()),
+            false => ControlFlow::Break(()),
         }
-    }
+    })?;
     let at = |quantile| latency.value_at_quantile(quantile) as f64 / 1e3;
     writeln!(
         out,
@@ -173,13 +179,13 @@ impl Sensors {
                 break;
             }
             // As in a rig: the joints are known before pictures have become forces.
-            let state = HandState {
+            let state = StateMessage {
                 header: header(self.world, sequence, now()),
                 position: still.clone(),
                 velocity: still.clone(),
                 instruments: Vec::new(),
             };
-            self.say(Topic::State, &state)?;
+            self.publish(Topic::State, &state)?;
             for (finger, &instance) in self.fingers.iter().enumerate() {
                 let mut update = TactileUpdate {
                     header: header(instance, sequence, now()),
@@ -193,16 +199,14 @@ impl Sensors {
                     ..TactileUpdate::default()
                 };
                 update.header.clock = self.world;
-                self.say(Topic::Tactile(finger), &update)?;
+                self.publish(Topic::Tactile(finger), &update)?;
             }
         }
         Ok(Outcome::Done)
     }
 
-    fn say<M: Message>(&self, topic: Topic, message: &M) -> Result<(), CommandError> {
-        let mut bytes = Vec::new();
-        cdr::encode(message, &mut bytes)?;
-        Ok(self.network.send(topic, bytes)?)
+    fn publish<M: Message>(&self, topic: Topic, message: &M) -> Result<(), CommandError> {
+        Ok(send(&*self.network, topic, message)?)
     }
 }
 

@@ -1,22 +1,22 @@
 //! `feeler hand`
 
-pub mod program;
-
-use super::{ExperimentArguments, LinkArguments};
+use super::{ExperimentArguments, LinkArguments, expected, warn_on_stderr};
 use crate::interrupt::watch_for_interrupt;
 use crate::report::print_outcome;
 use crate::run::{finish, make_folder, run_end};
 use crate::{CommandError, Outcome};
 use feeler::pace::real_time::{self, MODERATE, Refusal};
 use feeler_lab::config::Experiment;
-use feeler_lab::experiment::layouts;
-use feeler_lab::experiment::log::{RunLog, run_facts};
-use feeler_record::{RecordOptions, Recorder};
+use feeler_lab::experiment::{controller, fingers_at_home, layouts, run_facts};
+use feeler_link::network::Network;
+use feeler_link::programs::{HandConfig, HandProgram};
+use feeler_record::{RecordOptions, Recorder, RunLog};
 use feeler_report::make::RECORDING;
-use program::Program;
 use std::io::{Write, stderr};
+use std::ops::ControlFlow;
 use std::path::PathBuf;
-use std::sync::atomic::Ordering;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 #[derive(Debug, clap::Args)]
@@ -42,7 +42,8 @@ pub fn hand(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comma
     let rig = arguments.values.rig(&experiment);
     let network = arguments.link.open(&rig, true)?;
     let interrupted = watch_for_interrupt()?;
-    let mut program = Program::new(&experiment, network)?;
+    let mut program = program(&experiment, network)?;
+    program.set_warn(warn_on_stderr());
     writeln!(out, "waiting for {}", program.missing().join(", "))?;
     out.flush()?;
     if !program.wait_for_others(&interrupted)? {
@@ -59,18 +60,49 @@ pub fn hand(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comma
     let mut log = RunLog::new(recorder, &layouts(&experiment.config)?);
 
     let start = Instant::now();
-    let ended = program.run(&mut log, &interrupted);
+    let ended = run(&mut program, &mut log, &interrupted);
     let wall_time = start.elapsed().as_secs_f64();
-    program.stand_still();
     // However it ended: what was recorded is kept and reported before anything is said.
     let was_interrupted = interrupted.load(Ordering::Relaxed);
     let end = run_end(&ended, program.controller(), was_interrupted);
     let outcome = Outcome::from(&end);
     let made = finish(log, wall_time, end, &folder);
     ended?;
-    program.tell(out)?;
+    writeln!(out, "{}", program.report())?;
     print_outcome(&made?, out)?;
     Ok(outcome)
+}
+
+/// The hand of `experiment` on `network`; it commands nothing yet.
+pub fn program(
+    experiment: &Experiment,
+    network: Arc<dyn Network>,
+) -> Result<HandProgram, CommandError> {
+    let config = &experiment.config;
+    let layouts = layouts(config)?;
+    let (fingers, _) = fingers_at_home(config)?;
+    let hand = HandConfig {
+        control: config.control.clone(),
+        expected: expected(experiment)?,
+        elements: layouts.iter().map(|layout| layout.elements.len()).collect(),
+        time_limit: config.time_limit,
+    };
+    let controller = controller(config, &fingers, &layouts);
+    Ok(HandProgram::new(&hand, controller, network)?)
+}
+
+fn run(
+    program: &mut HandProgram,
+    log: &mut RunLog,
+    interrupted: &AtomicBool,
+) -> Result<(), CommandError> {
+    let failed = program.run(interrupted, |control_loop, instruments| {
+        match log.write(control_loop, instruments) {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(error) => ControlFlow::Break(error),
+        }
+    })?;
+    failed.map_or(Ok(()), |error| Err(error.into()))
 }
 
 /// Asks for what keeps steps on time, and says what is refused: the hand goes on without.

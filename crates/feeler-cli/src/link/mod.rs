@@ -12,11 +12,10 @@ use super::CommandError;
 use feeler::sensor::made_for::MadeFor;
 use feeler_lab::config::Experiment;
 use feeler_link::endpoints::{HAND_ENDPOINT, LOCAL_ENDPOINT, LinkConfig};
-use feeler_link::message::ProgramKind;
-use feeler_link::mismatch::Mismatch;
 use feeler_link::network::{Network, Rehearsal, RehearsedNetwork};
-use feeler_link::peers::{Expected, Peers};
-use std::collections::HashSet;
+use feeler_link::peers::Expected;
+use feeler_link::programs::Warn;
+use std::io::{Write, stderr};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -185,24 +184,10 @@ fn first_given(options: &[(&'static str, bool)]) -> Option<&'static str> {
     given.map(|(option, _)| *option)
 }
 
-/// Says what programs came that are not taken, once each.
-#[derive(Debug, Default)]
-pub struct Refusals(HashSet<u64>);
-
-impl Refusals {
-    /// Those of `peers` that are refused and have not been said.
-    pub fn new_ones(&mut self, peers: &Peers) -> Vec<Mismatch> {
-        let refused = self.new_peers(peers).into_iter();
-        refused.map(|(_, mismatch)| mismatch).collect()
-    }
-
-    /// The same, each with what program it is.
-    pub fn new_peers(&mut self, peers: &Peers) -> Vec<(ProgramKind, Mismatch)> {
-        let refused = peers.all().iter().filter_map(|peer| {
-            let mismatch = peer.refused.clone()?;
-            let is_new = self.0.insert(peer.heartbeat.instance);
-            is_new.then(|| (peer.heartbeat.program.clone(), mismatch))
-        });
-        refused.collect()
-    }
+/// Writes warnings of a program to standard error.
+pub fn warn_on_stderr() -> Warn {
+    Box::new(|warning| {
+        // Where nobody listens, the heartbeat says it.
+        let _ = writeln!(stderr(), "{warning}");
+    })
 }

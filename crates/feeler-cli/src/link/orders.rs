@@ -5,7 +5,9 @@ use crate::{CommandError, Outcome};
 use feeler_link::beacon::Beacon;
 use feeler_link::endpoints::LinkError;
 use feeler_link::inbox::{Inbox, listen, read};
-use feeler_link::message::{HandMode, Heartbeat, NO_FINGER, PROTOCOL, ProgramKind, Resume, Stop};
+use feeler_link::message::{
+    HandMode, Heartbeat, NO_FINGER, PROTOCOL, ProgramKind, ResumeMessage, StopMessage,
+};
 use feeler_link::network::Network;
 use feeler_link::outlet::{draw_instance, monotonic, send};
 use feeler_link::peers::{Expected, Peers};
@@ -73,8 +75,8 @@ impl Order {
     pub fn send(self, network: &dyn Network, from: &str) -> Result<(), LinkError> {
         let (protocol, from) = (PROTOCOL, from.to_string());
         match self {
-            Self::Stop => send(network, Topic::Stop, &Stop { protocol, from }),
-            Self::Resume => send(network, Topic::Resume, &Resume { protocol, from }),
+            Self::Stop => send(network, Topic::Stop, &StopMessage { protocol, from }),
+            Self::Resume => send(network, Topic::Resume, &ResumeMessage { protocol, from }),
         }
     }
 

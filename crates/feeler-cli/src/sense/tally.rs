@@ -121,10 +121,13 @@ impl Tally {
 
     /// Says something that is not as it should be.
     pub fn warn(&self, warning: &str) {
-        // Where nobody listens, the table says what there is.
-        self.bar.suspend(|| {
-            let _ = writeln!(stderr(), "warning: {warning}");
-        });
+        warn_beside(&self.bar, warning);
+    }
+
+    /// The same as [`warn`](Self::warn), for somebody else to call.
+    pub fn warner(&self) -> Box<dyn FnMut(&str) + Send> {
+        let bar = self.bar.clone();
+        Box::new(move |warning| warn_beside(&bar, warning))
     }
 
     /// Takes the progress off the screen and says how it went.
@@ -157,6 +160,13 @@ impl Tally {
             self.age.as_secs_f64() * 1e3,
         )
     }
+}
+
+fn warn_beside(bar: &ProgressBar, warning: &str) {
+    // Where nobody listens, the table says what there is.
+    bar.suspend(|| {
+        let _ = writeln!(stderr(), "warning: {warning}");
+    });
 }
 
 fn frames(count: u64) -> String {

@@ -11,23 +11,23 @@ use feeler::hand::hand::HandState;
 use feeler::sensor::reading::NO_FORCE;
 use feeler::sensor::sensing::Sensing;
 use feeler_lab::config::Experiment;
-use feeler_lab::experiment::log::{RunLog, run_facts};
-use feeler_lab::experiment::played_rig::{Exposure, PlayedRig};
+use feeler_lab::experiment::played_rig::PlayedRig;
 use feeler_lab::experiment::replay::{Replay, ReplayFrom, recorded_experiment};
-use feeler_lab::experiment::{Session, controller, fingers_at_home, layouts};
+use feeler_lab::experiment::{Session, controller, fingers_at_home, layouts, run_facts};
 use feeler_link::endpoints::LinkError;
 use feeler_link::hand_inbox::HandInbox;
 use feeler_link::inbox::Inbox;
 use feeler_link::message::{
-    HandState as StateMessage, Header, Heartbeat, NO_FINGER, PROTOCOL, TactileUpdate,
+    Heartbeat, MessageHeader, NO_FINGER, PROTOCOL, StateMessage, TactileUpdate,
 };
 use feeler_link::outlet::{Outlet, header, monotonic};
 use feeler_link::peers::Expected;
+use feeler_link::programs::{Rig, SensorOutput};
 use feeler_link::remote::{RemoteFinger, RemoteHand};
 use feeler_link::shared::Shared;
 use feeler_link::topic::Topic;
 use feeler_record::wire::{Message, Vector3, cdr};
-use feeler_record::{RecordOptions, Recorder, Recording};
+use feeler_record::{RecordOptions, Recorder, Recording, RunLog};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -62,7 +62,9 @@ fn in_a_run(experiment: &Experiment, path: &Path) -> Option<Stopped> {
     let mut found = None;
     for step in 0..STEPS {
         let instruments = session.step().unwrap();
-        log.write(&session, &instruments).unwrap();
+        instruments
+            .record(session.control_loop(), &mut log)
+            .unwrap();
         found = found.or(stopped(step, session.control_loop().controller()));
     }
     log.into_recorder().finish(None).unwrap();
@@ -168,7 +170,7 @@ impl LinkedHand {
     fn step(&mut self, step: usize) {
         let mut state = HandState::zero(self.sensors.len());
         self.rig.read(&mut state).unwrap();
-        let now = Header {
+        let now = MessageHeader {
             clock: WORLD,
             ..header(WORLD, step as u64 + 1, state.stamp)
         };
@@ -194,9 +196,9 @@ impl LinkedHand {
     }
 
     /// What the sensor program of `finger` publishes.
-    fn sense(&mut self, finger: usize, now: Header) -> TactileUpdate {
+    fn sense(&mut self, finger: usize, now: MessageHeader) -> TactileUpdate {
         let (sensing, touch, analyzer) = &mut self.sensors[finger];
-        let Exposure::Picture(frame) = self.rig.expose(finger).unwrap() else {
+        let Some(SensorOutput::Picture(frame)) = self.rig.expose(finger).unwrap() else {
             panic!("a picture expected")
         };
         let mut readings = vec![Default::default(); sensing.element_count()];
@@ -206,7 +208,7 @@ impl LinkedHand {
         }
         (touch.frame.sequence, touch.frame.stamp) = (frame.sequence, frame.stamp);
         touch.analyze(analyzer);
-        let header = Header {
+        let header = MessageHeader {
             instance: WORLD + 1 + finger as u64,
             ..now
         };

@@ -3,7 +3,9 @@
 use super::faults::{NO_HURRY, check};
 use super::rig::Setup;
 use feeler_link::endpoints::{LOCAL_ENDPOINT, LinkConfig};
-use feeler_link::message::{HandCommand, HandState, Header, Heartbeat, PROTOCOL, TactileUpdate};
+use feeler_link::message::{
+    CommandMessage, Heartbeat, MessageHeader, PROTOCOL, StateMessage, TactileUpdate,
+};
 use feeler_link::network::Network;
 use feeler_link::outlet::{Outlet, send};
 use feeler_link::topic::Topic;
@@ -77,7 +79,7 @@ fn spy(peer: &Link) -> HashMap<String, u64> {
 /// Nothing, noise, a message that is cut off, and one that is too long, on all topics.
 fn say_garbage(peer: &Link) {
     let mut whole = Vec::new();
-    cdr::encode(&HandState::default(), &mut whole).expect("its bytes");
+    cdr::encode(&StateMessage::default(), &mut whole).expect("its bytes");
     let noise: Vec<u8> = (0..200u32).map(|k| (k * k * 31 + 7) as u8).collect();
     // Its first field says that it is as long as can be.
     let boast = [&cdr::ENCAPSULATION[..], &[0xff; 60]].concat();
@@ -93,12 +95,12 @@ fn say_garbage(peer: &Link) {
 
 /// Messages that hold no numbers or too many, by programs that are known.
 fn say_in_the_name_of_others(peer: &Link, instances: &HashMap<String, u64>) {
-    let header = |program: &str| Header {
+    let header = |program: &str| MessageHeader {
         protocol: PROTOCOL,
         instance: instances[program],
         sequence: u64::MAX,
         echo_step: 1,
-        ..Header::default()
+        ..MessageHeader::default()
     };
     let update = |elements: usize, force| TactileUpdate {
         header: header("sense"),
@@ -111,7 +113,7 @@ fn say_in_the_name_of_others(peer: &Link, instances: &HashMap<String, u64>) {
     for update in [update(41, NOT_A_NUMBER), update(400, Vector3::default())] {
         send(peer, Topic::Tactile(0), &update).expect("a link");
     }
-    let command = |fingers| HandCommand {
+    let command = |fingers| CommandMessage {
         header: header("hand"),
         state_sequence: u64::MAX,
         joint_velocity: vec![NOT_A_NUMBER; fingers],
@@ -119,7 +121,7 @@ fn say_in_the_name_of_others(peer: &Link, instances: &HashMap<String, u64>) {
     for command in [command(2), command(1000)] {
         send(peer, Topic::Command, &command).expect("a link");
     }
-    let state = HandState {
+    let state = StateMessage {
         header: header("world"),
         position: vec![NOT_A_NUMBER; 2],
         velocity: vec![Vector3::default(); 2],

@@ -5,8 +5,7 @@ use crate::program::{Ended, folder, run, summary};
 use feeler::control::sense::HandSense;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::Session;
-use feeler_lab::experiment::log::RunLog;
-use feeler_record::{MemoryRecorder, Recording};
+use feeler_record::{MemoryRecorder, Recording, RunLog};
 use feeler_report::RunData;
 use serde_json::Value;
 use std::fs;
@@ -157,7 +156,8 @@ fn the_report_sees_the_forces_that_the_task_saw() {
     let mut seen = Vec::new();
     for _ in 0..300 {
         let at = session.step().expect("a step");
-        log.write(&session, &at).expect("a record");
+        at.record(session.control_loop(), &mut log)
+            .expect("a record");
         let control_loop = session.control_loop();
         let hand = HandSense {
             stamp: control_loop.state().stamp,

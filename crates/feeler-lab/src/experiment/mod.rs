@@ -1,16 +1,20 @@
 //! One run in one process: the simulated rig, its sensors, the control loop and the recorder, wired up.
 
 mod facts;
-pub mod log;
+mod instruments;
 pub mod played_rig;
 pub mod replay;
 mod sensors;
 pub mod slip_bench;
 pub mod specimen;
+mod supervised;
 pub mod truth;
 pub mod warnings;
 
 use crate::config::{ConfigError, Experiment, ExperimentConfig};
+pub use facts::run_facts;
+pub use instruments::Instruments;
+
 use facts::simulated_facts;
 use feeler::control::control_loop::{ControlError, ControlLoop};
 use feeler::control::controller::Controller;
@@ -19,22 +23,21 @@ use feeler::control::stop_reason::StopReason;
 use feeler::control::task::Task;
 use feeler::control::touch::TouchSource;
 use feeler::hand::finger::{FingerError, FingerGeometry};
-use feeler::hand::hand::MAX_FINGERS;
 use feeler::hand::inverse_kinematics::{KinematicsError, inverse_kinematics};
+use feeler::pace::{Schedule, Tick};
 use feeler::sensor::fingertip::{Fingertip, FingertipError};
 use feeler::sensor::layout::ElementLayout;
 use feeler::sensor::sensing::SensingError;
 use feeler_record::RunFacts;
 use feeler_sim::error::SimError;
-use feeler_sim::object::Motion;
 use feeler_sim::optics_config::OpticsError;
-use feeler_sim::pose::Pose;
 use feeler_sim::rig::{Rig, SimHand};
-use feeler_sim::thread::Turn;
-use feeler_sim::torque_sensor::TorqueReading;
 use feeler_sim::world::World;
 use glam::DVec3;
 use specimen::{SpecimenError, check_specimen};
+use std::ops::ControlFlow;
+use std::sync::atomic::AtomicBool;
+use supervised::InstrumentedRun;
 use truth::SlipMeter;
 
 /// Why a run could not be set up or go on.
@@ -94,55 +97,20 @@ pub enum ExperimentError {
 }
 
 /// A fingertip's sensor, of whichever kind.
-type Sensor = Box<dyn TouchSource + Send>;
+pub type Sensor = Box<dyn TouchSource + Send>;
+
+/// The control loop of a simulated rig.
+pub type SimulatedLoop = ControlLoop<Sensor, SimHand>;
 
 /// A run under way.
 pub struct Session {
     rig: Rig,
-    control_loop: ControlLoop<Sensor, SimHand>,
+    control_loop: SimulatedLoop,
     layouts: Vec<ElementLayout>,
     /// The object on a thread.
     cap: Option<usize>,
     slip: SlipMeter,
     time_limit: f64,
-}
-
-/// What the rig's own instruments say at one time, beside what the hand feels.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Instruments {
-    /// The torque sensor's reading.
-    pub torque: TorqueReading,
-    /// How the cap stands, in truth: the first object on a thread, if there is one.
-    pub cap: Turn,
-    /// Where its origin is, m, in W.
-    pub cap_centre: DVec3,
-    /// Where the object is that is carried, in truth, in W: the first free object, if there is one.
-    pub object: Option<Pose>,
-    /// Of each finger's feelers, in truth, the longest way that an anchor slid since the instruments were read
-    /// at another time before, m.
-    pub slipped: [f64; MAX_FINGERS],
-}
-
-impl Instruments {
-    /// Reads those of `rig`, whose object `cap` is on a thread.
-    fn read(rig: &Rig, cap: Option<usize>, slip: &mut SlipMeter) -> Self {
-        let mut world = rig.world();
-        let torque = world.read_torque();
-        let objects = world.model().objects.iter();
-        let free = objects.zip(&world.state().objects);
-        let object = free
-            .filter(|(object, _)| matches!(object.motion, Motion::Free(_)))
-            .map(|(_, state)| state.pose)
-            .next();
-        let cap = cap.and_then(|cap| world.state().objects.get(cap));
-        Self {
-            torque,
-            cap: cap.map_or_else(Turn::default, |cap| cap.turn),
-            cap_centre: cap.map_or(DVec3::ZERO, |cap| cap.pose.position),
-            object,
-            slipped: slip.read(world.state()),
-        }
-    }
 }
 
 impl Session {
@@ -194,13 +162,7 @@ impl Session {
     /// Whether the task is done or was given up, or the time is over. A hand that was told to stop may
     /// be told to go on, so that ends nothing.
     pub fn finished(&self) -> bool {
-        let controller = self.control_loop.controller();
-        let over = match controller.phase() {
-            Phase::Done => true,
-            Phase::Stopped => !matches!(controller.stop_reason(), Some(StopReason::Told { .. })),
-            _ => false,
-        };
-        over || self.control_loop.state().stamp >= self.time_limit
+        is_finished(&self.control_loop, self.time_limit)
     }
 
     /// Stops the hand from outside the control law, as `by` says; the rig goes on.
@@ -215,8 +177,38 @@ impl Session {
         self.control_loop.controller_mut().resume();
     }
 
+    /// Makes steps whenever `schedule` says so until the run is [`finished`](Self::finished), `each_step` breaks or
+    /// `interrupted` is raised. `each_step` sees the loop after every step, what the instruments read when it
+    /// began, and how punctual it was. Returns what `each_step` broke with, if it did.
+    ///
+    /// # Errors
+    /// When a sensor or the hand fails.
+    pub fn run<B>(
+        &mut self,
+        schedule: &mut impl Schedule,
+        interrupted: &AtomicBool,
+        each_step: impl FnMut(&mut SimulatedLoop, &Instruments, &Tick) -> ControlFlow<B>,
+    ) -> Result<Option<B>, ExperimentError> {
+        if self.finished() {
+            return Ok(None);
+        }
+        let mut supervisor = InstrumentedRun {
+            instruments: None,
+            rig: &self.rig,
+            cap: self.cap,
+            slip: &mut self.slip,
+            time_limit: self.time_limit,
+            each_step,
+        };
+        // Simulated time waits for its steps: none that is missed does harm.
+        let broke =
+            self.control_loop
+                .run_supervised(schedule, u64::MAX, interrupted, &mut supervisor)?;
+        Ok(broke.flatten())
+    }
+
     /// The control loop, as of the newest step.
-    pub fn control_loop(&self) -> &ControlLoop<Sensor, SimHand> {
+    pub fn control_loop(&self) -> &SimulatedLoop {
         &self.control_loop
     }
 
@@ -234,6 +226,16 @@ impl Session {
     pub fn rig(&self) -> &Rig {
         &self.rig
     }
+}
+
+fn is_finished(control_loop: &SimulatedLoop, time_limit: f64) -> bool {
+    let controller = control_loop.controller();
+    let over = match controller.phase() {
+        Phase::Done => true,
+        Phase::Stopped => !matches!(controller.stop_reason(), Some(StopReason::Told { .. })),
+        _ => false,
+    };
+    over || control_loop.state().stamp >= time_limit
 }
 
 /// The rig of `experiment`, and its object on a thread.

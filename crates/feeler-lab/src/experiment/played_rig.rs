@@ -8,13 +8,15 @@ use feeler::hand::hand::{Hand, HandCommand, HandError, HandState};
 use feeler::sensor::camera::Camera;
 use feeler::sensor::frame::Frame;
 use feeler::sensor::reading::{SensorError, TactileFrame, TactileSensor};
+use feeler_link::message::InstrumentsMessage;
+use feeler_link::programs::{Rig, SensorOutput};
 use feeler_sim::direct_sensor::DirectSensor;
-use feeler_sim::rig::{Rig, SimHand};
+use feeler_sim::rig::{Rig as SharedWorld, SimHand};
 use feeler_sim::sim_camera::SimCamera;
 
 /// A rig that is played step by step.
 pub struct PlayedRig {
-    rig: Rig,
+    rig: SharedWorld,
     hand: SimHand,
     sensors: Vec<PlayedSensor>,
     cap: Option<usize>,
@@ -25,15 +27,6 @@ pub struct PlayedRig {
 enum PlayedSensor {
     Camera(Box<SimCamera>, Frame),
     Direct(DirectSensor, TactileFrame),
-}
-
-/// What a finger's sensor delivers.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Exposure<'a> {
-    /// Its camera's newest picture.
-    Picture(&'a Frame),
-    /// The newest forces, where they are sensed directly.
-    Forces(&'a TactileFrame),
 }
 
 impl PlayedRig {
@@ -69,62 +62,56 @@ impl PlayedRig {
             steps_per_period,
         })
     }
+}
 
-    /// Number of fingers.
-    pub fn fingers(&self) -> usize {
+impl Rig for PlayedRig {
+    fn finger_count(&self) -> usize {
         self.sensors.len()
     }
 
-    /// Steps of the world in a control period.
-    pub fn steps_per_period(&self) -> usize {
-        self.steps_per_period
-    }
-
-    /// The rig's time, s.
-    pub fn time(&self) -> f64 {
+    fn time(&self) -> f64 {
         self.rig.world().state().time
     }
 
-    /// Fills `state` with what the encoders say; what the instruments say.
-    ///
-    /// # Errors
-    /// When `state` is for another number of fingers.
-    pub fn read(&mut self, state: &mut HandState) -> Result<Instruments, HandError> {
-        let instruments = Instruments::read(&self.rig, self.cap, &mut self.slip);
+    fn read(&mut self, state: &mut HandState) -> Result<Option<InstrumentsMessage>, HandError> {
+        let at = Instruments::read(&self.rig, self.cap, &mut self.slip);
         self.hand.read(state)?;
-        Ok(instruments)
+        Ok(Some(InstrumentsMessage {
+            torque: at.torque.torque,
+            bridge_voltage: at.torque.voltage,
+            counts: at.torque.counts,
+            cap_angle: at.cap.angle,
+            cap_centre: at.cap_centre.into(),
+            cap_torque: at.cap.torque,
+            slipped: at.slipped,
+        }))
     }
 
-    /// Exposes the sensor of `finger`.
-    ///
-    /// # Errors
-    /// When it delivers nothing.
-    pub fn expose(&mut self, finger: usize) -> Result<Exposure<'_>, SensorError> {
-        match &mut self.sensors[finger] {
-            PlayedSensor::Camera(camera, frame) => camera.capture(frame)?,
-            PlayedSensor::Direct(sensor, frame) => sensor.read(frame)?,
-        }
-        Ok(self.exposed(finger))
+    fn expose(&mut self, finger: usize) -> Result<Option<SensorOutput<'_>>, SensorError> {
+        let Some(sensor) = self.sensors.get_mut(finger) else {
+            return Ok(None);
+        };
+        Ok(Some(match sensor {
+            PlayedSensor::Camera(camera, frame) => {
+                camera.capture(frame)?;
+                SensorOutput::Picture(frame)
+            }
+            PlayedSensor::Direct(sensor, frame) => {
+                sensor.read(frame)?;
+                SensorOutput::Forces(frame)
+            }
+        }))
     }
 
-    /// What the sensor of `finger` delivered when it was exposed last.
-    pub fn exposed(&self, finger: usize) -> Exposure<'_> {
-        match &self.sensors[finger] {
-            PlayedSensor::Camera(_, frame) => Exposure::Picture(frame),
-            PlayedSensor::Direct(_, frame) => Exposure::Forces(frame),
-        }
+    fn steps_per_period(&self) -> usize {
+        self.steps_per_period
     }
 
-    /// Begins a control period: joint velocities are those since the last time.
-    pub fn begin_period(&mut self) {
+    fn begin_period(&mut self) {
         self.hand.begin_period();
     }
 
-    /// Advances by one step of the world, in which the drives do what `command` says.
-    ///
-    /// # Errors
-    /// When the command is for another number of fingers, or the world cannot go on.
-    pub fn advance(&mut self, command: &HandCommand) -> Result<(), HandError> {
+    fn advance(&mut self, command: &HandCommand) -> Result<(), HandError> {
         self.hand.advance(command)
     }
 }

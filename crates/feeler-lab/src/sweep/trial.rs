@@ -5,17 +5,19 @@ use super::design::Scheme;
 use super::parameter::{Parameter, settings};
 use super::plan::Plan;
 use crate::config::Experiment;
-use crate::experiment::Session;
-use crate::experiment::log::{RunLog, run_facts};
 use crate::experiment::truth::Truth;
+use crate::experiment::{Session, run_facts};
 use feeler::control::phase::Phase;
 use feeler::control::task::TaskConfig;
-use feeler_record::{FindingName, MemoryRecorder, Recording};
+use feeler::pace::Unpaced;
+use feeler_record::{FindingName, MemoryRecorder, Recording, RunLog};
 use feeler_report::{RunData, StrokeMeasures, StrokePattern, Summary, tasks};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use sha2::{Digest as _, Sha256};
+use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::AtomicBool;
 
 /// Most strokes that have columns of their own.
 const MAX_STROKES: u32 = 8;
@@ -278,13 +280,16 @@ impl Trials {
             Err(error) => return Ran::failed("invalid", error.to_string()),
         };
         let mut log = RunLog::new(recorder, session.layouts());
-        let mut failed = None;
-        while !session.finished() && failed.is_none() {
-            let stepped = session.step().map_err(|e| e.to_string());
-            let written =
-                stepped.and_then(|at| log.write(&session, &at).map_err(|e| e.to_string()));
-            failed = written.err();
-        }
+        let never = AtomicBool::new(false);
+        let ran = session.run(
+            &mut Unpaced::default(),
+            &never,
+            |control_loop, at, _| match at.record(control_loop, &mut log) {
+                Ok(()) => ControlFlow::Continue(()),
+                Err(error) => ControlFlow::Break(error.to_string()),
+            },
+        );
+        let failed = ran.unwrap_or_else(|error| Some(error.to_string()));
         let controller = session.control_loop().controller();
         let (outcome, reason) = match (failed, controller.stop_reason()) {
             (Some(error), _) => ("error", error),

@@ -6,11 +6,12 @@ use feeler::control::stop_reason::StopReason;
 use feeler::control::touch::AnalyzedSensor;
 use feeler::hand::hand::HandError;
 use feeler_lab::config::Experiment;
-use feeler_lab::experiment::log::{RigRecord, RunLog, run_facts};
 use feeler_lab::experiment::replay::{Comparison, Kind, Replay, ReplayFrom, recorded_experiment};
-use feeler_lab::experiment::{Session, controller, fingers_at_home, layouts};
+use feeler_lab::experiment::{Session, controller, fingers_at_home, layouts, run_facts};
 use feeler_record::wire::Vector3;
-use feeler_record::{RecordOptions, RecordedHand, RecordedSensor, Recorder, Recording};
+use feeler_record::{
+    InstrumentRecord, RecordOptions, RecordedHand, RecordedSensor, Recorder, Recording, RunLog,
+};
 use proptest::prelude::*;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -38,7 +39,9 @@ fn record(settings: &[&str], path: &Path) -> Recording {
     }
     while !session.finished() {
         let instruments = session.step().unwrap();
-        log.write(&session, &instruments).unwrap();
+        instruments
+            .record(session.control_loop(), &mut log)
+            .unwrap();
     }
     log.into_recorder().finish(None).unwrap();
     Recording::read(path).unwrap()
@@ -118,7 +121,8 @@ fn stops_from_outside_are_repeated() {
             _ => {}
         }
         control_loop.step().unwrap();
-        log.write_step(&control_loop, RigRecord::default()).unwrap();
+        log.write(&control_loop, InstrumentRecord::default())
+            .unwrap();
     }
     log.into_recorder().finish(None).unwrap();
     let recording = Recording::read(&path).unwrap();
@@ -172,7 +176,9 @@ fn pictures_change_nothing_else() {
     let mut log = RunLog::new(recorder, session.layouts());
     while !session.finished() {
         let instruments = session.step().unwrap();
-        log.write(&session, &instruments).unwrap();
+        instruments
+            .record(session.control_loop(), &mut log)
+            .unwrap();
     }
     let digest = log.into_recorder().finish(None).unwrap();
     let plain = Recording::read(&path).unwrap();

@@ -1,9 +1,8 @@
 //! Whole runs of the reference experiment, through the library as a user would.
 
 use feeler_lab::config::Experiment;
-use feeler_lab::experiment::Session;
-use feeler_lab::experiment::log::{RunLog, run_facts};
-use feeler_record::{Digest, Recorder};
+use feeler_lab::experiment::{Session, run_facts};
+use feeler_record::{Digest, Recorder, RunLog};
 use feeler_report::make::RECORDING;
 use std::path::{Path, PathBuf};
 
@@ -24,7 +23,9 @@ pub fn run(settings: &[String], folder: &Path) -> Digest {
     let mut log = RunLog::new(recorder.expect("a recorder"), session.layouts());
     while !session.finished() {
         let instruments = session.step().expect("a step");
-        log.write(&session, &instruments).expect("a recorded step");
+        instruments
+            .record(session.control_loop(), &mut log)
+            .expect("a recorded step");
     }
     log.into_recorder().finish(None).expect("a recording")
 }

@@ -4,7 +4,7 @@ use super::controller::Controller;
 use super::stop_reason::StopReason;
 use super::touch::{FingerTouch, TouchSource};
 use crate::hand::hand::{Hand, HandCommand, HandError, HandState};
-use crate::pace::{Clock, Pace, Tick};
+use crate::pace::{Schedule, Tick};
 use crate::sensor::reading::SensorError;
 use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
@@ -33,6 +33,38 @@ pub struct ControlLoop<S, H> {
     touches: Vec<FingerTouch>,
     state: HandState,
     command: HandCommand,
+}
+
+/// What a program does around each step of [`ControlLoop::run_supervised`].
+pub trait Supervisor<S, H> {
+    /// What it ends the run with.
+    type Break;
+
+    /// Called when a step is due, before anything is read: stops the hand or lets it go on, as it has to.
+    fn before_step(&mut self, control_loop: &mut ControlLoop<S, H>, tick: &Tick);
+
+    /// Called after every step, which it sees whole: records, shows, ends the run.
+    fn after_step(
+        &mut self,
+        control_loop: &mut ControlLoop<S, H>,
+        tick: &Tick,
+    ) -> ControlFlow<Self::Break>;
+}
+
+/// A program that has nothing to do before a step.
+struct AfterStep<F>(F);
+
+impl<S, H, B, F> Supervisor<S, H> for AfterStep<F>
+where
+    F: FnMut(&mut ControlLoop<S, H>, &Tick) -> ControlFlow<B>,
+{
+    type Break = B;
+
+    fn before_step(&mut self, _: &mut ControlLoop<S, H>, _: &Tick) {}
+
+    fn after_step(&mut self, control_loop: &mut ControlLoop<S, H>, tick: &Tick) -> ControlFlow<B> {
+        (self.0)(control_loop, tick)
+    }
 }
 
 impl<S: TouchSource, H: Hand> ControlLoop<S, H> {
@@ -88,34 +120,58 @@ impl<S: TouchSource, H: Hand> ControlLoop<S, H> {
         Ok(self.hand.command(&self.command)?)
     }
 
-    /// Goes round at `pace`, once a period, until `each_step` breaks or `interrupted` is raised (Ctrl-C);
+    /// Makes a step whenever `schedule` says so, until `each_step` breaks or `interrupted` is raised (Ctrl-C);
     /// then tells the hand to stop. `each_step` sees the loop after every step, and how punctual that was.
+    /// Returns what `each_step` broke with, if it did.
     ///
     /// Missed periods are not made up for. More than `most_missed` in a row stop the hand with
     /// [`StopReason::MissedPeriods`]: its drives went on with an old command for so long.
     ///
     /// # Errors
     /// As [`step`](Self::step).
-    pub fn run<C: Clock>(
+    pub fn run<B>(
         &mut self,
-        pace: &mut Pace<C>,
+        schedule: &mut impl Schedule,
         most_missed: u64,
         interrupted: &AtomicBool,
-        mut each_step: impl FnMut(&mut Self, &Tick) -> ControlFlow<()>,
-    ) -> Result<(), ControlError> {
-        while let Some(tick) = pace.wait_unless(interrupted) {
+        each_step: impl FnMut(&mut Self, &Tick) -> ControlFlow<B>,
+    ) -> Result<Option<B>, ControlError> {
+        self.run_supervised(
+            schedule,
+            most_missed,
+            interrupted,
+            &mut AfterStep(each_step),
+        )
+    }
+
+    /// As [`run`](Self::run), for a program that has something to do before each step, too.
+    ///
+    /// # Errors
+    /// As [`step`](Self::step).
+    pub fn run_supervised<V: Supervisor<S, H>>(
+        &mut self,
+        schedule: &mut impl Schedule,
+        most_missed: u64,
+        interrupted: &AtomicBool,
+        supervisor: &mut V,
+    ) -> Result<Option<V::Break>, ControlError> {
+        let mut broke = None;
+        while let Some(tick) = schedule.next_tick(interrupted) {
             if tick.missed > most_missed {
                 let (missed, limit) = (tick.missed, most_missed);
                 let reason = StopReason::MissedPeriods { missed, limit };
                 self.controller.stop(reason);
             }
+            supervisor.before_step(self, &tick);
             self.step()?;
-            if each_step(self, &tick).is_break() {
+            if let ControlFlow::Break(value) = supervisor.after_step(self, &tick) {
+                broke = Some(value);
                 break;
             }
         }
         self.command.set_to_stop();
-        Ok(self.hand.command(&self.command)?)
+        self.hand.command(&self.command)?;
+        Ok(broke)
     }
 
     fn read(&mut self) -> Result<(), ControlError> {

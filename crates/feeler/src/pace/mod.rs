@@ -23,9 +23,11 @@ mod clock;
 mod error;
 mod punctuality;
 pub mod real_time;
+mod schedule;
 mod timer;
 
 pub use clock::{Clock, Monotonic};
 pub use error::PaceError;
 pub use punctuality::{Punctuality, PunctualitySummary};
+pub use schedule::{Schedule, Unpaced};
 pub use timer::{Pace, Tick};

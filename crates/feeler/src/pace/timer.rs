@@ -24,6 +24,18 @@ pub struct Tick {
     pub overran: bool,
 }
 
+impl Tick {
+    /// The tick of step `number`, from 1, that begins on time.
+    pub fn on_time(number: u64) -> Self {
+        Self {
+            number,
+            lateness: 0.0,
+            missed: 0,
+            overran: false,
+        }
+    }
+}
+
 /// An absolute timer: deadlines are the multiples of a period since its start, however late a step was.
 #[derive(Clone, Debug)]
 pub struct Pace<C = Monotonic> {

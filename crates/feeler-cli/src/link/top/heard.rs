@@ -5,7 +5,7 @@ use crate::top::{Fault, UNKNOWN};
 use feeler::control::flags::FingerFlags;
 use feeler_link::inbox::Inbox;
 use feeler_link::message::{
-    HandMode, HandState, Instruments, NO_FINGER, ProgramKind, TactileUpdate,
+    HandMode, InstrumentsMessage, NO_FINGER, ProgramKind, StateMessage, TactileUpdate,
 };
 use feeler_link::watch_inbox::WatchInbox;
 use glam::DVec3;
@@ -17,7 +17,7 @@ pub struct Heard<'a> {
     /// What the hand is about.
     pub mode: Option<&'a HandMode>,
     /// Where the joints are.
-    pub state: Option<&'a HandState>,
+    pub state: Option<&'a StateMessage>,
 }
 
 impl<'a> Heard<'a> {
@@ -50,7 +50,7 @@ impl<'a> Heard<'a> {
     }
 
     /// What the rig measures beside its joints.
-    pub fn instruments(&self) -> Option<Instruments> {
+    pub fn instruments(&self) -> Option<InstrumentsMessage> {
         self.state?.instruments.first().copied()
     }
 

@@ -12,7 +12,7 @@ use feeler_lab::experiment::layouts;
 use feeler_link::inbox::Inbox;
 use feeler_link::message::HandMode;
 use feeler_link::network::Network;
-use feeler_link::outlet::{Clock, monotonic};
+use feeler_link::outlet::{TimeSource, monotonic};
 use feeler_link::shared::Shared;
 use feeler_link::watch_inbox::WatchInbox;
 use glam::DVec3;
@@ -27,7 +27,7 @@ pub struct Watched {
     layouts: Vec<ElementLayout>,
     network: Arc<dyn Network>,
     inbox: Shared<WatchInbox>,
-    clock: Clock,
+    clock: TimeSource,
     torque: History,
     /// The program whose torque that is, by its instance.
     torque_of: Option<u64>,

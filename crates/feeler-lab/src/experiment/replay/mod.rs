@@ -9,14 +9,15 @@ mod recorded_touch;
 pub use compare::{Comparison, Difference, Kind, Tally};
 pub use error::ReplayError;
 
-use super::log::{RigRecord, RunLog};
 use super::sensors::optical_sensor;
 use super::{Sensor, controller, fingers_at_home, layouts};
 use crate::config::{ConfigError, Experiment};
 use compare::Comparer;
 use feeler::control::control_loop::ControlLoop;
 use feeler::control::controller::Controller;
-use feeler_record::{RecordedCamera, RecordedHand, Recorder, Recording, Tactile};
+use feeler_record::{
+    InstrumentRecord, RecordedCamera, RecordedHand, Recorder, Recording, RunLog, Tactile,
+};
 use outside::Outside;
 use recorded_touch::RecordedTouch;
 use std::iter::Peekable;
@@ -104,12 +105,13 @@ impl<'a> Replay<'a> {
             outside.tell(self.control_loop.controller_mut());
         }
         self.control_loop.step()?;
-        let rig = RigRecord {
+        let instruments = InstrumentRecord {
             torque: self.recording.torque_sensor.get(step),
             cap: self.recording.cap.get(step),
             slip: self.recording.true_slip.get(step),
+            object: None,
         };
-        self.log.write_step(&self.control_loop, rig)?;
+        self.log.write(&self.control_loop, instruments)?;
         self.step += 1;
         Ok(())
     }

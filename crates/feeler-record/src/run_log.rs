@@ -1,23 +1,25 @@
 //! What is recorded of a run: after every control step, everything that went in and came out.
 
-pub use super::facts::run_facts;
-
-use super::{Instruments, Session};
+use crate::channels::{
+    Cap, Command, Findings, Fingertip, Flags, Joints, NO_ELEMENT, ObjectPose, Tactile, Task,
+    TorqueSensor, TrueSlip,
+};
+use crate::error::RecordError;
+use crate::image::Image;
+use crate::memory::MessageSink;
+use crate::names::TaskOutcome;
+use crate::recorder::Recorder;
+use crate::topic::topics;
+use crate::wire::Vector3;
 use feeler::control::control_loop::ControlLoop;
 use feeler::control::controller::{Controller, FingerControl};
 use feeler::control::sense::FingertipPose;
 use feeler::control::stop_reason::StopReason;
 use feeler::control::task::Task as ControlTask;
 use feeler::control::touch::{FingerTouch, TouchSource};
-use feeler::hand::hand::{Hand, JointState, MAX_FINGERS};
+use feeler::hand::hand::{Hand, JointState};
 use feeler::sensor::frame::Frame;
 use feeler::sensor::layout::ElementLayout;
-use feeler_record::wire::Vector3;
-use feeler_record::{
-    Cap, Command, Findings, Fingertip, Flags, Image, Joints, MessageSink, NO_ELEMENT, ObjectPose,
-    RecordError, Recorder, Tactile, Task, TaskOutcome, TorqueSensor, TrueSlip, topics,
-};
-use feeler_sim::pose::Pose;
 use glam::{DQuat, DVec3};
 
 /// Writes control steps to a recording. Messages with lists are kept and filled again.
@@ -35,15 +37,17 @@ pub struct RunLog<R = Recorder> {
     pictures: Vec<Picture>,
 }
 
-/// What a rig's own instruments, and a simulated world, add to the record of a control step.
+/// What a rig's own instruments, and a simulated world, add to the record of a control step, as far as there are any.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct RigRecord<'a> {
-    /// What the torque sensor says.
+pub struct InstrumentRecord<'a> {
+    /// The torque sensor's reading.
     pub torque: Option<&'a TorqueSensor>,
-    /// How the cap stands, in truth.
+    /// True state of the cap.
     pub cap: Option<&'a Cap>,
-    /// How far feelers slipped, in truth.
+    /// True slip of the feelers.
     pub slip: Option<&'a TrueSlip>,
+    /// True pose of the carried object.
+    pub object: Option<&'a ObjectPose>,
 }
 
 struct Picture {
@@ -97,58 +101,18 @@ impl<R: MessageSink> RunLog<R> {
         self.recorder
     }
 
-    /// Writes the newest control step of `session` and what the instruments said at its time.
+    /// Writes the newest step of `control_loop`, and what the `instruments` read at its time.
     ///
     /// # Errors
     /// When the recording cannot be written.
-    pub fn write(&mut self, session: &Session, at: &Instruments) -> Result<(), RecordError> {
-        let control_loop = session.control_loop();
-        let stamp = control_loop.state().stamp;
-        let torque = TorqueSensor {
-            stamp,
-            torque: at.torque.torque,
-            bridge_voltage: at.torque.voltage,
-            counts: at.torque.counts,
-        };
-        let cap = Cap {
-            stamp,
-            angle: at.cap.angle,
-            height: at.cap_centre.z,
-            centre: at.cap_centre.into(),
-            resisting_torque: at.cap.torque,
-        };
-        if let Some(pose) = &at.object {
-            self.write_object(&object_pose(stamp, pose))?;
-        }
-        let slip = TrueSlip {
-            stamp,
-            distance: at.slipped[..self.tips.len().min(MAX_FINGERS)].to_vec(),
-        };
-        let rig = RigRecord {
-            torque: Some(&torque),
-            cap: Some(&cap),
-            slip: Some(&slip),
-        };
-        self.write_step(control_loop, rig)
-    }
-
-    /// Writes where the carried object is.
-    ///
-    /// # Errors
-    /// When the recording cannot be written.
-    pub fn write_object(&mut self, pose: &ObjectPose) -> Result<(), RecordError> {
-        self.recorder.write(topics::OBJECT, pose)
-    }
-
-    /// Writes the newest step of `control_loop`, and what else is known of the `rig` at its time.
-    ///
-    /// # Errors
-    /// When the recording cannot be written.
-    pub fn write_step<S: TouchSource, H: Hand>(
+    pub fn write<S: TouchSource, H: Hand>(
         &mut self,
         control_loop: &ControlLoop<S, H>,
-        rig: RigRecord<'_>,
+        instruments: InstrumentRecord<'_>,
     ) -> Result<(), RecordError> {
+        if let Some(object) = instruments.object {
+            self.recorder.write(topics::OBJECT, object)?;
+        }
         let stamp = control_loop.state().stamp;
         let controller = control_loop.controller();
         let sensors = control_loop.sensors().iter();
@@ -163,13 +127,13 @@ impl<R: MessageSink> RunLog<R> {
             self.write_motion(index, stamp, finger, joints)?;
             self.write_fingertip(index, stamp, pose)?;
         }
-        if let Some(torque) = rig.torque {
+        if let Some(torque) = instruments.torque {
             self.recorder.write(topics::TORQUE_SENSOR, torque)?;
         }
-        if let Some(cap) = rig.cap {
+        if let Some(cap) = instruments.cap {
             self.recorder.write(topics::CAP, cap)?;
         }
-        if let Some(slip) = rig.slip {
+        if let Some(slip) = instruments.slip {
             self.recorder.write(topics::TRUE_SLIP, slip)?;
         }
         self.write_findings(stamp, controller.task())?;
@@ -292,13 +256,5 @@ impl<R: MessageSink> RunLog<R> {
                 reason,
             },
         )
-    }
-}
-
-fn object_pose(stamp: f64, pose: &Pose) -> ObjectPose {
-    ObjectPose {
-        stamp,
-        position: pose.position.into(),
-        orientation: DQuat::from_mat3(&pose.rotation).into(),
     }
 }

@@ -1,0 +1,94 @@
+//! What a simulated rig's own instruments read, and its record.
+
+use super::truth::SlipMeter;
+use feeler::control::control_loop::ControlLoop;
+use feeler::control::touch::TouchSource;
+use feeler::hand::hand::{Hand, MAX_FINGERS};
+use feeler_record::{
+    Cap, InstrumentRecord, MessageSink, ObjectPose, RecordError, RunLog, TorqueSensor, TrueSlip,
+};
+use feeler_sim::object::Motion;
+use feeler_sim::pose::Pose;
+use feeler_sim::rig::Rig;
+use feeler_sim::thread::Turn;
+use feeler_sim::torque_sensor::TorqueReading;
+use glam::{DQuat, DVec3};
+
+/// What the rig's own instruments say at one time, beside what the hand feels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Instruments {
+    /// The torque sensor's reading.
+    pub torque: TorqueReading,
+    /// How the cap stands, in truth: the first object on a thread, if there is one.
+    pub cap: Turn,
+    /// Where its origin is, m, in W.
+    pub cap_centre: DVec3,
+    /// Where the object is that is carried, in truth, in W: the first free object, if there is one.
+    pub object: Option<Pose>,
+    /// Of each finger's feelers, in truth, the longest way that an anchor slid since the instruments were read
+    /// at another time before, m.
+    pub slipped: [f64; MAX_FINGERS],
+}
+
+impl Instruments {
+    /// Reads those of `rig`, whose object `cap` is on a thread.
+    pub(super) fn read(rig: &Rig, cap: Option<usize>, slip: &mut SlipMeter) -> Self {
+        let mut world = rig.world();
+        let torque = world.read_torque();
+        let objects = world.model().objects.iter();
+        let free = objects.zip(&world.state().objects);
+        let object = free
+            .filter(|(object, _)| matches!(object.motion, Motion::Free(_)))
+            .map(|(_, state)| state.pose)
+            .next();
+        let cap = cap.and_then(|cap| world.state().objects.get(cap));
+        Self {
+            torque,
+            cap: cap.map_or_else(Turn::default, |cap| cap.turn),
+            cap_centre: cap.map_or(DVec3::ZERO, |cap| cap.pose.position),
+            object,
+            slipped: slip.read(world.state()),
+        }
+    }
+
+    /// Writes the newest step of `control_loop`, at whose beginning these instruments were read, to `log`.
+    ///
+    /// # Errors
+    /// When the recording cannot be written.
+    pub fn record<R: MessageSink, S: TouchSource, H: Hand>(
+        &self,
+        control_loop: &ControlLoop<S, H>,
+        log: &mut RunLog<R>,
+    ) -> Result<(), RecordError> {
+        let stamp = control_loop.state().stamp;
+        let torque = TorqueSensor {
+            stamp,
+            torque: self.torque.torque,
+            bridge_voltage: self.torque.voltage,
+            counts: self.torque.counts,
+        };
+        let cap = Cap {
+            stamp,
+            angle: self.cap.angle,
+            height: self.cap_centre.z,
+            centre: self.cap_centre.into(),
+            resisting_torque: self.cap.torque,
+        };
+        let slip = TrueSlip {
+            stamp,
+            distance: self.slipped[..control_loop.touches().len().min(MAX_FINGERS)].to_vec(),
+        };
+        let object = self.object.map(|pose| ObjectPose {
+            stamp,
+            position: pose.position.into(),
+            orientation: DQuat::from_mat3(&pose.rotation).into(),
+        });
+        let instruments = InstrumentRecord {
+            torque: Some(&torque),
+            cap: Some(&cap),
+            slip: Some(&slip),
+            object: object.as_ref(),
+        };
+        log.write(control_loop, instruments)
+    }
+}

@@ -1,0 +1,207 @@
+//! The hand program: waits for the others, then runs the control loop on what they publish.
+
+use super::hand_schedule::{HandSchedule, Lockstep};
+use super::hand_status::HandStatus;
+use super::hand_supervisor::{HandSupervisor, StepEnd};
+use super::node::{Node, first_heartbeat};
+use super::{ProgramError, Warn};
+use crate::hand_inbox::HandInbox;
+use crate::message::ProgramKind;
+use crate::network::Network;
+use crate::peers::Expected;
+use crate::rejection::Rejections;
+use crate::remote::{RemoteFinger, RemoteHand, mode_of, waiting_mode};
+use crate::topic::Topic;
+use feeler::control::control_loop::ControlLoop;
+use feeler::control::controller::{ControlConfig, Controller};
+use feeler::pace::{Pace, PunctualitySummary};
+use feeler_record::InstrumentRecord;
+use std::fmt;
+use std::ops::ControlFlow;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+/// Time between two looks at whether the other programs are there, s.
+const WAITING_PERIOD: f64 = 0.01;
+
+/// The control loop of a hand whose drives and fingers are in other programs.
+pub type RemoteLoop = ControlLoop<RemoteFinger, RemoteHand>;
+
+/// What a hand program is made of.
+#[derive(Debug, Clone)]
+pub struct HandConfig {
+    /// Period, stale limit and what to do when data are fresh again.
+    pub control: ControlConfig,
+    /// What the other programs must agree in.
+    pub expected: Expected,
+    /// Number of sensing elements of each finger.
+    pub elements: Vec<usize>,
+    /// How long a run takes at most, s of the rig's time.
+    pub time_limit: f64,
+}
+
+/// Controls a hand whose fingers and drives are in other programs.
+///
+/// Data older than the stale limit stop the hand, however they were delayed; so does an order on
+/// [`Topic::Stop`]. The hand goes on when it is told to, or by itself where the configuration says so.
+pub struct HandProgram {
+    control_loop: RemoteLoop,
+    status: HandStatus,
+}
+
+/// What came of a hand program's run.
+#[derive(Debug, Clone)]
+pub struct HandReport {
+    /// The rig's time that the run took, s.
+    pub duration: f64,
+    /// Control steps.
+    pub steps: u64,
+    /// How punctual they were; no steps where the rig waits for the hand.
+    pub punctuality: PunctualitySummary,
+    /// Tactile updates that never came.
+    pub lost: u64,
+    /// Messages that were refused.
+    pub rejected: Rejections,
+}
+
+impl HandProgram {
+    /// A hand that decides by `controller`, on `network`. It commands nothing yet.
+    ///
+    /// # Errors
+    /// When the network does not listen.
+    pub fn new(
+        config: &HandConfig,
+        controller: Controller,
+        network: Arc<dyn Network>,
+    ) -> Result<Self, ProgramError> {
+        let elements = &config.elements;
+        let inbox = HandInbox::new(elements, config.expected.clone());
+        let heartbeat = first_heartbeat(ProgramKind::Hand, &config.expected.experiment);
+        let mut topics = vec![Topic::Heartbeat, Topic::State, Topic::Stop, Topic::Resume];
+        topics.extend((0..elements.len()).map(Topic::Tactile));
+        let node = Node::start(network, heartbeat, inbox, &topics)?;
+        let fingers = elements.iter().enumerate();
+        let fingers = fingers.map(|(f, &count)| RemoteFinger::new(node.inbox.clone(), f, count));
+        let hand = RemoteHand::new(
+            node.inbox.clone(),
+            node.network.clone(),
+            node.clock.clone(),
+            (node.instance, elements.len()),
+        );
+        Ok(Self {
+            control_loop: ControlLoop::new(fingers.collect(), hand, controller),
+            status: HandStatus::new(node, config)?,
+        })
+    }
+
+    /// Warnings go to `warn`: why the hand stops or goes on, and which programs it refuses.
+    pub fn set_warn(&mut self, warn: Warn) {
+        self.status.node.set_warn(warn);
+    }
+
+    /// The controller, as of the newest step.
+    pub fn controller(&self) -> &Controller {
+        self.control_loop.controller()
+    }
+
+    /// The programs that are not there yet, by name.
+    pub fn missing(&self) -> Vec<String> {
+        self.status.missing()
+    }
+
+    /// Waits until all programs are there and their data fresh, and publishes that it does; whether they are, and
+    /// `interrupted` was not raised meanwhile.
+    ///
+    /// # Errors
+    /// When a program does not agree with this one, or the network fails.
+    pub fn wait_for_others(&mut self, interrupted: &AtomicBool) -> Result<bool, ProgramError> {
+        let status = &mut self.status;
+        while !interrupted.load(Ordering::Relaxed) {
+            if let Some((_, mismatch)) = status.node.new_refusals().into_iter().next() {
+                return Err(mismatch.into());
+            }
+            if let Some(mismatch) = status.other_hand() {
+                return Err(mismatch.into());
+            }
+            let node = &status.node;
+            let mode = waiting_mode(&mut node.inbox.lock(), &node.clock, node.instance);
+            node.publish(Topic::Mode, &mode)?;
+            if status.missing().is_empty() && status.is_fresh() {
+                return Ok(true);
+            }
+            let period = status.period.min(WAITING_PERIOD);
+            std::thread::sleep(Duration::from_secs_f64(period));
+        }
+        Ok(false)
+    }
+
+    /// Runs the control loop until the task is done or given up, the time limit is over, `each_step` breaks or
+    /// `interrupted` is raised; then commands all fingers to stop. `each_step` sees every step that is worth a
+    /// record, with what the rig's instruments read: a hand that stands still for want of data makes none.
+    /// Returns what `each_step` broke with, if it did.
+    ///
+    /// # Errors
+    /// When the network or the control loop fails.
+    pub fn run<B>(
+        &mut self,
+        interrupted: &AtomicBool,
+        each_step: impl FnMut(&RemoteLoop, InstrumentRecord<'_>) -> ControlFlow<B>,
+    ) -> Result<Option<B>, ProgramError> {
+        let limits = self.status.limits();
+        let mut schedule = self.schedule(limits.period)?;
+        self.status.begin();
+        let mut supervisor = HandSupervisor::new(&mut self.status, limits.stale, each_step);
+        let control_loop = &mut self.control_loop;
+        // A step that is missed does no harm of its own: drives stop by themselves without commands, and data that
+        // became stale meanwhile stop the hand.
+        let ended =
+            control_loop.run_supervised(&mut schedule, u64::MAX, interrupted, &mut supervisor);
+        self.publish_end();
+        match ended? {
+            Some(StepEnd::Link(error)) => Err(error.into()),
+            Some(StepEnd::Broke(value)) => Ok(Some(value)),
+            Some(StepEnd::Over) | None => Ok(None),
+        }
+    }
+
+    fn schedule(&self, period: Option<f64>) -> Result<HandSchedule, ProgramError> {
+        let node = &self.status.node;
+        Ok(match period {
+            Some(period) => HandSchedule::Paced(Pace::new(period)?),
+            None => HandSchedule::Lockstep(Lockstep {
+                inbox: node.inbox.clone(),
+                clock: node.clock.clone(),
+                answered: 0,
+                steps: 0,
+            }),
+        })
+    }
+
+    /// Publishes the mode that the hand ends in. The rig's watchdog stops its drives where nothing arrives any more.
+    fn publish_end(&self) {
+        let node = &self.status.node;
+        let stamp = self.control_loop.state().stamp;
+        let mode = mode_of(&node.inbox.lock(), self.controller(), node.instance, stamp);
+        // Who hears nothing finds the hand silent.
+        let _ = node.publish(Topic::Mode, &mode);
+    }
+
+    /// What came of the run.
+    pub fn report(&self) -> HandReport {
+        self.status.report(self.control_loop.state().stamp)
+    }
+}
+
+impl fmt::Display for HandReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (duration, steps) = (self.duration, self.steps);
+        writeln!(
+            f,
+            "{duration:.2} s of the rig's time in {steps} control steps"
+        )?;
+        writeln!(f, "{}", self.punctuality)?;
+        let (lost, rejected) = (self.lost, &self.rejected);
+        write!(f, "{lost} tactile updates lost; refused: {rejected}")
+    }
+}

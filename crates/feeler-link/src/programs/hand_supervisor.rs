@@ -1,0 +1,155 @@
+//! The hand program around each step of its control loop.
+
+use super::hand::RemoteLoop;
+use super::hand_schedule::HANGS_AFTER;
+use super::hand_status::HandStatus;
+use crate::endpoints::LinkError;
+use crate::message::InstrumentsMessage;
+use crate::remote::{RemoteFinger, RemoteHand, mode_of};
+use feeler::control::control_loop::Supervisor;
+use feeler::control::stop_reason::StopReason;
+use feeler::pace::Tick;
+use feeler_record::{Cap, InstrumentRecord, TorqueSensor, TrueSlip};
+use std::ops::ControlFlow;
+
+/// Control steps between two reports by heartbeat.
+const REPORT_STEPS: u64 = 25;
+
+/// Why a run ended between two steps.
+pub(super) enum StepEnd<B> {
+    /// The task or the time is over.
+    Over,
+    /// The caller broke.
+    Broke(B),
+    /// The network fails.
+    Link(LinkError),
+}
+
+/// The hand program around each step of its control loop.
+pub(super) struct HandSupervisor<'a, F> {
+    status: &'a mut HandStatus,
+    /// Age at which data are stale, s on the hand's clock; infinite where the rig waits for the hand.
+    limit: f64,
+    each_step: F,
+    /// Why the hand was stopped before the step under way, if it was.
+    stopped_before: Option<String>,
+    /// Whether it goes on with the step under way.
+    went_on: bool,
+    /// Number of the state that the step under way is made from.
+    answers: u64,
+    /// What the instruments read in that state.
+    instruments: Option<InstrumentsMessage>,
+}
+
+impl<B, F> Supervisor<RemoteFinger, RemoteHand> for HandSupervisor<'_, F>
+where
+    F: FnMut(&RemoteLoop, InstrumentRecord<'_>) -> ControlFlow<B>,
+{
+    type Break = StepEnd<B>;
+
+    fn before_step(&mut self, control_loop: &mut RemoteLoop, tick: &Tick) {
+        if self.limit.is_finite() {
+            self.status.punctuality.record(tick);
+        } else if tick.lateness > HANGS_AFTER {
+            let (age, limit) = (tick.lateness, HANGS_AFTER);
+            let controller = control_loop.controller_mut();
+            controller.stop(StopReason::StaleState { age, limit });
+        }
+        self.status.steps += 1;
+        let stopped = control_loop.controller().stop_reason();
+        self.stopped_before = stopped.map(ToString::to_string);
+        self.went_on = self.status.receive_orders(control_loop, self.limit);
+        let inbox = self.status.node.inbox.lock();
+        self.answers = inbox.state_sequence();
+        let state = inbox.state().newest.as_ref();
+        self.instruments = state.and_then(|state| state.instruments.first().copied());
+    }
+
+    fn after_step(&mut self, control_loop: &mut RemoteLoop, _: &Tick) -> ControlFlow<StepEnd<B>> {
+        let status = &mut *self.status;
+        let stamp = control_loop.state().stamp;
+        if status.began.is_nan() {
+            status.began = stamp;
+        }
+        let mode = {
+            let (inbox, instance) = (status.node.inbox.lock(), status.node.instance);
+            mode_of(&inbox, control_loop.controller(), instance, stamp)
+        };
+        if let Err(error) = status.publish_mode(&mode) {
+            return ControlFlow::Break(StepEnd::Link(error));
+        }
+        let is_new = self.answers != status.answered;
+        status.answered = self.answers;
+        let still_stopped = !self.went_on && self.stopped_before.as_ref() == Some(&mode.stopped);
+        if !still_stopped && !mode.stopped.is_empty() {
+            status.warn(control_loop, &format!("stopped: {}", mode.stopped));
+        }
+        // A hand that stands still for want of data has nothing to add to the record.
+        if is_new || !still_stopped {
+            self.record(control_loop, stamp)?;
+        }
+        let status = &mut *self.status;
+        if status.steps.is_multiple_of(REPORT_STEPS) {
+            status.report_by_heartbeat(control_loop, &mode);
+        }
+        match status.is_over(control_loop) {
+            true => ControlFlow::Break(StepEnd::Over),
+            false => ControlFlow::Continue(()),
+        }
+    }
+}
+
+impl<'a, B, F> HandSupervisor<'a, F>
+where
+    F: FnMut(&RemoteLoop, InstrumentRecord<'_>) -> ControlFlow<B>,
+{
+    pub fn new(status: &'a mut HandStatus, limit: f64, each_step: F) -> Self {
+        Self {
+            status,
+            limit,
+            each_step,
+            stopped_before: None,
+            went_on: false,
+            answers: 0,
+            instruments: None,
+        }
+    }
+
+    /// Hands the step on to the caller, with what the instruments read.
+    fn record(&mut self, control_loop: &RemoteLoop, stamp: f64) -> ControlFlow<StepEnd<B>> {
+        let fingers = control_loop.state().joints.len();
+        let read = self.instruments.map(|at| recorded(stamp, at, fingers));
+        let none = InstrumentRecord::default();
+        let instruments = read
+            .as_ref()
+            .map_or(none, |(torque, cap, slip)| InstrumentRecord {
+                torque: Some(torque),
+                cap: Some(cap),
+                slip: Some(slip),
+                object: None,
+            });
+        (self.each_step)(control_loop, instruments).map_break(StepEnd::Broke)
+    }
+}
+
+/// The instruments of a rig of so many `fingers`, as they are recorded.
+fn recorded(stamp: f64, at: InstrumentsMessage, fingers: usize) -> (TorqueSensor, Cap, TrueSlip) {
+    let torque = TorqueSensor {
+        stamp,
+        torque: at.torque,
+        bridge_voltage: at.bridge_voltage,
+        counts: at.counts,
+    };
+    let cap = Cap {
+        stamp,
+        angle: at.cap_angle,
+        height: at.cap_centre.z,
+        centre: at.cap_centre,
+        resisting_torque: at.cap_torque,
+    };
+    let slip = TrueSlip {
+        stamp,
+        distance: at.slipped.into_iter().take(fingers).collect(),
+    };
+    (torque, cap, slip)
+}

@@ -1,0 +1,89 @@
+//! What every program of a rig has: its place on the network.
+
+use super::Warn;
+use super::refusals::Refusals;
+use crate::beacon::Beacon;
+use crate::endpoints::LinkError;
+use crate::inbox::{Inbox, listen};
+use crate::message::{Heartbeat, NO_FINGER, ProgramKind};
+use crate::mismatch::Mismatch;
+use crate::network::Network;
+use crate::outlet::{TimeSource, draw_instance, monotonic, send};
+use crate::shared::Shared;
+use crate::topic::Topic;
+use feeler_record::wire::Message;
+use std::sync::Arc;
+
+/// A program on the network: its inbox, its heartbeat and its clock.
+pub(super) struct Node<I> {
+    pub network: Arc<dyn Network>,
+    pub inbox: Shared<I>,
+    pub beacon: Arc<Beacon>,
+    pub clock: TimeSource,
+    /// The number that the program drew when it started.
+    pub instance: u64,
+    refusals: Refusals,
+    warn: Warn,
+}
+
+impl<I: Inbox + Send + 'static> Node<I> {
+    /// Starts the heartbeat, and lets `inbox` take in the messages of `topics`. The instance is filled in.
+    pub fn start(
+        network: Arc<dyn Network>,
+        heartbeat: Heartbeat,
+        inbox: I,
+        topics: &[Topic],
+    ) -> Result<Self, LinkError> {
+        let (inbox, clock, instance) = (Shared::new(inbox), monotonic(), draw_instance());
+        let heartbeat = Heartbeat {
+            instance,
+            ..heartbeat
+        };
+        let beacon = Arc::new(Beacon::start(network.clone(), heartbeat)?);
+        listen(&*network, topics, &inbox, &clock, &beacon)?;
+        Ok(Self {
+            network,
+            inbox,
+            beacon,
+            clock,
+            instance,
+            refusals: Refusals::default(),
+            warn: Box::new(|_| {}),
+        })
+    }
+
+    pub fn set_warn(&mut self, warn: Warn) {
+        self.warn = warn;
+    }
+
+    /// The program's time, s.
+    pub fn now(&self) -> f64 {
+        (self.clock)()
+    }
+
+    /// Publishes `message`.
+    pub fn publish<M: Message>(&self, topic: Topic, message: &M) -> Result<(), LinkError> {
+        send(&*self.network, topic, message)
+    }
+
+    /// Warns whoever runs the program.
+    pub fn warn(&mut self, text: &str) {
+        (self.warn)(text);
+    }
+
+    /// The programs that are refused and have not been reported yet.
+    pub fn new_refusals(&mut self) -> Vec<(ProgramKind, Mismatch)> {
+        self.refusals.new_ones(self.inbox.lock().peers())
+    }
+}
+
+/// The first heartbeat of a `program` that works by the `experiment` of this SHA-256 and has used no data yet.
+pub(super) fn first_heartbeat(program: ProgramKind, experiment: &str) -> Heartbeat {
+    Heartbeat {
+        program,
+        finger: NO_FINGER,
+        experiment: experiment.into(),
+        age: f64::NAN,
+        ..Heartbeat::default()
+    }
+}

@@ -1,0 +1,189 @@
+//! The rig program: publishes what encoders, instruments and cameras read, and moves the drives as commanded.
+
+use super::node::{Node, first_heartbeat};
+use super::rig_config::{Rig, RigConfig, RigSpeed};
+use super::{ProgramError, Warn};
+use crate::message::ProgramKind;
+use crate::network::Network;
+use crate::rejection::Rejections;
+use crate::rig_inbox::RigInbox;
+use crate::topic::Topic;
+use feeler::hand::hand::{HandCommand, HandState};
+use feeler::pace::Pace;
+use std::fmt;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+/// How long to wait for the hand's answer before all is published again, and before looking whether to end.
+const PATIENCE: Duration = Duration::from_millis(200);
+
+/// Serves a rig: its drives do what the hand program commands, for as long as its commands are fresh.
+pub struct RigProgram<R> {
+    pub(super) rig: R,
+    pub(super) node: Node<RigInbox>,
+    pub(super) config: RigConfig,
+    pub(super) sequence: u64,
+    pub(super) state: HandState,
+    pub(super) command: HandCommand,
+    /// Each finger's newest picture: its number, and the echo of when it was taken.
+    pub(super) exposed: Vec<(Option<u64>, (u64, f64))>,
+    pub(super) missed: u64,
+    pub(super) warning: String,
+    /// The newest messages, to be published again, where the hand is waited for.
+    pub(super) published: Vec<(Topic, Vec<u8>)>,
+    /// Sequence number and time (s) of the last report.
+    pub(super) reported: (u64, f64),
+}
+
+/// What came of a rig program.
+#[derive(Debug, Clone)]
+pub struct RigReport {
+    /// The rig's time, s.
+    pub time: f64,
+    /// Steps whose time went by before they were made.
+    pub missed: u64,
+    /// Commands to move that were made from stale data, and not obeyed.
+    pub stale_commands: u64,
+    /// How often the watchdog stopped drives that moved.
+    pub watchdog_stops: u64,
+    /// Messages that were refused.
+    pub rejected: Rejections,
+}
+
+impl<R: Rig> RigProgram<R> {
+    /// Serves `rig` on `network`.
+    ///
+    /// # Errors
+    /// When the network does not listen.
+    pub fn new(
+        rig: R,
+        config: &RigConfig,
+        network: Arc<dyn Network>,
+    ) -> Result<Self, ProgramError> {
+        let fingers = rig.finger_count();
+        let (limit, speed) = match config.speed {
+            // What a command takes on its way is no fault of the hand's: it has a period for that.
+            RigSpeed::Times(speed) => ((config.stale_periods + 1.0) * config.period, speed),
+            RigSpeed::Lockstep => (f64::INFINITY, 0.0),
+        };
+        let inbox = RigInbox::new(fingers, limit, config.expected.clone());
+        let mut heartbeat = first_heartbeat(ProgramKind::World, &config.expected.experiment);
+        heartbeat.speed = speed;
+        let topics = [Topic::Heartbeat, Topic::Mode, Topic::Command];
+        Ok(Self {
+            node: Node::start(network, heartbeat, inbox, &topics)?,
+            rig,
+            config: config.clone(),
+            sequence: 0,
+            state: HandState::zero(fingers),
+            command: HandCommand::stop(fingers),
+            exposed: vec![(None, (0, 0.0)); fingers],
+            missed: 0,
+            warning: String::new(),
+            published: Vec::new(),
+            reported: (0, 0.0),
+        })
+    }
+
+    /// Warnings go to `warn`: which programs it refuses.
+    pub fn set_warn(&mut self, warn: Warn) {
+        self.node.set_warn(warn);
+    }
+
+    /// Serves the rig until `interrupted` is raised; then stops its drives.
+    ///
+    /// # Errors
+    /// When the rig or the network fails.
+    pub fn run(&mut self, interrupted: &AtomicBool) -> Result<(), ProgramError> {
+        let ended = match self.config.speed {
+            RigSpeed::Times(speed) => self.run_in_time(speed, interrupted),
+            RigSpeed::Lockstep => self.run_in_lockstep(interrupted),
+        };
+        self.command.set_to_stop();
+        let stopped = self.rig.advance(&self.command);
+        ended.and(stopped.map_err(ProgramError::from))
+    }
+
+    /// Goes on in time, whatever comes of the hand. The rig's time begins with the hand's first command.
+    fn run_in_time(&mut self, speed: f64, interrupted: &AtomicBool) -> Result<(), ProgramError> {
+        let watchdog = (self.config.stale_periods + 1.0) * self.config.period / speed;
+        let steps = self.rig.steps_per_period();
+        let mut pace = Pace::new(self.config.period / steps as f64 / speed)?;
+        while !interrupted.load(Ordering::Relaxed) {
+            self.publish()?;
+            self.rig.begin_period();
+            for _ in 0..steps {
+                let Some(tick) = pace.wait_unless(interrupted) else {
+                    return Ok(());
+                };
+                // No step is left out: the rig is late then, and says how much.
+                self.missed += tick.missed;
+                let now = self.node.now();
+                let mut inbox = self.node.inbox.lock();
+                if !inbox.is_commanded() {
+                    continue;
+                }
+                match inbox.drive(now, watchdog) {
+                    Some(velocities) => self.command.relay(velocities),
+                    None => self.command.set_to_stop(),
+                }
+                drop(inbox);
+                self.rig.advance(&self.command)?;
+                self.update_time();
+            }
+        }
+        Ok(())
+    }
+
+    /// Waits for the hand's answer to every period, and loses none.
+    fn run_in_lockstep(&mut self, interrupted: &AtomicBool) -> Result<(), ProgramError> {
+        self.publish()?;
+        while !interrupted.load(Ordering::Relaxed) {
+            let sequence = self.sequence;
+            let answered = |inbox: &mut RigInbox| inbox.has_answered(sequence);
+            if !self.node.inbox.wait_for(PATIENCE, answered) {
+                self.publish_again()?;
+                continue;
+            }
+            let now = self.node.now();
+            if let Some(velocities) = self.node.inbox.lock().drive(now, f64::INFINITY) {
+                self.command.relay(velocities);
+            }
+            self.rig.begin_period();
+            for _ in 0..self.rig.steps_per_period() {
+                self.rig.advance(&self.command)?;
+            }
+            self.update_time();
+            self.publish()?;
+        }
+        Ok(())
+    }
+
+    /// Ages of commands are told by the rig's time.
+    pub(super) fn update_time(&self) {
+        self.node.inbox.lock().time = self.rig.time();
+    }
+
+    /// What came of the program so far.
+    pub fn report(&self) -> RigReport {
+        let inbox = self.node.inbox.lock();
+        RigReport {
+            time: self.rig.time(),
+            missed: self.missed,
+            stale_commands: inbox.stale_commands,
+            watchdog_stops: inbox.watchdog_stops,
+            rejected: inbox.rejected,
+        }
+    }
+}
+
+impl fmt::Display for RigReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{:.2} s played; {} periods missed, {} stale commands refused, {} stops by the watchdog, refused: {}",
+            self.time, self.missed, self.stale_commands, self.watchdog_stops, self.rejected,
+        )
+    }
+}

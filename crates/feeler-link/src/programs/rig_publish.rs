@@ -1,0 +1,160 @@
+//! What the rig program publishes: state, pictures or forces, and heartbeats.
+
+use super::ProgramError;
+use super::rig::RigProgram;
+use super::rig_config::{Rig, RigSpeed, SensorOutput};
+use crate::endpoints::LinkError;
+use crate::message::{
+    DirectForces, InstrumentsMessage, MessageHeader, PictureMessage, StateMessage,
+};
+use crate::outlet::{encode, header};
+use crate::topic::Topic;
+use feeler::hand::hand::{HandState, JointState};
+use feeler::sensor::frame::Frame;
+use feeler_record::wire::{Message, Vector3};
+use glam::DVec3;
+
+/// Time between two reports by heartbeat, s.
+const REPORT_INTERVAL: f64 = 0.25;
+
+impl<R: Rig> RigProgram<R> {
+    /// Publishes what encoders, instruments and sensors read now.
+    pub(super) fn publish(&mut self) -> Result<(), ProgramError> {
+        self.sequence += 1;
+        self.published.clear();
+        let instruments = self.rig.read(&mut self.state)?;
+        self.update_time();
+        let echo = self.echo();
+        let header = self.header(self.state.stamp, echo);
+        let state = state_message(header, &self.state, instruments);
+        self.send(Topic::State, &state)?;
+        for finger in 0..self.rig.finger_count() {
+            self.expose(finger, echo)?;
+        }
+        self.report_by_heartbeat();
+        Ok(())
+    }
+
+    /// Publishes what the sensor of `finger` delivers. A picture that comes again echoes what it did.
+    fn expose(&mut self, finger: usize, echo: (u64, f64)) -> Result<(), ProgramError> {
+        let failed = |source| ProgramError::Sensor { finger, source };
+        let Some(exposure) = self.rig.expose(finger).map_err(failed)? else {
+            return Ok(());
+        };
+        let (number, stamp) = match exposure {
+            SensorOutput::Picture(frame) => (frame.sequence, frame.stamp),
+            SensorOutput::Forces(frame) => (frame.sequence, frame.stamp),
+        };
+        let (newest, of_newest) = &mut self.exposed[finger];
+        if newest.replace(number) != Some(number) {
+            *of_newest = echo;
+        }
+        let (echo_step, echo_age) = *of_newest;
+        let header = MessageHeader {
+            echo_step,
+            echo_age,
+            ..header(self.node.instance, self.sequence, stamp)
+        };
+        let (topic, bytes) = match exposure {
+            SensorOutput::Picture(frame) => {
+                let message = picture_message(header, finger, frame);
+                (Topic::Picture(finger), encode(&message)?)
+            }
+            SensorOutput::Forces(frame) => {
+                let forces = frame.forces.iter().map(|&f| Vector3::from(f));
+                let message = DirectForces {
+                    header,
+                    finger: finger as u32,
+                    frame: number,
+                    forces: forces.collect(),
+                };
+                (Topic::DirectForces(finger), encode(&message)?)
+            }
+        };
+        Ok(self.send_bytes(topic, bytes)?)
+    }
+
+    /// The hand's newest step, and how long ago it was heard, s.
+    fn echo(&self) -> (u64, f64) {
+        let echo = self.node.inbox.lock().echo;
+        (echo.step, self.node.now() - echo.arrived)
+    }
+
+    fn header(&self, stamp: f64, (echo_step, echo_age): (u64, f64)) -> MessageHeader {
+        MessageHeader {
+            echo_step,
+            echo_age,
+            ..header(self.node.instance, self.sequence, stamp)
+        }
+    }
+
+    fn send<M: Message>(&mut self, topic: Topic, message: &M) -> Result<(), LinkError> {
+        self.send_bytes(topic, encode(message)?)
+    }
+
+    fn send_bytes(&mut self, topic: Topic, bytes: Vec<u8>) -> Result<(), LinkError> {
+        if self.config.speed == RigSpeed::Lockstep {
+            self.published.push((topic, bytes.clone()));
+        }
+        self.node.network.send(topic, bytes)
+    }
+
+    /// Publishes the newest again: somebody may not have been there.
+    pub(super) fn publish_again(&mut self) -> Result<(), LinkError> {
+        for (topic, bytes) in &self.published {
+            self.node.network.send(*topic, bytes.clone())?;
+        }
+        self.report_by_heartbeat();
+        Ok(())
+    }
+
+    /// Reports by heartbeat, and warns of programs that are refused.
+    fn report_by_heartbeat(&mut self) {
+        let now = self.node.now();
+        let (sequence, since) = self.reported;
+        if now - since < REPORT_INTERVAL {
+            return;
+        }
+        self.reported = (self.sequence, now);
+        for (_, mismatch) in self.node.new_refusals() {
+            self.node.warn(&format!("refused: {mismatch}"));
+            self.warning = mismatch.to_string();
+        }
+        let inbox = self.node.inbox.lock();
+        let rate = (self.sequence - sequence) as f64 / (now - since);
+        self.node.beacon.update(|heartbeat| {
+            heartbeat.rate = rate;
+            heartbeat.refused = inbox.rejected.total() + inbox.stale_commands;
+            heartbeat.missed = self.missed;
+            heartbeat.fault.clone_from(&self.warning);
+        });
+    }
+}
+
+fn picture_message(header: MessageHeader, finger: usize, frame: &Frame) -> PictureMessage {
+    PictureMessage {
+        header,
+        finger: finger as u32,
+        frame: frame.sequence,
+        width: frame.picture.width as u32,
+        height: frame.picture.height as u32,
+        pixels: frame.picture.pixels.clone(),
+    }
+}
+
+fn state_message(
+    header: MessageHeader,
+    state: &HandState,
+    instruments: Option<InstrumentsMessage>,
+) -> StateMessage {
+    let joints = |pick: fn(&JointState) -> DVec3| {
+        let joints = state.joints.iter();
+        joints.map(|joint| Vector3::from(pick(joint))).collect()
+    };
+    StateMessage {
+        header,
+        position: joints(|joint| joint.position),
+        velocity: joints(|joint| joint.velocity),
+        instruments: instruments.into_iter().collect(),
+    }
+}

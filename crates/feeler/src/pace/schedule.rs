@@ -1,0 +1,45 @@
+//! When steps begin: in real time, or as soon as they can.
+
+use super::clock::Clock;
+use super::timer::{Pace, Tick};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Says when each step of a loop begins.
+pub trait Schedule {
+    /// Waits until the next step is due; none is due any more once `interrupted` is raised.
+    fn next_tick(&mut self, interrupted: &AtomicBool) -> Option<Tick>;
+}
+
+impl<C: Clock> Schedule for Pace<C> {
+    fn next_tick(&mut self, interrupted: &AtomicBool) -> Option<Tick> {
+        self.wait_unless(interrupted)
+    }
+}
+
+/// Steps one after the other without waiting, as a simulation makes them.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Unpaced {
+    steps: u64,
+}
+
+impl Schedule for Unpaced {
+    fn next_tick(&mut self, interrupted: &AtomicBool) -> Option<Tick> {
+        self.steps += 1;
+        (!interrupted.load(Ordering::Relaxed)).then_some(Tick::on_time(self.steps))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn unpaced_steps_are_counted_on_time_until_interrupted() {
+        let interrupted = AtomicBool::new(false);
+        let mut unpaced = Unpaced::default();
+        assert_eq!(unpaced.next_tick(&interrupted), Some(Tick::on_time(1)));
+        assert_eq!(unpaced.next_tick(&interrupted), Some(Tick::on_time(2)));
+        interrupted.store(true, Ordering::Relaxed);
+        assert_eq!(unpaced.next_tick(&interrupted), None);
+    }
+}
