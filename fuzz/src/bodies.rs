@@ -3,7 +3,7 @@
 //! Shared by the targets and by `tests/fuzz_corpus.rs`, so that every test run goes through the
 //! corpora. A target says whether its bytes were sound.
 
-use feeler::hand::hand::{Hand, HandState};
+use feeler::hand::{Hand, HandState};
 use feeler::sensor::calibration::Calibration;
 use feeler::sensor::camera::{Camera, CameraError};
 use feeler::sensor::frame::Frame;

@@ -3,7 +3,7 @@
 use super::CommandError;
 use super::arrivals::Arrivals;
 use crate::top::{
-    Action, Clock, Fault, Finger, History, Program, ProgramState, Snapshot, TaskState, Torque,
+    Action, Fault, Finger, History, Program, ProgramState, Snapshot, TaskState, TimeBase, Torque,
     UNKNOWN, View,
 };
 use feeler::control::stop_reason::StopReason;
@@ -151,7 +151,7 @@ impl RunState {
         Snapshot {
             title: self.title.clone(),
             time: control_loop.state().stamp,
-            clock: Clock::Simulated {
+            clock: TimeBase::Simulated {
                 speed: self.speed.speed,
             },
             task: Some(TaskState {

@@ -3,7 +3,7 @@
 use feeler::sensor::exposure::{DEFAULT_MAX_SATURATED, SaturationCheck};
 use feeler::sensor::fingertip::Fingertip;
 use feeler::sensor::frame::Picture;
-use feeler::sensor::sensing::{ElementReading, Sensing};
+use feeler::sensor::sensing::{ElementReading, SensingChain};
 use feeler::sensor::subregion::subregion;
 use feeler_lab::config::Experiment;
 use feeler_sim::optics::{OpticsScratch, render};
@@ -44,7 +44,8 @@ fn picture() -> Picture {
 fn picture_to_readings(bencher: divan::Bencher) {
     let experiment = experiment();
     let calibration = experiment.calibration(0).expect("its own");
-    let sensing = Sensing::of_fingertip(&experiment.config.sensor.fingertip).expect("a sensor");
+    let sensing =
+        SensingChain::of_fingertip(&experiment.config.sensor.fingertip).expect("a sensor");
     let mut sensing = sensing.with_calibration(calibration).expect("its own");
     let mut readings = vec![ElementReading::default(); sensing.element_count()];
     let picture = picture();

@@ -10,7 +10,7 @@ use feeler::sensor::{
     fingertip::{Fingertip, FingertipConfig},
     frame::Picture,
     moments::Instructions,
-    sensing::{ElementReading, Sensing},
+    sensing::{ElementReading, SensingChain},
 };
 use feeler_sim::{
     optics::{OpticsScratch, render},
@@ -64,7 +64,7 @@ fn picture_to_forces(bencher: Bencher, (instructions, scale): (Instructions, usi
     let calibration = Calibration::from_toml(include_str!(
         "../experiments/reference-fingertip.calibration.toml"
     ));
-    let mut sensing = Sensing::new(size, kernel, &regions, DEFAULT_MAX_SATURATED)
+    let mut sensing = SensingChain::new(size, kernel, &regions, DEFAULT_MAX_SATURATED)
         .and_then(|sensing| sensing.with_calibration(calibration?))
         .expect("all are for 41 elements");
     let mut readings = vec![ElementReading::default(); sensing.element_count()];

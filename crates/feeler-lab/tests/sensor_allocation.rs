@@ -9,7 +9,7 @@ use feeler::sensor::{
     frame::Frame,
     optical::OpticalSensor,
     reading::{TactileFrame, TactileSensor},
-    sensing::{ElementReading, Sensing},
+    sensing::{ElementReading, SensingChain},
 };
 use feeler_sim::{
     calibration_bench::{CalibrationBenchConfig, calibrate_simulated},
@@ -46,7 +46,7 @@ fn a_reading_allocates_nothing() {
         ..CalibrationBenchConfig::default()
     };
     let calibration = calibrate_simulated(&config, &optics, &bench).unwrap();
-    let sensing = Sensing::of_fingertip(&config).unwrap();
+    let sensing = SensingChain::of_fingertip(&config).unwrap();
     let mut sensing = sensing.with_calibration(calibration.clone()).unwrap();
     let Fingertip {
         layout, projection, ..

@@ -4,7 +4,7 @@
 //! simulated cameras, that of the world.
 
 use feeler::control::phase::Phase;
-use feeler::hand::hand::MAX_FINGERS;
+use feeler::hand::MAX_FINGERS;
 use feeler_record::text_enum;
 use feeler_record::wire::{Vector3, message, vector3_schema};
 use serde::{Deserialize, Serialize};

@@ -8,7 +8,7 @@ use super::topic::Topic;
 use feeler::control::controller::Controller;
 use feeler::control::phase::Phase;
 use feeler::control::touch::{FingerTouch, TouchSource};
-use feeler::hand::hand::{Hand, HandCommand, HandError, HandState, check_finger_count};
+use feeler::hand::{Hand, HandCommand, HandError, HandState, check_finger_count};
 use feeler::sensor::reading::SensorError;
 use feeler_record::wire::Vector3;
 use std::sync::Arc;

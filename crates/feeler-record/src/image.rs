@@ -23,7 +23,7 @@ pub struct Time {
 
 /// What stands before ROS 2's own messages, `std_msgs/Header`.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Header {
+pub struct ImageHeader {
     /// Time of exposure, to the nanosecond. The [`Tactile`](super::Tactile) frame that was made of the picture
     /// has all of it.
     pub stamp: Time,
@@ -35,7 +35,7 @@ pub struct Header {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Image {
     /// When and by which camera it was taken.
-    pub header: Header,
+    pub header: ImageHeader,
     /// Rows, px.
     pub height: u32,
     /// Columns, px.
@@ -83,7 +83,7 @@ impl Image {
     /// A picture without pixels by the camera in the fingertip of `finger`, to be filled.
     pub fn of_finger(finger: usize) -> Self {
         Self {
-            header: Header {
+            header: ImageHeader {
                 stamp: Time::default(),
                 frame_id: format!("finger_{finger}_camera"),
             },

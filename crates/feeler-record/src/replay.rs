@@ -2,7 +2,7 @@
 
 use super::channels::{Joints, Tactile};
 use super::recording::Recording;
-use feeler::hand::hand::{Hand, HandCommand, HandError, HandState, JointState, check_finger_count};
+use feeler::hand::{Hand, HandCommand, HandError, HandState, JointState, check_finger_count};
 use feeler::sensor::reading::{SensorError, TactileFrame, TactileSensor};
 use glam::DVec3;
 

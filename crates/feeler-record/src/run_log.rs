@@ -17,7 +17,7 @@ use feeler::control::sense::FingertipPose;
 use feeler::control::stop_reason::StopReason;
 use feeler::control::task::Task as ControlTask;
 use feeler::control::touch::{FingerTouch, TouchSource};
-use feeler::hand::hand::{Hand, JointState};
+use feeler::hand::{Hand, JointState};
 use feeler::sensor::frame::Frame;
 use feeler::sensor::layout::ElementLayout;
 use glam::{DQuat, DVec3};
@@ -34,7 +34,7 @@ pub struct RunLog<R = Recorder> {
     stop_reason: Option<StopReason>,
     findings: Findings,
     /// Each finger's newest picture, if pictures are recorded.
-    pictures: Vec<Picture>,
+    pictures: Vec<RecordedPicture>,
 }
 
 /// What a rig's own instruments, and a simulated world, add to the record of a control step, as far as there are any.
@@ -50,7 +50,7 @@ pub struct InstrumentRecord<'a> {
     pub object: Option<&'a ObjectPose>,
 }
 
-struct Picture {
+struct RecordedPicture {
     image: Image,
     /// Its sequence number, once there is one.
     sequence: Option<u64>,
@@ -83,7 +83,7 @@ impl<R: MessageSink> RunLog<R> {
     /// The same log with each finger's pictures in it, of which the recorder has to know.
     #[must_use]
     pub fn with_pictures(mut self) -> Self {
-        let picture = |finger| Picture {
+        let picture = |finger| RecordedPicture {
             image: Image::of_finger(finger),
             sequence: None,
         };

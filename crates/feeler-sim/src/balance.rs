@@ -2,11 +2,11 @@
 
 use super::columnar_feeler::{FeelerConfig, Friction, Overload, Tip, within_cone};
 use super::holder::PlaySpring;
-use super::model::Model;
+use super::model::WorldModel;
 use super::pose::Pose;
 use super::state::{Contact, FingerState, ObjectState, State};
 use super::step::{friction, settle, undeformed};
-use super::thread::{Grip, Hinge};
+use super::thread::{FingerLoad, Hinge};
 use glam::DVec3;
 
 /// A slip lowers the torque on what turns, so the first or second round finds nothing more to do;
@@ -23,7 +23,7 @@ const MAX_SHIFT_ITERATIONS: usize = 16;
 const SHIFT_TOLERANCE: f64 = 1e-11;
 
 /// Turns an object and lets feelers slip until the torques on it balance and nothing slips.
-pub(super) fn balance(model: &Model, state: &mut State, object: usize, hinge: &Hinge) {
+pub(super) fn balance(model: &WorldModel, state: &mut State, object: usize, hinge: &Hinge) {
     for round in 0..MAX_BALANCE_ROUNDS {
         match &model.sides {
             Some(sides) if hinge.on_torque_sensor => {
@@ -49,7 +49,7 @@ pub(super) fn balance(model: &Model, state: &mut State, object: usize, hinge: &H
 /// The shift is balanced whenever the object turns. Then it never turns too far, as it would where a shift
 /// takes torque off it: the thread would hold it there.
 fn shift_and_turn(
-    model: &Model,
+    model: &WorldModel,
     state: &mut State,
     object: usize,
     hinge: &Hinge,
@@ -69,7 +69,7 @@ fn shift_and_turn(
 
 /// Shifts what an object stands on until the forces along W's x and y balance; whether it had to.
 fn shift(
-    model: &Model,
+    model: &WorldModel,
     state: &mut State,
     index: usize,
     hinge: &Hinge,
@@ -101,7 +101,7 @@ fn shift(
 }
 
 /// Turns an object until the torques on it balance, feelers holding on as firmly as they can.
-fn turn(model: &Model, state: &mut State, index: usize, hinge: &Hinge) {
+fn turn(model: &WorldModel, state: &mut State, index: usize, hinge: &Hinge) {
     let State {
         fingers, objects, ..
     } = state;
@@ -120,15 +120,15 @@ fn turn(model: &Model, state: &mut State, index: usize, hinge: &Hinge) {
 /// What the feelers on an object would do at `pose` along one of its freedoms, holding on: `way` is the
 /// velocity of a point of the object per rate of that freedom, in the object's frame.
 fn grip(
-    model: &Model,
+    model: &WorldModel,
     fingers: &[FingerState],
     own: &ObjectState,
     index: usize,
     pose: &Pose,
     way: impl Fn(DVec3) -> DVec3,
-) -> Grip {
+) -> FingerLoad {
     let object = &model.objects[index];
-    let mut sum = Grip::default();
+    let mut sum = FingerLoad::default();
     for (finger, state) in model.fingers.iter().zip(fingers) {
         if state.contacts.is_empty() {
             continue;
@@ -157,7 +157,7 @@ fn contact_grip(
     contact: &Contact,
     duration: f64,
     way: impl Fn(DVec3) -> DVec3,
-) -> Grip {
+) -> FingerLoad {
     let anchor = &contact.anchor;
     let mut force = feeler.holding_force(friction, tip, anchor);
     let way = way(feeler.contact_point(anchor));
@@ -168,7 +168,7 @@ fn contact_grip(
         force = within_cone(force, anchor.normal, friction);
         stiffness += way.dot(feeler.damping_times(tip.axis, way)) / duration;
     }
-    Grip {
+    FingerLoad {
         load: way.dot(force),
         stiffness,
     }

@@ -4,7 +4,7 @@
 //! is stable while a step is short against the period of the lightest body on the feelers' springs, so
 //! a step is taken in as many parts as that asks for.
 
-use super::model::Model;
+use super::model::WorldModel;
 use super::object::{FreeConfig, Motion, Object};
 use super::pose::Pose;
 use super::state::{ObjectState, State};
@@ -51,7 +51,7 @@ struct FreeBody {
 
 impl FreeBodies {
     /// The free bodies of `model`, at rest where they start.
-    pub fn new(model: &Model) -> Self {
+    pub fn new(model: &WorldModel) -> Self {
         let mut world = PhysicsWorld::new();
         world.gravity = model.gravity;
         let parameters = &mut world.integration_parameters;
@@ -127,7 +127,7 @@ impl FreeBodies {
     ///
     /// The square of the highest frequency of a body on springs is at most the sum, over the springs,
     /// of stiffness over the mass that each sees.
-    pub fn parts(&self, model: &Model, state: &State) -> usize {
+    pub fn parts(&self, model: &WorldModel, state: &State) -> usize {
         let mut most = 0.0_f64;
         for (index, body) in self.free.iter().enumerate() {
             let Some(body) = body else { continue };

@@ -1,6 +1,6 @@
 //! How a bottle is held on the torque sensor: with some play, and a spring beyond it.
 
-use super::thread::Grip;
+use super::thread::FingerLoad;
 use serde::{Deserialize, Serialize};
 
 /// How what stands on a thread is held on the torque sensor.
@@ -76,8 +76,8 @@ impl PlaySpring {
 
     /// A Newton step from `at` to where it bears what the `grip` there pushes with, but over no end of the
     /// play: there its stiffness changes.
-    pub fn give(&self, at: f64, grip: &Grip) -> f64 {
-        let Grip { load, stiffness } = *grip;
+    pub fn give(&self, at: f64, grip: &FingerLoad) -> f64 {
+        let FingerLoad { load, stiffness } = *grip;
         let bent_from = |end: f64| {
             let way = load * self.compliance + end;
             at + (way - at) / (1.0 + stiffness * self.compliance)
@@ -106,7 +106,7 @@ mod tests {
     fn settled(spring: &PlaySpring, from: f64, stiffness: f64, drive: f64) -> f64 {
         (0..4).fold(from, |at, _| {
             let load = stiffness * (drive - at);
-            spring.give(at, &Grip { load, stiffness })
+            spring.give(at, &FingerLoad { load, stiffness })
         })
     }
 
@@ -132,7 +132,7 @@ mod tests {
     #[test]
     fn a_bottle_that_nothing_touches_stays_within_its_play() {
         let spring = PlaySpring::new(50.0, 0.2);
-        let free = Grip::default();
+        let free = FingerLoad::default();
         assert_eq!(spring.give(0.13, &free), 0.13);
         assert_eq!(spring.give(-0.2, &free), -0.2);
         assert!((spring.give(0.3, &free) - 0.2).abs() < 1e-15);

@@ -15,7 +15,7 @@ use std::f64::consts::TAU;
 use std::path::Path;
 
 /// The rig of one run.
-pub struct Model {
+pub struct WorldModel {
     /// Time step, s.
     pub step: f64,
     /// Acceleration of free bodies, m/s², in W.
@@ -58,7 +58,7 @@ pub struct Finger {
     pub encoder_offset: DVec3,
 }
 
-impl Model {
+impl WorldModel {
     /// The rig of `config`, varied as `seed` says: `fingers` with fingertips of `layouts`, one each.
     /// Files that `config` names are relative to `folder`.
     ///

@@ -17,7 +17,7 @@
 //!
 //! [`FeelerConfig`]: super::columnar_feeler::FeelerConfig
 
-use super::model::Model;
+use super::model::WorldModel;
 use super::state::State;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -62,7 +62,7 @@ impl RelaxationConfig {
 ///
 /// So a set is half a step late on a deformation that changes, by `step / (2 time)` of the energy that a cycle
 /// of load takes; within a step no stiffness depends on its length.
-pub(super) fn relax(model: &Model, state: &mut State) {
+pub(super) fn relax(model: &WorldModel, state: &mut State) {
     if !model.relaxes {
         return;
     }

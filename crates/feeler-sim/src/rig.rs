@@ -1,7 +1,7 @@
 //! The simulated rig behind the seams, and its hand.
 
 use super::world::World;
-use feeler::hand::hand::{Hand, HandCommand, HandError, HandState, check_finger_count};
+use feeler::hand::{Hand, HandCommand, HandError, HandState, check_finger_count};
 use glam::DVec3;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 

@@ -1,7 +1,7 @@
 //! Faults of the rig itself: of drives, joints and surfaces.
 
 use super::fault::{FaultConfig, FaultKind};
-use super::model::Model;
+use super::model::WorldModel;
 use super::state::{FingerState, State};
 
 /// The faults of the rig, put on its state at every step. Those of sensors are left out.
@@ -42,7 +42,7 @@ impl MassChange {
 
 impl RigFaults {
     /// Those of `faults` that concern the rig of `model`.
-    pub fn new(faults: &[FaultConfig], model: &Model) -> Self {
+    pub fn new(faults: &[FaultConfig], model: &WorldModel) -> Self {
         let part = |fault: &FaultConfig| match fault.kind {
             FaultKind::ServoStall { finger, joint } => Some(Part::Stall(finger, joint)),
             FaultKind::Backlash {

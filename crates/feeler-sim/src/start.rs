@@ -2,7 +2,7 @@
 
 use super::error::SimError;
 use super::free_bodies::collider;
-use super::model::Model;
+use super::model::WorldModel;
 use super::object::{Motion, Object};
 use super::state::State;
 use super::step::undeformed;
@@ -17,7 +17,7 @@ const TOLERANCE: f64 = 1e-5;
 ///
 /// # Errors
 /// Naming the first such pair.
-pub fn check(model: &Model, state: &State) -> Result<(), SimError> {
+pub fn check(model: &WorldModel, state: &State) -> Result<(), SimError> {
     check_feelers(model, state)?;
     for (index, object) in model.objects.iter().enumerate() {
         for other in &model.objects[index + 1..] {
@@ -61,7 +61,7 @@ fn overlap(object: &Object, other: &Object) -> f64 {
     found.map_or(0.0, |contact| -contact.dist)
 }
 
-fn check_feelers(model: &Model, state: &State) -> Result<(), SimError> {
+fn check_feelers(model: &WorldModel, state: &State) -> Result<(), SimError> {
     for (number, (finger, own)) in model.fingers.iter().zip(&state.fingers).enumerate() {
         for (object, now) in model.objects.iter().zip(&state.objects) {
             let seen = own.tip.seen_from(&now.pose);
@@ -88,7 +88,7 @@ impl State {
     ///
     /// # Errors
     /// Naming the first such quantity.
-    pub fn check_finite(&self, model: &Model) -> Result<(), SimError> {
+    pub fn check_finite(&self, model: &WorldModel) -> Result<(), SimError> {
         let fingers = self.fingers.iter().map(|finger| {
             let contacts = finger.contacts.iter();
             let forces: DVec3 = contacts.map(|c| finger.forces[c.element]).sum();
@@ -105,7 +105,7 @@ impl State {
 
     /// The quantity that is not finite.
     #[cold]
-    fn not_finite(&self, model: &Model) -> SimError {
+    fn not_finite(&self, model: &WorldModel) -> SimError {
         let mut quantities: Vec<(String, DVec3)> = Vec::new();
         for (number, finger) in self.fingers.iter().enumerate() {
             let joints = finger.joints.position;

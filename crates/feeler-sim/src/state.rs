@@ -1,7 +1,7 @@
 //! What changes in a run.
 
 use super::columnar_feeler::Anchor;
-use super::model::Model;
+use super::model::WorldModel;
 use super::object::Motion;
 use super::pose::Pose;
 use super::servo::Joints;
@@ -114,7 +114,7 @@ pub(super) struct Watch {
 impl State {
     /// The world at time 0: fingers at rest at `joints` (rad, one triple per finger), objects where
     /// they start.
-    pub fn new(model: &Model, joints: &[DVec3]) -> Self {
+    pub fn new(model: &WorldModel, joints: &[DVec3]) -> Self {
         let objects: Vec<_> = model.objects.iter().map(ObjectState::new).collect();
         let fingers = model.fingers.iter().zip(joints).map(|(finger, &theta)| {
             let (position, rotation) = fingertip_pose(&finger.geometry, theta);
@@ -153,7 +153,7 @@ impl State {
     }
 
     /// Torque on what stands on the torque sensor, N·m.
-    pub fn torque_on_sensor(&self, model: &Model) -> f64 {
+    pub fn torque_on_sensor(&self, model: &WorldModel) -> f64 {
         let objects = self.objects.iter().zip(&model.objects);
         objects
             .filter(|(_, object)| matches!(&object.motion, Motion::Turns(h) if h.on_torque_sensor))

@@ -3,7 +3,7 @@
 use super::balance::balance;
 use super::columnar_feeler::{Anchor, FeelerConfig, Friction, Overload, Tip, within_cone};
 use super::free_bodies::FreeBodies;
-use super::model::{Finger, Model};
+use super::model::{Finger, WorldModel};
 use super::object::{Motion, Object};
 use super::pose::Pose;
 use super::relaxation::relax;
@@ -17,7 +17,7 @@ const FLAT: f64 = 2e-6;
 
 /// Advances `state` by one time step of `model`; `bodies` are its free bodies. Allocates nothing
 /// but what the library of the free bodies does.
-pub fn step(model: &Model, state: &mut State, bodies: &mut FreeBodies) {
+pub fn step(model: &WorldModel, state: &mut State, bodies: &mut FreeBodies) {
     for (finger, state) in model.fingers.iter().zip(&mut state.fingers) {
         move_finger(model, finger, state);
     }
@@ -45,7 +45,7 @@ pub fn step(model: &Model, state: &mut State, bodies: &mut FreeBodies) {
     state.time = state.steps as f64 * model.step;
 }
 
-fn move_finger(model: &Model, finger: &Finger, state: &mut FingerState) {
+fn move_finger(model: &WorldModel, finger: &Finger, state: &mut FingerState) {
     let geometry = &finger.geometry;
     let limits = (geometry.joint_lower(), geometry.joint_upper());
     let remaining = model.servo_remaining_error;
@@ -76,7 +76,7 @@ pub(super) fn undeformed(finger: &Finger, sets: &[DVec3], seen: &Pose, element: 
 
 /// Free feelers whose tips have come to a surface take hold of it; tips that have rolled are put back
 /// on theirs.
-fn touch(model: &Model, state: &mut State) {
+fn touch(model: &WorldModel, state: &mut State) {
     for (finger, own) in model.fingers.iter().zip(&mut state.fingers) {
         let watch = &mut own.watch;
         let mut way = 0.0_f64;
@@ -156,7 +156,7 @@ pub(super) fn friction(
 /// Feelers on the object slip or let go, and their forces are known; how many slipped. `duration`
 /// (s) is the time since their tips were remembered.
 pub(super) fn settle(
-    model: &Model,
+    model: &WorldModel,
     state: &mut State,
     index: usize,
     overload: Overload,
@@ -228,7 +228,7 @@ fn slip(feeler: &FeelerConfig, tip: &Tip, from: &Anchor, to: &Anchor) -> Slipped
 }
 
 /// Puts tips that have rolled along the tangent back on the surface.
-fn put_back(model: &Model, finger: &Finger, contacts: &mut [Contact]) {
+fn put_back(model: &WorldModel, finger: &Finger, contacts: &mut [Contact]) {
     for contact in contacts.iter_mut().filter(|c| c.rolled > FLAT) {
         let object = &model.objects[contact.object];
         if let Some(surface) = object.nearest(contact.anchor.position) {
@@ -239,7 +239,7 @@ fn put_back(model: &Model, finger: &Finger, contacts: &mut [Contact]) {
 }
 
 /// Notes where the tips on an object are, for what depends on speed.
-fn remember_tips(model: &Model, state: &mut State, index: usize) {
+fn remember_tips(model: &WorldModel, state: &mut State, index: usize) {
     if !model.depends_on_speed {
         return;
     }
@@ -253,7 +253,7 @@ fn remember_tips(model: &Model, state: &mut State, index: usize) {
 }
 
 /// Moves the free bodies over one step, in as many parts as their contacts' stiffness asks for.
-fn move_bodies(model: &Model, state: &mut State, bodies: &mut FreeBodies) {
+fn move_bodies(model: &WorldModel, state: &mut State, bodies: &mut FreeBodies) {
     bodies.weigh(&state.objects);
     let parts = bodies.parts(model, state);
     let duration = model.step / parts as f64;
@@ -275,7 +275,7 @@ fn move_bodies(model: &Model, state: &mut State, bodies: &mut FreeBodies) {
 }
 
 /// Force, N, and torque about its origin, N·m, on an object by the feelers, in W.
-pub fn wrench(model: &Model, state: &State, index: usize) -> (DVec3, DVec3) {
+pub fn wrench(model: &WorldModel, state: &State, index: usize) -> (DVec3, DVec3) {
     let pose = &state.objects[index].pose;
     let (mut force, mut torque) = (DVec3::ZERO, DVec3::ZERO);
     for (finger, state) in model.fingers.iter().zip(&state.fingers) {

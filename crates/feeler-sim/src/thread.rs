@@ -89,7 +89,7 @@ pub struct Turn {
 
 /// What the fingers do to the object along one of its freedoms: about its z, or along a direction.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Grip {
+pub struct FingerLoad {
     /// Torque, N·m, or force, N, on the object by the fingers.
     pub load: f64,
     /// By how much that falls as the object gives way, N·m/rad or N/m, at least 0.
@@ -135,7 +135,7 @@ impl Hinge {
     /// The object sticks while the grip's torque is below the resisting torque (`static_factor` times
     /// that, unless it was turning already), and otherwise turns until both are equal. What it stands on
     /// turns against `shaft` (rad, N·m).
-    pub fn turn(&self, state: &mut Turn, shaft: &PlaySpring, grip: impl Fn(&Turn) -> Grip) {
+    pub fn turn(&self, state: &mut Turn, shaft: &PlaySpring, grip: impl Fn(&Turn) -> FingerLoad) {
         let thread = &self.thread;
         let factor = if state.turning {
             1.0
@@ -225,8 +225,8 @@ mod tests {
     }
 
     /// A grip like a torsion spring of `stiffness` whose far end was turned to `drive`.
-    fn spring(stiffness: f64, drive: f64) -> impl Fn(&Turn) -> Grip {
-        move |state| Grip {
+    fn spring(stiffness: f64, drive: f64) -> impl Fn(&Turn) -> FingerLoad {
+        move |state| FingerLoad {
             load: stiffness * (drive - state.angle - state.twist),
             stiffness,
         }

@@ -3,7 +3,7 @@
 use super::config::SimConfig;
 use super::error::SimError;
 use super::free_bodies::FreeBodies;
-use super::model::Model;
+use super::model::WorldModel;
 use super::pose::Pose;
 use super::random::{Generator, Purpose, generator};
 use super::rig_faults::RigFaults;
@@ -17,7 +17,7 @@ use std::path::Path;
 
 /// A rig that is being simulated.
 pub struct World {
-    model: Model,
+    model: WorldModel,
     state: State,
     bodies: FreeBodies,
     faults: RigFaults,
@@ -37,7 +37,7 @@ impl World {
         folder: &Path,
         seed: u64,
     ) -> Result<Self, SimError> {
-        let model = Model::new(config, fingers, folder, seed)?;
+        let model = WorldModel::new(config, fingers, folder, seed)?;
         let state = State::new(&model, joints);
         super::start::check(&model, &state)?;
         Ok(Self {
@@ -60,7 +60,7 @@ impl World {
     }
 
     /// What never changes.
-    pub fn model(&self) -> &Model {
+    pub fn model(&self) -> &WorldModel {
         &self.model
     }
 

@@ -13,7 +13,7 @@ use feeler::sensor::{
     frame::Picture,
     locate::{LocateConfig, ReferencePicture, locate},
     located_layout::LocatedLayout,
-    sensing::{ElementReading, Sensing},
+    sensing::{ElementReading, SensingChain},
 };
 use feeler_sources::picture::read_picture;
 use nalgebra::{Cholesky, DMatrix, DVector, RowDVector};
@@ -161,7 +161,7 @@ pub fn contact_pose(data: &DataSet) -> Result<ContactPose, Box<dyn Error>> {
         let located = locate(&reference, &config)?;
         (pose.pins, pose.spacing_px) = (located.elements.len(), located.spacing_px);
         let layout = LocatedLayout::new(&located);
-        let sensing = Sensing::new(
+        let sensing = SensingChain::new(
             (data.pictures[0].width, data.pictures[0].height),
             layout.kernel()?,
             &layout.weighted_pixels()?,
@@ -200,7 +200,10 @@ fn tell(
 
 /// For each picture a row, for each pin three columns: its integrated gray value over the mean one,
 /// and its centroid, px. A pin that is not seen has not moved, as far as one knows.
-fn features(mut sensing: Sensing, pictures: &[Picture]) -> Result<DMatrix<f64>, Box<dyn Error>> {
+fn features(
+    mut sensing: SensingChain,
+    pictures: &[Picture],
+) -> Result<DMatrix<f64>, Box<dyn Error>> {
     let pins = sensing.element_count();
     let mut readings = vec![ElementReading::default(); pins];
     let mut features = DMatrix::zeros(pictures.len(), 3 * pins);

@@ -5,7 +5,7 @@
 //! ```
 
 use feeler::sensor::camera::{Camera, CameraError};
-use feeler::sensor::{calibration::Calibration, frame::Frame, sensing::Sensing};
+use feeler::sensor::{calibration::Calibration, frame::Frame, sensing::SensingChain};
 use feeler_sources::files::PictureFiles;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -15,7 +15,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     let calibration = Calibration::from_toml(&std::fs::read_to_string(file)?)?;
     let fingertip = (calibration.made_for.fingertip.clone()).ok_or("a fingertip expected")?;
-    let mut sensing = Sensing::of_fingertip(&fingertip)?.with_calibration(calibration)?;
+    let mut sensing = SensingChain::of_fingertip(&fingertip)?.with_calibration(calibration)?;
     let (width, height) = sensing.picture_size();
     let mut camera = PictureFiles::new(&[folder], (width, height), 30.0)?;
     let mut frame = Frame::black(width, height);

@@ -8,7 +8,7 @@ use feeler::control::task::TaskConfig;
 use feeler::control::touch::AnalyzedSensor;
 use feeler::glam::DVec3;
 use feeler::hand::finger::{FingerConfig, FingerGeometry};
-use feeler::hand::hand::{Hand, HandCommand, HandError, HandState, JointState};
+use feeler::hand::{Hand, HandCommand, HandError, HandState, JointState};
 use feeler::hand::{inverse_kinematics::inverse_kinematics, kinematics::fingertip_pose};
 use feeler::pace::Pace;
 use feeler::sensor::layout::{ElementLayout, LayoutConfig};

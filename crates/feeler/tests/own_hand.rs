@@ -6,7 +6,7 @@ mod own_hand;
 
 use feeler::control::phase::Phase;
 use feeler::control::stop_reason::StopReason;
-use feeler::hand::hand::HandCommand;
+use feeler::hand::HandCommand;
 use feeler::pace::{Clock, Pace};
 use std::cell::Cell;
 use std::ops::ControlFlow;

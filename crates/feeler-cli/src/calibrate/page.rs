@@ -1,7 +1,7 @@
 //! What the page of a calibration shows of it.
 
 use feeler::sensor::calibration::{
-    Calibration, ElementCalibration, ForceMap, Inputs, LengthUnit, Model,
+    Calibration, CalibrationModel, ElementCalibration, ForceMap, Inputs, LengthUnit,
 };
 use feeler::sensor::calibration_fit::ElementRecord;
 use feeler_report::calibration_page::{
@@ -40,8 +40,8 @@ pub fn page(calibration: &Calibration, records: &[ElementRecord], source: &str) 
     calibration_page(&CalibrationPage {
         source: source.into(),
         model: match calibration.model() {
-            Model::Separable => "separable".into(),
-            Model::Coupled => "coupled".into(),
+            CalibrationModel::Separable => "separable".into(),
+            CalibrationModel::Coupled => "coupled".into(),
         },
         sha256: calibration.made_for.sha256.clone(),
         full_scale: calibration.full_scale.components().to_array(),

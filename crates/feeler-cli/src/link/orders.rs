@@ -80,7 +80,7 @@ impl Order {
         }
     }
 
-    fn is_heeded(self, mode: &HandMode) -> bool {
+    fn is_followed(self, mode: &HandMode) -> bool {
         mode.stopped.is_empty() == (self == Self::Resume)
     }
 }
@@ -121,14 +121,14 @@ pub fn order(
         lookout.lock().mode = None;
         order.send(&*network, &arguments.from)?;
         let heeded =
-            |lookout: &mut Lookout| lookout.mode.as_ref().is_some_and(|m| order.is_heeded(m));
+            |lookout: &mut Lookout| lookout.mode.as_ref().is_some_and(|m| order.is_followed(m));
         if lookout.wait_for(INTERVAL, heeded) {
             let mode = lookout.lock().mode.clone().unwrap_or_default();
             return said(&mode, out);
         }
     }
     let mode = lookout.lock().mode.clone();
-    unheeded(mode.as_ref(), out)
+    not_followed(mode.as_ref(), out)
 }
 
 fn said(mode: &HandMode, out: &mut dyn Write) -> Result<Outcome, CommandError> {
@@ -140,7 +140,7 @@ fn said(mode: &HandMode, out: &mut dyn Write) -> Result<Outcome, CommandError> {
 }
 
 /// What is said of a hand that does not do as it was told.
-fn unheeded(mode: Option<&HandMode>, out: &mut dyn Write) -> Result<Outcome, CommandError> {
+fn not_followed(mode: Option<&HandMode>, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     match mode {
         None => writeln!(
             out,

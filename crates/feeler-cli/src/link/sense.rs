@@ -9,8 +9,8 @@ use crate::sense::tally::Tally;
 use crate::sense::{Arguments, close, is_raised};
 use feeler::sensor::camera::CameraError;
 use feeler::sensor::frame::Picture;
-use feeler::sensor::sensing::{ElementReading, Sensing};
-use feeler_lab::config::{Experiment, Sensing as SensingBy};
+use feeler::sensor::sensing::{ElementReading, SensingChain};
+use feeler_lab::config::{Experiment, Sensing};
 use feeler_link::programs::{SensorConfig, SensorProgram};
 use feeler_link::sense_inbox::Exposed;
 use feeler_sources::pump::{Captured, FramePump};
@@ -23,7 +23,7 @@ const WAIT: Duration = Duration::from_millis(50);
 /// The sensor program of one finger, with what the user sees and keeps of it.
 struct Publisher<'a> {
     program: SensorProgram,
-    sensing: Sensing,
+    sensing: SensingChain,
     readings: Vec<ElementReading>,
     output: Option<Box<dyn Output>>,
     tally: &'a mut Tally,
@@ -95,7 +95,7 @@ impl<'a> Publisher<'a> {
         experiment: &Experiment,
         stop: &AtomicBool,
     ) -> Result<(), CommandError> {
-        let pictures = experiment.config.sensing == SensingBy::Image;
+        let pictures = experiment.config.sensing == Sensing::Image;
         while !is_raised(stop) {
             let next = self.program.next_exposed(WAIT);
             self.program.check_peers()?;

@@ -7,7 +7,7 @@ use super::tally::Tally;
 use super::{Arguments, CommandError, close, is_raised};
 use feeler::sensor::camera::CameraError;
 use feeler::sensor::frame::Frame;
-use feeler::sensor::sensing::{ElementReading, Reference, Sensing};
+use feeler::sensor::sensing::{ElementReading, Reference, SensingChain};
 use feeler_sources::pump::FramePump;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
@@ -69,7 +69,7 @@ fn sense_all(
 
 /// From a frame to what is written.
 struct Stage<'a> {
-    sensing: Sensing,
+    sensing: SensingChain,
     readings: Vec<ElementReading>,
     /// Frames whose mean becomes the reference, where there is none.
     unloaded: usize,

@@ -3,14 +3,14 @@
 use super::{Arguments, CommandError};
 use crate::sensor_geometry::SensorGeometry;
 use feeler::sensor::drift::DriftConfig;
-use feeler::sensor::sensing::{ElementReading, Reference, Sensing};
+use feeler::sensor::sensing::{ElementReading, Reference, SensingChain};
 use feeler_lab::config::Experiment;
 use feeler_sources::picture::read_picture;
 use std::path::Path;
 
 /// The sensing of the experiment's fingertip or of the located layout, with calibration or reference
 /// if there is one.
-pub fn sensor(arguments: &Arguments) -> Result<Sensing, CommandError> {
+pub fn sensor(arguments: &Arguments) -> Result<SensingChain, CommandError> {
     let layout = arguments.layout.as_deref();
     let geometry = SensorGeometry::of(&arguments.experiment, arguments.finger, layout)?;
     let calibration = arguments.calibration.as_deref();
@@ -22,7 +22,7 @@ pub fn sensor(arguments: &Arguments) -> Result<Sensing, CommandError> {
         regions,
         ..
     } = geometry;
-    let mut sensing = Sensing::new(size, kernel, &regions, arguments.max_saturated)?;
+    let mut sensing = SensingChain::new(size, kernel, &regions, arguments.max_saturated)?;
     if let Some(calibration) = calibration {
         sensing = sensing.with_calibration(calibration)?;
     }
@@ -40,7 +40,7 @@ pub fn sensor(arguments: &Arguments) -> Result<Sensing, CommandError> {
 /// The sensor of one finger for the hand program.
 pub struct SensorOf {
     /// Senses its pictures, forces included.
-    pub sensing: Sensing,
+    pub sensing: SensingChain,
     /// SHA-256 of its fingertip or layout, by which the hand knows it.
     pub sha256: String,
 }
@@ -65,7 +65,7 @@ pub fn for_the_hand(
     };
     let (size, sha256) = (geometry.size, geometry.made_for.sha256);
     let max_saturated = arguments.max_saturated;
-    let sensing = Sensing::new(size, geometry.kernel, &geometry.regions, max_saturated)?;
+    let sensing = SensingChain::new(size, geometry.kernel, &geometry.regions, max_saturated)?;
     let sensing = sensing.with_calibration(calibration)?;
     let asked = arguments.drift_correction.then(DriftConfig::default);
     let sensing = match experiment.config.sensor.drift.or(asked) {
@@ -76,7 +76,7 @@ pub fn for_the_hand(
 }
 
 /// Where the centroids are in the picture at `path`.
-fn reference(path: &Path, sensing: &mut Sensing) -> Result<Reference, CommandError> {
+fn reference(path: &Path, sensing: &mut SensingChain) -> Result<Reference, CommandError> {
     let picture = read_picture(path)?;
     let mut readings = vec![ElementReading::default(); sensing.element_count()];
     sensing.sense(&picture, &mut readings)?;

@@ -23,7 +23,7 @@ pub use action::Action;
 pub use draw::draw;
 pub use history::History;
 pub use snapshot::{
-    Clock, Fault, Finger, Program, ProgramState, Snapshot, TaskState, Torque, UNKNOWN,
+    Fault, Finger, Program, ProgramState, Snapshot, TaskState, TimeBase, Torque, UNKNOWN,
 };
 pub use text::text;
 pub use view::{View, ViewError};

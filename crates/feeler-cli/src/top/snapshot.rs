@@ -16,7 +16,7 @@ pub struct Snapshot {
     /// Time of the newest data, s, on `clock`.
     pub time: f64,
     /// Whose time that is.
-    pub clock: Clock,
+    pub clock: TimeBase,
     /// How far the hand is; nothing when no hand was heard of.
     pub task: Option<TaskState>,
     /// The fingers, in the hand's order.
@@ -41,7 +41,7 @@ pub struct Snapshot {
 
 /// Whose time it is.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub enum Clock {
+pub enum TimeBase {
     /// That of the world.
     #[default]
     Real,

@@ -1,7 +1,7 @@
 //! The lines above and below the panels: what runs, how far it is, what went wrong, which keys there are.
 
 use super::palette::{BAD, GOOD, QUANTITY, QUIET, TITLE, WARNING, badge};
-use super::snapshot::{Clock, Fault, Snapshot, TaskState};
+use super::snapshot::{Fault, Snapshot, TaskState, TimeBase};
 use super::words::{clipped, degrees, number, speed};
 use feeler::control::phase::Phase;
 use ratatui::Frame;
@@ -29,8 +29,8 @@ pub fn draw_title(frame: &mut Frame, area: Rect, snapshot: &Snapshot) {
 fn time(snapshot: &Snapshot) -> Line<'static> {
     let seconds = Span::styled(format!("{} s", number(snapshot.time, 2)), TITLE);
     match snapshot.clock {
-        Clock::Real => Line::from(seconds),
-        Clock::Simulated { speed: factor } => Line::from(vec![
+        TimeBase::Real => Line::from(seconds),
+        TimeBase::Simulated { speed: factor } => Line::from(vec![
             seconds,
             Span::styled(format!(" simulated, {} real time ", speed(factor)), QUIET),
         ]),

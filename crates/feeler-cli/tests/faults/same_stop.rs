@@ -7,9 +7,9 @@ use feeler::control::controller::Controller;
 use feeler::control::flags::FlagAnalyzer;
 use feeler::control::stop_reason::StopReason;
 use feeler::control::touch::FingerTouch;
-use feeler::hand::hand::HandState;
+use feeler::hand::HandState;
 use feeler::sensor::reading::NO_FORCE;
-use feeler::sensor::sensing::Sensing;
+use feeler::sensor::sensing::SensingChain;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::played_rig::PlayedRig;
 use feeler_lab::experiment::replay::{Replay, ReplayFrom, recorded_experiment};
@@ -100,7 +100,7 @@ const WORLD: u64 = 1;
 /// A hand program without a network: sensor programs and rig put their messages into its inbox.
 struct LinkedHand {
     rig: PlayedRig,
-    sensors: Vec<(Sensing, FingerTouch, FlagAnalyzer)>,
+    sensors: Vec<(SensingChain, FingerTouch, FlagAnalyzer)>,
     inbox: Shared<HandInbox>,
     control_loop: ControlLoop<RemoteFinger, RemoteHand>,
     slip_threshold: f64,
@@ -125,7 +125,7 @@ impl LinkedHand {
         let controller = controller(config, &geometries, &layouts);
         let thresholds = config.control.thresholds();
         let sensor = |finger: usize| {
-            let sensing = Sensing::of_fingertip(config.sensor.fingertip(finger)).unwrap();
+            let sensing = SensingChain::of_fingertip(config.sensor.fingertip(finger)).unwrap();
             let calibration = experiment.calibration(finger).unwrap();
             let analyzer = FlagAnalyzer::new(thresholds, elements[finger]);
             let touch = FingerTouch::none(elements[finger]);
@@ -174,7 +174,7 @@ impl LinkedHand {
             clock: WORLD,
             ..header(WORLD, step as u64 + 1, state.stamp)
         };
-        let vectors = |of: fn(&feeler::hand::hand::JointState) -> glam::DVec3| {
+        let vectors = |of: fn(&feeler::hand::JointState) -> glam::DVec3| {
             state.joints.iter().map(|j| Vector3::from(of(j))).collect()
         };
         let message = StateMessage {

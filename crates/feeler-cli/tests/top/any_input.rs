@@ -4,7 +4,9 @@ use crate::scenes::{finger, idle, program, screen, slipping, stopped};
 use feeler::control::flags::{FingerFlags, FlagThresholds};
 use feeler::control::phase::Phase;
 use feeler::sensor::layout::SensingElement;
-use feeler_cli::top::{Clock, Fault, Finger, Program, ProgramState, Snapshot, TaskState, Torque};
+use feeler_cli::top::{
+    Fault, Finger, Program, ProgramState, Snapshot, TaskState, TimeBase, Torque,
+};
 use glam::{DMat3, DVec3};
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -104,7 +106,7 @@ prop_compose! {
         Snapshot {
             title,
             time,
-            clock: Clock::Simulated { speed },
+            clock: TimeBase::Simulated { speed },
             task: Some(TaskState { phase, stroke, strokes: Some(strokes) }),
             fingers,
             torque: Some(Torque { newest, history, interval }),

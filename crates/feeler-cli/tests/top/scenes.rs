@@ -4,7 +4,9 @@ use feeler::control::flags::{FingerFlags, FlagThresholds};
 use feeler::control::phase::Phase;
 use feeler::sensor::layout::{ElementLayout, LayoutConfig};
 pub use feeler_cli::top::text as screen;
-use feeler_cli::top::{Clock, Fault, Finger, Program, ProgramState, Snapshot, TaskState, Torque};
+use feeler_cli::top::{
+    Fault, Finger, Program, ProgramState, Snapshot, TaskState, TimeBase, Torque,
+};
 use glam::DVec3;
 
 /// A finger of the reference fingertip that feels nothing.
@@ -45,7 +47,7 @@ pub fn idle() -> Snapshot {
     Snapshot {
         title: "cap-closing".into(),
         time: 0.5,
-        clock: Clock::Simulated { speed: 1.0 },
+        clock: TimeBase::Simulated { speed: 1.0 },
         task: Some(TaskState {
             phase: Phase::Search,
             stroke: 1,
@@ -118,7 +120,7 @@ pub fn stopped() -> Snapshot {
 /// A network on which one program is not heard and one is refused, and no simulation.
 pub fn silent() -> Snapshot {
     let mut snapshot = idle();
-    snapshot.clock = Clock::Real;
+    snapshot.clock = TimeBase::Real;
     snapshot.true_cap_angle = None;
     snapshot.programs[1].state = ProgramState::Silent;
     snapshot.programs[1].age = 2.5;

@@ -7,7 +7,7 @@ use super::check_sim::check_sim;
 use super::check_task::check_task;
 use super::checker::{Checker, MAX, Problem};
 use feeler::control::controller::ControlConfig;
-use feeler::hand::hand::MAX_FINGERS;
+use feeler::hand::MAX_FINGERS;
 use feeler::sensor::drift::DriftConfig;
 use feeler::sensor::fingertip::{FingertipConfig, MAX_ELEMENTS};
 

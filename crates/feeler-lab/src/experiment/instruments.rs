@@ -3,7 +3,7 @@
 use super::truth::SlipMeter;
 use feeler::control::control_loop::ControlLoop;
 use feeler::control::touch::TouchSource;
-use feeler::hand::hand::{Hand, MAX_FINGERS};
+use feeler::hand::{Hand, MAX_FINGERS};
 use feeler_record::{
     Cap, InstrumentRecord, MessageSink, ObjectPose, RecordError, RunLog, TorqueSensor, TrueSlip,
 };

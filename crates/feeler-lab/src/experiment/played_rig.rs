@@ -4,7 +4,7 @@ use super::sensors::{RigSensor, rig_sensors};
 use super::truth::SlipMeter;
 use super::{ExperimentError, Instruments, layouts, rig, steps_per_command};
 use crate::config::Experiment;
-use feeler::hand::hand::{Hand, HandCommand, HandError, HandState};
+use feeler::hand::{Hand, HandCommand, HandError, HandState};
 use feeler::sensor::camera::Camera;
 use feeler::sensor::frame::Frame;
 use feeler::sensor::reading::{SensorError, TactileFrame, TactileSensor};

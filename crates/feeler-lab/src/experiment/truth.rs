@@ -1,7 +1,7 @@
 //! What only the simulator knows of a run: for whoever judges it, never for the hand.
 
 use super::Session;
-use feeler::hand::hand::MAX_FINGERS;
+use feeler::hand::MAX_FINGERS;
 use feeler_sim::object::Motion;
 use feeler_sim::state::{FingerState, State};
 

@@ -6,7 +6,7 @@ use assert_no_alloc::assert_no_alloc;
 use feeler::control::control_loop::ControlLoop;
 use feeler::control::phase::Phase;
 use feeler::control::touch::AnalyzedSensor;
-use feeler::hand::hand::HandCommand;
+use feeler::hand::HandCommand;
 use feeler::sensor::calibration::Calibration;
 use feeler::sensor::camera::{Camera, CameraError};
 use feeler::sensor::frame::Frame;

@@ -2,7 +2,7 @@
 
 use super::rig::{Analyzers, ELEMENTS, config, controller, geometries, home};
 use feeler::control::phase::Phase;
-use feeler::hand::hand::{HandCommand, HandState, JointState};
+use feeler::hand::{HandCommand, HandState, JointState};
 use feeler::sensor::reading::TactileFrame;
 use glam::DVec3;
 use proptest::prelude::*;

@@ -8,7 +8,7 @@ use feeler::control::law::{Law, normal_only::NormalOnlyConfig};
 use feeler::control::plan::Plan;
 use feeler::control::sense::{FingerSense, FingertipPose};
 use feeler::control::touch::FingerTouch;
-use feeler::hand::hand::{Hand, HandCommand};
+use feeler::hand::{Hand, HandCommand};
 use feeler::sensor::layout::ElementLayout;
 use glam::DVec3;
 

@@ -5,7 +5,7 @@ use feeler::control::control_loop::{ControlError, ControlLoop};
 use feeler::control::phase::Phase;
 use feeler::control::stop_reason::StopReason;
 use feeler::control::touch::AnalyzedSensor;
-use feeler::hand::hand::{Hand, HandCommand, HandError, HandState};
+use feeler::hand::{Hand, HandCommand, HandError, HandState};
 use feeler::sensor::reading::{SensorError, TactileFrame, TactileSensor};
 use glam::DVec3;
 

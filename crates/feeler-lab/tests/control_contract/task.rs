@@ -5,8 +5,8 @@ use feeler::control::controller::Controller;
 use feeler::control::phase::Phase;
 use feeler::control::stop_reason::StopReason;
 use feeler::control::task::screw::ScrewConfig;
-use feeler::hand::hand::{Hand, HandCommand};
 use feeler::hand::kinematics::fingertip_pose;
+use feeler::hand::{Hand, HandCommand};
 use feeler_lab::config::ExperimentConfig;
 use glam::DVec3;
 

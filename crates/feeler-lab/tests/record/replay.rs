@@ -4,7 +4,7 @@ use feeler::control::control_loop::{ControlError, ControlLoop};
 use feeler::control::phase::Phase;
 use feeler::control::stop_reason::StopReason;
 use feeler::control::touch::AnalyzedSensor;
-use feeler::hand::hand::HandError;
+use feeler::hand::HandError;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::replay::{Comparison, Kind, Replay, ReplayFrom, recorded_experiment};
 use feeler_lab::experiment::{Session, controller, fingers_at_home, layouts, run_facts};

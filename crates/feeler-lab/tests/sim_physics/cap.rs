@@ -4,7 +4,7 @@ use super::reference::{commands, experiment, replay, world};
 use feeler_sim::holder::PlaySpring;
 use feeler_sim::object::Motion;
 use feeler_sim::pose::Pose;
-use feeler_sim::thread::{Grip, Hinge, ThreadConfig, Turn};
+use feeler_sim::thread::{FingerLoad, Hinge, ThreadConfig, Turn};
 use glam::{DMat3, DVec3};
 use std::f64::consts::TAU;
 
@@ -51,7 +51,7 @@ fn close_and_open(stiffness: f64, to: f64) -> (f64, Turn) {
             to * (3.0 - 2.0 * share)
         };
         let before = cap.torque;
-        CAP.turn(&mut cap, &PlaySpring::new(SHAFT, 0.0), |state| Grip {
+        CAP.turn(&mut cap, &PlaySpring::new(SHAFT, 0.0), |state| FingerLoad {
             load: stiffness * (target - state.angle - state.twist),
             stiffness,
         });

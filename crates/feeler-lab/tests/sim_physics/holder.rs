@@ -4,7 +4,7 @@ use super::one_feeler::OneFeeler;
 use super::reference::{commands, experiment, replay, world};
 use feeler_sim::holder::{HolderConfig, LateralConfig, PlaySpring};
 use feeler_sim::state::State;
-use feeler_sim::thread::{Grip, Hinge, ThreadConfig, Turn};
+use feeler_sim::thread::{FingerLoad, Hinge, ThreadConfig, Turn};
 use glam::DVec3;
 
 const RADIUS: f64 = 0.014;
@@ -103,7 +103,7 @@ fn the_shaft_feels_no_torque_within_the_play() {
     let swing = (0..=300).chain((-300..300).rev()).chain(-299..=0);
     for n in swing {
         let drive = 1e-4 * f64::from(n);
-        hinge.turn(&mut state, &shaft, |state| Grip {
+        hinge.turn(&mut state, &shaft, |state| FingerLoad {
             load: pull * (drive - state.angle - state.twist),
             stiffness: pull,
         });
@@ -133,7 +133,7 @@ fn a_cap_turns_at_its_running_torque_once_the_play_is_used_up() {
     // The second step pulls harder than the thread resists, until the play has given way.
     for n in 1..=20 {
         let drive = 0.009 * f64::from(n);
-        hinge.turn(&mut state, &shaft, |state| Grip {
+        hinge.turn(&mut state, &shaft, |state| FingerLoad {
             load: pull * (drive - state.angle - state.twist),
             stiffness: pull,
         });

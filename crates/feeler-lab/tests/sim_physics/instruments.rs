@@ -1,6 +1,6 @@
 //! Drives, encoders and the torque sensor against their textbook formulas.
 
-use feeler::hand::hand::{Hand, HandCommand, HandState};
+use feeler::hand::{Hand, HandCommand, HandState};
 use feeler_sim::random::{Purpose, generator};
 use feeler_sim::rig::{Rig, SimHand};
 use feeler_sim::servo::{Joints, ServoConfig};

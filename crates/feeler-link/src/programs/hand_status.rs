@@ -9,7 +9,7 @@ use crate::inbox::Inbox;
 use crate::message::{HandMode, ProgramKind};
 use crate::mismatch::Mismatch;
 use crate::topic::Topic;
-use feeler::control::controller::Resume;
+use feeler::control::controller::ResumePolicy;
 use feeler::control::phase::Phase;
 use feeler::pace::Punctuality;
 
@@ -24,7 +24,7 @@ pub(super) struct HandStatus {
     /// Age at which data are stale, s of the rig's time.
     stale_limit: f64,
     time_limit: f64,
-    resume: Resume,
+    resume: ResumePolicy,
     pub punctuality: Punctuality,
     /// Whether another hand was there at the last report.
     has_rival: bool,
@@ -129,7 +129,7 @@ impl HandStatus {
         match (fault, controller.stop_reason()) {
             (Some(reason), _) => controller.stop(reason),
             (None, Some(stopped)) if stopped.may_pass() => {
-                let by_itself = self.resume == Resume::Fresh && stopped.is_stale();
+                let by_itself = self.resume == ResumePolicy::Fresh && stopped.is_stale();
                 if resume || by_itself {
                     controller.resume();
                     self.warn(control_loop, "going on");

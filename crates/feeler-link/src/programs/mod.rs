@@ -23,7 +23,7 @@ pub use sensor::{SensorConfig, SensorProgram};
 use crate::endpoints::LinkError;
 use crate::mismatch::Mismatch;
 use feeler::control::control_loop::ControlError;
-use feeler::hand::hand::HandError;
+use feeler::hand::HandError;
 use feeler::pace::PaceError;
 use feeler::sensor::reading::SensorError;
 

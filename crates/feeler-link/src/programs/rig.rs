@@ -8,7 +8,7 @@ use crate::network::Network;
 use crate::rejection::Rejections;
 use crate::rig_inbox::RigInbox;
 use crate::topic::Topic;
-use feeler::hand::hand::{HandCommand, HandState};
+use feeler::hand::{HandCommand, HandState};
 use feeler::pace::Pace;
 use std::fmt;
 use std::sync::Arc;

@@ -2,7 +2,7 @@
 
 use crate::message::InstrumentsMessage;
 use crate::peers::Expected;
-use feeler::hand::hand::{Hand, HandCommand, HandError, HandState};
+use feeler::hand::{Hand, HandCommand, HandError, HandState};
 use feeler::sensor::frame::Frame;
 use feeler::sensor::reading::{SensorError, TactileFrame};
 

@@ -9,7 +9,7 @@ use crate::message::{
 };
 use crate::outlet::{encode, header};
 use crate::topic::Topic;
-use feeler::hand::hand::{HandState, JointState};
+use feeler::hand::{HandState, JointState};
 use feeler::sensor::frame::Frame;
 use feeler_record::wire::{Message, Vector3};
 use glam::DVec3;

@@ -3,7 +3,7 @@
 use super::controller::Controller;
 use super::stop_reason::StopReason;
 use super::touch::{FingerTouch, TouchSource};
-use crate::hand::hand::{Hand, HandCommand, HandError, HandState};
+use crate::hand::{Hand, HandCommand, HandError, HandState};
 use crate::pace::{Schedule, Tick};
 use crate::sensor::reading::SensorError;
 use std::ops::ControlFlow;

@@ -10,8 +10,8 @@ use super::stop_reason::StopReason;
 use super::task::{Task, TaskConfig};
 use super::touch::FingerTouch;
 use crate::hand::finger::FingerGeometry;
-use crate::hand::hand::{HandCommand, HandState, JointState};
 use crate::hand::kinematics::fingertip_pose;
+use crate::hand::{HandCommand, HandState, JointState};
 use crate::sensor::layout::ElementLayout;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -36,7 +36,7 @@ pub struct ControlConfig {
     pub minimum_grasp_force: f64,
     /// When a hand that was stopped because data were stale goes on.
     #[serde(default)]
-    pub resume: Resume,
+    pub resume: ResumePolicy,
     /// How a finger does what the task wants.
     #[serde(default)]
     pub law: LawConfig,
@@ -47,7 +47,7 @@ pub struct ControlConfig {
 /// When a hand that was stopped because data were stale goes on.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Resume {
+pub enum ResumePolicy {
     /// When somebody tells it to.
     #[default]
     Told,

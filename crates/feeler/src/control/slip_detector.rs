@@ -69,7 +69,7 @@ impl SlipDetector {
     /// begun to touch. To be called once a frame.
     pub fn detect(&mut self, finger: &FingerSense<'_>) -> &[f64] {
         let forces = &finger.touch.frame.forces;
-        self.foretell(finger);
+        self.predict(finger);
         let along = self.gone_along(forces);
         let own = self.forces.iter_mut().zip(&mut self.missing);
         for ((force, foretold), (last, missing)) in forces.iter().zip(&self.foretold).zip(own) {
@@ -87,7 +87,7 @@ impl SlipDetector {
     }
 
     /// Foretells the shear of every element that touched at the frame before and does now.
-    fn foretell(&mut self, finger: &FingerSense<'_>) {
+    fn predict(&mut self, finger: &FingerSense<'_>) {
         let now = finger.pose;
         let before = self.before.replace(now).unwrap_or(now);
         let elements = finger.layout.elements.iter();

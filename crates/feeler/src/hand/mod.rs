@@ -28,10 +28,13 @@
 //! on the axis of joint 1.
 
 pub mod finger;
-#[allow(clippy::module_inception)]
-pub mod hand;
+mod interface;
 pub mod inverse_kinematics;
 pub mod kinematics;
 mod kinematics_error;
 mod postures;
 pub mod resolved_rate;
+
+pub use interface::{
+    Hand, HandCommand, HandError, HandState, JointState, MAX_FINGERS, check_finger_count,
+};

@@ -43,7 +43,7 @@ impl Inputs {
 /// How forces follow from moments.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Model {
+pub enum CalibrationModel {
     /// One curve for each component of the force (paper, section II).
     Separable,
     /// Each component from all moments together.
@@ -78,10 +78,10 @@ impl ForceMap {
     }
 
     /// Which of the two it is.
-    pub fn model(&self) -> Model {
+    pub fn model(&self) -> CalibrationModel {
         match self {
-            Self::Separable(_) => Model::Separable,
-            Self::Coupled(_) => Model::Coupled,
+            Self::Separable(_) => CalibrationModel::Separable,
+            Self::Coupled(_) => CalibrationModel::Coupled,
         }
     }
 }
@@ -229,9 +229,9 @@ impl Calibration {
     }
 
     /// Which model it is of: that of its first element.
-    pub fn model(&self) -> Model {
+    pub fn model(&self) -> CalibrationModel {
         let first = self.elements.first();
-        first.map_or(Model::Separable, |element| element.map.model())
+        first.map_or(CalibrationModel::Separable, |element| element.map.model())
     }
 
     /// Refuses a calibration that was made for anything but `fingertip`.

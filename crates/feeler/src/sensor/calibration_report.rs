@@ -1,6 +1,6 @@
 //! How far a calibration is off, as text.
 
-use super::calibration::{Calibration, ElementCalibration, Model};
+use super::calibration::{Calibration, CalibrationModel, ElementCalibration};
 use glam::DVec3;
 use std::fmt;
 
@@ -95,8 +95,8 @@ impl fmt::Display for CalibrationReport<'_> {
         let calibration = self.calibration;
         let (full_scale, elements) = (calibration.full_scale, &calibration.elements);
         let model = match calibration.model() {
-            Model::Separable => "separable",
-            Model::Coupled => "coupled",
+            CalibrationModel::Separable => "separable",
+            CalibrationModel::Coupled => "coupled",
         };
         writeln!(
             f,

@@ -1,4 +1,4 @@
-//! A calibrated camera in a fingertip as a [`TactileSensor`]: [`Sensing`] behind a [`Camera`].
+//! A calibrated camera in a fingertip as a [`TactileSensor`]: [`SensingChain`] behind a [`Camera`].
 
 use super::{
     calibration::{Calibration, ForceValidity},
@@ -8,7 +8,7 @@ use super::{
     frame::Frame,
     moments::ElementMoments,
     reading::{SensorError, TactileFrame, TactileSensor},
-    sensing::{Sensing, SensingError},
+    sensing::{SensingChain, SensingError},
 };
 
 /// An optical three-axis tactile sensor (paper, section II).
@@ -17,7 +17,7 @@ use super::{
 #[derive(Debug)]
 pub struct OpticalSensor<C> {
     camera: C,
-    sensing: Sensing,
+    sensing: SensingChain,
     frame: Frame,
 }
 
@@ -31,7 +31,7 @@ impl<C: Camera> OpticalSensor<C> {
         fingertip: &FingertipConfig,
         calibration: Calibration,
     ) -> Result<Self, SensingError> {
-        let sensing = Sensing::of_fingertip(fingertip)?;
+        let sensing = SensingChain::of_fingertip(fingertip)?;
         calibration.check()?;
         calibration.check_made_for(fingertip)?;
         Ok(Self {

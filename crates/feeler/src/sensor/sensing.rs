@@ -95,7 +95,7 @@ impl Reference {
 
 /// From pictures to [`ElementReading`]s. Everything is allocated when it is built.
 #[derive(Debug, Clone)]
-pub struct Sensing {
+pub struct SensingChain {
     size: (usize, usize),
     kernel: MomentsKernel,
     saturation: SaturationCheck,
@@ -105,7 +105,7 @@ pub struct Sensing {
     drift: Option<DriftCorrection>,
 }
 
-impl Sensing {
+impl SensingChain {
     /// Senses with `kernel`, which was made of `regions` for pictures of `size` (columns, rows) px.
     ///
     /// A part `max_saturated` (0 to 1) of a sub-region's pixels may be saturated, see

@@ -3,7 +3,7 @@
 use super::rig::{controller, state, touch};
 use feeler::control::stop_reason::StopReason;
 use feeler::control::touch::FingerTouch;
-use feeler::hand::hand::{HandCommand, HandState};
+use feeler::hand::{HandCommand, HandState};
 use glam::DVec3;
 
 /// Why the hand stops at this input, and what it is told.

@@ -8,8 +8,8 @@ use feeler::control::stop_reason::StopReason;
 use feeler::control::task::Task;
 use feeler::control::touch::FingerTouch;
 use feeler::hand::finger::{FingerConfig, FingerGeometry};
-use feeler::hand::hand::{HandState, JointState};
 use feeler::hand::inverse_kinematics::inverse_kinematics;
+use feeler::hand::{HandState, JointState};
 use feeler::sensor::layout::{ElementLayout, LayoutConfig, RingConfig};
 use glam::DVec3;
 

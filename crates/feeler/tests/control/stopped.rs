@@ -3,7 +3,7 @@
 use super::rig::{controller, state, touch};
 use feeler::control::phase::Phase;
 use feeler::control::stop_reason::StopReason;
-use feeler::hand::hand::HandCommand;
+use feeler::hand::HandCommand;
 use glam::DVec3;
 
 fn stale() -> StopReason {

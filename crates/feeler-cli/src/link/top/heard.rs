@@ -1,6 +1,6 @@
 //! What counts of all that was heard of a rig.
 
-use super::programs::complaints;
+use super::programs::warnings;
 use crate::top::{Fault, UNKNOWN};
 use feeler::control::flags::FingerFlags;
 use feeler_link::inbox::Inbox;
@@ -58,8 +58,8 @@ impl<'a> Heard<'a> {
     pub fn faults(&self) -> Vec<String> {
         let stopped = self.mode.map_or("", |mode| &mode.stopped);
         let stopped = (!stopped.is_empty()).then(|| format!("the hand is stopped: {stopped}"));
-        let complaints = complaints(self.inbox.peers(), self.now);
-        stopped.into_iter().chain(complaints).collect()
+        let warnings = warnings(self.inbox.peers(), self.now);
+        stopped.into_iter().chain(warnings).collect()
     }
 
     /// What a program said went wrong before it was watched.

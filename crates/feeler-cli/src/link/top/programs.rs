@@ -35,7 +35,7 @@ fn refused(peers: &Peers, now: f64) -> impl Iterator<Item = (&Peer, &Mismatch)> 
 
 /// What is wrong with the programs, in words: those that were heard and are no more, and those that are
 /// refused.
-pub fn complaints(peers: &Peers, now: f64) -> Vec<String> {
+pub fn warnings(peers: &Peers, now: f64) -> Vec<String> {
     let gone = |peer: &&Peer| peer.refused.is_none() && peer.works() && peer.is_silent(now);
     let gone = peers.all().iter().filter(gone).map(|peer| {
         let (name, since) = (peer.name(), now - peer.heard);
@@ -144,10 +144,10 @@ mod tests {
             states[3],
             ("world", ProgramState::Refused { .. }, _)
         ));
-        let complaints = complaints(&peers, 3.5);
-        assert_eq!(complaints[0], "hand not heard for 3.5 s");
+        let warnings = warnings(&peers, 3.5);
+        assert_eq!(warnings[0], "hand not heard for 3.5 s");
         assert!(
-            complaints[1].starts_with("refused, feeler 9.9.9: world works by experiment another")
+            warnings[1].starts_with("refused, feeler 9.9.9: world works by experiment another")
         );
     }
 }

@@ -114,7 +114,7 @@ impl Watched {
         Snapshot {
             title: format!("rig {}", self.rig),
             time: heard.state.map_or(UNKNOWN, |state| state.header.stamp),
-            clock: top::Clock::Real,
+            clock: top::TimeBase::Real,
             task: heard.mode.and_then(|mode| self.task(mode)),
             fingers: self.fingers(&heard),
             torque: instruments.map(|at| Torque {

@@ -102,7 +102,7 @@ impl<'a> Replay<'a> {
     pub fn step(&mut self) -> Result<(), ReplayError> {
         let step = self.step;
         while let Some((_, outside)) = self.outside.next_if(|(at, _)| *at == step) {
-            outside.tell(self.control_loop.controller_mut());
+            outside.apply(self.control_loop.controller_mut());
         }
         self.control_loop.step()?;
         let instruments = InstrumentRecord {

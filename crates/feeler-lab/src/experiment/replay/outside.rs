@@ -11,7 +11,7 @@ use feeler::control::controller::Controller;
 use feeler::control::phase::Phase;
 use feeler::control::stop_reason::StopReason;
 use feeler::control::touch::FingerTouch;
-use feeler::hand::hand::{HandCommand, HandState};
+use feeler::hand::{HandCommand, HandState};
 use feeler_record::Recording;
 
 /// What came from outside before a step's decision.
@@ -22,7 +22,7 @@ pub enum Outside {
 }
 
 impl Outside {
-    pub fn tell(self, controller: &mut Controller) {
+    pub fn apply(self, controller: &mut Controller) {
         match self {
             Self::Stop => controller.stop(StopReason::OnRecord),
             Self::Resume => controller.resume(),
@@ -59,7 +59,7 @@ pub fn on_record(
             _ => None,
         };
         if let Some(outside) = outside {
-            outside.tell(control_loop.controller_mut());
+            outside.apply(control_loop.controller_mut());
             found.push((step, outside));
         }
         control_loop.act()?;

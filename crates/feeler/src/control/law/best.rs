@@ -72,7 +72,7 @@ struct Load {
 
 /// What a finger's touching elements bear together.
 #[derive(Debug, Clone, Copy, Default)]
-struct Grip {
+struct ContactLoad {
     /// Direction that presses the finger into the object, a unit vector in W.
     inward: DVec3,
     /// Sum of normal forces, N.
@@ -114,13 +114,13 @@ impl Best {
     }
 
     /// Takes in the newest forces: what the finger bears, and what that teaches about friction.
-    fn feel(&mut self, finger: &FingerSense<'_>, towards_object: DVec3) -> Grip {
+    fn feel(&mut self, finger: &FingerSense<'_>, towards_object: DVec3) -> ContactLoad {
         let frame = &finger.touch.frame;
         let new = self.newest.replace(frame.sequence) != Some(frame.sequence);
         let inward = inward(finger).unwrap_or(towards_object);
-        let mut grip = Grip {
+        let mut grip = ContactLoad {
             inward,
-            ..Grip::default()
+            ..ContactLoad::default()
         };
         for (element, (last, local)) in self.loads.iter_mut().zip(&frame.forces).enumerate() {
             let pressed = local.z > NOISE;
@@ -145,7 +145,7 @@ impl Best {
     }
 
     /// Speed at which the finger presses on, or gives way where it is negative, m/s.
-    fn pressing(&self, grip: &Grip) -> f64 {
+    fn pressing(&self, grip: &ContactLoad) -> f64 {
         let config = &self.config;
         let needed = config.margin * grip.shear / self.friction;
         let missing = needed.max(config.least_grasp_force) - grip.normal;

@@ -19,7 +19,7 @@ use crate::control::phase::Phase;
 use crate::control::plan::Plan;
 use crate::control::sense::{FingerSense, HandSense};
 use crate::control::stop_reason::StopReason;
-use crate::hand::hand::MAX_FINGERS;
+use crate::hand::MAX_FINGERS;
 use glam::DVec3;
 use grip::Grip;
 use odometry::Odometry;

@@ -2,7 +2,7 @@
 
 use crate::control::feeler_shape::FeelerShape;
 use crate::control::sense::HandSense;
-use crate::hand::hand::MAX_FINGERS;
+use crate::hand::MAX_FINGERS;
 use crate::sensor::fingertip::MAX_ELEMENTS;
 use glam::DVec3;
 

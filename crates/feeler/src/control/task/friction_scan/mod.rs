@@ -19,7 +19,7 @@ use crate::control::sense::{FingerSense, HandSense};
 use crate::control::stop_reason::StopReason;
 use angle_sum::AngleSum;
 use glam::DVec3;
-use stick_slip::{Friction, Slips, StickSlip};
+use stick_slip::{FrictionEstimate, Slips, StickSlip};
 
 /// An element that is pressed with less than this does not count in the load, N: the errors of many that touch
 /// nothing would add up.
@@ -169,7 +169,7 @@ impl FrictionScan {
 
     fn end_stroke(&mut self, finger: &FingerSense<'_>) {
         let [backward, forward] = &self.slips;
-        if let Some(found) = Friction::estimate(forward, backward, self.noise()) {
+        if let Some(found) = FrictionEstimate::estimate(forward, backward, self.noise()) {
             let falls = (forward.falls() + backward.falls()) as f64;
             let values = [
                 found.static_friction,

@@ -120,7 +120,7 @@ impl Slips {
 
 /// What sliding both ways over a surface tells of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Friction {
+pub struct FrictionEstimate {
     /// Coefficient while it sticks.
     pub static_friction: f64,
     /// Coefficient while it slips.
@@ -130,7 +130,7 @@ pub struct Friction {
     pub tilt: f64,
 }
 
-impl Friction {
+impl FrictionEstimate {
     /// From what the angle did forward and backward, with noise of this variance, rad²; none unless the
     /// feeler slid both ways.
     pub fn estimate(forward: &Slips, backward: &Slips, noise: f64) -> Option<Self> {
@@ -198,10 +198,10 @@ mod tests {
         slips
     }
 
-    fn estimate(drawn: &Drawn, random: &mut Pcg64) -> (Friction, u64) {
+    fn estimate(drawn: &Drawn, random: &mut Pcg64) -> (FrictionEstimate, u64) {
         let forward = slips(drawn, drawn.tilt, random);
         let backward = slips(drawn, -drawn.tilt, random);
-        let found = Friction::estimate(&forward, &backward, drawn.noise.powi(2));
+        let found = FrictionEstimate::estimate(&forward, &backward, drawn.noise.powi(2));
         (
             found.expect("it slid both ways"),
             forward.falls() + backward.falls(),
@@ -297,6 +297,6 @@ mod tests {
             noise: 0.001,
         };
         let one_way = super::tests::slips(&drawn, 0.0, &mut Pcg64::seed_from_u64(4));
-        assert_eq!(Friction::estimate(&one_way, &slips, 1e-6), None);
+        assert_eq!(FrictionEstimate::estimate(&one_way, &slips, 1e-6), None);
     }
 }

@@ -44,7 +44,7 @@ impl HandState {
 /// or [`relay`](Self::relay) the command of a hand program elsewhere.
 ///
 /// ```compile_fail,E0451
-/// use feeler::{glam::DVec3, hand::hand::HandCommand};
+/// use feeler::{glam::DVec3, hand::HandCommand};
 /// let command = HandCommand { joint_velocity: vec![DVec3::ONE] };
 /// ```
 #[derive(Debug, Clone, PartialEq)]
