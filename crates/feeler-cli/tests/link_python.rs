@@ -6,6 +6,8 @@
 
 #![cfg(feature = "link")]
 
+#[path = "../../feeler-link/tests/support/ports.rs"]
+mod ports;
 #[path = "support/program.rs"]
 mod program;
 #[path = "../../feeler-lab/tests/support/skip.rs"]
@@ -15,7 +17,6 @@ use feeler_record::Recording;
 use program::{Ended, feeler, folder};
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
-use std::net::TcpListener;
 use std::path::Path;
 use std::process::{Child, ChildStdout, Command, Stdio};
 use std::time::Duration;
@@ -109,9 +110,7 @@ fn read_until_all_are_there(said: &mut BufReader<ChildStdout>) -> String {
 fn python_sees_forces_and_stops_the_hand() {
     let Some(python) = python() else { return };
     let folder = folder("link-python");
-    let free = TcpListener::bind("127.0.0.1:0").expect("a port");
-    let endpoint = format!("tcp/{}", free.local_addr().expect("its number"));
-    drop(free);
+    let endpoint = ports::unused_endpoint();
 
     let mut running = Running::default();
     let arguments = ["hand", "cap-closing", "--sensing", "direct", "--out", "run"];

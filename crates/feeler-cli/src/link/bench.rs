@@ -1,11 +1,11 @@
 //! `feeler bench link`: how long it takes from what a sensor feels to what the hand commands.
 
-use super::hand::program;
-use super::{LinkArguments, expected};
+use super::LinkArguments;
 use crate::interrupt::watch_for_interrupt;
 use crate::{CommandError, Outcome};
 use feeler::pace::{Clock, Monotonic, Pace};
 use feeler_lab::config::Experiment;
+use feeler_lab::experiment::linked::{expected, hand_program};
 use feeler_link::beacon::Beacon;
 use feeler_link::message::{Heartbeat, NO_ELEMENT, NO_FINGER, StateMessage, TactileUpdate};
 use feeler_link::network::Network;
@@ -75,7 +75,7 @@ fn answer(
             .args(["--sensors-of", &endpoint])
             .spawn()?,
     );
-    let mut program = program(experiment, network)?;
+    let mut program = hand_program(experiment, network)?;
     if !program.wait_for_others(stop)? {
         return Ok(Outcome::GivenUp);
     }

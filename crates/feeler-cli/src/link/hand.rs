@@ -1,21 +1,20 @@
 //! `feeler hand`
 
-use super::{ExperimentArguments, LinkArguments, expected, warn_on_stderr};
+use super::{ExperimentArguments, LinkArguments, warn_on_stderr};
 use crate::interrupt::watch_for_interrupt;
 use crate::report::print_outcome;
 use crate::run::{finish, make_folder, run_end};
 use crate::{CommandError, Outcome};
 use feeler::pace::real_time::{self, MODERATE, Refusal};
 use feeler_lab::config::Experiment;
-use feeler_lab::experiment::{controller, fingers_at_home, layouts, run_facts};
-use feeler_link::network::Network;
-use feeler_link::programs::{HandConfig, HandProgram};
+use feeler_lab::experiment::linked::hand_program;
+use feeler_lab::experiment::{layouts, run_facts};
+use feeler_link::programs::HandProgram;
 use feeler_record::{RecordOptions, Recorder, RunLog};
 use feeler_report::make::RECORDING;
 use std::io::{Write, stderr};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
@@ -42,7 +41,7 @@ pub fn hand(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comma
     let rig = arguments.values.rig(&experiment);
     let network = arguments.link.open(&rig, true)?;
     let interrupted = watch_for_interrupt()?;
-    let mut program = program(&experiment, network)?;
+    let mut program = hand_program(&experiment, network)?;
     program.set_warn(warn_on_stderr());
     writeln!(out, "waiting for {}", program.missing().join(", "))?;
     out.flush()?;
@@ -71,24 +70,6 @@ pub fn hand(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comma
     writeln!(out, "{}", program.report())?;
     print_outcome(&made?, out)?;
     Ok(outcome)
-}
-
-/// The hand of `experiment` on `network`; it commands nothing yet.
-pub fn program(
-    experiment: &Experiment,
-    network: Arc<dyn Network>,
-) -> Result<HandProgram, CommandError> {
-    let config = &experiment.config;
-    let layouts = layouts(config)?;
-    let (fingers, _) = fingers_at_home(config)?;
-    let hand = HandConfig {
-        control: config.control.clone(),
-        expected: expected(experiment)?,
-        elements: layouts.iter().map(|layout| layout.elements.len()).collect(),
-        time_limit: config.time_limit,
-    };
-    let controller = controller(config, &fingers, &layouts);
-    Ok(HandProgram::new(&hand, controller, network)?)
 }
 
 fn run(

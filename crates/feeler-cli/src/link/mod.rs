@@ -9,11 +9,9 @@ pub mod top;
 pub mod world;
 
 use super::CommandError;
-use feeler::sensor::made_for::MadeFor;
 use feeler_lab::config::Experiment;
 use feeler_link::endpoints::{HAND_ENDPOINT, LOCAL_ENDPOINT, LinkConfig};
 use feeler_link::network::{Network, Rehearsal, RehearsedNetwork};
-use feeler_link::peers::Expected;
 use feeler_link::programs::Warn;
 use std::io::{Write, stderr};
 use std::path::PathBuf;
@@ -122,17 +120,6 @@ fn open(config: &LinkConfig) -> Result<Arc<dyn Network>, CommandError> {
 fn open(config: &LinkConfig) -> Result<Arc<dyn Network>, CommandError> {
     config.check()?;
     Err("this program was built without the link; build it with --features link".into())
-}
-
-/// What the programs of a rig agree in.
-pub fn expected(experiment: &Experiment) -> Result<Expected, CommandError> {
-    let config = &experiment.config;
-    let fingers = 0..config.hand.finger.len();
-    let hash = |finger| Ok(MadeFor::fingertip(config.sensor.fingertip(finger))?.sha256);
-    Ok(Expected {
-        experiment: experiment.sha256(),
-        fingertips: fingers.map(hash).collect::<Result<_, CommandError>>()?,
-    })
 }
 
 /// The experiment that all programs of a rig work by.

@@ -1,6 +1,5 @@
 //! `feeler sense --publish`: what one finger feels, for the hand program.
 
-use super::expected;
 use crate::CommandError;
 use crate::sense::output::{FrameReadings, Output};
 use crate::sense::sensor::{self, SensorOf};
@@ -11,6 +10,7 @@ use feeler::sensor::camera::CameraError;
 use feeler::sensor::frame::Picture;
 use feeler::sensor::sensing::{ElementReading, SensingChain};
 use feeler_lab::config::{Experiment, Sensing};
+use feeler_lab::experiment::linked::expected;
 use feeler_link::programs::{SensorConfig, SensorProgram};
 use feeler_link::sense_inbox::Exposed;
 use feeler_sources::pump::{Captured, FramePump};

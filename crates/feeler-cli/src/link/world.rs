@@ -1,11 +1,12 @@
 //! `feeler world`
 
-use super::{ExperimentArguments, LinkArguments, expected, warn_on_stderr};
+use super::{ExperimentArguments, LinkArguments, warn_on_stderr};
 use crate::interrupt::watch_for_interrupt;
 use crate::{CommandError, Outcome};
 use feeler_lab::config::Experiment;
+use feeler_lab::experiment::linked::rig_config;
 use feeler_lab::experiment::played_rig::PlayedRig;
-use feeler_link::programs::{RigConfig, RigProgram, RigSpeed};
+use feeler_link::programs::{RigProgram, RigSpeed};
 use std::io::Write;
 
 #[derive(Debug, clap::Args)]
@@ -26,13 +27,7 @@ pub struct Arguments {
 pub fn world(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     let experiment = Experiment::load(&arguments.experiment, &arguments.values.settings())?;
     let rig = PlayedRig::new(&experiment)?;
-    let control = &experiment.config.control;
-    let config = RigConfig {
-        expected: expected(&experiment)?,
-        period: control.period,
-        stale_periods: control.stale_periods,
-        speed: arguments.speed,
-    };
+    let config = rig_config(&experiment, arguments.speed)?;
     let name = arguments.values.rig(&experiment);
     let network = arguments.link.open(&name, false)?;
     let interrupted = watch_for_interrupt()?;

@@ -5,6 +5,9 @@
 #[path = "../support/program.rs"]
 mod program;
 
+#[path = "../../../feeler-link/tests/support/ports.rs"]
+mod ports;
+
 #[path = "../../../feeler-lab/tests/support/skip.rs"]
 mod skip;
 
@@ -16,6 +19,7 @@ mod cable;
 mod faults;
 mod hostile;
 mod orders;
+mod own_rig;
 mod rig;
 mod soak;
 mod together;

@@ -1,9 +1,9 @@
 //! The programs of one rig, each a process; they end with the test.
 
+use super::ports::unused_endpoint;
 use super::program::{Ended, feeler, folder, run};
 use feeler_record::{Phase, Recording};
 use std::fs::{self, File};
-use std::net::TcpListener;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -115,10 +115,9 @@ impl Setup {
     /// A rig of the test called `name`, four times as slow as real time, so that a busy machine does not make its data stale
     /// by itself; its forces are sensed without pictures, for speed.
     pub fn new(name: &str) -> Self {
-        let port = TcpListener::bind("127.0.0.1:0").expect("a port");
         Self {
             folder: folder(name),
-            endpoint: format!("tcp/{}", port.local_addr().expect("its address")),
+            endpoint: unused_endpoint(),
             speed: "0.25",
             settings: vec!["--sensing=direct".into()],
             hand_link: Vec::new(),

@@ -2,12 +2,12 @@
 
 use super::faults::NO_HURRY;
 use super::in_terminal::InTerminal;
+use super::ports::unused_endpoint;
 use super::program::{folder, run};
 use super::rig::{Rig, Setup};
 use super::skip::not_permitted;
 use super::soak::number_before;
 use std::fs;
-use std::net::TcpListener;
 use std::process::Command;
 use std::time::Duration;
 
@@ -146,9 +146,7 @@ fn child_of(parent: u32) -> String {
 
 #[test]
 fn a_rig_that_is_not_there_is_not_shown() {
-    let port = TcpListener::bind("127.0.0.1:0").expect("a port");
-    let endpoint = format!("tcp/{}", port.local_addr().expect("its address"));
-    drop(port);
+    let endpoint = unused_endpoint();
     let arguments = ["top", "cap-closing", "--once", "--connect", &endpoint];
     let nobody = run(&folder("link-top-nobody"), &arguments);
     nobody.refused(&["no program of rig \"cap-closing\""]);

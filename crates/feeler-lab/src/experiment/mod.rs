@@ -2,6 +2,7 @@
 
 mod facts;
 mod instruments;
+pub mod linked;
 pub mod played_rig;
 pub mod replay;
 mod sensors;

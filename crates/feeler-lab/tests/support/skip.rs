@@ -1,5 +1,7 @@
 //! Tests that need what not every computer has.
 
+#![allow(dead_code, reason = "not every test program needs all of it")]
+
 /// Says on stderr, past the test harness, that a test is skipped as `missing` is not there; fails where
 /// `FEELER_REQUIRE_ALL` is set.
 pub fn skipped(missing: &str) {
@@ -9,7 +11,6 @@ pub fn skipped(missing: &str) {
 }
 
 /// The same for a right that a system may withhold: no installation gives it, so nothing fails.
-#[allow(dead_code, reason = "not every test program needs one")]
 pub fn not_permitted(missing: &str) {
     tell(missing);
 }

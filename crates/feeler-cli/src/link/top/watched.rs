@@ -3,12 +3,12 @@
 use super::heard::{Heard, forces, nothing_felt};
 use super::programs::programs;
 use crate::CommandError;
-use crate::link::expected;
 use crate::top::{self, Fault, Finger, History, Snapshot, TaskState, Torque, UNKNOWN};
 use feeler::control::phase::Phase;
 use feeler::sensor::layout::ElementLayout;
 use feeler_lab::config::{Experiment, ExperimentConfig};
 use feeler_lab::experiment::layouts;
+use feeler_lab::experiment::linked::expected;
 use feeler_link::inbox::Inbox;
 use feeler_link::message::HandMode;
 use feeler_link::network::Network;
