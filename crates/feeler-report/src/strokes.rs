@@ -13,14 +13,15 @@ pub const TRUE_SLIP: f64 = 20e-6;
 /// A stroke that turns the cap by no more than this share of the first stroke's finds it closed.
 pub const CLOSED_TURN: f64 = 0.05;
 
-/// Whether the last of these strokes, which are all of a run, found the cap closed ([`CLOSED_TURN`]); not where it never
-/// turned, or nothing tells how far.
-pub fn found_closed(strokes: &[StrokeMeasures]) -> bool {
-    let [first, .., last] = strokes else {
+/// Whether the last of all strokes of a run, which turned the cap by `turns` (rad, as far as known), found it closed
+/// ([`CLOSED_TURN`]); not where it never turned.
+pub fn found_closed(turns: &[Option<f64>]) -> bool {
+    let [first, .., last] = turns else {
         return false;
     };
-    let turns = first.cap_turn.zip(last.cap_turn);
-    turns.is_some_and(|(first, last)| first > 0.0 && last <= CLOSED_TURN * first)
+    first
+        .zip(*last)
+        .is_some_and(|(first, last)| first > 0.0 && last <= CLOSED_TURN * first)
 }
 
 /// The measures of one stroke; `None` (JSON null) where the recording does not define them.

@@ -4,6 +4,7 @@ use super::SweepError;
 use super::design::Scheme;
 use super::parameter::{Parameter, settings};
 use super::plan::Plan;
+use super::table::Table;
 use crate::config::Experiment;
 use crate::experiment::Session;
 use crate::experiment::log::{RunLog, run_facts};
@@ -308,15 +309,37 @@ impl Trials {
         }
     }
 
+    /// Judges the rows of a table again where a success does not mean that the claims hold: earlier versions held every
+    /// law to them. What a row does not tell stays as it is.
+    pub fn judge_again(&self, table: &mut Table) {
+        let names = ["outcome", "strokes_made", "success"].map(|name| table.column(name));
+        let [Some(outcome), Some(made), Some(success)] = names else {
+            return;
+        };
+        let turn = |stroke| table.column(&format!("stroke{stroke}.cap_turn"));
+        let turns: Vec<_> = (1..=self.strokes).map_while(turn).collect();
+        if self.claims_apply || !self.has_claims() {
+            return;
+        }
+        for row in table.rows.values_mut() {
+            let made: usize = row[made].parse().unwrap_or(0);
+            if let Some(turns) = turns.get(..made) {
+                let turns: Vec<_> = turns.iter().map(|&turn| row[turn].parse().ok()).collect();
+                row[success] = flag(row[outcome] == "done" && found_closed(&turns));
+            }
+        }
+    }
+
     /// The columns from `success` to the strokes', by the very code that makes a run's report.
     pub fn results(&self, outcome: &str, recording: &Recording) -> Vec<String> {
         let summary = Summary::new(recording, &RunData::new(recording));
         let found = summary.outcome.as_ref();
+        let turns: Vec<_> = summary.strokes.iter().map(|s| s.cap_turn).collect();
         let well = match (&summary.cap, self.claims_apply) {
             (Some(cap), _) => cap.closed_well(found),
             (None, true) => summary.claims.iter().all(|claim| claim.holds),
             // What the claims are not about is judged by what became of the cap.
-            (None, false) => !self.has_claims() || found_closed(&summary.strokes),
+            (None, false) => !self.has_claims() || found_closed(&turns),
         };
         let success = outcome == "done" && well;
         let mut row = vec![
