@@ -67,7 +67,7 @@ pub fn print_outcome(made: &ReportOutcome, out: &mut dyn Write) -> io::Result<()
 fn achieved(summary: &Summary) -> Vec<String> {
     let mut achieved = Vec::new();
     // A cap that is opened is loosest at the end.
-    let opens = |cap: &&CapMeasures| cap.sense < 0.0;
+    let opens = |cap: &&CapMeasures| cap.sense.is_some_and(|sense| sense < 0.0);
     if let Some(cap) = summary.cap.as_ref().filter(opens) {
         let torque = cap.largest_torque;
         achieved.extend(torque.map(|t| format!("largest torque {:.1} mN m", 1e3 * t)));

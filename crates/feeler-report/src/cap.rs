@@ -3,7 +3,7 @@
 use super::claims::longest_above;
 use super::run_data::RunData;
 use super::series::{finite, maximum};
-use feeler_record::{FindingName, Findings, Recording, TaskOutcome};
+use feeler_record::{FindingName, Findings, Recording, TaskKind, TaskOutcome};
 use serde::Serialize;
 
 /// A closed cap is tight from this share of the torque that friction allows.
@@ -29,10 +29,11 @@ pub struct FeltStroke {
 /// What the run measures; `None` (JSON null) where the recording does not define it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CapMeasures {
-    /// Torque that friction allows: static coefficient times the grip allowed times radius times fingers, N·m.
-    pub friction_limit: f64,
-    /// 1 where the strokes close the cap, -1 where they open it.
-    pub sense: f64,
+    /// Torque that friction allows: static coefficient times the grip allowed times radius times fingers, N·m; known of
+    /// simulated worlds only.
+    pub friction_limit: Option<f64>,
+    /// 1 where the strokes close the cap, -1 where they open it; known as the limit is.
+    pub sense: Option<f64>,
     /// Largest torque of all strokes by the torque sensor, N·m, positive with the stroke.
     pub largest_torque: Option<f64>,
     /// Largest torque of the last stroke by the torque sensor, N·m, positive with the stroke.
@@ -48,7 +49,11 @@ pub struct CapMeasures {
 impl CapMeasures {
     /// Measures a run; none where the strokes were merely counted.
     pub fn new(recording: &Recording, data: &RunData) -> Option<Self> {
-        let facts = data.facts.cap?;
+        let facts = data.facts.cap;
+        if facts.is_none() && !is_felt(recording) {
+            return None;
+        }
+        let sense = facts.map(|facts| facts.sense);
         let felt = Felt::new(recording);
         let strokes = data.strokes.iter().filter(|s| !s.moving.is_empty());
         let strokes: Vec<_> = strokes
@@ -56,25 +61,31 @@ impl CapMeasures {
                 let rows = stroke.moving.clone();
                 let (first, last) = (rows.start, rows.end - 1);
                 let times = (data.time[first], data.time[last]);
-                let turned = data.cap_angle[last] - data.cap_angle[first];
+                let angle = data.cap.as_ref().map(|cap| &cap.angle);
+                let turned = angle.map(|angle| angle[last] - angle[first]);
+                let torque = data.torque.as_ref().zip(sense);
                 FeltStroke {
                     index: stroke.index,
                     felt_turn: felt.turn(times),
-                    turn: finite(facts.sense * turned),
+                    turn: turned
+                        .zip(sense)
+                        .and_then(|(turn, sense)| finite(sense * turn)),
                     felt_torque: felt.largest_torque(times),
-                    torque: maximum(rows.map(|row| facts.sense * data.torque[row])),
+                    torque: torque
+                        .and_then(|(torque, sense)| maximum(rows.map(|row| sense * torque[row]))),
                 }
             })
             .collect();
         let final_torque = strokes.last().and_then(|stroke| stroke.torque);
-        let limit = facts.friction_limit;
+        let limit = facts.map(|facts| facts.friction_limit);
         Some(Self {
             friction_limit: limit,
-            sense: facts.sense,
+            sense,
             largest_torque: maximum(strokes.iter().filter_map(|stroke| stroke.torque)),
             final_torque,
-            torque_ratio: final_torque.and_then(|torque| finite(torque / limit)),
-            time_over_damage: longest_above(data, facts.damage_force),
+            torque_ratio: (final_torque.zip(limit))
+                .and_then(|(torque, limit)| finite(torque / limit)),
+            time_over_damage: facts.and_then(|facts| longest_above(data, facts.damage_force)),
             strokes,
         })
     }
@@ -87,6 +98,13 @@ impl CapMeasures {
                 .time_over_damage
                 .is_some_and(|time| time <= DAMAGE_TIME)
     }
+}
+
+/// Whether a cap was screwed until the hand knew what became of it, as its findings tell. The run's facts say so of
+/// simulated worlds only.
+pub fn is_felt(recording: &Recording) -> bool {
+    let mut names = recording.findings.iter().flat_map(|found| &found.names);
+    recording.facts.task == TaskKind::Screw && names.any(|name| *name == FindingName::Torque)
 }
 
 /// What the hand felt over time.

@@ -10,7 +10,8 @@ use super::run_data::{RunData, Stroke};
 use super::series::{absolute_rate, count_peaks, longest_stretch, mean, moving_mean};
 use super::stroke_pattern::ALIKE;
 use super::strokes::{
-    StrokeMeasures, grasp_force_variation, over_fraction, share, slip_precision, slip_skill,
+    CLOSED_TURN, StrokeMeasures, grasp_force_variation, over_fraction, share, slip_precision,
+    slip_skill,
 };
 use glam::DVec3;
 
@@ -33,7 +34,7 @@ const DAMAGE_TIME: f64 = 0.05;
 /// Strokes in which the cap is closed.
 const CLOSED: [u32; 2] = [3, 4];
 
-/// The claims, in the order of the paper.
+/// The claims, in the order of the paper. What needs an instrument that the rig does not have is not measured.
 pub fn claims(data: &RunData) -> Vec<Claim> {
     vec![
         four_peaks(data),
@@ -62,7 +63,7 @@ fn four_peaks(data: &RunData) -> Claim {
     };
     let rows = 0..data.time.len();
     let grasp_force = peaks(rows.map(|row| data.grasp_force(row)).collect());
-    let torque = peaks(data.torque.clone());
+    let torque = torque_over_strokes(data).and_then(peaks);
     let bound = f64::from(STROKES);
     Claim::new(
         "four-peaks",
@@ -72,6 +73,16 @@ fn four_peaks(data: &RunData) -> Claim {
             ClaimPart::new("peaks of torque", torque, Relation::Equals, bound),
         ],
     )
+}
+
+/// Torque from the torque sensor's first sample on, N·m; none unless that comes before the first MOVE, and with it before
+/// the first peak.
+fn torque_over_strokes(data: &RunData) -> Option<Vec<f64>> {
+    let torque = data.torque.as_ref()?;
+    let first = torque.iter().position(|torque| torque.is_finite())?;
+    let mut moves = data.strokes.iter().filter(|s| !s.moving.is_empty());
+    let in_time = moves.next().is_none_or(|s| first <= s.moving.start);
+    in_time.then(|| torque[first..].to_vec())
 }
 
 fn first_stroke_torque_rises(data: &RunData) -> Claim {
@@ -87,7 +98,9 @@ fn first_stroke_torque_rises(data: &RunData) -> Claim {
         let (first, last) = thirds.clone()?;
         Some((mean(first.map(value))?, mean(last.map(value))?))
     };
-    let torque = first_and_last(&|row| data.torque[row]).and_then(|(a, b)| ratio(b, a));
+    let torque = data.torque.as_ref();
+    let torque = torque.and_then(|torque| first_and_last(&|row| torque[row]));
+    let torque = torque.and_then(|(a, b)| ratio(b, a));
     let grasp_force = first_and_last(&|row| data.grasp_force(row)).and_then(|(a, b)| change(a, b));
     Claim::new(
         "first-stroke-torque-rises",
@@ -139,7 +152,7 @@ fn closed_after_third(data: &RunData) -> Claim {
                 "cap turn, stroke 4 to stroke 1",
                 cap_turn,
                 Relation::AtMost,
-                0.05,
+                CLOSED_TURN,
             ),
         ],
     )
@@ -161,7 +174,7 @@ fn shear_rate_marks_closing(data: &RunData) -> Claim {
 
 fn bumps_in_step(data: &RunData) -> Claim {
     let stretches: Option<Vec<_>> = [3, 4]
-        .map(|index| data.whole_stroke(index).map(|stroke| rates(data, stroke)))
+        .map(|index| rates(data, data.whole_stroke(index)?))
         .into_iter()
         .collect();
     let max_lag = (MAX_LAG / data.facts.control_period).round() as usize;
@@ -186,14 +199,15 @@ fn bumps_in_step(data: &RunData) -> Claim {
 /// Shear rate and absolute torque rate over MOVE, treated alike: each is the absolute difference
 /// of one control step to the next (the shear rate is so by its definition), then goes through
 /// the same centred moving mean of [`SMOOTHING`], which takes out the noise of the A/D converter
-/// that a difference brings up. The torque sensor's own delay is left to the lag.
-pub fn rates(data: &RunData, stroke: &Stroke) -> (Vec<f64>, Vec<f64>) {
+/// that a difference brings up. The torque sensor's own delay is left to the lag. None without a torque sensor.
+pub fn rates(data: &RunData, stroke: &Stroke) -> Option<(Vec<f64>, Vec<f64>)> {
     let first = stroke.moving.start.max(1);
     let rows = first..stroke.moving.end.max(first);
     let window = samples(data, SMOOTHING);
     let shear: Vec<f64> = rows.clone().map(|row| data.shear_rate(row)).collect();
-    let torque = absolute_rate(&data.torque[first - 1..rows.end], data.facts.control_period);
-    (moving_mean(&shear, window), moving_mean(&torque, window))
+    let torque = data.torque.as_ref()?.get(first - 1..rows.end)?;
+    let torque = absolute_rate(torque, data.facts.control_period);
+    Some((moving_mean(&shear, window), moving_mean(&torque, window)))
 }
 
 /// SLIP against what the simulator knows: raised where a feeler slips, and not all the time.

@@ -25,7 +25,7 @@ pub mod text;
 
 pub use claim::{Claim, ClaimPart, Relation, Verdict};
 pub use make::{ReportError, ReportOutcome, make};
-pub use run_data::{FingerColumns, RunData, Stroke};
+pub use run_data::{CapColumns, FingerColumns, RunData, Stroke};
 pub use stroke_pattern::StrokePattern;
 pub use strokes::StrokeMeasures;
 pub use summary::Summary;

@@ -89,7 +89,7 @@ pub fn make(run_dir: impl AsRef<Path>) -> Result<ReportOutcome, ReportError> {
     if !tasks::claims_apply(&recording.facts) {
         summary.claims.clear();
     }
-    let task = tasks::of(&recording.facts);
+    let task = tasks::of_recording(&recording);
     let figures = task.figures(&recording, &data);
     let html = page(&recording, &summary, &figures);
     // Should anything go wrong from here on, no earlier report is left beside half of a new one.

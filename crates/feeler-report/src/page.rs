@@ -12,7 +12,7 @@ use maud::{Markup, PreEscaped, html};
 /// The page, as HTML text.
 pub fn page(recording: &Recording, summary: &Summary, figures: &[Figure]) -> String {
     let facts = &recording.facts;
-    let task = tasks::of(facts);
+    let task = tasks::of_recording(recording);
     let name = format!("{}, seed {}", facts.experiment, facts.seed);
     let mark = match (recording.complete, summary.state) {
         (false, _) => "INCOMPLETE: ",
@@ -190,7 +190,11 @@ fn facts_table(facts: &RunFacts, summary: &Summary) -> Markup {
         ),
         (
             "Feeler tip radius",
-            format!("{} mm", significant(1e3 * facts.feeler_tip_radius)),
+            // Without a simulated world nobody told of it.
+            match facts.feeler_tip_radius > 0.0 {
+                true => format!("{} mm", significant(1e3 * facts.feeler_tip_radius)),
+                false => unknown(),
+            },
         ),
         (
             "Touch threshold F1",

@@ -22,7 +22,7 @@ pub struct PathFit {
 }
 
 impl PathFit {
-    /// Of the `finger` over the MOVE of `stroke`; none if it does not travel.
+    /// Of the `finger` over the MOVE of `stroke`; none if it does not travel, or nothing tells where the cap is.
     pub fn new(data: &RunData, stroke: &Stroke, finger: usize) -> Option<Self> {
         let facts = &data.facts;
         let direction = DVec3::from(*facts.stroke_direction.get(finger)?);
@@ -32,7 +32,7 @@ impl PathFit {
             .get(finger)?
             .position
             .get(stroke.moving.clone())?;
-        let axis = data.cap_centre.get(stroke.moving.clone())?;
+        let axis = data.cap.as_ref()?.centre.get(stroke.moving.clone())?;
         Self::of(path, axis, direction, approach)
     }
 

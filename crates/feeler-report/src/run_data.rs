@@ -73,6 +73,16 @@ impl FingerColumns {
     }
 }
 
+/// What is known of the cap; both have as many rows as [`RunData::time`], and are not numbers before the cap was first
+/// seen.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct CapColumns {
+    /// Angle the cap has turned since the run's start, rad, positive = closing.
+    pub angle: Vec<f64>,
+    /// The cap's centre, m in `W`.
+    pub centre: Vec<DVec3>,
+}
+
 /// One touch-and-release stroke, as ranges of rows.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Stroke {
@@ -86,7 +96,8 @@ pub struct Stroke {
     pub whole: bool,
 }
 
-/// A run as columns, one row per control step at which every channel had a value.
+/// A run as columns, one row per control step at which every finger had been felt. A rig need not have instruments: what
+/// it has none for is none.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RunData {
     /// The run's constants.
@@ -95,12 +106,11 @@ pub struct RunData {
     pub time: Vec<f64>,
     /// Phase of the task.
     pub phase: Vec<Phase>,
-    /// Measured torque, N·m, positive when the cap is turned in the closing direction.
-    pub torque: Vec<f64>,
-    /// Angle the cap has turned since the run's start, rad, positive = closing.
-    pub cap_angle: Vec<f64>,
-    /// The cap's centre, m in `W`.
-    pub cap_centre: Vec<DVec3>,
+    /// Measured torque, N·m, positive when the cap is turned in the closing direction; not a number before the torque
+    /// sensor's first sample.
+    pub torque: Option<Vec<f64>>,
+    /// How the cap stands.
+    pub cap: Option<CapColumns>,
     /// One entry per finger.
     pub fingers: Vec<FingerColumns>,
     /// The strokes, in the order of time.
@@ -117,9 +127,8 @@ impl RunData {
             facts: recording.facts.clone(),
             time: Vec::new(),
             phase: Vec::new(),
-            torque: Vec::new(),
-            cap_angle: Vec::new(),
-            cap_centre: Vec::new(),
+            torque: (!recording.torque_sensor.is_empty()).then(Vec::new),
+            cap: (!recording.cap.is_empty()).then(CapColumns::default),
             fingers: vec![FingerColumns::default(); recording.fingers.len()],
             strokes: Vec::new(),
             findings: findings(recording),
@@ -135,8 +144,9 @@ impl RunData {
             let slip = slip.at(task.stamp);
             let fingers: Vec<_> = fingers.iter_mut().map(|f| f.at(task.stamp)).collect();
             let fingers: Option<Vec<_>> = fingers.into_iter().collect();
-            if let (Some(torque), Some(cap), Some(fingers)) = (torque, cap, fingers) {
-                data.push(task, torque, cap, &fingers);
+            if let Some(fingers) = fingers {
+                data.push(task, &fingers);
+                data.push_instruments(torque, cap);
                 data.push_slip(slip);
                 stroke_numbers.push(task.stroke);
             }
@@ -166,20 +176,34 @@ impl RunData {
         self.fingers.iter().map(quantity).sum::<f64>() / self.fingers.len().max(1) as f64
     }
 
-    fn push(
-        &mut self,
-        task: &Task,
-        torque: &TorqueSensor,
-        cap: &Cap,
-        fingers: &[(&Tactile, &Flags, &Fingertip)],
-    ) {
+    /// Torque over these rows, N·m, as far as it is known.
+    pub fn known_torque(&self, rows: Range<usize>) -> impl Iterator<Item = f64> + '_ {
+        let torque = self.torque.as_ref().and_then(|torque| torque.get(rows));
+        let torque = torque.into_iter().flatten().copied();
+        torque.filter(|torque| torque.is_finite())
+    }
+
+    /// Whether torque is known at every one of these rows.
+    pub fn has_torque(&self, rows: Range<usize>) -> bool {
+        self.torque.is_some() && self.known_torque(rows.clone()).count() == rows.len()
+    }
+
+    fn push(&mut self, task: &Task, fingers: &[(&Tactile, &Flags, &Fingertip)]) {
         self.time.push(task.stamp);
         self.phase.push(task.phase);
-        self.torque.push(torque.torque);
-        self.cap_angle.push(cap.angle);
-        self.cap_centre.push(cap.centre.into());
         for (columns, (tactile, flags, fingertip)) in self.fingers.iter_mut().zip(fingers) {
             columns.push(tactile, flags, fingertip);
+        }
+    }
+
+    fn push_instruments(&mut self, torque: Option<&TorqueSensor>, cap: Option<&Cap>) {
+        if let Some(column) = &mut self.torque {
+            column.push(torque.map_or(f64::NAN, |sample| sample.torque));
+        }
+        if let Some(columns) = &mut self.cap {
+            columns.angle.push(cap.map_or(f64::NAN, |cap| cap.angle));
+            let centre = cap.map_or(DVec3::NAN, |cap| cap.centre.into());
+            columns.centre.push(centre);
         }
     }
 

@@ -10,12 +10,26 @@ use serde::Serialize;
 /// A feeler whose anchor slid farther than this from one control step to the next has slipped, m.
 pub const TRUE_SLIP: f64 = 20e-6;
 
+/// A stroke that turns the cap by no more than this share of the first stroke's finds it closed.
+pub const CLOSED_TURN: f64 = 0.05;
+
+/// Whether the last of all strokes of a run, which turned the cap by `turns` (rad, as far as known), found it closed
+/// ([`CLOSED_TURN`]); not where it never turned.
+pub fn found_closed(turns: &[Option<f64>]) -> bool {
+    let [first, .., last] = turns else {
+        return false;
+    };
+    first
+        .zip(*last)
+        .is_some_and(|(first, last)| first > 0.0 && last <= CLOSED_TURN * first)
+}
+
 /// The measures of one stroke; `None` (JSON null) where the recording does not define them.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct StrokeMeasures {
     /// Number of the stroke, from 1.
     pub index: u32,
-    /// Largest measured torque during the stroke, N·m.
+    /// Largest measured torque during the stroke, N·m; none unless it was measured throughout MOVE.
     pub peak_torque: Option<f64>,
     /// Grasp force, mean over MOVE and over fingers, N.
     pub mean_grasp_force: Option<f64>,
@@ -61,7 +75,9 @@ impl StrokeMeasures {
         };
         Self {
             index: stroke.index,
-            peak_torque: maximum(rows().map(|row| data.torque[row])),
+            peak_torque: (data.has_torque(moving()))
+                .then(|| maximum(data.known_torque(rows())))
+                .flatten(),
             mean_grasp_force: mean(moving().map(|row| data.grasp_force(row))),
             peak_grasp_force: maximum(rows().map(|row| data.grasp_force(row))),
             cap_turn: cap_turn(data, stroke),
@@ -148,7 +164,8 @@ pub fn over_fraction(data: &RunData, stroke: &Stroke, finger: usize) -> Option<f
 fn cap_turn(data: &RunData, stroke: &Stroke) -> Option<f64> {
     let first = stroke.rows.clone().next()?;
     let last = stroke.rows.clone().next_back()?;
-    finite(data.cap_angle[last] - data.cap_angle[first])
+    let angle = &data.cap.as_ref()?.angle;
+    finite(angle[last] - angle[first])
 }
 
 fn path_inward_bend(data: &RunData, stroke: &Stroke) -> Option<f64> {

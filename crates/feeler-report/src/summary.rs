@@ -86,7 +86,7 @@ impl Summary {
                 .flat_map(|f| f.names.iter().cloned().zip(&f.values))
                 .map(|(name, &value)| (name, finite(value)))
                 .collect(),
-            claims: tasks::of(facts).claims(recording, data),
+            claims: tasks::of_recording(recording).claims(recording, data),
             cap: CapMeasures::new(recording, data),
             cap_angle: (recording.cap.last()).and_then(|cap| finite(cap.angle)),
             digest: recording.digest.to_string(),

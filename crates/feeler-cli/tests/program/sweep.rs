@@ -3,6 +3,7 @@
 use crate::program::{Ended, experiment, feeler, folder, rows, run, summary};
 use std::collections::HashMap;
 use std::fs;
+use std::path::Path;
 
 /// A sweep of short trials of the reference experiment.
 fn sweep<'a>(more: &[&'a str]) -> Vec<&'a str> {
@@ -98,6 +99,98 @@ fn a_trial_runs_again_from_its_row_bit_for_bit() {
     }
     run(&folder, &["run", "--trial", "sweep", "3"]).refused(&["from 0 to 2"]);
     run(&folder, &["run", "--trial", "nowhere", "0"]).refused(&["folder of a sweep"]);
+}
+
+/// The header and the rows of a sweep, and what was said of it.
+fn of_law(folder: &Path, name: &str, law: &str, more: &[&str]) -> (String, Rows, String) {
+    let (law, out) = (format!("--set=control.law={law}"), format!("-o={name}"));
+    let sweep = [
+        "sweep",
+        "cap-closing",
+        "--sensing=direct",
+        "--trials=3",
+        "--seed=3",
+        &law,
+        &out,
+    ];
+    let said = run(folder, &[&sweep, more].concat()).done();
+    let table = folder.join(name).join("trials.csv");
+    let text = fs::read_to_string(&table).unwrap();
+    let header = text.lines().next().unwrap().to_string();
+    (header, rows(&table), said)
+}
+
+type Rows = Vec<HashMap<String, String>>;
+
+#[test]
+fn another_law_is_judged_by_what_became_of_the_cap() {
+    let folder = folder("sweep-law");
+    let (papers, _, said) = of_law(&folder, "papers", "tri-axial", &[]);
+    assert!(said.contains("all its claims hold"), "{said}");
+    let (header, rows, said) = of_law(&folder, "best", "best", &[]);
+    assert_eq!(header, papers, "the same columns");
+    assert!(
+        said.contains("3 of 3") && said.contains("the cap is closed"),
+        "{said}"
+    );
+    for row in &rows {
+        assert_eq!((&*row["outcome"], &*row["success"]), ("done", "1"));
+        assert_eq!(row["claims_held"], "");
+        let claims = row.iter().filter(|(name, _)| name.starts_with("claim."));
+        assert!(
+            claims.clone().count() == 33 && claims.into_iter().all(|(_, value)| value.is_empty())
+        );
+    }
+    let page = fs::read_to_string(folder.join("best/summary.html")).unwrap();
+    assert!(page.contains("the cap is closed") && !page.contains("Claim holds"));
+
+    // A sweep of a version that held every law to the claims: they are there, and hence no success.
+    let table = folder.join("best/trials.csv");
+    let text = fs::read_to_string(&table).unwrap();
+    fs::write(&table, text.replace(",done,,1,", ",done,,0,")).unwrap();
+    run(&folder, &["sweep", "merge", "best", "-o", "merged"]).done();
+    assert_eq!(
+        fs::read_to_string(folder.join("merged/trials.csv")).unwrap(),
+        text
+    );
+    let said = run(&folder, &["sweep", "--resume", "-o=best"]).done();
+    assert!(said.contains("3 of 3"), "{said}");
+    assert_eq!(fs::read_to_string(&table).unwrap(), text);
+
+    // A cap that has farther to turn than four strokes take it is not closed, however well they went.
+    let open = ["--set=sim.object.cap.motion.thread.seat_angle=9.0"];
+    let (_, rows, said) = of_law(&folder, "open", "best", &open);
+    assert!(said.contains("0 of 3"), "{said}");
+    assert!(
+        rows.iter()
+            .all(|row| row["outcome"] == "done" && row["success"] == "0")
+    );
+
+    // Where laws differ from trial to trial, all are judged alike, and the claims counted where they apply.
+    let laws = [
+        "--vary=control.law=choice(\"tri-axial\",\"best\")",
+        "--seed=1",
+    ];
+    let arguments = [
+        "sweep",
+        "cap-closing",
+        "--sensing=direct",
+        "--trials=6",
+        "-o=both",
+    ];
+    let said = run(&folder, &[&arguments[..], &laws].concat()).done();
+    assert!(said.contains("the cap is closed"), "{said}");
+    let rows = self::rows(&folder.join("both/trials.csv"));
+    let held = |law: &str| -> Vec<bool> {
+        let rows = rows.iter().filter(|row| row["control.law"].contains(law));
+        rows.map(|row| row["claims_held"].is_empty()).collect()
+    };
+    let (papers, best) = (held("tri-axial"), held("best"));
+    assert!(!papers.is_empty() && !best.is_empty(), "{rows:?}");
+    assert!(papers.iter().all(|empty| !empty) && best.iter().all(|empty| *empty));
+    let page = fs::read_to_string(folder.join("both/summary.html")).unwrap();
+    let of = format!("no-damage</td><td class=\"number\">{}</td>", papers.len());
+    assert!(page.contains(&of), "not of {}", papers.len());
 }
 
 #[test]

@@ -157,6 +157,11 @@ impl Parameter {
         })
     }
 
+    /// Whether it sets this key of the experiment.
+    pub fn sets(&self, key: &str) -> bool {
+        self.keys.iter().any(|(own, _)| own == key)
+    }
+
     /// That something is wrong with it.
     pub fn error(&self, message: String) -> SweepError {
         let said = self.said.clone();

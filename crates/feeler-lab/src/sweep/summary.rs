@@ -104,18 +104,24 @@ fn count<'a>(values: impl Iterator<Item = (&'a str, &'a str)>) -> Vec<Counted> {
         .collect()
 }
 
-/// The columns that say whether a claim holds, with the claim's id. What else is known of it stands behind a dot.
+/// The columns that say whether a claim holds, with the claim's id, unless it is about none of the trials. What else is
+/// known of it stands behind a dot.
 pub(super) fn claim_columns(table: &Table) -> impl Iterator<Item = (&str, &str)> {
     let columns = table.header.iter();
     let claims = columns.filter_map(|name| Some((name.as_str(), name.strip_prefix("claim.")?)));
-    claims.filter(|(_, id)| !id.contains('.'))
+    let claims = claims.filter(|(_, id)| !id.contains('.'));
+    claims.filter(|(name, _)| table.rows.is_empty() || column(table, name).any(|c| !c.is_empty()))
 }
 
 fn claims(table: &Table) -> Vec<Counted> {
     claim_columns(table)
         .map(|(name, id)| {
             let held = column(table, name).filter(|&holds| holds == "1").count();
-            (id.to_string(), table.rows.len() as u64, held as u64)
+            // It is not about a run of another control law, which leaves it empty.
+            let ran = column(table, "sim_time").map(|time| !time.is_empty());
+            let about = column(table, name).zip(ran);
+            let trials = about.filter(|(holds, ran)| !(holds.is_empty() && *ran));
+            (id.to_string(), trials.count() as u64, held as u64)
         })
         .collect()
 }

@@ -149,11 +149,14 @@ fn any_number_of_fingers_gives_whole_figures() {
 #[test]
 fn odd_data_leave_out_what_they_do_not_tell() {
     let whole = run("odd");
-    let spoil: [fn(&mut RunData); 6] = [
+    let spoil: [fn(&mut RunData); 9] = [
         |data| data.fingers.clear(),
         |data| data.facts.stroke_direction.clear(),
         |data| data.facts.approach[0] = data.facts.stroke_direction[0],
-        |data| data.cap_centre.fill(DVec3::NAN),
+        |data| data.cap = None,
+        |data| data.cap.as_mut().expect("a cap").centre.fill(DVec3::NAN),
+        |data| data.facts.cap_radius = 0.0,
+        |data| data.torque = None,
         |data| data.fingers[0].position.fill(DVec3::NAN),
         |data| data.fingers[1].position.fill(DVec3::ZERO),
     ];

@@ -2,8 +2,9 @@
 
 use feeler_record::wire::{Quaternion, Vector3};
 use feeler_record::{
-    Cap, Command, Digest, Fingertip, Flags, Joints, MessageSink, NO_ELEMENT, Phase, RecordError,
-    Recorder, RunFacts, Tactile, Task, TorqueSensor, TrueSlip, topics,
+    Cap, Command, Digest, FindingName, Findings, Fingertip, Flags, Joints, MessageSink, NO_ELEMENT,
+    Phase, RecordError, Recorder, RunFacts, Tactile, Task, TaskOutcome, TorqueSensor, TrueSlip,
+    topics,
 };
 use glam::DVec3;
 use std::collections::BTreeMap;
@@ -59,6 +60,31 @@ pub fn facts() -> RunFacts {
     }
 }
 
+/// What there is beside the hand.
+#[derive(Debug, Clone, Copy)]
+pub struct Rig {
+    /// Whether it is simulated: what the cap and feelers do in truth is known.
+    pub simulated: bool,
+    /// When the torque sensor begins to tell, s; none without one.
+    pub torque_from: Option<f64>,
+    /// Whether the hand tells what it feels of the cap, and in the end what became of it.
+    pub feels: bool,
+}
+
+/// A rig with all instruments.
+pub const SIMULATED: Rig = Rig {
+    simulated: true,
+    torque_from: Some(0.0),
+    feels: false,
+};
+
+/// A rig with nothing but a hand.
+pub const REAL: Rig = Rig {
+    simulated: false,
+    torque_from: None,
+    feels: false,
+};
+
 /// Writes a run of `strokes` strokes and closes it.
 pub fn write_run(path: &Path, strokes: u32) -> Result<Digest, RecordError> {
     let mut recorder = Recorder::create(path, &facts(), EXPERIMENT)?;
@@ -66,9 +92,25 @@ pub fn write_run(path: &Path, strokes: u32) -> Result<Digest, RecordError> {
     recorder.finish(Some(0.25))
 }
 
+/// Writes a run of four strokes on a rig and closes it.
+pub fn write_run_on(path: &Path, rig: Rig) -> Result<Digest, RecordError> {
+    let mut facts = facts();
+    if !rig.simulated {
+        facts.cap_radius = 0.0;
+        facts.feeler_tip_radius = 0.0;
+    }
+    let mut recorder = Recorder::create(path, &facts, EXPERIMENT)?;
+    write_strokes_on(&mut recorder, facts.stroke_count, rig)?;
+    recorder.finish(Some(0.25))
+}
+
 /// Writes the messages of `strokes` strokes, and of the end if there are four.
 pub fn write_strokes(recorder: &mut Recorder, strokes: u32) -> Result<(), RecordError> {
-    let mut run = MadeUp::default();
+    write_strokes_on(recorder, strokes, SIMULATED)
+}
+
+fn write_strokes_on(recorder: &mut Recorder, strokes: u32, rig: Rig) -> Result<(), RecordError> {
+    let mut run = MadeUp::on(rig);
     for stroke in 1..=strokes {
         for (phase, steps) in PHASES {
             for step in 0..steps {
@@ -84,8 +126,8 @@ pub fn write_strokes(recorder: &mut Recorder, strokes: u32) -> Result<(), Record
     Ok(())
 }
 
-#[derive(Default)]
 struct MadeUp {
+    rig: Rig,
     step: u64,
     noise: u64,
     angle: f64,
@@ -95,6 +137,18 @@ struct MadeUp {
 }
 
 impl MadeUp {
+    fn on(rig: Rig) -> Self {
+        Self {
+            rig,
+            step: 0,
+            noise: 0,
+            angle: 0.0,
+            last_shear: [0.0; FINGERS],
+            last_press: 0.0,
+            slipping: [false; FINGERS],
+        }
+    }
+
     /// Noise in -1..1, the same in every run.
     fn noise(&mut self) -> f64 {
         let next = self.noise.wrapping_mul(6364136223846793005);
@@ -139,41 +193,12 @@ impl MadeUp {
             let shear = torque / CAP_RADIUS / 2.0;
             self.finger(recorder, finger, stamp, press, travel, bend, grasp, shear)?;
         }
-        recorder.write(
-            topics::TRUE_SLIP,
-            &TrueSlip {
-                stamp,
-                distance: self
-                    .slipping
-                    .map(|slips| if slips { 30e-6 } else { 5e-6 })
-                    .into(),
-            },
-        )?;
         self.last_press = press;
-        let noise = 0.0004 * self.noise();
-        recorder.write(
-            topics::TORQUE_SENSOR,
-            &TorqueSensor {
-                stamp,
-                torque: torque + noise,
-                bridge_voltage: 12.5 * (torque + noise),
-                counts: ((torque + noise) * 40_000.0) as i32,
-            },
-        )?;
-        recorder.write(
-            topics::CAP,
-            &Cap {
-                stamp,
-                angle: self.angle,
-                height: 0.1 - 0.003 * self.angle / TAU,
-                centre: Vector3 {
-                    x: 0.0002,
-                    y: -0.0001,
-                    z: 0.1,
-                },
-                resisting_torque: torque,
-            },
-        )?;
+        self.instruments(recorder, stamp, torque)?;
+        if self.rig.feels {
+            let outcome = (phase == Phase::Done).then_some(TaskOutcome::Closed);
+            recorder.write(topics::FINDINGS, &self.felt(stamp, torque, outcome))?;
+        }
         let reason = format!("{phase:?}");
         self.step += 1;
         recorder.write(
@@ -185,6 +210,58 @@ impl MadeUp {
                 reason,
             },
         )
+    }
+
+    /// What the instruments say, as far as there are any.
+    fn instruments(
+        &mut self,
+        recorder: &mut Recorder,
+        stamp: f64,
+        torque: f64,
+    ) -> Result<(), RecordError> {
+        let slip = self.slipping.map(|slips| if slips { 30e-6 } else { 5e-6 });
+        let noise = 0.0004 * self.noise();
+        let slip = TrueSlip {
+            stamp,
+            distance: slip.into(),
+        };
+        let sample = TorqueSensor {
+            stamp,
+            torque: torque + noise,
+            bridge_voltage: 12.5 * (torque + noise),
+            counts: ((torque + noise) * 40_000.0) as i32,
+        };
+        let cap = Cap {
+            stamp,
+            angle: self.angle,
+            height: 0.1 - 0.003 * self.angle / TAU,
+            centre: Vector3 {
+                x: 0.0002,
+                y: -0.0001,
+                z: 0.1,
+            },
+            resisting_torque: torque,
+        };
+        if self.rig.simulated {
+            recorder.write(topics::TRUE_SLIP, &slip)?;
+        }
+        if self.rig.torque_from.is_some_and(|from| stamp >= from) {
+            recorder.write(topics::TORQUE_SENSOR, &sample)?;
+        }
+        if self.rig.simulated {
+            recorder.write(topics::CAP, &cap)?;
+        }
+        Ok(())
+    }
+
+    /// What the hand feels of the cap.
+    fn felt(&self, stamp: f64, torque: f64, outcome: Option<TaskOutcome>) -> Findings {
+        Findings {
+            stamp,
+            outcome,
+            names: vec![FindingName::Turned, FindingName::Torque],
+            values: vec![self.angle, torque],
+        }
     }
 
     #[allow(clippy::too_many_arguments)]

@@ -18,17 +18,39 @@ const ALWAYS: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
 
 /// Draws what there is to draw of a cap: torque and turn over the run.
 pub fn figures(recording: &Recording, data: &RunData, cap: &CapMeasures) -> Vec<Figure> {
-    let title = "Torque and turn, felt and measured";
-    let caption = "The torque that the hand feels is the sum of shear forces times their distance from the axis; nothing is felt \
-        between strokes. The turn that it feels is the way of sticking elements over the radius. The torque sensor and the cap's true angle are not \
-        the hand's to know. Dashed is what friction allows with the whole grip.";
+    let (title, caption) =
+        match cap.sense.is_some() && (data.torque.is_some() || data.cap.is_some()) {
+            true => (
+                "Torque and turn, felt and measured",
+                [FELT, JUDGES].concat(),
+            ),
+            false => ("Torque and turn, as felt", FELT.to_string()),
+        };
+    let limit = if cap.friction_limit.is_some() {
+        LIMIT
+    } else {
+        ""
+    };
     vec![Figure {
         number: 1,
         title: title.into(),
-        caption: caption.into(),
+        caption: caption + limit,
         svg: torque_and_turn(recording, data, cap, title),
     }]
 }
+
+const FELT: &str = "The torque that the hand feels is the sum of shear forces times their distance from the axis; nothing is felt \
+    between strokes. The turn that it feels is the way of sticking elements over the radius.";
+const JUDGES: &str = " The torque sensor and the cap's true angle are not the hand's to know.";
+const LIMIT: &str = " Dashed is what friction allows with the whole grip.";
+
+/// Of the instruments.
+const TRUTH: Pen = Pen::solid(CAP, 2.4);
+/// Where friction ends.
+const LIMIT_PEN: Pen = Pen::dashed("#555555", 1.4);
+
+/// Points of time (s) and value.
+type Points = Vec<(f64, f64)>;
 
 fn torque_and_turn(
     recording: &Recording,
@@ -36,37 +58,42 @@ fn torque_and_turn(
     cap: &CapMeasures,
     title: &str,
 ) -> Option<String> {
-    let (felt, sense) = (Felt::new(recording), data.facts.cap?.sense);
+    let felt = Felt::new(recording);
     let time = range(data.time.iter().copied())?;
-    let measured = |values: &[f64], factor: f64| -> Vec<_> {
-        let points = data.time.iter().zip(values);
-        points.map(|(&t, value)| (t, factor * value)).collect()
+    let measured = |values: Option<&Vec<f64>>, factor: f64| -> Points {
+        let known = values.zip(cap.sense).into_iter();
+        let points = known.flat_map(|(values, sense)| {
+            let points = data.time.iter().zip(values);
+            points.map(move |(&t, value)| (t, factor * (sense * value)))
+        });
+        points.filter(|point| point.1.is_finite()).collect()
     };
-    let own = |name: &FindingName, factor: f64| -> Vec<_> {
+    let own = |name: &FindingName, factor: f64| -> Points {
         let points = felt.series(name, ALWAYS).into_iter();
         points.map(|(t, value)| (t, factor * value)).collect()
     };
-    let (truth, hand) = (Pen::solid(CAP, 2.4), Pen::solid(finger_colour(1), 1.4));
+    let hand = Pen::solid(finger_colour(1), 1.4);
     let torques = [
-        measured(&data.torque, 1e3 * sense),
+        measured(data.torque.as_ref(), 1e3),
         own(&FindingName::Torque, 1e3),
     ];
     let turns = [
-        measured(&data.cap_angle, sense * 1f64.to_degrees()),
+        measured(data.cap.as_ref().map(|cap| &cap.angle), 1f64.to_degrees()),
         own(&FindingName::Turned, 1f64.to_degrees()),
     ];
-    let limit = 1e3 * cap.friction_limit;
-    let panel_of = |points: &[Vec<(f64, f64)>; 2], least: f64, x: &str, y: &str| {
-        let (low, high) = range(points.iter().flatten().map(|p| p.1)).unwrap_or((0.0, 1.0));
+    let limit = cap.friction_limit.map(|limit| 1e3 * limit);
+    let panel_of = |points: &[Points; 2], least: f64, x: &str, y: &str| {
+        let (low, high) = range(points.iter().flatten().map(|p| p.1))?;
         let (low, high) = (low.min(0.0), 1.08 * high.max(least).max(1.0));
         let layout = panel(time, (low, high), x, y).with_y_axis_min(low);
-        with_strokes(layout.with_y_axis_max(high), data, time)
+        Some(with_strokes(layout.with_y_axis_max(high), data, time))
     };
-    let dashed = ReferenceLine::horizontal(limit)
-        .with_color("#555555")
-        .with_stroke_width(1.4);
-    let upper = panel_of(&torques, limit, "", "Torque (mN·m)").with_reference_line(dashed);
-    let lower = panel_of(&turns, 0.0, "Time (s)", "Turn (°)");
+    let upper = panel_of(&torques, limit.unwrap_or(0.0), "", "Torque (mN·m)")?;
+    let upper = limit.into_iter().fold(upper, |layout, limit| {
+        let line = ReferenceLine::horizontal(limit).with_color(LIMIT_PEN.colour);
+        layout.with_reference_line(line.with_stroke_width(LIMIT_PEN.width))
+    });
+    let lower = panel_of(&turns, 0.0, "Time (s)", "Turn (°)")?;
     // Nothing is felt of the torque between strokes; a line across would seem to say otherwise.
     let strokes = data.strokes.iter().filter(|s| !s.moving.is_empty());
     let felt_torques = strokes.map(|stroke| {
@@ -75,24 +102,30 @@ fn torque_and_turn(
         let points = felt.series(&FindingName::Torque, times).into_iter();
         line(points.map(|(t, torque)| (t, 1e3 * torque)), hand)
     });
-    let mut upper_lines = vec![line(thin(&torques[0], BUCKETS), truth)];
+    let of_instruments = |points: &Points| {
+        let points = (!points.is_empty()).then(|| thin(points, BUCKETS));
+        points.map(|points| line(points, TRUTH))
+    };
+    let mut upper_lines: Vec<_> = of_instruments(&torques[0]).into_iter().collect();
     upper_lines.extend(felt_torques);
-    let lower_lines = vec![
-        line(thin(&turns[0], BUCKETS), truth),
-        line(thin(&turns[1], BUCKETS), hand),
-    ];
+    let mut lower_lines: Vec<_> = of_instruments(&turns[0]).into_iter().collect();
+    lower_lines.push(line(thin(&turns[1], BUCKETS), hand));
     let panels = Panels::new(2, 1)
         .with_plots(vec![upper_lines, lower_lines])
         .with_layouts(vec![upper, lower])
         .with_shared_x_all()
         .with_spacing(0.0)
         .with_padding(6.0);
-    let legend = [
-        ("torque sensor, true angle", truth),
-        ("felt", hand),
-        ("limit of friction", Pen::dashed("#555555", 1.4)),
-        ("MOVE", Pen::solid(SHADE, 14.0)),
-    ];
+    let truth = match [&torques, &turns].map(|lines| !lines[0].is_empty()) {
+        [true, true] => Some("torque sensor, true angle"),
+        [true, false] => Some("torque sensor"),
+        [false, true] => Some("true angle"),
+        [false, false] => None,
+    };
+    let mut legend: Vec<_> = truth.into_iter().map(|name| (name, TRUTH)).collect();
+    legend.push(("felt", hand));
+    legend.extend(limit.map(|_| ("limit of friction", LIMIT_PEN)));
+    legend.push(("MOVE", Pen::solid(SHADE, 14.0)));
     Some(frame(1, title, &legend, panels, 380.0))
 }
 

@@ -4,6 +4,7 @@ use super::super::run_data::{RunData, Stroke};
 use super::canvas::{CAP, Pen, WIDTH, finger_colour, line, panel, range};
 use super::grid::{Panel, Row};
 use super::unrolled::{Step, Unrolled};
+use feeler_record::RunFacts;
 use glam::{DVec2, DVec3};
 use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
@@ -27,19 +28,19 @@ pub const JUST_TOUCHING: Pen = Pen::dashed("#999999", 1.0);
 /// Ranges of x and y.
 type Window = ((f64, f64), (f64, f64));
 
-/// The cap with the domes' centres beside it, as wide as the figure and as high as it needs.
+/// The cap, where it is known, with the domes' centres beside it, as wide as the figure and as high as it needs.
 pub fn overview(data: &RunData, stroke: &Stroke) -> Option<Row> {
     /// Around what is drawn, mm.
     const MARGIN: f64 = 2.0;
     /// Left of the panel and right of it, above and below.
     const LABELS: (f64, f64) = (84.0, 56.0);
-    let axis = data.cap_centre.get(stroke.moving.start)?.truncate();
-    let mut plots = cap_outline(data, axis);
+    let cap = cap_above(data, stroke);
+    let mut plots = cap_outline(data, cap);
     for finger in 0..data.fingers.len() {
         plots.extend(tip_paths(data, stroke, finger));
         plots.extend(centre_paths(data, stroke, finger));
     }
-    let (x, y) = overview_window(data, axis)?;
+    let (x, y) = overview_window(data, cap)?;
     let widen = |(low, high): (f64, f64)| (MM * low - MARGIN, MM * high + MARGIN);
     let (x, y) = (widen(x), widen(y));
     let scale = (WIDTH - LABELS.0) / (x.1 - x.0);
@@ -51,9 +52,9 @@ pub fn overview(data: &RunData, stroke: &Stroke) -> Option<Row> {
 
 /// The tips that touch, one close-up a finger; all of one scale, and the same for strokes 1 and 4.
 pub fn close_ups(data: &RunData, stroke: &Stroke) -> Option<Vec<Panel>> {
-    let axis = data.cap_centre.get(stroke.moving.start)?.truncate();
+    let cap = cap_above(data, stroke);
     let close_up = |finger: usize| {
-        let mut plots = cap_outline(data, axis);
+        let mut plots = cap_outline(data, cap);
         plots.extend(tip_paths(data, stroke, finger));
         let window = close_up_window(data, finger)?;
         Some((plots, plan(window, finger == 0, 5.0)))
@@ -73,8 +74,18 @@ fn plan((x, y): Window, first: bool, ticks: f64) -> Layout {
         .with_y_axis_max(y.1)
 }
 
+/// Where the cap's axis is when MOVE begins, m; none unless that and the cap's radius are known.
+pub fn cap_above(data: &RunData, stroke: &Stroke) -> Option<DVec2> {
+    let centre = data.cap.as_ref()?.centre.get(stroke.moving.start)?;
+    let known = centre.is_finite() && data.facts.cap_radius > 0.0;
+    known.then(|| centre.truncate())
+}
+
 /// The cap's contour, and the circle of a tip's centre that touches it.
-fn cap_outline(data: &RunData, centre: DVec2) -> Vec<Plot> {
+fn cap_outline(data: &RunData, centre: Option<DVec2>) -> Vec<Plot> {
+    let Some(centre) = centre else {
+        return Vec::new();
+    };
     let circle = |radius: f64, pen| {
         let points = (0..=240).map(|i| {
             let angle = TAU * f64::from(i) / 240.0;
@@ -83,14 +94,20 @@ fn cap_outline(data: &RunData, centre: DVec2) -> Vec<Plot> {
         });
         line(points, pen)
     };
-    let facts = &data.facts;
-    vec![
-        circle(facts.cap_radius, CONTOUR),
-        circle(facts.cap_radius + facts.feeler_tip_radius, JUST_TOUCHING),
-    ]
+    let RunFacts {
+        cap_radius,
+        feeler_tip_radius,
+        ..
+    } = data.facts;
+    let mut plots = vec![circle(cap_radius, CONTOUR)];
+    if feeler_tip_radius > 0.0 {
+        plots.push(circle(cap_radius + feeler_tip_radius, JUST_TOUCHING));
+    }
+    plots
 }
 
-/// The path of a dome's centre over MOVE, boldest, with the line that was planned and the arc about the axis.
+/// The path of a dome's centre over MOVE, boldest, with the line that was planned and, where the axis is known, the arc
+/// about it.
 fn centre_paths(data: &RunData, stroke: &Stroke, finger: usize) -> Vec<Plot> {
     let Some(unrolled) = Unrolled::new(data, stroke, finger) else {
         return Vec::new();
@@ -98,11 +115,12 @@ fn centre_paths(data: &RunData, stroke: &Stroke, finger: usize) -> Vec<Plot> {
     let path = |point: fn(&Step) -> DVec3, pen| {
         draw(&unrolled.steps.iter().map(point).collect::<Vec<_>>(), pen)
     };
-    vec![
+    let mut plots = vec![
         path(|step| step.centre, Pen::solid(finger_colour(finger), BOLD)),
         path(|step| step.on_line, PLANNED),
-        path(|step| step.on_arc, ARC),
-    ]
+    ];
+    plots.extend(unrolled.has_arc().then(|| path(|step| step.on_arc, ARC)));
+    plots
 }
 
 /// A finger's tips over MOVE: the planned segment, every touching element, and, boldest, the
@@ -161,9 +179,9 @@ fn planned_segment(data: &RunData, stroke: &Stroke, finger: usize) -> Option<[DV
 }
 
 /// Ranges (m) that hold the cap, and what strokes 1 and 4 draw of the domes' centres.
-fn overview_window(data: &RunData, axis: DVec2) -> Option<Window> {
-    let reach = data.facts.cap_radius + data.facts.feeler_tip_radius;
-    let mut points = vec![axis - DVec2::splat(reach), axis + DVec2::splat(reach)];
+fn overview_window(data: &RunData, cap: Option<DVec2>) -> Option<Window> {
+    let reach = DVec2::splat(data.facts.cap_radius + data.facts.feeler_tip_radius);
+    let mut points: Vec<_> = (cap.iter().flat_map(|&axis| [axis - reach, axis + reach])).collect();
     for stroke in [1, 4].iter().filter_map(|&index| data.whole_stroke(index)) {
         for finger in 0..data.fingers.len() {
             let path = Unrolled::new(data, stroke, finger).into_iter();

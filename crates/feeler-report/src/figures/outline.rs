@@ -39,29 +39,32 @@ fn outline(recording: &Recording, data: &RunData) -> Figure {
     };
     let ranges = range(all().map(|p| MM * p.x)).zip(range(all().map(|p| MM * p.y)));
     let svg = ranges.filter(|_| !drawn.is_empty()).map(|(x, y)| {
-        let plots = vec![
+        let mut plots = vec![
             line(centre.iter().copied().map(millimetres), path),
             line(drawn.iter().map(|d| millimetres(d.1)), felt),
-            line(section.iter().copied().map(millimetres), truth),
         ];
+        let mut legend = vec![("felt", felt)];
+        if !section.is_empty() {
+            plots.push(line(section.iter().copied().map(millimetres), truth));
+            legend.push(("true section", truth));
+        }
+        legend.push(("dome's centre", path));
         let layout = panel(x, y, "x (mm)", "y (mm)").with_equal_aspect();
         let panels = Panels::new(1, 1)
             .with_plots(vec![plots])
             .with_layouts(vec![layout]);
-        let legend = [
-            ("felt", felt),
-            ("true section", truth),
-            ("dome's centre", path),
-        ];
         frame(1, title, &legend, panels, 480.0)
     });
+    let mut caption = "Every point is where the feeler with the largest force on it touches, by that force, its stiffness and \
+            where the arm is. At a corner the finger goes from feeler to feeler, and its path has steps."
+        .to_string();
+    if !section.is_empty() {
+        caption += " The true section is the simulator's; the hand does not know it.";
+    }
     Figure {
         number: 1,
         title: title.into(),
-        caption: "Every point is where the feeler with the largest force on it touches, by that force, its stiffness and \
-            where the arm is. At a corner the finger goes from feeler to feeler, and its path has steps. The true section \
-            is the simulator's; the hand does not know it."
-            .into(),
+        caption,
         svg,
     }
 }

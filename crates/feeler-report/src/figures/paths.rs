@@ -4,7 +4,7 @@ use super::super::run_data::{RunData, Stroke};
 use super::Figure;
 use super::canvas::{Pen, SHADE, finger_colour, finger_legend, frame, line, panel, range};
 use super::from_above::{
-    ARC, BOLD, CONTOUR, JUST_TOUCHING, MM, PLANNED, TOUCHING, close_ups, overview,
+    ARC, BOLD, CONTOUR, JUST_TOUCHING, MM, PLANNED, TOUCHING, cap_above, close_ups, overview,
 };
 use super::grid::{Panel, rows, stack};
 use super::unrolled::{Step, Unrolled};
@@ -14,35 +14,73 @@ use kuva::render::layout::Layout;
 /// Height of a row of close-ups of tips, and of paths laid out.
 const HEIGHTS: (f64, f64) = (235.0, 225.0);
 
-/// Fig. 12.
+/// Fig. 12; without cap and arc where nothing tells where the cap is, as Fig. 13.
 pub fn before_closing(data: &RunData) -> Figure {
+    let arc = knows_arc(data, 1);
+    let close_up = match shows_cap(data, 1) {
+        true => " on the grey circle a tip touches the cap without being pressed.",
+        false => " where the cap is was not measured.",
+    };
+    let above = match shows_cap(data, 1) {
+        true => "bold beside the cap the domes' centres, bold at the cap the tip",
+        false => "bold on the outside the domes' centres, bold on the inside the tip",
+    };
+    let laid_out = match arc {
+        true => {
+            "; a finger that follows the cap keeps to the dotted arc about the cap's axis. Line \
+            and arc begin at a quarter of the travel, where the shade begins: the grip has built up."
+        }
+        false => {
+            ". The line begins at a quarter of the travel, where the shade begins: the grip has built up."
+        }
+    };
     Figure {
         number: 12,
         title: "Paths of the fingertips in stroke 1, before closing".into(),
-        caption: "In the paper's Fig. 12 the cap is loose, and the tips of the touching elements keep to the straight segment \
-            that was planned (dashed) and only pass by the cap. Top: from above, bold beside the cap the domes' centres, bold \
-            at the cap the tip of the element that is pressed hardest when MOVE begins. Middle: the tips close up; on the \
-            grey circle a tip touches the cap without being pressed. Bottom: how far each dome's centre is from its \
-            planned line, much enlarged; a finger that follows the cap keeps to the dotted arc about the cap's axis. Line \
-            and arc begin at a quarter of the travel, where the shade begins: the grip has built up."
-            .into(),
+        caption: format!(
+            "In the paper's Fig. 12 the cap is loose, and the tips of the touching elements keep to the straight segment \
+            that was planned (dashed) and only pass by the cap. Top: from above, {above} of the element that is pressed hardest when MOVE begins. Middle: the tips close up;{close_up} \
+            Bottom: how far each dome's centre is from its \
+            planned line, much enlarged{laid_out}"
+        ),
         svg: paths(data, 12, 1),
     }
 }
 
 /// Fig. 13.
 pub fn after_closing(data: &RunData) -> Figure {
+    let compare = match knows_arc(data, 4) {
+        true => "the dotted arc about the cap's axis and with the dashed line that was planned",
+        false => "the dashed line that was planned",
+    };
+    let claims = match knows_arc(data, 4) {
+        true => "Claims path-follows-contour, path-is-curved and path-saturates measure that.",
+        false => "Claim path-saturates compares it with stroke 3.",
+    };
     Figure {
         number: 13,
         title: "Paths of the fingertips in stroke 4, after closing".into(),
-        caption: "The same views and axes as for stroke 1. In the paper's Fig. 13 every slip has \
+        caption: format!(
+            "The same views and axes as for stroke 1. In the paper's Fig. 13 every slip has \
             pressed the finger further inward, so that the straight segment has become a curve \
-            closer to the cap's contour. At the bottom, compare the bold path with the dotted arc about the cap's axis and \
-            with the dashed line that was planned; a straight path that leaves the line is tilted, not curved. Claims \
-            path-follows-contour, path-is-curved and path-saturates measure that."
-            .into(),
+            closer to the cap's contour. At the bottom, compare the bold path with {compare}; a straight path that leaves the line is tilted, not curved. {claims}"
+        ),
         svg: paths(data, 13, 4),
     }
+}
+
+/// Whether the cap is to be seen in the figure of a stroke.
+fn shows_cap(data: &RunData, index: u32) -> bool {
+    let stroke = data.whole_stroke(index);
+    stroke.is_some_and(|stroke| cap_above(data, stroke).is_some())
+}
+
+/// Whether any finger's arc is.
+fn knows_arc(data: &RunData, index: u32) -> bool {
+    let arc =
+        |stroke: &Stroke, finger| Unrolled::new(data, stroke, finger).is_some_and(|u| u.has_arc());
+    let stroke = data.whole_stroke(index);
+    stroke.is_some_and(|stroke| (0..data.fingers.len()).any(|finger| arc(stroke, finger)))
 }
 
 /// All panels of one stroke; the axes are the same for strokes 1 and 4.
@@ -53,19 +91,25 @@ fn paths(data: &RunData, number: u32, index: u32) -> Option<String> {
     panels.extend(rows(HEIGHTS.1, bends(data, stroke)));
     let (panels, height) = stack(panels);
     let title = format!("Paths of the fingertips in stroke {index}, from above and laid out");
-    Some(frame(number, &title, &legend(data), panels, height))
+    let legend = legend(data, knows_arc(data, index), shows_cap(data, index));
+    Some(frame(number, &title, &legend, panels, height))
 }
 
-fn legend(data: &RunData) -> Vec<(&'static str, Pen)> {
+fn legend(data: &RunData, arc: bool, cap: bool) -> Vec<(&'static str, Pen)> {
+    let tip = cap && data.facts.feeler_tip_radius > 0.0;
     let mut legend = finger_legend(data.fingers.len(), BOLD);
-    legend.extend([
-        ("planned line", PLANNED),
-        ("arc about the cap's axis", ARC),
-        ("other touching tips", TOUCHING),
-        ("cap", CONTOUR),
-        ("cap + tip radius", JUST_TOUCHING),
-        ("window of the claims", Pen::solid(SHADE, 14.0)),
-    ]);
+    legend.extend(
+        [
+            (true, "planned line", PLANNED),
+            (arc, "arc about the cap's axis", ARC),
+            (true, "other touching tips", TOUCHING),
+            (cap, "cap", CONTOUR),
+            (tip, "cap + tip radius", JUST_TOUCHING),
+            (true, "window of the claims", Pen::solid(SHADE, 14.0)),
+        ]
+        .into_iter()
+        .filter_map(|(drawn, name, pen)| drawn.then_some((name, pen))),
+    );
     legend
 }
 
@@ -93,11 +137,11 @@ fn bends(data: &RunData, stroke: &Stroke) -> Vec<Panel> {
             let steps = unrolled.steps.iter();
             line(steps.map(|step| (MM * step.travel, MM * offset(step))), pen)
         };
-        let plots = vec![
+        let mut plots = vec![
             curve(|step| step.path, Pen::solid(finger_colour(finger), BOLD)),
             curve(|_| 0.0, PLANNED),
-            curve(|step| step.arc, ARC),
         ];
+        plots.extend(unrolled.has_arc().then(|| curve(|step| step.arc, ARC)));
         (plots, with_window(layout, unrolled.window))
     };
     (0..data.fingers.len()).map(bend).collect()

@@ -28,8 +28,13 @@ pub fn over_travel(data: &RunData) -> Figure {
 }
 
 fn radius(data: &RunData) -> Option<String> {
+    let centre = &data.cap.as_ref()?.centre;
     let strokes: Vec<_> = (data.strokes.iter())
         .filter(|stroke| stroke.whole && !stroke.moving.is_empty())
+        .filter(|stroke| {
+            let centre = centre.get(stroke.moving.clone());
+            centre.is_some_and(|centre| centre.iter().any(|c| c.is_finite()))
+        })
         .collect();
     let unrolled: Vec<Vec<_>> = (0..data.fingers.len())
         .map(|finger| {

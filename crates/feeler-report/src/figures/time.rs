@@ -18,73 +18,127 @@ const BUCKETS: usize = 480;
 const MARGINS: (f64, f64) = (64.0, 20.0);
 /// Height of a panel.
 const HEIGHT: f64 = 170.0;
+/// What the axis of time takes of the lowest one.
+const AXIS: f64 = 60.0;
 /// Width of a series' line.
 const LINE: f64 = 1.6;
+/// The name of the axis of time.
+const TIME: &str = "Time (s)";
 /// Width of a threshold's line.
 const THRESHOLD: f64 = 1.4;
 
-/// Fig. 8.
+/// Fig. 8; without torque where none was measured, as all of these.
 pub fn grasp_force_and_torque(data: &RunData) -> Figure {
-    let title = "Grasp force and torque over the run";
+    let rows = 0..data.time.len();
     let upper = Upper {
+        name: "Grasp force",
         label: "Grasp force (N)",
         value: |finger, row| finger.grasp_force[row],
         threshold: data.facts.grasp_force_threshold,
         threshold_name: "grasp threshold",
     };
-    Figure {
-        number: 8,
-        title: title.into(),
-        caption: "Each touch-and-release stroke makes a peak of grasp force and a peak of torque. In \
+    let title = title(data, &upper, rows.clone(), "over the run");
+    let caption = if shows_torque(data, rows.clone()) {
+        "Each touch-and-release stroke makes a peak of grasp force and a peak of torque. In \
             the paper's Fig. 8 there are four of each; in stroke 1 torque rises while grasp force \
             stays level, and strokes 3 and 4 are almost the same, because the cap is closed. Claims \
             four-peaks, first-stroke-torque-rises and closed-after-third say how far this run \
             agrees."
-            .into(),
-        svg: panels(data, 8, title, &upper, 0..data.time.len(), false),
-    }
-}
-
-/// Fig. 9.
-pub fn shear_rate_and_torque(data: &RunData) -> Figure {
-    let title = "Shear rate and torque over the run";
-    Figure {
-        number: 9,
-        title: title.into(),
-        caption: "The shear rate is the absolute time derivative of the shearing force on the \
-            element that is pressed hardest. In the paper's Fig. 9 its bumps come in step with the \
-            torque's, because the slipping element trembles; claim bumps-in-step measures that \
-            here. Where the rate of any element exceeds the slip threshold (dashed), the finger is \
-            pressed further inward. The axis is scaled to MOVE; peaks where the fingers detach may \
-            leave it."
-            .into(),
-        svg: panels(data, 9, title, &shear_rate(data), 0..data.time.len(), false),
-    }
-}
-
-/// Figs. 10 and 11: one stroke of Fig. 9 in detail.
-pub fn stroke_in_detail(data: &RunData, number: u32, stroke: u32) -> Figure {
-    let title = format!("Shear rate and torque in stroke {stroke}");
-    let caption = if stroke == 1 {
-        "In the paper's Fig. 10 the cap is still loose, and no marked shear rate occurs. Compare \
-         with the figure of stroke 4, which has the same vertical axes. The strip tells when each finger's SLIP was up and, \
-         beneath it, when a feeler slipped over the cap in truth, which only the simulator knows."
     } else {
-        "In the paper's Fig. 11 the cap is locked, and the shear rate is marked: the elements slip \
-         in bumps. Claim shear-rate-marks-closing compares this stroke with stroke 1. In the strip, SLIP should \
-         stand above true slip: claim slip-means-slip measures how often it does."
+        "Each touch-and-release stroke makes a peak of grasp force. In the paper's Fig. 8 there are \
+            four; those of strokes 3 and 4 are almost the same, because the cap is closed."
     };
-    let rows = data.whole_stroke(stroke).map(|s| s.rows.clone());
     Figure {
-        number,
-        svg: rows.and_then(|rows| panels(data, number, &title, &shear_rate(data), rows, true)),
+        number: 8,
+        svg: panels(data, 8, &title, &upper, rows, false),
         title,
         caption: caption.into(),
     }
 }
 
+/// Fig. 9.
+pub fn shear_rate_and_torque(data: &RunData) -> Figure {
+    let (rows, upper) = (0..data.time.len(), shear_rate(data));
+    let title = title(data, &upper, rows.clone(), "over the run");
+    let in_step = if shows_torque(data, rows.clone()) {
+        "In the paper's Fig. 9 its bumps come in step with the \
+            torque's, because the slipping element trembles; claim bumps-in-step measures that \
+            here. "
+    } else {
+        ""
+    };
+    let caption = format!(
+        "The shear rate is the absolute time derivative of the shearing force on the \
+            element that is pressed hardest. {in_step}Where the rate of any element exceeds the slip threshold (dashed), the finger is \
+            pressed further inward. The axis is scaled to MOVE; peaks where the fingers detach may \
+            leave it."
+    );
+    Figure {
+        number: 9,
+        svg: panels(data, 9, &title, &upper, rows, false),
+        title,
+        caption,
+    }
+}
+
+/// Figs. 10 and 11: one stroke of Fig. 9 in detail.
+pub fn stroke_in_detail(data: &RunData, number: u32, stroke: u32) -> Figure {
+    let rows = data.whole_stroke(stroke).map(|s| s.rows.clone());
+    let upper = shear_rate(data);
+    let span = rows.clone().unwrap_or(0..data.time.len());
+    let title = title(data, &upper, span, &format!("in stroke {stroke}"));
+    let knows_slip = rows.as_ref().is_some_and(|rows| knows_slip(data, rows));
+    let caption = match (stroke == 1, knows_slip) {
+        (true, true) => [
+            FIRST,
+            " and, beneath it, when a feeler slipped over the cap in truth, which only the simulator knows.",
+        ],
+        (true, false) => [FIRST, "."],
+        (false, true) => [
+            CLOSED,
+            " In the strip, SLIP should stand above true slip: claim slip-means-slip measures how often it does.",
+        ],
+        (false, false) => [CLOSED, ""],
+    };
+    Figure {
+        number,
+        svg: rows.and_then(|rows| panels(data, number, &title, &upper, rows, true)),
+        title,
+        caption: caption.concat(),
+    }
+}
+
+const FIRST: &str = "In the paper's Fig. 10 the cap is still loose, and no marked shear rate occurs. Compare \
+    with the figure of stroke 4, which has the same vertical axes. The strip tells when each finger's SLIP was up";
+const CLOSED: &str = "In the paper's Fig. 11 the cap is locked, and the shear rate is marked: the elements slip \
+    in bumps. Claim shear-rate-marks-closing compares this stroke with stroke 1.";
+
+/// Whether the true slip of a finger is known at all of these rows.
+fn knows_slip(data: &RunData, rows: &Range<usize>) -> bool {
+    let known = |finger: &FingerColumns| {
+        rows.clone()
+            .all(|row| matches!(finger.slipped.get(row), Some(Some(_))))
+    };
+    data.fingers.iter().any(known)
+}
+
+/// Whether there is a torque to draw in a span of rows.
+fn shows_torque(data: &RunData, rows: Range<usize>) -> bool {
+    data.known_torque(rows).next().is_some()
+}
+
+fn title(data: &RunData, upper: &Upper, rows: Range<usize>, when: &str) -> String {
+    let torque = if shows_torque(data, rows) {
+        " and torque"
+    } else {
+        ""
+    };
+    format!("{}{torque} {when}", upper.name)
+}
+
 fn shear_rate(data: &RunData) -> Upper {
     Upper {
+        name: "Shear rate",
         label: "Shear rate (N/s)",
         value: |finger, row| finger.shear_rate[row],
         threshold: data.facts.slip_threshold,
@@ -94,6 +148,7 @@ fn shear_rate(data: &RunData) -> Upper {
 
 /// What stands above the torque.
 struct Upper {
+    name: &'static str,
     label: &'static str,
     value: fn(&FingerColumns, usize) -> f64,
     threshold: f64,
@@ -114,22 +169,33 @@ fn panels(
         height,
         panels: vec![panel],
     };
-    let (plots, layout) = upper_panel(data, upper, rows.clone(), time);
-    let mut stacked = vec![row(HEIGHT, (plots, layout.with_force_margins_y(10.0, 4.0)))];
-    if with_slip && !data.fingers.is_empty() {
+    let strip = (with_slip && !data.fingers.is_empty()).then(|| {
         let (height, (plots, layout)) = slip_strip(data, rows.clone(), time);
-        let layout = with_strokes(layout, data, time, None);
-        stacked.push(row(height, (plots, layout)));
+        row(height, (plots, with_strokes(layout, data, time, None)))
+    });
+    let torque = torque_panel(data, rows.clone(), time);
+    let has_torque = torque.is_some();
+    let (plots, layout) = upper_panel(data, upper, rows, time);
+    let mut stacked = Vec::new();
+    if let Some(torque) = torque {
+        stacked.push(row(HEIGHT, (plots, layout.with_force_margins_y(10.0, 4.0))));
+        stacked.extend(strip);
+        stacked.push(row(HEIGHT, torque));
+    } else {
+        // What stands at the bottom names the time.
+        stacked.extend(strip);
+        stacked.push(row(HEIGHT + AXIS, (plots, layout.with_x_label(TIME))));
     }
-    stacked.push(row(HEIGHT, torque_panel(data, rows, time)?));
     let (panels, height) = stack(stacked);
     let panels = panels.with_shared_x_all();
-    Some(frame(number, title, &legend(data, upper), panels, height))
+    let legend = legend(data, upper, has_torque);
+    Some(frame(number, title, &legend, panels, height))
 }
 
 /// A quantity against time over a span of rows.
 fn series(data: &RunData, rows: Range<usize>, value: impl Fn(usize) -> f64, pen: Pen) -> Plot {
-    let points: Vec<_> = rows.map(|row| (data.time[row], value(row))).collect();
+    let points = rows.map(|row| (data.time[row], value(row)));
+    let points: Vec<_> = points.filter(|point| point.1.is_finite()).collect();
     line(thin(&points, BUCKETS), pen)
 }
 
@@ -157,21 +223,28 @@ fn upper_panel(data: &RunData, upper: &Upper, rows: Range<usize>, time: (f64, f6
     (fingers.collect(), layout)
 }
 
+/// Torque against time over a span of rows; none unless some of it was measured.
 fn torque_panel(data: &RunData, rows: Range<usize>, time: (f64, f64)) -> Option<Panel> {
+    let column = data
+        .torque
+        .as_ref()
+        .filter(|_| shows_torque(data, rows.clone()))?;
     let pen = Pen::solid(CAP, LINE);
-    let torque = series(data, rows, |row| 1e3 * data.torque[row], pen);
-    let torques = range(data.torque.iter().map(|torque| 1e3 * torque))?;
+    let torque = series(data, rows, |row| 1e3 * column[row], pen);
+    let torques = range(column.iter().map(|torque| 1e3 * torque))?;
     let (low, high) = (torques.0.min(0.0), 1.08 * torques.1.max(1.0));
-    let layout = panel(time, (low, high), "Time (s)", "Torque (mN·m)");
+    let layout = panel(time, (low, high), TIME, "Torque (mN·m)");
     let layout = with_strokes(layout, data, time, None)
         .with_y_axis_min(low)
         .with_y_axis_max(high);
     Some((vec![torque], layout))
 }
 
-fn legend(data: &RunData, upper: &Upper) -> Vec<(&'static str, Pen)> {
+fn legend(data: &RunData, upper: &Upper, has_torque: bool) -> Vec<(&'static str, Pen)> {
     let mut legend = finger_legend(data.fingers.len(), LINE);
-    legend.push(("torque", Pen::solid(CAP, LINE)));
+    if has_torque {
+        legend.push(("torque", Pen::solid(CAP, LINE)));
+    }
     legend.push((upper.threshold_name, Pen::dashed("#555555", THRESHOLD)));
     legend.push(("MOVE of stroke n", Pen::solid(SHADE, 14.0)));
     legend

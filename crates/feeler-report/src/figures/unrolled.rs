@@ -13,7 +13,8 @@ pub struct Unrolled {
     pub window: (f64, f64),
 }
 
-/// One row of an [`Unrolled`] path. What the arc does not reach is not a number.
+/// One row of an [`Unrolled`] path. What the arc does not reach is not a number, nor is anything about the axis where
+/// nothing tells where the cap is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Step {
     /// Way along the planned direction since MOVE began, m.
@@ -43,16 +44,20 @@ impl Unrolled {
         let inward = approach.reject_from_normalized(direction).try_normalize()?;
         let rows = stroke.moving.clone();
         let path = data.fingers.get(finger)?.position.get(rows.clone())?;
-        let axis = data.cap_centre.get(rows)?;
+        let centre = data.cap.as_ref().map(|cap| &cap.centre);
+        let axis = |row: usize| {
+            let centre = centre.and_then(|centre| centre.get(rows.start + row));
+            centre.copied().unwrap_or(DVec3::NAN)
+        };
         let travel = travel(path, direction)?;
         let window = window_rows(data, stroke, finger)?;
         let begin = window.first()?.checked_sub(stroke.moving.start)?;
         let end = window.last()?.checked_sub(stroke.moving.start)?;
-        let distance = |row: usize, point: DVec3| (point - axis[row]).truncate().length();
+        let distance = |row: usize, point: DVec3| (point - axis(row)).truncate().length();
         let start = distance(begin, path[begin]);
         let step = |row: usize| {
             let on_line = path[begin] + (travel[row] - travel[begin]) * direction;
-            let arc = way_to_circle(on_line - axis[row], inward, start);
+            let arc = way_to_circle(on_line - axis(row), inward, start);
             Step {
                 travel: travel[row],
                 path: (path[row] - path[begin]).dot(inward),
@@ -68,6 +73,11 @@ impl Unrolled {
             steps: (0..path.len()).map(step).collect(),
             window: (travel[begin], travel[end]),
         })
+    }
+
+    /// Whether there is an arc to be seen.
+    pub fn has_arc(&self) -> bool {
+        self.steps.iter().any(|step| step.arc.is_finite())
     }
 }
 

@@ -68,6 +68,7 @@ fn cap_section(summary: &Summary, cap: &CapMeasures) -> Markup {
             "The hand's own word: " b { (outcome) } ". It was told nothing of torque or angle; both columns “felt” below are made "
             "of forces on its fingertips and its encoders."
         }
+        @let columns: Vec<_> = COLUMNS.iter().filter(|column| cap.strokes.iter().any(|stroke| column.1(stroke).is_some())).collect();
         table {
             tbody {
                 @for (name, value) in rows(cap) { tr { th scope="row" { (name) } td { (value) } } }
@@ -76,12 +77,12 @@ fn cap_section(summary: &Summary, cap: &CapMeasures) -> Markup {
         h2 { "Strokes" }
         div.scroll {
             table {
-                thead { tr { th { "Stroke" } @for (name, _) in COLUMNS { th.number { (name) } } } }
+                thead { tr { th { "Stroke" } @for (name, _) in &columns { th.number { (name) } } } }
                 tbody {
                     @for stroke in &cap.strokes {
                         tr {
                             td { (stroke.index) }
-                            @for (_, measure) in COLUMNS { td.number { (value(measure(stroke))) } }
+                            @for (_, measure) in &columns { td.number { (value(measure(stroke))) } }
                         }
                     }
                 }
@@ -91,24 +92,27 @@ fn cap_section(summary: &Summary, cap: &CapMeasures) -> Markup {
 }
 
 fn rows(cap: &CapMeasures) -> Vec<(String, String)> {
-    let milli = |torque: Option<f64>| format!("{} mN·m", value(torque.map(|t| 1e3 * t)));
+    let not_measured = || "not measured".to_string();
+    let milli = |torque: Option<f64>| {
+        torque.map_or_else(not_measured, |t| format!("{} mN·m", significant(1e3 * t)))
+    };
     let mut rows = vec![
         (
             "What friction allows: static coefficient × grip allowed × radius × fingers"
                 .to_string(),
-            milli(Some(cap.friction_limit)),
+            cap.friction_limit
+                .map_or_else(|| "unknown".to_string(), |limit| milli(Some(limit))),
         ),
         (
             "Largest torque, by the sensor".to_string(),
             milli(cap.largest_torque),
         ),
     ];
-    if cap.sense > 0.0 {
-        let share = cap.torque_ratio.map(|ratio| 1e2 * ratio);
+    if let (Some(1.0), Some(ratio)) = (cap.sense, cap.torque_ratio) {
         let tight = significant(1e2 * TIGHT);
         rows.push((
             format!("Largest torque of the last stroke, by the sensor; a closed cap is tight from {tight} % of what friction allows"),
-            format!("{}, {} %", milli(cap.final_torque), value(share)),
+            format!("{}, {} %", milli(cap.final_torque), significant(1e2 * ratio)),
         ));
     }
     rows.push((
@@ -116,7 +120,9 @@ fn rows(cap: &CapMeasures) -> Vec<(String, String)> {
             "Longest time of an element over its damage limit ({} ms are borne)",
             significant(1e3 * DAMAGE_TIME)
         ),
-        format!("{} ms", value(cap.time_over_damage.map(|time| 1e3 * time))),
+        (cap.time_over_damage).map_or_else(not_measured, |time| {
+            format!("{} ms", significant(1e3 * time))
+        }),
     ));
     rows
 }

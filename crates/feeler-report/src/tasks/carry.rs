@@ -159,7 +159,10 @@ fn found(recording: &Recording, name: &FindingName) -> Vec<(f64, f64)> {
 
 fn way(recording: &Recording) -> Figure {
     let title = "How far the object moved";
-    let names = ["x, true", "y, true", "z, true"];
+    let names = match recording.object.is_empty() {
+        false => ["x, true", "y, true", "z, true"],
+        true => ["x, as felt", "y, as felt", "z, as felt"],
+    };
     let start = recording.object.first().map_or(DVec3::ZERO, position);
     let (mut plots, mut legend, mut all) = (Vec::new(), Vec::new(), Vec::new());
     for (axis, name) in names.into_iter().enumerate() {
@@ -170,27 +173,33 @@ fn way(recording: &Recording) -> Figure {
         let felt = found(recording, &MOVED[axis]);
         all.extend(truth.iter().chain(&felt).copied());
         let pen = Pen::solid(finger_colour(axis), 1.6);
-        plots.push(line(truth, pen));
-        plots.push(line(felt, Pen::dashed(CAP, 1.0)));
+        if recording.object.is_empty() {
+            plots.push(line(felt, pen));
+        } else {
+            plots.push(line(truth, pen));
+            plots.push(line(felt, Pen::dashed(CAP, 1.0)));
+        }
         legend.push((name, pen));
     }
-    legend.push(("as felt", Pen::dashed(CAP, 1.0)));
+    let mut caption =
+        "From where it was taken. Felt is what the tips say that stick to the object".to_string();
+    if !recording.object.is_empty() {
+        legend.push(("as felt", Pen::dashed(CAP, 1.0)));
+        caption += "; the true way is the simulator's, and the hand does not know it";
+    }
+    caption += ".";
     let ranges = range(all.iter().map(|p| p.0)).zip(range(all.iter().map(|p| p.1)));
-    let svg = ranges
-        .filter(|_| !recording.object.is_empty())
-        .map(|(time, way)| {
-            let layout = panel(time, way, "Time (s)", "Moved (mm)");
-            let panels = Panels::new(1, 1)
-                .with_plots(vec![plots])
-                .with_layouts(vec![layout]);
-            frame(1, title, &legend, panels, 320.0)
-        });
+    let svg = ranges.map(|(time, way)| {
+        let layout = panel(time, way, "Time (s)", "Moved (mm)");
+        let panels = Panels::new(1, 1)
+            .with_plots(vec![plots])
+            .with_layouts(vec![layout]);
+        frame(1, title, &legend, panels, 320.0)
+    });
     Figure {
         number: 1,
         title: title.into(),
-        caption: "From where it was taken. Felt is what the tips say that stick to the object; the true way is the \
-            simulator's, and the hand does not know it."
-            .into(),
+        caption,
         svg,
     }
 }

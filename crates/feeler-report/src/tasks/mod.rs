@@ -7,6 +7,7 @@ mod findings;
 mod friction_scan;
 mod screw;
 
+use super::cap::is_felt;
 use super::claim::Claim;
 use super::figures::Figure;
 use super::run_data::RunData;
@@ -52,5 +53,13 @@ pub fn of(facts: &RunFacts) -> &'static dyn TaskReport {
         TaskKind::FrictionScan => &friction_scan::FrictionScanReport,
         _ if facts.cap.is_some() => &cap::CapReport,
         _ => &screw::ScrewReport,
+    }
+}
+
+/// The same of a run with this recording, which may tell of a cap that its facts do not know.
+pub fn of_recording(recording: &Recording) -> &'static dyn TaskReport {
+    match is_felt(recording) {
+        true => &cap::CapReport,
+        false => of(&recording.facts),
     }
 }

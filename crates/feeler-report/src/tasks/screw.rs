@@ -49,6 +49,7 @@ impl TaskReport for ScrewReport {
                 " and reached " (significant(1e3 * peak)) " mN·m of torque"
             }
             "."
+            @if let Some(outcome) = &summary.outcome { " Outcome: " b { (outcome) } "." }
         }
     }
 
@@ -103,8 +104,12 @@ const STROKE_COLUMNS: [Column; 15] = [
     ("Peak element force", "N", |s| s.peak_element_force),
 ];
 
-/// Measures down, strokes across: four strokes fit a phone.
+/// Measures down, strokes across: four strokes fit a phone. What no stroke measures is named beneath.
 fn strokes_table(strokes: &[StrokeMeasures]) -> Markup {
+    let measured = |column: &Column| strokes.iter().any(|stroke| column.2(stroke).is_some());
+    let (columns, missing): (Vec<&Column>, Vec<&Column>) =
+        STROKE_COLUMNS.iter().partition(|c| measured(c));
+    let missing: Vec<_> = missing.iter().map(|column| column.0).collect();
     html! {
         div.scroll {
             table {
@@ -115,7 +120,7 @@ fn strokes_table(strokes: &[StrokeMeasures]) -> Markup {
                     }
                 }
                 tbody {
-                    @for (name, unit, measure) in STROKE_COLUMNS {
+                    @for (name, unit, measure) in columns {
                         tr {
                             td {
                                 (name)
@@ -127,5 +132,6 @@ fn strokes_table(strokes: &[StrokeMeasures]) -> Markup {
                 }
             }
         }
+        @if !missing.is_empty() { p.note { "Not measured: " (missing.join("; ")) "." } }
     }
 }
