@@ -16,7 +16,7 @@ const BOTTOMED_FACTOR: f64 = 10.0;
 
 /// A feeler of silicone rubber.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, default)]
 pub struct FeelerConfig {
     /// Stiffness along the feeler's axis, N/m: that of a quick deformation, where the feeler relaxes.
     pub normal_stiffness: f64,
@@ -29,24 +29,39 @@ pub struct FeelerConfig {
     /// Friction coefficient of a tip that slips over the object.
     pub kinetic_friction: f64,
     /// See [`Friction::stribeck_speed`], m/s.
-    #[serde(default)]
     pub stribeck_speed: f64,
     /// Damping along the feeler's axis, N·s/m.
-    #[serde(default)]
     pub normal_damping: f64,
     /// Damping across the feeler's axis, N·s/m.
-    #[serde(default)]
     pub shear_damping: f64,
     /// Growth of the shear stiffness with compression, relative, 1/m. It comes from a potential, so
     /// that shear presses the object away in turn and no energy is made.
-    #[serde(default)]
     pub normal_shear_coupling: f64,
     /// Compression at which the feeler meets its base and is ten times as stiff, m; none by default.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub length_limit: Option<f64>,
     /// How the rubber relaxes and creeps; by default it is elastic.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub relaxation: Option<RelaxationConfig>,
+}
+
+impl Default for FeelerConfig {
+    /// The reference experiment's soft silicone rubber: elastic, without damping.
+    fn default() -> Self {
+        Self {
+            normal_stiffness: 205.0,
+            shear_stiffness: 127.0,
+            tip_radius: 0.0021,
+            static_friction: 1.14,
+            kinetic_friction: 0.78,
+            stribeck_speed: 0.0,
+            normal_damping: 0.0,
+            shear_damping: 0.0,
+            normal_shear_coupling: 0.0,
+            length_limit: None,
+            relaxation: None,
+        }
+    }
 }
 
 /// Friction between a feeler and an object.

@@ -11,17 +11,17 @@ use super::thread::ThreadConfig;
 use super::torque_sensor::TorqueSensorConfig;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::f64::consts::PI;
 
 /// How much runs of different seeds differ. Every quantity is drawn uniformly once per run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, default)]
 pub struct VariationConfig {
     /// Greatest offset of what stands on a thread from its place along W's x and y, m.
     pub bottle_position: f64,
     /// Greatest relative change of all friction coefficients, of feelers and of objects.
     pub friction: f64,
     /// Greatest relative change of the kinetic coefficients alone; none comes out above its static one.
-    #[serde(default)]
     pub kinetic_friction: f64,
     /// Greatest relative change of the seat angle.
     pub seat_angle: f64,
@@ -29,8 +29,21 @@ pub struct VariationConfig {
     pub cap_angle: f64,
     /// Greatest offset of each joint's encoder, rad: what the hand takes for a joint's zero when it is
     /// switched on is so far from it.
-    #[serde(default)]
     pub encoder_offset: f64,
+}
+
+impl Default for VariationConfig {
+    /// The reference experiment's.
+    fn default() -> Self {
+        Self {
+            bottle_position: 0.0003,
+            friction: 0.05,
+            kinetic_friction: 0.0,
+            seat_angle: 0.05,
+            cap_angle: PI,
+            encoder_offset: 0.0,
+        }
+    }
 }
 
 /// The simulated world.
@@ -38,11 +51,13 @@ pub struct VariationConfig {
 #[serde(deny_unknown_fields)]
 pub struct SimConfig {
     /// Time step of the physics, s.
+    #[serde(default = "millisecond")]
     pub step: f64,
     /// Acceleration of free bodies, m/s², in W.
     #[serde(default = "earth")]
     pub gravity: [f64; 3],
     /// The feelers on all fingertips.
+    #[serde(default)]
     pub feeler: FeelerConfig,
     /// Feelers that differ from the others.
     #[serde(default)]
@@ -50,22 +65,31 @@ pub struct SimConfig {
     /// What there is to touch, by name.
     pub object: BTreeMap<String, ObjectConfig>,
     /// The torque sensor under what stands on a thread.
+    #[serde(default)]
     pub torque_sensor: TorqueSensorConfig,
     /// How what stands on a thread is held on the torque sensor; by default it cannot shift, and turns only as the
     /// sensor's shaft does.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub holder: Option<HolderConfig>,
     /// The drives of the fingers.
+    #[serde(default)]
     pub servo: ServoConfig,
     /// What differs from run to run.
+    #[serde(default)]
     pub variation: VariationConfig,
     /// What the camera's picture is made of.
+    #[serde(default)]
     pub optics: OpticsConfig,
     /// What breaks, and when.
     #[serde(default)]
     pub fault: Vec<FaultConfig>,
     /// Noise of forces that are sensed without pictures.
+    #[serde(default)]
     pub direct_sensing: DirectSensingConfig,
+}
+
+fn millisecond() -> f64 {
+    1e-3
 }
 
 fn earth() -> [f64; 3] {
@@ -82,10 +106,20 @@ impl SimConfig {
 
 /// Noise of forces that are sensed without pictures.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, default)]
 pub struct DirectSensingConfig {
     /// Standard deviation of an element's normal force, N.
     pub normal_noise: f64,
     /// Standard deviation of either component of an element's shear force, N.
     pub shear_noise: f64,
+}
+
+impl Default for DirectSensingConfig {
+    /// About as much as pictures of the reference fingertip have.
+    fn default() -> Self {
+        Self {
+            normal_noise: 0.002,
+            shear_noise: 0.002,
+        }
+    }
 }

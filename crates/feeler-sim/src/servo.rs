@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// The drives of a finger's three joints; all alike.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, default)]
 pub struct ServoConfig {
     /// Time constant with which a joint's velocity follows its command, s.
     pub lag: f64,
@@ -14,8 +14,18 @@ pub struct ServoConfig {
     /// Width of the dead band between a joint's motor, which the encoder reads, and its link, rad: how far
     /// the motor turns back before the link follows. Forces do not move the link within the band, and it
     /// begins in the middle.
-    #[serde(default)]
     pub backlash: f64,
+}
+
+impl Default for ServoConfig {
+    /// The reference experiment's drives, without play.
+    fn default() -> Self {
+        Self {
+            lag: 0.0125,
+            encoder_resolution: 1e-5,
+            backlash: 0.0,
+        }
+    }
 }
 
 /// The true motion of a finger's three joints.

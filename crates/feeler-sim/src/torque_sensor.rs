@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 /// The sensor and its electronics.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, default)]
 pub struct TorqueSensorConfig {
     /// Torsional stiffness, N·m/rad: the bottle turns by torque / stiffness.
     pub stiffness: f64,
@@ -28,6 +28,24 @@ pub struct TorqueSensorConfig {
     pub converter_range: f64,
     /// Bits of the converter.
     pub converter_bits: u32,
+}
+
+impl Default for TorqueSensorConfig {
+    /// The paper's TCF-0.2N (section V.A); what it does not give is assumed.
+    fn default() -> Self {
+        Self {
+            stiffness: 50.0,
+            rated_torque: 0.2,
+            rated_strain: 0.0005,
+            gauge_factor: 2.1,
+            bridge_voltage: 5.0,
+            amplifier_gain: 1000.0,
+            cutoff_frequency: 200.0,
+            noise: 0.002,
+            converter_range: 10.0,
+            converter_bits: 14,
+        }
+    }
 }
 
 /// One reading of the sensor.

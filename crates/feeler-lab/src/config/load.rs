@@ -3,6 +3,7 @@
 use super::ExperimentConfig;
 use super::check::check;
 use super::checker::Problem;
+use super::missing::missing;
 use super::settings::put;
 use super::words::in_words;
 use feeler::sensor::calibration::CalibrationError;
@@ -100,6 +101,14 @@ pub enum ConfigError {
         /// Line, column and what was expected.
         message: String,
     },
+    /// Keys that have no default are not there.
+    #[error("{origin}: {} missing: {}; expected as in a file that `feeler init` writes", keys.len(), keys.join(", "))]
+    Missing {
+        /// Where the text came from.
+        origin: String,
+        /// The keys, as far as they can be told.
+        keys: Vec<String>,
+    },
     /// The experiment is for a real rig, and a simulated one is needed.
     #[error(
         "{name}: the experiment has no [sim], so there is nothing to simulate; expected one with a simulated \
@@ -193,12 +202,19 @@ impl Experiment {
         let mut document: DocumentMut = text
             .parse()
             .map_err(|e: toml_edit::TomlError| syntax(e.to_string()))?;
+        let full = with_defaults(text, settings);
         for setting in settings {
-            put(&mut document, setting)?;
+            put(&mut document, full.as_ref(), setting)?;
         }
         let toml = document.to_string();
         let config: ExperimentConfig = toml::from_str(&toml).map_err(|e| {
-            to_blame(text, settings).unwrap_or_else(|| syntax(in_words(&e.to_string())))
+            to_blame(text, settings).unwrap_or_else(|| match missing_keys(&toml, &e) {
+                keys if keys.is_empty() => syntax(in_words(&e.to_string())),
+                keys => ConfigError::Missing {
+                    origin: origin.to_string(),
+                    keys,
+                },
+            })
         })?;
         let problems = check(&config);
         if !problems.is_empty() {
@@ -238,12 +254,23 @@ impl Experiment {
     }
 }
 
+/// A good `text` with all defaults, where `settings` need it.
+fn with_defaults(text: &str, settings: &[String]) -> Option<DocumentMut> {
+    let is_index = |part: &str| part.trim().parse::<usize>().is_ok();
+    let key = |setting: &'_ String| setting.split('=').next().map(str::to_string);
+    let mut keys = settings.iter().filter_map(key);
+    keys.any(|key| key.split('.').any(is_index)).then_some(())?;
+    let config: ExperimentConfig = toml::from_str(text).ok()?;
+    toml::to_string(&config).ok()?.parse().ok()
+}
+
 /// The first of `settings` with which a good `text` is good no more.
 fn to_blame(text: &str, settings: &[String]) -> Option<ConfigError> {
     toml::from_str::<ExperimentConfig>(text).ok()?;
     let mut document: DocumentMut = text.parse().ok()?;
+    let full = with_defaults(text, settings);
     settings.iter().find_map(|setting| {
-        if let Err(error) = put(&mut document, setting) {
+        if let Err(error) = put(&mut document, full.as_ref(), setting) {
             return Some(error);
         }
         let read = toml::from_str::<ExperimentConfig>(&document.to_string());
@@ -252,6 +279,15 @@ fn to_blame(text: &str, settings: &[String]) -> Option<ConfigError> {
             message: in_words(e.message()),
         })
     })
+}
+
+/// The keys that `toml` lacks, where that is what the parser stopped at.
+fn missing_keys(toml: &str, error: &toml::de::Error) -> Vec<String> {
+    if !error.message().starts_with("missing field") {
+        return Vec::new();
+    }
+    let table = toml.parse().unwrap_or_default();
+    missing::<ExperimentConfig>(table)
 }
 
 /// The text of a file, unless it is far longer than any that makes sense (a device, a recording).

@@ -11,7 +11,10 @@ mod check_task;
 mod check_touch_tasks;
 mod checker;
 mod load;
+mod missing;
+mod place;
 mod settings;
+mod stand_in;
 mod words;
 
 pub use checker::Problem;
@@ -34,25 +37,34 @@ pub struct ExperimentConfig {
     /// Short name, used for the run's folder: letters, digits and hyphens.
     pub name: String,
     /// What the experiment shows, in a sentence.
+    #[serde(default)]
     pub description: String,
     /// Random seed.
+    #[serde(default)]
     pub seed: u64,
     /// Whether simulated forces go through rendered pictures.
     #[serde(default)]
     pub sensing: Sensing,
     /// The run is stopped at this simulated time, s.
+    #[serde(default = "a_minute")]
     pub time_limit: f64,
     /// The fingertips' sensors.
     pub sensor: SensorConfig,
     /// The hand's fingers.
+    #[serde(default)]
     pub hand: HandConfig,
     /// The control law.
+    #[serde(default)]
     pub control: ControlConfig,
     /// What the hand does.
     pub task: TaskConfig,
     /// The simulated world that it does it in; none of a real rig.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sim: Option<SimConfig>,
+}
+
+fn a_minute() -> f64 {
+    60.0
 }
 
 /// How the controller comes by its forces.
@@ -73,6 +85,7 @@ pub struct SensorConfig {
     /// File of the calibration, relative to the experiment's; made by `feeler calibrate`.
     pub calibration: String,
     /// The elements, the camera that looks at them, and how moments are taken of its picture.
+    #[serde(default)]
     pub fingertip: FingertipConfig,
     /// Drift of the lamp and slow creep are taken out of the moments, with these tolerances; without
     /// it, they are not.
@@ -132,8 +145,29 @@ impl SensorConfig {
 
 /// The hand.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, default)]
 pub struct HandConfig {
     /// The fingers, in the order of the task's fingers.
     pub finger: Vec<FingerConfig>,
+}
+
+impl Default for HandConfig {
+    /// The reference experiment's: two fingers that face each other across a cap on W's z axis.
+    fn default() -> Self {
+        let finger = |x: f64, phi1_deg, joint_lower_deg, joint_upper_deg| FingerConfig {
+            base_position: [x, 0.0, 0.0576],
+            phi1_deg,
+            phi2_deg: 0.0,
+            links: [0.030, 0.060, 0.055],
+            joint_lower_deg,
+            joint_upper_deg,
+            joint_speed_limit: [2.0, 2.0, 2.0],
+        };
+        Self {
+            finger: vec![
+                finger(-0.1655, 0.0, [-60.0, -30.0, -150.0], [60.0, 120.0, 0.0]),
+                finger(0.1655, 180.0, [-60.0, -120.0, 0.0], [60.0, 30.0, 150.0]),
+            ],
+        }
+    }
 }

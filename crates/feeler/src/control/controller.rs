@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize};
 
 /// Everything that the control law can be tuned by.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, default)]
 pub struct ControlConfig {
     /// Time from one command to the next, s.
     pub period: f64,
@@ -35,13 +35,29 @@ pub struct ControlConfig {
     /// A moving finger whose grasp force is below this is re-compressed, too, N.
     pub minimum_grasp_force: f64,
     /// When a hand that was stopped because data were stale goes on.
-    #[serde(default)]
     pub resume: Resume,
     /// How a finger does what the task wants.
-    #[serde(default)]
     pub law: LawConfig,
     /// What no command may exceed.
     pub limits: LimitsConfig,
+}
+
+impl Default for ControlConfig {
+    /// The reference experiment's.
+    fn default() -> Self {
+        Self {
+            period: 0.01,
+            stale_periods: 3.5,
+            touch_force: 0.1,
+            over_force: 0.505,
+            slip_threshold: 6.5,
+            recompression_speed: 0.0064,
+            minimum_grasp_force: 0.08,
+            resume: Resume::default(),
+            law: LawConfig::default(),
+            limits: LimitsConfig::default(),
+        }
+    }
 }
 
 /// When a hand that was stopped because data were stale goes on.

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 /// A feeler as measured on the fingertip, on a bench.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, default)]
 pub struct FeelerShape {
     /// Stiffness along its axis, N/m.
     pub normal_stiffness: f64,

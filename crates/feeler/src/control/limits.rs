@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 /// What a command may ask of the hand, beside the joint limits of each finger.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, default)]
 pub struct LimitsConfig {
     /// Lowest corner of the box in which the domes' centres may be, m, in W.
     pub workspace_lower: [f64; 3],
@@ -23,8 +23,21 @@ pub struct LimitsConfig {
     pub joint_acceleration: f64,
     /// An element that is pressed harder than this stops the hand for good, N: something has gone wrong that no
     /// task foresaw. Without it, nothing does.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub element_force: Option<f64>,
+}
+
+impl Default for LimitsConfig {
+    /// The reference experiment's: a box about its cap.
+    fn default() -> Self {
+        Self {
+            workspace_lower: [-0.06, -0.03, 0.07],
+            workspace_upper: [0.06, 0.03, 0.13],
+            fingertip_speed: 0.05,
+            joint_acceleration: 20.0,
+            element_force: None,
+        }
+    }
 }
 
 /// What is asked of one finger, and where it stands.

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// The concentric arrangement of sensing elements on a hemispherical dome (paper, section II).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, default)]
 pub struct LayoutConfig {
     /// Radius of the sphere on which the tips of the unloaded columnar feelers lie, m.
     pub dome_radius: f64,

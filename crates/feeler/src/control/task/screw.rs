@@ -19,26 +19,45 @@ pub struct ScrewConfig {
     #[serde(default)]
     pub until: Until,
     /// How many times the fingers touch, turn and release; at most, unless it is until this count.
+    #[serde(default = "default::strokes")]
     pub strokes: u32,
     /// v_0: speed of the approach, m/s.
+    #[serde(default = "default::search_speed")]
     pub search_speed: f64,
     /// A finger that searches stops at this grasp force, N; all fingers there start to move.
+    #[serde(default = "default::grasp_force")]
     pub grasp_force: f64,
     /// A finger that has come this far from home and feels no grasp stops the task, m.
+    #[serde(default = "default::search_limit")]
     pub search_limit: f64,
     /// v_m: speed of the stroke, m/s.
+    #[serde(default = "default::move_speed")]
     pub move_speed: f64,
     /// Length of the stroke, m.
+    #[serde(default = "default::travel")]
     pub travel: f64,
     /// Speed of release and return, m/s.
+    #[serde(default = "default::return_speed")]
     pub return_speed: f64,
     /// A finger is home within this distance, m.
+    #[serde(default = "default::home_tolerance")]
     pub home_tolerance: f64,
     /// What is known of the cap; needed unless the strokes are counted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cap: Option<CapConfig>,
     /// Each finger's rectangle.
     pub finger: Vec<FingerPathConfig>,
+}
+
+defaults! {
+    strokes: u32 = 4,
+    search_speed: f64 = 0.0025,
+    grasp_force: f64 = 1.0,
+    search_limit: f64 = 0.012,
+    move_speed: f64 = 0.0083,
+    travel: f64 = 0.0093,
+    return_speed: f64 = 0.020,
+    home_tolerance: f64 = 0.0002,
 }
 
 /// One finger's rectangle.

@@ -2,6 +2,20 @@
 
 use serde::{Deserialize, Serialize};
 
+defaults! {
+    search_speed: f64 = 0.004,
+    search_limit: f64 = 0.012,
+    load: f64 = 1.0,
+    load_gain: f64 = 0.005,
+    settle_time: f64 = 0.5,
+    slide_speed: f64 = 0.001,
+    travel: f64 = 0.004,
+    slide_limit: f64 = 0.016,
+    strokes: u32 = 5,
+    return_speed: f64 = 0.020,
+    home_tolerance: f64 = 0.0002,
+}
+
 /// Where the finger presses and how it slides.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -13,25 +27,36 @@ pub struct FrictionScanConfig {
     /// Direction in which it slides first, in W; only what is across the approach counts, and not its length.
     pub slide: [f64; 3],
     /// Speed of the approach, m/s.
+    #[serde(default = "default::search_speed")]
     pub search_speed: f64,
     /// A finger that has come this far from home and feels no specimen stops the task, m.
+    #[serde(default = "default::search_limit")]
     pub search_limit: f64,
     /// Force with which it presses, N.
+    #[serde(default = "default::load")]
     pub load: f64,
     /// Speed at which it presses harder for each newton that is missing, m/(s N).
+    #[serde(default = "default::load_gain")]
     pub load_gain: f64,
     /// How long it presses before it slides, s; the noise of its forces is measured in the second half.
+    #[serde(default = "default::settle_time")]
     pub settle_time: f64,
     /// Speed of sliding, m/s.
+    #[serde(default = "default::slide_speed")]
     pub slide_speed: f64,
     /// How far it slides in a stroke after the first slip, m.
+    #[serde(default = "default::travel")]
     pub travel: f64,
     /// A stroke that has come this far without a slip ends the task, m.
+    #[serde(default = "default::slide_limit")]
     pub slide_limit: f64,
     /// Strokes, back and forth in turn, at least 3: the first one does not count.
+    #[serde(default = "default::strokes")]
     pub strokes: u32,
     /// Speed of release and return, m/s.
+    #[serde(default = "default::return_speed")]
     pub return_speed: f64,
     /// The finger is home within this distance, m.
+    #[serde(default = "default::home_tolerance")]
     pub home_tolerance: f64,
 }
