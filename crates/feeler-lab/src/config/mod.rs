@@ -10,6 +10,7 @@ mod check_sim;
 mod check_task;
 mod check_touch_tasks;
 mod checker;
+mod in_short;
 mod load;
 mod missing;
 mod place;
