@@ -3,15 +3,25 @@
 use super::columnar_feeler::FeelerConfig;
 use super::element::ElementConfig;
 use super::fault::FaultConfig;
+use super::fault_check::FaultTargets;
 use super::holder::HolderConfig;
 use super::object::ObjectConfig;
-use super::optics_config::OpticsConfig;
+use super::optics_config::{OpticsConfig, OpticsError};
 use super::servo::ServoConfig;
 use super::thread::ThreadConfig;
 use super::torque_sensor::TorqueSensorConfig;
+use feeler::check::Checker;
+use feeler::sensor::fingertip::FingertipConfig;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
+
+/// Far more objects than a hand could touch.
+const MAX_OBJECTS: usize = 64;
+/// Most faults: each is looked at in every step.
+const MAX_FAULTS: usize = 256;
+/// Physics steps in one control period at most: beyond, a run would seem to hang.
+const MAX_STEPS_PER_PERIOD: f64 = 1000.0;
 
 /// How much runs of different seeds differ. Every quantity is drawn uniformly once per run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -104,6 +114,98 @@ impl SimConfig {
     }
 }
 
+impl SimConfig {
+    /// Requires every value to be in its range, for a hand with these `fingertips`, one per finger, and a control period of
+    /// `period` seconds. Keys are those of an experiment file: `sim`.
+    pub fn check(&self, fingertips: &[&FingertipConfig], period: f64, checker: &mut Checker) {
+        checker.between("sim.step", self.step, 1e-6, 0.1);
+        checker.vector("sim.gravity", self.gravity);
+        self.servo.check("sim.servo", checker);
+        self.feeler.check("sim.feeler", checker);
+        for (index, exception) in self.element.iter().enumerate() {
+            let feeler = exception.feeler(&self.feeler);
+            feeler.check(&format!("sim.element[{index}]"), checker);
+        }
+        checker.require(
+            "sim.object",
+            format!("{} objects", self.object.len()),
+            (1..=MAX_OBJECTS).contains(&self.object.len()),
+            &format!("1 to {MAX_OBJECTS} objects"),
+        );
+        for (name, object) in &self.object {
+            object.check(&format!("sim.object.{name}"), checker);
+        }
+        self.torque_sensor.check("sim.torque_sensor", checker);
+        if let Some(holder) = &self.holder {
+            holder.check("sim.holder", checker);
+        }
+        self.variation.check("sim.variation", checker);
+        self.direct_sensing.check("sim.direct_sensing", checker);
+        self.check_optics(checker);
+        self.check_faults(fingertips, period, checker);
+        self.check_period(period, checker);
+    }
+
+    fn check_faults(&self, fingertips: &[&FingertipConfig], period: f64, checker: &mut Checker) {
+        checker.require(
+            "sim.fault",
+            format!("{} faults", self.fault.len()),
+            self.fault.len() <= MAX_FAULTS,
+            &format!("at most {MAX_FAULTS}"),
+        );
+        let targets = FaultTargets {
+            fingertips,
+            period,
+            objects: &self.object,
+        };
+        for (index, fault) in self.fault.iter().enumerate() {
+            fault.check(&format!("sim.fault[{index}]"), &targets, checker);
+        }
+    }
+
+    fn check_optics(&self, checker: &mut Checker) {
+        if let Err(OpticsError::OutOfRange {
+            name,
+            low,
+            high,
+            value,
+        }) = self.optics.check()
+        {
+            checker.between(&format!("sim.optics.{name}"), value, low, high);
+        }
+    }
+
+    fn check_period(&self, period: f64, checker: &mut Checker) {
+        let steps = period / self.step;
+        checker.require(
+            "control.period",
+            period.to_string(),
+            (steps - steps.round()).abs() < 1e-6 && (0.5..=MAX_STEPS_PER_PERIOD).contains(&steps),
+            &format!(
+                "1 to {MAX_STEPS_PER_PERIOD} times sim.step = {}, a whole number",
+                self.step
+            ),
+        );
+    }
+}
+
+impl VariationConfig {
+    /// Requires every value of the table `key` to be in its range.
+    pub fn check(&self, key: &str, checker: &mut Checker) {
+        checker.not_negative(&format!("{key}.bottle_position"), self.bottle_position);
+        checker.not_negative(&format!("{key}.cap_angle"), self.cap_angle);
+        let most = [
+            ("encoder_offset", self.encoder_offset, 1.0),
+            ("friction", self.friction, 0.99),
+            ("kinetic_friction", self.kinetic_friction, 0.99),
+            ("seat_angle", self.seat_angle, 0.99),
+        ];
+        for (field, value, most) in most {
+            checker.between(&format!("{key}.{field}"), value, 0.0, most);
+        }
+    }
+}
+
 /// Noise of forces that are sensed without pictures.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -121,5 +223,13 @@ impl Default for DirectSensingConfig {
             normal_noise: 0.002,
             shear_noise: 0.002,
         }
+    }
+}
+
+impl DirectSensingConfig {
+    /// Requires every value of the table `key` to be in its range.
+    pub fn check(&self, key: &str, checker: &mut Checker) {
+        checker.not_negative(&format!("{key}.normal_noise"), self.normal_noise);
+        checker.not_negative(&format!("{key}.shear_noise"), self.shear_noise);
     }
 }

@@ -1,5 +1,6 @@
 //! The joints' drives: velocity controlled, with a first-order lag and an incremental encoder.
 
+use feeler::check::Checker;
 use glam::{BVec3, DVec3};
 use serde::{Deserialize, Serialize};
 
@@ -25,6 +26,16 @@ impl Default for ServoConfig {
             encoder_resolution: 1e-5,
             backlash: 0.0,
         }
+    }
+}
+
+impl ServoConfig {
+    /// Requires every value of the table `key` to be in its range.
+    pub fn check(&self, key: &str, checker: &mut Checker) {
+        checker.not_negative(&format!("{key}.lag"), self.lag);
+        let resolution = self.encoder_resolution;
+        checker.positive(&format!("{key}.encoder_resolution"), resolution);
+        checker.between(&format!("{key}.backlash"), self.backlash, 0.0, 1.0);
     }
 }
 

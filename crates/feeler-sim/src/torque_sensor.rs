@@ -2,6 +2,7 @@
 //! converter (paper, section V.A).
 
 use super::random::{Generator, normal};
+use feeler::check::Checker;
 use serde::{Deserialize, Serialize};
 
 /// The sensor and its electronics.
@@ -45,6 +46,30 @@ impl Default for TorqueSensorConfig {
             converter_range: 10.0,
             converter_bits: 14,
         }
+    }
+}
+
+impl TorqueSensorConfig {
+    /// Requires every value of the table `key` to be in its range.
+    pub fn check(&self, key: &str, checker: &mut Checker) {
+        let positive = [
+            ("stiffness", self.stiffness),
+            ("rated_torque", self.rated_torque),
+            ("gauge_factor", self.gauge_factor),
+            ("bridge_voltage", self.bridge_voltage),
+            ("amplifier_gain", self.amplifier_gain),
+            ("cutoff_frequency", self.cutoff_frequency),
+            ("converter_range", self.converter_range),
+        ];
+        checker.all_positive(key, &positive);
+        checker.not_negative(&format!("{key}.noise"), self.noise);
+        checker.between(&format!("{key}.rated_strain"), self.rated_strain, 1e-9, 0.1);
+        checker.require(
+            &format!("{key}.converter_bits"),
+            self.converter_bits.to_string(),
+            (1..=24).contains(&self.converter_bits),
+            "1 to 24",
+        );
     }
 }
 

@@ -1,6 +1,6 @@
 //! An experiment file without what stands there as it is by default.
 
-use super::ExperimentConfig;
+use super::experiment_config::ExperimentConfig;
 use super::load::Experiment;
 use toml_edit::{DocumentMut, Item};
 

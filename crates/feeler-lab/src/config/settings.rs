@@ -1,6 +1,6 @@
 //! What the command line sets: `control.slip_threshold=2.5` put into an experiment's text.
 
-use super::load::ConfigError;
+use super::error::ConfigError;
 use toml_edit::{DocumentMut, Item, Value};
 
 /// Puts `key.path=value` into a document; numbers in the path index arrays. A list of which it sets one entry is taken from

@@ -1,8 +1,9 @@
 //! The hand program's decision: from tactile frames and joint angles to joint velocities.
 
-use super::flags::FlagThresholds;
-use super::law::{Law, LawConfig};
-use super::limits::{Admitted, LimitsConfig, Request};
+pub use super::config::{ControlConfig, Resume};
+
+use super::law::Law;
+use super::limits::{Admitted, Request};
 use super::phase::Phase;
 use super::plan::Plan;
 use super::sense::{FingertipPose, HandSense};
@@ -14,73 +15,6 @@ use crate::hand::hand::{HandCommand, HandState, JointState};
 use crate::hand::kinematics::fingertip_pose;
 use crate::sensor::layout::ElementLayout;
 use glam::DVec3;
-use serde::{Deserialize, Serialize};
-
-/// Everything that the control law can be tuned by.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct ControlConfig {
-    /// Time from one command to the next, s.
-    pub period: f64,
-    /// Forces older than this many control periods stop the hand.
-    pub stale_periods: f64,
-    /// F1: an element pressed harder than this touches, N.
-    pub touch_force: f64,
-    /// F2: an element pressed harder than this may not be pressed further, N.
-    pub over_force: f64,
-    /// dr: an element whose shear force changes faster than this slips, N/s.
-    pub slip_threshold: f64,
-    /// v_r: speed of re-compression, m/s.
-    pub recompression_speed: f64,
-    /// A moving finger whose grasp force is below this is re-compressed, too, N.
-    pub minimum_grasp_force: f64,
-    /// When a hand that was stopped because data were stale goes on.
-    pub resume: Resume,
-    /// How a finger does what the task wants.
-    pub law: LawConfig,
-    /// What no command may exceed.
-    pub limits: LimitsConfig,
-}
-
-impl Default for ControlConfig {
-    /// The reference experiment's.
-    fn default() -> Self {
-        Self {
-            period: 0.01,
-            stale_periods: 3.5,
-            touch_force: 0.1,
-            over_force: 0.505,
-            slip_threshold: 6.5,
-            recompression_speed: 0.0064,
-            minimum_grasp_force: 0.08,
-            resume: Resume::default(),
-            law: LawConfig::default(),
-            limits: LimitsConfig::default(),
-        }
-    }
-}
-
-/// When a hand that was stopped because data were stale goes on.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Resume {
-    /// When somebody tells it to.
-    #[default]
-    Told,
-    /// As soon as data are fresh again.
-    Fresh,
-}
-
-impl ControlConfig {
-    /// The thresholds of the flag analyzer.
-    pub fn thresholds(&self) -> FlagThresholds {
-        FlagThresholds {
-            touch_force: self.touch_force,
-            over_force: self.over_force,
-            slip_threshold: self.slip_threshold,
-        }
-    }
-}
 
 /// One finger as the controller drives it.
 #[derive(Debug, Clone)]
@@ -124,7 +58,7 @@ impl Controller {
     ) -> Self {
         let finger = |(geometry, layout): (&FingerGeometry, &ElementLayout)| FingerControl {
             geometry: geometry.clone(),
-            law: config.law.law(&config, layout.elements.len()),
+            law: config.law(layout.elements.len()),
             velocity: DVec3::ZERO,
             admitted: Admitted::default(),
         };

@@ -1,6 +1,7 @@
 //! What a hand knows of its own feelers, and where their tips are by the forces on them.
 
 use super::sense::FingerSense;
+use crate::check::Checker;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -28,6 +29,16 @@ impl Default for FeelerShape {
 }
 
 impl FeelerShape {
+    /// Requires every value of the table `key` to be in its range.
+    pub fn check(&self, key: &str, checker: &mut Checker) {
+        let positive = [
+            ("normal_stiffness", self.normal_stiffness),
+            ("shear_stiffness", self.shear_stiffness),
+            ("tip_radius", self.tip_radius),
+        ];
+        checker.all_positive(key, &positive);
+    }
+
     /// Centre of the deformed tip of `element`, m, in W: where the tip is without load, and how far the
     /// `force` on it, N, in W, has pushed it.
     pub fn tip(&self, finger: &FingerSense<'_>, element: usize, force: DVec3) -> Option<DVec3> {

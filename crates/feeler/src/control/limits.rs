@@ -4,6 +4,7 @@
 //! A command to stop does not: it is for all drives at once, as fast as they brake, whatever the
 //! acceleration limit.
 
+use crate::check::Checker;
 use crate::hand::finger::FingerGeometry;
 use crate::hand::resolved_rate::{damping_threshold, resolved_rate};
 use glam::DVec3;
@@ -65,6 +66,31 @@ pub struct Admitted {
 }
 
 impl LimitsConfig {
+    /// Requires every value of the table `key` to be in its range, where `over_force` (F2), N, is a usual force.
+    pub fn check(&self, key: &str, over_force: f64, checker: &mut Checker) {
+        let positive = [
+            ("fingertip_speed", self.fingertip_speed),
+            ("joint_acceleration", self.joint_acceleration),
+        ];
+        checker.all_positive(key, &positive);
+        if let Some(limit) = self.element_force {
+            checker.require(
+                &format!("{key}.element_force"),
+                limit.to_string(),
+                limit.is_finite() && limit > over_force,
+                &format!("more than control.over_force = {over_force}"),
+            );
+        }
+        let (lower, upper) = (self.workspace_lower, self.workspace_upper);
+        checker.vector(&format!("{key}.workspace_lower"), lower);
+        checker.require(
+            &format!("{key}.workspace_upper"),
+            format!("{upper:?}"),
+            upper.iter().zip(lower).all(|(&u, l)| u <= 10.0 && u > l),
+            &format!("more than {key}.workspace_lower = {lower:?}, at most 10"),
+        );
+    }
+
     /// Turns a wanted fingertip velocity into joint velocities for a control period of `period`
     /// seconds, from which the finger can always be braked before a limit. `None` when the request
     /// or what becomes of it is not finite.

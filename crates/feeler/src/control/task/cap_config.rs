@@ -1,5 +1,6 @@
 //! When a cap is done with, and what is known of it beforehand.
 
+use crate::check::{Checker, MAX};
 use crate::control::feeler_shape::FeelerShape;
 use serde::{Deserialize, Serialize};
 
@@ -70,4 +71,38 @@ pub struct CapConfig {
     /// The feelers, as measured on a bench.
     #[serde(default)]
     pub feeler: FeelerShape,
+}
+
+impl CapConfig {
+    /// Requires every value of the table `key` to be in its range, and the grip to be at least the `grasp_force`, which
+    /// comes with its key.
+    pub fn check(&self, key: &str, grasp_force: (&str, f64), checker: &mut Checker) {
+        let [x, y] = self.axis;
+        checker.vector(&format!("{key}.axis"), [x, y, 0.0]);
+        let positive = [
+            ("grip_gain", self.grip_gain),
+            ("clearance", self.clearance),
+            ("still_turn", self.still_turn),
+            ("most_friction", self.most_friction),
+            ("most_turns", self.most_turns),
+            ("open_turns", self.open_turns),
+        ];
+        checker.all_positive(key, &positive);
+        self.feeler.check(&format!("{key}.feeler"), checker);
+        checker.not_negative(&format!("{key}.softest_seat"), self.softest_seat);
+        let (least_key, least) = grasp_force;
+        checker.require(
+            &format!("{key}.grip"),
+            self.grip.to_string(),
+            self.grip >= least && self.grip <= MAX,
+            &format!("from {least_key} = {least} to {MAX:e}"),
+        );
+        checker.positive(&format!("{key}.damage_force"), self.damage_force);
+        checker.require(
+            &format!("{key}.least_turns"),
+            self.least_turns.to_string(),
+            (0.0..self.most_turns).contains(&self.least_turns),
+            &format!("from 0 to less than {key}.most_turns = {}", self.most_turns),
+        );
+    }
 }

@@ -26,6 +26,7 @@ pub mod contour;
 pub mod friction_scan;
 mod homing;
 pub mod screw;
+mod screw_config;
 mod search;
 pub mod surface;
 

@@ -1,7 +1,11 @@
 //! What the carry task is tuned by.
 
+use crate::check::Checker;
 use crate::control::feeler_shape::FeelerShape;
 use serde::{Deserialize, Serialize};
+
+/// Most waypoints of a path.
+const MAX_WAYPOINTS: usize = 1000;
 
 /// What is carried where, and how.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -98,4 +102,45 @@ pub struct CarryFinger {
     pub home: [f64; 3],
     /// Direction in which it presses, in W; its length does not matter.
     pub approach: [f64; 3],
+}
+
+impl CarryConfig {
+    /// Requires every value of the table `key` to be in its range.
+    pub fn check(&self, key: &str, checker: &mut Checker) {
+        let positive = [
+            ("search_speed", self.search_speed),
+            ("search_limit", self.search_limit),
+            ("friction", self.friction),
+            ("touch_force", self.touch_force),
+            ("slip_threshold", self.slip_threshold),
+            ("force_gain", self.force_gain),
+            ("press_speed", self.press_speed),
+            ("carry_speed", self.carry_speed),
+            ("lost_time", self.lost_time),
+            ("give", self.give),
+            ("return_speed", self.return_speed),
+            ("home_tolerance", self.home_tolerance),
+        ];
+        checker.all_positive(key, &positive);
+        checker.between(&format!("{key}.margin"), self.margin, 1.0, 10.0);
+        checker.not_negative(&format!("{key}.place_gain"), self.place_gain);
+        let grip_force = ("grip_force", self.grip_force);
+        checker.more_than(key, grip_force, ("touch_force", self.touch_force));
+        checker.more_than(key, ("crush_force", self.crush_force), grip_force);
+        checker.require(
+            &format!("{key}.waypoint"),
+            format!("{} waypoints", self.waypoint.len()),
+            (1..=MAX_WAYPOINTS).contains(&self.waypoint.len()),
+            &format!("1 to {MAX_WAYPOINTS} waypoints"),
+        );
+        for (index, waypoint) in self.waypoint.iter().enumerate() {
+            checker.vector(&format!("{key}.waypoint[{index}].to"), waypoint.to);
+            checker.not_negative(&format!("{key}.waypoint[{index}].hold"), waypoint.hold);
+        }
+        for (index, finger) in self.finger.iter().enumerate() {
+            checker.vector(&format!("{key}.finger[{index}].home"), finger.home);
+            checker.direction(&format!("{key}.finger[{index}].approach"), finger.approach);
+        }
+        self.feeler.check(&format!("{key}.feeler"), checker);
+    }
 }

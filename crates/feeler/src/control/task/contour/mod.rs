@@ -5,93 +5,22 @@
 //! it has on its left. Where that runs is told by the force: normal and friction together lean back from the
 //! surface's normal by the angle of friction, which is learnt on the way.
 
+mod config;
 mod outline;
+
+pub use config::ContourConfig;
 
 use super::homing::homeward;
 use super::search::check_search;
 use super::surface::touching;
 use super::{Finding, Task};
-use crate::control::feeler_shape::FeelerShape;
 use crate::control::phase::Phase;
 use crate::control::plan::Plan;
 use crate::control::sense::{FingerSense, HandSense};
 use crate::control::stop_reason::StopReason;
 use glam::{DVec2, DVec3};
 use outline::Outline;
-use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
-
-/// How the finger goes round.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ContourConfig {
-    /// Where the dome's centre starts from, m, in W. It keeps this height.
-    pub home: [f64; 3],
-    /// Horizontal direction in which the finger searches for the object, in W; its length does not matter.
-    pub approach: [f64; 3],
-    /// Speed of the approach, m/s.
-    #[serde(default = "default::search_speed")]
-    pub search_speed: f64,
-    /// A finger that has come this far from home and feels nothing stops the task, m.
-    #[serde(default = "default::search_limit")]
-    pub search_limit: f64,
-    /// Speed along the surface, m/s.
-    #[serde(default = "default::follow_speed")]
-    pub follow_speed: f64,
-    /// Horizontal force that is kept, N.
-    #[serde(default = "default::contact_force")]
-    pub contact_force: f64,
-    /// Elements pressed harder than this count, N.
-    #[serde(default = "default::touch_force")]
-    pub touch_force: f64,
-    /// Speed at which the finger presses harder for each newton that is missing, m/(s N).
-    #[serde(default = "default::force_gain")]
-    pub force_gain: f64,
-    /// Greatest speed at which it presses or gives way, m/s.
-    #[serde(default = "default::press_speed")]
-    pub press_speed: f64,
-    /// How fast the angle of friction is learnt from a force that is off, rad/(s N).
-    #[serde(default = "default::friction_gain")]
-    pub friction_gain: f64,
-    /// The outline is closed where it comes back to its first point within this distance, m.
-    #[serde(default = "default::closing_distance")]
-    pub closing_distance: f64,
-    /// A finger that has felt nothing for so long gives up, s.
-    #[serde(default = "default::lost_time")]
-    pub lost_time: f64,
-    /// A finger that has gone on for so long gives up, s.
-    #[serde(default = "default::follow_limit")]
-    pub follow_limit: f64,
-    /// How far the finger moves off the object before it returns, m.
-    #[serde(default = "default::clearance")]
-    pub clearance: f64,
-    /// Speed of release and return, m/s.
-    #[serde(default = "default::return_speed")]
-    pub return_speed: f64,
-    /// The finger is home within this distance, m.
-    #[serde(default = "default::home_tolerance")]
-    pub home_tolerance: f64,
-    /// The feelers of the fingertip.
-    #[serde(default)]
-    pub feeler: FeelerShape,
-}
-
-defaults! {
-    search_speed: f64 = 0.004,
-    search_limit: f64 = 0.050,
-    follow_speed: f64 = 0.006,
-    contact_force: f64 = 0.5,
-    touch_force: f64 = 0.02,
-    force_gain: f64 = 0.03,
-    press_speed: f64 = 0.02,
-    friction_gain: f64 = 0.5,
-    closing_distance: f64 = 0.001,
-    lost_time: f64 = 1.0,
-    follow_limit: f64 = 90.0,
-    clearance: f64 = 0.005,
-    return_speed: f64 = 0.020,
-    home_tolerance: f64 = 0.0002,
-}
 
 /// Greatest angle of friction that is believed, rad: a coefficient of 3.
 const MAX_LEAN: f64 = 1.25;
