@@ -16,7 +16,17 @@ pub struct Arguments {
     /// The built-in experiment to start from (see `feeler list`).
     #[arg(long, value_name = "NAME", default_value = "cap-closing")]
     from: String,
+    /// Write every key that the built-in experiment has, and not only what is usual to set.
+    #[arg(long)]
+    full: bool,
 }
+
+/// What a short file begins with.
+const HEADING: &str = "\
+# What is usual to set; `feeler init all.toml --full` writes every key. A key that is left out has its default
+# (docs/experiment-files.md). Units are SI unless a suffix says otherwise. W is the world: z up.
+
+";
 
 pub fn init(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     let (file, from) = (&arguments.file, &arguments.from);
@@ -37,7 +47,11 @@ pub fn init(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comma
             .create(path, "calibration")?
             .finish(text.as_bytes())?;
     }
-    toml.finish(experiment.toml.as_bytes())?;
+    let text = match arguments.full {
+        true => experiment.toml,
+        false => experiment.in_short(HEADING),
+    };
+    toml.finish(text.as_bytes())?;
     for path in calibrations.iter().map(|(path, _)| path).chain([file]) {
         writeln!(out, "{}", path.display())?;
     }

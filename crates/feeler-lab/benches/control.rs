@@ -88,9 +88,11 @@ fn decide_in_contact(bencher: Bencher, config: &ExperimentConfig) {
 #[divan::bench(args = LawConfig::NAMES)]
 fn law_in_contact(bencher: Bencher, law: &str) {
     let config = config("cap-closing");
-    let mut law = LawConfig::named(law)
-        .expect("a law")
-        .law(&config.control, ELEMENTS);
+    let mut law = LawConfig::named(law).expect("a law").law(
+        config.control.reflex(),
+        config.control.touch_force,
+        ELEMENTS,
+    );
     let layout = ElementLayout::new(&config.sensor.fingertip.layout);
     let mut analyzer = FlagAnalyzer::new(config.control.thresholds(), ELEMENTS);
     let mut touch = FingerTouch::none(ELEMENTS);

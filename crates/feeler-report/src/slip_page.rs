@@ -24,7 +24,8 @@ pub struct SlipPage {
     pub curves: Vec<Roc>,
 }
 
-/// How a detector did with one threshold. Estimates stand between the ends of their 95 % confidence intervals.
+/// How a detector did with one threshold. Estimates stand between the ends of their 95 % confidence intervals, which are
+/// not numbers where one trial has no interval.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OperatingPoint {
     /// The detector.
@@ -109,7 +110,9 @@ pub fn slip_page(page: &SlipPage) -> String {
             }
         }
         p.note {
-            "In brackets 95 % confidence, by drawing whole trials again (bootstrap). The shear rate's threshold is in N/s, that of missing shear in N. "
+            "In brackets 95 % confidence, by drawing whole trials again (bootstrap)."
+            @if page.trials == 1 { " One trial has no interval." }
+            " The shear rate's threshold is in N/s, that of missing shear in N. "
             "On what may move, shear that all touching elements miss alike counts as motion of what they touch. "
             "A slip begins after five frames without, and counts as never noticed after ten."
         }

@@ -1,11 +1,11 @@
 //! Contact of one feeler: an anisotropic spring between its undeformed tip and an anchor on the
 //! object's surface, held there by friction (design, section 8).
 
+pub use super::feeler_config::{FeelerConfig, Friction};
+
 use super::object::Object;
-use super::relaxation::RelaxationConfig;
 use super::shape::SurfacePoint;
 use glam::DVec3;
-use serde::{Deserialize, Serialize};
 
 /// A slipping anchor is followed along the surface in steps; on a cylinder two or three suffice.
 const MAX_SLIP_ITERATIONS: usize = 16;
@@ -13,79 +13,6 @@ const MAX_SLIP_ITERATIONS: usize = 16;
 const SLIP_TOLERANCE: f64 = 1e-9;
 /// A feeler that is compressed beyond its length limit is stiffer by this factor.
 const BOTTOMED_FACTOR: f64 = 10.0;
-
-/// A feeler of silicone rubber.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct FeelerConfig {
-    /// Stiffness along the feeler's axis, N/m: that of a quick deformation, where the feeler relaxes.
-    pub normal_stiffness: f64,
-    /// Stiffness across the feeler's axis, N/m: that of a quick deformation, where the feeler relaxes.
-    pub shear_stiffness: f64,
-    /// Radius of the feeler's rounded tip, m.
-    pub tip_radius: f64,
-    /// Friction coefficient of a tip that sticks to the object.
-    pub static_friction: f64,
-    /// Friction coefficient of a tip that slips over the object.
-    pub kinetic_friction: f64,
-    /// See [`Friction::stribeck_speed`], m/s.
-    #[serde(default)]
-    pub stribeck_speed: f64,
-    /// Damping along the feeler's axis, N·s/m.
-    #[serde(default)]
-    pub normal_damping: f64,
-    /// Damping across the feeler's axis, N·s/m.
-    #[serde(default)]
-    pub shear_damping: f64,
-    /// Growth of the shear stiffness with compression, relative, 1/m. It comes from a potential, so
-    /// that shear presses the object away in turn and no energy is made.
-    #[serde(default)]
-    pub normal_shear_coupling: f64,
-    /// Compression at which the feeler meets its base and is ten times as stiff, m; none by default.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub length_limit: Option<f64>,
-    /// How the rubber relaxes and creeps; by default it is elastic.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub relaxation: Option<RelaxationConfig>,
-}
-
-/// Friction between a feeler and an object.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Friction {
-    /// Coefficient while the tip sticks.
-    pub static_friction: f64,
-    /// Coefficient while the tip slips.
-    pub kinetic_friction: f64,
-    /// Speed of the surface under the undeformed tip, m/s, at which a slip's drop from the static to
-    /// the kinetic limit is 1 - 1/e of the whole drop (`1 - exp(-v / v_s)`); 0: always the whole.
-    #[serde(default)]
-    pub stribeck_speed: f64,
-}
-
-impl Friction {
-    /// Both coefficients, `factor` times as large.
-    pub fn scaled(self, factor: f64) -> Self {
-        Self {
-            static_friction: self.static_friction * factor,
-            kinetic_friction: self.kinetic_friction * factor,
-            ..self
-        }
-    }
-
-    /// The friction of a surface that passes under the tip at `speed`, m/s.
-    pub fn at_speed(self, speed: f64) -> Self {
-        if self.stribeck_speed <= 0.0 {
-            return self;
-        }
-        let remaining = (-speed / self.stribeck_speed).exp();
-        let drop = self.static_friction - self.kinetic_friction;
-        Self {
-            kinetic_friction: self.kinetic_friction + remaining * drop,
-            ..self
-        }
-    }
-}
 
 /// Where a feeler holds on to the object.
 #[derive(Debug, Clone, Copy, PartialEq)]

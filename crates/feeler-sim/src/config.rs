@@ -3,25 +3,35 @@
 use super::columnar_feeler::FeelerConfig;
 use super::element::ElementConfig;
 use super::fault::FaultConfig;
+use super::fault_check::FaultTargets;
 use super::holder::HolderConfig;
 use super::object::ObjectConfig;
-use super::optics_config::OpticsConfig;
+use super::optics_config::{OpticsConfig, OpticsError};
 use super::servo::ServoConfig;
 use super::thread::ThreadConfig;
 use super::torque_sensor::TorqueSensorConfig;
+use feeler::check::Checker;
+use feeler::sensor::fingertip::FingertipConfig;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::f64::consts::PI;
+
+/// Far more objects than a hand could touch.
+const MAX_OBJECTS: usize = 64;
+/// Most faults: each is looked at in every step.
+const MAX_FAULTS: usize = 256;
+/// Physics steps in one control period at most: beyond, a run would seem to hang.
+const MAX_STEPS_PER_PERIOD: f64 = 1000.0;
 
 /// How much runs of different seeds differ. Every quantity is drawn uniformly once per run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, default)]
 pub struct VariationConfig {
     /// Greatest offset of what stands on a thread from its place along W's x and y, m.
     pub bottle_position: f64,
     /// Greatest relative change of all friction coefficients, of feelers and of objects.
     pub friction: f64,
     /// Greatest relative change of the kinetic coefficients alone; none comes out above its static one.
-    #[serde(default)]
     pub kinetic_friction: f64,
     /// Greatest relative change of the seat angle.
     pub seat_angle: f64,
@@ -29,8 +39,21 @@ pub struct VariationConfig {
     pub cap_angle: f64,
     /// Greatest offset of each joint's encoder, rad: what the hand takes for a joint's zero when it is
     /// switched on is so far from it.
-    #[serde(default)]
     pub encoder_offset: f64,
+}
+
+impl Default for VariationConfig {
+    /// The reference experiment's.
+    fn default() -> Self {
+        Self {
+            bottle_position: 0.0003,
+            friction: 0.05,
+            kinetic_friction: 0.0,
+            seat_angle: 0.05,
+            cap_angle: PI,
+            encoder_offset: 0.0,
+        }
+    }
 }
 
 /// The simulated world.
@@ -38,11 +61,13 @@ pub struct VariationConfig {
 #[serde(deny_unknown_fields)]
 pub struct SimConfig {
     /// Time step of the physics, s.
+    #[serde(default = "millisecond")]
     pub step: f64,
     /// Acceleration of free bodies, m/s², in W.
     #[serde(default = "earth")]
     pub gravity: [f64; 3],
     /// The feelers on all fingertips.
+    #[serde(default)]
     pub feeler: FeelerConfig,
     /// Feelers that differ from the others.
     #[serde(default)]
@@ -50,22 +75,31 @@ pub struct SimConfig {
     /// What there is to touch, by name.
     pub object: BTreeMap<String, ObjectConfig>,
     /// The torque sensor under what stands on a thread.
+    #[serde(default)]
     pub torque_sensor: TorqueSensorConfig,
     /// How what stands on a thread is held on the torque sensor; by default it cannot shift, and turns only as the
     /// sensor's shaft does.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub holder: Option<HolderConfig>,
     /// The drives of the fingers.
+    #[serde(default)]
     pub servo: ServoConfig,
     /// What differs from run to run.
+    #[serde(default)]
     pub variation: VariationConfig,
     /// What the camera's picture is made of.
+    #[serde(default)]
     pub optics: OpticsConfig,
     /// What breaks, and when.
     #[serde(default)]
     pub fault: Vec<FaultConfig>,
     /// Noise of forces that are sensed without pictures.
+    #[serde(default)]
     pub direct_sensing: DirectSensingConfig,
+}
+
+fn millisecond() -> f64 {
+    1e-3
 }
 
 fn earth() -> [f64; 3] {
@@ -80,12 +114,122 @@ impl SimConfig {
     }
 }
 
+impl SimConfig {
+    /// Requires every value to be in its range, for a hand with these `fingertips`, one per finger, and a control period of
+    /// `period` seconds. Keys are those of an experiment file: `sim`.
+    pub fn check(&self, fingertips: &[&FingertipConfig], period: f64, checker: &mut Checker) {
+        checker.between("sim.step", self.step, 1e-6, 0.1);
+        checker.vector("sim.gravity", self.gravity);
+        self.servo.check("sim.servo", checker);
+        self.feeler.check("sim.feeler", checker);
+        for (index, exception) in self.element.iter().enumerate() {
+            let feeler = exception.feeler(&self.feeler);
+            feeler.check(&format!("sim.element[{index}]"), checker);
+        }
+        checker.require(
+            "sim.object",
+            format!("{} objects", self.object.len()),
+            (1..=MAX_OBJECTS).contains(&self.object.len()),
+            &format!("1 to {MAX_OBJECTS} objects"),
+        );
+        for (name, object) in &self.object {
+            object.check(&format!("sim.object.{name}"), checker);
+        }
+        self.torque_sensor.check("sim.torque_sensor", checker);
+        if let Some(holder) = &self.holder {
+            holder.check("sim.holder", checker);
+        }
+        self.variation.check("sim.variation", checker);
+        self.direct_sensing.check("sim.direct_sensing", checker);
+        self.check_optics(checker);
+        self.check_faults(fingertips, period, checker);
+        self.check_period(period, checker);
+    }
+
+    fn check_faults(&self, fingertips: &[&FingertipConfig], period: f64, checker: &mut Checker) {
+        checker.require(
+            "sim.fault",
+            format!("{} faults", self.fault.len()),
+            self.fault.len() <= MAX_FAULTS,
+            &format!("at most {MAX_FAULTS}"),
+        );
+        let targets = FaultTargets {
+            fingertips,
+            period,
+            objects: &self.object,
+        };
+        for (index, fault) in self.fault.iter().enumerate() {
+            fault.check(&format!("sim.fault[{index}]"), &targets, checker);
+        }
+    }
+
+    fn check_optics(&self, checker: &mut Checker) {
+        if let Err(OpticsError::OutOfRange {
+            name,
+            low,
+            high,
+            value,
+        }) = self.optics.check()
+        {
+            checker.between(&format!("sim.optics.{name}"), value, low, high);
+        }
+    }
+
+    fn check_period(&self, period: f64, checker: &mut Checker) {
+        let steps = period / self.step;
+        checker.require(
+            "control.period",
+            period.to_string(),
+            (steps - steps.round()).abs() < 1e-6 && (0.5..=MAX_STEPS_PER_PERIOD).contains(&steps),
+            &format!(
+                "1 to {MAX_STEPS_PER_PERIOD} times sim.step = {}, a whole number",
+                self.step
+            ),
+        );
+    }
+}
+
+impl VariationConfig {
+    /// Requires every value of the table `key` to be in its range.
+    pub fn check(&self, key: &str, checker: &mut Checker) {
+        checker.not_negative(&format!("{key}.bottle_position"), self.bottle_position);
+        checker.not_negative(&format!("{key}.cap_angle"), self.cap_angle);
+        let most = [
+            ("encoder_offset", self.encoder_offset, 1.0),
+            ("friction", self.friction, 0.99),
+            ("kinetic_friction", self.kinetic_friction, 0.99),
+            ("seat_angle", self.seat_angle, 0.99),
+        ];
+        for (field, value, most) in most {
+            checker.between(&format!("{key}.{field}"), value, 0.0, most);
+        }
+    }
+}
+
 /// Noise of forces that are sensed without pictures.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, default)]
 pub struct DirectSensingConfig {
     /// Standard deviation of an element's normal force, N.
     pub normal_noise: f64,
     /// Standard deviation of either component of an element's shear force, N.
     pub shear_noise: f64,
+}
+
+impl Default for DirectSensingConfig {
+    /// About as much as pictures of the reference fingertip have.
+    fn default() -> Self {
+        Self {
+            normal_noise: 0.002,
+            shear_noise: 0.002,
+        }
+    }
+}
+
+impl DirectSensingConfig {
+    /// Requires every value of the table `key` to be in its range.
+    pub fn check(&self, key: &str, checker: &mut Checker) {
+        checker.not_negative(&format!("{key}.normal_noise"), self.normal_noise);
+        checker.not_negative(&format!("{key}.shear_noise"), self.shear_noise);
+    }
 }

@@ -1,6 +1,7 @@
 //! How a bottle is held on the torque sensor: with some play, and a spring beyond it.
 
 use super::thread::FingerLoad;
+use feeler::check::Checker;
 use serde::{Deserialize, Serialize};
 
 /// How what stands on a thread is held on the torque sensor.
@@ -32,6 +33,19 @@ pub struct LateralConfig {
 }
 
 impl HolderConfig {
+    /// Requires every value of the table `key` to be in its range.
+    pub fn check(&self, key: &str, checker: &mut Checker) {
+        checker.between(&format!("{key}.turn_play"), self.turn_play, 0.0, 1.0);
+        let Some(LateralConfig { stiffness, play }) = self.lateral else {
+            return;
+        };
+        for axis in 0..2 {
+            let key = |field: &str| format!("{key}.lateral.{field}[{axis}]");
+            checker.positive(&key("stiffness"), stiffness[axis]);
+            checker.between(&key("play"), play[axis], 0.0, 0.1);
+        }
+    }
+
     /// What holds the bottle along W's x and y, if it can shift.
     pub fn sides(&self) -> Option<[PlaySpring; 2]> {
         let LateralConfig { stiffness, play } = self.lateral?;

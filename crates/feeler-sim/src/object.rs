@@ -4,6 +4,7 @@ use super::columnar_feeler::Friction;
 use super::pose::Pose;
 use super::shape::{Shape, ShapeConfig, ShapeError, SurfacePoint};
 use super::thread::{Hinge, HingeConfig, ThreadConfig};
+use feeler::check::Checker;
 use glam::{DMat3, DVec3, EulerRot};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -86,6 +87,56 @@ impl ObjectConfig {
             MotionConfig::Thread(thread) => Some(thread),
             _ => None,
         }
+    }
+}
+
+impl ObjectConfig {
+    /// Requires every value of the table `key` to be in its range.
+    pub fn check(&self, key: &str, checker: &mut Checker) {
+        checker.vector(&format!("{key}.position"), self.position);
+        checker.vector(&format!("{key}.offset"), self.offset);
+        for (axis, angle) in ["x", "y", "z"].into_iter().zip(self.orientation_deg) {
+            let key = format!("{key}.orientation_deg.{axis}");
+            checker.between(&key, angle, -360.0, 360.0);
+        }
+        if let Some(friction) = self.friction {
+            friction.check(&format!("{key}.friction"), checker);
+        }
+        self.shape.check(&format!("{key}.shape"), checker);
+        match &self.motion {
+            MotionConfig::Fixed => {}
+            MotionConfig::Hinge(hinge) => hinge.check(&format!("{key}.motion.hinge"), checker),
+            MotionConfig::Thread(thread) => thread.check(&format!("{key}.motion.thread"), checker),
+            MotionConfig::Free(free) => {
+                checker.require(
+                    &format!("{key}.shape"),
+                    "half_space".to_string(),
+                    self.shape != ShapeConfig::HalfSpace,
+                    "a shape of finite mass, because the object is free",
+                );
+                free.check(&format!("{key}.motion.free"), checker);
+            }
+        }
+    }
+}
+
+impl FreeConfig {
+    /// Requires every value of the table `key` to be in its range.
+    pub fn check(&self, key: &str, checker: &mut Checker) {
+        checker.positive(&format!("{key}.density"), self.density);
+        checker.not_negative(&format!("{key}.friction"), self.friction);
+        if let Some(mass) = self.mass {
+            checker.positive(&format!("{key}.mass"), mass);
+        }
+        let Some(inertia) = self.inertia else { return };
+        let [x, y, z] = inertia;
+        let good = inertia.iter().all(|&i| i > 0.0) && x <= y + z && y <= z + x && z <= x + y;
+        checker.require(
+            &format!("{key}.inertia"),
+            format!("{inertia:?}"),
+            good,
+            "three moments more than 0, none of which exceeds the sum of the other two",
+        );
     }
 }
 

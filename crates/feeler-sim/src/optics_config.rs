@@ -57,8 +57,8 @@ impl Default for OpticsConfig {
             spot_gray: 190.0,
             vignetting: 0.2,
             blur_px: 1.2,
-            read_noise: 1.0,
-            shot_noise: 0.07,
+            read_noise: 1.5,
+            shot_noise: 0.1,
         }
     }
 }

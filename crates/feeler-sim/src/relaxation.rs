@@ -19,6 +19,7 @@
 
 use super::model::WorldModel;
 use super::state::State;
+use feeler::check::Checker;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -37,6 +38,13 @@ pub struct RelaxationConfig {
 }
 
 impl RelaxationConfig {
+    /// Requires every value of the table `key` to be in its range.
+    pub fn check(&self, key: &str, checker: &mut Checker) {
+        // Rubber that keeps nothing would flow, and take for ever to recover.
+        checker.between(&format!("{key}.share"), self.share, 0.0, 0.99);
+        checker.positive(&format!("{key}.time"), self.time);
+    }
+
     /// Time constant with which the feeler creeps under constant force, and recovers when free, s.
     pub fn creep_time(&self) -> f64 {
         self.time / (1.0 - self.share)

@@ -1,11 +1,12 @@
 //! The joints' drives: velocity controlled, with a first-order lag and an incremental encoder.
 
+use feeler::check::Checker;
 use glam::{BVec3, DVec3};
 use serde::{Deserialize, Serialize};
 
 /// The drives of a finger's three joints; all alike.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, default)]
 pub struct ServoConfig {
     /// Time constant with which a joint's velocity follows its command, s.
     pub lag: f64,
@@ -14,8 +15,28 @@ pub struct ServoConfig {
     /// Width of the dead band between a joint's motor, which the encoder reads, and its link, rad: how far
     /// the motor turns back before the link follows. Forces do not move the link within the band, and it
     /// begins in the middle.
-    #[serde(default)]
     pub backlash: f64,
+}
+
+impl Default for ServoConfig {
+    /// The reference experiment's drives, without play.
+    fn default() -> Self {
+        Self {
+            lag: 0.0125,
+            encoder_resolution: 1e-5,
+            backlash: 0.0,
+        }
+    }
+}
+
+impl ServoConfig {
+    /// Requires every value of the table `key` to be in its range.
+    pub fn check(&self, key: &str, checker: &mut Checker) {
+        checker.not_negative(&format!("{key}.lag"), self.lag);
+        let resolution = self.encoder_resolution;
+        checker.positive(&format!("{key}.encoder_resolution"), resolution);
+        checker.between(&format!("{key}.backlash"), self.backlash, 0.0, 1.0);
+    }
 }
 
 /// The true motion of a finger's three joints.

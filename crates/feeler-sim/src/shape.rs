@@ -1,5 +1,7 @@
 //! Shapes to touch, each in a frame of its own: origin at its centre, z along its axis.
 
+pub use super::shape_config::ShapeConfig;
+
 use super::knurled_cylinder::KnurledCylinder;
 use super::mesh_file::{MeshError, TriangleMesh, read_mesh};
 use super::prism::{ellipse, prism, rounded};
@@ -7,90 +9,7 @@ use glam::{DVec2, DVec3};
 use parry3d_f64::mass_properties::MassProperties;
 use parry3d_f64::math::{Pose as LibraryPose, Rotation, Vector};
 use parry3d_f64::shape::{Cylinder, SharedShape, TriMeshFlags};
-use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
-
-/// A shape, as an experiment file describes it. Lengths in metres.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub enum ShapeConfig {
-    /// An upright cylinder.
-    Cylinder {
-        /// Radius, m.
-        radius: f64,
-        /// Height, m.
-        height: f64,
-    },
-    /// An upright cylinder with knurls along its side, or an oval one, or both.
-    KnurledCylinder {
-        /// Radius at the crests, m.
-        radius: f64,
-        /// Height, m.
-        height: f64,
-        /// Knurls around the side.
-        knurls: u32,
-        /// From crest to groove, m.
-        depth: f64,
-        /// Relative excess of the radius along x, and lack of it along y.
-        #[serde(default)]
-        ovality: f64,
-    },
-    /// An upright cylinder whose section is an ellipse.
-    EllipticCylinder {
-        /// Semi-axes along x and y, m.
-        semi_axes: [f64; 2],
-        /// Height, m.
-        height: f64,
-    },
-    /// An upright prism with a convex section and rounded edges.
-    RoundedPrism {
-        /// The section's corners before they are rounded, x and y, m: their hull.
-        corners: Vec<[f64; 2]>,
-        /// Everything within this distance of the hull belongs to the section, m.
-        rounding: f64,
-        /// Height, m.
-        height: f64,
-    },
-    /// A box.
-    Box {
-        /// Lengths along x, y and z, m.
-        size: [f64; 3],
-    },
-    /// A sphere.
-    Sphere {
-        /// Radius, m.
-        radius: f64,
-    },
-    /// An upright cylinder with half a sphere at either end.
-    Capsule {
-        /// Radius, m.
-        radius: f64,
-        /// Distance of the spheres' centres, m.
-        length: f64,
-    },
-    /// Everything below z = 0: a table, a wall.
-    HalfSpace,
-    /// The convex hull of a mesh's corners.
-    ConvexHull {
-        /// STL or OBJ file, relative to the experiment's.
-        file: PathBuf,
-        /// Metres per unit of the file.
-        #[serde(default = "one")]
-        scale: f64,
-    },
-    /// A closed triangle mesh.
-    Mesh {
-        /// STL or OBJ file, relative to the experiment's.
-        file: PathBuf,
-        /// Metres per unit of the file.
-        #[serde(default = "one")]
-        scale: f64,
-    },
-}
-
-fn one() -> f64 {
-    1.0
-}
 
 /// Why a shape cannot be made.
 #[derive(Debug, thiserror::Error)]

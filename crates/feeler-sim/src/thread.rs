@@ -1,66 +1,17 @@
 //! What turns about an axis: a cap on its thread, which has a seat that stops it (design, section 8),
 //! or a hinge.
 
+pub use super::thread_config::{HingeConfig, ThreadConfig, ThreadFault};
+
 use super::holder::PlaySpring;
 use super::pose::Pose;
 use glam::{DMat3, DVec2};
-use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
 /// Newton steps per time step; three suffice unless every feeler is at its friction limit.
 const MAX_ITERATIONS: usize = 32;
 /// Torques are balanced to this, N·m: far below what the torque sensor resolves (0.1 mN·m).
 const TORQUE_TOLERANCE: f64 = 1e-9;
-
-/// The thread and the seat under a cap.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ThreadConfig {
-    /// Torque that turns the cap before it is seated, N·m.
-    pub running_torque: f64,
-    /// Angle by which the cap turns before it meets its seat, rad; negative where it starts on its seat, tightened by so much.
-    pub seat_angle: f64,
-    /// Rise of the resisting torque once the cap is on its seat, N·m/rad.
-    pub seat_stiffness: f64,
-    /// Torque that sets the cap going, relative to the torque that keeps it going, at least 1.
-    pub static_factor: f64,
-    /// Descent per turn, m.
-    pub lead: f64,
-    /// What is wrong with it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub fault: Option<ThreadFault>,
-}
-
-/// What may be wrong with a thread.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub enum ThreadFault {
-    /// Nothing seats the cap: it turns for ever.
-    Stripped,
-    /// The cap sits askew: its thread rides up on the bottle's, and the resisting torque rises before the seat.
-    CrossThreaded {
-        /// Angle at which it begins to jam, rad.
-        angle: f64,
-        /// Rise of the resisting torque from there, N·m/rad. Crossed threads give way where a seat does not.
-        stiffness: f64,
-    },
-}
-
-/// A hinge with friction.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct HingeConfig {
-    /// Torque that keeps it turning, N·m.
-    #[serde(default)]
-    pub running_torque: f64,
-    /// Torque that sets it going, relative to the torque that keeps it going, at least 1.
-    #[serde(default = "one")]
-    pub static_factor: f64,
-}
-
-fn one() -> f64 {
-    1.0
-}
 
 /// What an object turns on about its z axis: a thread, or a hinge, which has neither seat nor lead.
 #[derive(Debug, Clone, PartialEq)]

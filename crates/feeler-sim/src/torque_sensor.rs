@@ -2,11 +2,12 @@
 //! converter (paper, section V.A).
 
 use super::random::{Generator, normal};
+use feeler::check::Checker;
 use serde::{Deserialize, Serialize};
 
 /// The sensor and its electronics.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, default)]
 pub struct TorqueSensorConfig {
     /// Torsional stiffness, N·m/rad: the bottle turns by torque / stiffness.
     pub stiffness: f64,
@@ -28,6 +29,48 @@ pub struct TorqueSensorConfig {
     pub converter_range: f64,
     /// Bits of the converter.
     pub converter_bits: u32,
+}
+
+impl Default for TorqueSensorConfig {
+    /// The paper's TCF-0.2N (section V.A); what it does not give is assumed.
+    fn default() -> Self {
+        Self {
+            stiffness: 50.0,
+            rated_torque: 0.2,
+            rated_strain: 0.0005,
+            gauge_factor: 2.1,
+            bridge_voltage: 5.0,
+            amplifier_gain: 1000.0,
+            cutoff_frequency: 200.0,
+            noise: 0.002,
+            converter_range: 10.0,
+            converter_bits: 14,
+        }
+    }
+}
+
+impl TorqueSensorConfig {
+    /// Requires every value of the table `key` to be in its range.
+    pub fn check(&self, key: &str, checker: &mut Checker) {
+        let positive = [
+            ("stiffness", self.stiffness),
+            ("rated_torque", self.rated_torque),
+            ("gauge_factor", self.gauge_factor),
+            ("bridge_voltage", self.bridge_voltage),
+            ("amplifier_gain", self.amplifier_gain),
+            ("cutoff_frequency", self.cutoff_frequency),
+            ("converter_range", self.converter_range),
+        ];
+        checker.all_positive(key, &positive);
+        checker.not_negative(&format!("{key}.noise"), self.noise);
+        checker.between(&format!("{key}.rated_strain"), self.rated_strain, 1e-9, 0.1);
+        checker.require(
+            &format!("{key}.converter_bits"),
+            self.converter_bits.to_string(),
+            (1..=24).contains(&self.converter_bits),
+            "1 to 24",
+        );
+    }
 }
 
 /// One reading of the sensor.

@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 
 /// Each module of `src/` and those it may import.
 const MAY_IMPORT: [(&str, &[&str]); 4] = [
-    ("control", &["hand", "pace", "sensor"]),
-    ("sensor", &[]),
-    ("hand", &[]),
-    ("pace", &[]),
+    ("control", &["check", "hand", "pace", "sensor"]),
+    ("sensor", &["check"]),
+    ("hand", &["check"]),
+    ("pace", &["check"]),
 ];
 
 #[test]

@@ -108,7 +108,7 @@ fn values_out_of_range() {
             "missing-key",
             "lead = 0.00318 ",
             "# ",
-            &["missing field `lead`"],
+            &["my.toml: 1 missing: sim.object.cap.motion.thread.lead"],
         ),
         (
             "small-steps",
@@ -232,7 +232,13 @@ fn experiments_that_are_none() {
     fs::write(folder.join("latin.toml"), b"name = \"caf\xe9\"").unwrap();
     run(&folder, &["check", "latin.toml"]).refused(&["latin.toml", "UTF-8"]);
     fs::write(folder.join("empty.toml"), b"").unwrap();
-    run(&folder, &["check", "empty.toml"]).refused(&["empty.toml", "missing field `name`"]);
+    run(&folder, &["check", "empty.toml"]).refused(&[
+        "empty.toml: 3 missing: name, sensor.calibration, task",
+        "feeler init",
+    ]);
+    let typo = "[sensor]\ncalibratoin = \"my.calibration.toml\"\n";
+    fs::write(folder.join("typo.toml"), typo).unwrap();
+    run(&folder, &["check", "typo.toml"]).refused(&["line 2", "calibratoin", "`calibration`"]);
     let cap_closing = include_str!("../../../feeler-lab/experiments/cap-closing.toml");
     let (before, after) = cap_closing.split_once("[task.screw]").unwrap();
     let (_, after) = after.split_once("[sim]").unwrap();

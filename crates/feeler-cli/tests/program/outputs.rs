@@ -95,7 +95,19 @@ fn init_writes_an_experiment_that_runs_and_never_over_a_file() {
     );
     let text = fs::read_to_string(folder.join("my.toml")).unwrap();
     assert!(text.contains("name = \"my\"") && text.contains("# N, F1"));
+    assert!(text.lines().count() <= 60, "{text}");
     run(&folder, &["check", "my.toml"]).done();
+    run(&folder, &["init", "full.toml", "--full"]).done();
+    let full = fs::read_to_string(folder.join("full.toml")).unwrap();
+    let built_in = include_str!("../../../feeler-lab/experiments/cap-closing.toml");
+    assert_eq!(
+        full,
+        built_in.replace("name = \"cap-closing\"", "name = \"full\"")
+    );
+    let (rig, _) = text.split_once("[sim]").unwrap();
+    fs::write(folder.join("rig.toml"), rig).unwrap();
+    let said = run(&folder, &["check", "rig.toml"]).done();
+    assert!(said.contains("a real rig"), "{said}");
     let direct = ["run", "my.toml", "--sensing=direct", "--out=run"];
     let said = run(&folder, &direct).done();
     // What came of it, then what was achieved.

@@ -78,6 +78,21 @@ fn stiff_feelers_lose_more_shear_in_a_slip_and_meet_the_goal() {
 }
 
 #[test]
+fn one_trial_has_no_interval() {
+    let folder = folder("score-slip-one");
+    let said = run(&folder, &["score-slip", "--trials=1", "-o=s"]).done();
+    let shares = said.lines().filter(|line| line.contains("(%)"));
+    let shares: Vec<_> = shares.filter(|line| !line.trim().ends_with('-')).collect();
+    assert!(!shares.is_empty(), "{said}");
+    assert!(
+        shares.iter().all(|l| l.ends_with("(no interval)")),
+        "{said}"
+    );
+    let page = fs::read_to_string(folder.join("s/slip.html")).unwrap();
+    assert!(page.contains("One trial has no interval") && !page.contains("NaN"));
+}
+
+#[test]
 fn noise_hides_slips() {
     let folder = folder("score-slip-noise");
     let recall = |noise: &str| {

@@ -1,6 +1,7 @@
 //! The calibration files that an experiment names.
 
-use super::load::{ConfigError, Experiment, read};
+use super::error::ConfigError;
+use super::load::{Experiment, read};
 use feeler::sensor::calibration::Calibration;
 use std::collections::BTreeMap;
 

@@ -1,11 +1,12 @@
 //! From a name or a file, and what the command line sets, to an experiment.
 
-use super::ExperimentConfig;
+use super::built_in::BUILT_IN;
 use super::check::check;
-use super::checker::Problem;
+use super::error::ConfigError;
+use super::experiment_config::ExperimentConfig;
+use super::missing::missing;
 use super::settings::put;
 use super::words::in_words;
-use feeler::sensor::calibration::CalibrationError;
 use feeler::sensor::fingertip::FingertipConfig;
 use feeler::sensor::made_for::sha256;
 use std::collections::BTreeMap;
@@ -14,133 +15,8 @@ use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use toml_edit::DocumentMut;
 
-/// An experiment that comes with the program.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct BuiltIn {
-    /// The name to call it by.
-    pub name: &'static str,
-    /// Its file.
-    pub toml: &'static str,
-}
-
-/// The experiments of these names, from their files.
-macro_rules! built_in {
-    ($($name:literal),* $(,)?) => {
-        [$(BuiltIn {
-            name: $name,
-            toml: include_str!(concat!("../../experiments/", $name, ".toml")),
-        }),*]
-    };
-}
-
-/// The experiments that come with the program.
-pub const BUILT_IN: [BuiltIn; 9] = built_in![
-    "cap-closing",
-    "cap-opening",
-    "cap-until-closed",
-    "three-fingers",
-    "contour",
-    "friction-scan",
-    "slide-box",
-    "slide-box-two",
-    "lift",
-];
-
 /// Longest experiment or calibration file, bytes.
 const MAX_TEXT: u64 = 16 << 20;
-
-/// Why an experiment cannot be used.
-#[derive(Debug, thiserror::Error)]
-pub enum ConfigError {
-    /// Neither a built-in experiment nor a file.
-    #[error(
-        "there is no experiment {name:?}: expected a file or one of the built-in {}",
-        BUILT_IN.map(|b| b.name).join(", ")
-    )]
-    Unknown {
-        /// What was asked for.
-        name: String,
-    },
-    /// There is no such finger.
-    #[error("there is no finger {finger}: expected 0 to {}", fingers - 1)]
-    NoFinger {
-        /// The finger.
-        finger: usize,
-        /// How many there are.
-        fingers: usize,
-    },
-    /// A file could not be read.
-    #[error("{}: {source}; expected {expected}", path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// What it should be.
-        expected: &'static str,
-        /// What the system said.
-        source: std::io::Error,
-    },
-    /// The calibration file could not be read.
-    #[error(
-        "{key} = {file:?}: {source}: copy it there, or make one with \
-         `feeler calibrate`"
-    )]
-    CalibrationFile {
-        /// The key that names it.
-        key: String,
-        /// The file, as the experiment names it.
-        file: String,
-        /// Where it was looked for, and what the system said.
-        source: Box<ConfigError>,
-    },
-    /// The text is not TOML, or a key is unknown, missing or of the wrong type.
-    #[error("{origin}: {message}")]
-    Syntax {
-        /// Where the text came from.
-        origin: String,
-        /// Line, column and what was expected.
-        message: String,
-    },
-    /// The experiment is for a real rig, and a simulated one is needed.
-    #[error(
-        "{name}: the experiment has no [sim], so there is nothing to simulate; expected one with a simulated \
-         world, or `feeler hand` for a real rig"
-    )]
-    NoSimulation {
-        /// Name of the experiment.
-        name: String,
-    },
-    /// A setting from the command line makes no sense.
-    #[error("--set {setting}: {message}")]
-    Setting {
-        /// The setting.
-        setting: String,
-        /// What is wrong with it.
-        message: String,
-    },
-    /// Values are out of their ranges.
-    #[error("{origin}: {}", list(problems))]
-    OutOfRange {
-        /// Where the text came from.
-        origin: String,
-        /// Every value that is out of its range.
-        problems: Vec<Problem>,
-    },
-    /// The calibration file cannot be used.
-    #[error("{key} = {file:?}: {source}")]
-    Calibration {
-        /// The key that names it.
-        key: String,
-        /// The file.
-        file: String,
-        /// What is wrong with it.
-        source: Box<CalibrationError>,
-    },
-}
-
-fn list(problems: &[Problem]) -> String {
-    let lines = problems.iter().map(|p| format!("\n  {p}"));
-    format!("out of range:{}", lines.collect::<String>())
-}
 
 /// An experiment: its configuration, and the text that says the same with all comments.
 #[derive(Debug, Clone, PartialEq)]
@@ -193,12 +69,19 @@ impl Experiment {
         let mut document: DocumentMut = text
             .parse()
             .map_err(|e: toml_edit::TomlError| syntax(e.to_string()))?;
+        let full = with_defaults(text, settings);
         for setting in settings {
-            put(&mut document, setting)?;
+            put(&mut document, full.as_ref(), setting)?;
         }
         let toml = document.to_string();
         let config: ExperimentConfig = toml::from_str(&toml).map_err(|e| {
-            to_blame(text, settings).unwrap_or_else(|| syntax(in_words(&e.to_string())))
+            to_blame(text, settings).unwrap_or_else(|| match missing_keys(&toml, &e) {
+                keys if keys.is_empty() => syntax(in_words(&e.to_string())),
+                keys => ConfigError::Missing {
+                    origin: origin.to_string(),
+                    keys,
+                },
+            })
         })?;
         let problems = check(&config);
         if !problems.is_empty() {
@@ -238,12 +121,23 @@ impl Experiment {
     }
 }
 
+/// A good `text` with all defaults, where `settings` need it.
+fn with_defaults(text: &str, settings: &[String]) -> Option<DocumentMut> {
+    let is_index = |part: &str| part.trim().parse::<usize>().is_ok();
+    let key = |setting: &'_ String| setting.split('=').next().map(str::to_string);
+    let mut keys = settings.iter().filter_map(key);
+    keys.any(|key| key.split('.').any(is_index)).then_some(())?;
+    let config: ExperimentConfig = toml::from_str(text).ok()?;
+    toml::to_string(&config).ok()?.parse().ok()
+}
+
 /// The first of `settings` with which a good `text` is good no more.
 fn to_blame(text: &str, settings: &[String]) -> Option<ConfigError> {
     toml::from_str::<ExperimentConfig>(text).ok()?;
     let mut document: DocumentMut = text.parse().ok()?;
+    let full = with_defaults(text, settings);
     settings.iter().find_map(|setting| {
-        if let Err(error) = put(&mut document, setting) {
+        if let Err(error) = put(&mut document, full.as_ref(), setting) {
             return Some(error);
         }
         let read = toml::from_str::<ExperimentConfig>(&document.to_string());
@@ -252,6 +146,15 @@ fn to_blame(text: &str, settings: &[String]) -> Option<ConfigError> {
             message: in_words(e.message()),
         })
     })
+}
+
+/// The keys that `toml` lacks, where that is what the parser stopped at.
+fn missing_keys(toml: &str, error: &toml::de::Error) -> Vec<String> {
+    if !error.message().starts_with("missing field") {
+        return Vec::new();
+    }
+    let table = toml.parse().unwrap_or_default();
+    missing::<ExperimentConfig>(table)
 }
 
 /// The text of a file, unless it is far longer than any that makes sense (a device, a recording).

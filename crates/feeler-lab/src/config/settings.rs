@@ -1,11 +1,16 @@
 //! What the command line sets: `control.slip_threshold=2.5` put into an experiment's text.
 
-use super::load::ConfigError;
+use super::error::ConfigError;
 use toml_edit::{DocumentMut, Item, Value};
 
-/// Puts `key.path=value` into a document; numbers in the path index arrays.
+/// Puts `key.path=value` into a document; numbers in the path index arrays. A list of which it sets one entry is taken from
+/// `full`, the document with all defaults, where `document` does not have it.
 /// That an experiment knows the key shows when the text is read.
-pub(super) fn put(document: &mut DocumentMut, setting: &str) -> Result<(), ConfigError> {
+pub(super) fn put(
+    document: &mut DocumentMut,
+    full: Option<&DocumentMut>,
+    setting: &str,
+) -> Result<(), ConfigError> {
     let error = |message: String| ConfigError::Setting {
         setting: setting.to_string(),
         message,
@@ -14,8 +19,13 @@ pub(super) fn put(document: &mut DocumentMut, setting: &str) -> Result<(), Confi
         .split_once('=')
         .ok_or_else(|| error("expected key=value, as in control.slip_threshold=2.5".into()))?;
     let mut item = document.as_item_mut();
+    let mut full = full.map(DocumentMut::as_item);
     let mut path = String::new();
     for part in key.trim().split('.').map(str::trim) {
+        full = full.and_then(|full| full.get(part));
+        if let Some(list) = full.filter(|full| full.is_array() || full.is_array_of_tables()) {
+            insert_missing(item, part, list);
+        }
         item = step_into(item, part).map_err(|problem| error(format!("{path}{problem}")))?;
         path = format!("{path}{part}.");
     }
@@ -28,6 +38,19 @@ pub(super) fn put(document: &mut DocumentMut, setting: &str) -> Result<(), Confi
         *value.decor_mut() = decor;
     }
     Ok(())
+}
+
+/// Puts `value` under `part` into a table that has nothing there.
+fn insert_missing(item: &mut Item, part: &str, value: &Item) {
+    if item.is_none() {
+        *item = Item::Table(toml_edit::Table::new());
+    }
+    let Some(table) = item.as_table_like_mut() else {
+        return;
+    };
+    if !table.contains_key(part) {
+        table.insert(part, value.clone());
+    }
 }
 
 /// The item called `part` in a table, or at index `part` in an array; otherwise what there is.

@@ -188,10 +188,7 @@ fn difference(ours: &[f64], theirs: &[f64]) -> Option<[f64; 3]> {
 
 /// The mean between the ends of its interval, which are not numbers where a single value has none.
 fn estimate(values: &[f64]) -> Option<[f64; 3]> {
-    match values {
-        &[value] => value.is_finite().then_some([f64::NAN, value, f64::NAN]),
-        values => bootstrap(values).map(ends),
-    }
+    bootstrap(values).map(|estimate| estimate.with_ends(values.len()))
 }
 
 fn ends(estimate: Estimate) -> [f64; 3] {

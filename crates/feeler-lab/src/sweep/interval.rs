@@ -17,6 +17,16 @@ pub struct Estimate {
     pub high: f64,
 }
 
+impl Estimate {
+    /// The mean between the ends of its interval. That of a single trial has none: its ends are not numbers.
+    pub fn with_ends(self, trials: usize) -> [f64; 3] {
+        match trials {
+            1 => [f64::NAN, self.mean, f64::NAN],
+            _ => [self.low, self.mean, self.high],
+        }
+    }
+}
+
 /// The mean of `values`, with the percentile bootstrap's interval; none of no values.
 pub fn bootstrap(values: &[f64]) -> Option<Estimate> {
     bootstrap_of(values, |drawn| {

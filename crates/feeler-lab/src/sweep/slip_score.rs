@@ -1,6 +1,6 @@
 //! How well slip detectors do against the truth of the slip bench.
 
-use super::interval::{Estimate, bootstrap_of};
+use super::interval::bootstrap_of;
 use crate::experiment::slip_bench::{DETECTORS, Sample};
 use feeler_report::slip_page::{OperatingPoint, Roc};
 
@@ -99,7 +99,7 @@ pub fn operating_point(trials: &[Vec<Sample>], detector: usize, threshold: f64) 
                     .fold(Counts::default(), |sum, &more| sum + *more),
             )
         })
-        .map(|Estimate { low, mean, high }| [low, mean, high])
+        .map(|estimate| estimate.with_ends(trials.len()))
     };
     let mut delays: Vec<Option<u32>> = Vec::new();
     for samples in trials {

@@ -43,7 +43,8 @@ fn pressing(law: &mut dyn Law, sequence: u64, force: DVec3) -> f64 {
 }
 
 fn law(law: LawConfig) -> Box<dyn Law> {
-    law.law(&config().control, ELEMENTS)
+    let control = config().control;
+    law.law(control.reflex(), control.touch_force, ELEMENTS)
 }
 
 #[test]

@@ -125,7 +125,8 @@ fn nothing_goes_farther_along_than_the_fingertip() {
 /// paper's SLIP is up all the time.
 fn pressing(shear: &[(u64, f64)]) -> Vec<f64> {
     let law = LawConfig::named("tri-axial-missing-shear").expect("a law");
-    let mut law = law.law(&config().control, ELEMENTS);
+    let control = config().control;
+    let mut law = law.law(control.reflex(), control.touch_force, ELEMENTS);
     let layout = layout();
     let plan = Plan {
         towards_object: DVec3::X,

@@ -1,8 +1,9 @@
 //! The hand program's decision: from tactile frames and joint angles to joint velocities.
 
-use super::flags::FlagThresholds;
-use super::law::{Law, LawConfig};
-use super::limits::{Admitted, LimitsConfig, Request};
+pub use super::config::{ControlConfig, ResumePolicy};
+
+use super::law::Law;
+use super::limits::{Admitted, Request};
 use super::phase::Phase;
 use super::plan::Plan;
 use super::sense::{FingertipPose, HandSense};
@@ -14,57 +15,6 @@ use crate::hand::kinematics::fingertip_pose;
 use crate::hand::{HandCommand, HandState, JointState};
 use crate::sensor::layout::ElementLayout;
 use glam::DVec3;
-use serde::{Deserialize, Serialize};
-
-/// Everything that the control law can be tuned by.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ControlConfig {
-    /// Time from one command to the next, s.
-    pub period: f64,
-    /// Forces older than this many control periods stop the hand.
-    pub stale_periods: f64,
-    /// F1: an element pressed harder than this touches, N.
-    pub touch_force: f64,
-    /// F2: an element pressed harder than this may not be pressed further, N.
-    pub over_force: f64,
-    /// dr: an element whose shear force changes faster than this slips, N/s.
-    pub slip_threshold: f64,
-    /// v_r: speed of re-compression, m/s.
-    pub recompression_speed: f64,
-    /// A moving finger whose grasp force is below this is re-compressed, too, N.
-    pub minimum_grasp_force: f64,
-    /// When a hand that was stopped because data were stale goes on.
-    #[serde(default)]
-    pub resume: ResumePolicy,
-    /// How a finger does what the task wants.
-    #[serde(default)]
-    pub law: LawConfig,
-    /// What no command may exceed.
-    pub limits: LimitsConfig,
-}
-
-/// When a hand that was stopped because data were stale goes on.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum ResumePolicy {
-    /// When somebody tells it to.
-    #[default]
-    Told,
-    /// As soon as data are fresh again.
-    Fresh,
-}
-
-impl ControlConfig {
-    /// The thresholds of the flag analyzer.
-    pub fn thresholds(&self) -> FlagThresholds {
-        FlagThresholds {
-            touch_force: self.touch_force,
-            over_force: self.over_force,
-            slip_threshold: self.slip_threshold,
-        }
-    }
-}
 
 /// One finger as the controller drives it.
 #[derive(Debug, Clone)]
@@ -108,7 +58,7 @@ impl Controller {
     ) -> Self {
         let finger = |(geometry, layout): (&FingerGeometry, &ElementLayout)| FingerControl {
             geometry: geometry.clone(),
-            law: config.law.law(&config, layout.elements.len()),
+            law: config.law(layout.elements.len()),
             velocity: DVec3::ZERO,
             admitted: Admitted::default(),
         };

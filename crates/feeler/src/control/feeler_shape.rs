@@ -1,12 +1,13 @@
 //! What a hand knows of its own feelers, and where their tips are by the forces on them.
 
 use super::sense::FingerSense;
+use crate::check::Checker;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 /// A feeler as measured on the fingertip, on a bench.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, default)]
 pub struct FeelerShape {
     /// Stiffness along its axis, N/m.
     pub normal_stiffness: f64,
@@ -28,6 +29,16 @@ impl Default for FeelerShape {
 }
 
 impl FeelerShape {
+    /// Requires every value of the table `key` to be in its range.
+    pub fn check(&self, key: &str, checker: &mut Checker) {
+        let positive = [
+            ("normal_stiffness", self.normal_stiffness),
+            ("shear_stiffness", self.shear_stiffness),
+            ("tip_radius", self.tip_radius),
+        ];
+        checker.all_positive(key, &positive);
+    }
+
     /// Centre of the deformed tip of `element`, m, in W: where the tip is without load, and how far the
     /// `force` on it, N, in W, has pushed it.
     pub fn tip(&self, finger: &FingerSense<'_>, element: usize, force: DVec3) -> Option<DVec3> {

@@ -4,6 +4,7 @@
 //! A command to stop does not: it is for all drives at once, as fast as they brake, whatever the
 //! acceleration limit.
 
+use crate::check::Checker;
 use crate::hand::finger::FingerGeometry;
 use crate::hand::resolved_rate::{damping_threshold, resolved_rate};
 use glam::DVec3;
@@ -11,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 /// What a command may ask of the hand, beside the joint limits of each finger.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, default)]
 pub struct LimitsConfig {
     /// Lowest corner of the box in which the domes' centres may be, m, in W.
     pub workspace_lower: [f64; 3],
@@ -23,8 +24,21 @@ pub struct LimitsConfig {
     pub joint_acceleration: f64,
     /// An element that is pressed harder than this stops the hand for good, N: something has gone wrong that no
     /// task foresaw. Without it, nothing does.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub element_force: Option<f64>,
+}
+
+impl Default for LimitsConfig {
+    /// The reference experiment's: a box about its cap.
+    fn default() -> Self {
+        Self {
+            workspace_lower: [-0.06, -0.03, 0.07],
+            workspace_upper: [0.06, 0.03, 0.13],
+            fingertip_speed: 0.05,
+            joint_acceleration: 20.0,
+            element_force: None,
+        }
+    }
 }
 
 /// What is asked of one finger, and where it stands.
@@ -52,6 +66,31 @@ pub struct Admitted {
 }
 
 impl LimitsConfig {
+    /// Requires every value of the table `key` to be in its range, where `over_force` (F2), N, is a usual force.
+    pub fn check(&self, key: &str, over_force: f64, checker: &mut Checker) {
+        let positive = [
+            ("fingertip_speed", self.fingertip_speed),
+            ("joint_acceleration", self.joint_acceleration),
+        ];
+        checker.all_positive(key, &positive);
+        if let Some(limit) = self.element_force {
+            checker.require(
+                &format!("{key}.element_force"),
+                limit.to_string(),
+                limit.is_finite() && limit > over_force,
+                &format!("more than control.over_force = {over_force}"),
+            );
+        }
+        let (lower, upper) = (self.workspace_lower, self.workspace_upper);
+        checker.vector(&format!("{key}.workspace_lower"), lower);
+        checker.require(
+            &format!("{key}.workspace_upper"),
+            format!("{upper:?}"),
+            upper.iter().zip(lower).all(|(&u, l)| u <= 10.0 && u > l),
+            &format!("more than {key}.workspace_lower = {lower:?}, at most 10"),
+        );
+    }
+
     /// Turns a wanted fingertip velocity into joint velocities for a control period of `period`
     /// seconds, from which the finger can always be braked before a limit. `None` when the request
     /// or what becomes of it is not finite.

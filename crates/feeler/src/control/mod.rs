@@ -1,5 +1,6 @@
 //! The hand program: from forces to flags, from flags to fingertip velocities, to joint velocities.
 
+mod config;
 pub mod control_loop;
 pub mod controller;
 pub mod feeler_shape;

@@ -15,6 +15,7 @@
 //! takes the press for creep, up to its bounds. A change of light within one frame is followed with the lag.
 
 use super::{calibration::Calibration, moments::ElementMoments};
+use crate::check::Checker;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
@@ -40,6 +41,21 @@ impl Default for DriftConfig {
             displacement_tolerance: 0.02,
             gain_rate: 0.2,
             rezero_rate: 0.002,
+        }
+    }
+}
+
+impl DriftConfig {
+    /// Requires every value of the table `key` to be in its range.
+    pub fn check(&self, key: &str, checker: &mut Checker) {
+        let shares = [
+            ("tolerance", self.tolerance),
+            ("displacement_tolerance", self.displacement_tolerance),
+            ("gain_rate", self.gain_rate),
+            ("rezero_rate", self.rezero_rate),
+        ];
+        for (field, share) in shares {
+            checker.between(&format!("{key}.{field}"), share, 0.0, 1.0);
         }
     }
 }

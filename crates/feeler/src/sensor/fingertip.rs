@@ -2,11 +2,12 @@
 
 use super::{
     dome::{CameraConfig, DomeError, DomeProjection},
-    layout::{ElementLayout, LayoutConfig},
+    layout::{ElementLayout, LayoutConfig, MAX_ELEMENTS},
     moments::MomentsKernel,
     moments_config::{MomentsConfig, MomentsError},
     subregion::{WeightedPixel, subregions},
 };
+use crate::check::Checker;
 use serde::{Deserialize, Serialize};
 
 /// One optical fingertip: its elements, its camera, and how moments are taken of the picture.
@@ -21,8 +22,15 @@ pub struct FingertipConfig {
     pub moments: MomentsConfig,
 }
 
-/// Most elements on a fingertip.
-pub const MAX_ELEMENTS: usize = 512;
+impl FingertipConfig {
+    /// Requires every value of the table `key` to be in its range. What the camera sees is found out where it is built.
+    pub fn check(&self, key: &str, checker: &mut Checker) {
+        self.layout.check(&format!("{key}.layout"), checker);
+        let dome_radius = self.layout.dome_radius;
+        self.moments
+            .check(&format!("{key}.moments"), dome_radius, checker);
+    }
+}
 
 /// Why a fingertip cannot be built.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

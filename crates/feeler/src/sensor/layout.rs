@@ -1,11 +1,15 @@
 //! Where the sensing elements sit on the dome.
 
+use crate::check::Checker;
 use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 
+/// Most elements on a fingertip.
+pub const MAX_ELEMENTS: usize = 512;
+
 /// The concentric arrangement of sensing elements on a hemispherical dome (paper, section II).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, default)]
 pub struct LayoutConfig {
     /// Radius of the sphere on which the tips of the unloaded columnar feelers lie, m.
     pub dome_radius: f64,
@@ -36,6 +40,28 @@ impl LayoutConfig {
         self.rings
             .iter()
             .fold(0, |sum, ring| sum.saturating_add(ring.elements))
+    }
+
+    /// Requires every value of the table `key` to be in its range.
+    pub fn check(&self, key: &str, checker: &mut Checker) {
+        checker.between(&format!("{key}.dome_radius"), self.dome_radius, 1e-3, 1.0);
+        checker.require(
+            &format!("{key}.rings"),
+            format!("{} rings", self.rings.len()),
+            !self.rings.is_empty(),
+            "at least one ring, as in [{ elements = 8, polar_angle_deg = 22.5 }]",
+        );
+        for (index, ring) in self.rings.iter().enumerate() {
+            let key = format!("{key}.rings[{index}]");
+            checker.require(
+                &format!("{key}.elements"),
+                ring.elements.to_string(),
+                (1..=MAX_ELEMENTS).contains(&ring.elements),
+                &format!("1 to {MAX_ELEMENTS}"),
+            );
+            let angle = ring.polar_angle_deg;
+            checker.between(&format!("{key}.polar_angle_deg"), angle, 0.0, 180.0);
+        }
     }
 }
 

@@ -1,5 +1,6 @@
 //! How moments are taken, and why they cannot be.
 
+use crate::check::Checker;
 use serde::{Deserialize, Serialize};
 
 /// How the moments of a sub-region are taken.
@@ -20,6 +21,19 @@ impl Default for MomentsConfig {
             dark_level: 24,
             subregion_radius: 2.6e-3,
         }
+    }
+}
+
+impl MomentsConfig {
+    /// Requires every value of the table `key` to be in its range, on a dome of `dome_radius`, m.
+    pub fn check(&self, key: &str, dome_radius: f64, checker: &mut Checker) {
+        let radius = self.subregion_radius;
+        checker.between(
+            &format!("{key}.subregion_radius"),
+            radius,
+            1e-6,
+            dome_radius,
+        );
     }
 }
 

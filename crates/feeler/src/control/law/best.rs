@@ -5,7 +5,9 @@
 //! shear, so that it rises before a slip and not after, and presses or gives way so that no element
 //! exceeds its force. It needs neither SLIP nor OVER.
 
-use super::Law;
+use super::{FRICTION, Law};
+use crate::check::Checker;
+use crate::control::flags::FlagThresholds;
 use crate::control::plan::Plan;
 use crate::control::sense::FingerSense;
 use glam::DVec3;
@@ -51,6 +53,30 @@ impl Default for BestConfig {
             gain: 0.16,
             pressing_speed: 0.008,
         }
+    }
+}
+
+impl BestConfig {
+    /// Requires every value of the table `key` to be in its range; elements touch and are pressed enough as the `thresholds`
+    /// say.
+    pub fn check(&self, key: &str, thresholds: &FlagThresholds, checker: &mut Checker) {
+        let key = |field: &str| format!("{key}.{field}");
+        checker.between(&key("friction"), self.friction, FRICTION.0, FRICTION.1);
+        checker.between(&key("learning_rate"), self.learning_rate, 0.0, 1.0);
+        checker.between(&key("margin"), self.margin, 1.0, 100.0);
+        checker.not_negative(&key("least_grasp_force"), self.least_grasp_force);
+        let (touch, over) = (thresholds.touch_force, thresholds.over_force);
+        checker.require(
+            &key("element_force"),
+            self.element_force.to_string(),
+            self.element_force > touch && self.element_force <= over,
+            &format!(
+                "more than control.touch_force (F1) = {touch}, at most control.over_force (F2) = {over}"
+            ),
+        );
+        checker.between(&key("slip_share"), self.slip_share, 0.0, 1.0);
+        checker.not_negative(&key("gain"), self.gain);
+        checker.not_negative(&key("pressing_speed"), self.pressing_speed);
     }
 }
 

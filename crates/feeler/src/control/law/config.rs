@@ -6,7 +6,8 @@ use super::missing_shear::{MissingShear, MissingShearConfig};
 use super::normal_only::{NormalOnly, NormalOnlyConfig};
 use super::open_loop::{OpenLoop, OpenLoopConfig};
 use super::tri_axial::{FingerSpeedEstimator, Reflex};
-use crate::control::controller::ControlConfig;
+use crate::check::Checker;
+use crate::control::flags::FlagThresholds;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
@@ -79,16 +80,25 @@ impl LawConfig {
         }
     }
 
-    /// The law for one finger of `elements` elements, at rest, in the controller that `control` tunes.
-    pub fn law(&self, control: &ControlConfig, elements: usize) -> Box<dyn Law> {
-        let reflex = Reflex {
-            recompression_speed: control.recompression_speed,
-            minimum_grasp_force: control.minimum_grasp_force,
-        };
+    /// Requires every value to be in its range. The law stands in the table `key`; elements touch and are pressed enough as
+    /// the `thresholds` say.
+    pub fn check(&self, key: &str, thresholds: &FlagThresholds, checker: &mut Checker) {
+        let key = format!("{key}.{}", self.name());
+        match self {
+            Self::TriAxial => {}
+            Self::TriAxialMissingShear(law) => law.check(&key, checker),
+            Self::NormalOnly(law) => law.check(&key, checker),
+            Self::OpenLoop(law) => law.check(&key, checker),
+            Self::Best(law) => law.check(&key, thresholds, checker),
+        }
+    }
+
+    /// The law for one finger of `elements` elements, at rest, which touch where they are pressed harder than `touch_force`
+    /// (F1), N.
+    pub fn law(&self, reflex: Reflex, touch_force: f64, elements: usize) -> Box<dyn Law> {
         match self {
             Self::TriAxial => Box::new(FingerSpeedEstimator::new(reflex)),
             Self::TriAxialMissingShear(config) => {
-                let touch_force = control.touch_force;
                 Box::new(MissingShear::new(config, reflex, touch_force, elements))
             }
             Self::NormalOnly(config) => Box::new(NormalOnly::new(config.clone())),

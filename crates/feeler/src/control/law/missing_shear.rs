@@ -6,6 +6,7 @@
 
 use super::Law;
 use super::tri_axial::{FingerSpeedEstimator, Reflex};
+use crate::check::Checker;
 use crate::control::feeler_shape::FeelerShape;
 use crate::control::flags::FingerFlags;
 use crate::control::plan::Plan;
@@ -31,6 +32,14 @@ impl Default for MissingShearConfig {
             threshold: 0.0098,
             feeler: FeelerShape::default(),
         }
+    }
+}
+
+impl MissingShearConfig {
+    /// Requires every value of the table `key` to be in its range.
+    pub fn check(&self, key: &str, checker: &mut Checker) {
+        checker.positive(&format!("{key}.threshold"), self.threshold);
+        self.feeler.check(&format!("{key}.feeler"), checker);
     }
 }
 

@@ -16,6 +16,9 @@ use dyn_clone::DynClone;
 use glam::DVec3;
 use std::fmt::Debug;
 
+/// Coefficients of friction that anything could have.
+const FRICTION: (f64, f64) = (0.01, 10.0);
+
 /// From one finger's plan and what it feels to its velocity; each finger has a law of its own.
 ///
 /// It is part of the control path: it neither allocates nor panics.

@@ -1,7 +1,8 @@
 //! What a sensor of compression alone allows: it feels no shear, so neither slip nor how much of the
 //! friction is used. The grasp force is kept at what an assumed friction needs for an assumed load.
 
-use super::Law;
+use super::{FRICTION, Law};
+use crate::check::Checker;
 use crate::control::plan::Plan;
 use crate::control::sense::FingerSense;
 use glam::DVec3;
@@ -31,6 +32,17 @@ impl Default for NormalOnlyConfig {
             gain: 0.01,
             pressing_speed: 0.006,
         }
+    }
+}
+
+impl NormalOnlyConfig {
+    /// Requires every value of the table `key` to be in its range.
+    pub fn check(&self, key: &str, checker: &mut Checker) {
+        let key = |field: &str| format!("{key}.{field}");
+        checker.between(&key("friction"), self.friction, FRICTION.0, FRICTION.1);
+        checker.not_negative(&key("tangential_load"), self.tangential_load);
+        checker.not_negative(&key("gain"), self.gain);
+        checker.not_negative(&key("pressing_speed"), self.pressing_speed);
     }
 }
 

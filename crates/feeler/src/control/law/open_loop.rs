@@ -5,6 +5,7 @@
 //! stroke does not leave the round object, and then hold its course whatever happens.
 
 use super::Law;
+use crate::check::Checker;
 use crate::control::plan::Plan;
 use crate::control::sense::FingerSense;
 use glam::DVec3;
@@ -29,6 +30,14 @@ impl Default for OpenLoopConfig {
             squeeze: 0.0005,
             squeeze_speed: 0.004,
         }
+    }
+}
+
+impl OpenLoopConfig {
+    /// Requires every value of the table `key` to be in its range.
+    pub fn check(&self, key: &str, checker: &mut Checker) {
+        checker.between(&format!("{key}.squeeze"), self.squeeze, 0.0, 0.1);
+        checker.not_negative(&format!("{key}.squeeze_speed"), self.squeeze_speed);
     }
 }
 

@@ -7,6 +7,9 @@ use super::carry::{Carry, CarryConfig};
 use super::contour::{Contour, ContourConfig};
 use super::friction_scan::{FrictionScan, FrictionScanConfig};
 use super::screw::{ScrewConfig, ScrewTask};
+use crate::check::Checker;
+use crate::control::flags::FlagThresholds;
+use crate::control::limits::LimitsConfig;
 use serde::{Deserialize, Serialize};
 
 /// Which task, and everything that it can be tuned by.
@@ -73,6 +76,43 @@ impl TaskConfig {
     /// contact forces themselves, and no law changes what they do.
     pub fn takes_law(&self) -> bool {
         matches!(self, Self::Screw(config) if config.until == Until::Strokes)
+    }
+
+    /// Requires every value of the table `task` to be in its range, with a control period of `period` seconds; elements touch
+    /// and are pressed enough as the `thresholds` say, and fingers stay within the `limits`.
+    pub fn check(
+        &self,
+        period: f64,
+        thresholds: &FlagThresholds,
+        limits: &LimitsConfig,
+        checker: &mut Checker,
+    ) {
+        let key = format!("task.{}", self.name());
+        match self {
+            Self::Screw(screw) => screw.check(&key, checker),
+            Self::FrictionScan(scan) => scan.check(&key, period, thresholds, checker),
+            Self::Contour(contour) => {
+                contour.check(&key, checker);
+                self.check_homes(&key, limits, checker);
+            }
+            Self::Carry(carry) => {
+                carry.check(&key, checker);
+                self.check_homes(&key, limits, checker);
+            }
+        }
+    }
+
+    /// Requires homes where the fingers may go.
+    fn check_homes(&self, key: &str, limits: &LimitsConfig, checker: &mut Checker) {
+        let (lower, upper) = (limits.workspace_lower, limits.workspace_upper);
+        for (finger, home) in self.homes().into_iter().enumerate() {
+            checker.require(
+                &format!("{key}: home of finger {finger}"),
+                format!("{home:?}"),
+                (0..3).all(|axis| (lower[axis]..=upper[axis]).contains(&home[axis])),
+                &format!("a place within control.limits, {lower:?} to {upper:?}"),
+            );
+        }
     }
 
     /// The grasp force that each finger is to reach before it moves on, N.

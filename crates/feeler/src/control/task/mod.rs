@@ -4,6 +4,18 @@
 //! losing or crushing what it holds is the [law](super::law)'s work, and what it may never do the
 //! [limits](super::limits)'.
 
+/// The values of keys that a file may leave out, beside keys that it may not: a module of functions for
+/// `#[serde(default = "default::key")]`. A table without required keys has a [`Default`] instead.
+macro_rules! defaults {
+    ($($key:ident: $type:ty = $value:expr),* $(,)?) => {
+        mod default {
+            $(pub(super) fn $key() -> $type {
+                $value
+            })*
+        }
+    };
+}
+
 pub mod cap;
 pub mod cap_config;
 mod cap_touch;
@@ -14,6 +26,7 @@ pub mod contour;
 pub mod friction_scan;
 mod homing;
 pub mod screw;
+mod screw_config;
 mod search;
 pub mod surface;
 

@@ -1,7 +1,8 @@
 //! The screw task: SEARCH, MOVE, RELEASE, RETURN, again and again (paper, section V.B).
 
+pub use super::screw_config::{FingerPathConfig, ScrewConfig};
+
 use super::Task;
-use super::cap_config::{CapConfig, Until};
 use super::homing::homeward;
 use super::search::check_search;
 use crate::control::phase::Phase;
@@ -9,49 +10,6 @@ use crate::control::plan::Plan;
 use crate::control::sense::{FingerSense, HandSense};
 use crate::control::stop_reason::StopReason;
 use glam::DVec3;
-use serde::{Deserialize, Serialize};
-
-/// The roughly planned rectangle that each finger goes round.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ScrewConfig {
-    /// When the strokes end.
-    #[serde(default)]
-    pub until: Until,
-    /// How many times the fingers touch, turn and release; at most, unless it is until this count.
-    pub strokes: u32,
-    /// v_0: speed of the approach, m/s.
-    pub search_speed: f64,
-    /// A finger that searches stops at this grasp force, N; all fingers there start to move.
-    pub grasp_force: f64,
-    /// A finger that has come this far from home and feels no grasp stops the task, m.
-    pub search_limit: f64,
-    /// v_m: speed of the stroke, m/s.
-    pub move_speed: f64,
-    /// Length of the stroke, m.
-    pub travel: f64,
-    /// Speed of release and return, m/s.
-    pub return_speed: f64,
-    /// A finger is home within this distance, m.
-    pub home_tolerance: f64,
-    /// What is known of the cap; needed unless the strokes are counted.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub cap: Option<CapConfig>,
-    /// Each finger's rectangle.
-    pub finger: Vec<FingerPathConfig>,
-}
-
-/// One finger's rectangle.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct FingerPathConfig {
-    /// Where the dome's centre starts from, m, in W.
-    pub home: [f64; 3],
-    /// Direction in which the finger searches for the object, in W; its length does not matter.
-    pub approach: [f64; 3],
-    /// Direction of the stroke, in W; its length does not matter.
-    pub stroke: [f64; 3],
-}
 
 /// The state machine of the task.
 #[derive(Debug, Clone)]

@@ -3,7 +3,7 @@
 use crate::control::feeler_shape::FeelerShape;
 use crate::control::sense::HandSense;
 use crate::hand::MAX_FINGERS;
-use crate::sensor::fingertip::MAX_ELEMENTS;
+use crate::sensor::layout::MAX_ELEMENTS;
 use glam::DVec3;
 
 /// Tips closer together than the root of this, m², tell no turn: they are one.

@@ -5,61 +5,22 @@
 //! it has on its left. Where that runs is told by the force: normal and friction together lean back from the
 //! surface's normal by the angle of friction, which is learnt on the way.
 
+mod config;
 mod outline;
+
+pub use config::ContourConfig;
 
 use super::homing::homeward;
 use super::search::check_search;
 use super::surface::touching;
 use super::{Finding, Task};
-use crate::control::feeler_shape::FeelerShape;
 use crate::control::phase::Phase;
 use crate::control::plan::Plan;
 use crate::control::sense::{FingerSense, HandSense};
 use crate::control::stop_reason::StopReason;
 use glam::{DVec2, DVec3};
 use outline::Outline;
-use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
-
-/// How the finger goes round.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ContourConfig {
-    /// Where the dome's centre starts from, m, in W. It keeps this height.
-    pub home: [f64; 3],
-    /// Horizontal direction in which the finger searches for the object, in W; its length does not matter.
-    pub approach: [f64; 3],
-    /// Speed of the approach, m/s.
-    pub search_speed: f64,
-    /// A finger that has come this far from home and feels nothing stops the task, m.
-    pub search_limit: f64,
-    /// Speed along the surface, m/s.
-    pub follow_speed: f64,
-    /// Horizontal force that is kept, N.
-    pub contact_force: f64,
-    /// Elements pressed harder than this count, N.
-    pub touch_force: f64,
-    /// Speed at which the finger presses harder for each newton that is missing, m/(s N).
-    pub force_gain: f64,
-    /// Greatest speed at which it presses or gives way, m/s.
-    pub press_speed: f64,
-    /// How fast the angle of friction is learnt from a force that is off, rad/(s N).
-    pub friction_gain: f64,
-    /// The outline is closed where it comes back to its first point within this distance, m.
-    pub closing_distance: f64,
-    /// A finger that has felt nothing for so long gives up, s.
-    pub lost_time: f64,
-    /// A finger that has gone on for so long gives up, s.
-    pub follow_limit: f64,
-    /// How far the finger moves off the object before it returns, m.
-    pub clearance: f64,
-    /// Speed of release and return, m/s.
-    pub return_speed: f64,
-    /// The finger is home within this distance, m.
-    pub home_tolerance: f64,
-    /// The feelers of the fingertip.
-    pub feeler: FeelerShape,
-}
 
 /// Greatest angle of friction that is believed, rad: a coefficient of 3.
 const MAX_LEAN: f64 = 1.25;

@@ -1,10 +1,24 @@
-//! Collects the values of an experiment that are out of their ranges.
+//! Collects the values of a configuration that are out of their ranges.
+//!
+//! Each config struct has a method `check` that says what its values must be, next to the struct. All problems are
+//! collected, each with its key as in an experiment file. Numbers that are not finite are never in range.
+//!
+//! ```
+//! use feeler::check::Checker;
+//! use feeler::sensor::drift::DriftConfig;
+//!
+//! let drift = DriftConfig { gain_rate: 2.0, ..DriftConfig::default() };
+//! let mut checker = Checker::default();
+//! drift.check("sensor.drift", &mut checker);
+//! let problems = checker.problems();
+//! assert_eq!(problems[0].to_string(), "sensor.drift.gain_rate = 2: expected 0 to 1");
+//! ```
 
 use std::fmt;
 
 /// Largest number that is accepted where nothing else limits a value: far beyond what a rig could
 /// have, and far below where arithmetic overflows.
-pub(super) const MAX: f64 = 1e9;
+pub const MAX: f64 = 1e9;
 
 /// More characters than a number needs.
 const LONG: usize = 20;
@@ -31,15 +45,20 @@ impl fmt::Display for Problem {
     }
 }
 
-/// Collects problems.
-#[derive(Default)]
-pub(super) struct Checker {
-    /// What was found so far.
-    pub(super) problems: Vec<Problem>,
+/// Collects problems. A `field` is a key as in an experiment file.
+#[derive(Debug, Clone, Default)]
+pub struct Checker {
+    problems: Vec<Problem>,
 }
 
 impl Checker {
-    pub(super) fn require(&mut self, field: &str, value: String, good: bool, expected: &str) {
+    /// What was found, in the order of the checks.
+    pub fn problems(self) -> Vec<Problem> {
+        self.problems
+    }
+
+    /// A value is good, or else it is not what was `expected`.
+    pub fn require(&mut self, field: &str, value: String, good: bool, expected: &str) {
         if !good {
             self.problems.push(Problem {
                 field: field.to_string(),
@@ -49,17 +68,27 @@ impl Checker {
         }
     }
 
-    pub(super) fn positive(&mut self, field: &str, value: f64) {
+    /// More than 0, at most [`MAX`].
+    pub fn positive(&mut self, field: &str, value: f64) {
         let good = value > 0.0 && value <= MAX;
         let expected = format!("more than 0, at most {MAX:e}");
         self.require(field, value.to_string(), good, &expected);
     }
 
-    pub(super) fn not_negative(&mut self, field: &str, value: f64) {
+    /// Each of these fields of the table `key` is more than 0, at most [`MAX`].
+    pub fn all_positive(&mut self, key: &str, fields: &[(&str, f64)]) {
+        for (field, value) in fields {
+            self.positive(&format!("{key}.{field}"), *value);
+        }
+    }
+
+    /// From 0 to [`MAX`].
+    pub fn not_negative(&mut self, field: &str, value: f64) {
         self.between(field, value, 0.0, MAX);
     }
 
-    pub(super) fn between(&mut self, field: &str, value: f64, low: f64, high: f64) {
+    /// From `low` to `high`.
+    pub fn between(&mut self, field: &str, value: f64, low: f64, high: f64) {
         let good = (low..=high).contains(&value);
         self.require(
             field,
@@ -69,7 +98,23 @@ impl Checker {
         );
     }
 
-    pub(super) fn vector(&mut self, field: &str, value: [f64; 3]) {
+    /// A field of the table `key` is more than `other` = `least` of the same table, at most [`MAX`].
+    pub fn more_than(
+        &mut self,
+        key: &str,
+        (field, value): (&str, f64),
+        (other, least): (&str, f64),
+    ) {
+        self.require(
+            &format!("{key}.{field}"),
+            value.to_string(),
+            value > least && value <= MAX,
+            &format!("more than {key}.{other} = {least}, at most {MAX:e}"),
+        );
+    }
+
+    /// A place or a vector: three numbers from -10 to 10.
+    pub fn vector(&mut self, field: &str, value: [f64; 3]) {
         let good = value.iter().all(|c| c.is_finite() && c.abs() <= 10.0);
         self.require(
             field,
@@ -79,7 +124,8 @@ impl Checker {
         );
     }
 
-    pub(super) fn direction(&mut self, field: &str, value: [f64; 3]) {
+    /// A vector with a direction.
+    pub fn direction(&mut self, field: &str, value: [f64; 3]) {
         let length = value.iter().map(|c| c * c).sum::<f64>().sqrt();
         let good = (1e-6..=MAX).contains(&length);
         self.require(

@@ -1,0 +1,152 @@
+//! What every value of a fault must be: that what it breaks is there, above all.
+
+use super::fault::{FaultConfig, FaultKind};
+use super::object::{MotionConfig, ObjectConfig};
+use feeler::check::Checker;
+use feeler::sensor::fingertip::FingertipConfig;
+use std::collections::BTreeMap;
+
+/// Longest latency, control periods: so many exposures are kept.
+const MAX_LATE_PERIODS: f64 = 1000.0;
+/// Joints of a finger.
+const JOINTS: usize = 3;
+
+/// What there is to break.
+#[derive(Debug, Clone, Copy)]
+pub struct FaultTargets<'a> {
+    /// The fingertip of each finger.
+    pub fingertips: &'a [&'a FingertipConfig],
+    /// The control period, s.
+    pub period: f64,
+    /// The objects, by name.
+    pub objects: &'a BTreeMap<String, ObjectConfig>,
+}
+
+impl FaultConfig {
+    /// Requires every value of the entry `key` to be in its range, and what it breaks to be targets.
+    pub fn check(&self, key: &str, targets: &FaultTargets<'_>, checker: &mut Checker) {
+        checker.not_negative(&format!("{key}.from"), self.from);
+        if let Some(until) = self.until {
+            checker.require(
+                &format!("{key}.until"),
+                until.to_string(),
+                until.is_finite() && until > self.from,
+                &format!("more than {key}.from = {}, or no until at all", self.from),
+            );
+        }
+        let key = format!("{key}.kind.{}", self.kind.name());
+        self.kind.check(&key, targets, checker);
+    }
+}
+
+impl FaultKind {
+    fn check(&self, key: &str, targets: &FaultTargets<'_>, checker: &mut Checker) {
+        let fingertip = self.finger().and_then(|finger| {
+            let (key, fingers) = (format!("{key}.finger"), targets.fingertips.len());
+            index_below(&key, finger, fingers, "fingers of hand.finger", checker);
+            targets.fingertips.get(finger)
+        });
+        match self {
+            &Self::DeadElement { finger, element } => {
+                let Some(fingertip) = fingertip else { return };
+                let elements = fingertip.layout.element_count();
+                let what = format!("elements of finger {finger}");
+                index_below(&format!("{key}.element"), element, elements, &what, checker);
+            }
+            &Self::StuckRows {
+                finger,
+                first,
+                count,
+                ..
+            } => {
+                let Some(fingertip) = fingertip else { return };
+                let rows = fingertip.camera.height;
+                let what = format!("rows of the picture of finger {finger}");
+                index_below(&format!("{key}.first"), first, rows, &what, checker);
+                let left = rows.saturating_sub(first);
+                checker.require(
+                    &format!("{key}.count"),
+                    count.to_string(),
+                    (1..=left).contains(&count) || first >= rows,
+                    &format!("1 to {left}: the picture has {rows} rows, and the first is {first}"),
+                );
+            }
+            Self::FrozenFrame { .. } => {}
+            &Self::DroppedFrames { probability, .. } => {
+                checker.between(&format!("{key}.probability"), probability, 0.0, 1.0);
+            }
+            &Self::CameraLatency { delay, .. } => {
+                let most = (MAX_LATE_PERIODS * targets.period).min(10.0);
+                checker.between(&format!("{key}.delay"), delay, 0.0, most);
+            }
+            &Self::ServoStall { joint, .. } => {
+                index_below(&format!("{key}.joint"), joint, JOINTS, "joints", checker);
+            }
+            &Self::Backlash { joint, angle, .. } => {
+                index_below(&format!("{key}.joint"), joint, JOINTS, "joints", checker);
+                checker.between(&format!("{key}.angle"), angle, 0.0, 1.0);
+            }
+            Self::FrictionDrop { object, factor } => {
+                checker.between(&format!("{key}.factor"), *factor, 0.0, 1.0);
+                if let Some(object) = object {
+                    targets.require_object(key, object, "an object", |_| true, checker);
+                }
+            }
+            Self::MassChange { object, mass, over } => {
+                checker.positive(&format!("{key}.mass"), *mass);
+                checker.not_negative(&format!("{key}.over"), *over);
+                let free = |object: &ObjectConfig| matches!(object.motion, MotionConfig::Free(_));
+                targets.require_object(key, object, "a free object", free, checker);
+            }
+        }
+    }
+
+    /// Its key.
+    fn name(&self) -> &'static str {
+        match self {
+            Self::DeadElement { .. } => "dead_element",
+            Self::StuckRows { .. } => "stuck_rows",
+            Self::FrozenFrame { .. } => "frozen_frame",
+            Self::DroppedFrames { .. } => "dropped_frames",
+            Self::CameraLatency { .. } => "camera_latency",
+            Self::ServoStall { .. } => "servo_stall",
+            Self::Backlash { .. } => "backlash",
+            Self::FrictionDrop { .. } => "friction_drop",
+            Self::MassChange { .. } => "mass_change",
+        }
+    }
+}
+
+impl FaultTargets<'_> {
+    /// Requires the name of an object that is `fit`.
+    fn require_object(
+        &self,
+        key: &str,
+        object: &str,
+        what: &str,
+        fit: impl Fn(&ObjectConfig) -> bool,
+        checker: &mut Checker,
+    ) {
+        let fit = self.objects.iter().filter(|(_, object)| fit(object));
+        let names: Vec<_> = fit.map(|(name, _)| name.as_str()).collect();
+        checker.require(
+            &format!("{key}.object"),
+            format!("{object:?}"),
+            names.contains(&object),
+            &format!("the name of {what}: {}", names.join(", ")),
+        );
+    }
+}
+
+/// Requires an index into so many things.
+fn index_below(key: &str, index: usize, count: usize, what: &str, checker: &mut Checker) {
+    checker.require(
+        key,
+        index.to_string(),
+        index < count,
+        &format!(
+            "0 to {}: there are {count} {what}, counted from 0",
+            count.saturating_sub(1)
+        ),
+    );
+}

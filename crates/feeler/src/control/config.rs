@@ -1,0 +1,175 @@
+//! What the controller is tuned by.
+
+use super::flags::FlagThresholds;
+use super::law::tri_axial::Reflex;
+use super::law::{Law, LawConfig};
+use super::limits::LimitsConfig;
+use super::task::TaskConfig;
+use crate::check::{Checker, MAX};
+use serde::{Deserialize, Serialize};
+
+/// Everything that the control law can be tuned by.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ControlConfig {
+    /// Time from one command to the next, s.
+    pub period: f64,
+    /// Forces older than this many control periods stop the hand.
+    pub stale_periods: f64,
+    /// F1: an element pressed harder than this touches, N.
+    pub touch_force: f64,
+    /// F2: an element pressed harder than this may not be pressed further, N.
+    pub over_force: f64,
+    /// dr: an element whose shear force changes faster than this slips, N/s.
+    pub slip_threshold: f64,
+    /// v_r: speed of re-compression, m/s.
+    pub recompression_speed: f64,
+    /// A moving finger whose grasp force is below this is re-compressed, too, N.
+    pub minimum_grasp_force: f64,
+    /// When a hand that was stopped because data were stale goes on.
+    pub resume: ResumePolicy,
+    /// How a finger does what the task wants.
+    pub law: LawConfig,
+    /// What no command may exceed.
+    pub limits: LimitsConfig,
+}
+
+impl Default for ControlConfig {
+    /// The reference experiment's.
+    fn default() -> Self {
+        Self {
+            period: 0.01,
+            stale_periods: 3.5,
+            touch_force: 0.1,
+            over_force: 0.505,
+            slip_threshold: 6.5,
+            recompression_speed: 0.0064,
+            minimum_grasp_force: 0.08,
+            resume: ResumePolicy::default(),
+            law: LawConfig::default(),
+            limits: LimitsConfig::default(),
+        }
+    }
+}
+
+/// When a hand that was stopped because data were stale goes on.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ResumePolicy {
+    /// When somebody tells it to.
+    #[default]
+    Told,
+    /// As soon as data are fresh again.
+    Fresh,
+}
+
+impl ControlConfig {
+    /// The thresholds of the flag analyzer.
+    pub fn thresholds(&self) -> FlagThresholds {
+        FlagThresholds {
+            touch_force: self.touch_force,
+            over_force: self.over_force,
+            slip_threshold: self.slip_threshold,
+        }
+    }
+
+    /// The reflex of the paper's law.
+    pub fn reflex(&self) -> Reflex {
+        Reflex {
+            recompression_speed: self.recompression_speed,
+            minimum_grasp_force: self.minimum_grasp_force,
+        }
+    }
+
+    /// The control law for one finger of `elements` elements, at rest.
+    pub fn law(&self, elements: usize) -> Box<dyn Law> {
+        self.law.law(self.reflex(), self.touch_force, elements)
+    }
+
+    /// Requires every value, and those of the task that it is for, to be in its range. Keys are those of an experiment
+    /// file: `control` and `task`.
+    pub fn check(&self, task: &TaskConfig, checker: &mut Checker) {
+        checker.between("control.period", self.period, 1e-4, 1.0);
+        checker.between("control.stale_periods", self.stale_periods, 0.5, 1e3);
+        checker.positive("control.touch_force", self.touch_force);
+        checker.positive("control.slip_threshold", self.slip_threshold);
+        checker.require(
+            "control.over_force",
+            self.over_force.to_string(),
+            self.over_force <= MAX && self.over_force > self.touch_force,
+            &format!(
+                "more than control.touch_force (F1) = {}, at most {MAX:e}",
+                self.touch_force
+            ),
+        );
+        checker.not_negative("control.recompression_speed", self.recompression_speed);
+        checker.not_negative("control.minimum_grasp_force", self.minimum_grasp_force);
+        self.law.check("control.law", &self.thresholds(), checker);
+        self.limits
+            .check("control.limits", self.over_force, checker);
+        self.check_law_of(task, checker);
+        task.check(self.period, &self.thresholds(), &self.limits, checker);
+    }
+
+    /// Requires a law where the task takes one, and none where it would change nothing.
+    fn check_law_of(&self, task: &TaskConfig, checker: &mut Checker) {
+        checker.require(
+            "control.law",
+            format!("{:?}", self.law.name()),
+            task.takes_law() || self.law == LawConfig::default(),
+            &format!(
+                "{:?}, the default, because task.{} controls its contact forces itself; only {} takes another law",
+                LawConfig::default().name(),
+                task.name(),
+                TaskConfig::WITH_LAW,
+            ),
+        );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn fields(control: &ControlConfig, task: &str) -> Vec<String> {
+        let task: TaskConfig = toml::from_str(task).expect("a task");
+        let mut checker = Checker::default();
+        control.check(&task, &mut checker);
+        let problems = checker.problems().into_iter();
+        problems.map(|problem| problem.field).collect()
+    }
+
+    #[test]
+    fn defaults_are_in_their_ranges() {
+        let control = ControlConfig::default();
+        assert_eq!(fields(&control, "screw = { finger = [] }"), [""; 0]);
+        let contour = "contour = { home = [0.05, 0.0, 0.1], approach = [-1.0, 0.0, 0.0] }";
+        assert_eq!(fields(&control, contour), [""; 0]);
+    }
+
+    /// All problems are found, those of the law, the limits and the task, too.
+    #[test]
+    fn every_problem_has_its_key() {
+        let control = ControlConfig {
+            period: f64::NAN,
+            over_force: 0.05,
+            law: LawConfig::named("best").expect("a law"),
+            limits: LimitsConfig {
+                joint_acceleration: 0.0,
+                ..LimitsConfig::default()
+            },
+            ..ControlConfig::default()
+        };
+        let contour = "contour = { home = [0.5, 0.0, 0.1], approach = [0.0, 0.0, 1.0] }";
+        let expected = [
+            "control.period",
+            "control.over_force",
+            "control.law.best.element_force",
+            "control.limits.joint_acceleration",
+            "control.law",
+            "task.contour.approach",
+            "task.contour: home of finger 0",
+        ];
+        assert_eq!(fields(&control, contour), expected);
+    }
+}
