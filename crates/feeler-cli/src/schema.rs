@@ -1,9 +1,10 @@
 //! `feeler schema`
 
 use super::{CommandError, Outcome};
-use feeler_link::{message as linked, topic};
+use feeler_link::message as linked;
+use feeler_link::topic::Topic;
 use feeler_record::wire::Message;
-use feeler_record::{Topic, sensed, topics};
+use feeler_record::{RecordedTopic, sensed, topics};
 use std::io::Write;
 
 #[derive(Debug, clap::Args)]
@@ -21,7 +22,7 @@ struct Schema {
 }
 
 impl Schema {
-    fn recorded<M: Message>(topic: Topic<M>) -> Self {
+    fn recorded<M: Message>(topic: RecordedTopic<M>) -> Self {
         Self {
             name: M::SCHEMA_NAME,
             text: M::SCHEMA,
@@ -29,7 +30,7 @@ impl Schema {
         }
     }
 
-    fn linked<M: Message>(topic: topic::Topic) -> Self {
+    fn linked<M: Message>(topic: Topic) -> Self {
         Self {
             name: M::SCHEMA_NAME,
             text: M::SCHEMA,
@@ -80,7 +81,6 @@ fn recorded() -> [Schema; 13] {
 }
 
 fn linked() -> [Schema; 9] {
-    use topic::Topic;
     [
         Schema::linked::<linked::TactileUpdate>(Topic::Tactile(0)),
         Schema::linked::<linked::PictureMessage>(Topic::Picture(0)),

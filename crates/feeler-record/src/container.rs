@@ -2,7 +2,7 @@
 
 use super::channels::Stamped;
 use super::error::RecordError;
-use super::topic::{Channel, Topic};
+use super::topic::{Channel, RecordedTopic};
 use ::mcap::records::{MessageHeader, Metadata};
 use ::mcap::write::NoSeek;
 use ::mcap::{Attachment, McapError, WriteOptions, Writer};
@@ -139,7 +139,7 @@ impl Container {
 pub fn find<M>(
     channels: &[Channel],
     fingers: usize,
-    topic: Topic<M>,
+    topic: RecordedTopic<M>,
 ) -> Result<usize, RecordError> {
     topic.check_finger(fingers)?;
     let place = channels.iter().position(|channel| channel.is_of(topic));
@@ -152,7 +152,7 @@ pub fn find<M>(
 ///
 /// # Errors
 /// When its stamp is no time of a run.
-pub fn log_time<M: Stamped>(topic: Topic<M>, message: &M) -> Result<u64, RecordError> {
+pub fn log_time<M: Stamped>(topic: RecordedTopic<M>, message: &M) -> Result<u64, RecordError> {
     let stamp = message.stamp();
     nanoseconds(stamp).ok_or_else(|| RecordError::Stamp {
         topic: topic.name(),

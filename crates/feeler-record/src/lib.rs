@@ -40,4 +40,4 @@ pub use replay::{RecordedHand, RecordedSensor};
 pub use run_end::{RunEnd, RunState};
 pub use run_log::{InstrumentRecord, RunLog};
 pub use sensed::{SensedWriter, read_moments};
-pub use topic::{RecordedMessage, Topic, topics};
+pub use topic::{RecordedMessage, RecordedTopic, topics};

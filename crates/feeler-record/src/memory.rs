@@ -4,7 +4,7 @@ use super::container::log_time;
 use super::error::RecordError;
 use super::facts::RunFacts;
 use super::recording::Recording;
-use super::topic::{RecordedMessage, Topic};
+use super::topic::{RecordedMessage, RecordedTopic};
 
 /// Takes the messages of a run, each topic's in the order of time.
 pub trait MessageSink {
@@ -15,7 +15,7 @@ pub trait MessageSink {
     /// earlier message could not be written.
     fn write<M: RecordedMessage>(
         &mut self,
-        topic: Topic<M>,
+        topic: RecordedTopic<M>,
         message: &M,
     ) -> Result<(), RecordError>;
 }
@@ -46,7 +46,7 @@ impl MemoryRecorder {
 impl MessageSink for MemoryRecorder {
     fn write<M: RecordedMessage>(
         &mut self,
-        topic: Topic<M>,
+        topic: RecordedTopic<M>,
         message: &M,
     ) -> Result<(), RecordError> {
         let recording = &mut self.recording;

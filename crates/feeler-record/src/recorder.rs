@@ -7,7 +7,7 @@ use super::facts::RunFacts;
 use super::memory::MessageSink;
 use super::run_end::RunEnd;
 use super::sink::{Batch, Entry, Sink};
-use super::topic::{Channel, RecordedMessage, Topic};
+use super::topic::{Channel, RecordedMessage, RecordedTopic};
 use crate::wire::cdr;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -170,7 +170,7 @@ impl Recorder {
 impl MessageSink for Recorder {
     fn write<M: RecordedMessage>(
         &mut self,
-        topic: Topic<M>,
+        topic: RecordedTopic<M>,
         message: &M,
     ) -> Result<(), RecordError> {
         let channel = find(&self.channels, self.fingers, topic)?;

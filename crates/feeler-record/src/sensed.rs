@@ -5,7 +5,7 @@ use super::container::{Container, find, log_time};
 use super::error::RecordError;
 use super::memory::MessageSink;
 use super::scan::scan;
-use super::topic::{Channel, RecordedMessage, Topic};
+use super::topic::{Channel, RecordedMessage, RecordedTopic};
 use crate::wire::cdr;
 use ::mcap::WriteOptions;
 use ::mcap::records::Record;
@@ -15,9 +15,9 @@ use std::io::BufReader;
 use std::path::Path;
 
 /// What pictures say before any calibration.
-pub const MOMENTS: Topic<Moments> = Topic::of_rig("moments");
+pub const MOMENTS: RecordedTopic<Moments> = RecordedTopic::of_rig("moments");
 /// Tactile frames of the one fingertip.
-pub const TACTILE: Topic<Tactile> = Topic::of_rig("tactile");
+pub const TACTILE: RecordedTopic<Tactile> = RecordedTopic::of_rig("tactile");
 
 /// Writes [`Moments`] to [`MOMENTS`] and [`Tactile`] frames to [`TACTILE`] of a file.
 ///
@@ -56,7 +56,7 @@ impl SensedWriter {
 impl MessageSink for SensedWriter {
     fn write<M: RecordedMessage>(
         &mut self,
-        topic: Topic<M>,
+        topic: RecordedTopic<M>,
         message: &M,
     ) -> Result<(), RecordError> {
         let channel = find(&self.channels, 0, topic)?;

@@ -13,13 +13,13 @@ use std::fmt;
 use std::marker::PhantomData;
 
 /// A topic of a recording, which carries messages of type `M`.
-pub struct Topic<M> {
+pub struct RecordedTopic<M> {
     name: &'static str,
     finger: Option<usize>,
     message: PhantomData<fn() -> M>,
 }
 
-impl<M> Topic<M> {
+impl<M> RecordedTopic<M> {
     /// The topic `name` of the whole rig.
     pub(crate) const fn of_rig(name: &'static str) -> Self {
         Self {
@@ -56,15 +56,15 @@ impl<M> Topic<M> {
     }
 }
 
-impl<M> Clone for Topic<M> {
+impl<M> Clone for RecordedTopic<M> {
     fn clone(&self) -> Self {
         *self
     }
 }
 
-impl<M> Copy for Topic<M> {}
+impl<M> Copy for RecordedTopic<M> {}
 
-impl<M> fmt::Debug for Topic<M> {
+impl<M> fmt::Debug for RecordedTopic<M> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "Topic({})", self.name())
     }
@@ -82,47 +82,47 @@ pub mod topics {
     use super::*;
 
     /// Tri-axial forces of a finger.
-    pub const fn tactile(finger: usize) -> Topic<Tactile> {
-        Topic::of_finger(finger, "tactile")
+    pub const fn tactile(finger: usize) -> RecordedTopic<Tactile> {
+        RecordedTopic::of_finger(finger, "tactile")
     }
 
     /// Flags of a finger.
-    pub const fn flags(finger: usize) -> Topic<Flags> {
-        Topic::of_finger(finger, "flags")
+    pub const fn flags(finger: usize) -> RecordedTopic<Flags> {
+        RecordedTopic::of_finger(finger, "flags")
     }
 
     /// Encoder readings of a finger.
-    pub const fn joints(finger: usize) -> Topic<Joints> {
-        Topic::of_finger(finger, "joints")
+    pub const fn joints(finger: usize) -> RecordedTopic<Joints> {
+        RecordedTopic::of_finger(finger, "joints")
     }
 
     /// Commands to a finger.
-    pub const fn command(finger: usize) -> Topic<Command> {
-        Topic::of_finger(finger, "command")
+    pub const fn command(finger: usize) -> RecordedTopic<Command> {
+        RecordedTopic::of_finger(finger, "command")
     }
 
     /// Poses of a fingertip.
-    pub const fn fingertip(finger: usize) -> Topic<Fingertip> {
-        Topic::of_finger(finger, "fingertip")
+    pub const fn fingertip(finger: usize) -> RecordedTopic<Fingertip> {
+        RecordedTopic::of_finger(finger, "fingertip")
     }
 
     /// Pictures of the camera in a finger's fingertip; only where pictures are recorded.
-    pub const fn image(finger: usize) -> Topic<Image> {
-        Topic::of_finger(finger, "image")
+    pub const fn image(finger: usize) -> RecordedTopic<Image> {
+        RecordedTopic::of_finger(finger, "image")
     }
 
     /// Samples of the torque sensor.
-    pub const TORQUE_SENSOR: Topic<TorqueSensor> = Topic::of_rig("torque_sensor");
+    pub const TORQUE_SENSOR: RecordedTopic<TorqueSensor> = RecordedTopic::of_rig("torque_sensor");
     /// True states of the cap.
-    pub const CAP: Topic<Cap> = Topic::of_rig("cap");
+    pub const CAP: RecordedTopic<Cap> = RecordedTopic::of_rig("cap");
     /// State of the task.
-    pub const TASK: Topic<Task> = Topic::of_rig("task");
+    pub const TASK: RecordedTopic<Task> = RecordedTopic::of_rig("task");
     /// Findings of the task.
-    pub const FINDINGS: Topic<Findings> = Topic::of_rig("findings");
+    pub const FINDINGS: RecordedTopic<Findings> = RecordedTopic::of_rig("findings");
     /// True poses of the carried object; without messages where no object is free.
-    pub const OBJECT: Topic<ObjectPose> = Topic::of_rig("object");
+    pub const OBJECT: RecordedTopic<ObjectPose> = RecordedTopic::of_rig("object");
     /// True slip of the feelers; without messages where no simulated world tells.
-    pub const TRUE_SLIP: Topic<TrueSlip> = Topic::of_rig("true_slip");
+    pub const TRUE_SLIP: RecordedTopic<TrueSlip> = RecordedTopic::of_rig("true_slip");
 }
 
 /// A message that a recording holds.
@@ -260,13 +260,13 @@ impl Channel {
     }
 
     /// Whether it is the channel of `topic`.
-    pub fn is_of<M>(self, topic: Topic<M>) -> bool {
+    pub fn is_of<M>(self, topic: RecordedTopic<M>) -> bool {
         self.finger == topic.finger && self.name == topic.name
     }
 }
 
-impl<M: RecordedMessage> From<Topic<M>> for Channel {
-    fn from(topic: Topic<M>) -> Self {
+impl<M: RecordedMessage> From<RecordedTopic<M>> for Channel {
+    fn from(topic: RecordedTopic<M>) -> Self {
         Self {
             name: topic.name,
             finger: topic.finger,

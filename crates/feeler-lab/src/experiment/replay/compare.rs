@@ -2,8 +2,8 @@
 
 use super::fields::{Field, of_command, of_findings, of_flags, of_tactile, of_task};
 use feeler_record::{
-    Command, Findings, FingerRecord, Flags, MessageSink, RecordError, RecordedMessage, Recorder,
-    Recording, Tactile, Task, Topic,
+    Command, Findings, FingerRecord, Flags, MessageSink, RecordError, RecordedMessage,
+    RecordedTopic, Recorder, Recording, Tactile, Task,
 };
 use std::any::Any;
 use std::fmt;
@@ -228,7 +228,7 @@ impl<'a> Comparer<'a> {
 impl MessageSink for Comparer<'_> {
     fn write<M: RecordedMessage>(
         &mut self,
-        topic: Topic<M>,
+        topic: RecordedTopic<M>,
         message: &M,
     ) -> Result<(), RecordError> {
         let any: &dyn Any = message;
