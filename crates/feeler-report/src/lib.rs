@@ -6,6 +6,7 @@ pub mod cap;
 pub mod claim;
 pub mod claims;
 pub mod compare_page;
+mod contour_points;
 mod document;
 pub mod figures;
 pub mod make;

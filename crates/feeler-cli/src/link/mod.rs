@@ -4,7 +4,6 @@ pub mod bench;
 pub mod certificates;
 pub mod hand;
 pub mod orders;
-pub mod sense;
 pub mod top;
 pub mod world;
 

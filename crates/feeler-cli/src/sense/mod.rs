@@ -2,13 +2,14 @@
 
 mod frames;
 pub(super) mod output;
+mod publish;
 mod recorded;
 pub(super) mod sensor;
 pub(super) mod source;
 pub(super) mod tally;
 
 use super::interrupt::watch_for_interrupt;
-use super::link::{self, ExperimentArguments, LinkArguments};
+use super::link::{ExperimentArguments, LinkArguments};
 use super::part_file::{Outputs, Overwrite};
 use super::{CommandError, Outcome};
 use feeler::sensor::exposure::DEFAULT_MAX_SATURATED;
@@ -146,7 +147,7 @@ pub fn sense(arguments: &Arguments) -> Result<Outcome, CommandError> {
             recorded::sense(arguments, &path, &mut tally, &interrupted)?;
         }
         source if arguments.publish => {
-            link::sense::publish(arguments, &source, &mut tally, &interrupted)?;
+            publish::publish(arguments, &source, &mut tally, &interrupted)?;
         }
         source => frames::sense(arguments, &source, &mut tally, &interrupted)?,
     }

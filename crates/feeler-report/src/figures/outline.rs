@@ -2,9 +2,9 @@
 
 use super::Figure;
 use super::canvas::{CAP, Pen, finger_colour, frame, line, panel, range};
+use crate::contour_points::{drawn, section};
 use crate::measures::distance_to_path;
 use crate::run_data::RunData;
-use crate::tasks::contour::{drawn, section};
 use feeler_record::{Phase, Recording};
 use glam::DVec2;
 use kuva::render::figure::Figure as Panels;

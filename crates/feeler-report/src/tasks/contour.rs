@@ -2,12 +2,13 @@
 
 use super::{TaskReport, findings};
 use crate::claim::{Claim, ClaimPart, Relation};
+use crate::contour_points::{drawn, section};
 use crate::figures::{Figure, outline};
 use crate::measures::distance_to_path;
 use crate::run_data::RunData;
-use crate::series::{finite, longest_stretch, maximum, rms};
+use crate::series::{longest_stretch, maximum, rms};
 use crate::summary::Summary;
-use feeler_record::{FindingName, Phase, Recording, TaskOutcome};
+use feeler_record::{Phase, Recording, TaskOutcome};
 use glam::DVec2;
 use maud::Markup;
 
@@ -26,24 +27,6 @@ const CORNER_ANGLE: f64 = 0.5;
 const CORNER_LENGTH: f64 = 0.4e-3;
 /// Metres to millimetres.
 const MM: f64 = 1e3;
-
-/// The points that were drawn, with their times, s; m, in W.
-pub fn drawn(recording: &Recording) -> Vec<(f64, DVec2)> {
-    let points = recording.findings.iter().filter_map(|found| {
-        let value = |name: FindingName| finite(found.value(&name)?);
-        let point = DVec2::new(value(FindingName::SurfaceX)?, value(FindingName::SurfaceY)?);
-        Some((found.stamp, point))
-    });
-    points.collect()
-}
-
-/// The true section as a closed path, m, in W.
-pub fn section(recording: &Recording) -> Vec<DVec2> {
-    let points = recording.facts.section.iter();
-    let mut path: Vec<_> = points.map(|&point| DVec2::from_array(point)).collect();
-    path.extend(path.first().copied());
-    path
-}
 
 /// The corners of a closed path: the middles of the stretches in which it turns sharply.
 fn corners(section: &[DVec2]) -> Vec<DVec2> {

@@ -1,11 +1,11 @@
 //! `feeler sense --publish`: what one finger feels, for the hand program.
 
+use super::output::{FrameReadings, Output};
+use super::sensor::{self, SensorOf};
+use super::source::Source;
+use super::tally::Tally;
+use super::{Arguments, close, is_raised};
 use crate::CommandError;
-use crate::sense::output::{FrameReadings, Output};
-use crate::sense::sensor::{self, SensorOf};
-use crate::sense::source::Source;
-use crate::sense::tally::Tally;
-use crate::sense::{Arguments, close, is_raised};
 use feeler::sensor::camera::CameraError;
 use feeler::sensor::frame::Picture;
 use feeler::sensor::sensing::{ElementReading, SensingChain};
