@@ -94,7 +94,8 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
             value: f64::NAN,
         }],
     });
-    let mut session = Session::with_task(&experiment, task)?;
+    let homes = [[-0.038, 0.0, 0.1], [0.038, 0.0, 0.1]]; // m, in W
+    let mut session = Session::with_task(&experiment, task, &homes)?;
     while !session.finished() {
         session.step()?;
     }

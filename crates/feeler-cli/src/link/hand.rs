@@ -3,11 +3,12 @@
 use super::{ExperimentArguments, LinkArguments, warn_on_stderr};
 use crate::interrupt::watch_for_interrupt;
 use crate::report::print_outcome;
-use crate::run::{finish, make_folder, run_end};
+use crate::run::make_folder;
 use crate::{CommandError, Outcome};
 use feeler::pace::real_time::{self, MODERATE, Refusal};
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::linked::hand_program;
+use feeler_lab::experiment::recorded_run::{finish, run_end};
 use feeler_lab::experiment::{layouts, run_facts};
 use feeler_link::programs::HandProgram;
 use feeler_record::{RecordOptions, Recorder, RunLog};
@@ -63,7 +64,8 @@ pub fn hand(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comma
     let wall_time = start.elapsed().as_secs_f64();
     // However it ended: what was recorded is kept and reported before anything is said.
     let was_interrupted = interrupted.load(Ordering::Relaxed);
-    let end = run_end(&ended, program.controller(), was_interrupted);
+    let failed = ended.as_ref().err().map(ToString::to_string);
+    let end = run_end(failed, program.controller(), was_interrupted);
     let outcome = Outcome::from(&end);
     let made = finish(log, wall_time, end, &folder);
     ended?;

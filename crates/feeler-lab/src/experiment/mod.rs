@@ -4,6 +4,7 @@ mod facts;
 mod instruments;
 pub mod linked;
 pub mod played_rig;
+pub mod recorded_run;
 pub mod replay;
 mod sensors;
 pub mod slip_bench;
@@ -67,6 +68,14 @@ pub enum ExperimentError {
         /// Why it cannot.
         source: Box<KinematicsError>,
     },
+    /// Not every finger has a home, or there are more homes than fingers.
+    #[error("{expected} homes expected, one for each finger, not {actual}")]
+    Homes {
+        /// Number of fingers.
+        expected: usize,
+        /// Number of homes.
+        actual: usize,
+    },
     /// A fingertip makes no sense.
     #[error("sensor.fingertip: finger {finger}: {source}")]
     Fingertip {
@@ -120,22 +129,24 @@ impl Session {
     /// # Errors
     /// When a part of the experiment makes no sense.
     pub fn new(experiment: &Experiment) -> Result<Self, ExperimentError> {
-        Self::with_task(experiment, experiment.config.task.task())
+        let task = &experiment.config.task;
+        Self::with_task(experiment, task.task(), &task.homes())
     }
 
-    /// The same with `task` in place of the experiment's, whose homes the fingers start from.
+    /// The same with `task` in place of the experiment's. The fingers start from `homes`, m in `W`.
     ///
     /// # Errors
     /// As [`Self::new`].
     pub fn with_task(
         experiment: &Experiment,
         task: Box<dyn Task>,
+        homes: &[[f64; 3]],
     ) -> Result<Self, ExperimentError> {
         let config = &experiment.config;
         let layouts = layouts(config)?;
-        let (fingers, _) = fingers_at_home(config)?;
+        let (fingers, joints) = fingers_at(config, homes)?;
         let controller = Controller::with_task(config.control.clone(), task, &fingers, &layouts);
-        let (rig, cap) = rig(experiment)?;
+        let (rig, cap) = rig(experiment, &joints)?;
         check_specimen(config, &fingers, &rig.world())?;
         let sensors = sensors::sensors(experiment, &rig, &layouts)?;
         let slip = SlipMeter::new(rig.world().state());
@@ -240,8 +251,8 @@ fn is_finished(control_loop: &SimulatedLoop, time_limit: f64) -> bool {
 }
 
 /// The rig of `experiment`, and its object on a thread.
-fn rig(experiment: &Experiment) -> Result<(Rig, Option<usize>), ExperimentError> {
-    let world = world(experiment)?;
+fn rig(experiment: &Experiment, joints: &[DVec3]) -> Result<(Rig, Option<usize>), ExperimentError> {
+    let world = world_with(experiment, joints)?;
     let cap = experiment.config.cap();
     let cap = cap.and_then(|(name, ..)| world.model().object(name));
     Ok((Rig::new(world), cap))
@@ -258,14 +269,20 @@ fn steps_per_command(config: &ExperimentConfig) -> Result<usize, ConfigError> {
 /// # Errors
 /// When a part of it makes no sense.
 pub fn world(experiment: &Experiment) -> Result<World, ExperimentError> {
+    let (_, joints) = fingers_at_home(&experiment.config)?;
+    world_with(experiment, &joints)
+}
+
+/// The same with the fingers at these joint angles, rad.
+fn world_with(experiment: &Experiment, joints: &[DVec3]) -> Result<World, ExperimentError> {
     let config = &experiment.config;
-    let (fingers, joints) = fingers_at_home(config)?;
+    let fingers = geometries(config)?;
     let fingers: Vec<_> = fingers.into_iter().zip(layouts(config)?).collect();
     let folder = experiment.folder();
     Ok(World::new(
         config.simulation()?,
         &fingers,
-        &joints,
+        joints,
         folder,
         config.seed,
     )?)
@@ -322,22 +339,39 @@ pub fn check_rig(experiment: &Experiment) -> Result<Vec<ElementLayout>, Experime
 pub fn fingers_at_home(
     config: &ExperimentConfig,
 ) -> Result<(Vec<FingerGeometry>, Vec<DVec3>), ExperimentError> {
-    let fingers = config.hand.finger.iter().zip(config.task.homes());
-    fingers
-        .enumerate()
-        .map(|(finger, (hand, home))| {
-            let geometry = FingerGeometry::new(hand)
-                .map_err(|source| ExperimentError::Finger { finger, source })?;
-            let middle = (geometry.joint_lower() + geometry.joint_upper()) / 2.0;
-            let joints = inverse_kinematics(&geometry, DVec3::from_array(home), middle).map_err(
-                |source| ExperimentError::Home {
-                    task: config.task.name(),
-                    finger,
-                    home,
-                    source: Box::new(source),
-                },
-            )?;
-            Ok((geometry, joints))
+    fingers_at(config, &config.task.homes())
+}
+
+/// The fingers and the joint angles, rad, that bring them to `homes`, m in `W`, one each.
+fn fingers_at(
+    config: &ExperimentConfig,
+    homes: &[[f64; 3]],
+) -> Result<(Vec<FingerGeometry>, Vec<DVec3>), ExperimentError> {
+    let fingers = geometries(config)?;
+    if fingers.len() != homes.len() {
+        let (expected, actual) = (fingers.len(), homes.len());
+        return Err(ExperimentError::Homes { expected, actual });
+    }
+    let joints = fingers.iter().zip(homes).enumerate();
+    let joints = joints.map(|(finger, (geometry, &home))| {
+        let middle = (geometry.joint_lower() + geometry.joint_upper()) / 2.0;
+        inverse_kinematics(geometry, DVec3::from_array(home), middle).map_err(|source| {
+            ExperimentError::Home {
+                task: config.task.name(),
+                finger,
+                home,
+                source: Box::new(source),
+            }
         })
-        .collect()
+    });
+    let joints = joints.collect::<Result<_, _>>()?;
+    Ok((fingers, joints))
+}
+
+fn geometries(config: &ExperimentConfig) -> Result<Vec<FingerGeometry>, ExperimentError> {
+    let fingers = config.hand.finger.iter().enumerate();
+    let geometry = |(finger, hand)| {
+        FingerGeometry::new(hand).map_err(|source| ExperimentError::Finger { finger, source })
+    };
+    fingers.map(geometry).collect()
 }

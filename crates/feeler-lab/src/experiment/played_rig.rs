@@ -2,7 +2,7 @@
 
 use super::sensors::{RigSensor, rig_sensors};
 use super::truth::SlipMeter;
-use super::{ExperimentError, Instruments, layouts, rig, steps_per_command};
+use super::{ExperimentError, Instruments, fingers_at_home, layouts, rig, steps_per_command};
 use crate::config::Experiment;
 use feeler::hand::{Hand, HandCommand, HandError, HandState};
 use feeler::sensor::camera::Camera;
@@ -37,7 +37,8 @@ impl PlayedRig {
     pub fn new(experiment: &Experiment) -> Result<Self, ExperimentError> {
         let config = &experiment.config;
         let layouts = layouts(config)?;
-        let (rig, cap) = rig(experiment)?;
+        let (_, joints) = fingers_at_home(config)?;
+        let (rig, cap) = rig(experiment, &joints)?;
         let sensors = rig_sensors(experiment, &rig, &layouts)?;
         let sensors = sensors.into_iter().enumerate().map(|(finger, sensor)| {
             let size = &config.sensor.fingertip(finger).camera;

@@ -1,0 +1,183 @@
+//! A simulated run that records itself in a folder, and makes its report there.
+
+use super::{ExperimentError, Instruments, Session, SimulatedLoop};
+use crate::config::{ConfigError, Experiment, Sensing};
+use feeler::control::controller::Controller;
+use feeler::control::phase::Phase;
+use feeler::pace::{Schedule, Tick};
+use feeler_record::{RecordError, RecordOptions, Recorder, RunEnd, RunLog, RunState};
+use feeler_report::make::{RECORDING, ReportError, ReportOutcome, make};
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+/// Why a run could not be made, recorded or reported.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// The experiment file or a calibration cannot be used.
+    #[error(transparent)]
+    Config(#[from] ConfigError),
+    /// The run could not be set up or go on.
+    #[error(transparent)]
+    Experiment(#[from] ExperimentError),
+    /// There are no pictures to record.
+    #[error("no pictures are taken with sensing = \"direct\"; expected sensing = \"image\"")]
+    NoPictures,
+    /// The recording could not be written.
+    #[error(transparent)]
+    Record(#[from] RecordError),
+    /// The report could not be made.
+    #[error(transparent)]
+    Report(#[from] ReportError),
+}
+
+/// A run with its recording.
+pub struct RecordedRun {
+    session: Session,
+    log: RunLog,
+    folder: PathBuf,
+}
+
+impl RecordedRun {
+    /// Sets up a run of `experiment` whose recording begins in `folder`, which exists; with its camera `pictures`
+    /// where they are wanted.
+    ///
+    /// # Errors
+    /// When a part of the experiment makes no sense, or the recording cannot be written.
+    pub fn new(experiment: &Experiment, pictures: bool, folder: &Path) -> Result<Self, RunError> {
+        Self::of_session(Session::new(experiment)?, experiment, pictures, folder)
+    }
+
+    /// The same for a `session` of `experiment` that is set up already.
+    ///
+    /// # Errors
+    /// When the recording cannot be written.
+    pub fn of_session(
+        session: Session,
+        experiment: &Experiment,
+        pictures: bool,
+        folder: &Path,
+    ) -> Result<Self, RunError> {
+        let options = record_options(experiment, pictures)?;
+        let facts = session.facts(&experiment.config);
+        let file = folder.join(RECORDING);
+        let recorder = Recorder::create_with(file, &facts, &experiment.toml, &options)?;
+        let log = RunLog::new(recorder, session.layouts());
+        Ok(Self {
+            log: if pictures { log.with_pictures() } else { log },
+            session,
+            folder: folder.into(),
+        })
+    }
+
+    /// Makes the run, as [`Session::run`], then closes the recording and makes the report. However the run ends,
+    /// what was recorded is kept and reported. Returns the loop's last state, how the run ended, and the report.
+    ///
+    /// # Errors
+    /// When the run, the recording or the report fails.
+    pub fn run(
+        self,
+        schedule: &mut impl Schedule,
+        interrupted: &AtomicBool,
+        mut each_step: impl FnMut(&mut SimulatedLoop, &Instruments, &Tick),
+    ) -> Result<FinishedRun, RunError> {
+        let Self {
+            mut session,
+            mut log,
+            folder,
+        } = self;
+        let start = Instant::now();
+        let ran = session.run(schedule, interrupted, |control_loop, at, tick| {
+            if let Err(error) = at.record(control_loop, &mut log) {
+                return ControlFlow::Break(error);
+            }
+            each_step(control_loop, at, tick);
+            ControlFlow::Continue(())
+        });
+        let wall_time = start.elapsed().as_secs_f64();
+        let failed = match ran {
+            Ok(None) => None,
+            Ok(Some(error)) => Some(RunError::from(error)),
+            Err(error) => Some(RunError::from(error)),
+        };
+        let controller = session.control_loop().controller();
+        let reason = failed.as_ref().map(ToString::to_string);
+        let end = run_end(reason, controller, interrupted.load(Ordering::Relaxed));
+        let report = finish(log, wall_time, end.clone(), &folder);
+        if let Some(error) = failed {
+            return Err(error);
+        }
+        Ok(FinishedRun {
+            report: report?,
+            session,
+            wall_time,
+            end,
+        })
+    }
+}
+
+/// A run that is over, recorded and reported.
+pub struct FinishedRun {
+    /// The session, as of its last step.
+    pub session: Session,
+    /// How the run ended.
+    pub end: RunEnd,
+    /// How long it took, s.
+    pub wall_time: f64,
+    /// The report.
+    pub report: ReportOutcome,
+}
+
+/// What is recorded beside what always is: what forces were made of, where they were made of pictures.
+fn record_options(experiment: &Experiment, pictures: bool) -> Result<RecordOptions, RunError> {
+    match experiment.config.sensing {
+        Sensing::Image => Ok(RecordOptions {
+            calibrations: experiment.calibration_texts()?,
+            pictures,
+        }),
+        Sensing::Direct if pictures => Err(RunError::NoPictures),
+        Sensing::Direct => Ok(RecordOptions::default()),
+    }
+}
+
+/// How a run of `controller` ended: because it `failed`, because the hand or the task did, or because it was
+/// `interrupted`.
+pub fn run_end(failed: Option<String>, controller: &Controller, interrupted: bool) -> RunEnd {
+    let given_up = |reason: String| RunEnd::because(RunState::GivenUp, reason);
+    if let Some(error) = failed {
+        RunEnd::because(RunState::Interrupted, error)
+    } else if let Some(reason) = controller.stop_reason() {
+        given_up(format!("the hand was stopped: {reason}"))
+    } else if controller.phase() == Phase::Done && controller.task().failed() {
+        let found = controller.task().outcome().unwrap_or_default();
+        given_up(format!(
+            "the task ended, but not as it should have: {found}"
+        ))
+    } else if controller.phase() == Phase::Done {
+        RunEnd::DONE
+    } else if interrupted {
+        RunEnd::because(
+            RunState::Interrupted,
+            "by Ctrl-C or by the system; the report shows the run so far",
+        )
+    } else {
+        given_up("the task was not done when the experiment's time limit was over".into())
+    }
+}
+
+/// Closes the recording in `folder` of a run that took `wall_time` (s), and makes its report.
+///
+/// # Errors
+/// When one of them cannot be written.
+pub fn finish(
+    log: RunLog,
+    wall_time: f64,
+    end: RunEnd,
+    folder: &Path,
+) -> Result<ReportOutcome, RunError> {
+    let mut recorder = log.into_recorder();
+    recorder.set_end(end);
+    recorder.finish(Some(wall_time))?;
+    Ok(make(folder)?)
+}
