@@ -28,6 +28,15 @@ use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use std::sync::LazyLock;
 
+/// The noise of pictures that the bounds below were measured with.
+fn optics() -> OpticsConfig {
+    OpticsConfig {
+        read_noise: 1.0,
+        shot_noise: 0.07,
+        ..OpticsConfig::default()
+    }
+}
+
 /// A third of the pictures of the default bench, to be quick without optimisation.
 static CALIBRATION: LazyLock<Calibration> = LazyLock::new(|| {
     let bench = CalibrationBenchConfig {
@@ -38,12 +47,7 @@ static CALIBRATION: LazyLock<Calibration> = LazyLock::new(|| {
         held_out: 60,
         ..CalibrationBenchConfig::default()
     };
-    calibrate_simulated(
-        &FingertipConfig::default(),
-        &OpticsConfig::default(),
-        &bench,
-    )
-    .unwrap()
+    calibrate_simulated(&FingertipConfig::default(), &optics(), &bench).unwrap()
 });
 
 /// A camera that looks at a simulated fingertip under forces that a test sets.
@@ -58,7 +62,7 @@ struct SimulatedCamera {
 impl SimulatedCamera {
     fn new(seed: u64) -> Self {
         let fingertip = Fingertip::new(&FingertipConfig::default()).unwrap();
-        let optics = OpticsConfig::default();
+        let optics = optics();
         let model = OpticsModel::new(&optics, &fingertip.layout, &fingertip.projection).unwrap();
         Self {
             scratch: OpticsScratch::new(&model),
@@ -386,7 +390,7 @@ static COUPLED: LazyLock<Calibration> = LazyLock::new(|| {
         model: ModelChoice::Coupled,
         ..CalibrationBenchConfig::default()
     };
-    let (fingertip, optics) = (FingertipConfig::default(), OpticsConfig::default());
+    let (fingertip, optics) = (FingertipConfig::default(), optics());
     calibrate_simulated(&fingertip, &optics, &bench).unwrap()
 });
 

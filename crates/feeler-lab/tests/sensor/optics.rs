@@ -141,7 +141,12 @@ fn the_picture_depends_on_the_seed_and_on_nothing_else() {
 /// change.
 #[test]
 fn the_picture_is_pinned() {
-    let model = model(&fingertip(), &OpticsConfig::default());
+    let optics = OpticsConfig {
+        read_noise: 1.0,
+        shot_noise: 0.07,
+        ..OpticsConfig::default()
+    };
+    let model = model(&fingertip(), &optics);
     let picture = picture(&model, &[DVec3::new(0.1, 0.2, 0.5); 41], 5);
     // FNV-1a.
     let digest = picture
