@@ -159,7 +159,6 @@ fn merge(arguments: &MergeArguments, out: &mut dyn Write) -> Result<Outcome, Com
         }
         read_finished(folder, plan, &mut table)?;
     }
-    trials.judge_again(&mut table);
     let missing: Vec<u64> = (0..whole.trials)
         .filter(|k| !table.rows.contains_key(k))
         .collect();

@@ -35,12 +35,10 @@ impl TrialArguments {
     /// The folder of `trials`: as it was left with --resume, otherwise a new one.
     pub fn store(&self, folder: &Path, trials: &Trials) -> Result<Store, CommandError> {
         let (plan, header) = (trials.plan(), trials.header());
-        if !self.resume {
-            return Ok(Store::create(folder, plan, header)?);
-        }
-        let mut store = Store::resume(folder, plan, header)?;
-        trials.judge_again(&mut store.table);
-        Ok(store)
+        Ok(match self.resume {
+            true => Store::resume(folder, plan, header)?,
+            false => Store::create(folder, plan, header)?,
+        })
     }
 
     /// Runs what is left of `trials`, until done or Ctrl-C.

@@ -4,7 +4,6 @@ use super::SweepError;
 use super::design::Scheme;
 use super::parameter::{Parameter, settings};
 use super::plan::Plan;
-use super::table::Table;
 use crate::config::Experiment;
 use crate::experiment::truth::Truth;
 use crate::experiment::{Session, run_facts};
@@ -311,27 +310,6 @@ impl Trials {
             outcome,
             reason,
             came_of_it: Some((log.into_recorder().into_recording(), Truth::of(&session))),
-        }
-    }
-
-    /// Judges the rows of a table again where a success does not mean that the claims hold: earlier versions held every
-    /// law to them. What a row does not tell stays as it is.
-    pub fn judge_again(&self, table: &mut Table) {
-        let names = ["outcome", "strokes_made", "success"].map(|name| table.column(name));
-        let [Some(outcome), Some(made), Some(success)] = names else {
-            return;
-        };
-        let turn = |stroke| table.column(&format!("stroke{stroke}.cap_turn"));
-        let turns: Vec<_> = (1..=self.strokes).map_while(turn).collect();
-        if self.claims_apply || !self.has_claims() {
-            return;
-        }
-        for row in table.rows.values_mut() {
-            let made: usize = row[made].parse().unwrap_or(0);
-            if let Some(turns) = turns.get(..made) {
-                let turns: Vec<_> = turns.iter().map(|&turn| row[turn].parse().ok()).collect();
-                row[success] = flag(row[outcome] == "done" && found_closed(&turns));
-            }
         }
     }
 
