@@ -229,15 +229,15 @@ fn check_input(
             actual: forces.len(),
         });
     }
-    if let Some(element) = touch.frame.first_invalid() {
-        return Err(StopReason::NoForce { finger, element });
-    }
-    let not_finite = |what| Err(StopReason::NotFinite { finger, what });
-    if !forces.iter().all(|f| f.is_finite()) {
-        return not_finite("force");
+    // In every step of every finger, so one pass without a branch; what is wrong is found out afterwards.
+    let not_finite = |what| StopReason::NotFinite { finger, what };
+    if !forces.iter().fold(true, |all, f| all & f.is_finite()) {
+        let no_force = |element| StopReason::NoForce { finger, element };
+        let invalid = touch.frame.first_invalid().map(no_force);
+        return Err(invalid.unwrap_or_else(|| not_finite("force")));
     }
     if !(joints.position.is_finite() && joints.velocity.is_finite()) {
-        return not_finite("joint state");
+        return Err(not_finite("joint state"));
     }
     Ok(())
 }
