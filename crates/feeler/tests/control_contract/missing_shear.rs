@@ -1,13 +1,12 @@
 //! Slip by missing shear: what sticks, what slips and what goes along with the fingertip.
 
-use super::rig::{ELEMENTS, config};
+use super::rig::{ELEMENTS, config, layout};
 use feeler::control::feeler_shape::FeelerShape;
 use feeler::control::law::LawConfig;
 use feeler::control::plan::Plan;
 use feeler::control::sense::{FingerSense, FingertipPose};
 use feeler::control::slip_detector::SlipDetector;
 use feeler::control::touch::FingerTouch;
-use feeler::sensor::layout::ElementLayout;
 use glam::DVec3;
 
 /// An element that misses more than this slips, N.
@@ -19,10 +18,6 @@ const WAY: DVec3 = DVec3::new(0.0, 3.2e-4, 0.0);
 const TOUCHING: [usize; 2] = [0, 1];
 /// Pressed like this, N, with shear that the fingertip's way lets grow.
 const PRESSED: f64 = 0.8;
-
-fn layout() -> ElementLayout {
-    ElementLayout::new(&config().sensor.fingertip.layout)
-}
 
 /// Forces of elements that touch something after the fingertip went `WAY`, of which the object went along with the `share`
 /// and element 0 lost `slip` newtons more.

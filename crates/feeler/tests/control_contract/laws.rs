@@ -1,6 +1,6 @@
 //! The control laws beside the paper's: what each may know, and that none allocates or goes astray.
 
-use super::rig::{Analyzers, ELEMENTS, IdealHand, config, controller, pressed};
+use super::rig::{Analyzers, ELEMENTS, config, controller, hand_at_home, layout, pressed, state};
 use assert_no_alloc::assert_no_alloc;
 use feeler::control::law::LawConfig;
 use feeler::control::law::best::{Best, BestConfig};
@@ -9,7 +9,6 @@ use feeler::control::plan::Plan;
 use feeler::control::sense::{FingerSense, FingertipPose};
 use feeler::control::touch::FingerTouch;
 use feeler::hand::hand::{Hand, HandCommand};
-use feeler::sensor::layout::ElementLayout;
 use glam::DVec3;
 
 const MOVE: Plan = Plan {
@@ -32,7 +31,7 @@ fn touch(sequence: u64, force: DVec3) -> FingerTouch {
 
 /// Speed into the object that `law` wants when its apex element feels `force`.
 fn pressing(law: &mut dyn Law, sequence: u64, force: DVec3) -> f64 {
-    let layout = ElementLayout::new(&config().sensor.fingertip.layout);
+    let layout = layout();
     let touch = touch(sequence, force);
     let sense = FingerSense {
         pose: FingertipPose::default(),
@@ -53,14 +52,14 @@ fn no_law_allocates_or_stops_the_hand() {
         config.control.law = LawConfig::named(name).expect("a law");
         assert_eq!(config.control.law.name(), name);
         let mut controller = controller(&config);
-        let mut hand = IdealHand::at_home(&config);
+        let mut hand = hand_at_home(&config);
         let mut analyzers = Analyzers::new(&config);
         let mut command = HandCommand::stop(2);
         for n in 0..2000 {
             let force = 2.5 * (0.05 * n as f64).sin().max(0.0);
             let mut frames = vec![pressed(n, hand.stamp, force); 2];
             frames[0].forces[1].x = 0.1 * (n % 3) as f64;
-            let (touches, state) = (analyzers.touches(&frames), hand.state());
+            let (touches, state) = (analyzers.touches(&frames), state(&hand));
             assert_no_alloc(|| controller.decide(&touches, &state, &mut command));
             hand.command(&command).expect("an ideal hand");
         }
@@ -121,7 +120,7 @@ fn the_best_grips_in_proportion_to_shear_before_anything_slips() {
 
 #[test]
 fn the_best_learns_the_friction_of_what_slips() {
-    let layout = ElementLayout::new(&config().sensor.fingertip.layout);
+    let layout = layout();
     for friction in [0.4, 1.2] {
         let mut law = Best::new(BestConfig::default(), ELEMENTS);
         // A sawtooth between the static limit and 0.7 of it, at 1 N, as a finger drags.
