@@ -3,6 +3,7 @@
 use super::element::{fitted, inputs, made_for, moments, places, record};
 use feeler::sensor::calibration::{FullScale, Inputs};
 use feeler::sensor::calibration_fit::{ElementRecord, ModelChoice, fit};
+use feeler::sensor::loads::RecordBuilder;
 use glam::DVec3;
 
 fn good() -> ElementRecord {
@@ -101,4 +102,29 @@ fn a_record_for_each_element_is_needed() {
     );
     let message = error.expect_err("refused").to_string();
     assert!(message.contains('3') && message.contains('1'), "{message}");
+}
+
+/// A picture without load on an element tells its rest; one with a load is fitted; one of which nothing is known is neither.
+#[test]
+fn records_are_gathered_picture_by_picture() {
+    let mut builder = RecordBuilder::new(2);
+    let [rest, pressed] = [Inputs::default(), inputs([0.5, 0.1, 0.0])].map(moments);
+    builder.add(&[Some(DVec3::ZERO), Some(DVec3::Z)], &[rest, pressed]);
+    builder.add(&[None, Some(DVec3::ZERO)], &[pressed, rest]);
+    let records = builder.finish();
+    let counts = |r: &ElementRecord| {
+        [
+            r.unloaded.len(),
+            r.fitted.len(),
+            r.cycled.len(),
+            r.held_out.len(),
+        ]
+    };
+    assert_eq!(
+        records.iter().map(counts).collect::<Vec<_>>(),
+        [[1, 0, 1, 0], [1, 1, 2, 0]]
+    );
+    assert_eq!(records[1].fitted[0].force, DVec3::Z);
+    assert_eq!(records[1].fitted[0].moments, pressed);
+    assert_eq!(records[0].unloaded, [rest]);
 }

@@ -1,10 +1,13 @@
 //! What a calibration says of its own errors, of readings that are made up.
 
 use super::element::{CENTROID, GRAY, fitted, inputs, moments, places, record};
-use feeler::sensor::calibration::{Calibration, ElementQuality, FullScale, HeldOutError, Inputs};
+use feeler::sensor::calibration::{
+    Calibration, ElementQuality, FullScale, HeldOutError, Inputs, MadeFor,
+};
 use feeler::sensor::calibration_fit::{LoadSample, ModelChoice};
 use feeler::sensor::calibration_quality::{CycledReading, repeatability_and_hysteresis};
 use feeler::sensor::calibration_report::{CalibrationReport, Errors};
+use feeler::sensor::fingertip::FingertipConfig;
 use glam::DVec3;
 
 /// A force that is linear in the inputs.
@@ -200,4 +203,42 @@ fn held_out_and_cycled_loads_are_read_with_the_fit() {
     assert!(spread.distance(0.3 * DVec3::Z) < 1e-9, "{spread}");
     assert_eq!(quality.hysteresis, None);
     assert_eq!(quality.resolution, None);
+}
+
+/// Rings of 1, 8, 12 and 20 elements, whose errors are their ring's number.
+#[test]
+fn the_report_gives_each_ring_a_line_where_they_are_known() {
+    let mut calibration = two(qualities());
+    let element = calibration.elements[0].clone();
+    let of_ring = |(ring, count): (usize, usize)| {
+        let mut element = element.clone();
+        let error = 0.01 * (1 + ring) as f64 * DVec3::Z;
+        element.quality = ElementQuality {
+            held_out: HeldOutError::of(&[error], FullScale::default()),
+            ..ElementQuality::default()
+        };
+        vec![element; count]
+    };
+    calibration.elements = [1, 8, 12, 20]
+        .into_iter()
+        .enumerate()
+        .flat_map(of_ring)
+        .collect();
+    calibration.made_for = MadeFor::fingertip(&FingertipConfig::default()).expect("a fingertip");
+    let rings = CalibrationReport::new(&calibration).rings();
+    assert_eq!(rings.len(), 4);
+    for (n, ring) in rings.iter().enumerate() {
+        assert!(
+            (ring.worst.z - 0.01 * (1 + n) as f64).abs() < 1e-15,
+            "{ring:?}"
+        );
+    }
+    let mut report = CalibrationReport::new(&calibration);
+    let lines = |report: &CalibrationReport| {
+        let text = report.to_string();
+        ["ring ", "element "].map(|name| text.lines().filter(|l| l.starts_with(name)).count())
+    };
+    assert_eq!(lines(&report), [4, 0]);
+    report.verbose = true;
+    assert_eq!(lines(&report), [4, 41]);
 }

@@ -139,3 +139,121 @@ fn the_best_learns_the_friction_of_what_slips() {
         assert!(off < 0.01 * friction, "{} for {friction}", law.friction());
     }
 }
+
+/// Two elements of different normals share a press along the mean of these, weighted by their force.
+#[test]
+fn the_best_presses_along_what_it_feels_and_shares_between_elements() {
+    let layout = layout();
+    let config = BestConfig {
+        learning_rate: 0.0,
+        friction: 0.5,
+        margin: 1.5,
+        least_grasp_force: 2.0,
+        element_force: 5.0,
+        gain: 0.01,
+        pressing_speed: 0.1,
+        slip_share: 0.6,
+    };
+    let mut law = Best::new(config, ELEMENTS);
+    let mut touch = touch(1, DVec3::new(0.0, 0.0, 0.6));
+    touch.frame.forces[1].z = 0.3;
+    // Too little to count.
+    touch.frame.forces[9].z = 0.019;
+    let sense = FingerSense {
+        pose: FingertipPose::default(),
+        touch: &touch,
+        layout: &layout,
+    };
+    let [first, second] = [0, 1].map(|i| layout.elements[i].normal());
+    let inward = (0.6 * first + 0.3 * second).normalize();
+    let pressed = 0.6 * first.dot(inward) + 0.3 * second.dot(inward);
+    let expected = 0.01 * (2.0 - pressed) / 2.0 * inward;
+    let found = law.velocity(&MOVE, &sense) - MOVE.velocity;
+    assert!(found.distance(expected) < 1e-12, "{found} {expected}");
+    let search = Plan {
+        keep_grasp: false,
+        ..MOVE
+    };
+    assert_eq!(law.velocity(&search, &sense), MOVE.velocity);
+}
+
+/// What the law believes after an element's force went from `before` to `now`, each `(shear, normal)`, N.
+fn believed(before: (f64, f64), now: (f64, f64)) -> f64 {
+    let layout = layout();
+    let config = BestConfig {
+        friction: 0.6,
+        learning_rate: 0.5,
+        ..BestConfig::default()
+    };
+    let mut law = Best::new(config, ELEMENTS);
+    // Each frame is seen twice, as by control steps without a new one.
+    for (sequence, (shear, normal)) in [(1, before), (1, before), (2, now), (2, now)] {
+        let touch = touch(sequence, DVec3::new(shear, 0.0, normal));
+        let sense = FingerSense {
+            pose: FingertipPose::default(),
+            touch: &touch,
+            layout: &layout,
+        };
+        law.velocity(&MOVE, &sense);
+    }
+    law.friction()
+}
+
+#[test]
+fn the_best_learns_from_slips_and_from_what_holds_harder_than_believed() {
+    for (before, now, expected) in [
+        // A fall of more than 0.04 N at the same force: half way from 0.6 to 0.4.
+        ((0.4, 1.0), (0.3, 1.0), 0.5),
+        ((0.4, 1.0), (0.37, 1.0), 0.6),
+        // Less force, too: it was let go, and slipped not.
+        ((0.4, 1.0), (0.3, 0.89), 0.6),
+        ((0.4, 1.0), (0.3, 0.91), 0.5),
+        // It holds with 0.8.
+        ((0.8, 1.0), (0.8, 1.0), 0.7),
+        ((0.59, 1.0), (0.8, 1.0), 0.6),
+        // Too little force to tell from, in either frame.
+        ((0.12, 0.14), (0.12, 0.5), 0.6),
+        ((0.4, 0.5), (0.12, 0.14), 0.6),
+        ((0.128, 0.16), (0.128, 0.16), 0.7),
+        // Nothing is believed to be as slippery as this, or to hold so hard.
+        ((0.05, 2.0), (0.0, 2.0), 0.3125),
+        ((3.0, 1.0), (3.0, 1.0), 1.5),
+    ] {
+        let found = believed(before, now);
+        assert!(
+            (found - expected).abs() < 1e-12,
+            "{before:?} {now:?}: {found}"
+        );
+    }
+}
+
+#[test]
+fn the_open_loop_presses_no_farther_than_its_distance_and_anew_in_each_grasp() {
+    let layout = layout();
+    let mut law = law(LawConfig::named("open-loop").expect("a law"));
+    let LawConfig::OpenLoop(config) = LawConfig::named("open-loop").expect("a law") else {
+        panic!("the open loop")
+    };
+    let touch = touch(1, DVec3::ZERO);
+    let mut pressing = |keep_grasp, x: f64| {
+        let sense = FingerSense {
+            pose: FingertipPose {
+                position: DVec3::new(x, 0.0, 0.0),
+                ..FingertipPose::default()
+            },
+            touch: &touch,
+            layout: &layout,
+        };
+        let plan = Plan { keep_grasp, ..MOVE };
+        (law.velocity(&plan, &sense) - MOVE.velocity).x
+    };
+    for start in [0.02, -0.01] {
+        assert_eq!(pressing(false, start), 0.0);
+        assert_eq!(pressing(true, start), config.squeeze_speed);
+        assert_eq!(
+            pressing(true, start + 0.9 * config.squeeze),
+            config.squeeze_speed
+        );
+        assert_eq!(pressing(true, start + 1.1 * config.squeeze), 0.0);
+    }
+}

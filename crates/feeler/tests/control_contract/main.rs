@@ -5,6 +5,7 @@
 
 use assert_no_alloc::AllocDisabler;
 
+mod config;
 mod hand;
 mod hostile;
 mod laws;
