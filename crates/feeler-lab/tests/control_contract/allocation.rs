@@ -1,7 +1,7 @@
 //! The control path from a picture to a command does not allocate: over whole runs, so that every
 //! phase, flag and limit has its turn.
 
-use super::rig::{IdealHand, config, controller};
+use super::hand::IdealHand;
 use assert_no_alloc::assert_no_alloc;
 use feeler::control::control_loop::ControlLoop;
 use feeler::control::phase::Phase;
@@ -12,8 +12,15 @@ use feeler::sensor::camera::{Camera, CameraError};
 use feeler::sensor::frame::Frame;
 use feeler::sensor::optical::OpticalSensor;
 use feeler::sensor::reading::{SensorError, TactileFrame, TactileSensor};
-use feeler_lab::config::{BUILT_IN, Experiment};
+use feeler_lab::config::{BUILT_IN, Experiment, ExperimentConfig};
 use feeler_lab::experiment::{self, Session, fingers_at_home, layouts};
+
+fn config() -> ExperimentConfig {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/stiff-feelers.toml");
+    Experiment::load(file, &[])
+        .expect("two fingers at a cap")
+        .config
+}
 
 /// A camera whose pictures get brighter and darker.
 struct Flicker(u64);
@@ -92,11 +99,13 @@ impl TactileSensor for Rising {
 #[test]
 fn going_round_the_loop_does_not_allocate_nor_does_failing() {
     let config = config();
-    let hand = IdealHand::at_home(&config);
-    let quiet = super::loop_faults::Quiet(hand);
+    let (geometries, home) = fingers_at_home(&config).expect("fingers");
+    let layouts = layouts(&config).expect("fingertips");
+    let controller = experiment::controller(&config, &geometries, &layouts);
+    let hand = IdealHand::new(home, config.control.period);
     let sensors = [Rising(0), Rising(0)];
     let sensors = sensors.map(|sensor| AnalyzedSensor::new(sensor, config.control.thresholds()));
-    let mut control_loop = ControlLoop::new(sensors.into(), quiet, controller(&config));
+    let mut control_loop = ControlLoop::new(sensors.into(), hand, controller);
     let failed = assert_no_alloc(|| (0..400).find_map(|_| control_loop.step().err()));
     assert!(failed.is_some());
 }

@@ -2,9 +2,6 @@
 
 mod accuracy;
 mod calibration;
-mod dome;
 mod locate;
-mod moments;
-mod moments_paths;
 mod optics;
 mod reference_calibration;

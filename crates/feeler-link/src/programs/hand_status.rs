@@ -208,7 +208,7 @@ impl HandStatus {
             steps: self.steps,
             punctuality: self.punctuality.summary(),
             lost: lost_updates(&inbox),
-            rejected: inbox.rejected.clone(),
+            rejected: inbox.rejected,
         }
     }
 }

@@ -1,5 +1,9 @@
-//! From moments to forces, with calibrations whose forces are known in closed form.
+//! From pictures to moments to forces: whatever is known in closed form or by a slower way.
 
 mod beyond_calibration;
+mod dome;
 mod drift;
 mod exposure;
+mod locate;
+mod moments;
+mod moments_paths;

@@ -1,6 +1,6 @@
 //! The control laws beside the paper's: what each may know, and that none allocates or goes astray.
 
-use super::rig::{Analyzers, ELEMENTS, IdealHand, config, controller, pressed};
+use super::rig::{Analyzers, ELEMENTS, config, controller, hand_at_home, layout, pressed, state};
 use assert_no_alloc::assert_no_alloc;
 use feeler::control::law::LawConfig;
 use feeler::control::law::best::{Best, BestConfig};
@@ -9,7 +9,6 @@ use feeler::control::plan::Plan;
 use feeler::control::sense::{FingerSense, FingertipPose};
 use feeler::control::touch::FingerTouch;
 use feeler::hand::{Hand, HandCommand};
-use feeler::sensor::layout::ElementLayout;
 use glam::DVec3;
 
 const MOVE: Plan = Plan {
@@ -32,7 +31,7 @@ fn touch(sequence: u64, force: DVec3) -> FingerTouch {
 
 /// Speed into the object that `law` wants when its apex element feels `force`.
 fn pressing(law: &mut dyn Law, sequence: u64, force: DVec3) -> f64 {
-    let layout = ElementLayout::new(&config().sensor.fingertip.layout);
+    let layout = layout();
     let touch = touch(sequence, force);
     let sense = FingerSense {
         pose: FingertipPose::default(),
@@ -54,14 +53,14 @@ fn no_law_allocates_or_stops_the_hand() {
         config.control.law = LawConfig::named(name).expect("a law");
         assert_eq!(config.control.law.name(), name);
         let mut controller = controller(&config);
-        let mut hand = IdealHand::at_home(&config);
+        let mut hand = hand_at_home(&config);
         let mut analyzers = Analyzers::new(&config);
         let mut command = HandCommand::stop(2);
         for n in 0..2000 {
             let force = 2.5 * (0.05 * n as f64).sin().max(0.0);
             let mut frames = vec![pressed(n, hand.stamp, force); 2];
             frames[0].forces[1].x = 0.1 * (n % 3) as f64;
-            let (touches, state) = (analyzers.touches(&frames), hand.state());
+            let (touches, state) = (analyzers.touches(&frames), state(&hand));
             assert_no_alloc(|| controller.decide(&touches, &state, &mut command));
             hand.command(&command).expect("an ideal hand");
         }
@@ -122,7 +121,7 @@ fn the_best_grips_in_proportion_to_shear_before_anything_slips() {
 
 #[test]
 fn the_best_learns_the_friction_of_what_slips() {
-    let layout = ElementLayout::new(&config().sensor.fingertip.layout);
+    let layout = layout();
     for friction in [0.4, 1.2] {
         let mut law = Best::new(BestConfig::default(), ELEMENTS);
         // A sawtooth between the static limit and 0.7 of it, at 1 N, as a finger drags.
@@ -139,5 +138,123 @@ fn the_best_learns_the_friction_of_what_slips() {
         // Every slip brings it 0.3 of the way; nothing else here moves it away.
         let off = (law.friction() - friction).abs();
         assert!(off < 0.01 * friction, "{} for {friction}", law.friction());
+    }
+}
+
+/// Two elements of different normals share a press along the mean of these, weighted by their force.
+#[test]
+fn the_best_presses_along_what_it_feels_and_shares_between_elements() {
+    let layout = layout();
+    let config = BestConfig {
+        learning_rate: 0.0,
+        friction: 0.5,
+        margin: 1.5,
+        least_grasp_force: 2.0,
+        element_force: 5.0,
+        gain: 0.01,
+        pressing_speed: 0.1,
+        slip_share: 0.6,
+    };
+    let mut law = Best::new(config, ELEMENTS);
+    let mut touch = touch(1, DVec3::new(0.0, 0.0, 0.6));
+    touch.frame.forces[1].z = 0.3;
+    // Too little to count.
+    touch.frame.forces[9].z = 0.019;
+    let sense = FingerSense {
+        pose: FingertipPose::default(),
+        touch: &touch,
+        layout: &layout,
+    };
+    let [first, second] = [0, 1].map(|i| layout.elements[i].normal());
+    let inward = (0.6 * first + 0.3 * second).normalize();
+    let pressed = 0.6 * first.dot(inward) + 0.3 * second.dot(inward);
+    let expected = 0.01 * (2.0 - pressed) / 2.0 * inward;
+    let found = law.velocity(&MOVE, &sense) - MOVE.velocity;
+    assert!(found.distance(expected) < 1e-12, "{found} {expected}");
+    let search = Plan {
+        keep_grasp: false,
+        ..MOVE
+    };
+    assert_eq!(law.velocity(&search, &sense), MOVE.velocity);
+}
+
+/// What the law believes after an element's force went from `before` to `now`, each `(shear, normal)`, N.
+fn believed(before: (f64, f64), now: (f64, f64)) -> f64 {
+    let layout = layout();
+    let config = BestConfig {
+        friction: 0.6,
+        learning_rate: 0.5,
+        ..BestConfig::default()
+    };
+    let mut law = Best::new(config, ELEMENTS);
+    // Each frame is seen twice, as by control steps without a new one.
+    for (sequence, (shear, normal)) in [(1, before), (1, before), (2, now), (2, now)] {
+        let touch = touch(sequence, DVec3::new(shear, 0.0, normal));
+        let sense = FingerSense {
+            pose: FingertipPose::default(),
+            touch: &touch,
+            layout: &layout,
+        };
+        law.velocity(&MOVE, &sense);
+    }
+    law.friction()
+}
+
+#[test]
+fn the_best_learns_from_slips_and_from_what_holds_harder_than_believed() {
+    for (before, now, expected) in [
+        // A fall of more than 0.04 N at the same force: half way from 0.6 to 0.4.
+        ((0.4, 1.0), (0.3, 1.0), 0.5),
+        ((0.4, 1.0), (0.37, 1.0), 0.6),
+        // Less force, too: it was let go, and slipped not.
+        ((0.4, 1.0), (0.3, 0.89), 0.6),
+        ((0.4, 1.0), (0.3, 0.91), 0.5),
+        // It holds with 0.8.
+        ((0.8, 1.0), (0.8, 1.0), 0.7),
+        ((0.59, 1.0), (0.8, 1.0), 0.6),
+        // Too little force to tell from, in either frame.
+        ((0.12, 0.14), (0.12, 0.5), 0.6),
+        ((0.4, 0.5), (0.12, 0.14), 0.6),
+        ((0.128, 0.16), (0.128, 0.16), 0.7),
+        // Nothing is believed to be as slippery as this, or to hold so hard.
+        ((0.05, 2.0), (0.0, 2.0), 0.3125),
+        ((3.0, 1.0), (3.0, 1.0), 1.5),
+    ] {
+        let found = believed(before, now);
+        assert!(
+            (found - expected).abs() < 1e-12,
+            "{before:?} {now:?}: {found}"
+        );
+    }
+}
+
+#[test]
+fn the_open_loop_presses_no_farther_than_its_distance_and_anew_in_each_grasp() {
+    let layout = layout();
+    let mut law = law(LawConfig::named("open-loop").expect("a law"));
+    let LawConfig::OpenLoop(config) = LawConfig::named("open-loop").expect("a law") else {
+        panic!("the open loop")
+    };
+    let touch = touch(1, DVec3::ZERO);
+    let mut pressing = |keep_grasp, x: f64| {
+        let sense = FingerSense {
+            pose: FingertipPose {
+                position: DVec3::new(x, 0.0, 0.0),
+                ..FingertipPose::default()
+            },
+            touch: &touch,
+            layout: &layout,
+        };
+        let plan = Plan { keep_grasp, ..MOVE };
+        (law.velocity(&plan, &sense) - MOVE.velocity).x
+    };
+    for start in [0.02, -0.01] {
+        assert_eq!(pressing(false, start), 0.0);
+        assert_eq!(pressing(true, start), config.squeeze_speed);
+        assert_eq!(
+            pressing(true, start + 0.9 * config.squeeze),
+            config.squeeze_speed
+        );
+        assert_eq!(pressing(true, start + 1.1 * config.squeeze), 0.0);
     }
 }

@@ -1,37 +1,14 @@
 //! Sensors that fail, stall or lie: the hand stops within one period, and says why.
 
-use super::rig::{Analyzers, ELEMENTS, IdealHand, config, controller, pressed};
+use super::hand::IdealHand;
+use super::rig::{Analyzers, ELEMENTS, config, controller, hand_at_home, pressed, state};
 use feeler::control::control_loop::{ControlError, ControlLoop};
 use feeler::control::phase::Phase;
 use feeler::control::stop_reason::StopReason;
 use feeler::control::touch::AnalyzedSensor;
-use feeler::hand::{Hand, HandCommand, HandError, HandState};
+use feeler::hand::{HandCommand, HandState};
 use feeler::sensor::reading::{SensorError, TactileFrame, TactileSensor};
 use glam::DVec3;
-
-/// An ideal hand that keeps no record of its commands, and so allocates nothing.
-pub struct Quiet(pub IdealHand);
-
-impl Hand for Quiet {
-    fn finger_count(&self) -> usize {
-        self.0.joints.len()
-    }
-
-    fn read(&mut self, state: &mut HandState) -> Result<(), HandError> {
-        state.stamp = self.0.stamp;
-        state.joints.copy_from_slice(&self.0.joints);
-        Ok(())
-    }
-
-    fn command(&mut self, command: &HandCommand) -> Result<(), HandError> {
-        for (joints, &velocity) in self.0.joints.iter_mut().zip(command.joint_velocity()) {
-            joints.position += self.0.period * velocity;
-            joints.velocity = velocity;
-        }
-        self.0.stamp += self.0.period;
-        Ok(())
-    }
-}
 
 #[derive(Clone, Copy)]
 enum Fault {
@@ -69,7 +46,7 @@ impl TactileSensor for Sensor {
     }
 }
 
-type Loop = ControlLoop<AnalyzedSensor<Sensor>, Quiet>;
+type Loop = ControlLoop<AnalyzedSensor<Sensor>, IdealHand>;
 
 /// A searching hand whose finger 1 has `fault`, after `periods`.
 fn run(fault: Fault, periods: usize) -> (Result<(), ControlError>, Loop) {
@@ -78,7 +55,7 @@ fn run(fault: Fault, periods: usize) -> (Result<(), ControlError>, Loop) {
     config.control.stale_periods = 3.5;
     let sensors = [Fault::None, fault].map(|fault| Sensor { fault, frames: 0 });
     let sensors = sensors.map(|s| AnalyzedSensor::new(s, config.control.thresholds()));
-    let hand = Quiet(IdealHand::at_home(&config));
+    let hand = hand_at_home(&config);
     let mut control_loop = ControlLoop::new(sensors.into(), hand, controller(&config));
     let result = (0..periods).try_for_each(|_| control_loop.step());
     (result, control_loop)
@@ -150,7 +127,7 @@ fn decide(frames: &[TactileFrame], state: &HandState) -> (Option<StopReason>, Ha
 }
 
 fn at_home() -> HandState {
-    IdealHand::at_home(&config()).state()
+    state(&hand_at_home(&config()))
 }
 
 #[test]

@@ -1,0 +1,72 @@
+//! One element that answers to a force as a test says.
+
+use feeler::sensor::calibration::{
+    Calibration, CalibrationError, FullScale, Inputs, LengthUnit, MadeFor,
+};
+use feeler::sensor::calibration_fit::{ElementRecord, LoadSample, ModelChoice, fit};
+use feeler::sensor::moments::ElementMoments;
+use glam::{DVec2, DVec3};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+
+/// Integrated gray value, grey levels times px², and centroid, px, without load.
+pub const GRAY: f64 = 3.7e4;
+pub const CENTROID: DVec2 = DVec2::new(1.5, -0.25);
+
+/// Least and greatest growth, and displacements along x and y, px. No two ranges are alike, and of each the end that is
+/// farther from zero is another one.
+pub const RANGES: [[f64; 2]; 3] = [[-0.05, 0.8], [-3.0, 2.0], [-1.0, 4.0]];
+
+pub fn inputs([growth, x, y]: [f64; 3]) -> Inputs {
+    Inputs {
+        growth,
+        displacement: DVec2::new(x, y),
+    }
+}
+
+/// The moments of the element whose inputs are these.
+pub fn moments(inputs: Inputs) -> ElementMoments {
+    ElementMoments {
+        integrated_gray: GRAY * (1.0 + inputs.growth),
+        centroid: CENTROID + inputs.displacement,
+    }
+}
+
+/// Inputs that fill `RANGES`: all their corners, and places between.
+pub fn places(count: usize, seed: u64) -> Vec<Inputs> {
+    let mut rng = Pcg64::seed_from_u64(seed);
+    let corner = |n: usize| [0, 1, 2].map(|axis: usize| RANGES[axis][(n >> axis) & 1]);
+    let corners = (0..8).map(corner);
+    let between = (8..count).map(|_| RANGES.map(|[low, high]| rng.random_range(low..high)));
+    corners.chain(between).map(inputs).collect()
+}
+
+/// What was recorded of an element that takes `force` to be where `inputs` say.
+pub fn record(inputs: &[Inputs], force: impl Fn(Inputs) -> DVec3) -> ElementRecord {
+    let sample = |&inputs: &Inputs| LoadSample {
+        force: force(inputs),
+        moments: moments(inputs),
+    };
+    ElementRecord {
+        unloaded: vec![moments(Inputs::default())],
+        fitted: inputs.iter().map(sample).collect(),
+        ..ElementRecord::default()
+    }
+}
+
+/// A sensor of `elements` elements that only its text tells from others.
+pub fn made_for(elements: usize) -> MadeFor {
+    MadeFor::layout("a few elements", elements, LengthUnit::Pixel)
+}
+
+pub fn fitted(
+    records: &[ElementRecord],
+    choice: ModelChoice,
+) -> Result<Calibration, CalibrationError> {
+    fit(
+        made_for(records.len()),
+        records,
+        choice,
+        FullScale::default(),
+    )
+}

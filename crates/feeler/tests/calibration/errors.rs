@@ -1,0 +1,130 @@
+//! Loads that determine no calibration, and what is said of them.
+
+use super::element::{fitted, inputs, made_for, moments, places, record};
+use feeler::sensor::calibration::{FullScale, Inputs};
+use feeler::sensor::calibration_fit::{ElementRecord, ModelChoice, fit};
+use feeler::sensor::loads::RecordBuilder;
+use glam::DVec3;
+
+fn good() -> ElementRecord {
+    record(&places(20, 1), |i| {
+        DVec3::new(i.displacement.x, i.displacement.y, i.growth)
+    })
+}
+
+/// What is said of a record, which is the second of two, after `change`.
+fn refused(choice: ModelChoice, change: impl Fn(&mut ElementRecord)) -> String {
+    let mut records = [good(), good()];
+    assert!(fitted(&records, choice).is_ok());
+    change(&mut records[1]);
+    fitted(&records, choice).expect_err("refused").to_string()
+}
+
+#[test]
+fn records_that_determine_nothing_are_refused() {
+    type Change = fn(&mut ElementRecord);
+    let cases: [(Change, &str); 9] = [
+        (|r| r.unloaded.clear(), "unloaded picture expected"),
+        (|r| r.unloaded[0].integrated_gray = 0.0, "lit without load"),
+        (
+            |r| r.unloaded[0].integrated_gray = f64::INFINITY,
+            "lit without load",
+        ),
+        (|r| r.unloaded[0].centroid.x = f64::NAN, "lit without load"),
+        (|r| r.fitted.clear(), "loads expected, got none"),
+        (|r| r.fitted[4].force.y = f64::NAN, "finite forces"),
+        (
+            |r| r.fitted.iter_mut().for_each(|s| s.force.y = 0.2),
+            "change f_y",
+        ),
+        (
+            |r| r.fitted[3].moments.centroid.x = f64::NAN,
+            "finite numbers",
+        ),
+        (
+            |r| r.fitted = vec![r.fitted[0], r.fitted[3], r.fitted[6]],
+            "loads expected",
+        ),
+    ];
+    for choice in [
+        ModelChoice::Separable,
+        ModelChoice::Coupled,
+        ModelChoice::Auto,
+    ] {
+        for (change, words) in cases {
+            let message = refused(choice, change);
+            assert!(message.contains(words), "{words}: {message}");
+            assert!(message.contains("element 1"), "{message}");
+        }
+    }
+}
+
+#[test]
+fn loads_that_change_no_picture_are_refused() {
+    let dead = |record: &mut ElementRecord| {
+        for sample in &mut record.fitted {
+            sample.moments = moments(Inputs::default());
+        }
+    };
+    let message = refused(ModelChoice::Separable, dead);
+    assert!(message.contains("change the picture"), "{message}");
+    assert!(refused(ModelChoice::Coupled, dead).contains("element 1"));
+}
+
+/// Three coefficients from loads at three places, or two of them: not determined, however many loads there are.
+#[test]
+fn more_different_loads_than_coefficients_are_needed() {
+    let few = |different: usize| {
+        move |record: &mut ElementRecord| {
+            for (n, sample) in record.fitted.iter_mut().enumerate() {
+                let s = 0.1 * (n % different + 1) as f64;
+                sample.moments = moments(inputs([s, s, s]));
+                sample.force = DVec3::splat(s);
+            }
+        }
+    };
+    for different in [1, 2] {
+        let message = refused(ModelChoice::Separable, few(different));
+        assert!(!message.is_empty());
+    }
+    let mut record = good();
+    few(9)(&mut record);
+    assert!(fitted(&[record], ModelChoice::Separable).is_ok());
+}
+
+#[test]
+fn a_record_for_each_element_is_needed() {
+    let error = fit(
+        made_for(3),
+        &[good()],
+        ModelChoice::Separable,
+        FullScale::default(),
+    );
+    let message = error.expect_err("refused").to_string();
+    assert!(message.contains('3') && message.contains('1'), "{message}");
+}
+
+/// A picture without load on an element tells its rest; one with a load is fitted; one of which nothing is known is neither.
+#[test]
+fn records_are_gathered_picture_by_picture() {
+    let mut builder = RecordBuilder::new(2);
+    let [rest, pressed] = [Inputs::default(), inputs([0.5, 0.1, 0.0])].map(moments);
+    builder.add(&[Some(DVec3::ZERO), Some(DVec3::Z)], &[rest, pressed]);
+    builder.add(&[None, Some(DVec3::ZERO)], &[pressed, rest]);
+    let records = builder.finish();
+    let counts = |r: &ElementRecord| {
+        [
+            r.unloaded.len(),
+            r.fitted.len(),
+            r.cycled.len(),
+            r.held_out.len(),
+        ]
+    };
+    assert_eq!(
+        records.iter().map(counts).collect::<Vec<_>>(),
+        [[1, 0, 1, 0], [1, 1, 2, 0]]
+    );
+    assert_eq!(records[1].fitted[0].force, DVec3::Z);
+    assert_eq!(records[1].fitted[0].moments, pressed);
+    assert_eq!(records[0].unloaded, [rest]);
+}

@@ -1,0 +1,231 @@
+//! The calibration's file: what it holds, and what is refused in it.
+
+use super::element::{fitted, made_for, places, record};
+use feeler::sensor::calibration::{Calibration, ForceMap, LengthUnit, MadeFor};
+use feeler::sensor::calibration_fit::ModelChoice;
+use feeler::sensor::fingertip::FingertipConfig;
+use feeler::sensor::made_for::sha256;
+use glam::DVec3;
+
+fn calibration(choice: ModelChoice) -> Calibration {
+    let record = record(&places(60, 1), |i| {
+        DVec3::new(i.displacement.x, i.displacement.y, 2.0 * i.growth)
+    });
+    fitted(&[record.clone(), record], choice).expect("a calibration")
+}
+
+#[test]
+fn a_file_holds_all_of_a_calibration() {
+    for choice in [ModelChoice::Separable, ModelChoice::Coupled] {
+        let calibration = calibration(choice);
+        let text = calibration.to_toml().expect("text");
+        assert_eq!(
+            Calibration::from_toml(&text).expect("a calibration"),
+            calibration
+        );
+    }
+}
+
+/// What is said of a calibration after `change`.
+fn refused(choice: ModelChoice, change: impl Fn(&mut Calibration)) -> String {
+    let mut calibration = calibration(choice);
+    change(&mut calibration);
+    let text = calibration.to_toml().expect("text");
+    Calibration::from_toml(&text)
+        .expect_err("refused")
+        .to_string()
+}
+
+#[test]
+fn numbers_that_cannot_be_used_are_refused() {
+    type Change = fn(&mut Calibration);
+    let cases: [(Change, &str); 6] = [
+        (|c| c.version = 1, "version"),
+        (|c| c.elements.truncate(1), "calibrations"),
+        (
+            |c| c.elements[1].unloaded_gray = 0.0,
+            "unloaded_gray must be positive",
+        ),
+        (
+            |c| c.elements[1].unloaded_gray = 1e-101,
+            "unloaded_gray must be positive",
+        ),
+        (
+            |c| c.elements[1].unloaded_gray = f64::INFINITY,
+            "unloaded_gray must be positive",
+        ),
+        (
+            |c| c.elements[1].unloaded_centroid.y = f64::NAN,
+            "unloaded_centroid must be finite",
+        ),
+    ];
+    for (change, words) in cases {
+        let message = refused(ModelChoice::Separable, change);
+        assert!(message.contains(words), "{words}: {message}");
+    }
+}
+
+#[test]
+fn curves_that_cannot_be_used_are_refused() {
+    let changed = |change: fn(&mut [f64; 2], &mut [f64; 3])| {
+        refused(ModelChoice::Separable, move |calibration| {
+            let ForceMap::Separable(map) = &mut calibration.elements[1].map else {
+                panic!("the separable model")
+            };
+            change(&mut map.shear_y.range, &mut map.shear_y.coefficients);
+        })
+    };
+    for message in [
+        changed(|range, _| *range = [0.1, 1.0]),
+        changed(|range, _| *range = [-1.0, -0.1]),
+        changed(|range, _| *range = [0.0, 0.0]),
+        changed(|range, _| range[0] = f64::NEG_INFINITY),
+        changed(|range, _| range[1] = f64::INFINITY),
+        changed(|range, _| range[1] = f64::NAN),
+    ] {
+        assert!(message.contains("shear_y.range"), "{message}");
+    }
+    for message in [
+        changed(|_, c| c[1] = f64::NAN),
+        changed(|_, c| c[2] = f64::INFINITY),
+        // Finite at either end, but the difference over a narrow range is not.
+        changed(|range, c| (*range, *c) = ([-1e-20, 1e-20], [1e300, 0.0, 1e308 * 1e40])),
+    ] {
+        assert!(message.contains("shear_y.coefficients"), "{message}");
+    }
+    // A range may begin or end at 0.
+    for range in [[0.0, 1.0], [-1.0, 0.0]] {
+        let mut calibration = calibration(ModelChoice::Separable);
+        let ForceMap::Separable(map) = &mut calibration.elements[1].map else {
+            panic!("the separable model")
+        };
+        map.shear_y.range = range;
+        let text = calibration.to_toml().expect("text");
+        assert!(Calibration::from_toml(&text).is_ok(), "{range:?}");
+    }
+}
+
+#[test]
+fn coupled_maps_that_cannot_be_used_are_refused() {
+    let changed = |change: fn(&mut feeler::sensor::calibration::CoupledMap)| {
+        refused(ModelChoice::Coupled, move |calibration| {
+            let ForceMap::Coupled(map) = &mut calibration.elements[1].map else {
+                panic!("the coupled model")
+            };
+            change(map);
+        })
+    };
+    for (message, words) in [
+        (
+            changed(|m| m.growth_range = [0.1, 1.0]),
+            "growth_range must rise",
+        ),
+        (changed(|m| m.x_range = [-1.0, -0.1]), "x_range must rise"),
+        (changed(|m| m.y_range = [0.0, 0.0]), "y_range must rise"),
+        (
+            changed(|m| m.y_range[0] = f64::NEG_INFINITY),
+            "y_range must rise",
+        ),
+        (
+            changed(|m| m.y_range[1] = f64::INFINITY),
+            "y_range must rise",
+        ),
+        (
+            changed(|m| m.normal.truncate(1)),
+            "normal of [2, 7, 12, 20] terms",
+        ),
+        (
+            changed(|m| m.shear_x.push(0.0)),
+            "shear_x of [2, 5, 10, 17] terms",
+        ),
+        (
+            changed(|m| m.shear_y[1] = f64::NAN),
+            "shear_y of finite coefficients",
+        ),
+        (
+            changed(|m| m.shear_y[1] = -1.1e100),
+            "shear_y of finite coefficients",
+        ),
+    ] {
+        assert!(message.contains(words), "{words}: {message}");
+    }
+    for (range, coefficient) in [([0.0, 1.0], 1e100), ([-1.0, 0.0], -1e100)] {
+        let mut calibration = calibration(ModelChoice::Coupled);
+        let ForceMap::Coupled(map) = &mut calibration.elements[1].map else {
+            panic!("the coupled model")
+        };
+        (map.x_range, map.normal[0]) = (range, coefficient);
+        let text = calibration.to_toml().expect("text");
+        assert!(Calibration::from_toml(&text).is_ok(), "{range:?}");
+    }
+}
+
+/// The fingertip as it is, and with one value of each part changed.
+#[test]
+fn a_calibration_is_for_one_sensor() {
+    let config = FingertipConfig::default();
+    let here = MadeFor::fingertip(&config).expect("a fingertip");
+    assert_eq!(here.elements, 41);
+    assert!(here.check_same(&here.clone()).is_ok());
+    type Change = fn(&mut FingertipConfig);
+    let cases: [(Change, &str); 3] = [
+        (|c| c.layout.dome_radius = 0.02, "the layout"),
+        (|c| c.camera.standoff = 0.001, "the camera"),
+        (|c| c.moments.dark_level = 3, "the way of taking moments"),
+    ];
+    let mut calibration = calibration(ModelChoice::Separable);
+    calibration.made_for = here.clone();
+    assert!(calibration.check_made_for(&config).is_ok());
+    for (change, words) in cases {
+        let mut other = config.clone();
+        change(&mut other);
+        let message = calibration
+            .check_made_for(&other)
+            .expect_err("refused")
+            .to_string();
+        assert!(message.contains(words), "{words}: {message}");
+    }
+    let message = here
+        .check_same(&made_for(41))
+        .expect_err("refused")
+        .to_string();
+    assert!(
+        message.contains("located layout") && message.contains("geometry"),
+        "{message}"
+    );
+    let pixels = MadeFor::layout("a text", 41, LengthUnit::Pixel);
+    let message = pixels
+        .check_same(&made_for(41))
+        .expect_err("refused")
+        .to_string();
+    assert!(message.contains("sha256"), "{message}");
+}
+
+#[test]
+fn a_fingertip_that_is_not_the_one_of_its_hash_is_refused() {
+    let fingertip = MadeFor::fingertip(&FingertipConfig::default()).expect("a fingertip");
+    let with = |made_for: MadeFor| {
+        refused(ModelChoice::Separable, move |c| {
+            c.made_for = made_for.clone()
+        })
+    };
+    let mut other = fingertip.clone();
+    other.sha256 = "0".repeat(64);
+    assert!(with(other).contains(&fingertip.sha256));
+    let mut other = fingertip.clone();
+    other.elements = 2;
+    assert!(with(other).contains("made_for.elements"));
+}
+
+/// The hash of the empty text and that of FIPS 180-4's example.
+#[test]
+fn hashes_are_sha_256() {
+    assert_eq!(
+        sha256(""),
+        "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855"
+    );
+    assert_eq!(
+        sha256("abc"),
+        "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"
+    );
+}

@@ -1,0 +1,143 @@
+//! What files say of laws and tasks.
+
+use super::rig::{Config, config};
+use feeler::control::law::LawConfig;
+use feeler::control::law::best::BestConfig;
+use feeler::control::phase::Phase;
+use feeler::control::stop_reason::StopReason;
+use feeler::control::task::TaskConfig;
+use feeler::control::task::cap_config::Until;
+use serde::Deserialize;
+
+#[derive(Debug, Deserialize)]
+struct File {
+    law: LawConfig,
+}
+
+fn law(text: &str) -> Result<LawConfig, String> {
+    toml::from_str::<File>(text)
+        .map(|file| file.law)
+        .map_err(|error| error.to_string())
+}
+
+#[test]
+fn a_law_is_named_or_given_with_its_values() {
+    for name in LawConfig::NAMES {
+        let named = law(&format!("law = {name:?}")).expect("a law");
+        assert_eq!(named.name(), name);
+        assert_eq!(Some(&named), LawConfig::named(name).as_ref());
+        assert!(named.source().lines().count() > 20, "{name}");
+        if name != "tri-axial" {
+            let table = law(&format!("[law.{name}]")).expect("a law");
+            assert_eq!(table, named);
+        }
+    }
+    let tuned = law("law.best = { margin = 1.25 }").expect("a law");
+    let expected = BestConfig {
+        margin: 1.25,
+        ..BestConfig::default()
+    };
+    assert_eq!(tuned, LawConfig::Best(expected));
+    for (text, words) in [
+        (
+            "law = \"worst\"",
+            "tri-axial, tri-axial-missing-shear, normal-only, open-loop, best",
+        ),
+        ("law = 3", "a control law: one of tri-axial"),
+        ("[law]", "one control law expected"),
+        ("[law.best]\n[law.open-loop]", "one control law expected"),
+        ("[law.worst]", "worst"),
+    ] {
+        let message = law(text).expect_err("refused");
+        assert!(message.contains(words), "{text}: {message}");
+    }
+}
+
+#[test]
+fn a_task_tells_what_it_is() {
+    let screw = config().task;
+    assert_eq!(
+        (screw.name(), screw.strokes(), screw.grasp_force()),
+        ("screw", 4, 1.0)
+    );
+    assert_eq!(screw.homes(), [[-0.038, -0.001, 0.1], [0.038, 0.001, 0.1]]);
+    assert!(screw.takes_law());
+    let TaskConfig::Screw(mut config) = screw else {
+        panic!("a screw task")
+    };
+    config.until = Until::Closed;
+    let closed = TaskConfig::Screw(config);
+    assert!(!closed.takes_law());
+    // Nothing is known of the cap: strokes are counted.
+    assert_eq!(closed.task().outcome(), None);
+    assert!(closed.task().findings().is_empty() && !closed.task().failed());
+}
+
+const CAP: &str = "
+axis = [0.0, 0.0]
+grip = 6.0
+damage_force = 9.0
+grip_gain = 0.002
+clearance = 0.002
+still_turn = 0.05
+most_friction = 1.5
+feeler = { normal_stiffness = 2000.0, shear_stiffness = 1000.0, tip_radius = 0.002 }
+";
+
+/// With a cap and an end that it is screwed to, the strokes are those of the cap task, which has findings from the start.
+#[test]
+fn a_cap_is_screwed_until_it_is_closed() {
+    let text = include_str!("two-fingers.toml");
+    let screw = "[task.screw]\n";
+    let until = text.replace(screw, "[task.screw]\nuntil = \"closed\"\n");
+    let read = |text: &str| toml::from_str::<Config>(text).expect("a file").task.task();
+    let capped = format!("{until}\n[task.screw.cap]\n{CAP}");
+    assert_eq!(read(&capped).findings().len(), 6);
+    assert_eq!(
+        read(&format!("{text}\n[task.screw.cap]\n{CAP}"))
+            .findings()
+            .len(),
+        0
+    );
+    let task = toml::from_str::<Config>(&capped).expect("a file").task;
+    let TaskConfig::Screw(config) = task else {
+        panic!("a screw task")
+    };
+    let cap = config.cap.expect("a cap");
+    // A turn, where nothing is said.
+    assert_eq!((cap.most_turns, cap.open_turns), (1.0, 1.0));
+    assert_eq!((cap.softest_seat, cap.least_turns), (0.0, 0.0));
+}
+
+#[test]
+fn phases_have_the_numbers_and_the_names_of_recordings() {
+    let names = ["SEARCH", "MOVE", "RELEASE", "RETURN", "DONE", "STOPPED"];
+    for ((number, phase), name) in (0..).zip(Phase::ALL).zip(names) {
+        assert_eq!(
+            (u8::from(phase), Phase::try_from(number)),
+            (number, Ok(phase))
+        );
+        assert_eq!(phase.to_string(), name);
+    }
+    assert!(Phase::try_from(6).is_err());
+}
+
+#[test]
+fn stale_and_missing_data_may_come_back_and_an_overload_may_not() {
+    let stale = StopReason::StaleForces {
+        finger: 0,
+        age: 1.0,
+        limit: 0.5,
+    };
+    assert!(stale.is_stale() && stale.may_pass());
+    let missing = StopReason::NoForce {
+        finger: 0,
+        element: 1,
+    };
+    assert!(!missing.is_stale() && missing.may_pass());
+    let infinite = StopReason::NotFinite {
+        finger: 0,
+        what: "force",
+    };
+    assert!(!infinite.is_stale() && !infinite.may_pass());
+}

@@ -1,0 +1,19 @@
+//! What the control law promises: definitions, limits, and that it neither allocates nor panics.
+//!
+//! Every test of this program runs under an allocator that ends the process when the control path
+//! allocates.
+
+use assert_no_alloc::AllocDisabler;
+
+mod config;
+mod hand;
+mod hostile;
+mod laws;
+mod loop_faults;
+mod missing_shear;
+mod rig;
+mod speed;
+mod task;
+
+#[global_allocator]
+static ALLOCATOR: AllocDisabler = AllocDisabler;

@@ -1,0 +1,115 @@
+//! A hand of two fingers, its controller, and sensors to try them on.
+
+use super::hand::IdealHand;
+use feeler::control::controller::{ControlConfig, Controller};
+use feeler::control::flags::FlagAnalyzer;
+use feeler::control::task::TaskConfig;
+use feeler::control::task::screw::ScrewConfig;
+use feeler::control::touch::FingerTouch;
+use feeler::hand::HandState;
+use feeler::hand::finger::{FingerConfig, FingerGeometry};
+use feeler::hand::inverse_kinematics::inverse_kinematics;
+use feeler::sensor::layout::{ElementLayout, LayoutConfig};
+use feeler::sensor::reading::TactileFrame;
+use glam::DVec3;
+use serde::Deserialize;
+
+pub const ELEMENTS: usize = 41;
+
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Config {
+    pub finger: Vec<FingerConfig>,
+    pub control: ControlConfig,
+    pub task: TaskConfig,
+}
+
+pub fn config() -> Config {
+    toml::from_str(include_str!("two-fingers.toml")).expect("two fingers")
+}
+
+pub fn layout() -> ElementLayout {
+    ElementLayout::new(&LayoutConfig::default())
+}
+
+pub fn geometries(config: &Config) -> Vec<FingerGeometry> {
+    let fingers = config.finger.iter();
+    fingers
+        .map(|f| FingerGeometry::new(f).expect("a finger"))
+        .collect()
+}
+
+pub fn controller(config: &Config) -> Controller {
+    let layouts = vec![layout(); config.finger.len()];
+    Controller::new(
+        config.control.clone(),
+        &config.task,
+        &geometries(config),
+        &layouts,
+    )
+}
+
+/// What the task is tuned by.
+pub fn screw(config: &mut Config) -> &mut ScrewConfig {
+    let TaskConfig::Screw(screw) = &mut config.task else {
+        panic!("a screw task")
+    };
+    screw
+}
+
+/// Joint angles, rad, with each finger at home.
+pub fn home(config: &Config) -> Vec<DVec3> {
+    let fingers = geometries(config).into_iter().zip(config.task.homes());
+    fingers
+        .map(|(geometry, home)| {
+            let middle = (geometry.joint_lower() + geometry.joint_upper()) / 2.0;
+            inverse_kinematics(&geometry, home.into(), middle).expect("home")
+        })
+        .collect()
+}
+
+pub fn hand_at_home(config: &Config) -> IdealHand {
+    IdealHand::new(home(config), config.control.period)
+}
+
+/// What is known of `hand`.
+pub fn state(hand: &IdealHand) -> HandState {
+    HandState {
+        stamp: hand.stamp,
+        joints: hand.joints.clone(),
+    }
+}
+
+/// A frame in which element 0 is pressed with `force` (N).
+pub fn pressed(sequence: u64, stamp: f64, force: f64) -> TactileFrame {
+    let mut frame = TactileFrame {
+        sequence,
+        stamp,
+        ..TactileFrame::unloaded(ELEMENTS)
+    };
+    frame.forces[0].z = force;
+    frame
+}
+
+/// The flag analyzers of a hand, which turn frames into what the controller takes.
+pub struct Analyzers(Vec<FlagAnalyzer>);
+
+impl Analyzers {
+    pub fn new(config: &Config) -> Self {
+        let analyzer = FlagAnalyzer::new(config.control.thresholds(), ELEMENTS);
+        // More than there are fingers, for input of too many.
+        Self(vec![analyzer; 4])
+    }
+
+    pub fn touches(&mut self, frames: &[TactileFrame]) -> Vec<FingerTouch> {
+        let pairs = frames.iter().zip(&mut self.0);
+        pairs
+            .map(|(frame, analyzer)| {
+                let mut touch = FingerTouch::none(frame.forces.len());
+                touch.frame.clone_from(frame);
+                touch.analyze(analyzer);
+                touch
+            })
+            .collect()
+    }
+}
