@@ -17,6 +17,12 @@ pub trait Stamped: Message {
     fn stamp(&self) -> f64;
 }
 
+/// A stamp in whole nanoseconds; none if it is no time of a run.
+pub(crate) fn nanoseconds(stamp: f64) -> Option<u64> {
+    let ns = (stamp * 1e9).round();
+    (ns >= 0.0 && ns < u64::MAX as f64).then_some(ns as u64)
+}
+
 /// Implements [`Stamped`] for structs with a `stamp`.
 macro_rules! stamped {
     ($($type:ident),+ $(,)?) => {

@@ -1,6 +1,6 @@
 //! An MCAP file of ROS 2 messages that is being written: channels are registered, then written to.
 
-use super::channels::Stamped;
+use super::channels::{Stamped, nanoseconds};
 use super::error::RecordError;
 use super::topic::{Channel, RecordedTopic};
 use ::mcap::records::{MessageHeader, Metadata};
@@ -158,12 +158,6 @@ pub fn log_time<M: Stamped>(topic: RecordedTopic<M>, message: &M) -> Result<u64,
         topic: topic.name(),
         stamp,
     })
-}
-
-/// A stamp in whole nanoseconds; none if it is no time of a run.
-pub fn nanoseconds(stamp: f64) -> Option<u64> {
-    let ns = (stamp * 1e9).round();
-    (ns >= 0.0 && ns < u64::MAX as f64).then_some(ns as u64)
 }
 
 fn file_error(path: &Path, source: std::io::Error) -> RecordError {

@@ -1,7 +1,6 @@
 //! A camera's picture as ROS 2's `sensor_msgs/Image`, which every viewer of recordings shows.
 
-use super::channels::Stamped;
-use super::container::nanoseconds;
+use super::channels::{Stamped, nanoseconds};
 use super::error::RecordError;
 use crate::wire::{Message, WireError};
 use feeler::sensor::frame::{Frame, Picture};

@@ -9,6 +9,7 @@ pub mod facts;
 pub mod image;
 pub mod memory;
 pub mod names;
+mod read;
 pub mod recorded_camera;
 pub mod recorder;
 pub mod recording;

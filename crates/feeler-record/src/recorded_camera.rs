@@ -1,6 +1,6 @@
 //! A camera behind the seam that takes again the pictures on record.
 
-use super::container::nanoseconds;
+use super::channels::nanoseconds;
 use super::error::RecordError;
 use super::image::Image;
 use super::recording::{PictureAt, Recording};

@@ -1,21 +1,13 @@
-//! Reads a recording back, whole or as far as it goes.
+//! A recording in memory.
 
 use super::channels::{
     Cap, Command, Findings, Fingertip, Flags, Joints, ObjectPose, Tactile, Task, TorqueSensor,
     TrueSlip,
 };
 use super::digest::{Digest, Digester};
-use super::error::RecordError;
 use super::facts::RunFacts;
 use super::run_end::{RunEnd, RunState};
-use super::scan::scan;
-use super::sink::{CALIBRATION, END, EXPERIMENT, FACTS, digest_facts};
-use super::topic::Channel;
-use ::mcap::records::Record;
-use std::collections::{BTreeMap, HashMap};
-use std::fs::File;
-use std::io::{BufReader, Read};
-use std::path::Path;
+use std::collections::BTreeMap;
 
 /// What one finger recorded, each list in the order of time.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -84,39 +76,6 @@ pub struct Recording {
 }
 
 impl Recording {
-    /// Reads a recording. What is readable of a damaged one is returned, with
-    /// [`complete`](Self::complete) false and [`problem`](Self::problem) saying why.
-    ///
-    /// # Errors
-    /// When the file cannot be read or not even the run's facts are in it.
-    pub fn read(path: impl AsRef<Path>) -> Result<Self, RecordError> {
-        let path = path.as_ref();
-        let file = File::open(path).map_err(|source| RecordError::File {
-            path: path.to_path_buf(),
-            source,
-        })?;
-        Self::from_reader(&mut BufReader::new(file)).map_err(|reason| {
-            RecordError::NothingReadable {
-                path: path.to_path_buf(),
-                reason,
-            }
-        })
-    }
-
-    /// Reads a recording from memory.
-    ///
-    /// # Errors
-    /// When not even the run's facts are readable: why, in words.
-    pub fn from_bytes(mut file: &[u8]) -> Result<Self, String> {
-        Self::from_reader(&mut file)
-    }
-
-    fn from_reader(file: &mut dyn Read) -> Result<Self, String> {
-        let mut collector = Collector::default();
-        let scanned = scan(file, &mut |record, offset| collector.take(record, offset));
-        collector.finish(scanned.err())
-    }
-
     pub(super) fn empty(facts: RunFacts) -> Self {
         Self {
             fingers: vec![FingerRecord::default(); facts.fingers],
@@ -136,118 +95,5 @@ impl Recording {
             object: Vec::new(),
             true_slip: Vec::new(),
         }
-    }
-}
-
-/// The text of the attachment called `name`.
-fn text(name: &str, data: &[u8]) -> Result<String, String> {
-    let text = std::str::from_utf8(data).map_err(|_| format!("{name} is not UTF-8 text"))?;
-    Ok(text.to_string())
-}
-
-/// What stands before a message's bytes in its record: channel, sequence number and two times.
-const MESSAGE_HEAD: u64 = 2 + 4 + 8 + 8;
-
-/// Takes the records in and makes a [`Recording`] of them.
-#[derive(Default)]
-struct Collector {
-    recording: Option<Recording>,
-    facts: BTreeMap<String, String>,
-    digester: Option<Digester>,
-    channels: HashMap<u16, (Channel, String)>,
-    end: Option<BTreeMap<String, String>>,
-    has_experiment: bool,
-}
-
-impl Collector {
-    /// Takes a record whose body begins at `offset` in the file.
-    fn take(&mut self, record: Record<'_>, offset: u64) -> Result<(), String> {
-        match record {
-            Record::Metadata(m) if m.name == FACTS && self.recording.is_none() => {
-                self.recording = Some(Recording::empty(RunFacts::from_map(&m.metadata)?));
-                self.facts = m.metadata;
-            }
-            Record::Metadata(m) if m.name == END => self.end = Some(m.metadata),
-            Record::Attachment { header, data, .. } if header.name == EXPERIMENT => {
-                self.recording()?.experiment = text(EXPERIMENT, &data)?;
-                self.has_experiment = true;
-            }
-            Record::Attachment { header, data, .. } => {
-                if let Some(name) = header.name.strip_prefix(CALIBRATION) {
-                    let text = text(&header.name, &data)?;
-                    self.recording()?.calibrations.insert(name.into(), text);
-                }
-            }
-            Record::Channel(channel) => {
-                let fingers = self.recording()?.facts.fingers;
-                let mut channels = Channel::of_run(fingers, true).into_iter();
-                if let Some(known) = channels.find(|c| c.topic() == channel.topic) {
-                    self.channels.insert(channel.id, (known, channel.topic));
-                }
-            }
-            Record::Message { header, data } => {
-                let at = PictureAt {
-                    log_time: header.log_time,
-                    offset: offset + MESSAGE_HEAD,
-                    length: data.len(),
-                };
-                self.message(header.channel_id, &data, at)?;
-            }
-            _ => {}
-        }
-        Ok(())
-    }
-
-    fn recording(&mut self) -> Result<&mut Recording, String> {
-        (self.recording.as_mut()).ok_or_else(|| format!("no metadata {FACTS:?} before the data"))
-    }
-
-    fn message(&mut self, channel: u16, bytes: &[u8], at: PictureAt) -> Result<(), String> {
-        let log_time = at.log_time;
-        let recording = (self.recording.as_mut())
-            .ok_or_else(|| format!("no metadata {FACTS:?} before the data"))?;
-        let Some((known, name)) = self.channels.get(&channel) else {
-            return Ok(()); // a channel of someone else's
-        };
-        (known.read_into)(recording, known.finger, bytes, at)
-            .map_err(|e| format!("message on {name}: {e}"))?;
-        let digester = self.digester.get_or_insert_with(|| {
-            let mut digester = Digester::default();
-            digest_facts(&mut digester, &self.facts, &recording.experiment);
-            digester
-        });
-        digester.message(name, log_time, bytes);
-        recording.readable_until = recording.readable_until.max(log_time as f64 * 1e-9);
-        Ok(())
-    }
-
-    /// Makes the recording, given why scanning stopped early.
-    fn finish(self, stopped: Option<String>) -> Result<Recording, String> {
-        let Some(mut recording) = self.recording else {
-            return Err(stopped.unwrap_or_else(|| format!("no metadata {FACTS:?} in it")));
-        };
-        let digester = self.digester.unwrap_or_else(|| {
-            let mut digester = Digester::default();
-            digest_facts(&mut digester, &self.facts, &recording.experiment);
-            digester
-        });
-        recording.digest = digester.finish();
-        recording.wall_time = (self.end.as_ref())
-            .and_then(|end| end.get("wall_time")?.parse().ok())
-            .filter(|seconds: &f64| seconds.is_finite());
-        let written = self.end.as_ref().and_then(|end| end.get("digest"));
-        recording.problem = match (stopped, written) {
-            (Some(reason), _) => Some(reason),
-            (None, _) if !self.has_experiment => Some(format!("no attachment {EXPERIMENT:?}")),
-            (None, None) => Some("the run was not closed".into()),
-            (None, Some(written)) if written != recording.digest.as_str() => Some(format!(
-                "its content has digest {}, it was closed with {written}",
-                recording.digest
-            )),
-            (None, Some(_)) => None,
-        };
-        recording.complete = recording.problem.is_none();
-        recording.end = RunEnd::of(&recording, self.end.as_ref());
-        Ok(recording)
     }
 }

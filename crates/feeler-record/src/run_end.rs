@@ -1,6 +1,6 @@
 //! How a run ended.
 
-use super::recording::Recording;
+use super::channels::Task;
 use feeler::control::phase::Phase;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -67,9 +67,14 @@ impl RunEnd {
         }
     }
 
-    /// That of `recording`, by the entries of its end, or by its task where they do not say.
-    pub(super) fn of(recording: &Recording, end: Option<&BTreeMap<String, String>>) -> Self {
-        if let Some(problem) = &recording.problem {
+    /// That of a recording with a `problem` or none, by the entries of its `end`, or by the last state of its task where
+    /// they do not say.
+    pub(super) fn of(
+        problem: Option<&str>,
+        last: Option<&Task>,
+        end: Option<&BTreeMap<String, String>>,
+    ) -> Self {
+        if let Some(problem) = problem {
             let reason = format!("the recording is not whole: {problem}");
             return Self::because(RunState::Interrupted, reason);
         }
@@ -79,7 +84,7 @@ impl RunEnd {
             let reason = end.get("reason").cloned();
             Some(Self { state, reason })
         });
-        written.unwrap_or_else(|| match recording.task.last() {
+        written.unwrap_or_else(|| match last {
             Some(task) if task.phase == Phase::Done => Self::DONE,
             Some(task) if task.phase == Phase::Stopped => {
                 let reason = format!("the hand was stopped: {}", task.reason);

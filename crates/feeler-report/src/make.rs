@@ -85,8 +85,8 @@ pub fn make(run_dir: impl AsRef<Path>) -> Result<ReportOutcome, ReportError> {
     let recording = read(run_dir)?;
     let data = RunData::new(&recording);
     let mut summary = Summary::new(&recording, &data);
-    // A table of trials has the same columns for every law; a report holds only the paper's law to the paper.
-    if !tasks::claims_apply(&recording.facts) {
+    // A table of trials has the same columns for every law; a report holds to the paper only what is like it.
+    if !tasks::claims_are_shown(&recording.facts) {
         summary.claims.clear();
     }
     let task = tasks::of_recording(&recording);

@@ -1,22 +1,20 @@
 //! The hand program: waits for the others, then runs the control loop on what they publish.
 
+use super::error::{ProgramError, Warn};
+use super::hand_config::{HandConfig, HandReport, RemoteLoop};
 use super::hand_schedule::{HandSchedule, Lockstep};
 use super::hand_status::HandStatus;
 use super::hand_supervisor::{HandSupervisor, StepEnd};
 use super::node::{Node, first_heartbeat};
-use super::{ProgramError, Warn};
 use crate::hand_inbox::HandInbox;
 use crate::message::ProgramKind;
 use crate::network::Network;
-use crate::peers::Expected;
-use crate::rejection::Rejections;
 use crate::remote::{RemoteFinger, RemoteHand, mode_of, waiting_mode};
 use crate::topic::Topic;
 use feeler::control::control_loop::ControlLoop;
-use feeler::control::controller::{ControlConfig, Controller};
-use feeler::pace::{Pace, PunctualitySummary};
+use feeler::control::controller::Controller;
+use feeler::pace::Pace;
 use feeler_record::InstrumentRecord;
-use std::fmt;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -25,22 +23,6 @@ use std::time::Duration;
 /// Time between two looks at whether the other programs are there, s.
 const WAITING_PERIOD: f64 = 0.01;
 
-/// The control loop of a hand whose drives and fingers are in other programs.
-pub type RemoteLoop = ControlLoop<RemoteFinger, RemoteHand>;
-
-/// What a hand program is made of.
-#[derive(Debug, Clone)]
-pub struct HandConfig {
-    /// Period, stale limit and what to do when data are fresh again.
-    pub control: ControlConfig,
-    /// What the other programs must agree in.
-    pub expected: Expected,
-    /// Number of sensing elements of each finger.
-    pub elements: Vec<usize>,
-    /// How long a run takes at most, s of the rig's time.
-    pub time_limit: f64,
-}
-
 /// Controls a hand whose fingers and drives are in other programs.
 ///
 /// Data older than the stale limit stop the hand, however they were delayed; so does an order on
@@ -48,21 +30,6 @@ pub struct HandConfig {
 pub struct HandProgram {
     control_loop: RemoteLoop,
     status: HandStatus,
-}
-
-/// What came of a hand program's run.
-#[derive(Debug, Clone)]
-pub struct HandReport {
-    /// The rig's time that the run took, s.
-    pub duration: f64,
-    /// Control steps.
-    pub steps: u64,
-    /// How punctual they were; no steps where the rig waits for the hand.
-    pub punctuality: PunctualitySummary,
-    /// Tactile updates that never came.
-    pub lost: u64,
-    /// Messages that were refused.
-    pub rejected: Rejections,
 }
 
 impl HandProgram {
@@ -190,18 +157,5 @@ impl HandProgram {
     /// What came of the run.
     pub fn report(&self) -> HandReport {
         self.status.report(self.control_loop.state().stamp)
-    }
-}
-
-impl fmt::Display for HandReport {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (duration, steps) = (self.duration, self.steps);
-        writeln!(
-            f,
-            "{duration:.2} s of the rig's time in {steps} control steps"
-        )?;
-        writeln!(f, "{}", self.punctuality)?;
-        let (lost, rejected) = (self.lost, &self.rejected);
-        write!(f, "{lost} tactile updates lost; refused: {rejected}")
     }
 }

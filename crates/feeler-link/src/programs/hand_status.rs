@@ -1,7 +1,7 @@
 //! What the hand program knows beside its control loop: it receives orders, publishes its mode, warns, reports.
 
-use super::ProgramError;
-use super::hand::{HandConfig, HandReport, RemoteLoop};
+use super::error::ProgramError;
+use super::hand_config::{HandConfig, HandReport, RemoteLoop};
 use super::node::Node;
 use crate::endpoints::LinkError;
 use crate::hand_inbox::HandInbox;

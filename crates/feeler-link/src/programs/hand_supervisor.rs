@@ -1,6 +1,6 @@
 //! The hand program around each step of its control loop.
 
-use super::hand::RemoteLoop;
+use super::hand_config::RemoteLoop;
 use super::hand_schedule::HANGS_AFTER;
 use super::hand_status::HandStatus;
 use crate::endpoints::LinkError;

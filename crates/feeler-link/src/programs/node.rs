@@ -1,6 +1,6 @@
 //! What every program of a rig has: its place on the network.
 
-use super::Warn;
+use super::error::Warn;
 use super::refusals::Refusals;
 use crate::beacon::Beacon;
 use crate::endpoints::LinkError;

@@ -1,8 +1,8 @@
 //! The rig program: publishes what encoders, instruments and cameras read, and moves the drives as commanded.
 
+use super::error::{ProgramError, Warn};
 use super::node::{Node, first_heartbeat};
 use super::rig_config::{Rig, RigConfig, RigSpeed};
-use super::{ProgramError, Warn};
 use crate::message::ProgramKind;
 use crate::network::Network;
 use crate::rejection::Rejections;

@@ -1,6 +1,6 @@
 //! What the rig program publishes: state, pictures or forces, and heartbeats.
 
-use super::ProgramError;
+use super::error::ProgramError;
 use super::rig::RigProgram;
 use super::rig_config::{Rig, RigSpeed, SensorOutput};
 use crate::endpoints::LinkError;

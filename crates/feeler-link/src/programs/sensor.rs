@@ -1,7 +1,7 @@
 //! The sensor program of one finger: publishes the forces and flags of each picture.
 
+use super::error::{ProgramError, Warn};
 use super::node::{Node, first_heartbeat};
-use super::{ProgramError, Warn};
 use crate::inbox::Inbox;
 use crate::message::{MessageHeader, ProgramKind, TactileUpdate};
 use crate::network::Network;

@@ -39,10 +39,20 @@ pub trait TaskReport: Sync {
 /// The control law of the paper.
 const PAPERS_LAW: &str = "tri-axial";
 
+/// The strokes that the paper's claims are about.
+const PAPERS_STROKES: u32 = 4;
+
 /// Whether the claims of the task are about runs with these facts: those of the paper only where its law ran.
 pub fn claims_apply(facts: &RunFacts) -> bool {
     let another_law = facts.law.as_deref().is_some_and(|law| law != PAPERS_LAW);
     !(another_law && of(facts).whose() == PAPERS)
+}
+
+/// Whether a report of a run with these facts shows the claims: those of the paper only where their strokes were asked
+/// for.
+pub fn claims_are_shown(facts: &RunFacts) -> bool {
+    let too_few = facts.stroke_count < PAPERS_STROKES;
+    claims_apply(facts) && !(too_few && of(facts).whose() == PAPERS)
 }
 
 /// The report of the task of a run with these facts; of one that is not known, as of the first that there was.

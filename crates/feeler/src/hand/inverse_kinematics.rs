@@ -12,10 +12,7 @@ use super::kinematics::{Chain, fingertip_pose};
 use super::postures::{JOINT_TOLERANCE, limit_excess, postures, turn_near};
 use super::resolved_rate::{damping, solve_damped};
 
-pub use super::kinematics_error::KinematicsError;
-
-/// Largest distance of the fingertip from its target that counts as reached, m.
-pub const POSITION_TOLERANCE: f64 = 1e-9;
+pub use super::kinematics_error::{KinematicsError, POSITION_TOLERANCE};
 
 /// Where the iteration stops, m; the rest of the tolerance is for clamping to the joint limits.
 const ITERATION_TOLERANCE: f64 = 0.5 * POSITION_TOLERANCE;

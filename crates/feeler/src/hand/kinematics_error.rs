@@ -1,7 +1,9 @@
 //! Why a finger cannot bring its tip to where it is asked to.
 
-use super::inverse_kinematics::POSITION_TOLERANCE;
 use glam::DVec3;
+
+/// Largest distance of the fingertip from its target that counts as reached, m.
+pub const POSITION_TOLERANCE: f64 = 1e-9;
 
 /// Why there are no joint angles for a fingertip position.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

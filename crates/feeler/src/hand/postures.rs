@@ -4,8 +4,7 @@
 //! limits is missed.
 
 use super::finger::FingerGeometry;
-use super::inverse_kinematics::POSITION_TOLERANCE;
-use super::kinematics_error::KinematicsError;
+use super::kinematics_error::{KinematicsError, POSITION_TOLERANCE};
 use glam::DVec3;
 use std::f64::consts::TAU;
 
