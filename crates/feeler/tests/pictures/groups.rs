@@ -92,6 +92,22 @@ fn a_group_that_misses_a_spot_is_named_and_a_spot_of_no_group_left_out() {
     );
 }
 
+/// Its halves, and those of all others, would be whole groups of four.
+#[test]
+fn a_group_that_misses_two_spots_does_not_halve_the_others() {
+    let mut spots: Vec<DVec2> = middles().into_iter().flat_map(group).collect();
+    spots.drain(4 * 8 + 2..4 * 8 + 4);
+    let picture = Spots::alike(&spots, SIGMA).picture(SIZE);
+    let located = found(&picture, &LocateConfig::default()).expect("elements");
+    assert_eq!((located.elements.len(), located.spots_per_element), (30, 8));
+    let incomplete = LocateWarning::Incomplete {
+        element: 4,
+        expected: 8,
+        actual: 6,
+    };
+    assert_eq!(located.warnings, [incomplete]);
+}
+
 #[test]
 fn a_group_with_spots_of_another_is_named_as_merged() {
     let mut spots: Vec<DVec2> = middles().into_iter().flat_map(group).collect();

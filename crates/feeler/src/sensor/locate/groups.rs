@@ -26,6 +26,10 @@ const CLEAR: f64 = 1.25;
 /// Part of all spots that must lie in groups of exactly one size.
 const COVERED: f64 = 0.7;
 
+/// An element is all of its spots: of the sizes whose groups cover nearly as many spots as those of the best one, that is
+/// this part of them, the largest counts. The halves of groups cover more where a group lacks some of its spots.
+const NEARLY: f64 = 0.9;
+
 /// Distance to the nearest spot of another group over that to the nearest of the own one, at the
 /// median. Of a lattice, cut into groups in whatever way, it is about one.
 const APART: f64 = 1.25;
@@ -41,19 +45,21 @@ pub(super) fn group(spots: &[Spot], diameter: Option<f64>) -> Grouped {
         return singles(centres.len());
     }
     let clear = clear_groups(&centres);
-    SIZES
-        .filter_map(|size| {
-            let groups = disjoint(&clear, size, centres.len());
-            let covered = (groups.len() * size) as f64 / centres.len() as f64;
-            let good = groups.len() >= 2 && covered >= COVERED && apart(&groups, &centres) >= APART;
-            good.then_some((covered, size, groups))
-        })
-        // Of equal ones the last, which is the largest size: an element is all of its spots.
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map_or_else(
-            || singles(centres.len()),
-            |(_, size, groups)| with_incomplete(groups, &centres, size),
-        )
+    let of_one_size = SIZES.filter_map(|size| {
+        let groups = disjoint(&clear, size, centres.len());
+        let covered = (groups.len() * size) as f64 / centres.len() as f64;
+        let good = groups.len() >= 2 && covered >= COVERED && apart(&groups, &centres) >= APART;
+        good.then_some((covered, size, groups))
+    });
+    let of_one_size: Vec<_> = of_one_size.collect();
+    let most = of_one_size.iter().fold(0.0, |most, a| f64::max(most, a.0));
+    let largest = of_one_size
+        .into_iter()
+        .rfind(|(covered, ..)| *covered >= NEARLY * most);
+    match largest {
+        Some((_, size, groups)) => with_incomplete(groups, &centres, size),
+        None => singles(centres.len()),
+    }
 }
 
 /// A group that lies clear of all other spots about its centre.
