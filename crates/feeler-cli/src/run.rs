@@ -7,8 +7,8 @@ use super::sweep::one_trial;
 use super::throttle::{Throttle, parse_speed};
 use super::watcher::Watcher;
 use super::{CommandError, Outcome, run_folder};
-use feeler_lab::config::{Experiment, Sensing};
-use feeler_lab::experiment::recorded_run::{RecordedRun, RunError};
+use feeler_lab::config::Experiment;
+use feeler_lab::experiment::recorded_run::{RecordedRun, RunError, record_options};
 use feeler_lab::experiment::{Session, run_facts};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -58,15 +58,16 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comman
         Screen::check()?;
     }
     let experiment = load(arguments)?;
-    let pictures = arguments.record_frames;
-    if pictures && experiment.config.sensing == Sensing::Direct {
-        return Err(format!("--record-frames: {}", RunError::NoPictures).into());
-    }
+    let options = record_options(&experiment, arguments.record_frames);
+    let options = options.map_err(|error| match error {
+        RunError::NoPictures => format!("--record-frames: {error}").into(),
+        error => CommandError::from(error),
+    })?;
     // Before there is a folder: an experiment that cannot be set up leaves none.
     let session = Session::new(&experiment)?;
     let trial = arguments.trial.as_deref().and_then(|trial| trial.last());
     let folder = make_folder(arguments.out.as_deref(), &experiment, trial)?;
-    let run = RecordedRun::of_session(session, &experiment, pictures, &folder)?;
+    let run = RecordedRun::of_session(session, &experiment, &options, &folder)?;
 
     let interrupted = watch_for_interrupt()?;
     let mut throttle = Throttle::new(experiment.config.control.period, arguments.speed());

@@ -8,6 +8,7 @@ pub mod endpoints;
 pub mod freshness;
 pub mod hand_inbox;
 pub mod inbox;
+mod instruments;
 #[cfg(feature = "zenoh")]
 mod linger;
 pub mod message;

@@ -37,6 +37,17 @@ pub struct MessageHeader {
     pub echo_age: f64,
 }
 
+impl MessageHeader {
+    /// The same of what was taken `age` (s) after the hand's `step` had arrived.
+    pub fn echoing(self, (step, age): (u64, f64)) -> Self {
+        Self {
+            echo_step: step,
+            echo_age: age,
+            ..self
+        }
+    }
+}
+
 /// The text of [`MessageHeader`], to stand after a schema that uses it.
 macro_rules! header_schema {
     () => {

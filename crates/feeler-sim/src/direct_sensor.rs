@@ -2,13 +2,13 @@
 
 use super::config::DirectSensingConfig;
 use super::random::{Generator, Purpose, generator, normal};
-use super::rig::Rig;
+use super::rig::SimRig;
 use super::sensor_faults::SensorFaults;
 use feeler::sensor::reading::{SensorError, TactileFrame, TactileSensor};
 
 /// A fingertip whose true forces are read, with noise, and no picture is made: for speed.
 pub struct DirectSensor {
-    rig: Rig,
+    rig: SimRig,
     finger: usize,
     config: DirectSensingConfig,
     random: Generator,
@@ -20,7 +20,7 @@ pub struct DirectSensor {
 impl DirectSensor {
     /// The fingertip of `finger` with its `faults`, its noise drawn from `seed`.
     pub fn new(
-        rig: Rig,
+        rig: SimRig,
         finger: usize,
         config: DirectSensingConfig,
         faults: SensorFaults,

@@ -7,11 +7,11 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// A handle to a world that the simulated hand and sensors share.
 #[derive(Clone)]
-pub struct Rig {
+pub struct SimRig {
     world: Arc<Mutex<World>>,
 }
 
-impl Rig {
+impl SimRig {
     /// Shares `world`.
     pub fn new(world: World) -> Self {
         Self {
@@ -27,7 +27,7 @@ impl Rig {
 
 /// The drives and encoders of the simulated hand. Commanding it advances the world.
 pub struct SimHand {
-    rig: Rig,
+    rig: SimRig,
     fingers: usize,
     steps_per_command: usize,
     period: f64,
@@ -37,7 +37,7 @@ pub struct SimHand {
 
 impl SimHand {
     /// The hand of `rig`; every command advances the world by `steps_per_command` steps.
-    pub fn new(rig: Rig, steps_per_command: usize) -> Self {
+    pub fn new(rig: SimRig, steps_per_command: usize) -> Self {
         let world = rig.world();
         let fingers = world.state().fingers.len();
         let encoded_before = (0..fingers).map(|finger| world.encoded(finger)).collect();

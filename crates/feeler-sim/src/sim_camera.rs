@@ -4,7 +4,7 @@ use super::optics::{OpticsScratch, render};
 use super::optics_config::{OpticsConfig, OpticsError};
 use super::optics_model::OpticsModel;
 use super::random::{Generator, Purpose, generator};
-use super::rig::Rig;
+use super::rig::SimRig;
 use super::sensor_faults::SensorFaults;
 use feeler::sensor::camera::{Camera, CameraError, check_frame_size};
 use feeler::sensor::fingertip::Fingertip;
@@ -13,7 +13,7 @@ use glam::DVec3;
 
 /// Takes pictures of one finger's dome. The picture is all that it tells of the forces.
 pub struct SimCamera {
-    rig: Rig,
+    rig: SimRig,
     finger: usize,
     optics: OpticsModel,
     scratch: OpticsScratch,
@@ -30,7 +30,7 @@ impl SimCamera {
     /// # Errors
     /// When the optics make no sense.
     pub fn new(
-        rig: Rig,
+        rig: SimRig,
         finger: usize,
         fingertip: &Fingertip,
         optics: &OpticsConfig,

@@ -8,7 +8,7 @@ use feeler::sensor::fingertip::Fingertip;
 use feeler::sensor::frame::Frame;
 use feeler::sensor::reading::TactileFrame;
 use feeler_lab::experiment::Session;
-use feeler_sim::rig::Rig;
+use feeler_sim::rig::SimRig;
 use feeler_sim::sensor_faults::SensorFaults;
 use feeler_sim::sim_camera::SimCamera;
 use glam::DVec3;
@@ -248,7 +248,7 @@ fn stuck_rows_are_all_that_differs_in_a_picture() {
         let experiment = load(&[], fault);
         let config = &experiment.config;
         let session = Session::new(&experiment).unwrap();
-        let rig: &Rig = session.rig();
+        let rig: &SimRig = session.rig();
         let fingertip = Fingertip::new(&config.sensor.fingertip).unwrap();
         let faults = SensorFaults::new(
             &config.simulation().expect("a simulated world").fault,

@@ -4,12 +4,11 @@ use super::truth::SlipMeter;
 use feeler::control::control_loop::ControlLoop;
 use feeler::control::touch::TouchSource;
 use feeler::hand::{Hand, MAX_FINGERS};
-use feeler_record::{
-    Cap, InstrumentRecord, MessageSink, ObjectPose, RecordError, RunLog, TorqueSensor, TrueSlip,
-};
+use feeler_link::message::InstrumentsMessage;
+use feeler_record::{InstrumentRecord, MessageSink, ObjectPose, RecordError, RunLog};
 use feeler_sim::object::Motion;
 use feeler_sim::pose::Pose;
-use feeler_sim::rig::Rig;
+use feeler_sim::rig::SimRig;
 use feeler_sim::thread::Turn;
 use feeler_sim::torque_sensor::TorqueReading;
 use glam::{DQuat, DVec3};
@@ -32,7 +31,7 @@ pub struct Instruments {
 
 impl Instruments {
     /// Reads those of `rig`, whose object `cap` is on a thread.
-    pub(super) fn read(rig: &Rig, cap: Option<usize>, slip: &mut SlipMeter) -> Self {
+    pub(super) fn read(rig: &SimRig, cap: Option<usize>, slip: &mut SlipMeter) -> Self {
         let mut world = rig.world();
         let torque = world.read_torque();
         let objects = world.model().objects.iter();
@@ -61,23 +60,8 @@ impl Instruments {
         log: &mut RunLog<R>,
     ) -> Result<(), RecordError> {
         let stamp = control_loop.state().stamp;
-        let torque = TorqueSensor {
-            stamp,
-            torque: self.torque.torque,
-            bridge_voltage: self.torque.voltage,
-            counts: self.torque.counts,
-        };
-        let cap = Cap {
-            stamp,
-            angle: self.cap.angle,
-            height: self.cap_centre.z,
-            centre: self.cap_centre.into(),
-            resisting_torque: self.cap.torque,
-        };
-        let slip = TrueSlip {
-            stamp,
-            distance: self.slipped[..control_loop.touches().len().min(MAX_FINGERS)].to_vec(),
-        };
+        let message = InstrumentsMessage::from(self);
+        let (torque, cap, slip) = message.recorded(stamp, control_loop.touches().len());
         let object = self.object.map(|pose| ObjectPose {
             stamp,
             position: pose.position.into(),
@@ -90,5 +74,19 @@ impl Instruments {
             object: object.as_ref(),
         };
         log.write(control_loop, instruments)
+    }
+}
+
+impl From<&Instruments> for InstrumentsMessage {
+    fn from(at: &Instruments) -> Self {
+        Self {
+            torque: at.torque.torque,
+            bridge_voltage: at.torque.voltage,
+            counts: at.torque.counts,
+            cap_angle: at.cap.angle,
+            cap_centre: at.cap_centre.into(),
+            cap_torque: at.cap.torque,
+            slipped: at.slipped,
+        }
     }
 }

@@ -33,7 +33,7 @@ use feeler::sensor::sensing::SensingError;
 use feeler_record::RunFacts;
 use feeler_sim::error::SimError;
 use feeler_sim::optics_config::OpticsError;
-use feeler_sim::rig::{Rig, SimHand};
+use feeler_sim::rig::{SimHand, SimRig};
 use feeler_sim::world::World;
 use glam::DVec3;
 use specimen::{SpecimenError, check_specimen};
@@ -114,7 +114,7 @@ pub type SimulatedLoop = ControlLoop<Sensor, SimHand>;
 
 /// A run under way.
 pub struct Session {
-    rig: Rig,
+    rig: SimRig,
     control_loop: SimulatedLoop,
     layouts: Vec<ElementLayout>,
     /// The object on a thread.
@@ -235,7 +235,7 @@ impl Session {
     }
 
     /// The simulated rig.
-    pub fn rig(&self) -> &Rig {
+    pub fn rig(&self) -> &SimRig {
         &self.rig
     }
 }
@@ -251,11 +251,14 @@ fn is_finished(control_loop: &SimulatedLoop, time_limit: f64) -> bool {
 }
 
 /// The rig of `experiment`, and its object on a thread.
-fn rig(experiment: &Experiment, joints: &[DVec3]) -> Result<(Rig, Option<usize>), ExperimentError> {
+fn rig(
+    experiment: &Experiment,
+    joints: &[DVec3],
+) -> Result<(SimRig, Option<usize>), ExperimentError> {
     let world = world_with(experiment, joints)?;
     let cap = experiment.config.cap();
     let cap = cap.and_then(|(name, ..)| world.model().object(name));
-    Ok((Rig::new(world), cap))
+    Ok((SimRig::new(world), cap))
 }
 
 /// Steps of the world in a control period.

@@ -11,12 +11,12 @@ use feeler::sensor::reading::{SensorError, TactileFrame, TactileSensor};
 use feeler_link::message::InstrumentsMessage;
 use feeler_link::programs::{Rig, SensorOutput};
 use feeler_sim::direct_sensor::DirectSensor;
-use feeler_sim::rig::{Rig as SharedWorld, SimHand};
+use feeler_sim::rig::{SimHand, SimRig};
 use feeler_sim::sim_camera::SimCamera;
 
 /// A rig that is played step by step.
 pub struct PlayedRig {
-    rig: SharedWorld,
+    rig: SimRig,
     hand: SimHand,
     sensors: Vec<PlayedSensor>,
     cap: Option<usize>,
@@ -75,17 +75,9 @@ impl Rig for PlayedRig {
     }
 
     fn read(&mut self, state: &mut HandState) -> Result<Option<InstrumentsMessage>, HandError> {
-        let at = Instruments::read(&self.rig, self.cap, &mut self.slip);
+        let instruments = Instruments::read(&self.rig, self.cap, &mut self.slip);
         self.hand.read(state)?;
-        Ok(Some(InstrumentsMessage {
-            torque: at.torque.torque,
-            bridge_voltage: at.torque.voltage,
-            counts: at.torque.counts,
-            cap_angle: at.cap.angle,
-            cap_centre: at.cap_centre.into(),
-            cap_torque: at.cap.torque,
-            slipped: at.slipped,
-        }))
+        Ok(Some((&instruments).into()))
     }
 
     fn expose(&mut self, finger: usize) -> Result<Option<SensorOutput<'_>>, SensorError> {

@@ -46,26 +46,29 @@ impl RecordedRun {
     /// # Errors
     /// When a part of the experiment makes no sense, or the recording cannot be written.
     pub fn new(experiment: &Experiment, pictures: bool, folder: &Path) -> Result<Self, RunError> {
-        Self::of_session(Session::new(experiment)?, experiment, pictures, folder)
+        let options = record_options(experiment, pictures)?;
+        Self::of_session(Session::new(experiment)?, experiment, &options, folder)
     }
 
-    /// The same for a `session` of `experiment` that is set up already.
+    /// The same for a `session` of `experiment` that is set up already, recorded with `options`.
     ///
     /// # Errors
     /// When the recording cannot be written.
     pub fn of_session(
         session: Session,
         experiment: &Experiment,
-        pictures: bool,
+        options: &RecordOptions,
         folder: &Path,
     ) -> Result<Self, RunError> {
-        let options = record_options(experiment, pictures)?;
         let facts = session.facts(&experiment.config);
         let file = folder.join(RECORDING);
-        let recorder = Recorder::create_with(file, &facts, &experiment.toml, &options)?;
+        let recorder = Recorder::create_with(file, &facts, &experiment.toml, options)?;
         let log = RunLog::new(recorder, session.layouts());
         Ok(Self {
-            log: if pictures { log.with_pictures() } else { log },
+            log: match options.pictures {
+                true => log.with_pictures(),
+                false => log,
+            },
             session,
             folder: folder.into(),
         })
@@ -129,8 +132,12 @@ pub struct FinishedRun {
     pub report: ReportOutcome,
 }
 
-/// What is recorded beside what always is: what forces were made of, where they were made of pictures.
-fn record_options(experiment: &Experiment, pictures: bool) -> Result<RecordOptions, RunError> {
+/// What is recorded beside what always is: what forces were made of, where they were made of pictures, and those
+/// `pictures` where they are wanted.
+///
+/// # Errors
+/// When no pictures are taken, or a calibration cannot be read.
+pub fn record_options(experiment: &Experiment, pictures: bool) -> Result<RecordOptions, RunError> {
     match experiment.config.sensing {
         Sensing::Image => Ok(RecordOptions {
             calibrations: experiment.calibration_texts()?,

@@ -8,7 +8,7 @@ use feeler::sensor::fingertip::{Fingertip, FingertipConfig, FingertipError};
 use feeler::sensor::layout::ElementLayout;
 use feeler::sensor::optical::OpticalSensor;
 use feeler_sim::direct_sensor::DirectSensor;
-use feeler_sim::rig::Rig;
+use feeler_sim::rig::SimRig;
 use feeler_sim::sensor_faults::SensorFaults;
 use feeler_sim::sim_camera::SimCamera;
 
@@ -23,7 +23,7 @@ pub(super) enum RigSensor {
 /// One sensor per finger, with its flag analyzer.
 pub(super) fn sensors(
     experiment: &Experiment,
-    rig: &Rig,
+    rig: &SimRig,
     layouts: &[ElementLayout],
 ) -> Result<Vec<Sensor>, ExperimentError> {
     let config = &experiment.config;
@@ -68,7 +68,7 @@ pub(super) fn optical_sensor<C: Camera + Send + 'static>(
 /// What the rig has of each finger's sensor.
 pub(super) fn rig_sensors(
     experiment: &Experiment,
-    rig: &Rig,
+    rig: &SimRig,
     layouts: &[ElementLayout],
 ) -> Result<Vec<RigSensor>, ExperimentError> {
     let config = &experiment.config;

@@ -4,12 +4,12 @@ use super::truth::SlipMeter;
 use super::{Instruments, Sensor, SimulatedLoop, is_finished};
 use feeler::control::control_loop::Supervisor;
 use feeler::pace::Tick;
-use feeler_sim::rig::{Rig, SimHand};
+use feeler_sim::rig::{SimHand, SimRig};
 use std::ops::ControlFlow;
 
 /// Reads the instruments before every step and hands them on after it, until the run is finished.
 pub(super) struct InstrumentedRun<'a, F> {
-    pub rig: &'a Rig,
+    pub rig: &'a SimRig,
     pub cap: Option<usize>,
     pub slip: &'a mut SlipMeter,
     /// What the instruments read before the step under way.

@@ -2,7 +2,7 @@
 
 use feeler::hand::{Hand, HandCommand, HandState};
 use feeler_sim::random::{Purpose, generator};
-use feeler_sim::rig::{Rig, SimHand};
+use feeler_sim::rig::{SimHand, SimRig};
 use feeler_sim::servo::{Joints, ServoConfig};
 use feeler_sim::torque_sensor::TorqueSensorConfig;
 use glam::DVec3;
@@ -73,7 +73,7 @@ fn encoders_round_to_whole_counts_and_velocity_is_their_difference() {
     let mut world = world(&experiment, &start);
     let resolution = world.model().servo.encoder_resolution;
     world.command(0, DVec3::ZERO);
-    let mut hand = SimHand::new(Rig::new(world), 10);
+    let mut hand = SimHand::new(SimRig::new(world), 10);
     let mut state = HandState::zero(2);
     let mut before = None;
     let velocity = vec![DVec3::new(0.0123, -0.0171, 0.0031); 2];

@@ -28,8 +28,6 @@ pub(super) struct HandStatus {
     pub punctuality: Punctuality,
     /// Whether another hand was there at the last report.
     has_rival: bool,
-    /// Number of the state that the newest step was made from.
-    pub answered: u64,
     /// The rig's time when the hand began, s.
     pub began: f64,
     pub steps: u64,
@@ -58,7 +56,6 @@ impl HandStatus {
             resume: control.resume,
             punctuality: Punctuality::new()?,
             has_rival: false,
-            answered: 0,
             began: f64::NAN,
             steps: 0,
             warning: String::new(),

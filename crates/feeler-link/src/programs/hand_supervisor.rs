@@ -9,7 +9,7 @@ use crate::remote::{RemoteFinger, RemoteHand, mode_of};
 use feeler::control::control_loop::Supervisor;
 use feeler::control::stop_reason::StopReason;
 use feeler::pace::Tick;
-use feeler_record::{Cap, InstrumentRecord, TorqueSensor, TrueSlip};
+use feeler_record::InstrumentRecord;
 use std::ops::ControlFlow;
 
 /// Control steps between two reports by heartbeat.
@@ -35,6 +35,8 @@ pub(super) struct HandSupervisor<'a, F> {
     stopped_before: Option<String>,
     /// Whether it goes on with the step under way.
     went_on: bool,
+    /// Number of the state that the step before was made from.
+    answered: u64,
     /// Number of the state that the step under way is made from.
     answers: u64,
     /// What the instruments read in that state.
@@ -78,8 +80,8 @@ where
         if let Err(error) = status.publish_mode(&mode) {
             return ControlFlow::Break(StepEnd::Link(error));
         }
-        let is_new = self.answers != status.answered;
-        status.answered = self.answers;
+        let is_new = self.answers != self.answered;
+        self.answered = self.answers;
         let still_stopped = !self.went_on && self.stopped_before.as_ref() == Some(&mode.stopped);
         if !still_stopped && !mode.stopped.is_empty() {
             status.warn(control_loop, &format!("stopped: {}", mode.stopped));
@@ -110,6 +112,7 @@ where
             each_step,
             stopped_before: None,
             went_on: false,
+            answered: 0,
             answers: 0,
             instruments: None,
         }
@@ -118,7 +121,7 @@ where
     /// Hands the step on to the caller, with what the instruments read.
     fn record(&mut self, control_loop: &RemoteLoop, stamp: f64) -> ControlFlow<StepEnd<B>> {
         let fingers = control_loop.state().joints.len();
-        let read = self.instruments.map(|at| recorded(stamp, at, fingers));
+        let read = self.instruments.map(|at| at.recorded(stamp, fingers));
         let none = InstrumentRecord::default();
         let instruments = read
             .as_ref()
@@ -130,26 +133,4 @@ where
             });
         (self.each_step)(control_loop, instruments).map_break(StepEnd::Broke)
     }
-}
-
-/// The instruments of a rig of so many `fingers`, as they are recorded.
-fn recorded(stamp: f64, at: InstrumentsMessage, fingers: usize) -> (TorqueSensor, Cap, TrueSlip) {
-    let torque = TorqueSensor {
-        stamp,
-        torque: at.torque,
-        bridge_voltage: at.bridge_voltage,
-        counts: at.counts,
-    };
-    let cap = Cap {
-        stamp,
-        angle: at.cap_angle,
-        height: at.cap_centre.z,
-        centre: at.cap_centre,
-        resisting_torque: at.cap_torque,
-    };
-    let slip = TrueSlip {
-        stamp,
-        distance: at.slipped.into_iter().take(fingers).collect(),
-    };
-    (torque, cap, slip)
 }

@@ -25,7 +25,7 @@ impl<R: Rig> RigProgram<R> {
         let instruments = self.rig.read(&mut self.state)?;
         self.update_time();
         let echo = self.echo();
-        let header = self.header(self.state.stamp, echo);
+        let header = header(self.node.instance, self.sequence, self.state.stamp).echoing(echo);
         let state = state_message(header, &self.state, instruments);
         self.send(Topic::State, &state)?;
         for finger in 0..self.rig.finger_count() {
@@ -49,12 +49,7 @@ impl<R: Rig> RigProgram<R> {
         if newest.replace(number) != Some(number) {
             *of_newest = echo;
         }
-        let (echo_step, echo_age) = *of_newest;
-        let header = MessageHeader {
-            echo_step,
-            echo_age,
-            ..header(self.node.instance, self.sequence, stamp)
-        };
+        let header = header(self.node.instance, self.sequence, stamp).echoing(*of_newest);
         let (topic, bytes) = match exposure {
             SensorOutput::Picture(frame) => {
                 let message = picture_message(header, finger, frame);
@@ -78,14 +73,6 @@ impl<R: Rig> RigProgram<R> {
     fn echo(&self) -> (u64, f64) {
         let echo = self.node.inbox.lock().echo;
         (echo.step, self.node.now() - echo.arrived)
-    }
-
-    fn header(&self, stamp: f64, (echo_step, echo_age): (u64, f64)) -> MessageHeader {
-        MessageHeader {
-            echo_step,
-            echo_age,
-            ..header(self.node.instance, self.sequence, stamp)
-        }
     }
 
     fn send<M: Message>(&mut self, topic: Topic, message: &M) -> Result<(), LinkError> {

@@ -105,12 +105,9 @@ impl SensorProgram {
     ) -> Result<(), ProgramError> {
         let came = self.node.now() - at.elapsed().as_secs_f64();
         let echo = self.node.inbox.lock().echo_at(came);
-        let header = MessageHeader {
-            echo_step: echo.step,
-            echo_age: came - echo.arrived,
-            // From 1, as everywhere.
-            ..header(self.node.instance, sequence + 1, stamp)
-        };
+        // From 1, as everywhere.
+        let header = header(self.node.instance, sequence + 1, stamp);
+        let header = header.echoing((echo.step, came - echo.arrived));
         self.publish_update(header, sequence, at, forces)
     }
 

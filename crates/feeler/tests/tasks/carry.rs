@@ -1,6 +1,6 @@
 //! A box between two fingers that lift it, and one under a finger that slides it.
 
-use super::fingers::{DOME, FEELER, Finger, PERIOD, Run};
+use super::fingers::{DOME, FEELER, Finger, PERIOD, PHASES, Run};
 use feeler::control::phase::Phase;
 use feeler::control::stop_reason::StopReason;
 use feeler::control::task::Task;
@@ -160,16 +160,7 @@ fn two_fingers_lift_a_box_along_its_path() {
             places.push(held.moved);
         }
     }
-    assert_eq!(
-        phases,
-        [
-            Phase::Search,
-            Phase::Move,
-            Phase::Release,
-            Phase::Return,
-            Phase::Done
-        ]
-    );
+    assert_eq!(phases, PHASES);
     assert_eq!(
         (run.task.outcome(), run.task.failed()),
         (Some("carried"), false)

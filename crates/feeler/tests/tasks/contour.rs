@@ -1,6 +1,6 @@
 //! Round an upright cylinder with friction.
 
-use super::fingers::{FEELER, Finger, PERIOD, Run};
+use super::fingers::{FEELER, Finger, PERIOD, PHASES, Run};
 use feeler::control::phase::Phase;
 use feeler::control::stop_reason::StopReason;
 use feeler::control::task::Task;
@@ -84,16 +84,7 @@ fn a_cylinder_is_gone_round_and_its_size_and_friction_told() {
                 assert!(error < 0.3 * 0.3 * FEELER.tip_radius, "{error} m");
             }
         }
-        assert_eq!(
-            phases,
-            [
-                Phase::Search,
-                Phase::Move,
-                Phase::Release,
-                Phase::Return,
-                Phase::Done
-            ]
-        );
+        assert_eq!(phases, PHASES);
         assert_eq!(
             (run.task.outcome(), run.task.failed()),
             (Some("closed"), false)

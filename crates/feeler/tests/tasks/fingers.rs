@@ -21,6 +21,15 @@ pub const FEELER: FeelerShape = FeelerShape {
     tip_radius: 0.002,
 };
 
+/// The phases of a task that is done, one after the other.
+pub const PHASES: [Phase; 5] = [
+    Phase::Search,
+    Phase::Move,
+    Phase::Release,
+    Phase::Return,
+    Phase::Done,
+];
+
 fn layout() -> ElementLayout {
     let ring = |elements, polar_angle_deg| RingConfig {
         elements,

@@ -1,6 +1,6 @@
 //! A specimen on which a feeler sticks and slips.
 
-use super::fingers::{Finger, PERIOD, Run};
+use super::fingers::{Finger, PERIOD, PHASES, Run};
 use feeler::control::phase::Phase;
 use feeler::control::stop_reason::StopReason;
 use feeler::control::task::Task;
@@ -169,16 +169,7 @@ fn it_presses_settles_slides_to_and_fro_and_returns() {
             last_stroke = stroke;
         }
     });
-    assert_eq!(
-        phases,
-        [
-            Phase::Search,
-            Phase::Move,
-            Phase::Release,
-            Phase::Return,
-            Phase::Done
-        ]
-    );
+    assert_eq!(phases, PHASES);
     // 0.3 s and one step to see that they are over.
     assert!((30..=31).contains(&at_rest), "{at_rest}");
     assert_eq!(turned_at.len(), 5);
