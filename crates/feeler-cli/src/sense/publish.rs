@@ -77,7 +77,7 @@ impl<'a> Publisher<'a> {
             None => None,
         };
         let rig = arguments.values.rig(experiment);
-        let network = arguments.link.open(&rig, false)?;
+        let network = arguments.link.connect(&rig)?;
         let mut program = SensorProgram::new(&config, network)?;
         program.set_warn(tally.warner());
         Ok(Self {
@@ -98,7 +98,7 @@ impl<'a> Publisher<'a> {
         let pictures = experiment.config.sensing == Sensing::Image;
         while !is_raised(stop) {
             let next = self.program.next_exposed(WAIT);
-            self.program.check_peers()?;
+            self.program.check_peers();
             let Some(exposed) = next else { continue };
             let (at, taken) = (Instant::now(), exposed.header());
             match exposed {
@@ -135,7 +135,7 @@ impl<'a> Publisher<'a> {
         let size = self.sensing.picture_size();
         let pump = FramePump::start(source.camera(arguments, size)?, size)?;
         while !is_raised(stop) {
-            self.program.check_peers()?;
+            self.program.check_peers();
             let Some(Captured { frame, at }) = pump.next(WAIT) else {
                 continue;
             };
