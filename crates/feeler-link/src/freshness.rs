@@ -9,19 +9,30 @@
 //! step: data that were recorded from another run of a hand, or that claim to come after a step that is yet to come,
 //! prove nothing.
 
+use std::fmt;
 use std::hash::{BuildHasher, RandomState};
 
 /// Steps that are remembered. Older ones prove nothing any more: a second at 1 kHz.
 const REMEMBERED: usize = 1024;
 
 /// When the newest control steps were sent, s on the hand's clock.
-#[derive(Debug, Clone)]
+#[derive(Clone)]
 pub struct SentSteps {
     /// Step and time, by step modulo the length.
     times: Vec<(u64, f64)>,
     newest: u64,
     /// Tokens are a keyed hash (SipHash) of the step, by a key that the system draws for each run.
     key: RandomState,
+}
+
+/// The newest only: tokens stay secret, and nobody reads a thousand times.
+impl fmt::Debug for SentSteps {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let newest = self.times[(self.newest % REMEMBERED as u64) as usize];
+        f.debug_tuple("SentSteps")
+            .field(&newest)
+            .finish_non_exhaustive()
+    }
 }
 
 impl Default for SentSteps {

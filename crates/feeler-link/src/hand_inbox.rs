@@ -14,7 +14,6 @@ use super::run_clock::RunClock;
 use super::sequence::Sequence;
 use super::topic::Topic;
 use feeler::control::flags::FingerFlags;
-use feeler::control::stop_reason::StopReason;
 
 /// Everything that has arrived for the hand. Bytes and the hand's clock in, decisions out.
 #[derive(Debug, Clone)]
@@ -234,18 +233,6 @@ impl HandInbox {
     pub fn ages(&self, now: f64) -> (f64, impl Iterator<Item = f64>) {
         let fingers = self.fingers.iter().map(move |finger| now - finger.earliest);
         (now - self.state.earliest, fingers)
-    }
-
-    /// Why the hand must stop at `now` (s): for data older than `limit`, s.
-    pub fn stale(&self, now: f64, limit: f64) -> Option<StopReason> {
-        let (state, mut fingers) = self.ages(now);
-        let old = |age: f64| age.is_nan() || age > limit;
-        if old(state) {
-            return Some(StopReason::StaleState { age: state, limit });
-        }
-        let finger = fingers.position(old)?;
-        let age = now - self.fingers[finger].earliest;
-        Some(StopReason::StaleForces { finger, age, limit })
     }
 }
 

@@ -7,6 +7,7 @@ pub mod certificates;
 pub mod endpoints;
 pub mod freshness;
 pub mod hand_inbox;
+pub mod hand_verdict;
 pub mod holds;
 pub mod inbox;
 mod instruments;

@@ -47,6 +47,12 @@ impl Peer {
         name(&self.heartbeat)
     }
 
+    /// That its place is taken by it.
+    pub fn taken(&self) -> Mismatch {
+        let program = self.name();
+        Mismatch::Taken { program }
+    }
+
     /// Whether it is part of a rig, and not there only to give an order.
     pub fn works(&self) -> bool {
         works(&self.heartbeat)

@@ -1,8 +1,7 @@
 //! A hostile peer on the same network: whatever it says is dropped and counted, and nothing moves by it.
 
 use super::faults::{NO_HURRY, check};
-use super::rig::Setup;
-use feeler_link::endpoints::LinkConfig;
+use super::rig::{Setup, connect};
 use feeler_link::message::{
     CommandMessage, Heartbeat, MessageHeader, PROTOCOL, StateMessage, TactileUpdate,
 };
@@ -12,7 +11,9 @@ use feeler_link::topic::Topic;
 use feeler_link::transport::Link;
 use feeler_record::wire::{Vector3, cdr};
 use std::collections::HashMap;
+use std::fs;
 use std::sync::{Arc, Mutex};
+use std::thread;
 use std::time::Duration;
 
 const NOT_A_NUMBER: Vector3 = Vector3 {
@@ -28,12 +29,7 @@ fn a_hostile_peer_is_counted_and_moves_nothing() {
     // A hand that is told to stop stays so, whatever comes.
     rig.setup.order("stop", &[]).done();
     hand.wait_for("stopped: told to stop by the test");
-    let peer = Link::open(&LinkConfig {
-        rig: "cap-closing".into(),
-        connect: vec![rig.setup.endpoint.clone()],
-        ..LinkConfig::default()
-    });
-    let peer = peer.expect("a place in the link");
+    let peer = connect(&rig.setup.endpoint);
     let instances = spy(&peer);
     for _ in 0..20 {
         say_garbage(&peer);
@@ -49,6 +45,45 @@ fn a_hostile_peer_is_counted_and_moves_nothing() {
             assert!(said.contains(reason), "no {reason:?} in {said}");
         }
     }
+}
+
+/// What was recorded of a rig, said again to another hand, moves nothing: it proves nothing to that.
+#[test]
+fn a_session_that_is_replayed_to_another_hand_moves_nothing() {
+    let mut rig = Setup::new("link-replayed").with(&[NO_HURRY]).start();
+    let mut hand = rig.moving_hand(&[]);
+    let peer = connect(&rig.setup.endpoint);
+    let session = Arc::new(Mutex::new(Vec::new()));
+    let tape = session.clone();
+    let note: Heard = Arc::new(move |topic: Topic, bytes: &[u8]| {
+        tape.lock().expect("the tape").push((topic, bytes.to_vec()));
+    });
+    let topics = [Topic::State, Topic::Tactile(0), Topic::Tactile(1)];
+    for topic in topics.into_iter().chain(Topic::heartbeats()) {
+        peer.listen(topic, note.clone()).expect("what is said");
+    }
+    thread::sleep(Duration::from_secs(2));
+    let session = std::mem::take(&mut *session.lock().expect("the tape"));
+    assert!(session.len() > 100, "{}", session.len());
+    for program in [&mut hand, &mut rig.world]
+        .into_iter()
+        .chain(&mut rig.senses)
+    {
+        program.signal("KILL");
+        program.wait();
+    }
+    let first = rig.setup.folder.join("run");
+    fs::rename(&first, first.with_extension("first")).expect("the run");
+    let mut hand = rig.setup.hand(&[]);
+    hand.wait_for("waiting for");
+    for (topic, bytes) in session {
+        peer.send(topic, bytes).expect("a link");
+        thread::sleep(Duration::from_millis(10));
+    }
+    hand.signal("INT");
+    let (status, said) = hand.wait();
+    assert_eq!(status, Some(1), "{said}");
+    assert!(!first.exists(), "it began: {said}");
 }
 
 /// The instances of all programs that work, by what they are.

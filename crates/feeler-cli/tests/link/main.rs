@@ -20,6 +20,7 @@ mod faults;
 mod hostile;
 mod orders;
 mod own_rig;
+mod restarts;
 mod rig;
 mod soak;
 mod together;

@@ -1,7 +1,14 @@
 //! Orders from anywhere, and who may give them.
 
 use super::faults::{NO_HURRY, check};
-use super::rig::{Setup, certificates};
+use super::rig::{Setup, certificates, connect};
+use feeler_link::message::{PROTOCOL, ResumeMessage};
+use feeler_link::outlet::send;
+use feeler_link::topic::Topic;
+use feeler_record::Phase;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::Duration;
 
 #[test]
 fn a_hand_stops_when_told_to_and_goes_on_when_told_to() {
@@ -17,6 +24,79 @@ fn a_hand_stops_when_told_to_and_goes_on_when_told_to() {
     assert!(told.contains("goes on"), "{told}");
     hand.wait_for("going on");
     check(&mut rig, hand, "told to stop by the test");
+}
+
+#[test]
+fn stops_of_two_need_two_resumes() {
+    let mut rig = Setup::new("link-two-stops").with(&[NO_HURRY]).start();
+    let mut hand = rig.moving_hand(&[]);
+    let order = |order: &str, more: &[&str]| {
+        let more: Vec<String> = more.iter().map(ToString::to_string).collect();
+        rig.setup.order(order, &more)
+    };
+    // `order` says that it is the test; who gives a name later is that.
+    order("stop", &[]).done();
+    let of_door = rig.setup.order_from("stop", "the door\u{1b}[2J").done();
+    assert!(of_door.contains("stop "), "{of_door}");
+    let first = order("resume", &[]);
+    assert_eq!(first.status, Some(1), "{first:?}");
+    let listed = first.stdout.contains("the door\\u{1b}[2J") && !first.stdout.contains('\u{1b}');
+    assert!(listed, "{first:?}");
+    assert!(!hand.said().contains("going on") && !hand.said().contains('\u{1b}'));
+    rig.setup.order_from("resume", "the door\u{1b}[2J").done();
+    hand.wait_for("going on");
+    check(&mut rig, hand, "told to stop by the test");
+}
+
+/// Whoever resumes all that he can think of resumes no stop that is yet to come.
+#[test]
+fn a_stop_holds_against_resumes_that_do_not_name_it() {
+    let mut rig = Setup::new("link-resumes").with(&[NO_HURRY]).start();
+    let hand = rig.moving_hand(&[]);
+    let peer = connect(&rig.setup.endpoint);
+    let over = AtomicBool::new(false);
+    thread::scope(|scope| {
+        scope.spawn(|| {
+            while !over.load(Ordering::Relaxed) {
+                for number in [0, 1, u64::MAX] {
+                    let from = "a flood".into();
+                    let resume = ResumeMessage {
+                        protocol: PROTOCOL,
+                        from,
+                        number,
+                    };
+                    send(&*peer, Topic::Resume, &resume).expect("a link");
+                }
+                thread::sleep(Duration::from_millis(5));
+            }
+        });
+        // The first has the number that the flood names.
+        let first = rig.setup.order("stop", &[]);
+        assert!(!first.stdout.contains("stands still"), "{first:?}");
+        let second = rig.setup.order("stop", &[]).done();
+        assert!(second.contains("stands still"), "{second}");
+        thread::sleep(Duration::from_millis(500));
+        over.store(true, Ordering::Relaxed);
+    });
+    check(&mut rig, hand, "told to stop by the test");
+    let task = rig.setup.recording().task;
+    let since = task.iter().rposition(|step| !step.reason.is_empty());
+    let held = &task[since.expect("the second stop")..];
+    assert!(held.iter().all(|step| step.phase == Phase::Stopped));
+}
+
+/// A name that would make heartbeat and mode too large for all is cut short.
+#[test]
+fn a_long_name_hides_no_hand() {
+    let mut rig = Setup::new("link-long-name").with(&[NO_HURRY]).start();
+    let mut hand = rig.moving_hand(&[]);
+    let name = "x".repeat(65_519);
+    let told = rig.setup.order_from("stop", &name).done();
+    assert!(told.contains("stands still"), "{told}");
+    hand.wait_for("stopped: told to stop by xxx");
+    rig.setup.order_from("resume", &name).done();
+    hand.wait_for("going on");
+    check(&mut rig, hand, "told to stop by xxx");
 }
 
 #[test]

@@ -1,12 +1,17 @@
 //! The programs of one rig, each a process; they end with the test.
 
+// Not every test program uses all of it.
+#![allow(dead_code)]
+
 use super::ports::unused_endpoint;
 use super::program::{Ended, feeler, folder, run};
+use feeler_link::endpoints::LinkConfig;
+use feeler_link::transport::Link;
 use feeler_record::{Phase, Recording};
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::process::{Child, ChildStdin, Command, Stdio};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 /// After this a program is taken to hang: far longer than any takes on a busy machine.
@@ -29,11 +34,15 @@ pub struct Running {
 
 impl Running {
     /// Starts `command`, its output in the log `name` of `folder`.
-    pub fn start(folder: &Path, name: &str, mut command: Command) -> Self {
+    pub fn start(folder: &Path, name: &str, command: Command) -> Self {
+        Self::start_with(folder, name, command, Stdio::null())
+    }
+
+    fn start_with(folder: &Path, name: &str, mut command: Command, input: Stdio) -> Self {
         let log = folder.join(format!("{name}.log"));
         let file = File::create(&log).expect("a log");
         command.stdout(file.try_clone().expect("the log"));
-        let child = command.stderr(file).stdin(Stdio::null()).spawn();
+        let child = command.stderr(file).stdin(input).spawn();
         Self {
             child: child.expect("the program"),
             log,
@@ -47,13 +56,27 @@ impl Running {
 
     /// Waits until it says `words`.
     pub fn wait_for(&mut self, words: &str) {
+        self.wait_for_times(words, 1);
+    }
+
+    /// Waits until it has said `words` so many `times`.
+    pub fn wait_for_times(&mut self, words: &str, times: usize) {
         let start = Instant::now();
-        while !self.said().contains(words) {
+        while self.said().matches(words).count() < times {
             let ended = self.child.try_wait().expect("its status");
             let hangs = start.elapsed() > HANGS;
-            assert!(ended.is_none() && !hangs, "no {words:?} in {}", self.said());
+            assert!(
+                ended.is_none() && !hangs,
+                "not {times} times {words:?} in {}",
+                self.said()
+            );
             std::thread::sleep(Duration::from_millis(10));
         }
+    }
+
+    /// Its standard input, where it was started with one.
+    pub fn input(&mut self) -> ChildStdin {
+        self.child.stdin.take().expect("an input")
     }
 
     /// Its memory that is resident, KiB.
@@ -73,6 +96,18 @@ impl Running {
         assert!(status.expect("kill").success(), "{}", self.said());
     }
 
+    /// Kills it, and waits until it is gone.
+    pub fn kill(&mut self) {
+        // It may have ended by itself.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+
+    /// Whether it has not ended.
+    pub fn is_running(&mut self) -> bool {
+        self.child.try_wait().expect("its status").is_none()
+    }
+
     /// Its exit status and all it said, once it has ended.
     pub fn wait(&mut self) -> (Option<i32>, String) {
         let start = Instant::now();
@@ -88,9 +123,7 @@ impl Running {
 
 impl Drop for Running {
     fn drop(&mut self) {
-        // It may have ended by itself.
-        let _ = self.child.kill();
-        let _ = self.child.wait();
+        self.kill();
     }
 }
 
@@ -170,10 +203,19 @@ impl Setup {
 
     /// Starts a program on the rig's computer.
     fn join(&self, name: &str, arguments: &[&str]) -> Running {
+        Running::start(&self.folder, name, self.joining(arguments))
+    }
+
+    /// The same of a program that reads from the test.
+    pub fn join_with_input(&self, name: &str, arguments: &[&str]) -> Running {
+        Running::start_with(&self.folder, name, self.joining(arguments), Stdio::piped())
+    }
+
+    fn joining(&self, arguments: &[&str]) -> Command {
         let mut command = self.command(1, arguments);
         command.args(["--connect", &self.endpoint]);
         command.args(&self.link).args(&self.settings);
-        Running::start(&self.folder, name, command)
+        command
     }
 
     /// Starts the hand, with `more` arguments.
@@ -189,7 +231,16 @@ impl Setup {
 
     /// Says `stop` or `resume` to the hand, by `link`.
     pub fn order(&self, order: &str, link: &[String]) -> Ended {
-        let mut command = self.command(0, &[order, "cap-closing", "--from", "the test"]);
+        self.say(order, "the test", link)
+    }
+
+    /// Says `stop` or `resume` to the hand, in the name of `from`.
+    pub fn order_from(&self, order: &str, from: &str) -> Ended {
+        self.say(order, from, &self.hand_link)
+    }
+
+    fn say(&self, order: &str, from: &str, link: &[String]) -> Ended {
+        let mut command = self.command(0, &[order, "cap-closing", "--from", from]);
         command.args(["--connect", &self.endpoint]).args(link);
         Ended::of(command.output().expect("the program"))
     }
@@ -227,6 +278,11 @@ impl Rig {
         self.senses[finger] = self.setup.sense(finger);
     }
 
+    /// Starts the world again.
+    pub fn start_world(&mut self) {
+        self.world = self.setup.world();
+    }
+
     /// Starts the hand and waits until it moves: it approaches the cap for two seconds.
     pub fn moving_hand(&self, more: &[&str]) -> Running {
         let mut hand = self.setup.hand(more);
@@ -246,6 +302,16 @@ impl Rig {
         let link = &self.setup.hand_link;
         within_reason(hand, || self.setup.order("resume", link).status == Some(0));
     }
+}
+
+/// Somebody on the same computer, who connects to the hand.
+pub fn connect(endpoint: &str) -> Arc<Link> {
+    let peer = Link::open(&LinkConfig {
+        rig: "cap-closing".into(),
+        connect: vec![endpoint.into()],
+        ..LinkConfig::default()
+    });
+    Arc::new(peer.expect("a place in the link"))
 }
 
 /// Waits until `done`.

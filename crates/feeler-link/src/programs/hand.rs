@@ -104,7 +104,7 @@ impl HandProgram {
                 let node = &status.node;
                 let mode = waiting_mode(&mut node.inbox.lock(), &node.clock, node.instance);
                 node.publish(Topic::Mode, &mode)?;
-                if status.missing().is_empty() && status.is_fresh() {
+                if status.may_begin() {
                     return Ok(true);
                 }
             }

@@ -5,9 +5,9 @@ use super::hand_config::{HandConfig, HandReport, RemoteLoop};
 use super::node::Node;
 use crate::endpoints::LinkError;
 use crate::hand_inbox::HandInbox;
-use crate::inbox::Inbox;
-use crate::message::{HandMode, Heartbeat, ProgramKind};
-use crate::mismatch::Mismatch;
+use crate::hand_verdict::Verdict;
+use crate::message::HandMode;
+use crate::peers::Peer;
 use crate::run_clock::RigSpeed;
 use crate::topic::Topic;
 use feeler::control::controller::{ControlConfig, ResumePolicy};
@@ -92,77 +92,51 @@ impl HandStatus {
 
     /// The programs that are not there.
     pub fn missing(&self) -> Vec<String> {
-        let (inbox, now) = (self.node.inbox.lock(), self.node.now());
-        let rig = inbox.peers().taken(ProgramKind::World, now).next();
-        let rig = rig.is_none().then(|| ProgramKind::World.to_string());
-        let fingers = 0..inbox.fingers().len();
-        let is_missing = |finger: &usize| {
-            let mut sensors = inbox.peers().taken(ProgramKind::Sense, now);
-            sensors.all(|peer| peer.heartbeat.finger as usize != *finger)
-        };
-        let fingers = fingers
-            .filter(is_missing)
-            .map(|f| format!("sense of finger {f}"));
-        rig.into_iter().chain(fingers).collect()
+        self.node.inbox.lock().missing(self.node.now())
     }
 
-    /// Another hand that is there.
-    fn rival(&self) -> Option<(Heartbeat, Mismatch)> {
+    /// Whether all programs are there and their data fresh.
+    pub fn may_begin(&self) -> bool {
         let (inbox, now) = (self.node.inbox.lock(), self.node.now());
-        let other = inbox.peers().taken(ProgramKind::Hand, now).next()?;
-        let program = other.name();
-        Some((other.heartbeat.clone(), Mismatch::Taken { program }))
+        inbox.may_begin(now, self.limits.stale)
     }
 
-    /// Whether a hand that has not begun leaves the rig to another: to one at work, and of two that wait, to the one of
-    /// the smaller instance.
+    /// Whether a hand that has not begun leaves the rig to another. It is silent then.
     pub fn stands_back(&mut self) -> bool {
-        let rival = self.rival();
-        let is_ahead = |other: &Heartbeat| other.rate > 0.0 || other.instance < self.node.instance;
-        let stands_back = rival.as_ref().is_some_and(|(other, _)| is_ahead(other));
-        self.node.beacon.set_silent(stands_back);
-        let had_rival = std::mem::replace(&mut self.has_rival, stands_back);
-        if let Some((_, mismatch)) = rival.filter(|_| stands_back && !had_rival) {
+        let (now, instance) = (self.node.now(), self.node.instance);
+        let ahead = self.node.inbox.lock().hand_ahead(now, instance);
+        self.node.beacon.set_silent(ahead.is_some());
+        let had_rival = std::mem::replace(&mut self.has_rival, ahead.is_some());
+        if let Some(mismatch) = ahead.as_ref().filter(|_| !had_rival) {
             self.node
                 .warn(&format!("{mismatch}: waiting until it is gone"));
         }
-        stands_back
-    }
-
-    pub fn is_fresh(&self) -> bool {
-        let limit = self.limits.stale;
-        let (inbox, now) = (self.node.inbox.lock(), self.node.now());
-        let (state, mut fingers) = inbox.ages(now);
-        state <= limit && fingers.all(|age| age <= limit)
+        ahead.is_some()
     }
 
     /// Stops the hand where data are stale or somebody orders it, and lets it go on where each stop has been resumed;
     /// whether it does go on.
     pub fn receive_orders(&mut self, control_loop: &mut RemoteLoop) -> bool {
         let controller = control_loop.controller_mut();
-        let (is_free, ordered_by) = {
+        let by_itself = self.resume == ResumePolicy::Fresh
+            && controller.stop_reason().is_some_and(StopReason::is_stale);
+        let verdict = {
             let (mut inbox, now) = (self.node.inbox.lock(), self.node.now());
-            let stale = inbox.stale(now, self.limits.stale);
-            let by_itself = self.resume == ResumePolicy::Fresh
-                && controller.stop_reason().is_some_and(StopReason::is_stale);
-            if let Some(reason) = stale {
-                inbox.holds.fault(&reason.to_string());
-                controller.stop(reason);
-            } else if by_itself {
-                inbox.holds.resume_faults();
-            }
-            let by = inbox.holds.ordered_by().map(String::from);
-            (inbox.holds.in_force().is_empty(), by)
+            inbox.verdict(now, self.limits.stale, by_itself)
         };
-        if let Some(by) = ordered_by {
-            controller.stop(StopReason::Told { by });
-        }
         let may_pass = controller.stop_reason().is_some_and(StopReason::may_pass);
-        if is_free && may_pass {
-            controller.resume();
-            self.warn(control_loop, "going on");
+        match verdict {
+            Verdict::Go if may_pass => {
+                controller.resume();
+                self.warn(control_loop, "going on");
+                true
+            }
+            Verdict::Stand(Some(reason)) => {
+                controller.stop(reason);
+                false
+            }
+            Verdict::Go | Verdict::Stand(None) => false,
         }
-        is_free && may_pass
     }
 
     /// Takes it down among the stops in force where the controller stopped the hand.
@@ -201,9 +175,14 @@ impl HandStatus {
         for mismatch in self.node.new_refusals() {
             self.warn(control_loop, &format!("refused: {mismatch}"));
         }
-        let rival = self.rival();
+        let rival = self
+            .node
+            .inbox
+            .lock()
+            .rival(self.node.now())
+            .map(Peer::taken);
         let had_rival = std::mem::replace(&mut self.has_rival, rival.is_some());
-        if let Some((_, mismatch)) = rival.filter(|_| !had_rival) {
+        if let Some(mismatch) = rival.filter(|_| !had_rival) {
             self.warn(control_loop, &format!("refused: {mismatch}"));
         }
         let inbox = self.node.inbox.lock();
