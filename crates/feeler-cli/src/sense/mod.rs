@@ -3,6 +3,7 @@
 mod beside;
 mod frames;
 pub(super) mod output;
+mod prompt;
 mod publish;
 mod queued;
 mod recorded;

@@ -1,6 +1,7 @@
 //! Where readings go: a table, lines of JSON, or MCAP.
 
 use super::CommandError;
+use super::prompt::Prompt;
 use super::whole_rows::WholeRows;
 use crate::part_file::{Outputs, PartFile};
 use feeler::sensor::sensing::ElementReading;
@@ -11,10 +12,6 @@ use glam::{DVec2, DVec3};
 use serde::Serialize;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
-
-/// How long a row waits at most before it is handed to the system, once a row follows it.
-const PROMPT: Duration = Duration::from_secs(1);
 
 /// The readings of one frame.
 pub struct FrameReadings<'a> {
@@ -70,38 +67,6 @@ pub fn open(
         is_text: extension != "mcap",
         frames: 0,
     }))))
-}
-
-/// Hands on all that is older than [`PROMPT`], so that no more is lost with a program that is killed.
-struct Prompt {
-    output: Box<dyn Output>,
-    settled: Instant,
-}
-
-impl Prompt {
-    fn new(output: Box<dyn Output>) -> Self {
-        let settled = Instant::now();
-        Self { output, settled }
-    }
-}
-
-impl Output for Prompt {
-    fn write(&mut self, frame: &FrameReadings) -> Result<(), CommandError> {
-        self.output.write(frame)?;
-        if self.settled.elapsed() < PROMPT {
-            return Ok(());
-        }
-        self.settled = Instant::now();
-        self.output.settle()
-    }
-
-    fn flush(&mut self) -> Result<(), CommandError> {
-        self.output.flush()
-    }
-
-    fn finish(self: Box<Self>, whole: bool) -> Result<Option<PathBuf>, CommandError> {
-        self.output.finish(whole)
-    }
 }
 
 /// One element in one frame, as it is written; what there is not is left empty.
