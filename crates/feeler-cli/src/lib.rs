@@ -6,6 +6,7 @@ mod arrivals;
 mod calibrate;
 mod check;
 mod compare;
+mod flush;
 mod init;
 mod interrupt;
 mod link;
@@ -31,6 +32,7 @@ mod throttle;
 #[cfg(feature = "top")]
 pub mod top;
 mod trials;
+mod warnings;
 mod watcher;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};

@@ -69,9 +69,16 @@ pub fn replay(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Com
         print_outcome(&made, out)?;
     }
     if let Some(problem) = &recording.problem {
-        let (path, until) = (path.display(), recording.readable_until);
+        let path = path.display();
+        let until = match recording.gaps.first() {
+            Some(gap) => format!(
+                "{:.2} s, as no replay is bit for bit over a gap",
+                gap.missing.start
+            ),
+            None => format!("{:.2} s", recording.readable_until),
+        };
         return Err(format!(
-            "{path}: the recording is incomplete ({problem}); replayed up to {until:.2} s"
+            "{path}: the recording is incomplete ({problem}); replayed up to {until}"
         )
         .into());
     }
@@ -120,7 +127,7 @@ fn copy(
             ReplayFrom::Frames(_) => experiment.calibration_texts()?,
             ReplayFrom::Forces => recording.calibrations.clone(),
         },
-        pictures: false,
+        ..RecordOptions::default()
     };
     let file = folder.join(RECORDING);
     Ok(Recorder::create_with(

@@ -1,5 +1,6 @@
 //! `feeler run`
 
+use super::flush::FlushArguments;
 use super::interrupt::watch_for_interrupt;
 use super::report::print_outcome;
 use super::screen::Screen;
@@ -37,6 +38,8 @@ pub struct Arguments {
     /// for every simulated second of two fingers at 100 Hz.
     #[arg(long)]
     record_frames: bool,
+    #[command(flatten)]
+    flush: FlushArguments,
     /// Simulated seconds per second, or `max` [default: max; with --top: 1]
     #[arg(long, value_name = "FACTOR", value_parser = parse_speed)]
     speed: Option<f64>,
@@ -59,10 +62,11 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comman
     }
     let experiment = load(arguments)?;
     let options = record_options(&experiment, arguments.record_frames);
-    let options = options.map_err(|error| match error {
+    let mut options = options.map_err(|error| match error {
         RunError::NoPictures => format!("--record-frames: {error}").into(),
         error => CommandError::from(error),
     })?;
+    options.flush_interval = arguments.flush.flush_interval;
     // Before there is a folder: an experiment that cannot be set up leaves none.
     let session = Session::new(&experiment)?;
     let trial = arguments.trial.as_deref().and_then(|trial| trial.last());

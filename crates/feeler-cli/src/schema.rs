@@ -62,7 +62,7 @@ pub fn schema(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Com
     Ok(Outcome::Done)
 }
 
-fn recorded() -> [Schema; 13] {
+fn recorded() -> [Schema; 14] {
     [
         Schema::recorded(topics::tactile(0)),
         Schema::recorded(topics::flags(0)),
@@ -75,6 +75,7 @@ fn recorded() -> [Schema; 13] {
         Schema::recorded(topics::FINDINGS),
         Schema::recorded(topics::OBJECT),
         Schema::recorded(topics::TRUE_SLIP),
+        Schema::recorded(topics::RECORDING_GAP),
         Schema::recorded(topics::image(0)),
         Schema::recorded(sensed::MOMENTS),
     ]

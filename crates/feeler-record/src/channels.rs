@@ -388,3 +388,30 @@ message!(
     "float64 z",
     "float64 w",
 );
+
+/// Messages that are missing from here on, as the file took nothing while they were written. It stands where they
+/// would; a recording of which nothing is missing has no such channel.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct RecordingGap {
+    /// Time of the first message that is missing, s.
+    pub start: f64,
+    /// Time of the last message that is missing, s.
+    pub end: f64,
+    /// Messages that are missing.
+    pub messages: u64,
+}
+
+message!(
+    RecordingGap,
+    "RecordingGap",
+    "# Messages that are missing from here on: the file took nothing while they were written",
+    "float64 start  # s, of the first message that is missing",
+    "float64 end  # s, of the last",
+    "uint64 messages  # that are missing",
+);
+
+impl Stamped for RecordingGap {
+    fn stamp(&self) -> f64 {
+        self.end
+    }
+}

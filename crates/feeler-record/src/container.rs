@@ -47,11 +47,17 @@ impl Container {
     /// Registers channels, which are numbered in the order of their registration, from 0.
     pub fn register(&mut self, channels: &[Channel]) -> Result<(), RecordError> {
         for channel in channels {
-            let open = self.open(channel);
-            let open = open.map_err(|source| self.failed(source))?;
-            self.channels.push(open);
+            self.add(channel)?;
         }
         Ok(())
+    }
+
+    /// Registers one channel more; its number.
+    pub fn add(&mut self, channel: &Channel) -> Result<usize, RecordError> {
+        let open = self.open(channel);
+        let open = open.map_err(|source| self.failed(source))?;
+        self.channels.push(open);
+        Ok(self.channels.len() - 1)
     }
 
     fn open(&mut self, channel: &Channel) -> Result<OpenChannel, McapError> {

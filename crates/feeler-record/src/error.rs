@@ -3,6 +3,7 @@
 use crate::wire::WireError;
 use ::mcap::McapError;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// Why a recording could not be written or read.
 #[derive(Debug, thiserror::Error)]
@@ -63,6 +64,16 @@ pub enum RecordError {
     Closed {
         /// The recording.
         path: PathBuf,
+    },
+    /// The file took nothing for so long that it was left without its end.
+    #[error(
+        "recording {path}: the file took nothing for {limit:?}; it is left without its end, readable as far as it goes"
+    )]
+    NotClosed {
+        /// The recording.
+        path: PathBuf,
+        /// How long it was waited for.
+        limit: Duration,
     },
     /// Nothing of the file is of use.
     #[error("recording {path}: nothing readable: {reason}")]

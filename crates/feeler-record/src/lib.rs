@@ -1,7 +1,9 @@
 #![doc = include_str!("../README.md")]
 #![warn(missing_docs)]
 
+mod batch;
 pub mod channels;
+mod closing;
 mod container;
 pub mod digest;
 pub mod error;
@@ -9,6 +11,7 @@ pub mod facts;
 pub mod image;
 pub mod memory;
 pub mod names;
+pub mod options;
 mod read;
 pub mod recorded_camera;
 pub mod recorder;
@@ -22,11 +25,13 @@ mod sink;
 mod text_enum;
 pub mod topic;
 pub mod wire;
+mod writer;
 
 pub use channels::{
-    Cap, Command, Findings, Fingertip, Flags, Joints, Moments, NO_ELEMENT, ObjectPose, Stamped,
-    Tactile, Task, TorqueSensor, TrueSlip,
+    Cap, Command, Findings, Fingertip, Flags, Joints, Moments, NO_ELEMENT, ObjectPose,
+    RecordingGap, Stamped, Tactile, Task, TorqueSensor, TrueSlip,
 };
+pub use closing::CLOSE_LIMIT;
 pub use digest::Digest;
 pub use error::RecordError;
 pub use facts::{CapFacts, CarryGoal, RunFacts};
@@ -34,9 +39,10 @@ pub use feeler::control::phase::Phase;
 pub use image::Image;
 pub use memory::{MemoryRecorder, MessageSink};
 pub use names::{FindingName, SensingKind, TaskKind, TaskOutcome};
+pub use options::{FLUSH_INTERVAL, Patience, RecordOptions};
 pub use recorded_camera::RecordedCamera;
-pub use recorder::{RecordOptions, Recorder};
-pub use recording::{FingerRecord, PictureAt, Recording};
+pub use recorder::Recorder;
+pub use recording::{FingerRecord, Gap, PictureAt, Recording};
 pub use replay::{RecordedHand, RecordedSensor};
 pub use run_end::{RunEnd, RunState};
 pub use run_log::{InstrumentRecord, RunLog};

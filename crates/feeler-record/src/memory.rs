@@ -18,6 +18,14 @@ pub trait MessageSink {
         topic: RecordedTopic<M>,
         message: &M,
     ) -> Result<(), RecordError>;
+
+    /// All messages of a control step were written. Whether none was dropped since the last time.
+    ///
+    /// # Errors
+    /// When an earlier message could not be written.
+    fn step_ends(&mut self) -> Result<bool, RecordError> {
+        Ok(true)
+    }
 }
 
 /// A run's messages in memory: what reading its recording would give, but for the digest, which is of encoded

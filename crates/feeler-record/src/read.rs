@@ -90,7 +90,7 @@ impl Collector {
             }
             Record::Channel(channel) => {
                 let fingers = self.recording()?.facts.fingers;
-                let mut channels = Channel::of_run(fingers, true).into_iter();
+                let mut channels = Channel::known(fingers);
                 if let Some(known) = channels.find(|c| c.topic() == channel.topic) {
                     self.channels.insert(channel.id, (known, channel.topic));
                 }
@@ -156,9 +156,13 @@ impl Collector {
             )),
             (None, Some(_)) => None,
         };
-        recording.complete = recording.problem.is_none();
         let problem = recording.problem.as_deref();
         recording.end = RunEnd::of(problem, recording.task.last(), self.end.as_ref());
+        if let (None, Some(missing)) = (problem, recording.missing()) {
+            recording.end = recording.end.with_gap(&missing);
+            recording.problem = Some(missing);
+        }
+        recording.complete = recording.problem.is_none();
         Ok(recording)
     }
 }

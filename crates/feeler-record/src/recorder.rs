@@ -1,69 +1,42 @@
 //! Writes a run's recording as the run goes.
 
+use super::batch::Entry;
+use super::channels::RecordingGap;
+use super::closing::Closing;
 use super::container::{find, log_time};
 use super::digest::Digest;
 use super::error::RecordError;
 use super::facts::RunFacts;
 use super::memory::MessageSink;
+use super::options::{Patience, RecordOptions};
 use super::run_end::RunEnd;
-use super::sink::{Batch, Entry, Sink};
+use super::sink::Sink;
 use super::topic::{Channel, RecordedMessage, RecordedTopic};
+use super::writer::{CHUNK_BYTES, End, Store, Writer};
 use crate::wire::cdr;
-use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
-use std::sync::mpsc::{Receiver, SyncSender, channel, sync_channel};
-use std::thread::{self, JoinHandle};
-
-/// Bytes of messages that make a chunk. More would be lost with a program that is killed; of each, the writer keeps
-/// 0.6 KB for the index at the end.
-const CHUNK_BYTES: usize = 512 * 1024;
-
-/// Room of a batch: a chunk and the message that filled it.
-const BATCH_ROOM: usize = CHUNK_BYTES + 16 * 1024;
-
-/// Chunks that may wait for the file before a write waits, too.
-const WAITING_CHUNKS: usize = 4;
-
-/// What a recording holds beside the messages that every run has.
-#[derive(Debug, Clone, Default)]
-pub struct RecordOptions {
-    /// The text of each calibration file that the experiment names, by that name. They are no part of the
-    /// digest: another calibration shows in the forces.
-    pub calibrations: BTreeMap<String, String>,
-    /// Whether there will be pictures.
-    pub pictures: bool,
-}
+use std::path::Path;
+use std::time::Duration;
 
 /// Writes one run's recording.
 ///
 /// A write only encodes the message; digest and the file itself are a thread's work,
-/// so that the control loop waits for none of them. Chunks reach the file as they fill (512 KiB),
-/// each whole, so an interrupted run leaves a file that is readable up to its last chunk. A
+/// so that the control loop waits for none of them. Messages reach the file in chunks of 512 KiB, or of
+/// [`RecordOptions::flush_interval`] where that is less, each whole, so an interrupted run leaves a file that is
+/// readable up to its last chunk. A
 /// recorder that is dropped without [`finish`](Self::finish) leaves a file with every message,
 /// marked as not closed.
+///
+/// What becomes of a run whose file takes nothing, [`Patience`] says.
 pub struct Recorder {
-    path: PathBuf,
     channels: Vec<Channel>,
     fingers: usize,
-    batch: Batch,
-    /// Batches that have been written and can be filled again.
-    spare: Receiver<Batch>,
-    thread: Option<WriterThread>,
+    pub(super) writer: Writer,
+    patience: Patience,
+    /// Run's time that makes a chunk, ns.
+    flush_interval: u64,
+    /// Whether the writer says when steps end, so that chunks, and gaps, begin and end with steps.
+    in_steps: bool,
     run_end: Option<RunEnd>,
-}
-
-struct WriterThread {
-    batches: SyncSender<Batch>,
-    handle: JoinHandle<Result<Sink, RecordError>>,
-}
-
-impl WriterThread {
-    /// Waits until everything is written; the file, or why it could not be written.
-    fn join(self, path: &Path) -> Result<Sink, RecordError> {
-        drop(self.batches);
-        let path = path.to_path_buf();
-        (self.handle.join()).unwrap_or(Err(RecordError::Closed { path }))
-    }
 }
 
 impl Recorder {
@@ -79,7 +52,7 @@ impl Recorder {
         Self::create_with(path, facts, experiment_toml, &RecordOptions::default())
     }
 
-    /// Creates the file of a recording that holds more than every one does.
+    /// Creates the file of a recording that holds more than every one does, or is written otherwise.
     ///
     /// # Errors
     /// As [`Self::create`].
@@ -89,35 +62,27 @@ impl Recorder {
         experiment_toml: &str,
         options: &RecordOptions,
     ) -> Result<Self, RecordError> {
-        let path = path.as_ref().to_path_buf();
+        let path = path.as_ref();
         let channels = Channel::of_run(facts.fingers, options.pictures);
         let calibrations = &options.calibrations;
-        let mut sink = Sink::create(&path, facts, experiment_toml, calibrations, &channels)?;
-        let (batches, receiver) = sync_channel::<Batch>(WAITING_CHUNKS);
-        let (give_back, spare) = channel();
-        let write_all = move || {
-            for mut batch in receiver {
-                sink.write(&batch)?;
-                batch.clear();
-                // The recorder may be gone already; then nobody needs the memory.
-                let _ = give_back.send(batch);
-            }
-            Ok(sink)
-        };
-        let thread = thread::Builder::new().name("recorder".into());
-        let handle = thread
-            .spawn(write_all)
-            .map_err(|source| RecordError::File {
-                path: path.clone(),
-                source,
-            })?;
+        let sink = Sink::create(path, facts, experiment_toml, calibrations, &channels)?;
+        Self::to_store(path, sink, (channels, facts.fingers), options)
+    }
+
+    /// Writes to `store`, the file at `path`, messages of these channels of a rig of so many fingers.
+    pub(super) fn to_store(
+        path: &Path,
+        store: impl Store,
+        (channels, fingers): (Vec<Channel>, usize),
+        options: &RecordOptions,
+    ) -> Result<Self, RecordError> {
         Ok(Self {
-            path,
             channels,
-            fingers: facts.fingers,
-            batch: Batch::with_capacity(BATCH_ROOM),
-            spare,
-            thread: Some(WriterThread { batches, handle }),
+            fingers,
+            writer: Writer::start(path, store, options.patience)?,
+            patience: options.patience,
+            flush_interval: (options.flush_interval * 1e9) as u64,
+            in_steps: false,
             run_end: None,
         })
     }
@@ -127,43 +92,67 @@ impl Recorder {
         self.run_end = Some(end);
     }
 
-    /// Writes wall time (s; none if not measured), digest and how the run ended, and closes the file.
+    /// Messages that were dropped so far, as the file had no room or failed.
+    pub fn dropped(&self) -> u64 {
+        self.writer.dropped()
+    }
+
+    /// What is missing since there was room for the last time; none while there is.
+    pub fn gap(&self) -> Option<&RecordingGap> {
+        self.writer.gap()
+    }
+
+    /// Why the file takes nothing any more, of a recorder of [limited patience](Patience::Limited). Everything up to
+    /// then is in it.
+    pub fn failure(&self) -> Option<&RecordError> {
+        self.writer.failure()
+    }
+
+    /// Writes wall time (s; none if not measured), digest and how the run ended, and closes the file. A recorder of
+    /// limited patience takes 5 s at most.
     ///
     /// # Errors
-    /// When the file cannot be written.
-    pub fn finish(mut self, wall_time: Option<f64>) -> Result<Digest, RecordError> {
-        self.send()?;
-        match self.thread.take() {
-            Some(thread) => {
-                let sink = thread.join(&self.path)?;
-                sink.close(wall_time, self.run_end.as_ref())
-            }
-            None => Err(self.closed()),
-        }
+    /// When the file cannot be written, or could not be.
+    pub fn finish(self, wall_time: Option<f64>) -> Result<Digest, RecordError> {
+        let mut closing = Closing::of(self.patience);
+        self.close(wall_time, &mut closing)
     }
 
-    /// Hands the batch to the thread; if that has stopped, says why.
-    fn send(&mut self) -> Result<(), RecordError> {
-        let next = self.spare.try_recv();
-        let next = next.unwrap_or_else(|_| Batch::with_capacity(BATCH_ROOM));
-        let batch = std::mem::replace(&mut self.batch, next);
-        let Some(thread) = &self.thread else {
-            return Err(self.closed());
+    /// The same within `limit`; calls `on_slow` when that takes longer than a second.
+    ///
+    /// # Errors
+    /// As [`Self::finish`]; [`RecordError::NotClosed`] where the file takes nothing. It is left as it is.
+    pub fn finish_within(
+        self,
+        wall_time: Option<f64>,
+        limit: Duration,
+        on_slow: impl FnOnce(),
+    ) -> Result<Digest, RecordError> {
+        self.close(wall_time, &mut Closing::within(limit, on_slow))
+    }
+
+    fn close(
+        mut self,
+        wall_time: Option<f64>,
+        closing: &mut Closing<'_>,
+    ) -> Result<Digest, RecordError> {
+        let end = End {
+            wall_time,
+            run_end: self.run_end.take(),
+            dropped: 0,
         };
-        if thread.batches.send(batch).is_ok() {
-            return Ok(());
-        }
-        let stopped = self.thread.take().map(|thread| thread.join(&self.path));
-        match stopped {
-            Some(Err(error)) => Err(error),
-            _ => Err(self.closed()),
-        }
+        let digest = self.writer.finish(Some(end), closing)?;
+        digest.ok_or_else(|| self.writer.closed())
     }
 
-    fn closed(&self) -> RecordError {
-        RecordError::Closed {
-            path: self.path.clone(),
+    /// Hands the batch on if it makes a chunk; whether nothing was dropped.
+    fn send_if_full(&mut self) -> Result<bool, RecordError> {
+        let batch = &self.writer.batch;
+        let is_full = batch.bytes.len() >= CHUNK_BYTES || batch.span() >= self.flush_interval;
+        if batch.messages.is_empty() || !is_full {
+            return Ok(true);
         }
+        self.writer.send()
     }
 }
 
@@ -175,23 +164,21 @@ impl MessageSink for Recorder {
     ) -> Result<(), RecordError> {
         let channel = find(&self.channels, self.fingers, topic)?;
         let log_time = log_time(topic, message)?;
-        cdr::encode(message, &mut self.batch.bytes)?;
-        self.batch.messages.push(Entry {
+        let batch = &mut self.writer.batch;
+        cdr::encode(message, &mut batch.bytes)?;
+        batch.messages.push(Entry {
             channel,
             log_time,
-            end: self.batch.bytes.len(),
+            end: batch.bytes.len(),
         });
-        if self.batch.bytes.len() < CHUNK_BYTES {
+        if self.in_steps {
             return Ok(());
         }
-        self.send()
+        self.send_if_full().map(|_| ())
     }
-}
 
-impl Drop for Recorder {
-    fn drop(&mut self) {
-        // Without `finish` nobody asks what became of the rest; reading says it was not closed.
-        let _ = self.send();
-        let _ = self.thread.take().map(|thread| thread.join(&self.path));
+    fn step_ends(&mut self) -> Result<bool, RecordError> {
+        self.in_steps = true;
+        self.send_if_full()
     }
 }

@@ -1,8 +1,8 @@
 //! A recording in memory.
 
 use super::channels::{
-    Cap, Command, Findings, Fingertip, Flags, Joints, ObjectPose, Tactile, Task, TorqueSensor,
-    TrueSlip,
+    Cap, Command, Findings, Fingertip, Flags, Joints, ObjectPose, RecordingGap, Tactile, Task,
+    TorqueSensor, TrueSlip,
 };
 use super::digest::{Digest, Digester};
 use super::facts::RunFacts;
@@ -37,6 +37,15 @@ pub struct PictureAt {
     pub length: usize,
 }
 
+/// A place in a recording where messages are missing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Gap {
+    /// What is missing.
+    pub missing: RecordingGap,
+    /// Control steps on record before it. Whole steps are missing.
+    pub steps_before: usize,
+}
+
 /// A recording in memory.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recording {
@@ -53,7 +62,7 @@ pub struct Recording {
     pub wall_time: Option<f64>,
     /// Digest of what was read.
     pub digest: Digest,
-    /// Whether the recording is whole and its digest is the one it was closed with.
+    /// Whether the recording is whole, without gaps, and its digest is the one it was closed with.
     pub complete: bool,
     /// Time of the latest message that was read, s; 0 if none.
     pub readable_until: f64,
@@ -73,6 +82,8 @@ pub struct Recording {
     pub object: Vec<ObjectPose>,
     /// How far feelers slipped, where a simulated world told.
     pub true_slip: Vec<TrueSlip>,
+    /// Where messages are missing.
+    pub gaps: Vec<Gap>,
 }
 
 impl Recording {
@@ -94,6 +105,25 @@ impl Recording {
             findings: Vec::new(),
             object: Vec::new(),
             true_slip: Vec::new(),
+            gaps: Vec::new(),
         }
+    }
+
+    /// What is missing, in words, if something is.
+    pub fn missing(&self) -> Option<String> {
+        let first = self.gaps.first()?.missing;
+        let messages: u64 = self.gaps.iter().map(|gap| gap.missing.messages).sum();
+        let place = match self.gaps.as_slice() {
+            [_] => format!("from {:.2} s to {:.2} s", first.start, first.end),
+            gaps => format!(
+                "in {} gaps, the first from {:.2} s to {:.2} s",
+                gaps.len(),
+                first.start,
+                first.end
+            ),
+        };
+        Some(format!(
+            "{messages} messages are missing {place}, as the disk took nothing then"
+        ))
     }
 }

@@ -59,6 +59,15 @@ impl RunEnd {
         Self { state, reason }
     }
 
+    /// That of a recording of a run that ended so, of which something is missing, in words.
+    pub(super) fn with_gap(&self, missing: &str) -> Self {
+        let why = self.reason.as_deref();
+        let why = why.map_or_else(String::new, |why| format!(", {why}"));
+        let state = self.state;
+        let reason = format!("the recording is not whole: {missing}; the run itself: {state}{why}");
+        Self::because(RunState::Interrupted, reason)
+    }
+
     /// Writes it among other entries of a recording's end.
     pub(super) fn write(&self, end: &mut BTreeMap<String, String>) {
         end.insert("state".into(), self.state.key().into());

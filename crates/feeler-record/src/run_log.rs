@@ -137,7 +137,20 @@ impl<R: MessageSink> RunLog<R> {
             self.recorder.write(topics::TRUE_SLIP, slip)?;
         }
         self.write_findings(stamp, controller.task())?;
-        self.write_task(stamp, controller)
+        self.write_task(stamp, controller)?;
+        if !self.recorder.step_ends()? {
+            self.forget_written();
+        }
+        Ok(())
+    }
+
+    /// What is written only when it changes may be among what was dropped: it is written again.
+    fn forget_written(&mut self) {
+        self.findings = Findings::default();
+        self.stop_reason = None;
+        for picture in &mut self.pictures {
+            picture.sequence = None;
+        }
     }
 
     /// Writes a finger's picture, if it is to be recorded and has not been.

@@ -44,6 +44,14 @@ impl SensedWriter {
         })
     }
 
+    /// Hands what was written to the system.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn flush(&mut self) -> Result<(), RecordError> {
+        self.container.flush()
+    }
+
     /// Writes the end of the file and closes it.
     ///
     /// # Errors

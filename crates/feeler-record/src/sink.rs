@@ -1,11 +1,14 @@
 //! Puts batches of encoded messages into the file; works on the recorder's own thread.
 
+use super::batch::Batch;
+use super::channels::{RecordingGap, nanoseconds};
 use super::container::Container;
 use super::digest::{Digest, Digester};
 use super::error::RecordError;
 use super::facts::RunFacts;
-use super::run_end::RunEnd;
-use super::topic::Channel;
+use super::topic::{Channel, topics};
+use super::writer::{End, Store};
+use crate::wire::cdr;
 use ::mcap::WriteOptions;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -20,44 +23,12 @@ pub const EXPERIMENT: &str = "experiment.toml";
 /// What stands before the experiment's name of a calibration in the name of its attachment.
 pub const CALIBRATION: &str = "calibration/";
 
-/// Encoded messages on their way to the file.
-pub struct Batch {
-    /// The messages' bytes, one after the other.
-    pub bytes: Vec<u8>,
-    /// Where each message ends, and what it is.
-    pub messages: Vec<Entry>,
-}
-
-/// One message of a [`Batch`].
-pub struct Entry {
-    /// Index of its channel among those registered.
-    pub channel: usize,
-    /// Its time, ns.
-    pub log_time: u64,
-    /// Where its bytes end in the batch.
-    pub end: usize,
-}
-
-impl Batch {
-    /// An empty batch with room for so many bytes.
-    pub fn with_capacity(bytes: usize) -> Self {
-        Self {
-            bytes: Vec::with_capacity(bytes),
-            messages: Vec::new(),
-        }
-    }
-
-    /// Empties the batch and keeps its memory.
-    pub fn clear(&mut self) {
-        self.bytes.clear();
-        self.messages.clear();
-    }
-}
-
 /// The file of a recording.
 pub struct Sink {
     container: Container,
     digester: Digester,
+    /// Number of the channel of gaps, once there was one: a recording without gaps has no such channel.
+    gaps: Option<usize>,
 }
 
 impl Sink {
@@ -86,35 +57,62 @@ impl Sink {
         Ok(Self {
             container,
             digester,
+            gaps: None,
         })
     }
 
+    /// Writes what is missing.
+    fn write_gap(&mut self, gap: &RecordingGap) -> Result<(), RecordError> {
+        let channel = match self.gaps {
+            Some(channel) => channel,
+            None => self.container.add(&topics::RECORDING_GAP.into())?,
+        };
+        self.gaps = Some(channel);
+        let mut bytes = Vec::new();
+        cdr::encode(gap, &mut bytes)?;
+        let log_time = nanoseconds(gap.end).unwrap_or_default();
+        self.write_message(channel, log_time, &bytes)
+    }
+
+    fn write_message(
+        &mut self,
+        channel: usize,
+        log_time: u64,
+        bytes: &[u8],
+    ) -> Result<(), RecordError> {
+        let topic = self.container.topic(channel);
+        self.digester.message(topic, log_time, bytes);
+        self.container.write(channel, log_time, bytes)
+    }
+}
+
+impl Store for Sink {
     /// Writes a batch as one chunk and hands it to the system.
-    pub fn write(&mut self, batch: &Batch) -> Result<(), RecordError> {
+    fn write(&mut self, batch: &Batch) -> Result<(), RecordError> {
+        if let Some(gap) = &batch.gap {
+            self.write_gap(gap)?;
+        }
         let mut start = 0;
         for entry in &batch.messages {
             let bytes = &batch.bytes[start..entry.end];
             start = entry.end;
-            let topic = self.container.topic(entry.channel);
-            self.digester.message(topic, entry.log_time, bytes);
-            (self.container).write(entry.channel, entry.log_time, bytes)?;
+            self.write_message(entry.channel, entry.log_time, bytes)?;
         }
         self.container.flush()
     }
 
-    /// Writes wall time (s), digest and how the run ended, and closes the file.
-    pub fn close(
-        mut self,
-        wall_time: Option<f64>,
-        run_end: Option<&RunEnd>,
-    ) -> Result<Digest, RecordError> {
+    /// Writes wall time (s), digest, how the run ended and how much is missing, and closes the file.
+    fn close(mut self, at: &End) -> Result<Digest, RecordError> {
         let digest = self.digester.finish();
         let mut end = BTreeMap::from([("digest".to_string(), digest.to_string())]);
-        if let Some(seconds) = wall_time {
+        if let Some(seconds) = at.wall_time {
             end.insert("wall_time".into(), seconds.to_string());
         }
-        if let Some(run_end) = run_end {
+        if let Some(run_end) = &at.run_end {
             run_end.write(&mut end);
+        }
+        if at.dropped > 0 {
+            end.insert("dropped".into(), at.dropped.to_string());
         }
         self.container.metadata(END, end)?;
         self.container.close()?;

@@ -1,12 +1,12 @@
 //! The topics of a recording, each of which carries messages of one type.
 
 use super::channels::{
-    Cap, Command, Findings, Fingertip, Flags, Joints, Moments, ObjectPose, Stamped, Tactile, Task,
-    TorqueSensor, TrueSlip,
+    Cap, Command, Findings, Fingertip, Flags, Joints, Moments, ObjectPose, RecordingGap, Stamped,
+    Tactile, Task, TorqueSensor, TrueSlip,
 };
 use super::error::RecordError;
 use super::image::Image;
-use super::recording::{PictureAt, Recording};
+use super::recording::{Gap, PictureAt, Recording};
 use crate::wire::cdr;
 use std::any::Any;
 use std::fmt;
@@ -123,6 +123,8 @@ pub mod topics {
     pub const OBJECT: RecordedTopic<ObjectPose> = RecordedTopic::of_rig("object");
     /// True slip of the feelers; without messages where no simulated world tells.
     pub const TRUE_SLIP: RecordedTopic<TrueSlip> = RecordedTopic::of_rig("true_slip");
+    /// What is missing; only where something is.
+    pub const RECORDING_GAP: RecordedTopic<RecordingGap> = RecordedTopic::of_rig("recording_gap");
 }
 
 /// A message that a recording holds.
@@ -212,6 +214,31 @@ impl RecordedMessage for Image {
     }
 }
 
+/// Written by the recorder itself, where it dropped something.
+impl RecordedMessage for RecordingGap {
+    fn list(_: &mut Recording, _: Option<usize>) -> Option<&mut Vec<Self>> {
+        None
+    }
+
+    fn read_into(
+        recording: &mut Recording,
+        _: Option<usize>,
+        bytes: &[u8],
+        _: PictureAt,
+    ) -> Result<(), String> {
+        let gap: Self = cdr::decode(bytes).map_err(|e| e.to_string())?;
+        if !(gap.start.is_finite() && gap.end.is_finite()) {
+            let (start, end) = (gap.start, gap.end);
+            return Err(format!("finite times expected, {start} and {end} found"));
+        }
+        recording.gaps.push(Gap {
+            missing: gap,
+            steps_before: recording.task.len(),
+        });
+        Ok(())
+    }
+}
+
 /// [`RecordedMessage::read_into`] of a topic's messages.
 pub(crate) type ReadInto =
     fn(&mut Recording, Option<usize>, &[u8], PictureAt) -> Result<(), String>;
@@ -252,6 +279,12 @@ impl Channel {
             channels.extend((0..fingers).map(|finger| Self::from(topics::image(finger))));
         }
         channels
+    }
+
+    /// The channels that a recording of `fingers` fingers can have.
+    pub fn known(fingers: usize) -> impl Iterator<Item = Self> {
+        let gaps = Self::from(topics::RECORDING_GAP);
+        Self::of_run(fingers, true).into_iter().chain([gaps])
     }
 
     /// Name of the topic in the recording.

@@ -55,7 +55,12 @@ pub fn page(recording: &Recording, summary: &Summary, figures: &[Figure]) -> Str
 /// The unmistakable sign over a report of a damaged recording or an interrupted run.
 fn banner(recording: &Recording, summary: &Summary) -> Markup {
     html! {
-        @if let Some(problem) = &recording.problem {
+        @if let (Some(missing), true) = (recording.missing(), recording.problem == recording.missing()) {
+            div.incomplete role="alert" {
+                "GAP: " (missing) ". Numbers and figures below are of what is on record only; lines are drawn across "
+                "what is missing."
+            }
+        } @else if let Some(problem) = &recording.problem {
             div.incomplete role="alert" {
                 "INCOMPLETE: readable up to t = " (format!("{:.2}", recording.readable_until)) " s. "
                 "The recording is damaged or the run was interrupted (" (problem) "). "

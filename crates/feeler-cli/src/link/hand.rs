@@ -1,22 +1,21 @@
 //! `feeler hand`
 
-use super::{ExperimentArguments, LinkArguments, ListenArguments, warn_on_stderr};
+use super::record::{HandRecord, patience};
+use super::{ExperimentArguments, LinkArguments, ListenArguments};
+use crate::flush::FlushArguments;
 use crate::interrupt::watch_for_interrupt;
-use crate::report::print_outcome;
 use crate::run::make_folder;
+use crate::warnings::Warnings;
 use crate::{CommandError, Outcome};
 use feeler::pace::real_time::{self, MODERATE, Refusal};
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::linked::hand_program;
-use feeler_lab::experiment::recorded_run::{finish, run_end};
-use feeler_lab::experiment::{layouts, run_facts};
-use feeler_link::programs::{HandProgram, RigSpeed};
-use feeler_record::{RecordOptions, Recorder, RunLog};
-use feeler_report::make::RECORDING;
+use feeler_lab::experiment::recorded_run::run_end;
+use feeler_link::programs::RigSpeed;
+use feeler_record::{RunEnd, RunState};
 use std::io::{Write, stderr};
-use std::ops::ControlFlow;
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 #[derive(Debug, clap::Args)]
@@ -34,6 +33,8 @@ pub struct Arguments {
     #[arg(long, default_value = "1")]
     speed: RigSpeed,
     #[command(flatten)]
+    flush: FlushArguments,
+    #[command(flatten)]
     values: ExperimentArguments,
     #[command(flatten)]
     listening: ListenArguments,
@@ -48,7 +49,8 @@ pub fn hand(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comma
     let network = arguments.link.listen(&rig, &arguments.listening)?;
     let interrupted = watch_for_interrupt()?;
     let mut program = hand_program(&experiment, arguments.speed, network)?;
-    program.set_warn(warn_on_stderr());
+    let warnings = Warnings::on_stderr();
+    program.set_warn(warnings.warn());
     writeln!(out, "waiting for {}", program.missing().join(", "))?;
     out.flush()?;
     if !program.wait_for_others(&interrupted)? {
@@ -58,39 +60,28 @@ pub fn hand(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comma
         ask_for_real_time();
     }
     let folder = make_folder(arguments.out.as_deref(), &experiment, None)?;
-    let facts = run_facts(&experiment.config);
-    let options = RecordOptions::default();
-    let recorder =
-        Recorder::create_with(folder.join(RECORDING), &facts, &experiment.toml, &options)?;
-    let mut log = RunLog::new(recorder, &layouts(&experiment.config)?);
+    let mut record = HandRecord::create(
+        (folder, &experiment),
+        (patience(arguments.speed), arguments.flush.flush_interval),
+        warnings,
+    )?;
 
     let start = Instant::now();
-    let ended = run(&mut program, &mut log, &interrupted);
+    let ended = program.run(&interrupted, |control_loop, instruments| {
+        record.write(control_loop, instruments)
+    });
     let wall_time = start.elapsed().as_secs_f64();
     // However it ended: what was recorded is kept and reported before anything is said.
     let was_interrupted = interrupted.load(Ordering::Relaxed);
-    let failed = ended.as_ref().err().map(ToString::to_string);
-    let end = run_end(failed, program.controller(), was_interrupted);
-    let outcome = Outcome::from(&end);
-    let made = finish(log, wall_time, end, &folder);
+    let end = match &ended {
+        Ok(Some(reason)) => RunEnd::because(RunState::GivenUp, reason.as_str()),
+        Ok(None) => run_end(None, program.controller(), was_interrupted),
+        Err(error) => RunEnd::because(RunState::Interrupted, error.to_string()),
+    };
+    let finished = record.finish(wall_time, end);
     ended?;
     writeln!(out, "{}", program.report())?;
-    print_outcome(&made?, out)?;
-    Ok(outcome)
-}
-
-fn run(
-    program: &mut HandProgram,
-    log: &mut RunLog,
-    interrupted: &AtomicBool,
-) -> Result<(), CommandError> {
-    let failed = program.run(interrupted, |control_loop, instruments| {
-        match log.write(control_loop, instruments) {
-            Ok(()) => ControlFlow::Continue(()),
-            Err(error) => ControlFlow::Break(error),
-        }
-    })?;
-    failed.map_or(Ok(()), |error| Err(error.into()))
+    finished.print(out)
 }
 
 /// Asks for what keeps steps on time, and says what is refused: the hand goes on without.

@@ -4,6 +4,7 @@ pub mod bench;
 pub mod certificates;
 pub mod hand;
 pub mod orders;
+mod record;
 pub mod top;
 pub mod world;
 
@@ -11,8 +12,6 @@ use super::CommandError;
 use feeler_lab::config::Experiment;
 use feeler_link::endpoints::{HAND_ENDPOINT, LinkConfig};
 use feeler_link::network::{Network, Rehearsal, RehearsedNetwork};
-use feeler_link::programs::Warn;
-use std::io::{Write, stderr};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -176,12 +175,4 @@ impl ExperimentArguments {
 fn first_given(options: &[(&'static str, bool)]) -> Option<&'static str> {
     let given = options.iter().find(|(_, given)| *given);
     given.map(|(option, _)| *option)
-}
-
-/// Writes warnings of a program to standard error.
-pub fn warn_on_stderr() -> Warn {
-    Box::new(|warning| {
-        // Where nobody listens, the heartbeat says it.
-        let _ = writeln!(stderr(), "{warning}");
-    })
 }

@@ -1,7 +1,8 @@
 //! `feeler world`
 
-use super::{ExperimentArguments, LinkArguments, warn_on_stderr};
+use super::{ExperimentArguments, LinkArguments};
 use crate::interrupt::watch_for_interrupt;
+use crate::warnings::Warnings;
 use crate::{CommandError, Outcome};
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::linked::rig_config;
@@ -32,7 +33,7 @@ pub fn world(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comm
     let network = arguments.link.connect(&name)?;
     let interrupted = watch_for_interrupt()?;
     let mut program = RigProgram::new(rig, &config, network)?;
-    program.set_warn(warn_on_stderr());
+    program.set_warn(Warnings::on_stderr().warn());
     let name = &experiment.config.name;
     writeln!(out, "playing the rig of {name}; Ctrl-C ends it")?;
     out.flush()?;

@@ -1,12 +1,16 @@
 //! `feeler sense`
 
+mod beside;
 mod frames;
 pub(super) mod output;
+mod prompt;
 mod publish;
+mod queued;
 mod recorded;
 pub(super) mod sensor;
 pub(super) mod source;
 pub(super) mod tally;
+mod whole_rows;
 
 use super::interrupt::watch_for_interrupt;
 use super::link::{ExperimentArguments, LinkArguments};
@@ -134,7 +138,7 @@ pub fn sense(arguments: &Arguments) -> Result<Outcome, CommandError> {
     let source = Source::of(arguments)?;
     arguments.refuse_without_effect()?;
     let interrupted = watch_for_interrupt()?;
-    let mut tally = Tally::new();
+    let mut tally = Tally::new(!arguments.publish);
     match source {
         Source::Recording(_) if arguments.publish => {
             let message = "--publish: expected pictures, a camera or rig:, not a recorded run";

@@ -1,6 +1,8 @@
 //! Where readings go: a table, lines of JSON, or MCAP.
 
 use super::CommandError;
+use super::prompt::Prompt;
+use super::whole_rows::WholeRows;
 use crate::part_file::{Outputs, PartFile};
 use feeler::sensor::sensing::ElementReading;
 use feeler_record::sensed::{MOMENTS, TACTILE};
@@ -8,11 +10,8 @@ use feeler_record::wire::Vector3;
 use feeler_record::{MessageSink, Moments, SensedWriter, Tactile};
 use glam::{DVec2, DVec3};
 use serde::Serialize;
-use std::io::{self, BufWriter, Write};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-
-/// Bytes that are collected before they are written while frames wait.
-const BUFFER: usize = 1 << 18;
 
 /// The readings of one frame.
 pub struct FrameReadings<'a> {
@@ -25,11 +24,15 @@ pub struct FrameReadings<'a> {
 }
 
 /// Something that readings are written to.
-pub trait Output {
+pub trait Output: Send {
     /// Writes one frame.
     fn write(&mut self, frame: &FrameReadings) -> Result<(), CommandError>;
-    /// Hands on what was collected.
+    /// Hands on what was collected, where that costs no room.
     fn flush(&mut self) -> Result<(), CommandError>;
+    /// Hands on everything that was collected.
+    fn settle(&mut self) -> Result<(), CommandError> {
+        self.flush()
+    }
     /// Writes what belongs at the end of what is `whole` or not: the partial file that is left, if one is.
     fn finish(self: Box<Self>, whole: bool) -> Result<Option<PathBuf>, CommandError>;
 }
@@ -41,7 +44,8 @@ pub fn open(
     forces: bool,
 ) -> Result<Box<dyn Output>, CommandError> {
     let Some(path) = path else {
-        return Ok(Box::new(Table::new(Box::new(io::stdout()), forces)?));
+        let table = Table::new(Box::new(io::stdout()), forces)?;
+        return Ok(Box::new(Prompt::new(Box::new(table))));
     };
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("");
     if !["csv", "jsonl", "mcap"].contains(&extension) {
@@ -56,13 +60,13 @@ pub fn open(
         "jsonl" => Box::new(JsonLines::new(Box::new(part.writer()?), forces)),
         _ => Box::new(Mcap::create(part.part(), forces)?),
     };
-    Ok(Box::new(Filed {
+    Ok(Box::new(Prompt::new(Box::new(Filed {
         name: path.display().to_string(),
         output,
         part,
         is_text: extension != "mcap",
         frames: 0,
-    }))
+    }))))
 }
 
 /// One element in one frame, as it is written; what there is not is left empty.
@@ -105,16 +109,15 @@ impl Row {
 
 /// Comma-separated values, one row for each element and frame.
 struct Table {
-    writer: csv::Writer<Box<dyn Write>>,
+    writer: csv::Writer<WholeRows<Box<dyn Write + Send>>>,
     forces: bool,
 }
 
 impl Table {
-    fn new(writer: Box<dyn Write>, forces: bool) -> Result<Self, CommandError> {
+    fn new(writer: Box<dyn Write + Send>, forces: bool) -> Result<Self, CommandError> {
         let writer = csv::WriterBuilder::new()
             .has_headers(false)
-            .buffer_capacity(BUFFER)
-            .from_writer(writer);
+            .from_writer(WholeRows::new(writer));
         let mut table = Self { writer, forces };
         let moments = ["frame", "stamp", "element", "integrated_gray", "u_x", "u_y"];
         let with_forces = ["f_x", "f_y", "f_z"];
@@ -149,7 +152,7 @@ impl Output for Table {
 
 /// The same rows as the table's, each a JSON object on a line of its own.
 struct JsonLines {
-    writer: BufWriter<Box<dyn Write>>,
+    writer: WholeRows<Box<dyn Write + Send>>,
     forces: bool,
 }
 
@@ -162,9 +165,9 @@ struct JsonRow {
 }
 
 impl JsonLines {
-    fn new(writer: Box<dyn Write>, forces: bool) -> Self {
+    fn new(writer: Box<dyn Write + Send>, forces: bool) -> Self {
         Self {
-            writer: BufWriter::with_capacity(BUFFER, writer),
+            writer: WholeRows::new(writer),
             forces,
         }
     }
@@ -217,6 +220,11 @@ impl Output for Filed {
     fn flush(&mut self) -> Result<(), CommandError> {
         let flushed = self.output.flush();
         self.named(flushed)
+    }
+
+    fn settle(&mut self) -> Result<(), CommandError> {
+        let settled = self.output.settle();
+        self.named(settled)
     }
 
     fn finish(mut self: Box<Self>, whole: bool) -> Result<Option<PathBuf>, CommandError> {
@@ -306,8 +314,13 @@ impl Output for Mcap {
         Ok(())
     }
 
+    /// Not for every frame: each time costs 0.6 KB.
     fn flush(&mut self) -> Result<(), CommandError> {
         Ok(())
+    }
+
+    fn settle(&mut self) -> Result<(), CommandError> {
+        Ok(self.writer.flush()?)
     }
 
     fn finish(self: Box<Self>, _: bool) -> Result<Option<PathBuf>, CommandError> {

@@ -1,6 +1,7 @@
 //! `feeler sense --publish`: what one finger feels, for the hand program.
 
 use super::output::{FrameReadings, Output};
+use super::queued::Queued;
 use super::sensor::{self, SensorOf};
 use super::source::Source;
 use super::tally::Tally;
@@ -72,8 +73,11 @@ impl<'a> Publisher<'a> {
             fingertip: sha256,
             expected: expected(experiment)?,
         };
-        let output = match arguments.output {
-            Some(_) => Some(arguments.open_output(true)?),
+        let output: Option<Box<dyn Output>> = match arguments.output {
+            Some(_) => {
+                let output = arguments.open_output(true)?;
+                Some(Box::new(Queued::start(output, tally.warner())?))
+            }
             None => None,
         };
         let rig = arguments.values.rig(experiment);

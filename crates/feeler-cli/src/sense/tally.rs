@@ -1,10 +1,9 @@
 //! Counts what was sensed and what was not, and says so on standard error.
 
+use super::beside::{Beside, INTERVAL};
 use feeler::sensor::exposure::Exposure;
 use feeler::sensor::sensing::ElementReading;
-use indicatif::{ProgressBar, ProgressStyle};
 use std::collections::BTreeMap;
-use std::io::{Write, stderr};
 use std::time::{Duration, Instant};
 
 /// Elements that are named in one warning at most.
@@ -12,7 +11,7 @@ const NAMED: usize = 12;
 
 /// What came of the frames so far.
 pub struct Tally {
-    bar: ProgressBar,
+    beside: Beside,
     shown: Instant,
     start: Instant,
     frames: u64,
@@ -45,17 +44,11 @@ impl Uniform {
 }
 
 impl Tally {
-    /// Redrawn this often at most.
-    const INTERVAL: Duration = Duration::from_millis(100);
-
-    /// Nothing yet; the progress is hidden unless standard error is a terminal.
-    pub fn new() -> Self {
-        let bar = ProgressBar::new_spinner();
-        let style = ProgressStyle::with_template("{spinner} {msg}");
-        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
+    /// Nothing yet. What it says waits for the terminal, or, where somebody waits for what is sensed, not.
+    pub fn new(waits: bool) -> Self {
         let now = Instant::now();
         Self {
-            bar,
+            beside: Beside::new(waits),
             shown: now,
             start: now,
             frames: 0,
@@ -87,10 +80,9 @@ impl Tally {
         self.frames += 1;
         self.age = at.elapsed();
         self.look_at(sequence, readings);
-        if self.shown.elapsed() >= Self::INTERVAL {
+        if self.shown.elapsed() >= INTERVAL {
             self.shown = Instant::now();
-            self.bar.set_message(self.line());
-            self.bar.tick();
+            self.beside.progress(self.line());
         }
     }
 
@@ -121,18 +113,18 @@ impl Tally {
 
     /// Says something that is not as it should be.
     pub fn warn(&self, warning: &str) {
-        warn_beside(&self.bar, warning);
+        self.beside.say(&format!("warning: {warning}"));
     }
 
     /// The same as [`warn`](Self::warn), for somebody else to call.
     pub fn warner(&self) -> Box<dyn FnMut(&str) + Send> {
-        let bar = self.bar.clone();
-        Box::new(move |warning| warn_beside(&bar, warning))
+        let mut say = self.beside.sayer();
+        Box::new(move |warning| say(&format!("warning: {warning}")))
     }
 
     /// Takes the progress off the screen and says how it went.
     pub fn close(&self) {
-        self.bar.finish_and_clear();
+        self.beside.clear();
         let uniform = [(&self.black, "black"), (&self.white, "white")];
         for (uniform, colour) in uniform.into_iter().filter(|(u, _)| u.count > 0) {
             let first = uniform.first;
@@ -146,7 +138,7 @@ impl Tally {
             let names = named(elements);
             self.warn(&format!("sub-regions {how}, no force there: {names}"));
         }
-        let _ = writeln!(stderr(), "{}", self.line());
+        self.beside.say(&self.line());
     }
 
     fn line(&self) -> String {
@@ -160,13 +152,6 @@ impl Tally {
             self.age.as_secs_f64() * 1e3,
         )
     }
-}
-
-fn warn_beside(bar: &ProgressBar, warning: &str) {
-    // Where nobody listens, the table says what there is.
-    bar.suspend(|| {
-        let _ = writeln!(stderr(), "warning: {warning}");
-    });
 }
 
 fn frames(count: u64) -> String {

@@ -56,6 +56,7 @@ fn in_a_run(experiment: &Experiment, path: &Path) -> Option<Stopped> {
     let options = RecordOptions {
         calibrations: experiment.calibration_texts().unwrap(),
         pictures: true,
+        ..RecordOptions::default()
     };
     let facts = run_facts(&experiment.config);
     let recorder = Recorder::create_with(path, &facts, &experiment.toml, &options).unwrap();

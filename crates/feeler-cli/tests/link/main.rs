@@ -16,6 +16,8 @@ mod skip;
 mod in_terminal;
 
 mod cable;
+#[cfg(target_os = "linux")]
+mod disk;
 mod faults;
 mod hostile;
 mod orders;

@@ -229,6 +229,20 @@ impl Setup {
         Running::start(&self.folder, "hand", command)
     }
 
+    /// Starts the hand, whose files the system lets grow to so many blocks (512 B, or 1 KiB by some shells).
+    #[cfg(target_os = "linux")]
+    pub fn hand_with_files_up_to(&self, blocks: usize) -> Running {
+        let hand = self.command(0, &["hand", "cap-closing", "--out", "run"]);
+        // What exceeds it is an error then, and not the end.
+        let limited = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$@\"");
+        let mut command = Command::new("sh");
+        command.args(["-c", &limited, "sh"]);
+        command.arg(hand.get_program()).args(hand.get_args());
+        command.args(["--listen", &self.endpoint, "--flush-interval=0.05"]);
+        command.args(&self.settings).current_dir(&self.folder);
+        Running::start(&self.folder, "hand", command)
+    }
+
     /// Says `stop` or `resume` to the hand, by `link`.
     pub fn order(&self, order: &str, link: &[String]) -> Ended {
         self.say(order, "the test", link)

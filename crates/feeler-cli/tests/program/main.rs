@@ -9,6 +9,8 @@ mod cli;
 mod compare;
 mod contour;
 mod friction_scan;
+#[cfg(unix)]
+mod gap;
 mod hands;
 mod interrupted;
 mod locate;

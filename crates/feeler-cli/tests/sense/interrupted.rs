@@ -83,3 +83,32 @@ fn a_reader_that_has_had_enough_ends_it() {
     writer.join().unwrap();
     assert_eq!(ended.status, Some(0), "{ended:?}");
 }
+
+/// Nothing is closed: the file is as the system has it.
+#[test]
+fn a_program_that_is_killed_leaves_whole_rows() {
+    let folder = folder("sense-killed");
+    for name in ["out.csv", "out.jsonl"] {
+        let part = folder.join(format!("{name}.part"));
+        let (mut child, writer) = start(&folder, &["-o", name]);
+        // More than is handed on at a time.
+        wait_for(&part, 300_000, &mut child);
+        child.kill().expect("the kill");
+        let ended = child.wait().expect("its end");
+        assert!(!ended.success());
+        writer.join().unwrap();
+        let rows = fs::read_to_string(&part).unwrap();
+        assert!(
+            rows.ends_with('\n'),
+            "{name} ends with {:?}",
+            rows.lines().last()
+        );
+        if name == "out.csv" {
+            let columns = |row: &str| row.split(',').count();
+            assert!(rows.lines().all(|row| columns(row) == 6));
+        } else {
+            let is_json = |row: &str| serde_json::from_str::<serde_json::Value>(row).is_ok();
+            assert!(rows.lines().all(is_json));
+        }
+    }
+}

@@ -142,6 +142,7 @@ pub fn record_options(experiment: &Experiment, pictures: bool) -> Result<RecordO
         Sensing::Image => Ok(RecordOptions {
             calibrations: experiment.calibration_texts()?,
             pictures,
+            ..RecordOptions::default()
         }),
         Sensing::Direct if pictures => Err(RunError::NoPictures),
         Sensing::Direct => Ok(RecordOptions::default()),

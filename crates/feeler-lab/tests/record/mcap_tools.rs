@@ -50,6 +50,7 @@ fn python_sees_the_pictures() {
     let options = RecordOptions {
         calibrations: [("a.toml".to_string(), "b = 1".to_string())].into(),
         pictures: true,
+        ..RecordOptions::default()
     };
     let mut recorder = Recorder::create_with(&path, &support::facts(), "", &options).unwrap();
     let mut frame = Frame::black(4, 3);

@@ -29,6 +29,7 @@ fn record(settings: &[&str], path: &Path) -> Recording {
     let options = RecordOptions {
         calibrations: experiment.calibration_texts().unwrap(),
         pictures,
+        ..RecordOptions::default()
     };
     let facts = run_facts(&experiment.config);
     let recorder = Recorder::create_with(path, &facts, &experiment.toml, &options).unwrap();

@@ -28,6 +28,8 @@ pub struct ControlConfig {
     pub minimum_grasp_force: f64,
     /// When a hand that was stopped because data were stale goes on.
     pub resume: ResumePolicy,
+    /// What a hand that moves does when its recording cannot be written.
+    pub on_recording_failure: RecordingFailure,
     /// How a finger does what the task wants.
     pub law: LawConfig,
     /// What no command may exceed.
@@ -46,6 +48,7 @@ impl Default for ControlConfig {
             recompression_speed: 0.0064,
             minimum_grasp_force: 0.08,
             resume: ResumePolicy::default(),
+            on_recording_failure: RecordingFailure::default(),
             law: LawConfig::default(),
             limits: LimitsConfig::default(),
         }
@@ -61,6 +64,18 @@ pub enum ResumePolicy {
     Told,
     /// As soon as data are fresh again.
     Fresh,
+}
+
+/// What a hand that moves does when its recording cannot be written, as on a full disk or one that hangs. Where time is
+/// simulated, the run waits for the disk, and a full one ends it.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum RecordingFailure {
+    /// It goes on; the record has a gap, or ends there.
+    #[default]
+    Continue,
+    /// It stops, and the run ends.
+    Stop,
 }
 
 impl ControlConfig {

@@ -1,6 +1,6 @@
 //! The hand program's decision: from tactile frames and joint angles to joint velocities.
 
-pub use super::config::{ControlConfig, ResumePolicy};
+pub use super::config::{ControlConfig, RecordingFailure, ResumePolicy};
 
 use super::law::Law;
 use super::limits::{Admitted, Request};

@@ -138,7 +138,8 @@ impl<'a> Replay<'a> {
     }
 }
 
-/// Control steps that are whole: of a recording that was cut off, the last may not be.
+/// Control steps that are whole: of a recording that was cut off, the last may not be. What comes after a gap does not
+/// follow from what is on record before it.
 fn steps(recording: &Recording) -> usize {
     let fingers = recording.fingers.iter().flat_map(|finger| {
         [
@@ -148,7 +149,9 @@ fn steps(recording: &Recording) -> usize {
             finger.command.len(),
         ]
     });
-    fingers.fold(recording.task.len(), usize::min)
+    let gap = recording.gaps.first();
+    let before = gap.map_or(recording.task.len(), |gap| gap.steps_before);
+    fingers.fold(before, usize::min)
 }
 
 /// Refuses what a replay cannot change: how many fingers and elements there are, and how often they are

@@ -1,0 +1,307 @@
+//! An output that holds nobody up: a thread of its own writes it.
+
+use super::CommandError;
+use super::output::{FrameReadings, Output, partial};
+use feeler::sensor::sensing::ElementReading;
+use std::path::PathBuf;
+use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, TrySendError, channel, sync_channel};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// Frames that may wait for the disk: some seconds of a fast camera, 2 MB.
+const WAITING: usize = 512;
+
+/// How long the end waits for a disk that takes nothing.
+const LAST: Duration = Duration::from_secs(5);
+
+/// Time between two looks at whether there is room.
+const POLL: Duration = Duration::from_millis(1);
+
+/// Says something to the user.
+pub type Say = Box<dyn FnMut(&str) + Send>;
+
+/// Writes frames to another output as fast as that takes them; what finds no room is dropped and counted.
+pub struct Queued {
+    works: Option<SyncSender<Work>>,
+    spare: Receiver<Frame>,
+    /// What came of it, when the thread ends: the partial file that is left, if one is.
+    ended: Receiver<Result<Option<PathBuf>, String>>,
+    say: Say,
+    dropped: u64,
+    is_dropping: bool,
+}
+
+/// The readings of one frame, for a thread.
+#[derive(Default)]
+struct Frame {
+    sequence: u64,
+    stamp: f64,
+    readings: Vec<ElementReading>,
+}
+
+enum Work {
+    Write(Frame),
+    /// Close what is whole, or not.
+    Finish(bool),
+}
+
+impl Queued {
+    /// Writes to `output`, and tells `say` what is dropped.
+    ///
+    /// # Errors
+    /// When the system has no thread left.
+    pub fn start(output: Box<dyn Output>, say: Say) -> Result<Self, CommandError> {
+        let (works, waiting) = sync_channel(WAITING);
+        let (give_back, spare) = channel();
+        let (tell, ended) = channel();
+        let write = move || {
+            let give_back = |frame| {
+                // Whoever takes no more frames needs no memory for them.
+                let _ = give_back.send(frame);
+            };
+            // Who does not wait for the end does not ask.
+            let _ = tell.send(write_all(output, &waiting, give_back));
+        };
+        thread::Builder::new().name("output".into()).spawn(write)?;
+        Ok(Self {
+            works: Some(works),
+            spare,
+            ended,
+            say,
+            dropped: 0,
+            is_dropping: false,
+        })
+    }
+
+    /// Why the thread has ended before it was told to.
+    fn why_ended(&mut self) -> String {
+        self.works = None;
+        match self.ended.recv() {
+            Ok(Err(error)) => error,
+            _ => "the output ended".into(),
+        }
+    }
+}
+
+/// Writes all that comes, then closes `output`.
+fn write_all(
+    mut output: Box<dyn Output>,
+    works: &Receiver<Work>,
+    give_back: impl Fn(Frame),
+) -> Result<Option<PathBuf>, String> {
+    let mut whole = false;
+    let mut write = || -> Result<bool, CommandError> {
+        loop {
+            let work = match works.try_recv() {
+                Ok(work) => work,
+                Err(TryRecvError::Disconnected) => return Ok(false),
+                Err(TryRecvError::Empty) => {
+                    // What is written is handed on as soon as no frame waits.
+                    output.flush()?;
+                    match works.recv() {
+                        Ok(work) => work,
+                        Err(_) => return Ok(false),
+                    }
+                }
+            };
+            match work {
+                Work::Finish(whole) => return Ok(whole),
+                Work::Write(frame) => {
+                    output.write(&FrameReadings {
+                        sequence: frame.sequence,
+                        stamp: frame.stamp,
+                        readings: &frame.readings,
+                    })?;
+                    give_back(frame);
+                }
+            }
+        }
+    };
+    let written = write().map(|is_whole| whole = is_whole);
+    let left = output.finish(whole);
+    match (written, left) {
+        (Err(error), Ok(Some(part))) => Err(partial(&error, &part).to_string()),
+        (Err(error), _) => Err(error.to_string()),
+        (Ok(()), left) => left.map_err(|error| error.to_string()),
+    }
+}
+
+impl Output for Queued {
+    /// Never waits, and never fails: what goes wrong with the output is said once.
+    fn write(&mut self, readings: &FrameReadings) -> Result<(), CommandError> {
+        let Some(works) = &self.works else {
+            return Ok(());
+        };
+        let mut frame = self.spare.try_recv().unwrap_or_default();
+        (frame.sequence, frame.stamp) = (readings.sequence, readings.stamp);
+        frame.readings.clear();
+        frame.readings.extend_from_slice(readings.readings);
+        let sent = works.try_send(Work::Write(frame));
+        let was_dropping = std::mem::replace(&mut self.is_dropping, sent.is_err());
+        match sent {
+            Ok(()) if was_dropping => {
+                let dropped = self.dropped;
+                (self.say)(&format!("output: goes on; {dropped} frames are missing"));
+            }
+            Ok(()) => {}
+            Err(TrySendError::Full(_)) => {
+                self.dropped += 1;
+                if !was_dropping {
+                    (self.say)("output: the disk takes nothing; frames are left out of the file");
+                }
+            }
+            Err(TrySendError::Disconnected(_)) => {
+                let error = self.why_ended();
+                (self.say)(&format!("{error}; publishing goes on without a file"));
+                self.dropped += 1;
+            }
+        }
+        Ok(())
+    }
+
+    fn flush(&mut self) -> Result<(), CommandError> {
+        Ok(())
+    }
+
+    fn finish(mut self: Box<Self>, whole: bool) -> Result<Option<PathBuf>, CommandError> {
+        let slow = "output: the disk takes nothing; the file is left as it is, partial";
+        let Some(works) = self.works.take() else {
+            return Err("output: it was not written to its end".into());
+        };
+        let start = Instant::now();
+        let whole = whole && self.dropped == 0;
+        loop {
+            match works.try_send(Work::Finish(whole)) {
+                Err(TrySendError::Full(_)) if start.elapsed() < LAST => thread::sleep(POLL),
+                Err(TrySendError::Full(_)) => return Err(slow.into()),
+                _ => break,
+            }
+        }
+        match self.ended.recv_timeout(LAST) {
+            Ok(ended) => Ok(ended?),
+            Err(_) => Err(slow.into()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::mpsc::Sender;
+    use std::sync::{Arc, Mutex};
+
+    /// An output that takes a frame for each permit, and all once nobody gives one any more.
+    struct Gated {
+        permits: Receiver<()>,
+        taken: Arc<Mutex<Vec<u64>>>,
+        /// Frames after which the disk is full.
+        room: usize,
+    }
+
+    impl Output for Gated {
+        fn write(&mut self, frame: &FrameReadings) -> Result<(), CommandError> {
+            let _ = self.permits.recv();
+            let mut taken = self.taken.lock().unwrap();
+            if taken.len() == self.room {
+                return Err("no space".into());
+            }
+            taken.push(frame.sequence);
+            Ok(())
+        }
+
+        fn flush(&mut self) -> Result<(), CommandError> {
+            Ok(())
+        }
+
+        fn finish(self: Box<Self>, whole: bool) -> Result<Option<PathBuf>, CommandError> {
+            Ok((!whole).then(|| "out.csv.part".into()))
+        }
+    }
+
+    type Shared<T> = Arc<Mutex<Vec<T>>>;
+
+    fn queued(room: usize) -> (Box<Queued>, Sender<()>, Shared<u64>, Shared<String>) {
+        let (permit, permits) = channel();
+        let (taken, said) = (Shared::default(), Shared::<String>::default());
+        let gated = Gated {
+            permits,
+            taken: Arc::clone(&taken),
+            room,
+        };
+        let heard = Arc::clone(&said);
+        let say = Box::new(move |line: &str| heard.lock().unwrap().push(line.into()));
+        let queued = Queued::start(Box::new(gated), say).unwrap();
+        (Box::new(queued), permit, taken, said)
+    }
+
+    fn write(queued: &mut Queued, sequence: u64) {
+        let frame = FrameReadings {
+            sequence,
+            stamp: 0.0,
+            readings: &[],
+        };
+        queued.write(&frame).unwrap();
+    }
+
+    #[test]
+    fn a_disk_that_hangs_holds_no_sensor_up_and_the_file_is_partial() {
+        let (mut queued, permit, taken, said) = queued(usize::MAX);
+        let frames = 2 * WAITING as u64;
+        for sequence in 0..frames {
+            write(&mut queued, sequence);
+        }
+        assert!(said.lock().unwrap()[0].contains("the disk takes nothing"));
+        drop(permit);
+        let mut sequence = frames;
+        while queued.is_dropping {
+            write(&mut queued, sequence);
+            sequence += 1;
+            thread::yield_now();
+        }
+        let dropped = queued.dropped;
+        let left = queued.finish(true).unwrap();
+        assert_eq!(left, Some("out.csv.part".into()));
+        let taken = taken.lock().unwrap();
+        assert_eq!(taken.len() as u64 + dropped, sequence);
+        assert!(taken.is_sorted());
+        let said = said.lock().unwrap();
+        assert!(
+            said[1].contains(&format!("{dropped} frames are missing")),
+            "{said:?}"
+        );
+    }
+
+    #[test]
+    fn a_whole_file_is_closed_as_such() {
+        let (mut queued, permit, taken, said) = queued(usize::MAX);
+        drop(permit);
+        for sequence in 0..10 {
+            write(&mut queued, sequence);
+        }
+        assert_eq!(queued.finish(true).unwrap(), None);
+        assert_eq!(*taken.lock().unwrap(), (0..10).collect::<Vec<_>>());
+        assert!(said.lock().unwrap().is_empty());
+    }
+
+    #[test]
+    fn a_full_disk_ends_the_file_and_not_the_sensor() {
+        let (mut queued, permit, taken, said) = queued(3);
+        drop(permit);
+        let mut sequence = 0;
+        while queued.works.is_some() {
+            write(&mut queued, sequence);
+            sequence += 1;
+            thread::yield_now();
+        }
+        write(&mut queued, sequence);
+        let error = queued.finish(true).unwrap_err().to_string();
+        assert!(error.contains("not written to its end"), "{error}");
+        assert_eq!(taken.lock().unwrap().len(), 3);
+        let said = said.lock().unwrap();
+        let last = said.last().unwrap();
+        assert!(
+            last.contains("no space; out.csv.part is partial"),
+            "{said:?}"
+        );
+    }
+}

@@ -1,0 +1,99 @@
+//! A recording of which messages are missing, as the disk took nothing for a while: a pipe that nobody reads.
+
+use crate::program::{folder, run, whole_run};
+use feeler_record::{
+    MessageSink, Patience, RecordError, RecordOptions, Recorder, Recording, topics,
+};
+use std::fs::{self, File};
+use std::io::Read;
+use std::path::Path;
+use std::process::Command;
+use std::sync::mpsc::{Receiver, channel};
+use std::time::Duration;
+
+/// Writes a control step that is on record, all but what the instruments say.
+fn write_step(recorder: &mut Recorder, from: &Recording, step: usize) -> Result<(), RecordError> {
+    for (index, finger) in from.fingers.iter().enumerate() {
+        recorder.write(topics::tactile(index), &finger.tactile[step])?;
+        recorder.write(topics::flags(index), &finger.flags[step])?;
+        recorder.write(topics::joints(index), &finger.joints[step])?;
+        recorder.write(topics::command(index), &finger.command[step])?;
+        recorder.write(topics::fingertip(index), &finger.fingertip[step])?;
+    }
+    recorder.write(topics::TASK, &from.task[step])?;
+    recorder.step_ends().map(|_| ())
+}
+
+/// All that goes through the pipe at `path`, which is read from when somebody says so.
+fn read_late(path: &Path, go: &Receiver<()>) -> Vec<u8> {
+    let mut pipe = File::open(path).expect("the pipe");
+    go.recv().expect("the start");
+    let mut bytes = Vec::new();
+    pipe.read_to_end(&mut bytes).expect("a recording");
+    bytes
+}
+
+/// Records the run `from` at `path` again, with a gap after 100 steps.
+fn with_gap(from: &Recording, path: &Path) {
+    let pipe = path.with_extension("pipe");
+    let made = Command::new("mkfifo").arg(&pipe).status();
+    assert!(made.expect("mkfifo").success());
+    let (go, going) = channel();
+    let reader = {
+        let pipe = pipe.clone();
+        std::thread::spawn(move || read_late(&pipe, &going))
+    };
+    let options = RecordOptions {
+        patience: Patience::Limited(Duration::ZERO),
+        flush_interval: 0.05,
+        ..RecordOptions::default()
+    };
+    let (facts, text) = (&from.facts, &from.experiment);
+    let mut recorder = Recorder::create_with(&pipe, facts, text, &options).unwrap();
+    let steps = from.task.len();
+    let mut step = 0;
+    while step < steps / 2 || recorder.gap().is_none() {
+        write_step(&mut recorder, from, step).unwrap();
+        step += 1;
+    }
+    go.send(()).unwrap();
+    for step in step..steps {
+        write_step(&mut recorder, from, step).unwrap();
+        // From here on the disk is fast enough.
+        std::thread::sleep(Duration::from_micros(200));
+    }
+    assert!(recorder.dropped() > 0);
+    recorder.set_end(from.end.clone());
+    recorder.finish(None).unwrap();
+    fs::write(path, reader.join().unwrap()).unwrap();
+}
+
+#[test]
+fn a_gap_is_told_wherever_the_recording_is_read() {
+    let folder = folder("gap");
+    let path = whole_run(&folder).join("recording.mcap");
+    let whole = Recording::read(&path).unwrap();
+    with_gap(&whole, &path);
+    let recording = Recording::read(&path).unwrap();
+    let before = recording.gaps[0].steps_before;
+    assert!(before > 0 && before < recording.task.len());
+    // What is on record of each step is of one step: the lists have their gap in the same place.
+    for finger in &recording.fingers {
+        let stamps = finger.joints.iter().map(|joints| joints.stamp);
+        assert!(stamps.eq(recording.task.iter().map(|task| task.stamp)));
+    }
+    let missing = whole.task.len() - recording.task.len();
+    let messages: u64 = recording.gaps.iter().map(|gap| gap.missing.messages).sum();
+    assert_eq!(messages, 11 * missing as u64);
+
+    let missing = format!("{messages} messages are missing");
+    let said = run(&folder, &["report", "run"]).refused(&["incomplete", &missing]);
+    assert!(!said.contains("damaged"), "{said}");
+    let page = fs::read_to_string(folder.join("run/report.html")).unwrap();
+    assert!(page.contains(&format!("GAP: {missing}")));
+    let replayed = run(&folder, &["replay", "run", "--from", "forces"]);
+    let until = format!("{before} steps of 2 fingers on record");
+    assert!(replayed.stdout.contains(&until), "{replayed:?}");
+    assert!(replayed.stdout.contains("bit for bit"), "{replayed:?}");
+    replayed.refused(&[&missing, "no replay is bit for bit over a gap"]);
+}
