@@ -12,6 +12,7 @@ mod friction_scan;
 mod hands;
 mod interrupted;
 mod locate;
+mod lying_sensors;
 mod outputs;
 #[path = "../support/program.rs"]
 mod program;
