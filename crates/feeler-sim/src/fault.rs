@@ -93,6 +93,38 @@ pub enum FaultKind {
         /// Width of the dead band, rad: how far the motor turns back before the link follows.
         angle: f64,
     },
+    /// A joint's encoder that goes on showing the same angle; the joint turns as before.
+    JointFreeze {
+        /// The finger.
+        finger: usize,
+        /// The joint: theta1 is joint 0.
+        joint: usize,
+    },
+    /// A joint's encoder that shows only a part of each turn, or more than all of it, from where it began to.
+    JointGain {
+        /// The finger.
+        finger: usize,
+        /// The joint: theta1 is joint 0.
+        joint: usize,
+        /// What it shows of a turn, as a factor; below 0 the reverse of it.
+        gain: f64,
+    },
+    /// A joint's encoder that shows an angle that is off, all at once.
+    JointJump {
+        /// The finger.
+        finger: usize,
+        /// The joint: theta1 is joint 0.
+        joint: usize,
+        /// What it shows too much, rad.
+        angle: f64,
+    },
+    /// The sensors of two fingers that are connected in place of each other, all through a run.
+    SwappedSensors {
+        /// The finger.
+        finger: usize,
+        /// The other finger.
+        other: usize,
+    },
     /// Friction that is lost, as on a wet cap.
     FrictionDrop {
         /// The object's name; without it, all objects.
@@ -124,7 +156,11 @@ impl FaultKind {
             | Self::DroppedFrames { finger, .. }
             | Self::CameraLatency { finger, .. }
             | Self::ServoStall { finger, .. }
-            | Self::Backlash { finger, .. } => Some(finger),
+            | Self::Backlash { finger, .. }
+            | Self::JointFreeze { finger, .. }
+            | Self::JointGain { finger, .. }
+            | Self::JointJump { finger, .. }
+            | Self::SwappedSensors { finger, .. } => Some(finger),
             Self::FrictionDrop { .. } | Self::MassChange { .. } => None,
         }
     }

@@ -8,6 +8,8 @@ use std::collections::BTreeMap;
 
 /// Longest latency, control periods: so many exposures are kept.
 const MAX_LATE_PERIODS: f64 = 1000.0;
+/// Largest factor that an encoder is wrong by.
+const MAX_GAIN: f64 = 1e3;
 /// Joints of a finger.
 const JOINTS: usize = 3;
 
@@ -34,6 +36,13 @@ impl FaultConfig {
                 &format!("more than {key}.from = {}, or no until at all", self.from),
             );
         }
+        let always = self.from == 0.0 && self.until.is_none();
+        checker.require(
+            &format!("{key}.from"),
+            format!("{} until {:?}", self.from, self.until),
+            always || !matches!(self.kind, FaultKind::SwappedSensors { .. }),
+            "neither from nor until: sensors are swapped all through a run",
+        );
         let key = format!("{key}.kind.{}", self.kind.name());
         self.kind.check(&key, targets, checker);
     }
@@ -86,6 +95,24 @@ impl FaultKind {
                 index_below(&format!("{key}.joint"), joint, JOINTS, "joints", checker);
                 checker.between(&format!("{key}.angle"), angle, 0.0, 1.0);
             }
+            &Self::JointFreeze { joint, .. } => {
+                index_below(&format!("{key}.joint"), joint, JOINTS, "joints", checker);
+            }
+            &Self::JointGain { joint, gain, .. } => {
+                index_below(&format!("{key}.joint"), joint, JOINTS, "joints", checker);
+                checker.between(&format!("{key}.gain"), gain, -MAX_GAIN, MAX_GAIN);
+            }
+            &Self::JointJump { joint, angle, .. } => {
+                index_below(&format!("{key}.joint"), joint, JOINTS, "joints", checker);
+                let good = angle.is_finite();
+                checker.require(&format!("{key}.angle"), angle.to_string(), good, "a number");
+            }
+            &Self::SwappedSensors { finger, other } => {
+                let (key, fingers) = (format!("{key}.other"), targets.fingertips.len());
+                index_below(&key, other, fingers, "fingers of hand.finger", checker);
+                let good = other != finger;
+                checker.require(&key, other.to_string(), good, "another finger");
+            }
             Self::FrictionDrop { object, factor } => {
                 checker.between(&format!("{key}.factor"), *factor, 0.0, 1.0);
                 if let Some(object) = object {
@@ -111,6 +138,10 @@ impl FaultKind {
             Self::CameraLatency { .. } => "camera_latency",
             Self::ServoStall { .. } => "servo_stall",
             Self::Backlash { .. } => "backlash",
+            Self::JointFreeze { .. } => "joint_freeze",
+            Self::JointGain { .. } => "joint_gain",
+            Self::JointJump { .. } => "joint_jump",
+            Self::SwappedSensors { .. } => "swapped_sensors",
             Self::FrictionDrop { .. } => "friction_drop",
             Self::MassChange { .. } => "mass_change",
         }

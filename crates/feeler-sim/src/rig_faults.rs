@@ -15,6 +15,10 @@ pub struct RigFaults {
 enum Part {
     Stall(usize, usize),
     Backlash(usize, usize, f64),
+    /// The encoder of a joint shows its turns with this factor, from the angle (rad) that it showed when it broke.
+    Gain(usize, usize, f64, Option<f64>),
+    /// The encoder of a joint shows so much too much, rad.
+    Jump(usize, usize, f64),
     Friction(Vec<usize>, f64),
     Mass(usize, MassChange),
 }
@@ -50,6 +54,17 @@ impl RigFaults {
                 joint,
                 angle,
             } => Some(Part::Backlash(finger, joint, angle)),
+            FaultKind::JointFreeze { finger, joint } => Some(Part::Gain(finger, joint, 0.0, None)),
+            FaultKind::JointGain {
+                finger,
+                joint,
+                gain,
+            } => Some(Part::Gain(finger, joint, gain, None)),
+            FaultKind::JointJump {
+                finger,
+                joint,
+                angle,
+            } => Some(Part::Jump(finger, joint, angle)),
             FaultKind::FrictionDrop { ref object, factor } => {
                 let objects = match object {
                     Some(name) => model.object(name).into_iter().collect(),
@@ -81,13 +96,15 @@ impl RigFaults {
     }
 
     /// Puts those on `state` that are active at its time, and takes the others away.
-    pub fn apply(&self, state: &mut State) {
+    pub fn apply(&mut self, state: &mut State) {
         for (_, part) in &self.faults {
             part.mend(state, self.backlash);
         }
-        for (fault, part) in &self.faults {
-            if fault.active(state.time) {
-                part.spoil(state);
+        for (fault, part) in &mut self.faults {
+            match (fault.active(state.time), part) {
+                (true, part) => part.spoil(state),
+                (false, Part::Gain(.., shown)) => *shown = None,
+                (false, _) => {}
             }
         }
     }
@@ -101,6 +118,9 @@ impl Part {
             &Self::Backlash(finger, joint, _) => {
                 widen(state.fingers.get_mut(finger), joint, |_| backlash);
             }
+            &Self::Gain(finger, joint, ..) | &Self::Jump(finger, joint, _) => {
+                read_wrong(state.fingers.get_mut(finger), joint, |_| (1.0, 0.0));
+            }
             Self::Friction(objects, _) => {
                 for &object in objects {
                     state.objects[object].friction_factor = 1.0;
@@ -111,15 +131,33 @@ impl Part {
     }
 
     /// Puts it on a state without it; of two on the same part, both.
-    fn spoil(&self, state: &mut State) {
+    fn spoil(&mut self, state: &mut State) {
         match self {
-            &Self::Stall(finger, joint) => stall(state.fingers.get_mut(finger), joint, true),
-            &Self::Backlash(finger, joint, angle) => {
+            &mut Self::Stall(finger, joint) => stall(state.fingers.get_mut(finger), joint, true),
+            &mut Self::Backlash(finger, joint, angle) => {
                 widen(state.fingers.get_mut(finger), joint, |band| band + angle);
             }
+            Self::Gain(finger, joint, factor, broke_at) => {
+                read_wrong(
+                    state.fingers.get_mut(*finger),
+                    *joint,
+                    |(gain, offset, at)| {
+                        let broke_at = *broke_at.get_or_insert(gain * at + offset);
+                        (
+                            *factor * gain,
+                            *factor * offset + (1.0 - *factor) * broke_at,
+                        )
+                    },
+                );
+            }
+            &mut Self::Jump(finger, joint, angle) => {
+                read_wrong(state.fingers.get_mut(finger), joint, |(gain, offset, _)| {
+                    (gain, offset + angle)
+                });
+            }
             Self::Friction(objects, factor) => {
-                for &object in objects {
-                    state.objects[object].friction_factor *= factor;
+                for &mut object in objects {
+                    state.objects[object].friction_factor *= *factor;
                 }
             }
             Self::Mass(object, change) => state.objects[*object].mass = change.at(state.time),
@@ -130,6 +168,19 @@ impl Part {
 fn stall(finger: Option<&mut FingerState>, joint: usize, stalled: bool) {
     if let Some(finger) = finger.filter(|_| joint < 3) {
         finger.joints.stalled.set(joint, stalled);
+    }
+}
+
+/// Changes gain and offset (rad) of a joint's encoder, given both and the joint's angle (rad).
+fn read_wrong(
+    finger: Option<&mut FingerState>,
+    joint: usize,
+    to: impl FnOnce((f64, f64, f64)) -> (f64, f64),
+) {
+    if let Some(finger) = finger.filter(|_| joint < 3) {
+        let (angle, encoders) = (finger.joints.position[joint], &mut finger.joints.encoders);
+        let now = (encoders.gain[joint], encoders.offset[joint], angle);
+        (encoders.gain[joint], encoders.offset[joint]) = to(now);
     }
 }
 

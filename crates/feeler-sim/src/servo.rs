@@ -54,6 +54,8 @@ pub struct Joints {
     pub backlash: DVec3,
     /// Joints that ignore their commands and stand still.
     pub stalled: BVec3,
+    /// What the encoders make of the joint angles.
+    pub encoders: Encoders,
 }
 
 impl Joints {
@@ -66,7 +68,34 @@ impl Joints {
             link: position,
             backlash: DVec3::ZERO,
             stalled: BVec3::FALSE,
+            encoders: Encoders::default(),
         }
+    }
+}
+
+/// How a finger's encoders show its joint angles: `gain * angle + offset`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Encoders {
+    /// What they show of a turn.
+    pub gain: DVec3,
+    /// What they show too much, rad.
+    pub offset: DVec3,
+}
+
+impl Default for Encoders {
+    /// They show what is.
+    fn default() -> Self {
+        Self {
+            gain: DVec3::ONE,
+            offset: DVec3::ZERO,
+        }
+    }
+}
+
+impl Encoders {
+    /// What they show where the joints are at `position`, rad.
+    pub fn show(&self, position: DVec3) -> DVec3 {
+        self.gain * position + self.offset
     }
 }
 

@@ -86,7 +86,8 @@ impl World {
     /// What the encoders of `finger` read, rad.
     pub fn encoded(&self, finger: usize) -> DVec3 {
         let (own, state) = (&self.model.fingers[finger], &self.state.fingers[finger]);
-        let shown = state.joints.position + own.encoder_offset;
+        let joints = &state.joints;
+        let shown = joints.encoders.show(joints.position) + own.encoder_offset;
         self.model.servo.encode(shown)
     }
 

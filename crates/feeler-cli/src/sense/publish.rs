@@ -113,6 +113,7 @@ impl<'a> Publisher<'a> {
                         pixels: message.pixels,
                     };
                     self.sensing.sense(&picture, &mut self.readings)?;
+                    self.sensing.check_first(&picture)?;
                 }
                 Exposed::Forces(forces) if !pictures => {
                     for (reading, &force) in self.readings.iter_mut().zip(&forces.forces) {
@@ -146,6 +147,7 @@ impl<'a> Publisher<'a> {
             match frame {
                 Ok(frame) => {
                     self.sensing.sense(&frame.picture, &mut self.readings)?;
+                    self.sensing.check_first(&frame.picture)?;
                     let forces = self.readings.iter().map(|reading| reading.force);
                     let taken = (frame.sequence, frame.stamp, at);
                     self.program.publish(taken, forces)?;

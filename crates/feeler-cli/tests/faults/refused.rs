@@ -29,6 +29,36 @@ fn what_is_not_there_cannot_break() {
             &["servo_stall.joint = 3", "0 to 2"],
         ),
         (
+            "frozen joint",
+            "{kind.joint_freeze={finger=0, joint=3}}",
+            &["joint_freeze.joint = 3", "0 to 2"],
+        ),
+        (
+            "gain",
+            "{kind.joint_gain={finger=0, joint=0, gain=1e4}}",
+            &["joint_gain.gain = 10000", "-1000 to 1000"],
+        ),
+        (
+            "jump",
+            "{kind.joint_jump={finger=0, joint=0, angle=nan}}",
+            &["joint_jump.angle = NaN", "a number"],
+        ),
+        (
+            "swapped with itself",
+            "{kind.swapped_sensors={finger=1, other=1}}",
+            &["swapped_sensors.other = 1", "another finger"],
+        ),
+        (
+            "swapped with nobody",
+            "{kind.swapped_sensors={finger=0, other=2}}",
+            &["swapped_sensors.other = 2", "0 to 1"],
+        ),
+        (
+            "swapped for a while",
+            "{from=1.0, kind.swapped_sensors={finger=0, other=1}}",
+            &["sim.fault[0].from", "all through a run"],
+        ),
+        (
             "row",
             "{kind.stuck_rows={finger=0, first=480, count=1, gray=0}}",
             &["stuck_rows.first = 480", "0 to 479"],

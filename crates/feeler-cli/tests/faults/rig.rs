@@ -20,6 +20,71 @@ fn a_stalled_joint_stands_still_and_the_others_go_on() {
     assert!((encoded - states[step_at(0.59)].fingers[1].joints.position.z).abs() < 1e-4);
 }
 
+/// What the encoder of joint 2 of finger 1 shows in each step, and its true angle then, rad. The controller believes it.
+fn shown(fault: &str) -> Vec<(f64, f64)> {
+    let settings = [
+        "sensing=direct",
+        "control.monitor.joint_deviation=0.0",
+        "control.monitor.joint_jump=0.0",
+    ];
+    let mut session = session(&settings, fault);
+    let step = |_| {
+        let truth = session.rig().world().state().fingers[1].joints.position.z;
+        session.step().expect("a step");
+        (session.control_loop().state().joints[1].position.z, truth)
+    };
+    (0..step_at(0.6)).map(step).collect()
+}
+
+#[test]
+fn a_faulty_encoder_shows_another_angle_and_then_the_true_one_again() {
+    // Of a turn from 0.3 s on, this part; and so much more.
+    for (kind, gain, offset) in [
+        ("joint_freeze={finger=1, joint=2}", 0.0, 0.0),
+        ("joint_gain={finger=1, joint=2, gain=0.5}", 0.5, 0.0),
+        ("joint_gain={finger=1, joint=2, gain=-1.0}", -1.0, 0.0),
+        ("joint_jump={finger=1, joint=2, angle=0.1}", 1.0, 0.1),
+    ] {
+        let shown = shown(&format!("{{from=0.3, until=0.5, kind.{kind}}}"));
+        let broke_at = shown[step_at(0.3)].1;
+        for (step, (shown, truth)) in shown.into_iter().enumerate() {
+            // The state at a time is that after the step to it.
+            let broken = (step_at(0.3) + 1..=step_at(0.5)).contains(&step);
+            let expected = match broken {
+                true => broke_at + gain * (truth - broke_at) + offset,
+                false => truth,
+            };
+            // Half an encoder count.
+            let off = (shown - expected).abs();
+            assert!(off < 0.5e-5 + 1e-12, "{kind}, {step}: {shown}, {expected}");
+        }
+    }
+}
+
+/// Each controller's finger feels what the other one does.
+#[test]
+fn swapped_sensors_feel_the_other_finger() {
+    let settings = [
+        "sensing=direct",
+        "sim.direct_sensing.normal_noise=0.0",
+        "sim.direct_sensing.shear_noise=0.0",
+    ];
+    let mut session = session(&settings, "{kind.swapped_sensors={finger=0, other=1}}");
+    let mut felt = false;
+    for _ in 0..step_at(1.5) {
+        let mut truth = [(); 2].map(|()| vec![DVec3::ZERO; session.layouts()[0].elements.len()]);
+        for (finger, truth) in truth.iter_mut().enumerate() {
+            session.rig().world().element_forces(finger, truth);
+        }
+        session.step().expect("a step");
+        let touches = session.control_loop().touches();
+        assert_eq!(touches[0].frame.forces, truth[1]);
+        assert_eq!(touches[1].frame.forces, truth[0]);
+        felt |= truth[0] != truth[1];
+    }
+    assert!(felt);
+}
+
 #[test]
 fn a_joint_with_backlash_goes_round_the_loop_of_a_play() {
     let servo = ServoConfig {

@@ -14,6 +14,7 @@ mod gap;
 mod hands;
 mod interrupted;
 mod locate;
+mod lying_sensors;
 mod outputs;
 #[path = "../support/program.rs"]
 mod program;

@@ -13,13 +13,13 @@ mod supervised;
 pub mod truth;
 pub mod warnings;
 
-use crate::config::{ConfigError, Experiment, ExperimentConfig};
+use crate::config::{ConfigError, Experiment, ExperimentConfig, Sensing};
 pub use facts::run_facts;
 pub use instruments::Instruments;
 
 use facts::simulated_facts;
 use feeler::control::control_loop::{ControlError, ControlLoop};
-use feeler::control::controller::Controller;
+use feeler::control::controller::{ControlConfig, Controller};
 use feeler::control::phase::Phase;
 use feeler::control::stop_reason::StopReason;
 use feeler::control::task::Task;
@@ -145,7 +145,7 @@ impl Session {
         let config = &experiment.config;
         let layouts = layouts(config)?;
         let (fingers, joints) = fingers_at(config, homes)?;
-        let controller = Controller::with_task(config.control.clone(), task, &fingers, &layouts);
+        let controller = Controller::with_task(control(config), task, &fingers, &layouts);
         let (rig, cap) = rig(experiment, &joints)?;
         check_specimen(config, &fingers, &rig.world())?;
         let sensors = sensors::sensors(experiment, &rig, &layouts)?;
@@ -297,7 +297,21 @@ pub fn controller(
     fingers: &[FingerGeometry],
     layouts: &[ElementLayout],
 ) -> Controller {
-    Controller::new(config.control.clone(), &config.task, fingers, layouts)
+    Controller::new(control(config), &config.task, fingers, layouts)
+}
+
+/// What the controller is tuned by: as `config` says, but that simulated sensors without noise may say the same for as
+/// long as the fingers stand still.
+fn control(config: &ExperimentConfig) -> ControlConfig {
+    let mut control = config.control.clone();
+    let noise = config.sim.as_ref().map(|sim| match config.sensing {
+        Sensing::Image => sim.optics.read_noise + sim.optics.shot_noise,
+        Sensing::Direct => sim.direct_sensing.normal_noise + sim.direct_sensing.shear_noise,
+    });
+    if noise == Some(0.0) {
+        control.monitor.frozen_frames = 0;
+    }
+    control
 }
 
 /// The elements of each finger's fingertip.

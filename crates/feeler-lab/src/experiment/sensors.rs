@@ -8,6 +8,7 @@ use feeler::sensor::fingertip::{Fingertip, FingertipConfig, FingertipError};
 use feeler::sensor::layout::ElementLayout;
 use feeler::sensor::optical::OpticalSensor;
 use feeler_sim::direct_sensor::DirectSensor;
+use feeler_sim::fault::{FaultConfig, FaultKind};
 use feeler_sim::rig::SimRig;
 use feeler_sim::sensor_faults::SensorFaults;
 use feeler_sim::sim_camera::SimCamera;
@@ -75,7 +76,7 @@ pub(super) fn rig_sensors(
     let sim = config.simulation()?;
     let mut fingertips = Fingertips::default();
     let fingers = layouts.iter().enumerate();
-    fingers
+    let sensors = fingers
         .map(|(finger, layout)| {
             let (elements, period) = (layout.elements.len(), config.control.period);
             let (seed, rig) = (config.seed, rig.clone());
@@ -92,7 +93,18 @@ pub(super) fn rig_sensors(
             let camera = SimCamera::new(rig, finger, fingertip, optics, faults, seed)?;
             Ok(RigSensor::Camera(Box::new(camera)))
         })
-        .collect()
+        .collect::<Result<Vec<_>, ExperimentError>>();
+    sensors.map(|sensors| swapped(sensors, &sim.fault))
+}
+
+/// The sensors, as `faults` connect them to the fingers.
+fn swapped(mut sensors: Vec<RigSensor>, faults: &[FaultConfig]) -> Vec<RigSensor> {
+    for fault in faults {
+        if let FaultKind::SwappedSensors { finger, other } = fault.kind {
+            sensors.swap(finger, other);
+        }
+    }
+    sensors
 }
 
 /// Fingertips, each built once for all fingers that carry one like it: building takes its time.

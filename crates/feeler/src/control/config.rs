@@ -4,6 +4,7 @@ use super::flags::FlagThresholds;
 use super::law::tri_axial::Reflex;
 use super::law::{Law, LawConfig};
 use super::limits::LimitsConfig;
+use super::monitor_config::MonitorConfig;
 use super::task::TaskConfig;
 use crate::check::{Checker, MAX};
 use serde::{Deserialize, Serialize};
@@ -34,6 +35,9 @@ pub struct ControlConfig {
     pub law: LawConfig,
     /// What no command may exceed.
     pub limits: LimitsConfig,
+    /// What stops the hand because a sensor cannot be right.
+    #[serde(skip_serializing_if = "MonitorConfig::is_default")]
+    pub monitor: MonitorConfig,
 }
 
 impl Default for ControlConfig {
@@ -51,6 +55,7 @@ impl Default for ControlConfig {
             on_recording_failure: RecordingFailure::default(),
             law: LawConfig::default(),
             limits: LimitsConfig::default(),
+            monitor: MonitorConfig::default(),
         }
     }
 }
@@ -122,6 +127,7 @@ impl ControlConfig {
         self.law.check("control.law", &self.thresholds(), checker);
         self.limits
             .check("control.limits", self.over_force, checker);
+        self.monitor.check("control.monitor", checker);
         self.check_law_of(task, checker);
         task.check(self.period, &self.thresholds(), &self.limits, checker);
     }

@@ -4,6 +4,7 @@ pub use super::config::{ControlConfig, RecordingFailure, ResumePolicy};
 
 use super::law::Law;
 use super::limits::{Admitted, Request};
+use super::monitor::FingerMonitor;
 use super::phase::Phase;
 use super::plan::Plan;
 use super::sense::{FingertipPose, HandSense};
@@ -25,6 +26,7 @@ pub struct FingerControl {
     pub velocity: DVec3,
     /// What the limits made of that.
     pub admitted: Admitted,
+    monitor: FingerMonitor,
 }
 
 /// Task, law and limits with their memory.
@@ -56,11 +58,13 @@ impl Controller {
         fingers: &[FingerGeometry],
         layouts: &[ElementLayout],
     ) -> Self {
+        let most_gap = config.stale_periods.max(1.5) * config.period;
         let finger = |(geometry, layout): (&FingerGeometry, &ElementLayout)| FingerControl {
             geometry: geometry.clone(),
             law: config.law(layout.elements.len()),
             velocity: DVec3::ZERO,
             admitted: Admitted::default(),
+            monitor: FingerMonitor::new(config.monitor, layout.elements.len(), most_gap),
         };
         let count = fingers.len().min(layouts.len());
         Self {
@@ -113,6 +117,7 @@ impl Controller {
         command.set_to_stop();
         let decided = self
             .feel(touches, state)
+            .and_then(|()| self.watch(touches, state))
             .and_then(|()| self.plan(touches, state));
         if let Err(reason) = decided {
             self.stop(reason);
@@ -137,8 +142,13 @@ impl Controller {
     }
 
     /// Goes on where the hand was stopped. Where the cause is still there, the next decision stops it again.
+    /// What joints and pictures did meanwhile is not held against them: somebody may have moved the fingers.
     pub fn resume(&mut self) {
-        self.stop_reason = None;
+        if self.stop_reason.take().is_some() {
+            for finger in &mut self.fingers {
+                finger.monitor.reset();
+            }
+        }
     }
 
     /// Checks what arrived, and where each finger is.
@@ -161,6 +171,21 @@ impl Controller {
             }
             check_load(finger, touch, self.config.limits.element_force)?;
             (pose.position, pose.rotation) = fingertip_pose(geometry, joints.position);
+        }
+        Ok(())
+    }
+
+    /// Checks whether what the sensors of a hand under way say can be true.
+    fn watch(&mut self, touches: &[FingerTouch], state: &HandState) -> Result<(), StopReason> {
+        if self.stop_reason.is_some() {
+            return Ok(());
+        }
+        let inputs = touches.iter().zip(&state.joints);
+        for (index, (finger, (touch, joints))) in self.fingers.iter_mut().zip(inputs).enumerate() {
+            let reading = (state.stamp, joints.position);
+            let command = finger.admitted.joint_velocity;
+            let monitored = (index, &finger.geometry);
+            finger.monitor.watch(monitored, touch, reading, command)?;
         }
         Ok(())
     }

@@ -67,6 +67,64 @@ pub enum StopReason {
         /// The first such element.
         element: usize,
     },
+    /// New pictures go on giving the same forces to the bit, which noise never does.
+    #[error(
+        "the newest {frames} pictures of finger {finger} gave the same forces to the bit as the one before: its camera is frozen (a sensor without noise needs control.monitor.frozen_frames = 0)"
+    )]
+    FrozenForces {
+        /// The finger.
+        finger: usize,
+        /// New frames that were the same as the one before.
+        frames: u32,
+    },
+    /// A joint is where it cannot be.
+    #[error(
+        "joint {joint} of finger {finger} reads {angle:.4} rad, far beyond its limits of {lower:.4} to {upper:.4} rad"
+    )]
+    JointOutOfRange {
+        /// The finger.
+        finger: usize,
+        /// The joint: theta1 is joint 0.
+        joint: usize,
+        /// Its angle as read, rad.
+        angle: f64,
+        /// Its lower limit, rad.
+        lower: f64,
+        /// Its upper limit, rad.
+        upper: f64,
+    },
+    /// A joint turned faster than it can.
+    #[error(
+        "joint {joint} of finger {finger} jumped by {turn:.4} rad within {elapsed:.4} s: it can turn by {limit:.4} rad at most"
+    )]
+    JointJump {
+        /// The finger.
+        finger: usize,
+        /// The joint: theta1 is joint 0.
+        joint: usize,
+        /// By how much it turned between two readings, rad.
+        turn: f64,
+        /// Time between them, s.
+        elapsed: f64,
+        /// By how much it can have turned, rad.
+        limit: f64,
+    },
+    /// A joint did not turn as it was told.
+    #[error(
+        "joint {joint} of finger {finger} turned by {turn:.4} rad within {time:.2} s where {expected:.4} rad was commanded: its sensor or its drive fails, or something blocks it"
+    )]
+    JointDeviation {
+        /// The finger.
+        finger: usize,
+        /// The joint: theta1 is joint 0.
+        joint: usize,
+        /// By how much it turned by its sensor, rad.
+        turn: f64,
+        /// What it was told, as near to that as the drives' lag allows, rad.
+        expected: f64,
+        /// Time in which it did, s.
+        time: f64,
+    },
     /// An element is pressed harder than the limits allow.
     #[error("element {element} of finger {finger} is pressed with {force:.2} N (limit {limit} N)")]
     Overload {
@@ -112,8 +170,22 @@ impl StopReason {
         matches!(self, Self::StaleForces { .. } | Self::StaleState { .. })
     }
 
-    /// Whether its cause may go away while the hand waits, so that it can go on.
+    /// Whether a sensor said what cannot be true.
+    pub fn is_sensor_fault(&self) -> bool {
+        matches!(
+            self,
+            Self::FrozenForces { .. }
+                | Self::JointOutOfRange { .. }
+                | Self::JointJump { .. }
+                | Self::JointDeviation { .. }
+        )
+    }
+
+    /// Whether its cause may go away while the hand waits, so that it can go on; after a sensor fault only when somebody
+    /// has looked and says so.
     pub fn may_pass(&self) -> bool {
-        self.is_stale() || matches!(self, Self::NoForce { .. } | Self::Told { .. })
+        self.is_stale()
+            || self.is_sensor_fault()
+            || matches!(self, Self::NoForce { .. } | Self::Told { .. })
     }
 }

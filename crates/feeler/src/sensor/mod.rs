@@ -24,6 +24,7 @@ pub mod loads;
 pub mod locate;
 pub mod located_layout;
 pub mod made_for;
+pub mod mismatch;
 pub mod moments;
 pub mod moments_config;
 pub mod optical;

@@ -7,6 +7,7 @@ use super::{
     exposure::{DEFAULT_MAX_SATURATED, Exposure, SaturationCheck},
     fingertip::{Fingertip, FingertipConfig, FingertipError},
     frame::Picture,
+    mismatch::{FirstPicture, Mismatch},
     moments::{ElementMoments, MomentsKernel},
     moments_config::MomentsError,
     reading::NO_FORCE,
@@ -26,6 +27,9 @@ pub enum SensingError {
     /// The calibration cannot be used with it.
     #[error(transparent)]
     Calibration(#[from] CalibrationError),
+    /// The pictures are of another fingertip than the calibration.
+    #[error(transparent)]
+    Mismatch(#[from] Mismatch),
     /// Something is for another number of elements.
     #[error("{what} for {expected} elements expected, got {actual}")]
     ElementCount {
@@ -103,6 +107,7 @@ pub struct SensingChain {
     reference: Option<Reference>,
     calibration: Option<Calibration>,
     drift: Option<DriftCorrection>,
+    first_picture: FirstPicture,
 }
 
 impl SensingChain {
@@ -128,6 +133,7 @@ impl SensingChain {
             reference: None,
             calibration: None,
             drift: None,
+            first_picture: FirstPicture::default(),
         })
     }
 
@@ -259,6 +265,24 @@ impl SensingChain {
             *force = self.force(element, moments, exposure).unwrap_or(NO_FORCE);
         }
         Ok(())
+    }
+
+    /// Refuses `picture`, the newest that was sensed, if it is the first one that tells and shows another fingertip than the
+    /// calibration's; all pictures pass without a calibration. Neither allocates nor panics.
+    ///
+    /// # Errors
+    /// When more than half of the elements are not where they are without load.
+    pub fn check_first(&mut self, picture: &Picture) -> Result<(), Mismatch> {
+        let mut first_picture = self.first_picture;
+        let calibration = self.calibration.iter();
+        let elements = calibration.flat_map(|calibration| &calibration.elements);
+        let lit = elements.zip(&self.moments).enumerate();
+        let lit = lit.filter(|&(element, (_, moments))| {
+            self.exposure(picture, element, moments) == Exposure::Good
+        });
+        let checked = first_picture.check(self.element_count(), lit.map(|(_, pair)| pair));
+        self.first_picture = first_picture;
+        checked
     }
 
     /// The moments of the newest picture, one for each element, without drift where it is corrected.

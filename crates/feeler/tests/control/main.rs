@@ -3,6 +3,8 @@
 mod contour;
 mod faulty_input;
 mod flags;
+mod frozen_forces;
+mod joint_faults;
 mod limits;
 mod rig;
 mod stopped;

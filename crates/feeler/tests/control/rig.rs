@@ -1,6 +1,7 @@
 //! One finger with three elements, a task that only moves, and what they are tuned by.
 
 use feeler::control::controller::{ControlConfig, Controller};
+use feeler::control::monitor_config::MonitorConfig;
 use feeler::control::phase::Phase;
 use feeler::control::plan::Plan;
 use feeler::control::sense::HandSense;
@@ -95,8 +96,17 @@ impl Task for Along {
 }
 
 pub fn controller() -> Controller {
+    controller_with(MonitorConfig::default())
+}
+
+/// The same, with sensors watched in another way.
+pub fn controller_with(monitor: MonitorConfig) -> Controller {
+    let config = ControlConfig {
+        monitor,
+        ..control()
+    };
     Controller::with_task(
-        control(),
+        config,
         Box::new(Along::default()),
         &[geometry()],
         &[layout()],

@@ -5,5 +5,6 @@ mod dome;
 mod drift;
 mod exposure;
 mod locate;
+mod mismatch;
 mod moments;
 mod moments_paths;

@@ -76,9 +76,15 @@ impl<'a> Replay<'a> {
         };
         let of_frames = matches!(from, ReplayFrom::Frames(_));
         let comparer = Comparer::new(recording, of_frames);
+        let other = experiment.config != as_recorded.config;
+        let followed = if other {
+            unfollowed(experiment)
+        } else {
+            experiment.clone()
+        };
         Ok(Self {
             recording,
-            control_loop: control_loop(recording, experiment, sensors)?,
+            control_loop: control_loop(recording, &followed, sensors)?,
             log: RunLog::new(comparer, &layouts(&experiment.config)?),
             outside: outside::on_record(recording, &as_recorded)?
                 .into_iter()
@@ -136,6 +142,14 @@ impl<'a> Replay<'a> {
         let comparer = self.log.into_recorder();
         (comparer.comparison, comparer.copy)
     }
+}
+
+/// `experiment`, which is not as recorded: the joints on record follow the commands on record, not those that other
+/// settings give.
+fn unfollowed(experiment: &Experiment) -> Experiment {
+    let mut experiment = experiment.clone();
+    experiment.config.control.monitor.joint_deviation = 0.0;
+    experiment
 }
 
 /// Control steps that are whole: of a recording that was cut off, the last may not be. What comes after a gap does not

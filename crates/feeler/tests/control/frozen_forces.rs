@@ -1,0 +1,84 @@
+//! New pictures that go on giving the same forces stop the hand.
+
+use super::rig::{controller_with, state, touch};
+use feeler::control::controller::Controller;
+use feeler::control::monitor_config::MonitorConfig;
+use feeler::control::stop_reason::StopReason;
+use feeler::hand::HandCommand;
+use glam::DVec3;
+
+/// Decides on frame `sequence`, in which an element feels `force`, N, where the finger stands still.
+fn decide(controller: &mut Controller, sequence: u64, force: f64) -> Option<StopReason> {
+    let stamp = 1.0 + 0.01 * sequence as f64;
+    let mut touch = touch(stamp);
+    touch.frame.sequence = sequence;
+    touch.frame.forces[1] = DVec3::new(0.0, 0.0, force);
+    let mut state = state();
+    state.stamp = stamp;
+    controller.decide(&[touch], &state, &mut HandCommand::stop(1));
+    controller.stop_reason().cloned()
+}
+
+/// Without the watch over the joints, which do not follow here.
+fn controller(frozen_frames: u32) -> Controller {
+    controller_with(MonitorConfig {
+        joint_deviation: 0.0,
+        frozen_frames,
+        ..MonitorConfig::default()
+    })
+}
+
+#[test]
+fn the_tenth_picture_like_the_one_before_stops_the_hand() {
+    let mut hand = controller(10);
+    for sequence in 0..20 {
+        assert_eq!(
+            decide(&mut hand, sequence, 0.3 + 1e-12 * sequence as f64),
+            None
+        );
+    }
+    for sequence in 20..30 {
+        assert_eq!(decide(&mut hand, sequence, 0.4), None, "{sequence}");
+    }
+    let frozen = StopReason::FrozenForces {
+        finger: 0,
+        frames: 10,
+    };
+    assert_eq!(decide(&mut hand, 30, 0.4), Some(frozen.clone()));
+    assert!(frozen.may_pass() && !frozen.is_stale());
+    // Somebody looks and lets it go on: it is counted anew, and stops again.
+    hand.resume();
+    for sequence in 31..41 {
+        assert_eq!(decide(&mut hand, sequence, 0.4), None, "{sequence}");
+    }
+    assert_eq!(decide(&mut hand, 41, 0.4), Some(frozen));
+}
+
+#[test]
+fn another_force_begins_the_count_again() {
+    let mut hand = controller(3);
+    for sequence in 0..30 {
+        let force = if sequence % 3 == 0 { 0.2 } else { 0.4 };
+        assert_eq!(decide(&mut hand, sequence, force), None, "{sequence}");
+    }
+}
+
+/// The same picture again is an old one, for which there is another limit; no force at all may be what a sensor leaves out.
+#[test]
+fn old_pictures_and_untouched_fingers_do_not_count() {
+    let mut hand = controller(3);
+    for _ in 0..30 {
+        assert_eq!(decide(&mut hand, 7, 0.4), None);
+    }
+    for sequence in 8..40 {
+        assert_eq!(decide(&mut hand, sequence, 0.0), None);
+    }
+}
+
+#[test]
+fn a_sensor_without_noise_can_be_let_be() {
+    let mut hand = controller(0);
+    for sequence in 0..100 {
+        assert_eq!(decide(&mut hand, sequence, 0.4), None);
+    }
+}

@@ -1,0 +1,226 @@
+//! Joint sensors that freeze, lie or jump stop the hand; drives with lag, and readings that are missed, do not.
+
+use super::rig::{controller_with, state, touch};
+use feeler::control::controller::Controller;
+use feeler::control::monitor_config::MonitorConfig;
+use feeler::control::stop_reason::StopReason;
+use feeler::hand::HandCommand;
+use glam::DVec3;
+
+const PERIOD: f64 = 0.01;
+
+/// What an encoder shows of the true angle and the angle at the start, rad, in a step.
+type Encoder = fn(DVec3, DVec3, usize) -> DVec3;
+
+fn honest(now: DVec3, _: DVec3, _: usize) -> DVec3 {
+    now
+}
+
+/// A hand whose drives follow with a first-order lag (s), seen through an encoder.
+struct Rig {
+    controller: Controller,
+    command: HandCommand,
+    lag: f64,
+    position: DVec3,
+    velocity: DVec3,
+    step: usize,
+    stamp: f64,
+}
+
+impl Rig {
+    fn new(monitor: MonitorConfig, lag: f64) -> Self {
+        Self {
+            controller: controller_with(monitor),
+            command: HandCommand::stop(1),
+            lag,
+            position: state().joints[0].position,
+            velocity: DVec3::ZERO,
+            step: 0,
+            stamp: 1.0,
+        }
+    }
+
+    /// A control step that comes `periods` after the one before.
+    fn step(&mut self, periods: usize, encoder: Encoder) {
+        let mut seen = state();
+        seen.stamp = self.stamp;
+        seen.joints[0].position = encoder(self.position, state().joints[0].position, self.step);
+        let mut felt = touch(self.stamp);
+        felt.frame.sequence = self.step as u64;
+        self.controller.decide(&[felt], &seen, &mut self.command);
+        let command = self.command.joint_velocity()[0];
+        for _ in 0..10 * periods {
+            let part = (PERIOD / 10.0 / self.lag.max(PERIOD / 10.0)).min(1.0);
+            self.velocity += part * (command - self.velocity);
+            self.position += PERIOD / 10.0 * self.velocity;
+        }
+        self.stamp += PERIOD * periods as f64;
+        self.step += 1;
+    }
+
+    /// Up to `steps` steps, until the hand stops: why it did.
+    fn run(&mut self, steps: usize, encoder: Encoder) -> Option<StopReason> {
+        for _ in 0..steps {
+            self.step(1, encoder);
+            if self.controller.stop_reason().is_some() {
+                break;
+            }
+        }
+        self.controller.stop_reason().cloned()
+    }
+}
+
+fn run(encoder: Encoder) -> Option<StopReason> {
+    Rig::new(MonitorConfig::default(), 0.0125).run(300, encoder)
+}
+
+/// The encoder steps of a small drive, rad, and more than that in noise.
+fn coarse(now: DVec3, _: DVec3, step: usize) -> DVec3 {
+    let noise = if step.is_multiple_of(2) { 5e-4 } else { -5e-4 };
+    ((now + noise) / 1e-3).round() * 1e-3
+}
+
+#[test]
+fn drives_with_lag_and_coarse_encoders_follow() {
+    for lag in [0.0, 0.01, 0.05] {
+        for encoder in [honest, coarse] {
+            let mut rig = Rig::new(MonitorConfig::default(), lag);
+            assert_eq!(rig.run(300, encoder), None, "{lag} s");
+            // The task goes on and on along y, and did.
+            let turned = (rig.position - state().joints[0].position).abs();
+            assert!(turned.max_element() > 0.1, "{turned}");
+        }
+    }
+}
+
+#[test]
+fn a_joint_that_does_not_show_what_it_is_told_stops_the_hand() {
+    let frozen: Encoder = |now, _, step| if step < 100 { now } else { now.with_x(0.08) };
+    let stays: Encoder = |_, start, _| start;
+    let half: Encoder = |now, start, _| start + 0.5 * (now - start);
+    let reverse: Encoder = |now, start, _| start - (now - start);
+    for (name, encoder) in [("stays", stays), ("half", half), ("reverse", reverse)] {
+        let reason = run(encoder).unwrap_or_else(|| panic!("{name}: goes on"));
+        let StopReason::JointDeviation {
+            finger: 0,
+            turn,
+            expected,
+            time,
+            ..
+        } = reason
+        else {
+            panic!("{name}: {reason}")
+        };
+        assert!(
+            (turn - expected).abs() > 0.015,
+            "{name}: {turn}, {expected}"
+        );
+        assert!(time < 2.5, "{name}: {time} s");
+    }
+    let reason = run(frozen);
+    assert!(reason.is_some(), "goes on");
+}
+
+#[test]
+fn a_joint_that_jumps_stops_the_hand_at_once() {
+    let jump: Encoder = |now, _, step| if step < 20 { now } else { now + 0.1 * DVec3::Y };
+    let mut rig = Rig::new(MonitorConfig::default(), 0.0125);
+    let reason = rig.run(300, jump);
+    assert_eq!(rig.step, 21);
+    let Some(StopReason::JointJump {
+        finger: 0,
+        joint: 1,
+        turn,
+        limit,
+        ..
+    }) = reason
+    else {
+        panic!("{reason:?}")
+    };
+    // Twice 2 rad/s for 10 ms, and 5 mrad.
+    assert!((limit - 0.045).abs() < 1e-9 && (turn - 0.1).abs() < 0.01);
+}
+
+#[test]
+fn a_joint_that_cannot_be_there_stops_the_hand() {
+    for angle in [1e308, -1e308, 8.0, -8.0] {
+        let mut far = state();
+        far.joints[0].position.z = angle;
+        let mut rig = Rig::new(MonitorConfig::default(), 0.0);
+        let mut command = HandCommand::stop(1);
+        command.relay(&[DVec3::ONE]);
+        (rig.controller).decide(&[touch(1.0)], &far, &mut command);
+        let reason = rig.controller.stop_reason();
+        assert!(
+            matches!(
+                reason,
+                Some(&StopReason::JointOutOfRange {
+                    finger: 0,
+                    joint: 2,
+                    angle: read,
+                    ..
+                }) if read == angle
+            ),
+            "{reason:?}"
+        );
+        assert_eq!(command.joint_velocity(), [DVec3::ZERO]);
+    }
+}
+
+/// After a stop somebody may have moved the fingers: that is no jump, and what was before no lie.
+#[test]
+fn after_a_stop_the_joints_are_watched_afresh() {
+    let mut rig = Rig::new(MonitorConfig::default(), 0.0125);
+    assert_eq!(rig.run(100, honest), None);
+    rig.controller.stop(StopReason::Told {
+        by: "a test".into(),
+    });
+    rig.step(1, honest);
+    rig.position -= DVec3::splat(0.2);
+    rig.velocity = DVec3::ZERO;
+    rig.step(1, honest);
+    rig.controller.resume();
+    assert_eq!(rig.run(20, honest), None);
+    let stays: Encoder = |_, start, _| start;
+    rig.position = state().joints[0].position;
+    rig.controller.stop(StopReason::Told {
+        by: "a test".into(),
+    });
+    rig.controller.resume();
+    let reason = rig.run(300, stays);
+    assert!(
+        matches!(reason, Some(StopReason::JointDeviation { .. })),
+        "{reason:?}"
+    );
+    // By order, but never by itself.
+    let reason = reason.expect("a reason");
+    assert!(reason.may_pass() && reason.is_sensor_fault() && !reason.is_stale());
+}
+
+#[test]
+fn periods_that_are_missed_are_no_fault() {
+    let mut rig = Rig::new(MonitorConfig::default(), 0.0125);
+    for step in 0..200 {
+        let periods = [1, 1, 2, 1, 3, 1, 50][step % 7];
+        rig.step(periods, honest);
+        assert_eq!(rig.controller.stop_reason(), None, "step {step}");
+        // Back to where there is room.
+        if step % 20 == 19 {
+            rig = Rig::new(MonitorConfig::default(), 0.0125);
+        }
+    }
+}
+
+#[test]
+fn each_check_can_be_switched_off() {
+    let stays: Encoder = |_, start, _| start;
+    let jump: Encoder = |now, _, step| now + if step < 20 { 0.0 } else { 0.1 } * DVec3::Y;
+    let monitor = MonitorConfig {
+        joint_deviation: 0.0,
+        joint_jump: 0.0,
+        ..MonitorConfig::default()
+    };
+    for encoder in [stays, jump] {
+        assert_eq!(Rig::new(monitor, 0.0125).run(300, encoder), None);
+    }
+}
