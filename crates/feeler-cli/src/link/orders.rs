@@ -140,13 +140,10 @@ pub enum Order {
 }
 
 impl Order {
-    /// A stop by `from`.
-    pub fn stop(from: &str) -> Self {
-        Self::Stop(StopMessage {
-            protocol: PROTOCOL,
-            from: from.into(),
-            id: draw_instance(),
-        })
+    /// A stop by `from`, and the id that it draws.
+    pub fn stop(from: &str) -> (Self, u64) {
+        let (protocol, from, id) = (PROTOCOL, from.into(), draw_instance());
+        (Self::Stop(StopMessage { protocol, from, id }), id)
     }
 
     /// The resume of the stop `number` by `from`.
@@ -178,15 +175,10 @@ pub fn to_resume<'a>(stops: &'a [StopInForce], from: &str) -> Option<&'a StopInF
 /// Tells the hand of a rig to stop, and says whether it stands still.
 pub fn stop(arguments: &StopArguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     let caller = Caller::new(&arguments.link, &arguments.rig)?;
-    let message = StopMessage {
-        protocol: PROTOCOL,
-        from: arguments.from.clone(),
-        id: draw_instance(),
-    };
-    let id = message.id;
+    let (order, id) = Order::stop(&arguments.from);
     let holds = |mode: &HandMode| mode.stops.iter().any(|stop| stop.id == id);
     let is_so = |mode: &HandMode| holds(mode) && (mode.is_waiting() || !mode.stopped.is_empty());
-    let heeded = caller.order(&Order::Stop(message), is_so)?;
+    let heeded = caller.order(&order, is_so)?;
     let mode = caller.mode();
     let stop = mode.stops.iter().find(|stop| stop.id == id);
     let number = stop.map_or(0, |stop| stop.number);

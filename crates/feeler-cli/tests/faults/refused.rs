@@ -12,7 +12,7 @@ fn refused(name: &str, faults: &str, words: &[&str]) {
 
 #[test]
 fn what_is_not_there_cannot_break() {
-    let cases: [(&str, &str, &[&str]); 14] = [
+    let cases: [(&str, &str, &[&str]); 20] = [
         (
             "finger",
             "{kind.frozen_frame={finger=2}}",

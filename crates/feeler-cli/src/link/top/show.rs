@@ -54,7 +54,7 @@ fn keep_showing(
         view.show(|| watched.snapshot());
         for action in view.actions() {
             let order = match action {
-                Action::Stop => Some(Order::stop(BY)),
+                Action::Stop => Some(Order::stop(BY).0),
                 Action::Resume => watched
                     .to_resume(BY)
                     .map(|number| Order::resume(BY, number)),
