@@ -1,5 +1,6 @@
 //! Where a program listens and whom it connects to, and what keeps others out.
 
+use super::withdrawn::WithdrawnError;
 use std::path::PathBuf;
 
 /// Where the hand listens unless told otherwise: nobody on another computer can come in.
@@ -63,6 +64,9 @@ pub enum LinkError {
         /// What was given.
         rig: String,
     },
+    /// The list of withdrawn certificates cannot be read.
+    #[error(transparent)]
+    Withdrawn(#[from] WithdrawnError),
     /// The transport says no.
     #[error("the link: {0}")]
     Transport(String),

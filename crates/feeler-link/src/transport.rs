@@ -4,6 +4,7 @@ use super::endpoints::{LinkConfig, LinkError};
 use super::linger::{self, Connection};
 use super::network::{Heard, Network};
 use super::outlet::Outlet;
+use super::rights::{Role, access_control};
 use super::topic::Topic;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -187,6 +188,7 @@ fn settings(config: &LinkConfig) -> Result<Config, LinkError> {
         let path = |path: &std::path::Path| path.display().to_string();
         set("transport/link/tls/root_ca_certificate", path(&ca).into())?;
         set("transport/link/tls/enable_mtls", true.into())?;
+        set("transport/link/tls/close_link_on_expiration", true.into())?;
         for side in ["listen", "connect"] {
             set(
                 &format!("transport/link/tls/{side}_certificate"),
@@ -197,6 +199,13 @@ fn settings(config: &LinkConfig) -> Result<Config, LinkError> {
                 path(&key).into(),
             )?;
         }
+    }
+    let role = match config.listen.is_empty() {
+        false => Role::Hand,
+        true => Role::Member,
+    };
+    if let Some(rules) = access_control(config, role)? {
+        set("access_control", rules)?;
     }
     Ok(settings)
 }
