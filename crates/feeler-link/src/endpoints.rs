@@ -125,6 +125,13 @@ fn parts(endpoint: &str) -> Result<(&str, &str), LinkError> {
     sound.then_some((protocol, host)).ok_or_else(wrong)
 }
 
+/// Protocol and address (`HOST:PORT`) of an endpoint.
+#[cfg(feature = "zenoh")]
+pub(super) fn address(endpoint: &str) -> Result<(&str, &str), LinkError> {
+    let (protocol, _) = parts(endpoint)?;
+    Ok((protocol, &endpoint[protocol.len() + 1..]))
+}
+
 /// Whether only this computer reaches `host`. A name other than `localhost` may be anybody's.
 fn is_loopback(host: &str) -> bool {
     let bare = host.trim_start_matches('[').trim_end_matches(']');

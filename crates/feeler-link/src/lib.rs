@@ -32,6 +32,15 @@ pub mod right;
 pub mod rights;
 pub mod sense_inbox;
 pub mod shared;
+#[cfg(feature = "zenoh")]
+pub mod stop_call;
+#[cfg(feature = "zenoh")]
+pub mod stop_door;
+#[cfg(feature = "zenoh")]
+pub mod stop_guard;
+#[cfg(feature = "zenoh")]
+pub mod stop_proof;
+pub mod stop_wire;
 mod tactile;
 pub mod topic;
 #[cfg(feature = "zenoh")]
