@@ -11,6 +11,7 @@ use feeler_lab::experiment::linked::hand_program;
 use feeler_lab::experiment::recorded_run::{finish, run_end};
 use feeler_lab::experiment::{layouts, run_facts};
 use feeler_link::programs::HandProgram;
+use feeler_link::right::Right;
 use feeler_record::{RecordOptions, Recorder, RunLog};
 use feeler_report::make::RECORDING;
 use std::io::{Write, stderr};
@@ -40,7 +41,10 @@ pub struct Arguments {
 pub fn hand(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     let experiment = Experiment::load(&arguments.experiment, &arguments.values.settings())?;
     let rig = arguments.values.rig(&experiment);
-    let network = arguments.link.open(&rig, true)?;
+    let network = arguments
+        .link
+        .with_right(&[Right::Hand])?
+        .open(&rig, true)?;
     let interrupted = watch_for_interrupt()?;
     let mut program = hand_program(&experiment, network)?;
     program.set_warn(warn_on_stderr());

@@ -12,8 +12,9 @@ use feeler_lab::config::Experiment;
 use feeler_link::endpoints::{HAND_ENDPOINT, LOCAL_ENDPOINT, LinkConfig};
 use feeler_link::network::{Network, Rehearsal, RehearsedNetwork};
 use feeler_link::programs::Warn;
+use feeler_link::right::Right;
 use std::io::{Write, stderr};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// How a program takes part in the link.
@@ -28,7 +29,8 @@ pub struct LinkArguments {
     /// computer]
     #[arg(long, value_name = "ENDPOINT")]
     connect: Vec<String>,
-    /// Folder of this program's certificates, for tls/ endpoints; `feeler certificates` makes them.
+    /// Folder of this computer's certificates, for tls/ endpoints; `feeler certificates` makes them. Each program takes
+    /// that of its right.
     #[arg(long, value_name = "DIR")]
     certificates: Option<PathBuf>,
     /// Listen beyond this computer without certificates: anybody there can then move the hand.
@@ -67,6 +69,17 @@ impl LinkArguments {
             ("--rehearse", self.rehearse.is_some()),
         ];
         first_given(&options)
+    }
+
+    /// The same with the certificate that gives one of `rights`, the first one first, where certificates are named.
+    /// It is looked at, and what is to be said of it is said on standard error.
+    pub fn with_right(&self, rights: &[Right]) -> Result<Self, CommandError> {
+        let mut arguments = self.clone();
+        if let Some(folder) = &mut arguments.certificates {
+            *folder = Right::folder_in(folder, rights);
+            check_certificate(folder, rights)?;
+        }
+        Ok(arguments)
     }
 
     /// The network of the rig `name`. The hand waits for the others to connect.
@@ -108,6 +121,22 @@ impl LinkArguments {
             None => network,
         })
     }
+}
+
+/// Warns of a certificate that expires soon, and refuses one that is of no use.
+#[cfg(feature = "link")]
+fn check_certificate(folder: &Path, rights: &[Right]) -> Result<(), CommandError> {
+    let own = feeler_link::own_certificate::OwnCertificate::read(folder, rights)?;
+    if let Some(warning) = own.warning() {
+        writeln!(stderr(), "{warning}")?;
+    }
+    Ok(())
+}
+
+/// Without the link, no certificate is used.
+#[cfg(not(feature = "link"))]
+fn check_certificate(_: &Path, _: &[Right]) -> Result<(), CommandError> {
+    Ok(())
 }
 
 #[cfg(feature = "link")]

@@ -12,6 +12,7 @@ use feeler_link::network::Network;
 use feeler_link::outlet::{draw_instance, monotonic, send};
 use feeler_link::peers::{Expected, Peers};
 use feeler_link::rejection::{Rejection, Rejections};
+use feeler_link::right::Right;
 use feeler_link::shared::Shared;
 use feeler_link::topic::Topic;
 use std::io::Write;
@@ -91,7 +92,14 @@ pub fn order(
     order: Order,
     out: &mut dyn Write,
 ) -> Result<Outcome, CommandError> {
-    let network = arguments.link.open(&arguments.rig, false)?;
+    let rights: &[Right] = match order {
+        Order::Stop => &[Right::Order, Right::Stop],
+        Order::Resume => &[Right::Order],
+    };
+    let network = arguments
+        .link
+        .with_right(rights)?
+        .open(&arguments.rig, false)?;
     let clock = monotonic();
     let heartbeat = Heartbeat {
         instance: draw_instance(),

@@ -7,6 +7,7 @@ use feeler_lab::config::Experiment;
 use feeler_lab::experiment::linked::rig_config;
 use feeler_lab::experiment::played_rig::PlayedRig;
 use feeler_link::programs::{RigProgram, RigSpeed};
+use feeler_link::right::Right;
 use std::io::Write;
 
 #[derive(Debug, clap::Args)]
@@ -29,7 +30,10 @@ pub fn world(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comm
     let rig = PlayedRig::new(&experiment)?;
     let config = rig_config(&experiment, arguments.speed)?;
     let name = arguments.values.rig(&experiment);
-    let network = arguments.link.open(&name, false)?;
+    let network = arguments
+        .link
+        .with_right(&[Right::Rig])?
+        .open(&name, false)?;
     let interrupted = watch_for_interrupt()?;
     let mut program = RigProgram::new(rig, &config, network)?;
     program.set_warn(warn_on_stderr());

@@ -16,6 +16,7 @@ mod skip;
 mod in_terminal;
 
 mod cable;
+mod certificates;
 mod faults;
 mod hostile;
 mod orders;
