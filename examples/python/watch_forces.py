@@ -19,7 +19,7 @@ import zenoh
 from mcap.records import Schema
 from mcap_ros2.decoder import DecoderFactory
 
-PROTOCOL = 2  # version of the messages that this program knows
+PROTOCOL = 3  # version of the messages that this program knows
 NOBODY = 0xFFFFFFFF  # no element, no finger
 PRINT_INTERVAL = 0.1  # s between two lines of one finger
 
@@ -37,19 +37,21 @@ def protocol_of(data):
 
 
 def stop_message(sender):
-    """A Stop in CDR: little endian, version, length of the text with its zero byte, text."""
+    """A Stop in CDR: little endian, version, length of the text with its zero byte, text, and an id of 0 at a multiple
+    of eight bytes: stops of this sender are one, until it is resumed."""
     text = sender.encode() + b"\0"
-    return struct.pack("<4sII", b"\0\1\0\0", PROTOCOL, len(text)) + text
+    text += bytes(-len(text) % 8)
+    length = len(sender.encode()) + 1
+    return struct.pack("<4sII", b"\0\1\0\0", PROTOCOL, length) + text + struct.pack("<Q", 0)
 
 
 def configuration(arguments):
-    """Takes part as a peer that connects to the hand, is told of the others by it, and listens nowhere."""
+    """Takes part as a client of the hand, which passes on what the others publish."""
     config = zenoh.Config()
     settings = {
-        "mode": "peer",
+        "mode": "client",
         "scouting/multicast/enabled": False,
         "connect/endpoints": [arguments.connect],
-        "listen/endpoints": [],
     }
     if arguments.certificates:
         tls, folder = "transport/link/tls", arguments.certificates
@@ -138,7 +140,7 @@ def main():
         key = f"feeler/{arguments.rig}"
         subscribers = [
             session.declare_subscriber(f"{key}/finger/*/tactile", watcher.update),
-            session.declare_subscriber(f"{key}/heartbeat", watcher.heartbeat),
+            session.declare_subscriber(f"{key}/heartbeat/**", watcher.heartbeat),
         ]
         print(f"watching {key}; Ctrl-C ends it", flush=True)
         try:

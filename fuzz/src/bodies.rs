@@ -17,8 +17,9 @@ use feeler_link::inbox::Inbox;
 use feeler_link::message::{Heartbeat, NO_FINGER, PROTOCOL};
 use feeler_link::peers::{Expected, MOST_PEERS};
 use feeler_link::rig_inbox::RigInbox;
+use feeler_link::run_clock::{RigSpeed, RunClock};
 use feeler_link::sense_inbox::SenseInbox;
-use feeler_link::topic::Topic;
+use feeler_link::topic::{Place, Topic};
 use feeler_record::wire::cdr;
 use feeler_record::{RecordedCamera, RecordedHand, RecordedSensor, Recording};
 use feeler_sources::picture::decode_picture;
@@ -174,20 +175,21 @@ fn play_back(recording: &Recording) {
 
 /// Whatever other programs say, a hand, a rig and a sensor program of two elements keep nothing that is not
 /// finite or of another size. The bytes are messages: topic (its place in [`Topic::all`]), length (2 bytes, little
-/// endian) and the message itself.
+/// endian) and the message itself, in which an echoed token of 0 stands for the hand's own.
 pub fn link(bytes: &[u8]) -> bool {
     let expected = Expected {
         fingertips: vec![String::new()],
         ..Expected::default()
     };
-    let mut hand = HandInbox::new(&[2], expected.clone());
-    let mut rig = RigInbox::new(1, 0.045, expected.clone());
+    let clock = RunClock::new(RigSpeed::Times(1.0), 0.01, 3.5);
+    let mut hand = HandInbox::new(&[2], clock, expected.clone());
+    let mut rig = RigInbox::new((1, 2), 0.045, expected.clone());
     let mut sense = SenseInbox::new((0, 2), (3, 2), expected);
     let (mut now, mut bytes, mut sound) = (0.0, bytes, false);
     let topics = Topic::all(0);
-    for introduction in introductions() {
+    for (place, introduction) in introductions() {
         for inbox in [&mut hand as &mut dyn Inbox, &mut rig, &mut sense] {
-            let taken = inbox.take(Topic::Heartbeat, &introduction, now);
+            let taken = inbox.take(Topic::Heartbeat(place), &introduction, now);
             taken.expect("a heartbeat of a program that agrees");
         }
     }
@@ -195,11 +197,13 @@ pub fn link(bytes: &[u8]) -> bool {
         let topic = topics[usize::from(*topic) % topics.len()];
         let length = usize::from(u16::from_le_bytes([*low, *high])).min(rest.len());
         let (message, rest) = rest.split_at(length);
+        let mut message = message.to_vec();
         (now, bytes) = (now + 0.01, rest);
         let step = hand.sent.newest() + 1;
         hand.sent.sent(step, now);
+        fill_in_token(&hand, &mut message);
         for inbox in [&mut hand as &mut dyn Inbox, &mut rig, &mut sense] {
-            sound |= inbox.take(topic, message, now).is_ok();
+            sound |= inbox.take(topic, &message, now).is_ok();
             assert!(inbox.peers().all().len() <= MOST_PEERS);
         }
         check_hand(&mut hand, now);
@@ -212,11 +216,30 @@ pub fn link(bytes: &[u8]) -> bool {
     sound
 }
 
+/// Puts the hand's token of the echoed step where a message's header has a token of 0.
+fn fill_in_token(hand: &HandInbox, message: &mut [u8]) {
+    // Behind four bytes of encapsulation: protocol, instance, clock, sequence and stamp of eight bytes each.
+    let Some((head, [token @ .., _, _, _, _, _, _, _, _])) = message
+        .get_mut(4 + 40..4 + 64)
+        .and_then(|m| m.split_first_chunk_mut::<8>())
+    else {
+        return;
+    };
+    if token.iter().all(|byte| *byte == 0) {
+        let step = u64::from_le_bytes(*head);
+        token.copy_from_slice(&hand.sent.token(step).to_le_bytes());
+    }
+}
+
 /// The first heartbeats of a hand, a world and a sensor program, whose instances are 1, 2 and 3.
-fn introductions() -> [Vec<u8>; 3] {
-    let programs = [("hand", NO_FINGER), ("world", NO_FINGER), ("sense", 0)];
+fn introductions() -> [(Place, Vec<u8>); 3] {
+    let programs = [
+        (Place::Hand, "hand", NO_FINGER),
+        (Place::World, "world", NO_FINGER),
+        (Place::Sense(0), "sense", 0),
+    ];
     let mut instance = 0;
-    programs.map(|(program, finger)| {
+    programs.map(|(place, program, finger)| {
         instance += 1;
         let heartbeat = Heartbeat {
             protocol: PROTOCOL,
@@ -228,14 +251,16 @@ fn introductions() -> [Vec<u8>; 3] {
         };
         let mut bytes = Vec::new();
         cdr::encode(&heartbeat, &mut bytes).expect("a heartbeat's bytes");
-        bytes
+        (place, bytes)
     })
 }
 
 /// What the hand keeps is whole and finite, and no data are from a time to come.
 fn check_hand(hand: &mut HandInbox, now: f64) {
-    let _ = hand.fault(now, 0.035);
-    let _ = hand.take_resume();
+    let _ = hand.stale(now, 0.035);
+    assert!((0.0..1e9).contains(&hand.state().time), "{now} s");
+    assert!(hand.time_of(0) >= 0.0);
+    assert!(hand.holds.in_force().len() <= 16);
     let (state, mut fingers) = hand.ages(now);
     assert!(state >= 0.0 && fingers.all(|age| age >= 0.0), "{now} s");
     for update in hand.fingers().iter().filter_map(|f| f.newest.as_ref()) {

@@ -110,18 +110,17 @@ fn sense(
             Some(DVec3::Z * (STIFFNESS * (tip.x - WALL)).max(0.0))
         });
         program.publish((tick.number, stamp, Instant::now()), forces)?;
-        program.check_peers()?;
+        program.check_peers();
     }
     Ok(())
 }
 
 #[allow(dead_code, reason = "a test includes this file for `serve`")]
 fn main() -> Result<(), Failure> {
-    use feeler_link::endpoints::{HAND_ENDPOINT, LOCAL_ENDPOINT, LinkConfig};
+    use feeler_link::endpoints::{HAND_ENDPOINT, LinkConfig};
     let experiment = Experiment::load("crates/feeler-cli/examples/own_rig.toml", &[])?;
     let config = LinkConfig {
         rig: experiment.config.name.clone(),
-        listen: vec![LOCAL_ENDPOINT.into()],
         connect: vec![HAND_ENDPOINT.into()],
         ..LinkConfig::default()
     };

@@ -35,7 +35,6 @@ mod watcher;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use feeler_record::{RunEnd, RunState};
-use link::orders::Order;
 use output::Output;
 use std::io::{Write, stderr, stdout};
 use std::process::ExitCode;
@@ -103,9 +102,9 @@ enum Command {
     /// Show a running rig of several programs on the terminal.
     Top(link::top::Arguments),
     /// Stop the hand of a rig, from anywhere.
-    Stop(link::orders::Arguments),
+    Stop(link::orders::StopArguments),
     /// Resume a hand that was stopped.
-    Resume(link::orders::Arguments),
+    Resume(link::orders::ResumeArguments),
     /// Make the certificates by which a lab's computers authenticate each other.
     Certificates(link::certificates::Arguments),
     /// Measure this computer.
@@ -180,8 +179,8 @@ fn run_command(command: Command, out: &mut dyn Write) -> Result<Outcome, Command
         Command::World(arguments) => link::world::world(&arguments, out),
         Command::Hand(arguments) => link::hand::hand(&arguments, out),
         Command::Top(arguments) => link::top::top(&arguments, out),
-        Command::Stop(arguments) => link::orders::order(&arguments, Order::Stop, out),
-        Command::Resume(arguments) => link::orders::order(&arguments, Order::Resume, out),
+        Command::Stop(arguments) => link::orders::stop(&arguments, out),
+        Command::Resume(arguments) => link::orders::resume(&arguments, out),
         Command::Certificates(arguments) => link::certificates::certificates(&arguments, out),
         Command::Schema(arguments) => schema::schema(&arguments, out),
         Command::Sense(arguments) => sense::sense(&arguments),

@@ -2,7 +2,7 @@
 
 use super::{CommandError, Outcome};
 use feeler_link::message as linked;
-use feeler_link::topic::Topic;
+use feeler_link::topic::{Place, Topic};
 use feeler_record::wire::Message;
 use feeler_record::{RecordedTopic, sensed, topics};
 use std::io::Write;
@@ -88,13 +88,14 @@ fn linked() -> [Schema; 9] {
         Schema::linked::<linked::HandMode>(Topic::Mode),
         Schema::linked::<linked::CommandMessage>(Topic::Command),
         Schema::linked::<linked::StateMessage>(Topic::State),
-        Schema::linked::<linked::Heartbeat>(Topic::Heartbeat),
+        Schema::linked::<linked::Heartbeat>(Topic::Heartbeat(Place::Hand)),
         Schema::linked::<linked::StopMessage>(Topic::Stop),
         Schema::linked::<linked::ResumeMessage>(Topic::Resume),
     ]
 }
 
-/// `topic` with N for the number of its finger, which is 0.
+/// `topic` with N for the number of its finger, which is 0, and PLACE for that of the program.
 fn of_any_finger(topic: &str) -> String {
-    topic.replace("finger/0/", "finger/N/")
+    let topic = topic.replace("finger/0/", "finger/N/");
+    topic.replace("heartbeat/hand", "heartbeat/PLACE")
 }

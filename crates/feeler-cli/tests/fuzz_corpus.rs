@@ -4,10 +4,10 @@
 mod bodies;
 
 use feeler_link::message::{
-    CommandMessage, DirectForces, HandMode, Heartbeat, MessageHeader, PROTOCOL, PictureMessage,
-    ResumeMessage, StateMessage, StopMessage, TactileUpdate,
+    CommandMessage, DirectForces, HandMode, Heartbeat, MessageHeader, NO_FINGER, PROTOCOL,
+    PictureMessage, ProgramKind, ResumeMessage, StateMessage, StopMessage, TactileUpdate,
 };
-use feeler_link::topic::Topic;
+use feeler_link::topic::{Place, Topic};
 use feeler_record::wire::{Message, Vector3, cdr};
 use std::path::Path;
 
@@ -86,6 +86,7 @@ fn messages() -> Vec<Vec<u8>> {
     let header = |instance, sequence| MessageHeader {
         protocol: PROTOCOL,
         instance,
+        clock: 2,
         sequence,
         echo_step: 1,
         ..MessageHeader::default()
@@ -112,6 +113,7 @@ fn messages() -> Vec<Vec<u8>> {
     };
     let command = CommandMessage {
         header: header(1, 2),
+        token: 1,
         state_sequence: 1,
         joint_velocity: vec![Vector3::default()],
     };
@@ -123,11 +125,14 @@ fn messages() -> Vec<Vec<u8>> {
     };
     let mode = HandMode {
         header: header(1, 1),
+        token: 1,
         ..HandMode::default()
     };
     let heartbeat = Heartbeat {
         protocol: PROTOCOL,
         instance: 4,
+        program: ProgramKind::Order,
+        finger: NO_FINGER,
         sequence: 1,
         ..Heartbeat::default()
     };
@@ -135,6 +140,12 @@ fn messages() -> Vec<Vec<u8>> {
     let stop = StopMessage {
         protocol,
         from: from.clone(),
+        id: 5,
+    };
+    let resume = ResumeMessage {
+        protocol,
+        from,
+        number: 1,
     };
     vec![
         framed(Topic::Mode, &mode),
@@ -143,9 +154,9 @@ fn messages() -> Vec<Vec<u8>> {
         framed(Topic::DirectForces(0), &forces),
         framed(Topic::State, &state),
         framed(Topic::Command, &command),
-        framed(Topic::Heartbeat, &heartbeat),
+        framed(Topic::Heartbeat(Place::Order), &heartbeat),
         framed(Topic::Stop, &stop),
-        framed(Topic::Resume, &ResumeMessage { protocol, from }),
+        framed(Topic::Resume, &resume),
     ]
 }
 

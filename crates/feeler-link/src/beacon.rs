@@ -4,7 +4,7 @@ use super::endpoints::LinkError;
 use super::message::{Heartbeat, PROTOCOL};
 use super::outlet::{Outlet, send};
 use super::shared::Shared;
-use super::topic::Topic;
+use super::topic::{Place, Topic};
 use std::sync::Arc;
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
@@ -24,6 +24,8 @@ struct Status {
     heartbeat: Heartbeat,
     /// Whether to send the next one at once.
     now: bool,
+    /// Whether to send none.
+    is_silent: bool,
     stopped: bool,
 }
 
@@ -62,6 +64,11 @@ impl Beacon {
         change(&mut self.status.lock().heartbeat);
     }
 
+    /// Sends no heartbeats while `is_silent`: the program leaves its place to another.
+    pub fn set_silent(&self, is_silent: bool) {
+        self.status.lock().is_silent = is_silent;
+    }
+
     /// Sends a heartbeat at once: somebody new is there.
     pub fn greet(&self) {
         self.status.lock().now = true;
@@ -73,10 +80,15 @@ fn beat(outlet: &dyn Outlet, status: &Shared<Status>) -> Result<(), LinkError> {
     let heartbeat = {
         let mut status = status.lock();
         status.now = false;
+        if status.is_silent {
+            return Ok(());
+        }
         status.heartbeat.sequence += 1;
         status.heartbeat.clone()
     };
-    send(outlet, Topic::Heartbeat, &heartbeat)
+    // Who has no place in a rig is there to give it an order at most.
+    let place = heartbeat.place().unwrap_or(Place::Order);
+    send(outlet, Topic::Heartbeat(place), &heartbeat)
 }
 
 impl Drop for Beacon {

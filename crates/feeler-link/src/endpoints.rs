@@ -6,17 +6,16 @@ use std::path::PathBuf;
 /// Where the hand listens unless told otherwise: nobody on another computer can come in.
 pub const HAND_ENDPOINT: &str = "tcp/127.0.0.1:7447";
 
-/// Where the others listen: any free port of this computer.
-pub const LOCAL_ENDPOINT: &str = "tcp/127.0.0.1:0";
-
 /// How a program takes part in the link.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct LinkConfig {
     /// Name of the rig: programs of another rig are not heard.
     pub rig: String,
-    /// Where to listen, as in `tls/0.0.0.0:7447`.
+    /// Whether this is the hand, which listens and passes on the messages of all others.
+    pub is_hand: bool,
+    /// Where the hand listens, as in `tls/0.0.0.0:7447`.
     pub listen: Vec<String>,
-    /// Whom to connect to, again and again until they are there.
+    /// Where the hand is, again and again until it is there; of several endpoints, the first that answers.
     pub connect: Vec<String>,
     /// Folder of the lab's certificates, for endpoints with TLS: `ca.pem`, `cert.pem`, `key.pem`.
     pub certificates: Option<PathBuf>,
@@ -155,7 +154,7 @@ mod tests {
     fn only_this_computer_comes_in_without_certificates() {
         for endpoint in [
             HAND_ENDPOINT,
-            LOCAL_ENDPOINT,
+            "tcp/127.0.0.1:0",
             "udp/[::1]:7447",
             "tcp/localhost:0",
         ] {

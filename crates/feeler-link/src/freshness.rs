@@ -4,6 +4,12 @@
 //! heard of, and how long before. The data cannot be older than that step plus that wait: an upper
 //! bound of their age on the hand's own clock, whatever the network did on the way, and however the
 //! clocks of the programs differ.
+//!
+//! Each step has a token that nobody can guess before the hand has sent it. Who echoes the token has heard of the
+//! step: data that were recorded from another run of a hand, or that claim to come after a step that is yet to come,
+//! prove nothing.
+
+use std::hash::{BuildHasher, RandomState};
 
 /// Steps that are remembered. Older ones prove nothing any more: a second at 1 kHz.
 const REMEMBERED: usize = 1024;
@@ -14,6 +20,8 @@ pub struct SentSteps {
     /// Step and time, by step modulo the length.
     times: Vec<(u64, f64)>,
     newest: u64,
+    /// Tokens are a keyed hash (SipHash) of the step, by a key that the system draws for each run.
+    key: RandomState,
 }
 
 impl Default for SentSteps {
@@ -21,6 +29,7 @@ impl Default for SentSteps {
         Self {
             times: vec![(0, f64::NEG_INFINITY); REMEMBERED],
             newest: 0,
+            key: RandomState::new(),
         }
     }
 }
@@ -37,12 +46,18 @@ impl SentSteps {
         self.newest
     }
 
+    /// The token of `step`, which others learn when it is sent.
+    pub fn token(&self, step: u64) -> u64 {
+        self.key.hash_one(step)
+    }
+
     /// The earliest time, s on the hand's clock, at which data can have been taken that were taken
     /// `echo_age` (s) after the news of `echo_step` had arrived. Nothing is known of data that echo
-    /// nothing, a step that is no longer remembered, or one that has not been sent.
-    pub fn earliest(&self, echo_step: u64, echo_age: f64) -> Option<f64> {
+    /// nothing, a step that is no longer remembered or has not been sent, or a token that is not its own.
+    pub fn earliest(&self, (echo_step, echo_token): (u64, u64), echo_age: f64) -> Option<f64> {
         let (step, sent) = self.times[(echo_step % REMEMBERED as u64) as usize];
-        let known = step == echo_step && echo_step > 0 && echo_age >= 0.0;
+        let heard = step == echo_step && echo_step > 0 && self.token(echo_step) == echo_token;
+        let known = heard && echo_age >= 0.0;
         known.then_some(sent + echo_age).filter(|t| t.is_finite())
     }
 }
@@ -52,22 +67,10 @@ impl SentSteps {
 pub struct Echo {
     /// The step; 0 before the first.
     pub step: u64,
+    /// The hand's token of that step.
+    pub token: u64,
     /// When it arrived, s on the program's own clock.
     pub arrived: f64,
-}
-
-impl Echo {
-    /// Takes in that the hand's `step` arrived at `now`, s.
-    pub fn heard(&mut self, step: u64, now: f64) {
-        if step > self.step {
-            *self = Self { step, arrived: now };
-        }
-    }
-
-    /// Forgets a hand that is gone; another counts from 1 again.
-    pub fn forget(&mut self) {
-        *self = Self::default();
-    }
 }
 
 #[cfg(test)]
@@ -77,31 +80,29 @@ mod tests {
     #[test]
     fn data_are_no_older_than_the_step_they_echo() {
         let mut sent = SentSteps::default();
-        assert_eq!(sent.earliest(0, 0.0), None);
+        let echoed = |sent: &SentSteps, step, age| sent.earliest((step, sent.token(step)), age);
+        assert_eq!(echoed(&sent, 0, 0.0), None);
         for step in 1..=2000 {
             sent.sent(step, 0.001 * step as f64);
         }
-        assert_eq!(sent.earliest(1990, 0.004), Some(1.994));
+        assert_eq!(echoed(&sent, 1990, 0.004), Some(1.994));
         // Not remembered, not sent yet, from before its own cause, no number.
-        assert_eq!(sent.earliest(2000 - REMEMBERED as u64, 0.0), None);
-        assert_eq!(sent.earliest(2001, 0.0), None);
-        assert_eq!(sent.earliest(1990, -1e-9), None);
-        assert_eq!(sent.earliest(1990, f64::NAN), None);
-        assert_eq!(sent.earliest(1990, f64::INFINITY), None);
+        assert_eq!(echoed(&sent, 2000 - REMEMBERED as u64, 0.0), None);
+        assert_eq!(echoed(&sent, 2001, 0.0), None);
+        assert_eq!(echoed(&sent, 1990, -1e-9), None);
+        assert_eq!(echoed(&sent, 1990, f64::NAN), None);
+        assert_eq!(echoed(&sent, 1990, f64::INFINITY), None);
     }
 
     #[test]
-    fn the_newest_step_is_echoed_whatever_the_order() {
-        let mut echo = Echo::default();
-        for (step, now) in [(1, 0.1), (3, 0.2), (2, 0.3)] {
-            echo.heard(step, now);
+    fn another_runs_token_proves_nothing() {
+        let (mut this, mut other) = (SentSteps::default(), SentSteps::default());
+        for step in 1..=10 {
+            this.sent(step, 0.01 * step as f64);
+            other.sent(step, 0.01 * step as f64);
         }
-        assert_eq!(
-            echo,
-            Echo {
-                step: 3,
-                arrived: 0.2
-            }
-        );
+        assert_eq!(this.earliest((7, other.token(7)), 0.0), None);
+        assert_eq!(this.earliest((7, this.token(6)), 0.0), None);
+        assert_eq!(this.earliest((7, this.token(7)), 0.0), Some(0.07));
     }
 }

@@ -1,17 +1,20 @@
 //! What the hand program has heard: forces and flags, joint angles, other programs, orders.
 
 use super::freshness::SentSteps;
+use super::holds::Holds;
 use super::inbox::{Inbox, read};
 use super::message::{
-    MessageHeader, NO_FINGER, PROTOCOL, ProgramKind, ResumeMessage, StateMessage, StopMessage,
-    TactileUpdate,
+    EarlierStop, MessageHeader, NO_FINGER, PROTOCOL, ProgramKind, ResumeMessage, StateMessage,
+    StopMessage, TactileUpdate,
 };
 use super::peers::{Expected, Peers};
+use super::plausible::{check_state, check_update};
 use super::rejection::{Rejection, Rejections};
+use super::run_clock::RunClock;
+use super::sequence::Sequence;
 use super::topic::Topic;
 use feeler::control::flags::FingerFlags;
 use feeler::control::stop_reason::StopReason;
-use feeler_record::wire::Vector3;
 
 /// Everything that has arrived for the hand. Bytes and the hand's clock in, decisions out.
 #[derive(Debug, Clone)]
@@ -23,10 +26,8 @@ pub struct HandInbox {
     pub rejected: Rejections,
     /// When the control steps were sent.
     pub sent: SentSteps,
-    /// Who told the hand to stop, since that was last asked.
-    stop: Option<String>,
-    /// Whether it was told to go on since.
-    resume: bool,
+    /// The stops in force.
+    pub holds: Holds,
 }
 
 /// What has arrived of one finger.
@@ -37,18 +38,28 @@ pub struct FingerInbox {
     /// Updates that never came, by their numbers.
     pub lost: u64,
     elements: usize,
+    sequence: Sequence,
+    /// The earliest time at which it can have been taken, s on the hand's clock.
     earliest: f64,
+    /// Its time in the run, s; none where it is stamped by a clock of its own.
+    time: Option<f64>,
     /// Flags of all updates since they were last taken.
     flags: Option<FingerFlags>,
 }
 
 /// What has arrived of the joints.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct StateInbox {
     /// The newest state; none before the first.
     pub newest: Option<StateMessage>,
+    /// Its time in the run, s.
+    pub time: f64,
     /// States that never came, by their numbers.
     pub lost: u64,
+    /// Maps the rig's stamps onto the time of the run.
+    pub clock: RunClock,
+    sequence: Sequence,
+    /// The earliest time at which it can have been taken, s on the hand's clock.
     earliest: f64,
 }
 
@@ -63,19 +74,17 @@ impl Inbox for HandInbox {
                 let state: StateMessage = read(bytes)?;
                 self.take_state(state, now)
             }
-            Topic::Heartbeat => self.peers.heard(bytes, now).map(|_| ()),
+            Topic::Heartbeat(place) => self.peers.heard(place, bytes, now).map(|_| ()),
             Topic::Stop => {
-                let stop: StopMessage = read(bytes)?;
-                // Of whatever version: that it is to stop is all that counts.
-                self.stop = Some(stop.from);
-                self.resume = false;
+                let stop = read_stop(bytes)?;
+                self.holds.order(stop.id, &stop.from);
                 Ok(())
             }
             Topic::Resume => {
                 let resume: ResumeMessage = read(bytes)?;
                 check_protocol(resume.protocol)?;
-                self.resume = true;
-                Ok(())
+                let was_in_force = self.holds.resume(resume.number);
+                was_in_force.then_some(()).ok_or(Rejection::Old)
             }
             _ => Err(Rejection::Stranger),
         }
@@ -90,10 +99,19 @@ impl Inbox for HandInbox {
     }
 }
 
+/// Reads a stop of whatever version: that it is to stop is all that counts.
+fn read_stop(bytes: &[u8]) -> Result<StopMessage, Rejection> {
+    read(bytes).or_else(|_| {
+        let EarlierStop { protocol, from } = read(bytes)?;
+        let id = 0;
+        Ok(StopMessage { protocol, from, id })
+    })
+}
+
 impl HandInbox {
-    /// Nothing has arrived yet for a hand whose fingers have so many `elements`; programs must agree
-    /// with `expected`.
-    pub fn new(elements: &[usize], expected: Expected) -> Self {
+    /// Nothing has arrived yet for a hand whose fingers have so many `elements` and whose rig's time goes as `clock`
+    /// says; programs must agree with `expected`.
+    pub fn new(elements: &[usize], clock: RunClock, expected: Expected) -> Self {
         let finger = |&elements: &usize| FingerInbox {
             elements,
             earliest: f64::NEG_INFINITY,
@@ -102,14 +120,17 @@ impl HandInbox {
         Self {
             fingers: elements.iter().map(finger).collect(),
             state: StateInbox {
+                newest: None,
+                time: 0.0,
+                lost: 0,
+                clock,
+                sequence: Sequence::default(),
                 earliest: f64::NEG_INFINITY,
-                ..StateInbox::default()
             },
             peers: Peers::new(expected),
             rejected: Rejections::default(),
             sent: SentSteps::default(),
-            stop: None,
-            resume: false,
+            holds: Holds::default(),
         }
     }
 
@@ -124,11 +145,21 @@ impl HandInbox {
         let inbox = self.fingers.get_mut(finger).ok_or(Rejection::Size)?;
         check_update(finger, inbox.elements, &update)?;
         (self.peers).check(header.instance, &ProgramKind::Sense, update.finger)?;
-        let before = inbox.newest.as_ref().map(|newest| newest.header);
-        let before = (before, inbox.earliest);
-        let (lost, earliest) = follow(before, header, &self.sent, now)?;
+        let number = (header.instance, header.sequence);
+        let lost = inbox.sequence.missing(number, now)?;
+        let earliest = earliest(&self.sent, header, now)?;
+        let time = match header.clock == header.instance {
+            // A camera's own clock says nothing; when it was is known as well as its age is.
+            true => None,
+            false => {
+                let clock = &self.state.clock;
+                Some(clock.of_rig(header.clock, header.stamp, header.sequence)?)
+            }
+        };
+        inbox.earliest = not_before(&inbox.sequence, number, inbox.earliest, earliest);
+        inbox.sequence.take(number, now);
         inbox.lost = inbox.lost.saturating_add(lost);
-        inbox.earliest = earliest;
+        inbox.time = time;
         let flags = flags(&update);
         inbox.flags = Some(inbox.flags.map_or(flags, |before| before.then(flags)));
         inbox.newest = Some(update);
@@ -141,12 +172,16 @@ impl HandInbox {
         check_state(self.fingers.len(), &state)?;
         self.peers
             .check(header.instance, &ProgramKind::World, NO_FINGER)?;
-        let before = self.state.newest.as_ref().map(|newest| newest.header);
-        let before = (before, self.state.earliest);
-        let (lost, earliest) = follow(before, header, &self.sent, now)?;
-        self.state.lost = self.state.lost.saturating_add(lost);
-        self.state.earliest = earliest;
-        self.state.newest = Some(state);
+        let inbox = &mut self.state;
+        let number = (header.instance, header.sequence);
+        let lost = inbox.sequence.missing(number, now)?;
+        let earliest = earliest(&self.sent, header, now)?;
+        let earliest = not_before(&inbox.sequence, number, inbox.earliest, earliest);
+        inbox.time = inbox.clock.take(header, earliest, now)?;
+        inbox.earliest = earliest;
+        inbox.sequence.take(number, now);
+        inbox.lost = inbox.lost.saturating_add(lost);
+        inbox.newest = Some(state);
         Ok(())
     }
 
@@ -181,14 +216,17 @@ impl HandInbox {
         state > answered && self.fingers.iter().all(felt)
     }
 
-    /// How much later (s) the newest update of `finger` can have been taken than the newest joint state,
-    /// by the bounds of both.
-    pub fn later_than_state(&self, finger: usize) -> f64 {
-        let earliest = self
-            .fingers
-            .get(finger)
-            .map_or(f64::NEG_INFINITY, |f| f.earliest);
-        earliest - self.state.earliest
+    /// When the newest update of `finger` was taken, s of the run's time. Of a camera with a clock of its own, that is
+    /// as much later than the newest state as it can have been, by the bounds of both ages.
+    pub fn time_of(&self, finger: usize) -> f64 {
+        let state = &self.state;
+        let Some(inbox) = self.fingers.get(finger) else {
+            return state.time;
+        };
+        let speed = state.clock.speed().unwrap_or(0.0);
+        let later = (inbox.earliest - state.earliest) * speed;
+        let of_own_clock = || state.time + if later.is_finite() { later } else { 0.0 };
+        inbox.time.unwrap_or_else(of_own_clock).max(0.0)
     }
 
     /// Upper bounds of the ages of the joint state and of each finger's forces at `now`, s; infinite where
@@ -198,11 +236,8 @@ impl HandInbox {
         (now - self.state.earliest, fingers)
     }
 
-    /// Why the hand must stop at `now` (s): told to, or because of data older than `limit`, s.
-    pub fn fault(&mut self, now: f64, limit: f64) -> Option<StopReason> {
-        if let Some(by) = self.stop.take() {
-            return Some(StopReason::Told { by });
-        }
+    /// Why the hand must stop at `now` (s): for data older than `limit`, s.
+    pub fn stale(&self, now: f64, limit: f64) -> Option<StopReason> {
         let (state, mut fingers) = self.ages(now);
         let old = |age: f64| age.is_nan() || age > limit;
         if old(state) {
@@ -212,11 +247,6 @@ impl HandInbox {
         let age = now - self.fingers[finger].earliest;
         Some(StopReason::StaleForces { finger, age, limit })
     }
-
-    /// Whether the hand was told to go on since this was last asked.
-    pub fn take_resume(&mut self) -> bool {
-        std::mem::take(&mut self.resume)
-    }
 }
 
 impl FingerInbox {
@@ -225,53 +255,6 @@ impl FingerInbox {
         let newest = || self.newest.as_ref().map(flags);
         self.flags.take().or_else(newest).unwrap_or_default()
     }
-}
-
-/// Holds an update to a `finger` of so many `elements`.
-pub(super) fn check_update(
-    finger: usize,
-    elements: usize,
-    update: &TactileUpdate,
-) -> Result<(), Rejection> {
-    let mask = elements.div_ceil(8);
-    let sizes = usize::try_from(update.finger) == Ok(finger)
-        && update.forces.len() == elements
-        && update.shear_rate.len() == elements
-        && update.slip_mask.len() == mask
-        && update.invalid_mask.len() == mask;
-    if !sizes {
-        return Err(Rejection::Size);
-    }
-    let forces = update.forces.iter().map(sum);
-    let numbers = forces.chain(update.shear_rate.iter().copied());
-    let header = update.header;
-    check_finite(numbers.chain([header.stamp, header.echo_age, update.grasp_force]))
-}
-
-/// Holds a state to a hand of so many `fingers`.
-pub(super) fn check_state(fingers: usize, state: &StateMessage) -> Result<(), Rejection> {
-    let joints = [state.position.len(), state.velocity.len()];
-    if joints != [fingers; 2] || state.instruments.len() > 1 {
-        return Err(Rejection::Size);
-    }
-    let measured = state.instruments.iter().flat_map(|i| {
-        let centre = sum(&i.cap_centre);
-        [
-            i.torque,
-            i.bridge_voltage,
-            i.cap_angle,
-            centre,
-            i.cap_torque,
-            i.slipped.iter().sum(),
-        ]
-    });
-    let joints = state.position.iter().chain(&state.velocity).map(sum);
-    let header = state.header;
-    check_finite(
-        joints
-            .chain(measured)
-            .chain([header.stamp, header.echo_age]),
-    )
 }
 
 /// The flags of an update.
@@ -286,46 +269,39 @@ pub(super) fn flags(update: &TactileUpdate) -> FingerFlags {
     }
 }
 
-fn sum(v: &Vector3) -> f64 {
-    v.x + v.y + v.z
-}
-
-fn check_finite(mut numbers: impl Iterator<Item = f64>) -> Result<(), Rejection> {
-    let finite = numbers.all(f64::is_finite);
-    finite.then_some(()).ok_or(Rejection::NotFinite)
-}
-
 pub(super) fn check_protocol(protocol: u32) -> Result<(), Rejection> {
     let same = protocol == PROTOCOL;
     same.then_some(()).ok_or(Rejection::Protocol)
 }
 
-/// How many messages are missing between that of the header `before` and that of `header`, and the
-/// earliest time of what the latter tells. A program tells nothing older than it told before; what another
+/// The earliest time of a program's data: nothing that it tells is older than what it told before; what another
 /// told says nothing of its data.
-fn follow(
-    (before, earliest_before): (Option<MessageHeader>, f64),
-    header: MessageHeader,
-    sent: &SentSteps,
-    now: f64,
-) -> Result<(u64, f64), Rejection> {
-    let earliest = earliest(sent, header, now)?;
-    match before.filter(|before| before.instance == header.instance) {
-        Some(before) if header.sequence <= before.sequence => Err(Rejection::Old),
-        Some(before) => {
-            let lost = header.sequence - before.sequence - 1;
-            Ok((lost, earliest.max(earliest_before)))
-        }
-        None => Ok((0, earliest)),
+fn not_before(
+    before: &Sequence,
+    (instance, _): (u64, u64),
+    earliest_before: f64,
+    earliest: f64,
+) -> f64 {
+    match before.newest() {
+        Some((same, _)) if same == instance => earliest.max(earliest_before),
+        _ => earliest,
     }
 }
 
-/// The earliest time at which what a message of `header` tells can have been; none known is long ago.
+/// The earliest time at which what a message of `header` tells can have been.
+///
+/// # Errors
+/// When it is not known: the message echoes no step of this hand's run that is remembered.
 fn earliest(sent: &SentSteps, header: MessageHeader, now: f64) -> Result<f64, Rejection> {
-    if header.echo_step > sent.newest() {
-        return Err(Rejection::Future);
+    match header.echo_step {
+        0 => return Err(Rejection::Unintroduced),
+        step if step > sent.newest() => return Err(Rejection::Future),
+        _ => {}
     }
-    let earliest = sent.earliest(header.echo_step, header.echo_age);
+    let echo = (header.echo_step, header.echo_token);
+    let earliest = sent
+        .earliest(echo, header.echo_age)
+        .ok_or(Rejection::Unproven)?;
     // Clocks that run at slightly different rates may put it after its own arrival.
-    Ok(earliest.map_or(f64::NEG_INFINITY, |earliest| earliest.min(now)))
+    Ok(earliest.min(now))
 }

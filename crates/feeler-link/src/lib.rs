@@ -11,6 +11,7 @@ pub mod certificates;
 pub mod endpoints;
 pub mod freshness;
 pub mod hand_inbox;
+pub mod holds;
 pub mod inbox;
 mod instruments;
 #[cfg(feature = "zenoh")]
@@ -22,6 +23,8 @@ pub mod outlet;
 #[cfg(feature = "zenoh")]
 pub mod own_certificate;
 pub mod peers;
+mod plausible;
+pub mod printable;
 pub mod programs;
 #[cfg(feature = "zenoh")]
 pub mod register;
@@ -30,7 +33,9 @@ pub mod remote;
 pub mod rig_inbox;
 pub mod right;
 pub mod rights;
+pub mod run_clock;
 pub mod sense_inbox;
+pub mod sequence;
 pub mod shared;
 #[cfg(feature = "zenoh")]
 pub mod stop_call;

@@ -3,6 +3,9 @@
 //! All stamps are seconds on the clock of the program that `MessageHeader::clock` names: in a system with
 //! simulated cameras, that of the world.
 
+use super::freshness::Echo;
+use super::printable::printable;
+use super::topic::Place;
 use feeler::control::phase::Phase;
 use feeler::hand::MAX_FINGERS;
 use feeler_record::text_enum;
@@ -10,7 +13,7 @@ use feeler_record::wire::{Vector3, message, vector3_schema};
 use serde::{Deserialize, Serialize};
 
 /// Version of these messages. A program takes no other, and says so.
-pub const PROTOCOL: u32 = 2;
+pub const PROTOCOL: u32 = 3;
 
 /// [`TactileUpdate::largest_element`] when no element touches.
 pub const NO_ELEMENT: u32 = u32::MAX;
@@ -33,16 +36,19 @@ pub struct MessageHeader {
     pub stamp: f64,
     /// Control step of the newest message of the hand that had arrived at that time; 0: none had.
     pub echo_step: u64,
+    /// The hand's token of that step ([`HandMode::token`]).
+    pub echo_token: u64,
     /// How long before that time it had arrived, s.
     pub echo_age: f64,
 }
 
 impl MessageHeader {
-    /// The same of what was taken `age` (s) after the hand's `step` had arrived.
-    pub fn echoing(self, (step, age): (u64, f64)) -> Self {
+    /// The same of what was taken at `time` (s), when `echo` was the newest of the hand that had arrived.
+    pub fn echoing(self, echo: Echo, time: f64) -> Self {
         Self {
-            echo_step: step,
-            echo_age: age,
+            echo_step: echo.step,
+            echo_token: echo.token,
+            echo_age: time - echo.arrived,
             ..self
         }
     }
@@ -59,6 +65,7 @@ macro_rules! header_schema {
          uint64 sequence  # among messages of this kind\n\
          float64 stamp  # s\n\
          uint64 echo_step  # control step of the hand's newest message at that time; 0: none\n\
+         uint64 echo_token  # the hand's token of that step\n\
          float64 echo_age  # s before that time at which it had arrived"
     };
 }
@@ -176,6 +183,8 @@ message!(
 pub struct HandMode {
     /// Who and when; it echoes nothing.
     pub header: MessageHeader,
+    /// Number that nobody can guess before this step: who echoes it has heard of the step.
+    pub token: u64,
     /// SEARCH: the fingers approach the object.
     pub search: bool,
     /// MOVE: the fingers move the object.
@@ -186,6 +195,19 @@ pub struct HandMode {
     pub stroke: u32,
     /// Why the hand is stopped; empty when it is not.
     pub stopped: String,
+    /// The stops that are in force, the oldest first. The hand goes on when each has been resumed.
+    pub stops: Vec<StopInForce>,
+}
+
+/// A stop of the hand that has not been resumed.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct StopInForce {
+    /// Its number, by which it is resumed.
+    pub number: u64,
+    /// [`StopMessage::id`] of the order; 0 where the hand stopped by itself.
+    pub id: u64,
+    /// Who ordered it, or why the hand stopped by itself.
+    pub by: String,
 }
 
 impl HandMode {
@@ -193,6 +215,14 @@ impl HandMode {
     pub fn is_waiting(&self) -> bool {
         // A hand at work is in a phase, and says so by flag where that is SEARCH.
         self.phase == u8::from(Phase::Search) && !self.search
+    }
+
+    /// Makes its texts fit for a screen.
+    pub fn make_printable(&mut self) {
+        self.stopped = printable(&self.stopped);
+        for stop in &mut self.stops {
+            stop.by = printable(&stop.by);
+        }
     }
 }
 
@@ -207,20 +237,29 @@ message!(
     "uint8 DONE=4",
     "uint8 STOPPED=5",
     "feeler_msgs/Header header",
+    "uint64 token  # nobody can guess it before this step",
     "bool search",
     "bool move",
     "uint8 phase",
     "uint32 stroke  # from 1",
     "string stopped  # why the hand is stopped; empty when it is not",
+    "feeler_msgs/StopInForce[] stops  # that have not been resumed, the oldest first",
     header_schema!(),
+    "================================================================================",
+    "MSG: feeler_msgs/StopInForce",
+    "uint64 number  # by which it is resumed",
+    "uint64 id  # of the order; 0 where the hand stopped by itself",
+    "string by  # who ordered it, or why the hand stopped by itself",
 );
 
 /// What the drives are to do until the next one, but no longer than the rig's watchdog allows.
 /// `MessageHeader::sequence` is the control step.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct CommandMessage {
-    /// Who and when; the stamp is that of the oldest data that it was made from.
+    /// Who and when; stamp and clock are the rig's, of the oldest data that it was made from.
     pub header: MessageHeader,
+    /// As [`HandMode::token`].
+    pub token: u64,
     /// Sequence number of the [`StateMessage`] that it was made from.
     pub state_sequence: u64,
     /// Joint velocities theta1..theta3 of each finger, rad/s.
@@ -231,7 +270,8 @@ message!(
     CommandMessage,
     "HandCommand",
     "# What the drives are to do; header.sequence is the control step",
-    "feeler_msgs/Header header  # the stamp is that of the oldest data that it was made from",
+    "feeler_msgs/Header header  # stamp and clock: the rig's, of the oldest data that it was made from",
+    "uint64 token  # nobody can guess it before this step",
     "uint64 state_sequence  # of the HandState that it was made from",
     "geometry_msgs/Vector3[] joint_velocity  # rad/s, theta1..theta3 of each finger",
     header_schema!(),
@@ -346,6 +386,19 @@ pub struct Heartbeat {
     pub fault: String,
 }
 
+impl Heartbeat {
+    /// The place of the program, if there is one for it.
+    pub fn place(&self) -> Option<Place> {
+        match (&self.program, self.finger) {
+            (ProgramKind::Hand, NO_FINGER) => Some(Place::Hand),
+            (ProgramKind::World, NO_FINGER) => Some(Place::World),
+            (ProgramKind::Order, NO_FINGER) => Some(Place::Order),
+            (ProgramKind::Sense, finger) => Some(Place::Sense(usize::try_from(finger).ok()?)),
+            _ => None,
+        }
+    }
+}
+
 message!(
     Heartbeat,
     "Heartbeat",
@@ -372,8 +425,11 @@ message!(
 pub struct StopMessage {
     /// Version of the messages.
     pub protocol: u32,
-    /// Who says so, for the screen and the record.
+    /// Who says so, for the screen and the record; at most 256 bytes of it are kept.
     pub from: String,
+    /// Number that the sender draws: messages of the same number are one stop, said again. 0: none is drawn, and
+    /// stops of the same sender are one.
+    pub id: u64,
 }
 
 message!(
@@ -382,21 +438,40 @@ message!(
     "# Stops the hand, whoever sends it",
     "uint32 protocol  # version of the messages",
     "string from  # who says so",
+    "uint64 id  # that the sender draws: the same again is the same stop; 0 for none",
 );
 
-/// Tells a stopped hand to go on.
+/// How a stop begins in every version.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct EarlierStop {
+    pub protocol: u32,
+    pub from: String,
+}
+
+message!(
+    EarlierStop,
+    "Stop",
+    "# How a stop begins in every version",
+    "uint32 protocol",
+    "string from",
+);
+
+/// Resumes a stop. The hand goes on when each stop in force has been resumed and its cause is gone.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct ResumeMessage {
     /// Version of the messages.
     pub protocol: u32,
     /// Who says so, for the screen and the record.
     pub from: String,
+    /// The stop: [`StopInForce::number`].
+    pub number: u64,
 }
 
 message!(
     ResumeMessage,
     "Resume",
-    "# Tells a stopped hand to go on",
+    "# Resumes a stop; the hand goes on when each stop in force has been resumed",
     "uint32 protocol  # version of the messages",
     "string from  # who says so",
+    "uint64 number  # of the stop, in HandMode.stops",
 );

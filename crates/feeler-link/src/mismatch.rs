@@ -1,9 +1,10 @@
 //! In what programs of a rig do not agree.
 
 use super::message::PROTOCOL;
+use super::printable::printable;
 
 /// In what a program does not agree with this one.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Mismatch {
     /// It speaks another version of the messages.
     #[error(
@@ -42,6 +43,16 @@ pub enum Mismatch {
         /// That of the experiment's.
         ours: String,
     },
+    /// Its time goes at another speed.
+    #[error("{program} goes at {}, this hand at {}: start both with the same --speed", speed(*theirs), speed(*ours))]
+    Speed {
+        /// What the program is.
+        program: String,
+        /// Seconds of the rig in a second; 0 where it waits for the hand.
+        theirs: f64,
+        /// Those that this program expects.
+        ours: f64,
+    },
     /// There is one like it already.
     #[error("there is {program} already")]
     Taken {
@@ -50,18 +61,18 @@ pub enum Mismatch {
     },
 }
 
-impl Mismatch {
-    /// Whether it stays, whatever other programs do.
-    pub fn is_final(&self) -> bool {
-        !matches!(self, Self::Taken { .. })
+fn speed(times: f64) -> String {
+    match times {
+        0.0 => "the pace of the hand's answers (max)".into(),
+        times => format!("{times} times real time"),
     }
 }
 
 /// As much of a hash as a person compares.
 pub(super) fn short(hash: &str) -> String {
     match hash.get(..12) {
-        Some(start) => start.into(),
+        Some(start) => printable(start),
         None if hash.is_empty() => "none".into(),
-        None => hash.into(),
+        None => printable(hash),
     }
 }

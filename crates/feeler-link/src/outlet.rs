@@ -58,6 +58,7 @@ pub fn header(instance: u64, sequence: u64, stamp: f64) -> MessageHeader {
         sequence,
         stamp,
         echo_step: 0,
+        echo_token: 0,
         echo_age: 0.0,
     }
 }

@@ -3,7 +3,10 @@
 use super::inbox;
 use super::message::{Heartbeat, NO_FINGER, PROTOCOL, ProgramKind};
 use super::mismatch::{Mismatch, short};
+use super::printable;
 use super::rejection::Rejection;
+use super::sequence::Sequence;
+use super::topic::Place;
 use feeler_record::wire::cdr;
 
 /// A program whose last heartbeat is older than this has gone, s.
@@ -22,6 +25,8 @@ pub struct Expected {
     pub experiment: String,
     /// SHA-256 of each finger's fingertip.
     pub fingertips: Vec<String>,
+    /// How fast the rig's time goes, as [`Heartbeat::speed`]; none where it does not matter.
+    pub speed: Option<f64>,
 }
 
 /// Another program.
@@ -33,6 +38,7 @@ pub struct Peer {
     pub heard: f64,
     /// Why it is refused, if it is.
     pub refused: Option<Mismatch>,
+    heartbeats: Sequence,
 }
 
 impl Peer {
@@ -108,12 +114,22 @@ impl Peers {
         taken.then_some(()).ok_or(Rejection::Stranger)
     }
 
-    /// Takes in a heartbeat that came at `now`, s; the peer, if it was not known before.
+    /// Takes in a heartbeat that came at `now`, s, from the program that has this `place`; the peer, if it was not
+    /// known before.
     ///
     /// # Errors
-    /// When it is none, or there are too many programs.
-    pub fn heard(&mut self, bytes: &[u8], now: f64) -> Result<Option<&Peer>, Rejection> {
+    /// When it is none, is of a program of another place, or there are too many programs.
+    pub fn heard(
+        &mut self,
+        place: Place,
+        bytes: &[u8],
+        now: f64,
+    ) -> Result<Option<&Peer>, Rejection> {
         let heartbeat = read(bytes)?;
+        if heartbeat.protocol == PROTOCOL && heartbeat.place() != Some(place) {
+            return Err(Rejection::Stranger);
+        }
+        let number = (heartbeat.instance, heartbeat.sequence);
         let known = |peer: &Peer| peer.heartbeat.instance == heartbeat.instance;
         if let Some(peer) = self.peers.iter_mut().find(|peer| known(peer)) {
             // What it is does not change, whatever the bytes say.
@@ -121,9 +137,9 @@ impl Peers {
                 return Err(Rejection::Stranger);
             }
             // Where the number stands in another version is not known.
-            let numbered = heartbeat.protocol == PROTOCOL;
-            if numbered && heartbeat.sequence <= peer.heartbeat.sequence {
-                return Err(Rejection::Old);
+            if heartbeat.protocol == PROTOCOL {
+                peer.heartbeats.missing(number, now)?;
+                peer.heartbeats.take(number, now);
             }
             (peer.heartbeat, peer.heard) = (heartbeat, now);
             self.judge_again(now);
@@ -134,10 +150,13 @@ impl Peers {
         if refused.is_none() {
             self.forget_predecessor(&heartbeat);
         }
+        let mut heartbeats = Sequence::default();
+        heartbeats.take(number, now);
         self.peers.push(Peer {
             heartbeat,
             heard: now,
             refused,
+            heartbeats,
         });
         Ok(self.peers.last())
     }
@@ -218,6 +237,15 @@ impl Peers {
                 ours: short(ours.map_or("", |f| f)),
             });
         }
+        let ours = self.expected.speed.unwrap_or(heartbeat.speed);
+        if heartbeat.program == ProgramKind::World && heartbeat.speed != ours {
+            let theirs = heartbeat.speed;
+            return Some(Mismatch::Speed {
+                program,
+                theirs,
+                ours,
+            });
+        }
         let same = |peer: &&Peer| {
             peer.refused.is_none()
                 && peer.heartbeat.instance != heartbeat.instance
@@ -238,15 +266,33 @@ fn read(bytes: &[u8]) -> Result<Heartbeat, Rejection> {
     let protocol = field(4, 4).and_then(|b| Some(u32::from_le_bytes(b.try_into().ok()?)));
     let protocol = protocol.ok_or(Rejection::Malformed)?;
     if protocol == PROTOCOL {
-        let heartbeat: Heartbeat = inbox::read(bytes)?;
+        let mut heartbeat: Heartbeat = inbox::read(bytes)?;
         let finite = [heartbeat.rate, heartbeat.speed];
         if !finite.iter().all(|n| n.is_finite()) {
             return Err(Rejection::NotFinite);
         }
-        // Hand and world are there once, not once for each finger.
-        let is_whole = matches!(heartbeat.program, ProgramKind::Hand | ProgramKind::World);
-        if is_whole && heartbeat.finger != NO_FINGER {
-            return Err(Rejection::Size);
+        if heartbeat.speed < 0.0 {
+            return Err(Rejection::Implausible);
+        }
+        let Heartbeat {
+            version,
+            experiment,
+            fingertip,
+            fault,
+            ..
+        } = &heartbeat;
+        let texts = [
+            heartbeat.program.as_str(),
+            version,
+            experiment,
+            fingertip,
+            fault,
+        ];
+        if texts.iter().any(|text| text.len() > printable::MOST_BYTES) {
+            return Err(Rejection::Oversized);
+        }
+        for shown in [&mut heartbeat.version, &mut heartbeat.fault] {
+            *shown = printable::printable(shown);
         }
         return Ok(heartbeat);
     }

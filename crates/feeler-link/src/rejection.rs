@@ -14,7 +14,8 @@ pub enum Rejection {
     /// It is of another version.
     #[error("of another version")]
     Protocol,
-    /// It is of a program that has not said yet what it is. That is no fault: its next heartbeat does.
+    /// It is of a program that has not said yet what it is, or that has not heard of the hand yet. That is no fault:
+    /// its next messages do.
     #[error("before their heartbeat")]
     Unintroduced,
     /// It is of a program that was refused, or of none that sends such messages.
@@ -32,11 +33,20 @@ pub enum Rejection {
     /// It tells of what has not happened yet.
     #[error("from a time to come")]
     Future,
+    /// It does not prove its age: it echoes another run of a hand, or a step too long ago.
+    #[error("without proof of their age")]
+    Unproven,
+    /// It is stamped by a clock that is not the rig's.
+    #[error("of another clock")]
+    Clock,
+    /// A number in it cannot be true: a sequence, a stamp or a measured value that jumps or has no such size.
+    #[error("implausible")]
+    Implausible,
 }
 
 impl Rejection {
     /// All of them, in the order of [`Rejections`].
-    const ALL: [Self; 9] = [
+    const ALL: [Self; 12] = [
         Self::Oversized,
         Self::Malformed,
         Self::Protocol,
@@ -46,11 +56,14 @@ impl Rejection {
         Self::NotFinite,
         Self::Old,
         Self::Future,
+        Self::Unproven,
+        Self::Clock,
+        Self::Implausible,
     ];
 }
 
 /// How many messages were not taken, by reason. Shows as in `3 malformed, 1 late or twice`; messages of
-/// programs that had not said yet what they are do not count.
+/// programs that had not said yet what they are, or not heard of the hand, do not count.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Rejections([u64; Rejection::ALL.len()]);
 

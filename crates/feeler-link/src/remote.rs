@@ -1,7 +1,8 @@
 //! Fingers and a hand in other programs, behind the seams of the control loop.
 
 use super::hand_inbox::HandInbox;
-use super::message::{CommandMessage, HandMode, MessageHeader};
+use super::holds::Hold;
+use super::message::{CommandMessage, HandMode, MessageHeader, StopInForce};
 use super::outlet::{Outlet, TimeSource, header, send};
 use super::shared::Shared;
 use super::topic::Topic;
@@ -38,8 +39,7 @@ impl TouchSource for RemoteFinger {
 
     fn touch(&mut self, touch: &mut FingerTouch) -> Result<(), SensorError> {
         let mut inbox = self.inbox.lock();
-        let rig = inbox.state().newest.as_ref().map(|state| state.header);
-        let later = inbox.later_than_state(self.finger);
+        let time = inbox.time_of(self.finger);
         let Some(finger) = inbox.finger_mut(self.finger) else {
             return Ok(());
         };
@@ -57,18 +57,8 @@ impl TouchSource for RemoteFinger {
         touch.shear_rate.copy_from_slice(&update.shear_rate);
         touch.flags = flags;
         touch.frame.sequence = update.frame;
-        touch.frame.stamp = on_rigs_clock(update.header, rig, later);
-        touch.stamp = touch.frame.stamp;
+        (touch.frame.stamp, touch.stamp) = (time, time);
         Ok(())
-    }
-}
-
-/// The stamp of `header` on the clock of the rig's newest header, s. Where that is another clock, what is
-/// known is only how much `later` than the rig's state it can have been.
-fn on_rigs_clock(header: MessageHeader, rig: Option<MessageHeader>, later: f64) -> f64 {
-    match rig {
-        Some(rig) if rig.clock != header.clock => rig.stamp + later,
-        _ => header.stamp,
     }
 }
 
@@ -110,7 +100,7 @@ impl Hand for RemoteHand {
         let Some(newest) = &inbox.state().newest else {
             return Ok(());
         };
-        state.stamp = newest.header.stamp;
+        state.stamp = inbox.state().time;
         let read = newest.position.iter().zip(&newest.velocity);
         for (joints, (&position, &velocity)) in state.joints.iter_mut().zip(read) {
             joints.position = position.into();
@@ -123,21 +113,19 @@ impl Hand for RemoteHand {
         check_finger_count(self.fingers, command.joint_velocity().len())?;
         let message = {
             let mut inbox = self.inbox.lock();
-            let state = inbox.state().newest.as_ref().map(|state| state.header);
-            let state = state.unwrap_or_default();
-            let oldest = (0..self.fingers).filter_map(|finger| {
-                let update = inbox.fingers().get(finger)?.newest.as_ref()?;
-                let later = inbox.later_than_state(finger);
-                Some(on_rigs_clock(update.header, Some(state), later))
-            });
-            let stamp = oldest.fold(state.stamp, f64::min);
-            let step = next_step(&mut inbox, &self.clock);
+            let (time, clock) = (inbox.state().time, &inbox.state().clock);
+            let fingers = (0..self.fingers).map(|finger| inbox.time_of(finger));
+            // The rig judges by its own clock how old the data were.
+            let (stamp, clock) = (clock.to_rig(fingers.fold(time, f64::min)), clock.clock());
+            let sequence = inbox.state_sequence();
+            let (step, token) = next_step(&mut inbox, &self.clock);
             CommandMessage {
                 header: MessageHeader {
-                    clock: state.clock,
+                    clock: clock.unwrap_or_default(),
                     ..header(self.instance, step, stamp)
                 },
-                state_sequence: state.sequence,
+                token,
+                state_sequence: sequence,
                 joint_velocity: command
                     .joint_velocity()
                     .iter()
@@ -149,18 +137,19 @@ impl Hand for RemoteHand {
     }
 }
 
-/// The number of the control step that begins now.
-fn next_step(inbox: &mut HandInbox, clock: &TimeSource) -> u64 {
+/// The number of the control step that begins now, and its token.
+fn next_step(inbox: &mut HandInbox, clock: &TimeSource) -> (u64, u64) {
     let step = inbox.sent.newest() + 1;
     inbox.sent.sent(step, clock());
-    step
+    (step, inbox.sent.token(step))
 }
 
 /// What the hand is about in the control step whose command was sent last.
 pub fn mode_of(inbox: &HandInbox, controller: &Controller, instance: u64, stamp: f64) -> HandMode {
-    let phase = controller.phase();
+    let (phase, step) = (controller.phase(), inbox.sent.newest());
     HandMode {
-        header: header(instance, inbox.sent.newest(), stamp),
+        header: header(instance, step, stamp),
+        token: inbox.sent.token(step),
         search: phase == Phase::Search,
         r#move: phase == Phase::Move,
         phase: phase.into(),
@@ -168,15 +157,23 @@ pub fn mode_of(inbox: &HandInbox, controller: &Controller, instance: u64, stamp:
         stopped: controller
             .stop_reason()
             .map_or(String::new(), ToString::to_string),
+        stops: stops(inbox),
     }
+}
+
+fn stops(inbox: &HandInbox) -> Vec<StopInForce> {
+    let in_force = inbox.holds.in_force().iter();
+    in_force.map(Hold::to_message).collect()
 }
 
 /// A step in which the hand commands nothing: it waits for the other programs.
 pub fn waiting_mode(inbox: &mut HandInbox, clock: &TimeSource, instance: u64) -> HandMode {
-    let step = next_step(inbox, clock);
+    let (step, token) = next_step(inbox, clock);
     HandMode {
         header: header(instance, step, 0.0),
+        token,
         phase: Phase::Search.into(),
+        stops: stops(inbox),
         ..HandMode::default()
     }
 }

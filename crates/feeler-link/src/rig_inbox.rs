@@ -5,7 +5,9 @@ use super::hand_inbox::check_protocol;
 use super::inbox::{Inbox, read};
 use super::message::{CommandMessage, HandMode, MessageHeader, NO_FINGER, ProgramKind};
 use super::peers::{Expected, Peers};
+use super::plausible::check_velocities;
 use super::rejection::{Rejection, Rejections};
+use super::sequence::Sequence;
 use super::topic::Topic;
 use glam::DVec3;
 
@@ -13,12 +15,15 @@ use glam::DVec3;
 #[derive(Debug, Clone)]
 pub struct RigInbox {
     fingers: usize,
+    /// The rig's instance: what its clock is called.
+    clock: u64,
     /// The rig's own time, s, for its owner to keep.
     pub time: f64,
     /// Age from which on data are stale, s.
     limit: f64,
-    hand: Option<u64>,
     command: Option<Command>,
+    commands: Sequence,
+    steps: Sequence,
     /// The hand's newest step, to be echoed.
     pub echo: Echo,
     peers: Peers,
@@ -32,7 +37,6 @@ pub struct RigInbox {
 
 #[derive(Debug, Clone)]
 struct Command {
-    header: MessageHeader,
     state_sequence: u64,
     joint_velocity: Vec<DVec3>,
     /// When it came, s on the rig's wall clock.
@@ -44,9 +48,11 @@ struct Command {
 impl Inbox for RigInbox {
     fn take_in(&mut self, topic: Topic, bytes: &[u8], now: f64) -> Result<(), Rejection> {
         match topic {
-            Topic::Heartbeat => self.peers.heard(bytes, now).map(|_| ()),
+            Topic::Heartbeat(place) => self.peers.heard(place, bytes, now).map(|_| ()),
             Topic::Mode => {
-                read::<HandMode>(bytes).and_then(|mode| self.take_step(mode.header, now))
+                let mode: HandMode = read(bytes)?;
+                self.check_hand(mode.header)?;
+                self.take_step(mode.header, mode.token, now)
             }
             Topic::Command => read(bytes).and_then(|command| self.take_command(command, now)),
             _ => Err(Rejection::Stranger),
@@ -63,15 +69,17 @@ impl Inbox for RigInbox {
 }
 
 impl RigInbox {
-    /// Nothing has arrived yet for a rig of `fingers` that takes no commands to move from data older than
-    /// `limit`, s; programs must agree with `expected`.
-    pub fn new(fingers: usize, limit: f64, expected: Expected) -> Self {
+    /// Nothing has arrived yet for a rig of so many `fingers`, whose program is `instance` and which takes no commands
+    /// to move from data older than `limit`, s; programs must agree with `expected`.
+    pub fn new((fingers, instance): (usize, u64), limit: f64, expected: Expected) -> Self {
         Self {
             fingers,
+            clock: instance,
             limit,
             time: 0.0,
-            hand: None,
             command: None,
+            commands: Sequence::default(),
+            steps: Sequence::default(),
             echo: Echo::default(),
             peers: Peers::new(expected),
             rejected: Rejections::default(),
@@ -82,32 +90,20 @@ impl RigInbox {
 
     fn take_command(&mut self, command: CommandMessage, now: f64) -> Result<(), Rejection> {
         let header = command.header;
-        check_protocol(header.protocol)?;
-        if command.joint_velocity.len() != self.fingers {
-            return Err(Rejection::Size);
+        check_velocities(self.fingers, &command.joint_velocity)?;
+        self.check_hand(header)?;
+        let number = (header.instance, header.sequence);
+        self.commands.missing(number, now)?;
+        // A command that is too old, or for the rig's predecessor, says that the hand is there.
+        let step = self.take_step(header, command.token, now);
+        let joint_velocity = command.joint_velocity.into_iter().map(DVec3::from);
+        let joint_velocity: Vec<DVec3> = joint_velocity.collect();
+        if joint_velocity.iter().any(|v| *v != DVec3::ZERO) {
+            step?;
+            self.check_age(header)?;
         }
-        let joint_velocity: Vec<DVec3> = command
-            .joint_velocity
-            .into_iter()
-            .map(DVec3::from)
-            .collect();
-        if !joint_velocity.iter().all(|v| v.is_finite()) {
-            return Err(Rejection::NotFinite);
-        }
-        let moves = joint_velocity.iter().any(|v| *v != DVec3::ZERO);
-        let newest = self.command.as_ref().map(|command| command.header);
-        let same = newest.filter(|newest| newest.instance == header.instance);
-        if same.is_some_and(|newest| header.sequence <= newest.sequence) {
-            return Err(Rejection::Old);
-        }
-        self.take_step(header, now)?;
-        let age = (self.time - header.stamp).abs();
-        if moves && (age.is_nan() || age > self.limit) {
-            self.stale_commands += 1;
-            return Err(Rejection::Old);
-        }
+        self.commands.take(number, now);
         self.command = Some(Command {
-            header,
             state_sequence: command.state_sequence,
             joint_velocity,
             heard: now,
@@ -116,16 +112,38 @@ impl RigInbox {
         Ok(())
     }
 
-    /// Takes in that the hand is at a step.
-    fn take_step(&mut self, header: MessageHeader, now: f64) -> Result<(), Rejection> {
+    /// Whether a command to move was made from fresh data of this rig.
+    fn check_age(&mut self, header: MessageHeader) -> Result<(), Rejection> {
+        if header.clock != self.clock {
+            return Err(Rejection::Clock);
+        }
+        let age = (self.time - header.stamp).abs();
+        if age.is_nan() || age > self.limit {
+            self.stale_commands += 1;
+            return Err(Rejection::Old);
+        }
+        Ok(())
+    }
+
+    fn check_hand(&self, header: MessageHeader) -> Result<(), Rejection> {
         check_protocol(header.protocol)?;
         self.peers
-            .check(header.instance, &ProgramKind::Hand, NO_FINGER)?;
-        if self.hand != Some(header.instance) {
-            self.hand = Some(header.instance);
-            self.echo.forget();
+            .check(header.instance, &ProgramKind::Hand, NO_FINGER)
+    }
+
+    /// Takes in that the hand is at a step; that of a mode is that of the command before.
+    fn take_step(&mut self, header: MessageHeader, token: u64, now: f64) -> Result<(), Rejection> {
+        let number = (header.instance, header.sequence);
+        if self.steps.newest() == Some(number) {
+            return Ok(());
         }
-        self.echo.heard(header.sequence, now);
+        self.steps.missing(number, now)?;
+        self.steps.take(number, now);
+        self.echo = Echo {
+            step: header.sequence,
+            token,
+            arrived: now,
+        };
         Ok(())
     }
 

@@ -7,9 +7,10 @@ use super::message::{
     DirectForces, HandMode, MessageHeader, NO_FINGER, PictureMessage, ProgramKind,
 };
 use super::peers::{Expected, Peers};
+use super::plausible::check_forces;
 use super::rejection::{Rejection, Rejections};
+use super::sequence::Sequence;
 use super::topic::Topic;
-use glam::DVec3;
 use std::collections::VecDeque;
 
 /// Pictures that may wait. More are too old to be of use before they are sensed.
@@ -43,9 +44,9 @@ pub struct SenseInbox {
     finger: u32,
     elements: usize,
     size: (usize, usize),
-    hand: Option<u64>,
+    steps: Sequence,
     echoes: VecDeque<Echo>,
-    newest: Option<MessageHeader>,
+    exposed: Sequence,
     waiting: VecDeque<Exposed>,
     /// Pictures that never came or waited too long, by their numbers.
     pub lost: u64,
@@ -57,12 +58,10 @@ pub struct SenseInbox {
 impl Inbox for SenseInbox {
     fn take_in(&mut self, topic: Topic, bytes: &[u8], now: f64) -> Result<(), Rejection> {
         match topic {
-            Topic::Heartbeat => self.peers.heard(bytes, now).map(|_| ()),
-            Topic::Mode => {
-                read::<HandMode>(bytes).and_then(|mode| self.take_step(mode.header, now))
-            }
-            Topic::Picture(_) => read(bytes).and_then(|picture| self.take_picture(picture)),
-            Topic::DirectForces(_) => read(bytes).and_then(|forces| self.take_forces(forces)),
+            Topic::Heartbeat(place) => self.peers.heard(place, bytes, now).map(|_| ()),
+            Topic::Mode => read(bytes).and_then(|mode| self.take_step(&mode, now)),
+            Topic::Picture(_) => read(bytes).and_then(|picture| self.take_picture(picture, now)),
+            Topic::DirectForces(_) => read(bytes).and_then(|forces| self.take_forces(forces, now)),
             _ => Err(Rejection::Stranger),
         }
     }
@@ -88,9 +87,9 @@ impl SenseInbox {
             finger: finger as u32,
             elements,
             size,
-            hand: None,
+            steps: Sequence::default(),
             echoes: VecDeque::with_capacity(REMEMBERED),
-            newest: None,
+            exposed: Sequence::default(),
             waiting: VecDeque::with_capacity(MOST_WAITING),
             lost: 0,
             peers: Peers::new(expected),
@@ -98,56 +97,54 @@ impl SenseInbox {
         }
     }
 
-    fn take_step(&mut self, header: MessageHeader, now: f64) -> Result<(), Rejection> {
+    fn take_step(&mut self, mode: &HandMode, now: f64) -> Result<(), Rejection> {
+        let header = mode.header;
         check_protocol(header.protocol)?;
         self.peers
             .check(header.instance, &ProgramKind::Hand, NO_FINGER)?;
-        if self.hand != Some(header.instance) {
-            self.hand = Some(header.instance);
+        let number = (header.instance, header.sequence);
+        self.steps.missing(number, now)?;
+        if self
+            .steps
+            .newest()
+            .is_some_and(|(hand, _)| hand != header.instance)
+        {
             self.echoes.clear();
         }
-        let newest = self.echoes.back().copied().unwrap_or_default();
-        if header.sequence <= newest.step {
-            return Err(Rejection::Old);
-        }
+        self.steps.take(number, now);
         if self.echoes.len() == REMEMBERED {
             self.echoes.pop_front();
         }
         self.echoes.push_back(Echo {
             step: header.sequence,
+            token: mode.token,
             arrived: now,
         });
         Ok(())
     }
 
-    fn take_picture(&mut self, picture: PictureMessage) -> Result<(), Rejection> {
+    fn take_picture(&mut self, picture: PictureMessage, now: f64) -> Result<(), Rejection> {
         check_protocol(picture.header.protocol)?;
         let (width, height) = self.size;
         let size = (picture.width as usize, picture.height as usize);
         if size != self.size || picture.pixels.len() != width * height {
             return Err(Rejection::Size);
         }
-        self.queue(picture.header, picture.finger)?;
+        self.queue(picture.header, picture.finger, now)?;
         self.waiting.push_back(Exposed::Picture(picture));
         Ok(())
     }
 
-    fn take_forces(&mut self, forces: DirectForces) -> Result<(), Rejection> {
+    fn take_forces(&mut self, forces: DirectForces, now: f64) -> Result<(), Rejection> {
         check_protocol(forces.header.protocol)?;
-        if forces.forces.len() != self.elements {
-            return Err(Rejection::Size);
-        }
-        let finite = |&force: &_| DVec3::from(force).is_finite();
-        if !forces.forces.iter().all(finite) {
-            return Err(Rejection::NotFinite);
-        }
-        self.queue(forces.header, forces.finger)?;
+        check_forces(self.elements, &forces.forces)?;
+        self.queue(forces.header, forces.finger, now)?;
         self.waiting.push_back(Exposed::Forces(forces));
         Ok(())
     }
 
     /// Makes room for what comes with `header`.
-    fn queue(&mut self, header: MessageHeader, finger: u32) -> Result<(), Rejection> {
+    fn queue(&mut self, header: MessageHeader, finger: u32, now: f64) -> Result<(), Rejection> {
         if finger != self.finger {
             return Err(Rejection::Size);
         }
@@ -156,19 +153,13 @@ impl SenseInbox {
         }
         self.peers
             .check(header.instance, &ProgramKind::World, NO_FINGER)?;
-        let same = self
-            .newest
-            .filter(|newest| newest.instance == header.instance);
-        match same {
-            // The same again: the rig waits for an answer that may have been lost.
-            Some(newest) if header.sequence < newest.sequence => return Err(Rejection::Old),
-            Some(newest) => {
-                let missing = (header.sequence - newest.sequence).saturating_sub(1);
-                self.lost = self.lost.saturating_add(missing);
-            }
-            None => {}
+        let number = (header.instance, header.sequence);
+        // The same again: the rig waits for an answer that may have been lost.
+        if self.exposed.newest() != Some(number) {
+            let lost = self.exposed.missing(number, now)?;
+            self.lost = self.lost.saturating_add(lost);
+            self.exposed.take(number, now);
         }
-        self.newest = Some(header);
         if self.waiting.len() == MOST_WAITING {
             self.waiting.pop_front();
             self.lost = self.lost.saturating_add(1);

@@ -1,5 +1,6 @@
 //! Under which keys messages go.
 
+use feeler::hand::MAX_FINGERS;
 use std::fmt;
 
 /// What a message is about. Its key is `feeler/RIG/` and what it displays as.
@@ -17,17 +18,49 @@ pub enum Topic {
     Command,
     /// [`super::message::StateMessage`].
     State,
-    /// [`super::message::Heartbeat`] of any program.
-    Heartbeat,
+    /// [`super::message::Heartbeat`] of the program that has this place.
+    Heartbeat(Place),
     /// [`super::message::StopMessage`].
     Stop,
     /// [`super::message::ResumeMessage`].
     Resume,
 }
 
+/// What a program can be, and only one program at a time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Place {
+    /// It controls the hand.
+    Hand,
+    /// It plays the rig, or serves a real one.
+    World,
+    /// It senses for a finger.
+    Sense(usize),
+    /// It gives one order and ends; of these there may be many.
+    Order,
+}
+
+impl Place {
+    /// All places.
+    pub fn all() -> impl Iterator<Item = Self> {
+        let others = [Self::Hand, Self::World, Self::Order];
+        others.into_iter().chain((0..MAX_FINGERS).map(Self::Sense))
+    }
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Hand => f.write_str("hand"),
+            Self::World => f.write_str("world"),
+            Self::Sense(finger) => write!(f, "sense/{finger}"),
+            Self::Order => f.write_str("order"),
+        }
+    }
+}
+
 impl Topic {
     /// Every topic of a rig whose only finger is `finger`.
-    pub fn all(finger: usize) -> [Self; 9] {
+    pub fn all(finger: usize) -> [Self; 12] {
         [
             Self::Tactile(finger),
             Self::Picture(finger),
@@ -35,7 +68,10 @@ impl Topic {
             Self::Mode,
             Self::Command,
             Self::State,
-            Self::Heartbeat,
+            Self::Heartbeat(Place::Hand),
+            Self::Heartbeat(Place::World),
+            Self::Heartbeat(Place::Sense(finger)),
+            Self::Heartbeat(Place::Order),
             Self::Stop,
             Self::Resume,
         ]
@@ -44,6 +80,11 @@ impl Topic {
     /// The whole key, for the rig called `rig`.
     pub fn key(self, rig: &str) -> String {
         format!("feeler/{rig}/{self}")
+    }
+
+    /// The heartbeats of all programs.
+    pub fn heartbeats() -> impl Iterator<Item = Self> {
+        Place::all().map(Self::Heartbeat)
     }
 
     /// Most bytes that a message of this topic may have; more is refused unread.
@@ -64,7 +105,7 @@ impl fmt::Display for Topic {
             Self::Mode => f.write_str("hand/mode"),
             Self::Command => f.write_str("hand/command"),
             Self::State => f.write_str("hand/state"),
-            Self::Heartbeat => f.write_str("heartbeat"),
+            Self::Heartbeat(place) => write!(f, "heartbeat/{place}"),
             Self::Stop => f.write_str("stop"),
             Self::Resume => f.write_str("resume"),
         }

@@ -7,50 +7,94 @@ use super::outlet::Outlet;
 use super::rights::{Role, access_control};
 use super::topic::Topic;
 use std::collections::HashMap;
-use std::collections::hash_map::Entry;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread;
 use zenoh::bytes::Encoding;
 use zenoh::pubsub::{Publisher, Subscriber};
 use zenoh::qos::{CongestionControl, Priority};
 use zenoh::sample::Locality;
 use zenoh::{Config, Session, Wait};
 
-/// A program's place in the link.
+/// A program's place in the link. All messages pass the hand, which alone listens.
 #[derive(Clone)]
 pub struct Link {
-    shared: Arc<Shared>,
+    rig: Arc<str>,
+    state: Arc<Mutex<State>>,
 }
 
-struct Shared {
+enum State {
+    /// The hand is not there yet; who wants to hear of what.
+    Opening(Vec<(Topic, Heard)>),
+    Open(Box<Open>),
+    /// It cannot be opened, and why.
+    Failed(String),
+}
+
+struct Open {
     session: Session,
-    rig: String,
-    publishers: Mutex<HashMap<Topic, Publisher<'static>>>,
-    subscribers: Mutex<Vec<Subscriber<()>>>,
+    publishers: HashMap<Topic, Publisher<'static>>,
+    subscribers: Vec<Subscriber<()>>,
 }
 
 impl Link {
-    /// Takes part in the link as `config` says. Programs that are not there yet are waited for in the
-    /// background.
+    /// Takes part in the link as `config` says: listens, or looks for the hand in the background for as long as it
+    /// is not there.
     ///
     /// # Errors
     /// When the configuration makes no sense, or the place to listen is taken.
     pub fn open(config: &LinkConfig) -> Result<Self, LinkError> {
         config.check()?;
-        let session = zenoh::open(settings(config)?).wait().map_err(transport)?;
-        let shared = Arc::new(Shared {
-            session,
-            rig: config.rig.clone(),
-            publishers: Mutex::default(),
-            subscribers: Mutex::default(),
-        });
-        let link = Self { shared };
-        link.keep_linger_off()?;
+        let settings = settings(config)?;
+        let link = Self {
+            rig: config.rig.as_str().into(),
+            state: Arc::new(Mutex::new(State::Opening(Vec::new()))),
+        };
+        if config.is_hand {
+            let session = zenoh::open(settings).wait().map_err(transport)?;
+            link.begin(session)?;
+            return Ok(link);
+        }
+        let opening = link.clone();
+        // Zenoh's client waits in there for the first router.
+        let work = move || {
+            let opened = zenoh::open(settings).wait().map_err(transport);
+            if let Err(error) = opened.and_then(|session| opening.begin(session)) {
+                *opening.lock() = State::Failed(error.to_string());
+            }
+        };
+        let thread = thread::Builder::new().name("link".into()).spawn(work);
+        thread.map_err(|e| LinkError::Transport(e.to_string()))?;
         Ok(link)
     }
 
+    /// Takes up what was asked for while the link was being opened.
+    fn begin(&self, session: Session) -> Result<(), LinkError> {
+        let mut state = self.lock();
+        let mut open = Open {
+            session,
+            publishers: HashMap::new(),
+            subscribers: Vec::new(),
+        };
+        open.keep_linger_off()?;
+        if let State::Opening(wanted) = &mut *state {
+            for (topic, heard) in wanted.drain(..) {
+                open.listen(topic.key(&self.rig), topic, heard)?;
+            }
+        }
+        *state = State::Open(Box::new(open));
+        Ok(())
+    }
+
+    /// A panic elsewhere does not lock the link for good.
+    fn lock(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Open {
     /// Clears the linger of this session's sockets, of those that there are and of each new one.
-    fn keep_linger_off(&self) -> Result<(), LinkError> {
-        let session = &self.shared.session;
+    fn keep_linger_off(&mut self) -> Result<(), LinkError> {
+        let session = &self.session;
         // Zenoh tells a session of its own links under this key; no other program hears it.
         let key = format!("@/{}/session/transport/unicast/*/link/*", session.zid());
         let of_new = session
@@ -59,31 +103,41 @@ impl Link {
             .callback(|sample| clear_linger(&sample.payload().to_bytes()))
             .wait()
             .map_err(transport)?;
-        lock(&self.shared.subscribers).push(of_new);
         let clear_known = |reply: zenoh::query::Reply| {
             if let Ok(sample) = reply.result() {
                 clear_linger(&sample.payload().to_bytes());
             }
         };
-        session
+        let known = session
             .get(&key)
             .allowed_destination(Locality::SessionLocal)
-            .callback(clear_known)
-            .wait()
-            .map_err(transport)
+            .callback(clear_known);
+        known.wait().map_err(transport)?;
+        self.subscribers.push(of_new);
+        Ok(())
     }
 
-    fn publisher(&self, topic: Topic) -> Result<Publisher<'static>, LinkError> {
+    fn listen(&mut self, key: String, topic: Topic, heard: Heard) -> Result<(), LinkError> {
+        let subscriber = self
+            .session
+            .declare_subscriber(key)
+            .callback(move |sample| heard(topic, &sample.payload().to_bytes()))
+            .wait()
+            .map_err(transport)?;
+        self.subscribers.push(subscriber);
+        Ok(())
+    }
+
+    fn publisher(&self, key: String, topic: Topic) -> Result<Publisher<'static>, LinkError> {
         // Pictures must not stand in the way of what stops the hand.
         let priority = match topic {
             Topic::Stop => Priority::RealTime,
             Topic::Picture(_) => Priority::DataHigh,
-            Topic::Heartbeat => Priority::Data,
+            Topic::Heartbeat(_) => Priority::Data,
             _ => Priority::InteractiveHigh,
         };
-        self.shared
-            .session
-            .declare_publisher(topic.key(&self.shared.rig))
+        self.session
+            .declare_publisher(key)
             .encoding(Encoding::APPLICATION_CDR)
             // A program does not hear itself.
             .allowed_destination(Locality::Remote)
@@ -99,26 +153,33 @@ impl Outlet for Link {
     /// Drops what the network cannot take, and never waits for it: older data are worth nothing once there
     /// are newer ones.
     fn send(&self, topic: Topic, bytes: Vec<u8>) -> Result<(), LinkError> {
-        let mut publishers = lock(&self.shared.publishers);
-        let publisher = match publishers.entry(topic) {
-            Entry::Occupied(entry) => entry.into_mut(),
-            Entry::Vacant(entry) => entry.insert(self.publisher(topic)?),
+        let mut state = self.lock();
+        let open = match &mut *state {
+            State::Opening(_) => return Ok(()),
+            State::Failed(reason) => return Err(LinkError::Transport(reason.clone())),
+            State::Open(open) => open,
         };
-        publisher.put(bytes).wait().map_err(transport)
+        if !open.publishers.contains_key(&topic) {
+            let publisher = open.publisher(topic.key(&self.rig), topic)?;
+            open.publishers.insert(topic, publisher);
+        }
+        match open.publishers.get(&topic) {
+            Some(publisher) => publisher.put(bytes).wait().map_err(transport),
+            None => Ok(()),
+        }
     }
 }
 
 impl Network for Link {
     fn listen(&self, topic: Topic, heard: Heard) -> Result<(), LinkError> {
-        let subscriber = self
-            .shared
-            .session
-            .declare_subscriber(topic.key(&self.shared.rig))
-            .callback(move |sample| heard(topic, &sample.payload().to_bytes()))
-            .wait()
-            .map_err(transport)?;
-        lock(&self.shared.subscribers).push(subscriber);
-        Ok(())
+        match &mut *self.lock() {
+            State::Opening(wanted) => {
+                wanted.push((topic, heard));
+                Ok(())
+            }
+            State::Open(open) => open.listen(topic.key(&self.rig), topic, heard),
+            State::Failed(reason) => Err(LinkError::Transport(reason.clone())),
+        }
     }
 }
 
@@ -136,7 +197,11 @@ fn settings(config: &LinkConfig) -> Result<Config, LinkError> {
         let set = settings.insert_json5(key, &value.to_string());
         set.map_err(|e| LinkError::Transport(format!("{key}: {e}")))
     };
-    set("mode", "peer".into())?;
+    // A router passes on what its clients publish. Clients reach it alone, and nobody reaches them.
+    set(
+        "mode",
+        if config.is_hand { "router" } else { "client" }.into(),
+    )?;
     set("listen/endpoints", config.listen.clone().into())?;
     set("connect/endpoints", config.connect.clone().into())?;
     // Whoever is not there yet is tried for ever, and that holds up nobody.
@@ -149,20 +214,9 @@ fn settings(config: &LinkConfig) -> Result<Config, LinkError> {
         }),
     )?;
     set("listen/exit_on_failure", true.into())?;
-    // Only endpoints that were named are listened to or connected to, and those that they tell of.
+    // Only endpoints that were named are listened to or connected to.
     set("scouting/multicast/enabled", false.into())?;
-    set("scouting/gossip/enabled", true.into())?;
-    // Of two programs that learn of each other, one connects, not both; one that nobody can connect to
-    // connects to all.
-    let connects = if config.listen.is_empty() {
-        "always"
-    } else {
-        "greater-zid"
-    };
-    set(
-        "scouting/gossip/autoconnect_strategy",
-        serde_json::json!({"peer": {"to_peer": connects}}),
-    )?;
+    set("scouting/gossip/enabled", false.into())?;
     // With the two places that are the default, half of what comes in a burst would be dropped.
     for priority in ["real_time", "interactive_high", "data_high", "data"] {
         set(
@@ -200,9 +254,9 @@ fn settings(config: &LinkConfig) -> Result<Config, LinkError> {
             )?;
         }
     }
-    let role = match config.listen.is_empty() {
-        false => Role::Hand,
-        true => Role::Member,
+    let role = match config.is_hand {
+        true => Role::Hand,
+        false => Role::Member,
     };
     if let Some(rules) = access_control(config, role)? {
         set("access_control", rules)?;
@@ -212,9 +266,4 @@ fn settings(config: &LinkConfig) -> Result<Config, LinkError> {
 
 fn transport(error: zenoh::Error) -> LinkError {
     LinkError::Transport(error.to_string())
-}
-
-/// A panic elsewhere does not lock the link for good.
-fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

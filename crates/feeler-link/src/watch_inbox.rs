@@ -2,13 +2,15 @@
 //!
 //! Nothing of it is answered, so no program of the rig can tell whether it is watched.
 
-use super::hand_inbox::{check_protocol, check_state, check_update, flags};
+use super::hand_inbox::{check_protocol, flags};
 use super::inbox::{Inbox, read};
 use super::message::{
     HandMode, Heartbeat, MessageHeader, NO_FINGER, ProgramKind, StateMessage, TactileUpdate,
 };
 use super::peers::{Expected, Peers};
+use super::plausible::{check_state, check_update};
 use super::rejection::{Rejection, Rejections};
+use super::sequence::Sequence;
 use super::topic::Topic;
 use feeler::control::flags::FingerFlags;
 use feeler_record::wire::cdr;
@@ -23,6 +25,10 @@ pub struct WatchInbox {
     fingers: Vec<Option<TactileUpdate>>,
     mode: Option<HandMode>,
     state: Option<StateMessage>,
+    /// The newest of each finger's updates, of the states and of the modes.
+    updates: Vec<Sequence>,
+    states: Sequence,
+    modes: Sequence,
     /// Updates of forces and joints that never came here, by their numbers. They may have come to the hand.
     pub missed: u64,
     /// What was not taken.
@@ -32,15 +38,15 @@ pub struct WatchInbox {
 impl Inbox for WatchInbox {
     fn take_in(&mut self, topic: Topic, bytes: &[u8], now: f64) -> Result<(), Rejection> {
         match topic {
-            Topic::Heartbeat => {
+            Topic::Heartbeat(place) => {
                 self.agree(bytes, now);
-                self.peers.heard(bytes, now).map(|_| ())
+                self.peers.heard(place, bytes, now).map(|_| ())
             }
             Topic::Tactile(finger) => {
-                read(bytes).and_then(|update| self.take_update(finger, update))
+                read(bytes).and_then(|update| self.take_update(finger, update, now))
             }
-            Topic::State => read(bytes).and_then(|state| self.take_state(state)),
-            Topic::Mode => read(bytes).and_then(|mode| self.take_mode(mode)),
+            Topic::State => read(bytes).and_then(|state| self.take_state(state, now)),
+            Topic::Mode => read(bytes).and_then(|mode| self.take_mode(mode, now)),
             _ => Err(Rejection::Stranger),
         }
     }
@@ -61,6 +67,7 @@ impl WatchInbox {
         let expected = Expected {
             experiment: String::new(),
             fingertips,
+            speed: None,
         };
         Self {
             elements: elements.to_vec(),
@@ -69,6 +76,9 @@ impl WatchInbox {
             fingers: vec![None; elements.len()],
             mode: None,
             state: None,
+            updates: vec![Sequence::default(); elements.len()],
+            states: Sequence::default(),
+            modes: Sequence::default(),
             missed: 0,
             rejected: Rejections::default(),
         }
@@ -77,8 +87,8 @@ impl WatchInbox {
     /// The topics that are taken in.
     pub fn topics(&self) -> Vec<Topic> {
         let fingers = (0..self.fingers.len()).map(Topic::Tactile);
-        let others = [Topic::Heartbeat, Topic::State, Topic::Mode];
-        others.into_iter().chain(fingers).collect()
+        let others = [Topic::State, Topic::Mode].into_iter().chain(fingers);
+        others.chain(Topic::heartbeats()).collect()
     }
 
     /// The experiment (SHA-256) that the rig works by; empty before a program of it was heard.
@@ -118,47 +128,52 @@ impl WatchInbox {
         }
     }
 
-    fn take_update(&mut self, finger: usize, update: TactileUpdate) -> Result<(), Rejection> {
+    fn take_update(
+        &mut self,
+        finger: usize,
+        update: TactileUpdate,
+        now: f64,
+    ) -> Result<(), Rejection> {
         check_protocol(update.header.protocol)?;
         let elements = *self.elements.get(finger).ok_or(Rejection::Size)?;
         check_update(finger, elements, &update)?;
         self.peers
             .check(update.header.instance, &ProgramKind::Sense, update.finger)?;
-        let before = self.fingers[finger].as_ref().map(|before| before.header);
-        self.missed = self.missed.saturating_add(gap(before, update.header)?);
+        let missed = follow(&mut self.updates[finger], update.header, now)?;
+        self.missed = self.missed.saturating_add(missed);
         self.fingers[finger] = Some(update);
         Ok(())
     }
 
-    fn take_state(&mut self, state: StateMessage) -> Result<(), Rejection> {
+    fn take_state(&mut self, state: StateMessage, now: f64) -> Result<(), Rejection> {
         check_protocol(state.header.protocol)?;
         check_state(self.fingers.len(), &state)?;
         self.peers
             .check(state.header.instance, &ProgramKind::World, NO_FINGER)?;
-        let before = self.state.as_ref().map(|before| before.header);
-        self.missed = self.missed.saturating_add(gap(before, state.header)?);
+        let missed = follow(&mut self.states, state.header, now)?;
+        self.missed = self.missed.saturating_add(missed);
         self.state = Some(state);
         Ok(())
     }
 
     /// The hand tells no more modes than others need, so that numbers that are left out are not missed.
-    fn take_mode(&mut self, mode: HandMode) -> Result<(), Rejection> {
+    fn take_mode(&mut self, mut mode: HandMode, now: f64) -> Result<(), Rejection> {
         check_protocol(mode.header.protocol)?;
         self.peers
             .check(mode.header.instance, &ProgramKind::Hand, NO_FINGER)?;
-        gap(self.mode.as_ref().map(|before| before.header), mode.header)?;
+        follow(&mut self.modes, mode.header, now)?;
+        mode.make_printable();
         self.mode = Some(mode);
         Ok(())
     }
 }
 
-/// How many messages are missing between that of the header `before` and that of `header`.
-fn gap(before: Option<MessageHeader>, header: MessageHeader) -> Result<u64, Rejection> {
-    match before.filter(|before| before.instance == header.instance) {
-        Some(before) if header.sequence <= before.sequence => Err(Rejection::Old),
-        Some(before) => Ok(header.sequence - before.sequence - 1),
-        None => Ok(0),
-    }
+/// How many messages are missing before that of `header`, which came at `now`, s.
+fn follow(sequence: &mut Sequence, header: MessageHeader, now: f64) -> Result<u64, Rejection> {
+    let number = (header.instance, header.sequence);
+    let missing = sequence.missing(number, now)?;
+    sequence.take(number, now);
+    Ok(missing)
 }
 
 #[cfg(test)]
@@ -174,8 +189,13 @@ mod tests {
         bytes
     }
 
-    fn heartbeat(program: &str, instance: u64, experiment: &str, sequence: u64) -> Vec<u8> {
-        bytes(&Heartbeat {
+    fn heartbeat(
+        program: &str,
+        instance: u64,
+        experiment: &str,
+        sequence: u64,
+    ) -> (Topic, Vec<u8>) {
+        let heartbeat = Heartbeat {
             protocol: PROTOCOL,
             instance,
             program: program.into(),
@@ -183,7 +203,9 @@ mod tests {
             experiment: experiment.into(),
             sequence,
             ..Heartbeat::default()
-        })
+        };
+        let place = heartbeat.place().expect("a place");
+        (Topic::Heartbeat(place), bytes(&heartbeat))
     }
 
     fn state(instance: u64, sequence: u64) -> Vec<u8> {
@@ -197,8 +219,8 @@ mod tests {
     fn the_hand_says_what_the_experiment_is() {
         let mut inbox = WatchInbox::new(&[], Vec::new());
         let mut hear = |program, instance, experiment, sequence| {
-            let heard = heartbeat(program, instance, experiment, sequence);
-            inbox.take(Topic::Heartbeat, &heard, 0.1).expect("heard");
+            let (topic, heard) = heartbeat(program, instance, experiment, sequence);
+            inbox.take(topic, &heard, 0.1).expect("heard");
             let refused = inbox.peers.all().last().map(|peer| peer.refused.is_some());
             (inbox.experiment().to_string(), refused)
         };
@@ -212,8 +234,8 @@ mod tests {
     #[test]
     fn what_is_missing_is_counted_and_nothing_is_taken_of_strangers_or_twice() {
         let mut inbox = WatchInbox::new(&[], Vec::new());
-        let world = heartbeat("world", 1, "ours", 1);
-        inbox.take(Topic::Heartbeat, &world, 0.1).expect("heard");
+        let (topic, world) = heartbeat("world", 1, "ours", 1);
+        inbox.take(topic, &world, 0.1).expect("heard");
         let mut take = |instance, sequence| {
             let taken = inbox.take(Topic::State, &state(instance, sequence), 0.2);
             (taken, inbox.missed)

@@ -2,7 +2,7 @@
 
 use feeler_link::message::{
     CommandMessage, DirectForces, HandMode, Heartbeat, InstrumentsMessage, MessageHeader,
-    PictureMessage, ResumeMessage, StateMessage, StopMessage, TactileUpdate,
+    PictureMessage, ResumeMessage, StateMessage, StopInForce, StopMessage, TactileUpdate,
 };
 use feeler_record::wire::{Message, Vector3, cdr};
 use proptest::prelude::*;
@@ -122,10 +122,16 @@ fn vector() -> impl Strategy<Value = Vector3> {
 
 prop_compose! {
     fn header()(
-        protocol: u32, [instance, clock, sequence, echo_step] in any::<[u64; 4]>(),
+        protocol: u32, [instance, clock, sequence, echo_step, echo_token] in any::<[u64; 5]>(),
         stamp in number(), echo_age in number(),
     ) -> MessageHeader {
-        MessageHeader { protocol, instance, clock, sequence, stamp, echo_step, echo_age }
+        MessageHeader { protocol, instance, clock, sequence, stamp, echo_step, echo_token, echo_age }
+    }
+}
+
+prop_compose! {
+    fn stop()([number, id] in any::<[u64; 2]>(), by: String) -> StopInForce {
+        StopInForce { number, id, by }
     }
 }
 
@@ -164,12 +170,12 @@ proptest! {
     #[test]
     fn hands(
         header in header(), [search, r#move] in any::<[bool; 2]>(), phase: u8, stroke: u32,
-        stopped: String, state_sequence: u64, joint_velocity in vec(vector(), 0..4),
+        stopped: String, [token, state_sequence] in any::<[u64; 2]>(), stops in vec(stop(), 0..3), joint_velocity in vec(vector(), 0..4),
         position in vec(vector(), 0..4), velocity in vec(vector(), 0..4),
         instruments in vec(instruments(), 0..3),
     ) {
-        check(&HandMode { header, search, r#move, phase, stroke, stopped });
-        check(&CommandMessage { header, state_sequence, joint_velocity });
+        check(&HandMode { header, token, search, r#move, phase, stroke, stopped, stops });
+        check(&CommandMessage { header, token, state_sequence, joint_velocity });
         check(&StateMessage { header, position, velocity, instruments });
     }
 
@@ -185,8 +191,8 @@ proptest! {
             protocol, instance, program: program.into(), version, finger, experiment, fingertip, sequence, rate, age, lost,
             refused, missed, speed, fault,
         });
-        check(&StopMessage { protocol, from: from.clone() });
-        check(&ResumeMessage { protocol, from });
+        check(&StopMessage { protocol, from: from.clone(), id: lost });
+        check(&ResumeMessage { protocol, from, number: lost });
     }
 }
 

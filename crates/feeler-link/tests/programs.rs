@@ -13,7 +13,6 @@ use feeler::sensor::layout::{ElementLayout, LayoutConfig};
 use feeler::sensor::reading::{SensorError, TactileFrame, TactileSensor};
 use feeler_link::endpoints::LinkError;
 use feeler_link::message::{InstrumentsMessage, StopMessage};
-use feeler_link::mismatch::Mismatch;
 use feeler_link::network::{Heard, Network};
 use feeler_link::outlet::{Outlet, encode};
 use feeler_link::peers::Expected;
@@ -152,6 +151,9 @@ impl TactileSensor for Shared {
     }
 }
 
+/// After so long a program is taken to hang.
+const HANGS: Duration = Duration::from_secs(60);
+
 /// Joint angles, grasp force and phase of every step.
 type Trace = Vec<(DVec3, f64, Phase)>;
 
@@ -221,6 +223,7 @@ fn expected() -> Expected {
     Expected {
         experiment: "toy".into(),
         fingertips: vec!["tip".into()],
+        speed: None,
     }
 }
 
@@ -229,6 +232,7 @@ fn hand(config: &Config, network: Arc<dyn Network>) -> HandProgram {
         control: config.control.clone(),
         expected: expected(),
         elements: vec![ElementLayout::new(&config.layout).elements.len()],
+        speed: RigSpeed::Lockstep,
         time_limit: 60.0,
     };
     HandProgram::new(&hand, config.controller(), network).unwrap()
@@ -349,6 +353,7 @@ fn an_order_to_stop_is_warned_of_and_obeyed() {
         let stop = StopMessage {
             protocol: feeler_link::message::PROTOCOL,
             from: "a test".into(),
+            id: 7,
         };
         let (mut stopped, mut moved, mut steps) = (None, 0, 0);
         program
@@ -399,9 +404,23 @@ fn a_hand_waits_for_what_is_missing_and_refuses_what_does_not_agree() {
     };
     let _rig = RigProgram::new(Toy::new(&config), &other, hub.port(1)).unwrap();
     interrupted.store(false, Ordering::Relaxed);
-    let refused = program.wait_for_others(&interrupted);
-    let Err(ProgramError::Mismatch(Mismatch::Experiment { theirs, .. })) = refused else {
-        panic!("{refused:?}")
-    };
-    assert_eq!(theirs, "another");
+    // It says so, and waits on for one that agrees.
+    let warnings = Arc::new(Mutex::new(Vec::new()));
+    let heard = warnings.clone();
+    program.set_warn(Box::new(move |text| {
+        heard.lock().unwrap().push(text.to_string())
+    }));
+    let refused = || warnings.lock().unwrap().first().cloned();
+    let is_whole = thread::scope(|scope| {
+        let waiting = scope.spawn(|| program.wait_for_others(&interrupted));
+        let began = Instant::now();
+        while refused().is_none() && began.elapsed() < HANGS {
+            thread::sleep(Duration::from_millis(5));
+        }
+        interrupted.store(true, Ordering::Relaxed);
+        waiting.join().unwrap()
+    });
+    assert!(!is_whole.unwrap());
+    let refused = refused().unwrap();
+    assert!(refused.contains("works by experiment another"), "{refused}");
 }

@@ -1,15 +1,21 @@
 //! `feeler bench link`: how long it takes from what a sensor feels to what the hand commands.
 
-use super::LinkArguments;
+use super::{LinkArguments, ListenArguments};
 use crate::interrupt::watch_for_interrupt;
 use crate::{CommandError, Outcome};
 use feeler::pace::{Clock, Monotonic, Pace};
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::linked::{expected, hand_program};
 use feeler_link::beacon::Beacon;
-use feeler_link::message::{Heartbeat, NO_ELEMENT, NO_FINGER, StateMessage, TactileUpdate};
+use feeler_link::inbox::listen;
+use feeler_link::message::{
+    Heartbeat, MessageHeader, NO_ELEMENT, NO_FINGER, StateMessage, TactileUpdate,
+};
 use feeler_link::network::Network;
-use feeler_link::outlet::{draw_instance, header, send};
+use feeler_link::outlet::{TimeSource, draw_instance, header, monotonic, send};
+use feeler_link::programs::RigSpeed;
+use feeler_link::rig_inbox::RigInbox;
+use feeler_link::shared::Shared;
 use feeler_link::topic::Topic;
 use feeler_record::wire::{Message, Vector3};
 use hdrhistogram::Histogram;
@@ -68,14 +74,14 @@ fn answer(
 ) -> Result<Outcome, CommandError> {
     let port = TcpListener::bind("127.0.0.1:0")?.local_addr()?.port();
     let endpoint = format!("tcp/127.0.0.1:{port}");
-    let network = LinkArguments::at(&endpoint).open("bench", true)?;
+    let network = LinkArguments::default().listen("bench", &ListenArguments::at(&endpoint))?;
     let _sensors = Ended(
         Command::new(std::env::current_exe()?)
             .args(["bench", "link", "--rate", &bench.rate.to_string()])
             .args(["--sensors-of", &endpoint])
             .spawn()?,
     );
-    let mut program = hand_program(experiment, network)?;
+    let mut program = hand_program(experiment, RigSpeed::Lockstep, network)?;
     if !program.wait_for_others(stop)? {
         return Ok(Outcome::GivenUp);
     }
@@ -86,13 +92,12 @@ fn answer(
     // A second to get going, which is not counted.
     let (mut step, getting_going) = (0, u64::from(bench.rate));
     program.run(stop, |control_loop, _| {
+        // The sensors number their pictures by the time at which they were taken.
         let touches = control_loop.touches().iter();
-        let oldest = touches
-            .map(|touch| touch.stamp)
-            .fold(f64::INFINITY, f64::min);
+        let oldest = touches.map(|touch| touch.frame.sequence).min().unwrap_or(0);
         step += 1;
         if step > getting_going {
-            latency.saturating_record(((now() - oldest) * 1e9) as u64);
+            latency.saturating_record(now().saturating_sub(oldest));
         }
         match step < steps + getting_going {
             true => ControlFlow::Continue(()),
@@ -127,15 +132,20 @@ impl Drop for Ended {
 /// The sensors' side: a world and the sensors of all fingers in one.
 struct Sensors {
     network: Arc<dyn Network>,
+    /// What the world hears of the hand.
+    inbox: Shared<RigInbox>,
+    clock: TimeSource,
     world: u64,
     fingers: Vec<u64>,
     elements: usize,
-    _beacons: Vec<Beacon>,
+    /// Control period, s of the rig's time.
+    period: f64,
+    _beacons: Vec<Arc<Beacon>>,
 }
 
 impl Sensors {
     fn new(experiment: &Experiment, hand: &str) -> Result<Self, CommandError> {
-        let network = LinkArguments::connecting_to(hand).open("bench", false)?;
+        let network = LinkArguments::connecting_to(hand).connect("bench")?;
         let expected = expected(experiment)?;
         let beacon = |program: &str, finger: u32, fingertip: &str| {
             let instance = draw_instance();
@@ -147,24 +157,34 @@ impl Sensors {
                 fingertip: fingertip.into(),
                 age: f64::NAN,
                 // The hand answers at once.
-                speed: 0.0,
+                speed: RigSpeed::Lockstep.times(),
                 ..Heartbeat::default()
             };
-            Beacon::start(network.clone(), heartbeat).map(|beacon| (instance, beacon))
+            Beacon::start(network.clone(), heartbeat).map(|beacon| (instance, Arc::new(beacon)))
         };
         let (world, of_world) = beacon("world", NO_FINGER, "")?;
-        let (mut fingers, mut beacons) = (Vec::new(), vec![of_world]);
+        let (mut fingers, mut beacons) = (Vec::new(), vec![of_world.clone()]);
         for (finger, fingertip) in expected.fingertips.iter().enumerate() {
             let (instance, beacon) = beacon("sense", finger as u32, fingertip)?;
             fingers.push(instance);
             beacons.push(beacon);
         }
-        let layout = &experiment.config.sensor.fingertip.layout;
+        let identity = (fingers.len(), world);
+        let inbox = Shared::new(RigInbox::new(identity, f64::INFINITY, expected.clone()));
+        let clock = monotonic();
+        let topics: Vec<Topic> = Topic::heartbeats()
+            .chain([Topic::Mode, Topic::Command])
+            .collect();
+        listen(&*network, &topics, &inbox, &clock, &of_world)?;
+        let config = &experiment.config;
         Ok(Self {
             network,
+            inbox,
+            clock,
             world,
             fingers,
-            elements: layout.element_count(),
+            elements: config.sensor.fingertip.layout.element_count(),
+            period: config.control.period,
             _beacons: beacons,
         })
     }
@@ -178,19 +198,24 @@ impl Sensors {
             if stop.load(Ordering::Relaxed) || pace.wait_unless(stop).is_none() {
                 break;
             }
+            let (echo, stamp) = (self.inbox.lock().echo, sequence as f64 * self.period);
+            let header = |instance| MessageHeader {
+                clock: self.world,
+                ..header(instance, sequence, stamp).echoing(echo, (self.clock)())
+            };
             // As in a rig: the joints are known before pictures have become forces.
             let state = StateMessage {
-                header: header(self.world, sequence, now()),
+                header: header(self.world),
                 position: still.clone(),
                 velocity: still.clone(),
                 instruments: Vec::new(),
             };
             self.publish(Topic::State, &state)?;
             for (finger, &instance) in self.fingers.iter().enumerate() {
-                let mut update = TactileUpdate {
-                    header: header(instance, sequence, now()),
+                let update = TactileUpdate {
+                    header: header(instance),
                     finger: finger as u32,
-                    frame: sequence,
+                    frame: now(),
                     largest_element: NO_ELEMENT,
                     forces: vec![Vector3::default(); elements],
                     shear_rate: vec![0.0; elements],
@@ -198,7 +223,6 @@ impl Sensors {
                     invalid_mask: vec![0; elements.div_ceil(8)],
                     ..TactileUpdate::default()
                 };
-                update.header.clock = self.world;
                 self.publish(Topic::Tactile(finger), &update)?;
             }
         }
@@ -210,7 +234,7 @@ impl Sensors {
     }
 }
 
-/// The time that all programs of this computer agree on, s.
-fn now() -> f64 {
-    Monotonic::new().now().as_secs_f64()
+/// The time that all programs of this computer agree on, ns.
+fn now() -> u64 {
+    Monotonic::new().now().as_nanos() as u64
 }

@@ -1,6 +1,6 @@
 //! `feeler hand`
 
-use super::{ExperimentArguments, LinkArguments, warn_on_stderr};
+use super::{ExperimentArguments, LinkArguments, ListenArguments, warn_on_stderr};
 use crate::interrupt::watch_for_interrupt;
 use crate::report::print_outcome;
 use crate::run::make_folder;
@@ -10,7 +10,7 @@ use feeler_lab::config::Experiment;
 use feeler_lab::experiment::linked::hand_program;
 use feeler_lab::experiment::recorded_run::{finish, run_end};
 use feeler_lab::experiment::{layouts, run_facts};
-use feeler_link::programs::HandProgram;
+use feeler_link::programs::{HandProgram, RigSpeed};
 use feeler_link::right::Right;
 use feeler_record::{RecordOptions, Recorder, RunLog};
 use feeler_report::make::RECORDING;
@@ -31,8 +31,13 @@ pub struct Arguments {
     /// steps begin on time.
     #[arg(long)]
     real_time: bool,
+    /// Seconds of the experiment in a second, the same as the rig's; `max` where that waits for the hand.
+    #[arg(long, default_value = "1")]
+    speed: RigSpeed,
     #[command(flatten)]
     values: ExperimentArguments,
+    #[command(flatten)]
+    listening: ListenArguments,
     #[command(flatten)]
     link: LinkArguments,
 }
@@ -44,9 +49,9 @@ pub fn hand(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comma
     let network = arguments
         .link
         .with_right(&[Right::Hand])?
-        .open(&rig, true)?;
+        .listen(&rig, &arguments.listening)?;
     let interrupted = watch_for_interrupt()?;
-    let mut program = hand_program(&experiment, network)?;
+    let mut program = hand_program(&experiment, arguments.speed, network)?;
     program.set_warn(warn_on_stderr());
     writeln!(out, "waiting for {}", program.missing().join(", "))?;
     out.flush()?;

@@ -9,7 +9,7 @@ pub mod world;
 
 use super::CommandError;
 use feeler_lab::config::Experiment;
-use feeler_link::endpoints::{HAND_ENDPOINT, LOCAL_ENDPOINT, LinkConfig};
+use feeler_link::endpoints::{HAND_ENDPOINT, LinkConfig};
 use feeler_link::network::{Network, Rehearsal, RehearsedNetwork};
 use feeler_link::programs::Warn;
 use feeler_link::right::Right;
@@ -21,37 +21,43 @@ use std::sync::Arc;
 #[derive(Debug, Clone, Default, clap::Args)]
 #[command(next_help_heading = "Link")]
 pub struct LinkArguments {
-    /// Where to listen, as in tls/0.0.0.0:7447; several times for several places [default: the hand
-    /// tcp/127.0.0.1:7447, top nowhere, the others any port of this computer]
-    #[arg(long, value_name = "ENDPOINT")]
-    listen: Vec<String>,
-    /// Whom to connect to, as in tls/10.0.0.5:7447; tried until it is there [default: the hand on this
-    /// computer]
+    /// Where the hand is, as in tls/10.0.0.5:7447; tried until it is there [default: tcp/127.0.0.1:7447]
     #[arg(long, value_name = "ENDPOINT")]
     connect: Vec<String>,
     /// Folder of this computer's certificates, for tls/ endpoints; `feeler certificates` makes them. Each program takes
     /// that of its right.
     #[arg(long, value_name = "DIR")]
     certificates: Option<PathBuf>,
-    /// Listen beyond this computer without certificates: anybody there can then move the hand.
-    #[arg(long)]
-    insecure: bool,
     /// Rehearse a bad network: loss, duplicate (0 to 1), delay, jitter (s), seed, as in
     /// loss=0.2,jitter=0.05
     #[arg(long, value_name = "FAULTS")]
     rehearse: Option<Rehearsal>,
 }
 
-impl LinkArguments {
-    /// Of a program that listens at `endpoint` alone.
+/// Where the hand listens.
+#[derive(Debug, Clone, Default, clap::Args)]
+#[command(next_help_heading = "Link")]
+pub struct ListenArguments {
+    /// Where to listen, as in tls/0.0.0.0:7447; several times for several places [default: tcp/127.0.0.1:7447]
+    #[arg(long, value_name = "ENDPOINT")]
+    listen: Vec<String>,
+    /// Listen beyond this computer without certificates: anybody there can then move the hand.
+    #[arg(long)]
+    insecure: bool,
+}
+
+impl ListenArguments {
+    /// At `endpoint` alone.
     fn at(endpoint: &str) -> Self {
         Self {
             listen: vec![endpoint.into()],
-            ..Self::default()
+            insecure: false,
         }
     }
+}
 
-    /// Of a program that connects to `endpoint` alone.
+impl LinkArguments {
+    /// Of a program whose hand is at `endpoint`.
     fn connecting_to(endpoint: &str) -> Self {
         Self {
             connect: vec![endpoint.into()],
@@ -62,10 +68,8 @@ impl LinkArguments {
     /// The first option that is given.
     pub fn given(&self) -> Option<&'static str> {
         let options = [
-            ("--listen", !self.listen.is_empty()),
             ("--connect", !self.connect.is_empty()),
             ("--certificates", self.certificates.is_some()),
-            ("--insecure", self.insecure),
             ("--rehearse", self.rehearse.is_some()),
         ];
         first_given(&options)
@@ -82,40 +86,44 @@ impl LinkArguments {
         Ok(arguments)
     }
 
-    /// The network of the rig `name`. The hand waits for the others to connect.
-    pub fn open(&self, name: &str, is_hand: bool) -> Result<Arc<dyn Network>, CommandError> {
-        if is_hand {
-            self.network(name, Some(HAND_ENDPOINT), None)
-        } else {
-            self.network(name, Some(LOCAL_ENDPOINT), Some(HAND_ENDPOINT))
-        }
-    }
-
-    /// The network of the rig `name` for somebody who only watches: nobody need connect to it.
-    #[cfg(feature = "top")]
-    pub fn watch(&self, name: &str) -> Result<Arc<dyn Network>, CommandError> {
-        self.network(name, None, Some(HAND_ENDPOINT))
-    }
-
-    /// The network of the rig `name`, with the places to `listen` and to `connect` to where none are given.
-    fn network(
-        &self,
-        name: &str,
-        listen: Option<&str>,
-        connect: Option<&str>,
-    ) -> Result<Arc<dyn Network>, CommandError> {
-        let or = |given: &[String], default: Option<&str>| match given {
-            [] => default.map(String::from).into_iter().collect(),
+    /// The network of the rig `name`, of a program that looks for the hand.
+    pub fn connect(&self, name: &str) -> Result<Arc<dyn Network>, CommandError> {
+        let connect = match self.connect.as_slice() {
+            [] => vec![HAND_ENDPOINT.into()],
             given => given.to_vec(),
         };
-        let config = LinkConfig {
+        self.open(LinkConfig {
             rig: name.into(),
-            listen: or(&self.listen, listen),
-            connect: or(&self.connect, connect),
-            certificates: self.certificates.clone(),
-            insecure: self.insecure,
+            connect,
+            ..LinkConfig::default()
+        })
+    }
+
+    /// The network of the rig `name`, of its hand: it waits for the others to connect.
+    pub fn listen(
+        &self,
+        name: &str,
+        listening: &ListenArguments,
+    ) -> Result<Arc<dyn Network>, CommandError> {
+        let listen = match listening.listen.as_slice() {
+            [] => vec![HAND_ENDPOINT.into()],
+            given => given.to_vec(),
         };
-        let network = open(&config)?;
+        self.open(LinkConfig {
+            rig: name.into(),
+            is_hand: true,
+            listen,
+            connect: self.connect.clone(),
+            insecure: listening.insecure,
+            ..LinkConfig::default()
+        })
+    }
+
+    fn open(&self, config: LinkConfig) -> Result<Arc<dyn Network>, CommandError> {
+        let network = open(&LinkConfig {
+            certificates: self.certificates.clone(),
+            ..config
+        })?;
         Ok(match self.rehearse {
             Some(rehearsal) => Arc::new(RehearsedNetwork::new(network, rehearsal)),
             None => network,

@@ -4,17 +4,17 @@ use super::LinkArguments;
 use crate::{CommandError, Outcome};
 use feeler_link::beacon::Beacon;
 use feeler_link::endpoints::LinkError;
-use feeler_link::inbox::{Inbox, listen, read};
+use feeler_link::inbox::listen;
 use feeler_link::message::{
-    HandMode, Heartbeat, NO_FINGER, PROTOCOL, ProgramKind, ResumeMessage, StopMessage,
+    HandMode, Heartbeat, NO_FINGER, PROTOCOL, ProgramKind, ResumeMessage, StopInForce, StopMessage,
 };
 use feeler_link::network::Network;
 use feeler_link::outlet::{draw_instance, monotonic, send};
-use feeler_link::peers::{Expected, Peers};
-use feeler_link::rejection::{Rejection, Rejections};
+use feeler_link::printable::printable;
 use feeler_link::right::Right;
 use feeler_link::shared::Shared;
 use feeler_link::topic::Topic;
+use feeler_link::watch_inbox::WatchInbox;
 use std::io::Write;
 use std::sync::Arc;
 use std::time::Duration;
@@ -26,144 +26,246 @@ const LONGEST: Duration = Duration::from_secs(5);
 const REPEATS: usize = 5;
 const INTERVAL: Duration = Duration::from_millis(200);
 
+/// How long the hand must stay as it was told before that is reported.
+const STEADY: Duration = Duration::from_millis(300);
+
 #[derive(Debug, clap::Args)]
-pub struct Arguments {
+pub struct StopArguments {
     /// Name of the rig: that of the experiment, unless its programs were given another.
     rig: String,
     /// Who says so, for the hand's screen and record.
-    #[arg(long, default_value = "the command line")]
+    #[arg(long, default_value = BY)]
     from: String,
     #[command(flatten)]
     link: LinkArguments,
 }
 
-/// What there is to say to a hand.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, clap::Args)]
+pub struct ResumeArguments {
+    /// Name of the rig: that of the experiment, unless its programs were given another.
+    rig: String,
+    /// Whose stop to resume [default: "the command line"; where there is none of that name, the hand's own or the
+    /// only one]
+    #[arg(long, default_value = BY, hide_default_value = true)]
+    from: String,
+    /// Number of the stop to resume, as `feeler stop` and `feeler resume` print it.
+    #[arg(long, conflicts_with = "from")]
+    number: Option<u64>,
+    #[command(flatten)]
+    link: LinkArguments,
+}
+
+/// Who gives an order on the command line.
+const BY: &str = "the command line";
+
+/// A hand that somebody gives an order to.
+struct Caller {
+    network: Arc<dyn Network>,
+    inbox: Shared<WatchInbox>,
+    _beacon: Arc<Beacon>,
+}
+
+impl Caller {
+    /// Looks for the hand of the rig `name`.
+    fn new(link: &LinkArguments, name: &str) -> Result<Self, CommandError> {
+        let network = link.connect(name)?;
+        let heartbeat = Heartbeat {
+            instance: draw_instance(),
+            program: ProgramKind::Order,
+            finger: NO_FINGER,
+            age: f64::NAN,
+            ..Heartbeat::default()
+        };
+        let beacon = Arc::new(Beacon::start(network.clone(), heartbeat)?);
+        let inbox = Shared::new(WatchInbox::new(&[], Vec::new()));
+        let topics: Vec<Topic> = Topic::heartbeats().chain([Topic::Mode]).collect();
+        listen(&*network, &topics, &inbox, &monotonic(), &beacon)?;
+        let caller = Self {
+            network,
+            inbox,
+            _beacon: beacon,
+        };
+        if !caller.hears(LONGEST, |_| true) {
+            return Err(format!("no hand of rig {name:?} was heard within {LONGEST:?}").into());
+        }
+        Ok(caller)
+    }
+
+    /// Whether the hand says within `longest` that it is as `is_so` asks.
+    fn hears(&self, longest: Duration, is_so: impl Fn(&HandMode) -> bool) -> bool {
+        let heard = |inbox: &mut WatchInbox| inbox.mode().is_some_and(&is_so);
+        self.inbox.wait_for(longest, heard)
+    }
+
+    /// What the hand said last.
+    fn mode(&self) -> HandMode {
+        self.inbox.lock().mode().cloned().unwrap_or_default()
+    }
+
+    /// Says `order` until the hand is as `is_so` asks, and whether it then stays so.
+    fn order(
+        &self,
+        order: &Order,
+        is_so: impl Fn(&HandMode) -> bool,
+    ) -> Result<Heeded, CommandError> {
+        // More than once: a message that the network cannot take is dropped.
+        for _ in 0..REPEATS {
+            order.send(&*self.network)?;
+            if self.hears(INTERVAL, &is_so) {
+                return Ok(match self.hears(STEADY, |mode| !is_so(mode)) {
+                    true => Heeded::Undone,
+                    false => Heeded::Steadily,
+                });
+            }
+        }
+        Ok(Heeded::Not)
+    }
+}
+
+/// What came of an order.
+enum Heeded {
+    /// The hand did not say that it does so.
+    Not,
+    /// It did, and no longer does.
+    Undone,
+    /// It does.
+    Steadily,
+}
+
+/// What there is to say to a hand. The same order may be said again.
 pub enum Order {
     /// Stand still.
-    Stop,
-    /// Go on.
-    Resume,
-}
-
-/// Looks for the hand, and hears what it is about.
-struct Lookout {
-    peers: Peers,
-    mode: Option<HandMode>,
-    rejected: Rejections,
-}
-
-impl Inbox for Lookout {
-    fn take_in(&mut self, topic: Topic, bytes: &[u8], now: f64) -> Result<(), Rejection> {
-        if topic == Topic::Mode {
-            self.mode = Some(read(bytes)?);
-            return Ok(());
-        }
-        self.peers.heard(bytes, now).map(|_| ())
-    }
-
-    fn peers(&self) -> &Peers {
-        &self.peers
-    }
-
-    fn rejected(&mut self) -> &mut Rejections {
-        &mut self.rejected
-    }
+    Stop(StopMessage),
+    /// Go on, if no other stop is in force.
+    Resume(ResumeMessage),
 }
 
 impl Order {
-    /// Says it once to whatever hand hears it, on behalf of `from`.
-    pub fn send(self, network: &dyn Network, from: &str) -> Result<(), LinkError> {
-        let (protocol, from) = (PROTOCOL, from.to_string());
+    /// A stop by `from`.
+    pub fn stop(from: &str) -> Self {
+        Self::Stop(StopMessage {
+            protocol: PROTOCOL,
+            from: from.into(),
+            id: draw_instance(),
+        })
+    }
+
+    /// The resume of the stop `number` by `from`.
+    pub fn resume(from: &str, number: u64) -> Self {
+        Self::Resume(ResumeMessage {
+            protocol: PROTOCOL,
+            from: from.into(),
+            number,
+        })
+    }
+
+    /// Says it once to whatever hand hears it.
+    pub fn send(&self, network: &dyn Network) -> Result<(), LinkError> {
         match self {
-            Self::Stop => send(network, Topic::Stop, &StopMessage { protocol, from }),
-            Self::Resume => send(network, Topic::Resume, &ResumeMessage { protocol, from }),
+            Self::Stop(message) => send(network, Topic::Stop, message),
+            Self::Resume(message) => send(network, Topic::Resume, message),
         }
-    }
-
-    fn is_followed(self, mode: &HandMode) -> bool {
-        mode.stopped.is_empty() == (self == Self::Resume)
     }
 }
 
-/// Says `order` to the hand of a rig, and whether it heeds it.
-pub fn order(
-    arguments: &Arguments,
-    order: Order,
-    out: &mut dyn Write,
-) -> Result<Outcome, CommandError> {
-    let rights: &[Right] = match order {
-        Order::Stop => &[Right::Order, Right::Stop],
-        Order::Resume => &[Right::Order],
-    };
-    let network = arguments
-        .link
-        .with_right(rights)?
-        .open(&arguments.rig, false)?;
-    let clock = monotonic();
-    let heartbeat = Heartbeat {
-        instance: draw_instance(),
-        program: ProgramKind::Order,
-        finger: NO_FINGER,
-        age: f64::NAN,
-        ..Heartbeat::default()
-    };
-    let beacon = Arc::new(Beacon::start(network.clone(), heartbeat)?);
-    let lookout = Shared::new(Lookout {
-        peers: Peers::new(Expected::default()),
-        mode: None,
-        rejected: Rejections::default(),
-    });
-    let topics = [Topic::Heartbeat, Topic::Mode];
-    listen(&*network, &topics, &lookout, &clock, &beacon)?;
-    let is_hand = |lookout: &mut Lookout| {
-        let mut peers = lookout.peers.all().iter();
-        peers.any(|peer| peer.heartbeat.program == ProgramKind::Hand)
-    };
-    if !lookout.wait_for(LONGEST, is_hand) {
-        let rig = &arguments.rig;
-        return Err(format!("no hand of rig {rig:?} was heard within {LONGEST:?}").into());
-    }
-    // More than once: a message that the network cannot take is dropped.
-    for _ in 0..REPEATS {
-        lookout.lock().mode = None;
-        order.send(&*network, &arguments.from)?;
-        let heeded =
-            |lookout: &mut Lookout| lookout.mode.as_ref().is_some_and(|m| order.is_followed(m));
-        if lookout.wait_for(INTERVAL, heeded) {
-            let mode = lookout.lock().mode.clone().unwrap_or_default();
-            return said(&mode, out);
-        }
-    }
-    let mode = lookout.lock().mode.clone();
-    not_followed(mode.as_ref(), out)
+/// The stop that `from` is to resume of those in force: his own, else that of the hand itself, else the only one.
+pub fn to_resume<'a>(stops: &'a [StopInForce], from: &str) -> Option<&'a StopInForce> {
+    let (by, is_own) = (printable(from), |stop: &&StopInForce| stop.id == 0);
+    let mine = stops.iter().find(|stop| stop.by == by);
+    let only = || stops.first().filter(|_| stops.len() == 1);
+    mine.or_else(|| stops.iter().find(is_own)).or_else(only)
 }
 
-fn said(mode: &HandMode, out: &mut dyn Write) -> Result<Outcome, CommandError> {
-    match mode.stopped.as_str() {
-        "" => writeln!(out, "the hand goes on")?,
-        reason => writeln!(out, "the hand stands still: {reason}")?,
+/// Tells the hand of a rig to stop, and says whether it stands still.
+pub fn stop(arguments: &StopArguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
+    let caller = Caller::new(
+        &arguments.link.with_right(&[Right::Order, Right::Stop])?,
+        &arguments.rig,
+    )?;
+    let message = StopMessage {
+        protocol: PROTOCOL,
+        from: arguments.from.clone(),
+        id: draw_instance(),
+    };
+    let id = message.id;
+    let holds = |mode: &HandMode| mode.stops.iter().any(|stop| stop.id == id);
+    let is_so = |mode: &HandMode| holds(mode) && (mode.is_waiting() || !mode.stopped.is_empty());
+    let heeded = caller.order(&Order::Stop(message), is_so)?;
+    let mode = caller.mode();
+    let stop = mode.stops.iter().find(|stop| stop.id == id);
+    let number = stop.map_or(0, |stop| stop.number);
+    match heeded {
+        // It heeds a stop when it begins.
+        Heeded::Steadily if mode.is_waiting() => writeln!(
+            out,
+            "the hand waits for its rig, and will stand still when it is there (stop {number})"
+        )?,
+        Heeded::Steadily => writeln!(
+            out,
+            "the hand stands still: {} (stop {number}, for {STEADY:?} so far)",
+            mode.stopped
+        )?,
+        Heeded::Undone => {
+            writeln!(out, "the hand stood still, and somebody resumed it at once")?;
+            return Ok(Outcome::GivenUp);
+        }
+        Heeded::Not => {
+            writeln!(
+                out,
+                "the hand was told to stop, but does not say that it does"
+            )?;
+            return Ok(Outcome::GivenUp);
+        }
     }
     Ok(Outcome::Done)
 }
 
-/// What is said of a hand that does not do as it was told.
-fn not_followed(mode: Option<&HandMode>, out: &mut dyn Write) -> Result<Outcome, CommandError> {
-    match mode {
-        None => writeln!(
-            out,
-            "the hand was told to, but does not say whether it does"
-        )?,
-        // It heeds a stop when it begins.
-        Some(mode) if mode.is_waiting() => {
-            writeln!(
-                out,
-                "the hand waits for its rig, and will stand still when it is there"
-            )?;
-            return Ok(Outcome::Done);
-        }
-        Some(mode) if mode.stopped.is_empty() => writeln!(out, "the hand goes on")?,
-        Some(mode) => writeln!(out, "the hand stays stopped: {}", mode.stopped)?,
+/// Resumes a stop of the hand of a rig, and says whether it goes on.
+pub fn resume(arguments: &ResumeArguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
+    let caller = Caller::new(&arguments.link.with_right(&[Right::Order])?, &arguments.rig)?;
+    let stops = caller.mode().stops;
+    if stops.is_empty() {
+        writeln!(out, "no stop of the hand is in force")?;
+        return Ok(Outcome::Done);
     }
+    let named = |number| stops.iter().find(|stop| stop.number == number);
+    let chosen = match arguments.number {
+        Some(number) => named(number),
+        None => to_resume(&stops, &arguments.from),
+    };
+    let Some(stop) = chosen else {
+        let listed = list(&stops);
+        return Err(
+            format!("which of these stops is to be resumed? expected --number\n{listed}").into(),
+        );
+    };
+    let number = stop.number;
+    let is_so = |mode: &HandMode| mode.stops.iter().all(|stop| stop.number != number);
+    let heeded = caller.order(&Order::resume(&arguments.from, number), is_so)?;
+    if matches!(heeded, Heeded::Not) {
+        writeln!(
+            out,
+            "the hand was told to go on, but does not say that it does"
+        )?;
+        return Ok(Outcome::GivenUp);
+    }
+    let goes_on = |mode: &HandMode| mode.stops.is_empty() && mode.stopped.is_empty();
+    if caller.hears(INTERVAL, goes_on) {
+        writeln!(out, "the hand goes on")?;
+        return Ok(Outcome::Done);
+    }
+    let mode = caller.mode();
+    writeln!(
+        out,
+        "stop {number} is resumed; the hand stays stopped: {}",
+        mode.stopped
+    )?;
+    write!(out, "{}", list(&mode.stops))?;
     Ok(Outcome::GivenUp)
+}
+
+/// A line for each of the stops.
+fn list(stops: &[StopInForce]) -> String {
+    let line = |stop: &StopInForce| format!("  stop {}: {}\n", stop.number, stop.by);
+    stops.iter().map(line).collect()
 }

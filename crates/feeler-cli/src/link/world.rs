@@ -14,9 +14,9 @@ use std::io::Write;
 pub struct Arguments {
     /// The experiment whose rig to simulate: a file, or the name of a built-in one (see `feeler list`).
     experiment: String,
-    /// Seconds of the experiment in a second; `max` waits for the hand's answer to every step instead, and
+    /// Seconds of the experiment in a second, the same as the hand's; `max` waits for the hand's answer to every step instead, and
     /// then the cap closes bit for bit as in `feeler run`.
-    #[arg(long, default_value = "1", value_parser = parse_speed)]
+    #[arg(long, default_value = "1")]
     speed: RigSpeed,
     #[command(flatten)]
     values: ExperimentArguments,
@@ -30,10 +30,7 @@ pub fn world(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comm
     let rig = PlayedRig::new(&experiment)?;
     let config = rig_config(&experiment, arguments.speed)?;
     let name = arguments.values.rig(&experiment);
-    let network = arguments
-        .link
-        .with_right(&[Right::Rig])?
-        .open(&name, false)?;
+    let network = arguments.link.with_right(&[Right::Rig])?.connect(&name)?;
     let interrupted = watch_for_interrupt()?;
     let mut program = RigProgram::new(rig, &config, network)?;
     program.set_warn(warn_on_stderr());
@@ -43,14 +40,4 @@ pub fn world(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comm
     program.run(&interrupted)?;
     writeln!(out, "{}", program.report())?;
     Ok(Outcome::Done)
-}
-
-fn parse_speed(text: &str) -> Result<RigSpeed, String> {
-    if text == "max" {
-        return Ok(RigSpeed::Lockstep);
-    }
-    let speed = text.parse().ok().filter(|s| (0.01..=100.0).contains(s));
-    speed
-        .map(RigSpeed::Times)
-        .ok_or_else(|| "expected 0.01 to 100, or max".into())
 }

@@ -79,7 +79,7 @@ impl<'a> Publisher<'a> {
         };
         let rig = arguments.values.rig(experiment);
         let link = arguments.link.with_right(&[Right::Sense(finger)])?;
-        let network = link.open(&rig, false)?;
+        let network = link.connect(&rig)?;
         let mut program = SensorProgram::new(&config, network)?;
         program.set_warn(tally.warner());
         Ok(Self {
@@ -100,7 +100,7 @@ impl<'a> Publisher<'a> {
         let pictures = experiment.config.sensing == Sensing::Image;
         while !is_raised(stop) {
             let next = self.program.next_exposed(WAIT);
-            self.program.check_peers()?;
+            self.program.check_peers();
             let Some(exposed) = next else { continue };
             let (at, taken) = (Instant::now(), exposed.header());
             match exposed {
@@ -137,7 +137,7 @@ impl<'a> Publisher<'a> {
         let size = self.sensing.picture_size();
         let pump = FramePump::start(source.camera(arguments, size)?, size)?;
         while !is_raised(stop) {
-            self.program.check_peers()?;
+            self.program.check_peers();
             let Some(Captured { frame, at }) = pump.next(WAIT) else {
                 continue;
             };

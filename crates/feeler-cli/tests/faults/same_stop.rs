@@ -15,6 +15,7 @@ use feeler_lab::experiment::played_rig::PlayedRig;
 use feeler_lab::experiment::replay::{Replay, ReplayFrom, recorded_experiment};
 use feeler_lab::experiment::{Session, controller, fingers_at_home, layouts, run_facts};
 use feeler_link::endpoints::LinkError;
+use feeler_link::freshness::Echo;
 use feeler_link::hand_inbox::HandInbox;
 use feeler_link::inbox::Inbox;
 use feeler_link::message::{
@@ -22,8 +23,9 @@ use feeler_link::message::{
 };
 use feeler_link::outlet::{Outlet, header, monotonic};
 use feeler_link::peers::Expected;
-use feeler_link::programs::{Rig, SensorOutput};
+use feeler_link::programs::{Rig, RigSpeed, SensorOutput};
 use feeler_link::remote::{RemoteFinger, RemoteHand};
+use feeler_link::run_clock::RunClock;
 use feeler_link::shared::Shared;
 use feeler_link::topic::Topic;
 use feeler_record::wire::{Message, Vector3, cdr};
@@ -115,8 +117,12 @@ impl LinkedHand {
         let expected = Expected {
             experiment: "same".into(),
             fingertips: vec!["tip".into(); fingers],
+            speed: None,
         };
-        let inbox = Shared::new(HandInbox::new(&elements, expected));
+        let period = config.control.period;
+        let clock = RunClock::new(RigSpeed::Lockstep, period, f64::INFINITY);
+        let inbox = Shared::new(HandInbox::new(&elements, clock, expected));
+        inbox.lock().sent.sent(1, 0.0);
         let remote = |finger| RemoteFinger::new(inbox.clone(), finger, elements[finger]);
         let remote = (0..fingers).map(remote).collect();
         let who = (0, fingers);
@@ -157,7 +163,8 @@ impl LinkedHand {
             sequence: 1,
             ..Heartbeat::default()
         };
-        self.put(Topic::Heartbeat, &heartbeat);
+        let place = heartbeat.place().expect("a place");
+        self.put(Topic::Heartbeat(place), &heartbeat);
     }
 
     fn put<M: Message>(&self, topic: Topic, message: &M) {
@@ -170,10 +177,12 @@ impl LinkedHand {
     fn step(&mut self, step: usize) {
         let mut state = HandState::zero(self.sensors.len());
         self.rig.read(&mut state).unwrap();
-        let now = MessageHeader {
-            clock: WORLD,
-            ..header(WORLD, step as u64 + 1, state.stamp)
+        let echo = Echo {
+            step: 1,
+            token: self.inbox.lock().sent.token(1),
+            arrived: 0.0,
         };
+        let now = header(WORLD, step as u64 + 1, state.stamp).echoing(echo, 0.0);
         let vectors = |of: fn(&feeler::hand::JointState) -> glam::DVec3| {
             state.joints.iter().map(|j| Vector3::from(of(j))).collect()
         };

@@ -98,8 +98,17 @@ fn a_hand_that_is_killed_leaves_the_rig_to_its_watchdog() {
 #[test]
 fn programs_that_do_not_agree_are_refused_and_both_are_named() {
     let rig = Setup::new("link-other").start();
-    let (status, said) = rig.setup.hand(&["--seed=9"]).wait();
-    assert_eq!(status, Some(2), "{said}");
-    let named = said.contains("works by experiment") && said.contains("this by");
-    assert!(named, "{said}");
+    let mut hand = rig.setup.hand(&["--seed=9"]);
+    hand.wait_for("refused: world works by experiment");
+    assert!(hand.said().contains("this by"), "{}", hand.said());
+    hand.signal("INT");
+    let (status, said) = hand.wait();
+    assert_eq!(status, Some(1), "{said}");
+}
+
+#[test]
+fn a_rig_of_another_speed_is_refused() {
+    let rig = Setup::new("link-speed").start();
+    let mut hand = rig.setup.hand(&["--speed=max"]);
+    hand.wait_for("refused: world goes at 0.25 times real time, this hand at the pace");
 }

@@ -2,11 +2,11 @@
 
 use super::faults::{NO_HURRY, check};
 use super::rig::Setup;
-use feeler_link::endpoints::{LOCAL_ENDPOINT, LinkConfig};
+use feeler_link::endpoints::LinkConfig;
 use feeler_link::message::{
     CommandMessage, Heartbeat, MessageHeader, PROTOCOL, StateMessage, TactileUpdate,
 };
-use feeler_link::network::Network;
+use feeler_link::network::{Heard, Network};
 use feeler_link::outlet::{Outlet, send};
 use feeler_link::topic::Topic;
 use feeler_link::transport::Link;
@@ -30,10 +30,8 @@ fn a_hostile_peer_is_counted_and_moves_nothing() {
     hand.wait_for("stopped: told to stop by the test");
     let peer = Link::open(&LinkConfig {
         rig: "cap-closing".into(),
-        listen: vec![LOCAL_ENDPOINT.into()],
         connect: vec![rig.setup.endpoint.clone()],
-        certificates: None,
-        insecure: false,
+        ..LinkConfig::default()
     });
     let peer = peer.expect("a place in the link");
     let instances = spy(&peer);
@@ -57,13 +55,16 @@ fn a_hostile_peer_is_counted_and_moves_nothing() {
 fn spy(peer: &Link) -> HashMap<String, u64> {
     let heard = Arc::new(Mutex::new(HashMap::new()));
     let notes = heard.clone();
-    let note = move |_, bytes: &[u8]| {
+    let note = move |_: Topic, bytes: &[u8]| {
         let heartbeat: Heartbeat = cdr::decode(bytes).expect("a heartbeat");
         let mut notes = notes.lock().expect("the notes");
         notes.insert(heartbeat.program.to_string(), heartbeat.instance);
     };
-    let listening = peer.listen(Topic::Heartbeat, Arc::new(note));
-    listening.expect("the others' heartbeats");
+    let note: Heard = Arc::new(note);
+    for topic in Topic::heartbeats() {
+        let listening = peer.listen(topic, note.clone());
+        listening.expect("the others' heartbeats");
+    }
     loop {
         let known = heard.lock().expect("the notes").clone();
         if ["hand", "world", "sense"]
@@ -115,6 +116,7 @@ fn say_in_the_name_of_others(peer: &Link, instances: &HashMap<String, u64>) {
     }
     let command = |fingers| CommandMessage {
         header: header("hand"),
+        token: 1,
         state_sequence: u64::MAX,
         joint_velocity: vec![NOT_A_NUMBER; fingers],
     };

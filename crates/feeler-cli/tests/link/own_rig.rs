@@ -7,7 +7,7 @@ use super::ports::unused_endpoint;
 use super::program::{feeler, folder, run};
 use super::rig::{Running, alone};
 use feeler_lab::config::Experiment;
-use feeler_link::endpoints::{LOCAL_ENDPOINT, LinkConfig};
+use feeler_link::endpoints::LinkConfig;
 use feeler_link::network::Network;
 use feeler_link::transport::Link;
 use feeler_record::Recording;
@@ -27,7 +27,6 @@ fn a_hand_without_a_simulator_runs_a_rig_of_ones_own_and_its_run_is_reported() {
     let endpoint = unused_endpoint();
     let config = LinkConfig {
         rig: experiment.config.name.clone(),
-        listen: vec![LOCAL_ENDPOINT.into()],
         connect: vec![endpoint.clone()],
         ..LinkConfig::default()
     };
@@ -44,6 +43,7 @@ fn a_hand_without_a_simulator_runs_a_rig_of_ones_own_and_its_run_is_reported() {
             file,
             &listen,
             "--set=control.resume=fresh",
+            "--speed=0.25",
             "--out=run",
         ];
         let mut hand = Running::start(&folder, "hand", feeler(&folder, &arguments));

@@ -100,7 +100,7 @@ pub struct Setup {
     pub folder: PathBuf,
     /// Where the hand listens.
     pub endpoint: String,
-    /// Of the world.
+    /// Of the rig's time, as hand and world are told.
     pub speed: &'static str,
     /// Of all programs that work by the experiment.
     pub settings: Vec<String>,
@@ -179,7 +179,7 @@ impl Setup {
     /// Starts the hand, with `more` arguments.
     pub fn hand(&self, more: &[&str]) -> Running {
         let mut command = self.command(0, &["hand", "cap-closing", "--out", "run"]);
-        command.args(["--listen", &self.endpoint]);
+        command.args(["--listen", &self.endpoint, "--speed", self.speed]);
         command
             .args(&self.hand_link)
             .args(&self.settings)

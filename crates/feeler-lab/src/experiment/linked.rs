@@ -39,15 +39,17 @@ pub fn expected(experiment: &Experiment) -> Result<Expected, ExperimentError> {
         fingertips: (0..config.hand.finger.len())
             .map(hash)
             .collect::<Result<_, _>>()?,
+        speed: None,
     })
 }
 
-/// The hand program of `experiment` on `network`; it commands nothing yet.
+/// The hand program of `experiment` on `network`, whose rig's time goes at `speed`; it commands nothing yet.
 ///
 /// # Errors
 /// When a part of the experiment makes no sense, or the network does not listen.
 pub fn hand_program(
     experiment: &Experiment,
+    speed: RigSpeed,
     network: Arc<dyn Network>,
 ) -> Result<HandProgram, LinkedError> {
     let config = &experiment.config;
@@ -57,6 +59,7 @@ pub fn hand_program(
         control: config.control.clone(),
         expected: expected(experiment)?,
         elements: layouts.iter().map(|layout| layout.elements.len()).collect(),
+        speed,
         time_limit: config.time_limit,
     };
     let controller = controller(config, &fingers, &layouts);

@@ -9,10 +9,12 @@ use super::node::{Node, first_heartbeat};
 use crate::hand_inbox::HandInbox;
 use crate::message::ProgramKind;
 use crate::network::Network;
+use crate::peers::Expected;
 use crate::remote::{RemoteFinger, RemoteHand, mode_of, waiting_mode};
+use crate::run_clock::RunClock;
 use crate::topic::Topic;
 use feeler::control::control_loop::ControlLoop;
-use feeler::control::controller::Controller;
+use feeler::control::controller::{ControlConfig, Controller};
 use feeler::pace::Pace;
 use feeler_record::InstrumentRecord;
 use std::ops::ControlFlow;
@@ -43,9 +45,19 @@ impl HandProgram {
         network: Arc<dyn Network>,
     ) -> Result<Self, ProgramError> {
         let elements = &config.elements;
-        let inbox = HandInbox::new(elements, config.expected.clone());
+        let ControlConfig {
+            period,
+            stale_periods,
+            ..
+        } = config.control;
+        let clock = RunClock::new(config.speed, period, stale_periods);
+        let expected = Expected {
+            speed: Some(config.speed.times()),
+            ..config.expected.clone()
+        };
+        let inbox = HandInbox::new(elements, clock, expected);
         let heartbeat = first_heartbeat(ProgramKind::Hand, &config.expected.experiment);
-        let mut topics = vec![Topic::Heartbeat, Topic::State, Topic::Stop, Topic::Resume];
+        let mut topics = vec![Topic::State, Topic::Stop, Topic::Resume];
         topics.extend((0..elements.len()).map(Topic::Tactile));
         let node = Node::start(network, heartbeat, inbox, &topics)?;
         let fingers = elements.iter().enumerate();
@@ -78,24 +90,23 @@ impl HandProgram {
     }
 
     /// Waits until all programs are there and their data fresh, and publishes that it does; whether they are, and
-    /// `interrupted` was not raised meanwhile.
+    /// `interrupted` was not raised meanwhile. Of programs that do not agree with this one, it warns.
     ///
     /// # Errors
-    /// When a program does not agree with this one, or the network fails.
+    /// When the network fails.
     pub fn wait_for_others(&mut self, interrupted: &AtomicBool) -> Result<bool, ProgramError> {
         let status = &mut self.status;
         while !interrupted.load(Ordering::Relaxed) {
-            if let Some((_, mismatch)) = status.node.new_refusals().into_iter().next() {
-                return Err(mismatch.into());
+            for mismatch in status.node.new_refusals() {
+                status.node.warn(&format!("refused: {mismatch}"));
             }
-            if let Some(mismatch) = status.other_hand() {
-                return Err(mismatch.into());
-            }
-            let node = &status.node;
-            let mode = waiting_mode(&mut node.inbox.lock(), &node.clock, node.instance);
-            node.publish(Topic::Mode, &mode)?;
-            if status.missing().is_empty() && status.is_fresh() {
-                return Ok(true);
+            if !status.stands_back() {
+                let node = &status.node;
+                let mode = waiting_mode(&mut node.inbox.lock(), &node.clock, node.instance);
+                node.publish(Topic::Mode, &mode)?;
+                if status.missing().is_empty() && status.is_fresh() {
+                    return Ok(true);
+                }
             }
             let period = status.period.min(WAITING_PERIOD);
             std::thread::sleep(Duration::from_secs_f64(period));
@@ -115,10 +126,9 @@ impl HandProgram {
         interrupted: &AtomicBool,
         each_step: impl FnMut(&RemoteLoop, InstrumentRecord<'_>) -> ControlFlow<B>,
     ) -> Result<Option<B>, ProgramError> {
-        let limits = self.status.limits();
-        let mut schedule = self.schedule(limits.period)?;
+        let mut schedule = self.schedule(self.status.limits.period)?;
         self.status.begin();
-        let mut supervisor = HandSupervisor::new(&mut self.status, limits.stale, each_step);
+        let mut supervisor = HandSupervisor::new(&mut self.status, each_step);
         let control_loop = &mut self.control_loop;
         // A step that is missed does no harm of its own: drives stop by themselves without commands, and data that
         // became stale meanwhile stop the hand.

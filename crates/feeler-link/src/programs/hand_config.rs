@@ -3,6 +3,7 @@
 use crate::peers::Expected;
 use crate::rejection::Rejections;
 use crate::remote::{RemoteFinger, RemoteHand};
+use crate::run_clock::RigSpeed;
 use feeler::control::control_loop::ControlLoop;
 use feeler::control::controller::ControlConfig;
 use feeler::pace::PunctualitySummary;
@@ -20,6 +21,8 @@ pub struct HandConfig {
     pub expected: Expected,
     /// Number of sensing elements of each finger.
     pub elements: Vec<usize>,
+    /// How fast the rig's time goes. A rig of another speed is refused.
+    pub speed: RigSpeed,
     /// How long a run takes at most, s of the rig's time.
     pub time_limit: f64,
 }

@@ -6,11 +6,13 @@ use super::node::Node;
 use crate::endpoints::LinkError;
 use crate::hand_inbox::HandInbox;
 use crate::inbox::Inbox;
-use crate::message::{HandMode, ProgramKind};
+use crate::message::{HandMode, Heartbeat, ProgramKind};
 use crate::mismatch::Mismatch;
+use crate::run_clock::RigSpeed;
 use crate::topic::Topic;
-use feeler::control::controller::ResumePolicy;
+use feeler::control::controller::{ControlConfig, ResumePolicy};
 use feeler::control::phase::Phase;
+use feeler::control::stop_reason::StopReason;
 use feeler::pace::Punctuality;
 
 /// Time between two modes that say the same, s: at the usual 100 Hz, every step publishes its own.
@@ -19,10 +21,9 @@ const MODE_INTERVAL: f64 = 0.009;
 /// What the hand program knows beside its control loop.
 pub(super) struct HandStatus {
     pub node: Node<HandInbox>,
+    pub limits: Limits,
     /// The control period, s of the rig's time.
     pub period: f64,
-    /// Age at which data are stale, s of the rig's time.
-    stale_limit: f64,
     time_limit: f64,
     resume: ResumePolicy,
     pub punctuality: Punctuality,
@@ -45,13 +46,34 @@ pub(super) struct Limits {
     pub period: Option<f64>,
 }
 
+impl Limits {
+    /// Those of the hand's own experiment and command line. Where the rig waits for the hand, data are never stale.
+    fn of(config: &HandConfig) -> Self {
+        let ControlConfig {
+            period,
+            stale_periods,
+            ..
+        } = config.control;
+        match config.speed {
+            RigSpeed::Times(speed) => Self {
+                stale: stale_periods * period / speed,
+                period: Some(period / speed),
+            },
+            RigSpeed::Lockstep => Self {
+                stale: f64::INFINITY,
+                period: None,
+            },
+        }
+    }
+}
+
 impl HandStatus {
     pub fn new(node: Node<HandInbox>, config: &HandConfig) -> Result<Self, ProgramError> {
         let control = &config.control;
         Ok(Self {
             node,
+            limits: Limits::of(config),
             period: control.period,
-            stale_limit: control.stale_periods * control.period,
             time_limit: config.time_limit,
             resume: control.resume,
             punctuality: Punctuality::new()?,
@@ -84,58 +106,73 @@ impl HandStatus {
         rig.into_iter().chain(fingers).collect()
     }
 
-    /// A rig has one hand.
-    pub fn other_hand(&self) -> Option<Mismatch> {
+    /// Another hand that is there.
+    fn rival(&self) -> Option<(Heartbeat, Mismatch)> {
         let (inbox, now) = (self.node.inbox.lock(), self.node.now());
         let other = inbox.peers().taken(ProgramKind::Hand, now).next()?;
         let program = other.name();
-        Some(Mismatch::Taken { program })
+        Some((other.heartbeat.clone(), Mismatch::Taken { program }))
+    }
+
+    /// Whether a hand that has not begun leaves the rig to another: to one at work, and of two that wait, to the one of
+    /// the smaller instance.
+    pub fn stands_back(&mut self) -> bool {
+        let rival = self.rival();
+        let is_ahead = |other: &Heartbeat| other.rate > 0.0 || other.instance < self.node.instance;
+        let stands_back = rival.as_ref().is_some_and(|(other, _)| is_ahead(other));
+        self.node.beacon.set_silent(stands_back);
+        let had_rival = std::mem::replace(&mut self.has_rival, stands_back);
+        if let Some((_, mismatch)) = rival.filter(|_| stands_back && !had_rival) {
+            self.node
+                .warn(&format!("{mismatch}: waiting until it is gone"));
+        }
+        stands_back
     }
 
     pub fn is_fresh(&self) -> bool {
-        let limit = self.limits().stale;
+        let limit = self.limits.stale;
         let (inbox, now) = (self.node.inbox.lock(), self.node.now());
         let (state, mut fingers) = inbox.ages(now);
         state <= limit && fingers.all(|age| age <= limit)
     }
 
-    /// The limits at the speed of the rig. Where that waits for the hand, data are never stale.
-    pub fn limits(&self) -> Limits {
-        let (inbox, now) = (self.node.inbox.lock(), self.node.now());
-        let rig = inbox.peers().taken(ProgramKind::World, now).next();
-        match rig.map_or(1.0, |rig| rig.heartbeat.speed) {
-            speed if speed > 0.0 => Limits {
-                stale: self.stale_limit / speed,
-                period: Some(self.period / speed),
-            },
-            _ => Limits {
-                stale: f64::INFINITY,
-                period: None,
-            },
+    /// Stops the hand where data are stale or somebody orders it, and lets it go on where each stop has been resumed;
+    /// whether it does go on.
+    pub fn receive_orders(&mut self, control_loop: &mut RemoteLoop) -> bool {
+        let controller = control_loop.controller_mut();
+        let (is_free, ordered_by) = {
+            let (mut inbox, now) = (self.node.inbox.lock(), self.node.now());
+            let stale = inbox.stale(now, self.limits.stale);
+            let by_itself = self.resume == ResumePolicy::Fresh
+                && controller.stop_reason().is_some_and(StopReason::is_stale);
+            if let Some(reason) = stale {
+                inbox.holds.fault(&reason.to_string());
+                controller.stop(reason);
+            } else if by_itself {
+                inbox.holds.resume_faults();
+            }
+            let by = inbox.holds.ordered_by().map(String::from);
+            (inbox.holds.in_force().is_empty(), by)
+        };
+        if let Some(by) = ordered_by {
+            controller.stop(StopReason::Told { by });
         }
+        let may_pass = controller.stop_reason().is_some_and(StopReason::may_pass);
+        if is_free && may_pass {
+            controller.resume();
+            self.warn(control_loop, "going on");
+        }
+        is_free && may_pass
     }
 
-    /// Stops the hand where data are stale or somebody orders it, and lets it go on where it may; whether it does go
-    /// on.
-    pub fn receive_orders(&mut self, control_loop: &mut RemoteLoop, limit: f64) -> bool {
-        let (fault, resume) = {
-            let (mut inbox, now) = (self.node.inbox.lock(), self.node.now());
-            (inbox.fault(now, limit), inbox.take_resume())
-        };
-        let controller = control_loop.controller_mut();
-        match (fault, controller.stop_reason()) {
-            (Some(reason), _) => controller.stop(reason),
-            (None, Some(stopped)) if stopped.may_pass() => {
-                let by_itself = self.resume == ResumePolicy::Fresh && stopped.is_stale();
-                if resume || by_itself {
-                    controller.resume();
-                    self.warn(control_loop, "going on");
-                    return true;
-                }
+    /// Takes it down among the stops in force where the controller stopped the hand.
+    pub fn hold_if_stopped(&self, control_loop: &RemoteLoop) {
+        if let Some(reason) = control_loop.controller().stop_reason() {
+            let mut inbox = self.node.inbox.lock();
+            if inbox.holds.in_force().is_empty() {
+                inbox.holds.fault(&reason.to_string());
             }
-            _ => {}
         }
-        false
     }
 
     /// Publishes what the hand does: at once what is new, else no more often than the others need it.
@@ -143,7 +180,8 @@ impl HandStatus {
         let now = self.node.now();
         let (published, at) = &self.published;
         let about = |mode: &HandMode| (mode.phase, mode.stroke, mode.stopped.is_empty());
-        if about(published) == about(mode) && now - at < MODE_INTERVAL {
+        let same = about(published) == about(mode) && published.stops == mode.stops;
+        if same && now - at < MODE_INTERVAL {
             return Ok(());
         }
         self.node.publish(Topic::Mode, mode)?;
@@ -160,12 +198,12 @@ impl HandStatus {
 
     /// Reports by heartbeat, and warns of programs that are refused.
     pub fn report_by_heartbeat(&mut self, control_loop: &RemoteLoop, mode: &HandMode) {
-        for (_, mismatch) in self.node.new_refusals() {
+        for mismatch in self.node.new_refusals() {
             self.warn(control_loop, &format!("refused: {mismatch}"));
         }
-        let rival = self.other_hand();
+        let rival = self.rival();
         let had_rival = std::mem::replace(&mut self.has_rival, rival.is_some());
-        if let Some(mismatch) = rival.filter(|_| !had_rival) {
+        if let Some((_, mismatch)) = rival.filter(|_| !had_rival) {
             self.warn(control_loop, &format!("refused: {mismatch}"));
         }
         let inbox = self.node.inbox.lock();

@@ -28,8 +28,6 @@ pub(super) enum StepEnd<B> {
 /// The hand program around each step of its control loop.
 pub(super) struct HandSupervisor<'a, F> {
     status: &'a mut HandStatus,
-    /// Age at which data are stale, s on the hand's clock; infinite where the rig waits for the hand.
-    limit: f64,
     each_step: F,
     /// Why the hand was stopped before the step under way, if it was.
     stopped_before: Option<String>,
@@ -50,7 +48,7 @@ where
     type Break = StepEnd<B>;
 
     fn before_step(&mut self, control_loop: &mut RemoteLoop, tick: &Tick) {
-        if self.limit.is_finite() {
+        if self.status.limits.period.is_some() {
             self.status.punctuality.record(tick);
         } else if tick.lateness > HANGS_AFTER {
             let (age, limit) = (tick.lateness, HANGS_AFTER);
@@ -60,7 +58,7 @@ where
         self.status.steps += 1;
         let stopped = control_loop.controller().stop_reason();
         self.stopped_before = stopped.map(ToString::to_string);
-        self.went_on = self.status.receive_orders(control_loop, self.limit);
+        self.went_on = self.status.receive_orders(control_loop);
         let inbox = self.status.node.inbox.lock();
         self.answers = inbox.state_sequence();
         let state = inbox.state().newest.as_ref();
@@ -73,6 +71,7 @@ where
         if status.began.is_nan() {
             status.began = stamp;
         }
+        status.hold_if_stopped(control_loop);
         let mode = {
             let (inbox, instance) = (status.node.inbox.lock(), status.node.instance);
             mode_of(&inbox, control_loop.controller(), instance, stamp)
@@ -105,10 +104,9 @@ impl<'a, B, F> HandSupervisor<'a, F>
 where
     F: FnMut(&RemoteLoop, InstrumentRecord<'_>) -> ControlFlow<B>,
 {
-    pub fn new(status: &'a mut HandStatus, limit: f64, each_step: F) -> Self {
+    pub fn new(status: &'a mut HandStatus, each_step: F) -> Self {
         Self {
             status,
-            limit,
             each_step,
             stopped_before: None,
             went_on: false,

@@ -17,9 +17,10 @@ mod rig_config;
 mod rig_publish;
 mod sensor;
 
+pub use crate::run_clock::RigSpeed;
 pub use error::{ProgramError, Warn};
 pub use hand::HandProgram;
 pub use hand_config::{HandConfig, HandReport, RemoteLoop};
 pub use rig::{RigProgram, RigReport};
-pub use rig_config::{Rig, RigConfig, RigSpeed, SensorOutput, ServedHand};
+pub use rig_config::{Rig, RigConfig, SensorOutput, ServedHand};
 pub use sensor::{SensorConfig, SensorProgram};

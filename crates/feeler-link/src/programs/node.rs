@@ -27,20 +27,17 @@ pub(super) struct Node<I> {
 }
 
 impl<I: Inbox + Send + 'static> Node<I> {
-    /// Starts the heartbeat, and lets `inbox` take in the messages of `topics`. The instance is filled in.
+    /// Starts the `heartbeat`, and lets `inbox` take in heartbeats and the messages of `topics`.
     pub fn start(
         network: Arc<dyn Network>,
         heartbeat: Heartbeat,
         inbox: I,
         topics: &[Topic],
     ) -> Result<Self, LinkError> {
-        let (inbox, clock, instance) = (Shared::new(inbox), monotonic(), draw_instance());
-        let heartbeat = Heartbeat {
-            instance,
-            ..heartbeat
-        };
+        let (inbox, clock, instance) = (Shared::new(inbox), monotonic(), heartbeat.instance);
         let beacon = Arc::new(Beacon::start(network.clone(), heartbeat)?);
-        listen(&*network, topics, &inbox, &clock, &beacon)?;
+        let topics: Vec<Topic> = Topic::heartbeats().chain(topics.iter().copied()).collect();
+        listen(&*network, &topics, &inbox, &clock, &beacon)?;
         Ok(Self {
             network,
             inbox,
@@ -71,15 +68,17 @@ impl<I: Inbox + Send + 'static> Node<I> {
         (self.warn)(text);
     }
 
-    /// The programs that are refused and have not been reported yet.
-    pub fn new_refusals(&mut self) -> Vec<(ProgramKind, Mismatch)> {
+    /// Why programs are refused that have not been reported yet.
+    pub fn new_refusals(&mut self) -> Vec<Mismatch> {
         self.refusals.new_ones(self.inbox.lock().peers())
     }
 }
 
-/// The first heartbeat of a `program` that works by the `experiment` of this SHA-256 and has used no data yet.
+/// The first heartbeat of a `program` that works by the `experiment` of this SHA-256 and has used no data yet. It draws
+/// the program's instance.
 pub(super) fn first_heartbeat(program: ProgramKind, experiment: &str) -> Heartbeat {
     Heartbeat {
+        instance: draw_instance(),
         program,
         finger: NO_FINGER,
         experiment: experiment.into(),

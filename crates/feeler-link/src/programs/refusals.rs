@@ -1,6 +1,5 @@
 //! Which programs are refused, each told once.
 
-use crate::message::ProgramKind;
 use crate::mismatch::Mismatch;
 use crate::peers::Peers;
 use std::collections::HashSet;
@@ -10,12 +9,12 @@ use std::collections::HashSet;
 pub(super) struct Refusals(HashSet<u64>);
 
 impl Refusals {
-    /// Those of `peers` that are refused and have not been reported, each with what program it is.
-    pub fn new_ones(&mut self, peers: &Peers) -> Vec<(ProgramKind, Mismatch)> {
+    /// Why those of `peers` are refused that have not been reported.
+    pub fn new_ones(&mut self, peers: &Peers) -> Vec<Mismatch> {
         let refused = peers.all().iter().filter_map(|peer| {
             let mismatch = peer.refused.clone()?;
             let is_new = self.0.insert(peer.heartbeat.instance);
-            is_new.then(|| (peer.heartbeat.program.clone(), mismatch))
+            is_new.then_some(mismatch)
         });
         refused.collect()
     }

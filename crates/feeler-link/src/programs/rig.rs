@@ -2,11 +2,13 @@
 
 use super::error::{ProgramError, Warn};
 use super::node::{Node, first_heartbeat};
-use super::rig_config::{Rig, RigConfig, RigSpeed};
-use crate::message::ProgramKind;
+use super::rig_config::{Rig, RigConfig};
+use crate::freshness::Echo;
+use crate::message::{InstrumentsMessage, ProgramKind};
 use crate::network::Network;
 use crate::rejection::Rejections;
 use crate::rig_inbox::RigInbox;
+use crate::run_clock::RigSpeed;
 use crate::topic::Topic;
 use feeler::hand::{HandCommand, HandState};
 use feeler::pace::Pace;
@@ -26,14 +28,22 @@ pub struct RigProgram<R> {
     pub(super) sequence: u64,
     pub(super) state: HandState,
     pub(super) command: HandCommand,
-    /// Each finger's newest picture: its number, and the echo of when it was taken.
-    pub(super) exposed: Vec<(Option<u64>, (u64, f64))>,
+    /// What the instruments read with the newest state.
+    pub(super) instruments: Option<InstrumentsMessage>,
+    /// Each finger's newest picture.
+    pub(super) exposed: Vec<Option<Exposed>>,
     pub(super) missed: u64,
     pub(super) warning: String,
-    /// The newest messages, to be published again, where the hand is waited for.
-    pub(super) published: Vec<(Topic, Vec<u8>)>,
     /// Sequence number and time (s) of the last report.
     pub(super) reported: (u64, f64),
+}
+
+/// A picture of a finger that was published.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Exposed {
+    pub number: u64,
+    /// The hand's newest step when it was taken, and the time then, s.
+    pub taken: (Echo, f64),
 }
 
 /// What came of a rig program.
@@ -62,15 +72,16 @@ impl<R: Rig> RigProgram<R> {
         network: Arc<dyn Network>,
     ) -> Result<Self, ProgramError> {
         let fingers = rig.finger_count();
-        let (limit, speed) = match config.speed {
+        let limit = match config.speed {
             // What a command takes on its way is no fault of the hand's: it has a period for that.
-            RigSpeed::Times(speed) => ((config.stale_periods + 1.0) * config.period, speed),
-            RigSpeed::Lockstep => (f64::INFINITY, 0.0),
+            RigSpeed::Times(_) => (config.stale_periods + 1.0) * config.period,
+            RigSpeed::Lockstep => f64::INFINITY,
         };
-        let inbox = RigInbox::new(fingers, limit, config.expected.clone());
         let mut heartbeat = first_heartbeat(ProgramKind::World, &config.expected.experiment);
-        heartbeat.speed = speed;
-        let topics = [Topic::Heartbeat, Topic::Mode, Topic::Command];
+        heartbeat.speed = config.speed.times();
+        let identity = (fingers, heartbeat.instance);
+        let inbox = RigInbox::new(identity, limit, config.expected.clone());
+        let topics = [Topic::Mode, Topic::Command];
         Ok(Self {
             node: Node::start(network, heartbeat, inbox, &topics)?,
             rig,
@@ -78,10 +89,10 @@ impl<R: Rig> RigProgram<R> {
             sequence: 0,
             state: HandState::zero(fingers),
             command: HandCommand::stop(fingers),
-            exposed: vec![(None, (0, 0.0)); fingers],
+            instruments: None,
+            exposed: vec![None; fingers],
             missed: 0,
             warning: String::new(),
-            published: Vec::new(),
             reported: (0, 0.0),
         })
     }

@@ -2,6 +2,7 @@
 
 use crate::message::InstrumentsMessage;
 use crate::peers::Expected;
+use crate::run_clock::RigSpeed;
 use feeler::hand::{Hand, HandCommand, HandError, HandState};
 use feeler::sensor::frame::Frame;
 use feeler::sensor::reading::{SensorError, TactileFrame};
@@ -85,15 +86,6 @@ impl<H: Hand> Rig for ServedHand<H> {
     fn advance(&mut self, command: &HandCommand) -> Result<(), HandError> {
         self.hand.command(command)
     }
-}
-
-/// How fast the time of a rig goes.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum RigSpeed {
-    /// So many times as fast as real time; 1 for a real rig.
-    Times(f64),
-    /// As fast as the hand answers: the rig waits for it in every control period.
-    Lockstep,
 }
 
 /// What a rig program is made of.

@@ -1,9 +1,9 @@
 //! What the rig program publishes: state, pictures or forces, and heartbeats.
 
 use super::error::ProgramError;
-use super::rig::RigProgram;
-use super::rig_config::{Rig, RigSpeed, SensorOutput};
-use crate::endpoints::LinkError;
+use super::rig::{Exposed, RigProgram};
+use super::rig_config::{Rig, SensorOutput};
+use crate::freshness::Echo;
 use crate::message::{
     DirectForces, InstrumentsMessage, MessageHeader, PictureMessage, StateMessage,
 };
@@ -11,7 +11,7 @@ use crate::outlet::{encode, header};
 use crate::topic::Topic;
 use feeler::hand::{HandState, JointState};
 use feeler::sensor::frame::Frame;
-use feeler_record::wire::{Message, Vector3};
+use feeler_record::wire::Vector3;
 use glam::DVec3;
 
 /// Time between two reports by heartbeat, s.
@@ -21,22 +21,37 @@ impl<R: Rig> RigProgram<R> {
     /// Publishes what encoders, instruments and sensors read now.
     pub(super) fn publish(&mut self) -> Result<(), ProgramError> {
         self.sequence += 1;
-        self.published.clear();
-        let instruments = self.rig.read(&mut self.state)?;
+        self.instruments = self.rig.read(&mut self.state)?;
         self.update_time();
-        let echo = self.echo();
-        let header = header(self.node.instance, self.sequence, self.state.stamp).echoing(echo);
-        let state = state_message(header, &self.state, instruments);
-        self.send(Topic::State, &state)?;
+        self.publish_read()
+    }
+
+    /// Publishes the newest again, as somebody may not have been there. The rig stands still meanwhile, so that it is
+    /// true now.
+    pub(super) fn publish_again(&mut self) -> Result<(), ProgramError> {
+        self.exposed.fill(None);
+        self.publish_read()
+    }
+
+    fn publish_read(&mut self) -> Result<(), ProgramError> {
+        let taken = (self.node.inbox.lock().echo, self.node.now());
+        let header = header(self.node.instance, self.sequence, self.state.stamp);
+        let state = state_message(
+            header.echoing(taken.0, taken.1),
+            &self.state,
+            self.instruments,
+        );
+        self.node.publish(Topic::State, &state)?;
         for finger in 0..self.rig.finger_count() {
-            self.expose(finger, echo)?;
+            self.expose(finger, taken)?;
         }
         self.report_by_heartbeat();
         Ok(())
     }
 
-    /// Publishes what the sensor of `finger` delivers. A picture that comes again echoes what it did.
-    fn expose(&mut self, finger: usize, echo: (u64, f64)) -> Result<(), ProgramError> {
+    /// Publishes what the sensor of `finger` delivers. A picture that comes again echoes what it did when it was
+    /// `taken`.
+    fn expose(&mut self, finger: usize, taken: (Echo, f64)) -> Result<(), ProgramError> {
         let failed = |source| ProgramError::Sensor { finger, source };
         let Some(exposure) = self.rig.expose(finger).map_err(failed)? else {
             return Ok(());
@@ -45,11 +60,11 @@ impl<R: Rig> RigProgram<R> {
             SensorOutput::Picture(frame) => (frame.sequence, frame.stamp),
             SensorOutput::Forces(frame) => (frame.sequence, frame.stamp),
         };
-        let (newest, of_newest) = &mut self.exposed[finger];
-        if newest.replace(number) != Some(number) {
-            *of_newest = echo;
-        }
-        let header = header(self.node.instance, self.sequence, stamp).echoing(*of_newest);
+        let same = self.exposed[finger].filter(|newest| newest.number == number);
+        let newest = same.unwrap_or(Exposed { number, taken });
+        self.exposed[finger] = Some(newest);
+        let header = header(self.node.instance, self.sequence, stamp)
+            .echoing(newest.taken.0, newest.taken.1);
         let (topic, bytes) = match exposure {
             SensorOutput::Picture(frame) => {
                 let message = picture_message(header, finger, frame);
@@ -66,33 +81,7 @@ impl<R: Rig> RigProgram<R> {
                 (Topic::DirectForces(finger), encode(&message)?)
             }
         };
-        Ok(self.send_bytes(topic, bytes)?)
-    }
-
-    /// The hand's newest step, and how long ago it was heard, s.
-    fn echo(&self) -> (u64, f64) {
-        let echo = self.node.inbox.lock().echo;
-        (echo.step, self.node.now() - echo.arrived)
-    }
-
-    fn send<M: Message>(&mut self, topic: Topic, message: &M) -> Result<(), LinkError> {
-        self.send_bytes(topic, encode(message)?)
-    }
-
-    fn send_bytes(&mut self, topic: Topic, bytes: Vec<u8>) -> Result<(), LinkError> {
-        if self.config.speed == RigSpeed::Lockstep {
-            self.published.push((topic, bytes.clone()));
-        }
-        self.node.network.send(topic, bytes)
-    }
-
-    /// Publishes the newest again: somebody may not have been there.
-    pub(super) fn publish_again(&mut self) -> Result<(), LinkError> {
-        for (topic, bytes) in &self.published {
-            self.node.network.send(*topic, bytes.clone())?;
-        }
-        self.report_by_heartbeat();
-        Ok(())
+        Ok(self.node.network.send(topic, bytes)?)
     }
 
     /// Reports by heartbeat, and warns of programs that are refused.
@@ -103,7 +92,7 @@ impl<R: Rig> RigProgram<R> {
             return;
         }
         self.reported = (self.sequence, now);
-        for (_, mismatch) in self.node.new_refusals() {
+        for mismatch in self.node.new_refusals() {
             self.node.warn(&format!("refused: {mismatch}"));
             self.warning = mismatch.to_string();
         }

@@ -2,7 +2,6 @@
 
 use super::error::{ProgramError, Warn};
 use super::node::{Node, first_heartbeat};
-use crate::inbox::Inbox;
 use crate::message::{MessageHeader, ProgramKind, TactileUpdate};
 use crate::network::Network;
 use crate::outlet::header;
@@ -61,7 +60,6 @@ impl SensorProgram {
         heartbeat.fingertip.clone_from(&config.fingertip);
         let inbox = SenseInbox::new((finger, elements), config.picture_size, expected);
         let topics = [
-            Topic::Heartbeat,
             Topic::Mode,
             Topic::Picture(finger),
             Topic::DirectForces(finger),
@@ -107,7 +105,7 @@ impl SensorProgram {
         let echo = self.node.inbox.lock().echo_at(came);
         // From 1, as everywhere.
         let header = header(self.node.instance, sequence + 1, stamp);
-        let header = header.echoing((echo.step, came - echo.arrived));
+        let header = header.echoing(echo, came);
         self.publish_update(header, sequence, at, forces)
     }
 
@@ -152,22 +150,10 @@ impl SensorProgram {
     }
 
     /// Warns of programs that are refused.
-    ///
-    /// # Errors
-    /// Where the only hand there does not agree with this program: it would refuse every update.
-    pub fn check_peers(&mut self) -> Result<(), ProgramError> {
-        let refused = self.node.new_refusals();
-        let has_hand = {
-            let (inbox, now) = (self.node.inbox.lock(), self.node.now());
-            inbox.peers().taken(ProgramKind::Hand, now).next().is_some()
-        };
-        for (program, mismatch) in refused {
-            if program == ProgramKind::Hand && !has_hand && mismatch.is_final() {
-                return Err(mismatch.into());
-            }
+    pub fn check_peers(&mut self) {
+        for mismatch in self.node.new_refusals() {
             self.node.warn(&format!("refused: {mismatch}"));
         }
-        Ok(())
     }
 
     fn report_by_heartbeat(&mut self, newest: Instant) {

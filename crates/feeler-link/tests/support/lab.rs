@@ -40,6 +40,7 @@ pub fn listening(folder: &Path) -> (Link, String) {
     let endpoint = unused_endpoint().replace("tcp", "tls");
     let config = LinkConfig {
         rig: "bench".into(),
+        is_hand: true,
         listen: vec![endpoint.clone()],
         certificates: Some(folder.into()),
         ..LinkConfig::default()

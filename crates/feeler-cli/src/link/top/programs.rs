@@ -116,12 +116,15 @@ mod tests {
         };
         let mut bytes = Vec::new();
         cdr::encode(&heartbeat, &mut bytes).expect("bytes");
-        peers.heard(&bytes, now).expect("a heartbeat");
+        peers
+            .heard(heartbeat.place().expect("a place"), &bytes, now)
+            .expect("a heartbeat");
     }
 
     #[test]
     fn who_is_gone_refused_or_was_never_heard_is_told_apart() {
         let mut peers = Peers::new(Expected {
+            speed: None,
             experiment: "ours".into(),
             fingertips: Vec::new(),
         });

@@ -36,7 +36,7 @@ pub fn show(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comma
     let network = arguments
         .link
         .with_right(&[Right::Order, Right::Watch])?
-        .watch(&rig)?;
+        .connect(&rig)?;
     let interrupted = watch_for_interrupt()?;
     let watched = Watched::new(&experiment, &rig, network)?;
     if arguments.once {
@@ -58,13 +58,16 @@ fn keep_showing(
         view.show(|| watched.snapshot());
         for action in view.actions() {
             let order = match action {
-                Action::Stop => Order::Stop,
-                Action::Resume => Order::Resume,
+                Action::Stop => Some(Order::stop(BY)),
+                Action::Resume => watched
+                    .to_resume(BY)
+                    .map(|number| Order::resume(BY, number)),
                 // The view says that it is left.
-                Action::Quit => continue,
+                Action::Quit => None,
             };
+            let Some(order) = order else { continue };
             for _ in 0..REPEATS {
-                order.send(watched.network(), BY)?;
+                order.send(watched.network())?;
                 thread::sleep(INTERVAL);
             }
         }

@@ -3,6 +3,7 @@
 use super::heard::{Heard, forces, nothing_felt};
 use super::programs::programs;
 use crate::CommandError;
+use crate::link::orders;
 use crate::top::{self, Fault, Finger, History, Snapshot, TaskState, Torque, UNKNOWN};
 use feeler::control::phase::Phase;
 use feeler::sensor::layout::ElementLayout;
@@ -78,6 +79,13 @@ impl Watched {
     /// Where the rig can be told something.
     pub fn network(&self) -> &dyn Network {
         &*self.network
+    }
+
+    /// Number of the stop that `from` is to resume, if there is one.
+    pub fn to_resume(&self, from: &str) -> Option<u64> {
+        let inbox = self.inbox.lock();
+        let stops = &inbox.mode()?.stops;
+        Some(orders::to_resume(stops, from)?.number)
     }
 
     /// Whether any program of the rig was heard.

@@ -1,0 +1,274 @@
+//! What the hand takes of states, forces and orders.
+
+use super::bench::{
+    ELEMENTS, NOBODY, SENSE, STALE, WORLD, echoing, hand, hear, heartbeat, put, state, update,
+};
+use feeler::control::stop_reason::StopReason;
+use feeler_link::hand_inbox::HandInbox;
+use feeler_link::inbox::Inbox;
+use feeler_link::message::{
+    InstrumentsMessage, MessageHeader, PROTOCOL, ResumeMessage, StateMessage, StopMessage,
+    TactileUpdate,
+};
+use feeler_link::outlet::encode;
+use feeler_link::rejection::Rejection;
+use feeler_link::topic::Topic;
+use feeler_record::wire::Vector3;
+
+/// When messages come, s on the hand's clock.
+const NOW: f64 = 1.002;
+
+fn sound_state(hand: &HandInbox, sequence: u64) -> StateMessage {
+    state(echoing(&hand.sent, WORLD, sequence, 5.0))
+}
+
+fn sound_update(hand: &HandInbox, sequence: u64) -> TactileUpdate {
+    update(echoing(&hand.sent, SENSE, sequence, 5.0))
+}
+
+/// A hand that has taken a state.
+fn hand_with_state() -> HandInbox {
+    let mut hand = hand();
+    let first = sound_state(&hand, 1);
+    put(&mut hand, Topic::State, &first, NOW).unwrap();
+    hand
+}
+
+/// What becomes of a state that is spoiled in one thing.
+fn spoiled_state(spoil: impl Fn(&mut StateMessage)) -> Result<(), Rejection> {
+    let mut hand = hand_with_state();
+    let mut message = sound_state(&hand, 2);
+    spoil(&mut message);
+    put(&mut hand, Topic::State, &message, NOW)
+}
+
+/// What becomes of an update that is spoiled in one thing.
+fn spoiled_update(spoil: impl Fn(&mut TactileUpdate)) -> Result<(), Rejection> {
+    let mut hand = hand_with_state();
+    let mut message = sound_update(&hand, 2);
+    spoil(&mut message);
+    put(&mut hand, Topic::Tactile(0), &message, NOW)
+}
+
+fn x(x: f64) -> Vector3 {
+    Vector3 { x, y: 0.0, z: 0.0 }
+}
+
+/// What is wrong with a header, and for what it is refused.
+type Spoiled = (fn(&mut MessageHeader), Rejection);
+
+const HEADERS: [Spoiled; 9] = [
+    (|h| h.protocol = 2, Rejection::Protocol),
+    (|h| h.instance = NOBODY, Rejection::Unintroduced),
+    (|h| h.echo_step = 0, Rejection::Unintroduced),
+    (|h| h.echo_step = 101, Rejection::Future),
+    (|h| h.echo_token += 1, Rejection::Unproven),
+    (|h| h.echo_step = 99, Rejection::Unproven),
+    (|h| h.echo_age = -1e-9, Rejection::Unproven),
+    (|h| h.echo_age = f64::NAN, Rejection::Unproven),
+    (|h| h.sequence = u64::MAX, Rejection::Implausible),
+];
+
+#[test]
+fn headers_are_refused_for_one_thing_each() {
+    assert_eq!(spoiled_state(|_| {}), Ok(()));
+    assert_eq!(spoiled_update(|_| {}), Ok(()));
+    for (index, (spoil, rejection)) in HEADERS.into_iter().enumerate() {
+        let refused = spoiled_state(|state| spoil(&mut state.header));
+        // The first update of a program may have any number.
+        assert_eq!(refused, Err(rejection), "{index}");
+        if rejection != Rejection::Implausible {
+            let refused = spoiled_update(|update| spoil(&mut update.header));
+            assert_eq!(refused, Err(rejection), "{index}");
+        }
+    }
+}
+
+#[test]
+fn states_are_refused_for_one_thing_each() {
+    type Spoil = fn(&mut StateMessage);
+    let cases: [(Spoil, Rejection); 13] = [
+        (|s| s.header.instance = SENSE, Rejection::Stranger),
+        (|s| s.header.sequence = 1, Rejection::Old),
+        (|s| s.header.stamp = 4.99, Rejection::Implausible),
+        (|s| s.header.stamp = 1e6, Rejection::Implausible),
+        (|s| s.header.stamp = 1e300, Rejection::Implausible),
+        (|s| s.header.stamp = f64::NAN, Rejection::Implausible),
+        (|s| s.position.push(x(0.0)), Rejection::Size),
+        (|s| s.velocity.clear(), Rejection::Size),
+        (|s| s.position[0] = x(1e308), Rejection::Implausible),
+        (|s| s.position[0] = x(f64::NAN), Rejection::NotFinite),
+        (|s| s.velocity[0] = x(1001.0), Rejection::Implausible),
+        (
+            |s| s.instruments = vec![InstrumentsMessage::default(); 2],
+            Rejection::Size,
+        ),
+        (
+            |s| {
+                s.instruments = vec![InstrumentsMessage {
+                    torque: f64::INFINITY,
+                    ..InstrumentsMessage::default()
+                }]
+            },
+            Rejection::NotFinite,
+        ),
+    ];
+    for (index, (spoil, rejection)) in cases.into_iter().enumerate() {
+        assert_eq!(spoiled_state(spoil), Err(rejection), "{index}");
+    }
+}
+
+#[test]
+fn updates_are_refused_for_one_thing_each() {
+    type Spoil = fn(&mut TactileUpdate);
+    let cases: [(Spoil, Rejection); 11] = [
+        (|u| u.header.instance = WORLD, Rejection::Stranger),
+        // An update of another finger on this finger's topic.
+        (|u| u.finger = 1, Rejection::Size),
+        (|u| u.forces.truncate(ELEMENTS - 1), Rejection::Size),
+        (|u| u.shear_rate.push(0.0), Rejection::Size),
+        (|u| u.slip_mask.clear(), Rejection::Size),
+        (|u| u.invalid_mask.push(0), Rejection::Size),
+        (|u| u.forces[2] = x(1e308), Rejection::Implausible),
+        (|u| u.forces[2] = x(f64::INFINITY), Rejection::NotFinite),
+        (|u| u.shear_rate[0] = f64::NAN, Rejection::NotFinite),
+        (|u| u.grasp_force = 1e5, Rejection::Implausible),
+        (|u| u.header.clock = NOBODY, Rejection::Clock),
+    ];
+    for (index, (spoil, rejection)) in cases.into_iter().enumerate() {
+        assert_eq!(spoiled_update(spoil), Err(rejection), "{index}");
+    }
+    // Nor is there a finger 1.
+    let mut hand = hand_with_state();
+    let message = sound_update(&hand, 2);
+    let refused = put(&mut hand, Topic::Tactile(1), &message, NOW);
+    assert_eq!(refused, Err(Rejection::Size));
+}
+
+#[test]
+fn what_is_no_message_is_counted() {
+    let mut hand = hand_with_state();
+    let long = vec![0; Topic::State.most_bytes() + 1];
+    let cut = &encode(&sound_state(&hand, 2)).unwrap()[..40];
+    assert_eq!(
+        hand.take(Topic::State, &long, NOW),
+        Err(Rejection::Oversized)
+    );
+    assert_eq!(hand.take(Topic::State, cut, NOW), Err(Rejection::Malformed));
+    assert_eq!(hand.take(Topic::Mode, &[], NOW), Err(Rejection::Stranger));
+    assert_eq!(hand.rejected.total(), 3);
+    assert_eq!(
+        hand.rejected.to_string(),
+        "1 too long, 1 malformed, 1 from strangers"
+    );
+}
+
+#[test]
+fn the_true_sender_wins_over_one_that_uses_its_name() {
+    let mut hand = hand_with_state();
+    for number in [u64::MAX, u64::MAX - 1, 1 << 40] {
+        let forged = sound_state(&hand, number);
+        let refused = put(&mut hand, Topic::State, &forged, NOW);
+        assert_eq!(refused, Err(Rejection::Implausible));
+    }
+    let next = sound_state(&hand, 2);
+    assert_eq!(put(&mut hand, Topic::State, &next, NOW), Ok(()));
+}
+
+/// Ages are told from when the picture was taken, by the echo, not from when anything was sensed or came.
+#[test]
+fn data_are_as_old_as_what_they_echo() {
+    let mut hand = hand_with_state();
+    let late = 1.0 + STALE;
+    let newer = StateMessage {
+        header: MessageHeader {
+            echo_age: 0.03,
+            ..echoing(&hand.sent, WORLD, 2, 5.03)
+        },
+        ..sound_state(&hand, 2)
+    };
+    put(&mut hand, Topic::State, &newer, late).unwrap();
+    let of_then = sound_update(&hand, 1);
+    put(&mut hand, Topic::Tactile(0), &of_then, late).unwrap();
+    assert_eq!(hand.stale(late - 1e-6, STALE), None);
+    let stale = hand.stale(late + 1e-6, STALE);
+    let Some(StopReason::StaleForces { finger: 0, age, .. }) = stale else {
+        panic!("{stale:?}")
+    };
+    assert!((age - STALE - 1e-6).abs() < 1e-9, "{age} s");
+}
+
+#[test]
+fn a_camera_with_a_clock_of_its_own_is_placed_by_its_age() {
+    let mut hand = hand_with_state();
+    for (sequence, stamp) in [(1, -3.0), (2, 1e9)] {
+        let own = TactileUpdate {
+            header: MessageHeader {
+                clock: SENSE,
+                echo_age: 0.001 * sequence as f64,
+                ..echoing(&hand.sent, SENSE, sequence, stamp)
+            },
+            ..sound_update(&hand, sequence)
+        };
+        put(&mut hand, Topic::Tactile(0), &own, NOW).unwrap();
+        let time = hand.time_of(0);
+        assert!(
+            (time - 5.0 - 0.001 * sequence as f64).abs() < 1e-9,
+            "{time} s"
+        );
+    }
+}
+
+#[test]
+fn another_rigs_states_go_on_in_the_runs_time() {
+    let mut hand = hand_with_state();
+    // The first rig was silent for more than a second.
+    for step in 101..=350 {
+        hand.sent.sent(step, 0.01 * step as f64);
+    }
+    hear(&mut hand, &heartbeat("world", 20), 3.5).unwrap();
+    let header = MessageHeader {
+        clock: 20,
+        echo_step: 350,
+        echo_token: hand.sent.token(350),
+        ..echoing(&hand.sent, 20, 1, 0.0)
+    };
+    put(&mut hand, Topic::State, &state(header), 3.501).unwrap();
+    let time = hand.state().time;
+    assert!((time - 5.0 - (3.501 - NOW)).abs() < 1e-9, "{time} s");
+    let old = sound_update(&hand, 7);
+    let refused = put(&mut hand, Topic::Tactile(0), &old, 3.502);
+    assert_eq!(refused, Err(Rejection::Clock));
+}
+
+#[test]
+fn a_stop_of_any_version_is_taken_and_only_its_own_number_resumes_it() {
+    let mut hand = hand();
+    let stop = StopMessage {
+        protocol: 77,
+        from: "x".repeat(60_000),
+        id: 5,
+    };
+    put(&mut hand, Topic::Stop, &stop, NOW).unwrap();
+    let by = hand.holds.ordered_by().unwrap();
+    assert_eq!(by.len(), 256);
+    // As version 2 has it: without an id.
+    let mut earlier = vec![0, 1, 0, 0, 2, 0, 0, 0, 3, 0, 0, 0];
+    earlier.extend(b"me\0");
+    assert_eq!(hand.take(Topic::Stop, &earlier, NOW), Ok(()));
+    assert_eq!(
+        hand.take(Topic::Stop, &[0, 1, 0, 0], NOW),
+        Err(Rejection::Malformed)
+    );
+    let resume = |number, protocol| ResumeMessage {
+        protocol,
+        from: "me".into(),
+        number,
+    };
+    let mut say = |number, protocol| put(&mut hand, Topic::Resume, &resume(number, protocol), NOW);
+    assert_eq!(say(3, PROTOCOL), Err(Rejection::Old));
+    assert_eq!(say(1, PROTOCOL + 1), Err(Rejection::Protocol));
+    assert_eq!(say(1, PROTOCOL), Ok(()));
+    assert_eq!(say(1, PROTOCOL), Err(Rejection::Old));
+    assert_eq!(hand.holds.ordered_by(), Some("me"));
+}
