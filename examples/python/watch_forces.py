@@ -2,7 +2,7 @@
 
     pip install eclipse-zenoh==1.10.2 mcap-ros2-support==0.6.0
     python examples/python/watch_forces.py cap-closing --stop-above 1.5
-    python examples/python/watch_forces.py cap-closing --connect tls/10.0.0.5:7447 --certificates lab/10.0.0.6
+    python examples/python/watch_forces.py cap-closing --connect tls/10.0.0.5:7447 --certificates lab/10.0.0.6/order
 
 The text of the messages is asked of the `feeler` program, so it is always that of the rig's own version.
 docs/link.md says what they mean.
@@ -131,7 +131,7 @@ def main():
     parser.add_argument("rig", help="name of the rig: that of the experiment, unless its programs were given another")
     parser.add_argument("--connect", default="tcp/127.0.0.1:7447", help="the hand's endpoint [default: %(default)s]")
     parser.add_argument("--stop-above", type=float, metavar="N", help="grasp force of a finger that stops the hand, N")
-    parser.add_argument("--certificates", metavar="DIR", help="this computer's certificates, for tls/ endpoints")
+    parser.add_argument("--certificates", metavar="DIR", help="a certificate of the right order or watch, for tls/ endpoints")
     parser.add_argument("--from", dest="sender", default="watch_forces.py", help="who says stop [default: %(default)s]")
     parser.add_argument("--feeler", default="feeler", help="the program, to ask for the messages [default: %(default)s]")
     arguments = parser.parse_args()

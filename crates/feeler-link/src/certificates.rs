@@ -1,9 +1,15 @@
-//! A lab's own certificate authority: who has a certificate of it takes part, nobody else does.
+//! A lab's own certificate authority: who has a certificate of it takes part, and does what its right permits.
 
+pub use super::certificate_error::CertificateError;
+pub use super::certificate_list::Listed;
+use super::register::Register;
+use super::right::{CertificateName, Right};
+use super::validity::{AUTHORITY_DAYS, Validity};
 use rcgen::{
     BasicConstraints, CertificateParams, DnType, ExtendedKeyUsagePurpose, IsCa, Issuer, KeyPair,
     KeyUsagePurpose,
 };
+use std::collections::BTreeSet;
 use std::fs::{self, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -11,46 +17,12 @@ use std::path::{Path, PathBuf};
 /// The authority's certificate and its key, in the lab's folder.
 const AUTHORITY: [&str; 2] = ["ca.pem", "ca-key.pem"];
 
-/// Why certificates could not be made.
-#[derive(Debug, thiserror::Error)]
-pub enum CertificateError {
-    /// A file cannot be read or written.
-    #[error("{}: {source}; expected a folder that can be written to", path.display())]
-    File {
-        /// The file.
-        path: PathBuf,
-        /// What the system said.
-        source: io::Error,
-    },
-    /// A computer's name is none.
-    #[error(
-        "{computer:?} is no computer's name: expected letters, digits, dots, colons and hyphens"
-    )]
-    Computer {
-        /// What was given.
-        computer: String,
-    },
-    /// The computer has certificates.
-    #[error("{} is there already; remove it to make it again", path.display())]
-    Exists {
-        /// Its folder.
-        path: PathBuf,
-    },
-    /// The authority in the folder is none, or nothing can be signed.
-    #[error("{}: {source}", path.display())]
-    Signing {
-        /// The lab's folder.
-        path: PathBuf,
-        /// What the library said.
-        source: rcgen::Error,
-    },
-}
-
 /// A lab's authority.
 pub struct Authority {
-    lab: PathBuf,
+    pub(super) lab: PathBuf,
     certificate: String,
     issuer: Issuer<'static, KeyPair>,
+    pub(super) register: Register,
 }
 
 impl Authority {
@@ -73,6 +45,23 @@ impl Authority {
             write_new(&key_path, &key.serialize_pem())?;
             write_new(&certificate_path, &certificate.pem())?;
         }
+        Self::open(lab)
+    }
+
+    /// The authority of the folder `lab`.
+    ///
+    /// # Errors
+    /// When there is none.
+    pub fn open(lab: &Path) -> Result<Self, CertificateError> {
+        let signing = |source| CertificateError::Signing {
+            path: lab.to_path_buf(),
+            source,
+        };
+        let [certificate_path, key_path] = AUTHORITY.map(|name| lab.join(name));
+        if !certificate_path.exists() && !key_path.exists() {
+            let lab = lab.to_path_buf();
+            return Err(CertificateError::NoLab { lab });
+        }
         let read = |path: &Path| fs::read_to_string(path).map_err(|e| failed(path, e));
         let certificate = read(&certificate_path)?;
         let key = KeyPair::from_pem(&read(&key_path)?).map_err(signing)?;
@@ -81,40 +70,102 @@ impl Authority {
             lab: lab.to_path_buf(),
             certificate,
             issuer,
+            register: Register::read(lab)?,
         })
     }
 
-    /// Makes the certificates of `computer` (a name or an address), in the folder of that name; the folder.
+    /// Makes certificates of `rights` for `computer` (a name or an address), each in the folder of its right in the
+    /// folder of that name; their names.
     ///
     /// # Errors
-    /// When it has some, its name is none, or the folder cannot be written.
-    pub fn certify(&self, computer: &str) -> Result<PathBuf, CertificateError> {
+    /// When it has one of them, its name is none, or the folder cannot be written.
+    pub fn certify(
+        &mut self,
+        computer: &str,
+        rights: &[Right],
+        validity: Validity,
+    ) -> Result<Vec<CertificateName>, CertificateError> {
+        let folder = self.folder(computer)?;
+        let folders = rights.iter().map(|right| folder.join(right.to_string()));
+        if let Some(path) = folders.into_iter().find(|path| path.exists()) {
+            return Err(CertificateError::Exists { path });
+        }
+        let make = |right: &Right| self.make(computer, *right, validity);
+        let names = rights.iter().map(make).collect::<Result<_, _>>()?;
+        self.hand_out_withdrawn()?;
+        Ok(names)
+    }
+
+    /// Makes the certificates of `computer` again that give one of `rights`, under new names. The old ones stay valid
+    /// until they expire or are withdrawn.
+    ///
+    /// # Errors
+    /// When it has none, or the folder cannot be written.
+    pub fn renew(
+        &mut self,
+        computer: &str,
+        rights: &[Right],
+        validity: Validity,
+    ) -> Result<Vec<CertificateName>, CertificateError> {
+        let old: BTreeSet<Right> = self
+            .register
+            .of(computer, rights)
+            .map(|entry| entry.name.right)
+            .collect();
+        if old.is_empty() {
+            return Err(none(computer, rights));
+        }
+        let make = |right| self.make(computer, right, validity);
+        old.into_iter().map(make).collect()
+    }
+
+    /// The folder of `computer`.
+    ///
+    /// # Errors
+    /// When its name is none.
+    pub fn folder(&self, computer: &str) -> Result<PathBuf, CertificateError> {
         let sound = |c: char| c.is_ascii_alphanumeric() || ".:-".contains(c);
         if computer.is_empty() || computer.starts_with('.') || !computer.chars().all(sound) {
             let computer = computer.to_string();
             return Err(CertificateError::Computer { computer });
         }
-        let path = self.lab.join(computer);
-        if path.exists() {
-            return Err(CertificateError::Exists { path });
-        }
+        Ok(self.lab.join(computer))
+    }
+
+    /// Makes a certificate, in place of the one of that right if there is one.
+    fn make(
+        &mut self,
+        computer: &str,
+        right: Right,
+        validity: Validity,
+    ) -> Result<CertificateName, CertificateError> {
+        let folder = self.folder(computer)?;
+        let path = folder.join(right.to_string());
+        let new = folder.join(format!(".{right}.new"));
+        let name = self.register.add(right, computer, &validity.last_day())?;
         let signing = |source| CertificateError::Signing {
             path: self.lab.clone(),
             source,
         };
         let key = KeyPair::generate().map_err(signing)?;
-        let certificate = of_computer(computer).and_then(|c| c.signed_by(&key, &self.issuer));
+        let certificate = of_computer(computer, name, validity);
+        let certificate = certificate.and_then(|c| c.signed_by(&key, &self.issuer));
         let certificate = certificate.map_err(signing)?;
-        fs::create_dir(&path).map_err(|e| failed(&path, e))?;
-        write_new(&path.join("ca.pem"), &self.certificate)?;
-        write_new(&path.join("cert.pem"), &certificate.pem())?;
-        write_new(&path.join("key.pem"), &key.serialize_pem())?;
-        Ok(path)
+        remove(&new)?;
+        fs::create_dir_all(&new).map_err(|e| failed(&new, e))?;
+        write_new(&new.join("ca.pem"), &self.certificate)?;
+        write_new(&new.join("cert.pem"), &certificate.pem())?;
+        write_new(&new.join("key.pem"), &key.serialize_pem())?;
+        // Certificate and key belong together, so both are replaced at once.
+        remove(&path)?;
+        fs::rename(&new, &path).map_err(|e| failed(&path, e))?;
+        Ok(name)
     }
 }
 
 fn authority() -> Result<CertificateParams, rcgen::Error> {
     let mut authority = CertificateParams::new(Vec::new())?;
+    Validity::days(AUTHORITY_DAYS).set(&mut authority);
     authority.is_ca = IsCa::Ca(BasicConstraints::Unconstrained);
     authority.key_usages = vec![KeyUsagePurpose::KeyCertSign, KeyUsagePurpose::CrlSign];
     let name = &mut authority.distinguished_name;
@@ -123,19 +174,42 @@ fn authority() -> Result<CertificateParams, rcgen::Error> {
 }
 
 /// A computer is known by its name, and by itself.
-fn of_computer(computer: &str) -> Result<CertificateParams, rcgen::Error> {
+fn of_computer(
+    computer: &str,
+    name: CertificateName,
+    validity: Validity,
+) -> Result<CertificateParams, rcgen::Error> {
     let names = [computer, "localhost", "127.0.0.1"].map(String::from);
     let mut certificate = CertificateParams::new(names)?;
+    validity.set(&mut certificate);
     certificate.key_usages = vec![KeyUsagePurpose::DigitalSignature];
-    // Every program listens and connects.
-    certificate.extended_key_usages = vec![
-        ExtendedKeyUsagePurpose::ServerAuth,
-        ExtendedKeyUsagePurpose::ClientAuth,
-    ];
+    certificate.extended_key_usages = vec![ExtendedKeyUsagePurpose::ClientAuth];
+    // Others connect to the hand alone.
+    if name.right == Right::Hand {
+        let usages = &mut certificate.extended_key_usages;
+        usages.push(ExtendedKeyUsagePurpose::ServerAuth);
+    }
     certificate.use_authority_key_identifier_extension = true;
+    let common_name = name.to_string();
     let name = &mut certificate.distinguished_name;
-    name.push(DnType::CommonName, computer);
+    name.push(DnType::CommonName, common_name);
     Ok(certificate)
+}
+
+/// Removes a folder, if it is there.
+fn remove(path: &Path) -> Result<(), CertificateError> {
+    match fs::remove_dir_all(path) {
+        Err(e) if e.kind() != io::ErrorKind::NotFound => Err(failed(path, e)),
+        _ => Ok(()),
+    }
+}
+
+pub(super) fn none(computer: &str, rights: &[Right]) -> CertificateError {
+    let rights: Vec<String> = rights.iter().map(ToString::to_string).collect();
+    CertificateError::None {
+        computer: computer.into(),
+        rights: rights.join(", "),
+    }
 }
 
 /// Writes a file that is not there yet and that nobody else may read.
@@ -150,7 +224,7 @@ fn write_new(path: &Path, text: &str) -> Result<(), CertificateError> {
         .map_err(|e| failed(path, e))
 }
 
-fn failed(path: &Path, source: io::Error) -> CertificateError {
+pub(super) fn failed(path: &Path, source: io::Error) -> CertificateError {
     CertificateError::File {
         path: path.to_path_buf(),
         source,

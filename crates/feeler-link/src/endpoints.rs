@@ -1,5 +1,6 @@
 //! Where a program listens and whom it connects to, and what keeps others out.
 
+use super::withdrawn::WithdrawnError;
 use std::path::PathBuf;
 
 /// Where the hand listens unless told otherwise: nobody on another computer can come in.
@@ -62,6 +63,9 @@ pub enum LinkError {
         /// What was given.
         rig: String,
     },
+    /// The list of withdrawn certificates cannot be read.
+    #[error(transparent)]
+    Withdrawn(#[from] WithdrawnError),
     /// The transport says no.
     #[error("the link: {0}")]
     Transport(String),
@@ -118,6 +122,13 @@ fn parts(endpoint: &str) -> Result<(&str, &str), LinkError> {
     let known = ["tcp", "udp", "tls"].contains(&protocol);
     let sound = known && !host.is_empty() && port.parse::<u16>().is_ok();
     sound.then_some((protocol, host)).ok_or_else(wrong)
+}
+
+/// Protocol and address (`HOST:PORT`) of an endpoint.
+#[cfg(feature = "zenoh")]
+pub(super) fn address(endpoint: &str) -> Result<(&str, &str), LinkError> {
+    let (protocol, _) = parts(endpoint)?;
+    Ok((protocol, &endpoint[protocol.len() + 1..]))
 }
 
 /// Whether only this computer reaches `host`. A name other than `localhost` may be anybody's.

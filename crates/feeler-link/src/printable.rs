@@ -10,7 +10,8 @@ pub fn printable(text: &str) -> String {
     for character in text.chars() {
         let length = shown.len();
         match character {
-            '"' | '\'' => shown.push(character),
+            // Of no harm; and a text that went through here stays the same.
+            '"' | '\'' | '\\' => shown.push(character),
             other => shown.extend(other.escape_debug()),
         }
         if shown.len() > MOST_BYTES {
@@ -40,6 +41,7 @@ mod tests {
             let shown = printable(&text.repeat(times));
             prop_assert!(shown.len() <= MOST_BYTES);
             prop_assert!(!shown.chars().any(char::is_control));
+            prop_assert_eq!(printable(&shown), shown);
         }
     }
 }

@@ -4,6 +4,7 @@ use super::endpoints::{LinkConfig, LinkError};
 use super::linger::{self, Connection};
 use super::network::{Heard, Network};
 use super::outlet::Outlet;
+use super::rights::{Role, access_control};
 use super::topic::Topic;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -241,6 +242,7 @@ fn settings(config: &LinkConfig) -> Result<Config, LinkError> {
         let path = |path: &std::path::Path| path.display().to_string();
         set("transport/link/tls/root_ca_certificate", path(&ca).into())?;
         set("transport/link/tls/enable_mtls", true.into())?;
+        set("transport/link/tls/close_link_on_expiration", true.into())?;
         for side in ["listen", "connect"] {
             set(
                 &format!("transport/link/tls/{side}_certificate"),
@@ -251,6 +253,13 @@ fn settings(config: &LinkConfig) -> Result<Config, LinkError> {
                 path(&key).into(),
             )?;
         }
+    }
+    let role = match config.is_hand {
+        true => Role::Hand,
+        false => Role::Member,
+    };
+    if let Some(rules) = access_control(config, role)? {
+        set("access_control", rules)?;
     }
     Ok(settings)
 }

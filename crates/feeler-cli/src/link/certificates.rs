@@ -1,35 +1,229 @@
-//! `feeler certificates`: a lab's own certificate authority, and a certificate for each computer.
+//! `feeler certificates`: a lab's own certificate authority, and certificates for each computer.
 
 use crate::{CommandError, Outcome};
+use feeler_link::right::{Right, RightError};
 use std::io::Write;
 use std::path::PathBuf;
+use std::str::FromStr;
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Folder of the lab's authority: made when there is none. Keep it where nobody else reads it.
     lab: PathBuf,
-    /// Name or address of a computer (10.0.0.5, sensors.lab) to make certificates for, in the folder of that
-    /// name beside the authority: copy it there, and name it with --certificates.
-    #[arg(required = true)]
-    computers: Vec<String>,
+    /// Computers by name or address, each with its rights [default: all]: hand, rig, sense-0 to sense-4, order (stop
+    /// and resume), stop, watch. As in 10.0.0.5=hand,rig,order. Copy LAB/COMPUTER there, and name it with
+    /// --certificates.
+    #[arg(value_name = "COMPUTER[=RIGHTS]", required_unless_present = "list")]
+    computers: Vec<Grant>,
+    /// Days for which the certificates are valid [default: 365]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=3650))]
+    days: Option<u32>,
+    /// Make certificates again that the computers have. The old ones stay valid unless --withdraw is given, too.
+    #[arg(long)]
+    renew: bool,
+    /// Withdraw certificates that the computers have: LAB/withdrawn.txt names them. Copy it into the hand's folder of
+    /// certificates, and start the hand again.
+    #[arg(long)]
+    withdraw: bool,
+    /// List the lab's certificates.
+    #[arg(long, conflicts_with_all = ["computers", "days", "renew", "withdraw"])]
+    list: bool,
 }
 
-/// Makes certificates.
+/// A computer, and what it may do.
+#[derive(Debug, Clone, PartialEq)]
+struct Grant {
+    computer: String,
+    /// All, where none are named.
+    rights: Option<Vec<Right>>,
+}
+
+impl FromStr for Grant {
+    type Err = RightError;
+
+    fn from_str(text: &str) -> Result<Self, RightError> {
+        let Some((computer, rights)) = text.split_once('=') else {
+            let (computer, rights) = (text.into(), None);
+            return Ok(Self { computer, rights });
+        };
+        let mut given = rights
+            .split(',')
+            .map(str::parse)
+            .collect::<Result<Vec<Right>, _>>()?;
+        given.sort();
+        given.dedup();
+        let (computer, rights) = (computer.into(), Some(given));
+        Ok(Self { computer, rights })
+    }
+}
+
+impl Grant {
+    /// The rights that it names, or all.
+    fn rights(&self) -> Vec<Right> {
+        self.rights.clone().unwrap_or_else(Right::all)
+    }
+}
+
+/// Makes, renews, withdraws or lists certificates.
 #[cfg(feature = "link")]
 pub fn certificates(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     use feeler_link::certificates::Authority;
-    let authority = Authority::open_or_make(&arguments.lab)?;
-    for computer in &arguments.computers {
-        let folder = authority.certify(computer)?;
-        writeln!(out, "{}", folder.display())?;
+    if arguments.list {
+        list(&Authority::open(&arguments.lab)?, out)?;
+        return Ok(Outcome::Done);
+    }
+    if arguments.withdraw && arguments.days.is_some() && !arguments.renew {
+        return Err("--days: expected --renew beside --withdraw".into());
+    }
+    if arguments.renew || arguments.withdraw {
+        let mut authority = Authority::open(&arguments.lab)?;
+        for grant in &arguments.computers {
+            replace(&mut authority, grant, arguments, out)?;
+        }
+        return Ok(Outcome::Done);
+    }
+    let mut authority = Authority::open_or_make(&arguments.lab)?;
+    for grant in &arguments.computers {
+        make(&mut authority, grant, arguments, out)?;
     }
     Ok(Outcome::Done)
+}
+
+#[cfg(feature = "link")]
+fn make(
+    authority: &mut feeler_link::certificates::Authority,
+    grant: &Grant,
+    arguments: &Arguments,
+    out: &mut dyn Write,
+) -> Result<(), CommandError> {
+    let validity = arguments.validity();
+    let names = authority.certify(&grant.computer, &grant.rights(), validity)?;
+    let folder = authority.folder(&grant.computer)?;
+    let (folder, until) = (folder.display(), validity.last_day());
+    write!(out, "{folder}: {}, valid until {until}", listed(&names))?;
+    match grant.rights {
+        Some(_) => writeln!(out)?,
+        None => writeln!(out, "; all rights, as none were named")?,
+    }
+    Ok(())
+}
+
+/// Withdraws or renews certificates, or both.
+#[cfg(feature = "link")]
+fn replace(
+    authority: &mut feeler_link::certificates::Authority,
+    grant: &Grant,
+    arguments: &Arguments,
+    out: &mut dyn Write,
+) -> Result<(), CommandError> {
+    let (computer, rights) = (&grant.computer, grant.rights());
+    let old = authority.names(computer, &rights);
+    if arguments.renew {
+        let validity = arguments.validity();
+        let names = authority.renew(computer, &rights, validity)?;
+        let folder = authority.folder(computer)?;
+        let (folder, until) = (folder.display(), validity.last_day());
+        writeln!(out, "{folder}: {}, valid until {until}", listed(&names))?;
+        if !arguments.withdraw {
+            let old = listed(&old);
+            writeln!(out, "not withdrawn, and valid until they expire: {old}")?;
+        }
+    }
+    if arguments.withdraw {
+        if old.is_empty() {
+            // It says what was expected.
+            authority.withdraw(computer, &rights)?;
+        }
+        authority.withdraw_names(&old)?;
+        let list = arguments.lab.join(feeler_link::withdrawn::WITHDRAWN);
+        let (old, list) = (listed(&old), list.display());
+        writeln!(
+            out,
+            "withdrawn: {old}; copy {list} into the certificates folder of the hand, and start the hand again"
+        )?;
+    }
+    Ok(())
+}
+
+#[cfg(feature = "link")]
+impl Arguments {
+    fn validity(&self) -> feeler_link::validity::Validity {
+        use feeler_link::validity::{DAYS, Validity};
+        Validity::days(self.days.unwrap_or(DAYS))
+    }
+}
+
+#[cfg(feature = "link")]
+fn listed(names: &[feeler_link::right::CertificateName]) -> String {
+    let names: Vec<String> = names.iter().map(ToString::to_string).collect();
+    names.join(", ")
+}
+
+#[cfg(feature = "link")]
+fn list(
+    authority: &feeler_link::certificates::Authority,
+    out: &mut dyn Write,
+) -> Result<(), CommandError> {
+    writeln!(
+        out,
+        "{:<24} {:<8} {:>6}  {:<10}  state",
+        "computer", "right", "serial", "until"
+    )?;
+    for listed in authority.list()? {
+        let (entry, mut states) = (&listed.entry, Vec::new());
+        let all = [
+            (listed.withdrawn, "withdrawn"),
+            (listed.expired, "expired"),
+            (listed.replaced, "replaced"),
+        ];
+        states.extend(all.iter().filter(|(is, _)| *is).map(|(_, word)| *word));
+        let state = match states.is_empty() {
+            true => "valid".into(),
+            false => states.join(", "),
+        };
+        let (computer, until) = (&entry.computer, &entry.until);
+        let (right, serial) = (entry.name.right.to_string(), entry.name.serial);
+        writeln!(
+            out,
+            "{computer:<24} {right:<8} {serial:>6}  {until:<10}  {state}"
+        )?;
+    }
+    Ok(())
 }
 
 /// Says that there is no link.
 #[cfg(not(feature = "link"))]
 pub fn certificates(arguments: &Arguments, _: &mut dyn Write) -> Result<Outcome, CommandError> {
-    let lab = arguments.lab.display();
-    let computers = arguments.computers.join(", ");
+    let Arguments {
+        lab,
+        computers,
+        days: _,
+        renew: _,
+        withdraw: _,
+        list: _,
+    } = arguments;
+    let computers: Vec<String> = computers
+        .iter()
+        .map(|grant| format!("{} ({} rights)", grant.computer, grant.rights().len()))
+        .collect();
+    let (lab, computers) = (lab.display(), computers.join(", "));
     Err(format!("{lab}: no certificates for {computers}: this program was built without the link; build it with --features link").into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_computer_is_given_the_rights_that_are_named_or_all() {
+        let some: Grant = "10.0.0.6=sense-1,sense-0,sense-1".parse().unwrap();
+        assert_eq!(some.computer, "10.0.0.6");
+        assert_eq!(some.rights(), [Right::Sense(0), Right::Sense(1)]);
+        let all: Grant = "console".parse().unwrap();
+        assert_eq!(all.rights(), Right::all());
+        for wrong in ["console=", "console=watch,", "console=sense"] {
+            let error = wrong.parse::<Grant>().unwrap_err().to_string();
+            assert!(error.contains("expected hand, rig"), "{error}");
+        }
+    }
 }

@@ -1,7 +1,7 @@
 //! `feeler hand`
 
 use super::record::{HandRecord, patience};
-use super::{ExperimentArguments, LinkArguments, ListenArguments};
+use super::{ExperimentArguments, LinkArguments, ListenArguments, door};
 use crate::flush::FlushArguments;
 use crate::interrupt::watch_for_interrupt;
 use crate::run::make_folder;
@@ -12,6 +12,7 @@ use feeler_lab::config::Experiment;
 use feeler_lab::experiment::linked::hand_program;
 use feeler_lab::experiment::recorded_run::run_end;
 use feeler_link::programs::RigSpeed;
+use feeler_link::right::Right;
 use feeler_record::{RunEnd, RunState};
 use std::io::{Write, stderr};
 use std::path::PathBuf;
@@ -46,11 +47,14 @@ pub struct Arguments {
 pub fn hand(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     let experiment = Experiment::load(&arguments.experiment, &arguments.values.settings())?;
     let rig = arguments.values.rig(&experiment);
-    let network = arguments.link.listen(&rig, &arguments.listening)?;
+    let link = arguments.link.with_right(&[Right::Hand])?;
+    let network = link.listen(&rig, &arguments.listening)?;
     let interrupted = watch_for_interrupt()?;
     let mut program = hand_program(&experiment, arguments.speed, network)?;
     let warnings = Warnings::on_stderr();
     program.set_warn(warnings.warn());
+    let stopper = program.stopper();
+    let _door = door::open(&link, &arguments.listening, &rig, stopper, &warnings);
     writeln!(out, "waiting for {}", program.missing().join(", "))?;
     out.flush()?;
     if !program.wait_for_others(&interrupted)? {

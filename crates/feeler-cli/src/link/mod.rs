@@ -2,6 +2,7 @@
 
 pub mod bench;
 pub mod certificates;
+mod door;
 pub mod hand;
 pub mod orders;
 mod record;
@@ -12,7 +13,9 @@ use super::CommandError;
 use feeler_lab::config::Experiment;
 use feeler_link::endpoints::{HAND_ENDPOINT, LinkConfig};
 use feeler_link::network::{Network, Rehearsal, RehearsedNetwork};
-use std::path::PathBuf;
+use feeler_link::right::Right;
+use std::io::{Write, stderr};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// How a program takes part in the link.
@@ -22,7 +25,8 @@ pub struct LinkArguments {
     /// Where the hand is, as in tls/10.0.0.5:7447; tried until it is there [default: tcp/127.0.0.1:7447]
     #[arg(long, value_name = "ENDPOINT")]
     connect: Vec<String>,
-    /// Folder of this program's certificates, for tls/ endpoints; `feeler certificates` makes them.
+    /// Folder of this computer's certificates, for tls/ endpoints; `feeler certificates` makes them. Each program takes
+    /// that of its right.
     #[arg(long, value_name = "DIR")]
     certificates: Option<PathBuf>,
     /// Rehearse a bad network: loss, duplicate (0 to 1), delay, jitter (s), seed, as in
@@ -51,6 +55,14 @@ impl ListenArguments {
             insecure: false,
         }
     }
+
+    /// Where to listen.
+    fn endpoints(&self) -> Vec<String> {
+        match self.listen.as_slice() {
+            [] => vec![HAND_ENDPOINT.into()],
+            given => given.to_vec(),
+        }
+    }
 }
 
 impl LinkArguments {
@@ -72,6 +84,17 @@ impl LinkArguments {
         first_given(&options)
     }
 
+    /// The same with the certificate that gives one of `rights`, the first one first, where certificates are named.
+    /// It is looked at, and what is to be said of it is said on standard error.
+    pub fn with_right(&self, rights: &[Right]) -> Result<Self, CommandError> {
+        let mut arguments = self.clone();
+        if let Some(folder) = &mut arguments.certificates {
+            *folder = Right::folder_in(folder, rights);
+            check_certificate(folder, rights)?;
+        }
+        Ok(arguments)
+    }
+
     /// The network of the rig `name`, of a program that looks for the hand.
     pub fn connect(&self, name: &str) -> Result<Arc<dyn Network>, CommandError> {
         let connect = match self.connect.as_slice() {
@@ -91,10 +114,7 @@ impl LinkArguments {
         name: &str,
         listening: &ListenArguments,
     ) -> Result<Arc<dyn Network>, CommandError> {
-        let listen = match listening.listen.as_slice() {
-            [] => vec![HAND_ENDPOINT.into()],
-            given => given.to_vec(),
-        };
+        let listen = listening.endpoints();
         self.open(LinkConfig {
             rig: name.into(),
             is_hand: true,
@@ -115,6 +135,22 @@ impl LinkArguments {
             None => network,
         })
     }
+}
+
+/// Warns of a certificate that expires soon, and refuses one that is of no use.
+#[cfg(feature = "link")]
+fn check_certificate(folder: &Path, rights: &[Right]) -> Result<(), CommandError> {
+    let own = feeler_link::own_certificate::OwnCertificate::read(folder, rights)?;
+    if let Some(warning) = own.warning() {
+        writeln!(stderr(), "{warning}")?;
+    }
+    Ok(())
+}
+
+/// Without the link, no certificate is used.
+#[cfg(not(feature = "link"))]
+fn check_certificate(_: &Path, _: &[Right]) -> Result<(), CommandError> {
+    Ok(())
 }
 
 #[cfg(feature = "link")]

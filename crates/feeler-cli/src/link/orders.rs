@@ -1,6 +1,6 @@
 //! `feeler stop` and `feeler resume`: orders to a hand from anywhere.
 
-use super::LinkArguments;
+use super::{LinkArguments, door};
 use crate::{CommandError, Outcome};
 use feeler_link::beacon::Beacon;
 use feeler_link::endpoints::LinkError;
@@ -11,15 +11,20 @@ use feeler_link::message::{
 use feeler_link::network::Network;
 use feeler_link::outlet::{draw_instance, monotonic, send};
 use feeler_link::printable::printable;
+use feeler_link::right::Right;
 use feeler_link::shared::Shared;
+use feeler_link::stop_wire::StopAnswer;
 use feeler_link::topic::Topic;
 use feeler_link::watch_inbox::WatchInbox;
 use std::io::Write;
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// How long to look for a hand.
 const LONGEST: Duration = Duration::from_secs(5);
+
+/// How long the hand is waited for before what its stop door says is enough.
+const DOOR_FIRST: Duration = Duration::from_millis(500);
 
 /// How often an order is said at most, and how long the hand may take to heed it before it is said again.
 const REPEATS: usize = 5;
@@ -65,7 +70,7 @@ struct Caller {
 }
 
 impl Caller {
-    /// Looks for the hand of the rig `name`.
+    /// Begins to look for the hand of the rig `name`.
     fn new(link: &LinkArguments, name: &str) -> Result<Self, CommandError> {
         let network = link.connect(name)?;
         let heartbeat = Heartbeat {
@@ -79,15 +84,11 @@ impl Caller {
         let inbox = Shared::new(WatchInbox::new(&[], Vec::new()));
         let topics: Vec<Topic> = Topic::heartbeats().chain([Topic::Mode]).collect();
         listen(&*network, &topics, &inbox, &monotonic(), &beacon)?;
-        let caller = Self {
+        Ok(Self {
             network,
             inbox,
             _beacon: beacon,
-        };
-        if !caller.hears(LONGEST, |_| true) {
-            return Err(format!("no hand of rig {name:?} was heard within {LONGEST:?}").into());
-        }
-        Ok(caller)
+        })
     }
 
     /// Whether the hand says within `longest` that it is as `is_so` asks.
@@ -174,8 +175,22 @@ pub fn to_resume<'a>(stops: &'a [StopInForce], from: &str) -> Option<&'a StopInF
 
 /// Tells the hand of a rig to stop, and says whether it stands still.
 pub fn stop(arguments: &StopArguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
-    let caller = Caller::new(&arguments.link, &arguments.rig)?;
+    let link = arguments.link.with_right(&[Right::Order, Right::Stop])?;
     let (order, id) = Order::stop(&arguments.from);
+    // Both ways at once: the door is open even where nobody can connect.
+    let door = door::call(&link, &arguments.rig, (id, &arguments.from));
+    let caller = Caller::new(&link, &arguments.rig)?;
+    if !caller.hears(DOOR_FIRST, |_| true) {
+        let start = Instant::now();
+        while !caller.hears(INTERVAL / 4, |_| true) {
+            if let Ok(answer) = door.try_recv() {
+                return said_at_door(&answer, out);
+            }
+            if start.elapsed() > LONGEST {
+                return Err(unheard(&arguments.rig));
+            }
+        }
+    }
     let holds = |mode: &HandMode| mode.stops.iter().any(|stop| stop.id == id);
     let is_so = |mode: &HandMode| holds(mode) && (mode.is_waiting() || !mode.stopped.is_empty());
     let heeded = caller.order(&order, is_so)?;
@@ -198,6 +213,9 @@ pub fn stop(arguments: &StopArguments, out: &mut dyn Write) -> Result<Outcome, C
             return Ok(Outcome::GivenUp);
         }
         Heeded::Not => {
+            if let Ok(answer) = door.try_recv() {
+                return said_at_door(&answer, out);
+            }
             writeln!(
                 out,
                 "the hand was told to stop, but does not say that it does"
@@ -208,9 +226,35 @@ pub fn stop(arguments: &StopArguments, out: &mut dyn Write) -> Result<Outcome, C
     Ok(Outcome::Done)
 }
 
+/// Says what the stop door answered.
+fn said_at_door(answer: &StopAnswer, out: &mut dyn Write) -> Result<Outcome, CommandError> {
+    let number = answer.order;
+    match answer.stopped.as_str() {
+        "" => writeln!(
+            out,
+            "the hand has the stop {number}, and has not said yet that it stands still"
+        )?,
+        stopped => writeln!(
+            out,
+            "the hand stands still: {stopped} (stop {number}, by its stop door)"
+        )?,
+    }
+    Ok(match answer.stopped.is_empty() {
+        true => Outcome::GivenUp,
+        false => Outcome::Done,
+    })
+}
+
+fn unheard(rig: &str) -> CommandError {
+    format!("no hand of rig {rig:?} was heard within {LONGEST:?}").into()
+}
+
 /// Resumes a stop of the hand of a rig, and says whether it goes on.
 pub fn resume(arguments: &ResumeArguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
-    let caller = Caller::new(&arguments.link, &arguments.rig)?;
+    let caller = Caller::new(&arguments.link.with_right(&[Right::Order])?, &arguments.rig)?;
+    if !caller.hears(LONGEST, |_| true) {
+        return Err(unheard(&arguments.rig));
+    }
     let stops = caller.mode().stops;
     if stops.is_empty() {
         writeln!(out, "no stop of the hand is in force")?;

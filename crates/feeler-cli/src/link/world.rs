@@ -8,6 +8,7 @@ use feeler_lab::config::Experiment;
 use feeler_lab::experiment::linked::rig_config;
 use feeler_lab::experiment::played_rig::PlayedRig;
 use feeler_link::programs::{RigProgram, RigSpeed};
+use feeler_link::right::Right;
 use std::io::Write;
 
 #[derive(Debug, clap::Args)]
@@ -30,7 +31,7 @@ pub fn world(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comm
     let rig = PlayedRig::new(&experiment)?;
     let config = rig_config(&experiment, arguments.speed)?;
     let name = arguments.values.rig(&experiment);
-    let network = arguments.link.connect(&name)?;
+    let network = arguments.link.with_right(&[Right::Rig])?.connect(&name)?;
     let interrupted = watch_for_interrupt()?;
     let mut program = RigProgram::new(rig, &config, network)?;
     program.set_warn(Warnings::on_stderr().warn());

@@ -13,6 +13,7 @@ use feeler::sensor::sensing::{ElementReading, SensingChain};
 use feeler_lab::config::{Experiment, Sensing};
 use feeler_lab::experiment::linked::expected;
 use feeler_link::programs::{SensorConfig, SensorProgram};
+use feeler_link::right::Right;
 use feeler_link::sense_inbox::Exposed;
 use feeler_sources::pump::{Captured, FramePump};
 use std::sync::atomic::AtomicBool;
@@ -81,7 +82,8 @@ impl<'a> Publisher<'a> {
             None => None,
         };
         let rig = arguments.values.rig(experiment);
-        let network = arguments.link.connect(&rig)?;
+        let link = arguments.link.with_right(&[Right::Sense(finger)])?;
+        let network = link.connect(&rig)?;
         let mut program = SensorProgram::new(&config, network)?;
         program.set_warn(tally.warner());
         Ok(Self {

@@ -16,6 +16,7 @@ mod skip;
 mod in_terminal;
 
 mod cable;
+mod certificates;
 #[cfg(target_os = "linux")]
 mod disk;
 mod faults;

@@ -142,11 +142,3 @@ fn nobody_listens_beyond_this_computer_unasked() {
     let asked = said.contains("anybody on the network") && said.contains("--insecure");
     assert!(asked, "{said}");
 }
-
-#[test]
-fn certificates_are_not_written_over() {
-    let folder = Setup::new("link-lab").folder;
-    certificates(&folder, "lab", "127.0.0.1");
-    let again = super::program::run(&folder, &["certificates", "lab", "127.0.0.1"]);
-    again.refused(&["there already"]);
-}

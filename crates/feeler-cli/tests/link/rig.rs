@@ -337,10 +337,10 @@ fn within_reason(hand: &Running, done: impl Fn() -> bool) {
     }
 }
 
-/// Makes certificates of the authority `lab` for `computer`; the arguments that name them.
+/// Makes certificates of the authority `lab` for `computer`, of all rights; the arguments that name them.
 pub fn certificates(folder: &Path, lab: &str, computer: &str) -> Vec<String> {
-    let made = run(folder, &["certificates", lab, computer]).done();
-    vec!["--certificates".into(), made.trim().into()]
+    run(folder, &["certificates", lab, computer]).done();
+    vec!["--certificates".into(), format!("{lab}/{computer}")]
 }
 
 /// The reasons for which the hand was stopped, by the record, in order.

@@ -12,6 +12,7 @@ use crate::network::Network;
 use crate::peers::Expected;
 use crate::remote::{RemoteFinger, RemoteHand, mode_of, waiting_mode};
 use crate::run_clock::RunClock;
+use crate::shared::Shared;
 use crate::topic::Topic;
 use feeler::control::control_loop::ControlLoop;
 use feeler::control::controller::{ControlConfig, Controller};
@@ -164,8 +165,38 @@ impl HandProgram {
         let _ = node.publish(Topic::Mode, &mode);
     }
 
+    /// A way to stop the hand from another thread.
+    pub fn stopper(&self) -> Stopper {
+        Stopper {
+            inbox: self.status.node.inbox.clone(),
+        }
+    }
+
     /// What came of the run.
     pub fn report(&self) -> HandReport {
         self.status.report(self.control_loop.state().stamp)
+    }
+}
+
+/// Stops a hand from another thread.
+#[derive(Debug, Clone)]
+pub struct Stopper {
+    inbox: Shared<HandInbox>,
+}
+
+impl Stopper {
+    /// Stops the hand by the order `id` of whoever calls himself `from`; the number of the stop (0 where it was resumed
+    /// already), and whether the hand has made a control step since, by which it stands still. Waits for that, but no
+    /// longer than `longest`.
+    pub fn stop(&self, id: u64, from: &str, longest: Duration) -> (u64, bool) {
+        let (number, step) = {
+            let mut inbox = self.inbox.lock();
+            let number = inbox.holds.order(id, from).unwrap_or(0);
+            (number, inbox.sent.newest())
+        };
+        self.inbox.changed();
+        // The step under way may have decided before.
+        let stepped = |inbox: &mut HandInbox| inbox.sent.newest() > step + 1;
+        (number, self.inbox.wait_for(longest, stepped))
     }
 }

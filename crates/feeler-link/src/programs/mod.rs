@@ -19,7 +19,7 @@ mod sensor;
 
 pub use crate::run_clock::RigSpeed;
 pub use error::{ProgramError, Warn};
-pub use hand::HandProgram;
+pub use hand::{HandProgram, Stopper};
 pub use hand_config::{HandConfig, HandReport, RemoteLoop};
 pub use rig::{RigProgram, RigReport};
 pub use rig_config::{Rig, RigConfig, SensorOutput, ServedHand};

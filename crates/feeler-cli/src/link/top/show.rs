@@ -7,6 +7,7 @@ use crate::link::orders::Order;
 use crate::top::{Action, Snapshot, View, text};
 use crate::{CommandError, Outcome};
 use feeler_lab::config::Experiment;
+use feeler_link::right::Right;
 use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
@@ -32,7 +33,10 @@ pub fn show(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comma
     }
     let experiment = Experiment::load(&arguments.experiment, &arguments.values.settings())?;
     let rig = arguments.values.rig(&experiment);
-    let network = arguments.link.connect(&rig)?;
+    let network = arguments
+        .link
+        .with_right(&[Right::Order, Right::Watch])?
+        .connect(&rig)?;
     let interrupted = watch_for_interrupt()?;
     let watched = Watched::new(&experiment, &rig, network)?;
     if arguments.once {

@@ -1,0 +1,70 @@
+//! The stop door: `feeler stop` without a connection, on the hand's side and on the caller's.
+
+#[cfg(feature = "link")]
+use super::HAND_ENDPOINT;
+use super::{LinkArguments, ListenArguments};
+use crate::warnings::Warnings;
+use feeler_link::programs::Stopper;
+use feeler_link::stop_wire::StopAnswer;
+use std::sync::mpsc::{Receiver, channel};
+
+/// How long an answer waits for the hand to stand still.
+#[cfg(feature = "link")]
+const LONGEST: std::time::Duration = std::time::Duration::from_millis(100);
+
+/// Opens the stop door of the hand of `rig`. A hand that has none is stopped over its connections alone, and says so.
+#[cfg(feature = "link")]
+pub fn open(
+    link: &LinkArguments,
+    listening: &ListenArguments,
+    rig: &str,
+    stopper: Stopper,
+    warnings: &Warnings,
+) -> Option<feeler_link::stop_door::StopDoor> {
+    let answering = move |id, from: &str| {
+        let (order, stands_still) = stopper.stop(id, from, LONGEST);
+        let stopped = match stands_still {
+            true => format!("told to stop by {from}"),
+            false => String::new(),
+        };
+        StopAnswer { order, stopped }
+    };
+    let (endpoints, certificates) = (listening.endpoints(), link.certificates.as_deref());
+    let opened = feeler_link::stop_door::StopDoor::open(&endpoints, certificates, rig, answering);
+    opened
+        .map_err(|error| warnings.say(&format!("warning: {error}")))
+        .ok()
+}
+
+/// Without the link there is no hand.
+#[cfg(not(feature = "link"))]
+pub fn open(_: &LinkArguments, _: &ListenArguments, _: &str, _: Stopper, _: &Warnings) {}
+
+/// Says the stop `id` by `from` at the stop door of the hand of `rig`, from a thread of its own; what it answers. Nothing
+/// comes where it does not.
+#[cfg(feature = "link")]
+pub fn call(link: &LinkArguments, rig: &str, (id, from): (u64, &str)) -> Receiver<StopAnswer> {
+    let (sender, receiver) = channel();
+    let endpoints = match link.connect.as_slice() {
+        [] => vec![HAND_ENDPOINT.to_string()],
+        given => given.to_vec(),
+    };
+    let (certificates, rig, from) = (link.certificates.clone(), rig.to_string(), from.to_string());
+    std::thread::spawn(move || {
+        let order = (id, from.as_str());
+        let certificates = certificates.as_deref();
+        // What the door refuses, the connection refuses, too, and says why.
+        if let Ok(answer) = feeler_link::stop_call::call_stop(&endpoints, certificates, &rig, order)
+        {
+            // The program may have ended by what it heard over its connection.
+            let _ = sender.send(answer);
+        }
+    });
+    receiver
+}
+
+/// Without the link, nobody answers.
+#[cfg(not(feature = "link"))]
+pub fn call(_: &LinkArguments, _: &str, _: (u64, &str)) -> Receiver<StopAnswer> {
+    channel().1
+}
