@@ -115,7 +115,7 @@ fn python_sees_forces_and_stops_the_hand() {
     let mut running = Running::default();
     let arguments = ["hand", "cap-closing", "--sensing", "direct", "--out", "run"];
     let hand = feeler(&folder, &arguments)
-        .args(["--listen", &endpoint])
+        .args(["--listen", &endpoint, "--speed", "max"])
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn();

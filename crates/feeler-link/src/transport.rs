@@ -191,6 +191,17 @@ fn clear_linger(link: &[u8]) {
     }
 }
 
+/// How long who connects may take to say who he is, ms.
+const PATIENCE_MS: u64 = 2000;
+
+/// `endpoint` with that patience for handshakes of TLS.
+fn patient(endpoint: &str) -> String {
+    match endpoint.starts_with("tls/") {
+        true => format!("{endpoint}#tls_handshake_timeout_ms={PATIENCE_MS}"),
+        false => endpoint.into(),
+    }
+}
+
 fn settings(config: &LinkConfig) -> Result<Config, LinkError> {
     let mut settings = Config::default();
     let mut set = |key: &str, value: serde_json::Value| {
@@ -202,7 +213,11 @@ fn settings(config: &LinkConfig) -> Result<Config, LinkError> {
         "mode",
         if config.is_hand { "router" } else { "client" }.into(),
     )?;
-    set("listen/endpoints", config.listen.clone().into())?;
+    let listen = config.listen.iter().map(|endpoint| patient(endpoint));
+    set("listen/endpoints", listen.collect::<Vec<_>>().into())?;
+    // Who connects and says nothing soon makes room for others, and there is room for many.
+    set("transport/unicast/accept_timeout", PATIENCE_MS.into())?;
+    set("transport/unicast/accept_pending", 1000.into())?;
     set("connect/endpoints", config.connect.clone().into())?;
     // Whoever is not there yet is tried for ever, and that holds up nobody.
     set("connect/timeout_ms", (-1).into())?;

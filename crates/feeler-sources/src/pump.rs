@@ -73,7 +73,7 @@ fn pump(
     loop {
         let mut frame = (unused.try_recv()).unwrap_or_else(|_| Frame::black(width, height));
         let frame = camera.capture(&mut frame).map(|()| frame);
-        let goes_on = matches!(frame, Ok(_) | Err(CameraError::Unreadable { .. }));
+        let goes_on = frame.as_ref().err().is_none_or(CameraError::may_pass);
         let at = Instant::now();
         if sender.send(Captured { frame, at }).is_err() || !goes_on {
             return;

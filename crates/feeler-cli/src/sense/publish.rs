@@ -156,7 +156,8 @@ impl<'a> Publisher<'a> {
                     self.write(frame.sequence + 1, frame.sequence, frame.stamp, at)?;
                     pump.give_back(frame);
                 }
-                Err(error @ CameraError::Unreadable { .. }) => self.tally.skip(&error.to_string()),
+                // Of a rig at work, a picture that is of no use is one that never came.
+                Err(error) if error.may_pass() => self.tally.skip(&error.to_string()),
                 Err(CameraError::Ended { .. }) => return Ok(()),
                 Err(error) => return Err(error.into()),
             }

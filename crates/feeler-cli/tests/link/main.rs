@@ -20,6 +20,7 @@ mod certificates;
 #[cfg(target_os = "linux")]
 mod disk;
 mod faults;
+mod floods;
 mod hostile;
 mod orders;
 mod own_rig;

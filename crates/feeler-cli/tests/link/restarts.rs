@@ -1,10 +1,14 @@
 //! Any program of a rig may end and start again at any time: the hand stops, and goes on when it is told to.
 
 use super::faults::{NO_HURRY, check};
+use super::ports::unused_endpoint;
+use super::program::{folder, run};
 use super::rig::{Rig, Running, Setup};
+use feeler::sensor::frame::Picture;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::played_rig::PlayedRig;
 use feeler_link::programs::{Rig as _, SensorOutput};
+use image::GrayImage;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use std::fs;
@@ -74,15 +78,19 @@ fn a_hand_may_start_again_beside_its_rig() {
     check(&mut rig, hand, "told to stop");
 }
 
-/// A camera of the test's own: writes pictures of an unloaded fingertip to a sensor program, until that ends.
-fn film(rig: &Rig, finger: usize) -> Running {
+/// A picture of an unloaded fingertip of the reference rig.
+fn unloaded(finger: usize) -> Picture {
     let experiment = Experiment::load("cap-closing", &["sensing=image".into()]).expect("a rig");
     let mut played = PlayedRig::new(&experiment).expect("a rig");
-    let exposed = played.expose(finger).expect("a picture");
-    let Some(SensorOutput::Picture(frame)) = exposed else {
-        panic!("a picture expected, {exposed:?}")
-    };
-    let (picture, number) = (frame.picture.clone(), finger.to_string());
+    match played.expose(finger) {
+        Ok(Some(SensorOutput::Picture(frame))) => frame.picture.clone(),
+        other => panic!("a picture expected, {other:?}"),
+    }
+}
+
+/// A camera of the test's own: writes pictures of an unloaded fingertip to a sensor program, until that ends.
+fn film(rig: &Rig, finger: usize) -> Running {
+    let (picture, number) = (unloaded(finger), finger.to_string());
     let size = format!("--raw={}x{}", picture.width, picture.height);
     let arguments = [
         "sense",
@@ -128,4 +136,29 @@ fn sensors_with_clocks_of_their_own_may_start_again() {
         resume_after(&rig, &mut hand, "stopped: the forces of finger 0", nth);
     }
     check(&mut rig, hand, "the forces of finger 0");
+}
+
+#[test]
+fn a_picture_of_another_size_is_skipped_and_counted() {
+    let folder = folder("link-other-size");
+    let Picture {
+        width,
+        height,
+        pixels,
+    } = unloaded(0);
+    let picture = GrayImage::from_raw(width as u32, height as u32, pixels).expect("its pixels");
+    let pictures = [picture.clone(), GrayImage::new(320, 240), picture];
+    let names: Vec<_> = (0..pictures.len()).map(|n| format!("{n}.png")).collect();
+    for (picture, name) in pictures.iter().zip(&names) {
+        picture.save(folder.join(name)).expect("a file");
+    }
+    let mut arguments = vec!["sense", "--publish", "--finger=0", "--sensing=image"];
+    // Nobody listens there: what is published is lost.
+    let nowhere = format!("--connect={}", unused_endpoint());
+    arguments.push(&nowhere);
+    arguments.extend(names.iter().map(String::as_str));
+    let ended = run(&folder, &arguments);
+    assert_eq!(ended.status, Some(0), "{ended:?}");
+    let said = format!("{}{}", ended.stdout, ended.stderr);
+    assert!(said.contains("1.png") && said.contains("320x240"), "{said}");
 }

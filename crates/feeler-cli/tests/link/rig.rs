@@ -239,6 +239,7 @@ impl Setup {
         command.args(["-c", &limited, "sh"]);
         command.arg(hand.get_program()).args(hand.get_args());
         command.args(["--listen", &self.endpoint, "--flush-interval=0.05"]);
+        command.args(["--speed", self.speed]);
         command.args(&self.settings).current_dir(&self.folder);
         Running::start(&self.folder, "hand", command)
     }

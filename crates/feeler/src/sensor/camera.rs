@@ -54,6 +54,13 @@ pub enum CameraError {
     },
 }
 
+impl CameraError {
+    /// Whether one picture is lost, and the next may be good.
+    pub fn may_pass(&self) -> bool {
+        matches!(self, Self::Unreadable { .. } | Self::PictureSize { .. })
+    }
+}
+
 /// Something that takes pictures of the inside of one fingertip's dome.
 pub trait Camera {
     /// Fills `frame` with the newest picture, its sequence number and its stamp.
