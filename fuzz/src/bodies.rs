@@ -12,15 +12,21 @@ use feeler::sensor::located_layout::LocatedLayout;
 use feeler::sensor::moments::ElementMoments;
 use feeler::sensor::reading::{SensorError, TactileFrame, TactileSensor};
 use feeler_lab::config::Experiment;
+use feeler_link::freshness::Echo;
 use feeler_link::hand_inbox::HandInbox;
 use feeler_link::inbox::Inbox;
-use feeler_link::message::{Heartbeat, NO_FINGER, PROTOCOL};
+use feeler_link::message::{
+    Heartbeat, MessageHeader, NO_FINGER, PROTOCOL, ResumeMessage, StateMessage, StopMessage,
+    TactileUpdate,
+};
+use feeler_link::outlet::header;
 use feeler_link::peers::{Expected, MOST_PEERS};
 use feeler_link::rig_inbox::RigInbox;
 use feeler_link::run_clock::{RigSpeed, RunClock};
 use feeler_link::sense_inbox::SenseInbox;
+use feeler_link::stop_wire;
 use feeler_link::topic::{Place, Topic};
-use feeler_record::wire::cdr;
+use feeler_record::wire::{Message, Vector3, cdr};
 use feeler_record::{RecordedCamera, RecordedHand, RecordedSensor, Recording};
 use feeler_sources::picture::decode_picture;
 use glam::DVec2;
@@ -177,10 +183,7 @@ fn play_back(recording: &Recording) {
 /// finite or of another size. The bytes are messages: topic (its place in [`Topic::all`]), length (2 bytes, little
 /// endian) and the message itself, in which an echoed token of 0 stands for the hand's own.
 pub fn link(bytes: &[u8]) -> bool {
-    let expected = Expected {
-        fingertips: vec![String::new()],
-        ..Expected::default()
-    };
+    let expected = agreeing();
     let clock = RunClock::new(RigSpeed::Times(1.0), 0.01, 3.5);
     let mut hand = HandInbox::new(&[2], clock, expected.clone());
     let mut rig = RigInbox::new((1, 2), 0.045, expected.clone());
@@ -273,6 +276,146 @@ fn check_hand(hand: &mut HandInbox, now: f64) {
         let joints: Vec<_> = joints.flat_map(|j| [j.x, j.y, j.z]).collect();
         assert_eq!(joints.len(), 6);
         assert!(joints.into_iter().all(f64::is_finite));
+    }
+}
+
+/// Whatever arrives at the stop door reads back as what it is, or is none.
+pub fn stop_wire(bytes: &[u8]) -> bool {
+    let Some(datagram) = stop_wire::parse(bytes) else {
+        return false;
+    };
+    assert_eq!(stop_wire::parse(&datagram.bytes()), Some(datagram));
+    true
+}
+
+/// Whatever programs that know each other say, in whatever order and with whatever numbers, a hand's time never goes
+/// back, and it stays stopped until each stop has been resumed. The bytes are steps of eight: what happens, to which of
+/// its numbers something is added, and what.
+pub fn inboxes(bytes: &[u8]) -> bool {
+    let clock = RunClock::new(RigSpeed::Times(1.0), 0.01, 3.5);
+    let mut hand = HandInbox::new(&[2], clock, agreeing());
+    for (place, introduction) in introductions() {
+        let taken = hand.take(Topic::Heartbeat(place), &introduction, 0.0);
+        taken.expect("a heartbeat of a program that agrees");
+    }
+    let (mut now, mut sequence, mut time, mut stopped) = (0.0, 0_u64, 0.0, Vec::new());
+    let mut sound = false;
+    for step in bytes.chunks_exact(8) {
+        let [what, field, low, high, mantissa @ ..] = step else {
+            continue;
+        };
+        let added = i64::from(i16::from_le_bytes([*low, *high]));
+        let odd = f64::from(f32::from_le_bytes(mantissa.try_into().expect("four bytes")));
+        now += 0.001 * f64::from(what >> 3);
+        sequence += 1;
+        let newest = hand.sent.newest() + 1;
+        hand.sent.sent(newest, now);
+        let mut header = honest(&hand, sequence, now);
+        spoil(&mut header, field % 8, added, odd);
+        match what % 8 {
+            0..=2 => sound |= take(&mut hand, Topic::State, &state_of(header), now),
+            3..=5 => sound |= take(&mut hand, Topic::Tactile(0), &update_of(header), now),
+            6 => {
+                let (protocol, from, id) = (PROTOCOL, "fuzz".to_string(), added.unsigned_abs() + 1);
+                let before = hand.holds.newest();
+                take(
+                    &mut hand,
+                    Topic::Stop,
+                    &StopMessage { protocol, from, id },
+                    now,
+                );
+                if hand.holds.newest() > before {
+                    stopped.push(hand.holds.newest());
+                }
+            }
+            _ => {
+                let (protocol, from, number) = (PROTOCOL, "fuzz".to_string(), u64::from(*field));
+                let resume = ResumeMessage {
+                    protocol,
+                    from,
+                    number,
+                };
+                if take(&mut hand, Topic::Resume, &resume, now) {
+                    stopped.retain(|stop| *stop != number);
+                }
+            }
+        }
+        // Of more than are told apart, the newest stands for the others.
+        let is_stopped = !hand.holds.in_force().is_empty();
+        assert!(is_stopped || stopped.is_empty(), "{stopped:?} at {now} s");
+        if !is_stopped {
+            stopped.clear();
+        }
+        assert!(
+            hand.state().time >= time,
+            "{time} s, then {} s",
+            hand.state().time
+        );
+        time = hand.state().time;
+        check_hand(&mut hand, now);
+    }
+    sound
+}
+
+fn agreeing() -> Expected {
+    Expected {
+        fingertips: vec![String::new()],
+        ..Expected::default()
+    }
+}
+
+/// A header as the rig has it, whose clock is 5 s ahead.
+fn honest(hand: &HandInbox, sequence: u64, now: f64) -> MessageHeader {
+    let step = hand.sent.newest();
+    let echo = Echo {
+        step,
+        token: hand.sent.token(step),
+        arrived: now,
+    };
+    header(2, sequence, now + 5.0).echoing(echo, now)
+}
+
+/// Adds something to one of a header's numbers.
+fn spoil(header: &mut MessageHeader, field: u8, added: i64, odd: f64) {
+    let whole = |number: u64| number.wrapping_add_signed(added);
+    match field {
+        1 => header.instance = whole(header.instance),
+        2 => header.clock = whole(header.clock),
+        3 => header.sequence = whole(header.sequence),
+        4 => header.stamp += odd,
+        5 => header.echo_step = whole(header.echo_step),
+        6 => header.echo_token = whole(header.echo_token),
+        7 => header.echo_age += odd,
+        _ => {}
+    }
+}
+
+fn take<M: Message>(hand: &mut HandInbox, topic: Topic, message: &M, now: f64) -> bool {
+    let mut bytes = Vec::new();
+    cdr::encode(message, &mut bytes).expect("a message's bytes");
+    hand.take(topic, &bytes, now).is_ok()
+}
+
+fn state_of(header: MessageHeader) -> StateMessage {
+    StateMessage {
+        header,
+        position: vec![Vector3::default()],
+        velocity: vec![Vector3::default()],
+        instruments: Vec::new(),
+    }
+}
+
+fn update_of(header: MessageHeader) -> TactileUpdate {
+    TactileUpdate {
+        header: MessageHeader {
+            instance: header.instance.wrapping_add(1),
+            ..header
+        },
+        forces: vec![Vector3::default(); 2],
+        shear_rate: vec![0.0; 2],
+        slip_mask: vec![0],
+        invalid_mask: vec![0],
+        ..TactileUpdate::default()
     }
 }
 

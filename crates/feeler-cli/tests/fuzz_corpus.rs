@@ -9,6 +9,8 @@ use feeler_link::message::{
 };
 use feeler_link::topic::{Place, Topic};
 use feeler_record::wire::{Message, Vector3, cdr};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
 use std::path::Path;
 
 /// Feeds every file of a target's corpus to it; at least one must be sound.
@@ -57,6 +59,35 @@ fn recordings() {
 #[test]
 fn links() {
     feed("link", bodies::link);
+}
+
+#[test]
+fn inboxes() {
+    feed("inboxes", bodies::inboxes);
+}
+
+#[test]
+fn stop_doors() {
+    feed("stop_wire", bodies::stop_wire);
+}
+
+/// What the fuzzer does, without one: steps drawn at random. `FEELER_FUZZ` says how many inputs.
+#[test]
+fn inboxes_keep_their_promises_whatever_is_drawn() {
+    let inputs = std::env::var("FEELER_FUZZ").ok();
+    let inputs = inputs.map_or(2000, |inputs| {
+        inputs.parse().expect("FEELER_FUZZ, a number")
+    });
+    let mut random = Pcg64::seed_from_u64(14);
+    let mut sound = 0_u64;
+    for _ in 0..inputs {
+        let mut bytes = vec![0; random.random_range(0..64) * 8];
+        random.fill(&mut bytes[..]);
+        sound += u64::from(bodies::inboxes(&bytes));
+        bodies::link(&bytes);
+        bodies::stop_wire(&bytes);
+    }
+    assert!(sound > 0);
 }
 
 #[test]

@@ -109,6 +109,8 @@ fn programs_that_do_not_agree_are_refused_and_both_are_named() {
 #[test]
 fn a_rig_of_another_speed_is_refused() {
     let rig = Setup::new("link-speed").start();
-    let mut hand = rig.setup.hand(&["--speed=max"]);
+    let mut setup = rig.setup.clone();
+    setup.speed = "max";
+    let mut hand = setup.hand(&[]);
     hand.wait_for("refused: world goes at 0.25 times real time, this hand at the pace");
 }

@@ -31,8 +31,9 @@ fn failed_handshakes_keep_no_stop_out() {
             }
         });
         thread::sleep(Duration::from_secs(2));
-        let told = rig.setup.order("stop", &rig.setup.hand_link).done();
+        let told = rig.setup.order("stop", &rig.setup.hand_link);
         over.store(true, Ordering::Relaxed);
+        let told = told.done();
         assert!(
             told.contains("stands still: told to stop by the test"),
             "{told}"

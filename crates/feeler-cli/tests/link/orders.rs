@@ -71,12 +71,13 @@ fn a_stop_holds_against_resumes_that_do_not_name_it() {
             }
         });
         // The first has the number that the flood names.
-        let first = rig.setup.order("stop", &[]);
-        assert!(!first.stdout.contains("stands still"), "{first:?}");
-        let second = rig.setup.order("stop", &[]).done();
-        assert!(second.contains("stands still"), "{second}");
+        let orders = [(); 2].map(|()| rig.setup.order("stop", &[]));
         thread::sleep(Duration::from_millis(500));
         over.store(true, Ordering::Relaxed);
+        let [first, second] = orders;
+        assert!(!first.stdout.contains("stands still"), "{first:?}");
+        let second = second.done();
+        assert!(second.contains("stands still"), "{second}");
     });
     check(&mut rig, hand, "told to stop by the test");
     let task = rig.setup.recording().task;

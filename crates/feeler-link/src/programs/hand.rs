@@ -186,8 +186,8 @@ pub struct Stopper {
 
 impl Stopper {
     /// Stops the hand by the order `id` of whoever calls himself `from`; the number of the stop (0 where it was resumed
-    /// already), and whether the hand has made a control step since, by which it stands still. Waits for that, but no
-    /// longer than `longest`.
+    /// already), and whether it is still in force after the hand's next control step, by which the hand stands still.
+    /// Waits for that, but no longer than `longest`.
     pub fn stop(&self, id: u64, from: &str, longest: Duration) -> (u64, bool) {
         let (number, step) = {
             let mut inbox = self.inbox.lock();
@@ -197,6 +197,13 @@ impl Stopper {
         self.inbox.changed();
         // The step under way may have decided before.
         let stepped = |inbox: &mut HandInbox| inbox.sent.newest() > step + 1;
-        (number, self.inbox.wait_for(longest, stepped))
+        let stepped = self.inbox.wait_for(longest, stepped);
+        let inbox = self.inbox.lock();
+        let in_force = inbox
+            .holds
+            .in_force()
+            .iter()
+            .any(|hold| hold.number == number);
+        (number, stepped && in_force)
     }
 }
