@@ -143,7 +143,7 @@ pub enum Order {
 impl Order {
     /// A stop by `from`, and the id that it draws.
     pub fn stop(from: &str) -> (Self, u64) {
-        let (protocol, from, id) = (PROTOCOL, from.into(), draw_instance());
+        let (protocol, from, id) = (PROTOCOL, printable(from), draw_instance());
         (Self::Stop(StopMessage { protocol, from, id }), id)
     }
 
@@ -151,7 +151,7 @@ impl Order {
     pub fn resume(from: &str, number: u64) -> Self {
         Self::Resume(ResumeMessage {
             protocol: PROTOCOL,
-            from: from.into(),
+            from: printable(from),
             number,
         })
     }
@@ -232,7 +232,7 @@ fn said_at_door(answer: &StopAnswer, out: &mut dyn Write) -> Result<Outcome, Com
     match answer.stopped.as_str() {
         "" => writeln!(
             out,
-            "the hand has the stop {number}, and has not said yet that it stands still"
+            "the hand took stop {number}, which is not in force now: somebody resumed it, or the hand hangs"
         )?,
         stopped => writeln!(
             out,
