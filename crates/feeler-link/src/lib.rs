@@ -12,6 +12,7 @@ pub mod endpoints;
 pub mod freshness;
 pub mod hand_inbox;
 pub mod hand_verdict;
+mod heartbeat;
 pub mod holds;
 pub mod inbox;
 mod instruments;
@@ -51,6 +52,8 @@ mod tactile;
 pub mod topic;
 #[cfg(feature = "zenoh")]
 pub mod transport;
+#[cfg(feature = "zenoh")]
+mod transport_settings;
 #[cfg(feature = "zenoh")]
 pub mod validity;
 pub mod watch_inbox;

@@ -1,13 +1,11 @@
 //! Which programs there are, and which of them are taken for what.
 
-use super::inbox;
+use super::heartbeat::read_heartbeat;
 use super::message::{Heartbeat, NO_FINGER, PROTOCOL, ProgramKind};
 use super::mismatch::{Mismatch, short};
-use super::printable;
 use super::rejection::Rejection;
 use super::sequence::Sequence;
 use super::topic::Place;
-use feeler_record::wire::cdr;
 
 /// A program whose last heartbeat is older than this has gone, s.
 pub const SILENT_AFTER: f64 = 1.0;
@@ -131,7 +129,7 @@ impl Peers {
         bytes: &[u8],
         now: f64,
     ) -> Result<Option<&Peer>, Rejection> {
-        let heartbeat = read(bytes)?;
+        let heartbeat = read_heartbeat(bytes)?;
         if heartbeat.protocol == PROTOCOL && heartbeat.place() != Some(place) {
             return Err(Rejection::Stranger);
         }
@@ -261,57 +259,6 @@ impl Peers {
         let taken = works(heartbeat) && self.peers.iter().any(|peer| same(&peer));
         taken.then_some(Mismatch::Taken { program })
     }
-}
-
-/// Reads a heartbeat; of one of another version, what stands first in all of them.
-fn read(bytes: &[u8]) -> Result<Heartbeat, Rejection> {
-    if !bytes.starts_with(&cdr::ENCAPSULATION) {
-        return Err(Rejection::Malformed);
-    }
-    let field = |at: usize, length: usize| bytes.get(at..at + length);
-    let protocol = field(4, 4).and_then(|b| Some(u32::from_le_bytes(b.try_into().ok()?)));
-    let protocol = protocol.ok_or(Rejection::Malformed)?;
-    if protocol == PROTOCOL {
-        let mut heartbeat: Heartbeat = inbox::read(bytes)?;
-        let finite = [heartbeat.rate, heartbeat.speed];
-        if !finite.iter().all(|n| n.is_finite()) {
-            return Err(Rejection::NotFinite);
-        }
-        if heartbeat.speed < 0.0 {
-            return Err(Rejection::Implausible);
-        }
-        let Heartbeat {
-            version,
-            experiment,
-            fingertip,
-            fault,
-            ..
-        } = &heartbeat;
-        let texts = [
-            heartbeat.program.as_str(),
-            version,
-            experiment,
-            fingertip,
-            fault,
-        ];
-        if texts.iter().any(|text| text.len() > printable::MOST_BYTES) {
-            return Err(Rejection::Oversized);
-        }
-        for shown in [&mut heartbeat.version, &mut heartbeat.fault] {
-            *shown = printable::printable(shown);
-        }
-        return Ok(heartbeat);
-    }
-    let instance = field(12, 8).and_then(|b| Some(u64::from_le_bytes(b.try_into().ok()?)));
-    Ok(Heartbeat {
-        protocol,
-        instance: instance.ok_or(Rejection::Malformed)?,
-        program: "a program".into(),
-        version: "of another version".into(),
-        finger: NO_FINGER,
-        sequence: 1,
-        ..Heartbeat::default()
-    })
 }
 
 fn works(heartbeat: &Heartbeat) -> bool {

@@ -12,16 +12,20 @@ use feeler::pace::Unpaced;
 use feeler::sensor::layout::{ElementLayout, LayoutConfig};
 use feeler::sensor::reading::{SensorError, TactileFrame, TactileSensor};
 use feeler_link::endpoints::LinkError;
-use feeler_link::message::{InstrumentsMessage, StopMessage};
+use feeler_link::inbox::read;
+use feeler_link::message::{
+    HandMode, Heartbeat, InstrumentsMessage, MessageHeader, NO_FINGER, PROTOCOL, ProgramKind,
+    StopMessage, TactileUpdate,
+};
 use feeler_link::network::{Heard, Network};
-use feeler_link::outlet::{Outlet, encode};
+use feeler_link::outlet::{Outlet, encode, header};
 use feeler_link::peers::Expected;
 use feeler_link::programs::{
     HandConfig, HandProgram, ProgramError, Rig, RigConfig, RigProgram, RigSpeed, SensorConfig,
     SensorOutput, SensorProgram,
 };
 use feeler_link::sense_inbox::Exposed;
-use feeler_link::topic::Topic;
+use feeler_link::topic::{Place, Topic};
 use feeler_record::InstrumentRecord;
 use glam::DVec3;
 use std::ops::ControlFlow;
@@ -423,4 +427,64 @@ fn a_hand_waits_for_what_is_missing_and_refuses_what_does_not_agree() {
     assert!(!is_whole.unwrap());
     let refused = refused().unwrap();
     assert!(refused.contains("works by experiment another"), "{refused}");
+}
+
+/// A picture echoes the step that had arrived when it came in, however long sensing it took.
+#[test]
+fn a_picture_of_a_camera_is_as_old_as_its_arrival_says() {
+    let config = Config::new();
+    let hub = Hub::default();
+    let heard = Arc::new(Mutex::new(Vec::new()));
+    let note = heard.clone();
+    let listening = hub.port(9).listen(
+        Topic::Tactile(0),
+        Arc::new(move |_, bytes: &[u8]| note.lock().unwrap().push(bytes.to_vec())),
+    );
+    listening.unwrap();
+    let mut program = sensor(&config, hub.port(2)).unwrap();
+    let hand = hub.port(0);
+    let say = |topic, bytes: Result<Vec<u8>, LinkError>| hand.send(topic, bytes.unwrap()).unwrap();
+    let heartbeat = Heartbeat {
+        protocol: PROTOCOL,
+        instance: 7,
+        program: ProgramKind::Hand,
+        finger: NO_FINGER,
+        experiment: "toy".into(),
+        sequence: 1,
+        ..Heartbeat::default()
+    };
+    say(Topic::Heartbeat(Place::Hand), encode(&heartbeat));
+    let mode = |step| HandMode {
+        header: header(7, step, 0.0),
+        token: 1000 + step,
+        ..HandMode::default()
+    };
+    say(Topic::Mode, encode(&mode(1)));
+    let first = Instant::now();
+    thread::sleep(Duration::from_millis(30));
+    let arrived = Instant::now();
+    thread::sleep(Duration::from_millis(30));
+    say(Topic::Mode, encode(&mode(2)));
+    let elements = ElementLayout::new(&config.layout).elements.len();
+    let forces = (0..elements).map(|_| Some(DVec3::ZERO));
+    program.publish((4, -3.0, arrived), forces).unwrap();
+    let update: TactileUpdate = read(&heard.lock().unwrap()[0]).unwrap();
+    let MessageHeader {
+        sequence,
+        stamp,
+        instance,
+        clock,
+        echo_step,
+        echo_token,
+        echo_age,
+        ..
+    } = update.header;
+    assert_eq!((sequence, stamp, instance), (5, -3.0, clock));
+    assert_eq!((echo_step, echo_token), (1, 1001));
+    // Two clocks are looked at, one after the other.
+    let waited = arrived.duration_since(first).as_secs_f64();
+    assert!(
+        (waited..waited + 0.02).contains(&echo_age),
+        "{echo_age} s, {waited} s"
+    );
 }

@@ -1,6 +1,7 @@
 //! Programs of one rig: what their command lines have in common.
 
 pub mod bench;
+mod caller;
 pub mod certificates;
 mod door;
 pub mod hand;

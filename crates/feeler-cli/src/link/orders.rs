@@ -1,23 +1,17 @@
 //! `feeler stop` and `feeler resume`: orders to a hand from anywhere.
 
+use super::caller::{Caller, Heeded, INTERVAL, STEADY};
 use super::{LinkArguments, door};
 use crate::{CommandError, Outcome};
-use feeler_link::beacon::Beacon;
 use feeler_link::endpoints::LinkError;
-use feeler_link::inbox::listen;
-use feeler_link::message::{
-    HandMode, Heartbeat, NO_FINGER, PROTOCOL, ProgramKind, ResumeMessage, StopInForce, StopMessage,
-};
+use feeler_link::message::{HandMode, PROTOCOL, ResumeMessage, StopInForce, StopMessage};
 use feeler_link::network::Network;
-use feeler_link::outlet::{draw_instance, monotonic, send};
+use feeler_link::outlet::{draw_instance, send};
 use feeler_link::printable::printable;
 use feeler_link::right::Right;
-use feeler_link::shared::Shared;
 use feeler_link::stop_wire::StopAnswer;
 use feeler_link::topic::Topic;
-use feeler_link::watch_inbox::WatchInbox;
 use std::io::Write;
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// How long to look for a hand.
@@ -25,13 +19,6 @@ const LONGEST: Duration = Duration::from_secs(5);
 
 /// How long the hand is waited for before what its stop door says is enough.
 const DOOR_FIRST: Duration = Duration::from_millis(500);
-
-/// How often an order is said at most, and how long the hand may take to heed it before it is said again.
-const REPEATS: usize = 5;
-const INTERVAL: Duration = Duration::from_millis(200);
-
-/// How long the hand must stay as it was told before that is reported.
-const STEADY: Duration = Duration::from_millis(300);
 
 #[derive(Debug, clap::Args)]
 pub struct StopArguments {
@@ -61,76 +48,6 @@ pub struct ResumeArguments {
 
 /// Who gives an order on the command line.
 const BY: &str = "the command line";
-
-/// A hand that somebody gives an order to.
-struct Caller {
-    network: Arc<dyn Network>,
-    inbox: Shared<WatchInbox>,
-    _beacon: Arc<Beacon>,
-}
-
-impl Caller {
-    /// Begins to look for the hand of the rig `name`.
-    fn new(link: &LinkArguments, name: &str) -> Result<Self, CommandError> {
-        let network = link.connect(name)?;
-        let heartbeat = Heartbeat {
-            instance: draw_instance(),
-            program: ProgramKind::Order,
-            finger: NO_FINGER,
-            age: f64::NAN,
-            ..Heartbeat::default()
-        };
-        let beacon = Arc::new(Beacon::start(network.clone(), heartbeat)?);
-        let inbox = Shared::new(WatchInbox::new(&[], Vec::new()));
-        let topics: Vec<Topic> = Topic::heartbeats().chain([Topic::Mode]).collect();
-        listen(&*network, &topics, &inbox, &monotonic(), &beacon)?;
-        Ok(Self {
-            network,
-            inbox,
-            _beacon: beacon,
-        })
-    }
-
-    /// Whether the hand says within `longest` that it is as `is_so` asks.
-    fn hears(&self, longest: Duration, is_so: impl Fn(&HandMode) -> bool) -> bool {
-        let heard = |inbox: &mut WatchInbox| inbox.mode().is_some_and(&is_so);
-        self.inbox.wait_for(longest, heard)
-    }
-
-    /// What the hand said last.
-    fn mode(&self) -> HandMode {
-        self.inbox.lock().mode().cloned().unwrap_or_default()
-    }
-
-    /// Says `order` until the hand is as `is_so` asks, and whether it then stays so.
-    fn order(
-        &self,
-        order: &Order,
-        is_so: impl Fn(&HandMode) -> bool,
-    ) -> Result<Heeded, CommandError> {
-        // More than once: a message that the network cannot take is dropped.
-        for _ in 0..REPEATS {
-            order.send(&*self.network)?;
-            if self.hears(INTERVAL, &is_so) {
-                return Ok(match self.hears(STEADY, |mode| !is_so(mode)) {
-                    true => Heeded::Undone,
-                    false => Heeded::Steadily,
-                });
-            }
-        }
-        Ok(Heeded::Not)
-    }
-}
-
-/// What came of an order.
-enum Heeded {
-    /// The hand did not say that it does so.
-    Not,
-    /// It did, and no longer does.
-    Undone,
-    /// It does.
-    Steadily,
-}
 
 /// What there is to say to a hand. The same order may be said again.
 pub enum Order {

@@ -1,0 +1,94 @@
+//! How Zenoh is set for the link.
+
+use super::endpoints::{LinkConfig, LinkError};
+use super::rights::{Role, access_control};
+use super::topic::Topic;
+use zenoh::Config;
+
+/// How long who connects may take to say who he is, ms.
+const PATIENCE_MS: u64 = 2000;
+
+/// `endpoint` with that patience for handshakes of TLS.
+fn patient(endpoint: &str) -> String {
+    match endpoint.starts_with("tls/") {
+        true => format!("{endpoint}#tls_handshake_timeout_ms={PATIENCE_MS}"),
+        false => endpoint.into(),
+    }
+}
+
+pub(super) fn settings(config: &LinkConfig) -> Result<Config, LinkError> {
+    let mut settings = Config::default();
+    let mut set = |key: &str, value: serde_json::Value| {
+        let set = settings.insert_json5(key, &value.to_string());
+        set.map_err(|e| LinkError::Transport(format!("{key}: {e}")))
+    };
+    // A router passes on what its clients publish. Clients reach it alone, and nobody reaches them.
+    set(
+        "mode",
+        if config.is_hand { "router" } else { "client" }.into(),
+    )?;
+    let listen = config.listen.iter().map(|endpoint| patient(endpoint));
+    set("listen/endpoints", listen.collect::<Vec<_>>().into())?;
+    // Who connects and says nothing soon makes room for others, and there is room for many.
+    set("transport/unicast/accept_timeout", PATIENCE_MS.into())?;
+    set("transport/unicast/accept_pending", 1000.into())?;
+    set("connect/endpoints", config.connect.clone().into())?;
+    // Whoever is not there yet is tried for ever, and that holds up nobody.
+    set("connect/timeout_ms", (-1).into())?;
+    set("connect/exit_on_failure", false.into())?;
+    set(
+        "connect/retry",
+        serde_json::json!({
+            "period_init_ms": 100, "period_max_ms": 500, "period_increase_factor": 1.5
+        }),
+    )?;
+    set("listen/exit_on_failure", true.into())?;
+    // Only endpoints that were named are listened to or connected to.
+    set("scouting/multicast/enabled", false.into())?;
+    set("scouting/gossip/enabled", false.into())?;
+    // With the two places that are the default, half of what comes in a burst would be dropped.
+    for priority in ["real_time", "interactive_high", "data_high", "data"] {
+        set(
+            &format!("transport/link/tx/queue/size/{priority}"),
+            16.into(),
+        )?;
+    }
+    // Nobody waits for a program that is frozen and does not read. A picture larger than the queue needs a moment
+    // until its first pieces have left.
+    let drop = "transport/link/tx/queue/congestion_control/drop";
+    set(&format!("{drop}/wait_before_drop"), 0.into())?;
+    set(
+        &format!("{drop}/max_wait_before_drop_fragments"),
+        5000.into(),
+    )?;
+    // A cable that is cut longer closes the link, so that no old data come in a burst afterwards.
+    set("transport/link/tx/lease", 1000.into())?;
+    let most = Topic::Picture(0).most_bytes();
+    set("transport/link/rx/max_message_size", most.into())?;
+    set("timestamping/enabled", false.into())?;
+    set("adminspace/enabled", false.into())?;
+    if let Some([ca, certificate, key]) = config.certificate_files() {
+        let path = |path: &std::path::Path| path.display().to_string();
+        set("transport/link/tls/root_ca_certificate", path(&ca).into())?;
+        set("transport/link/tls/enable_mtls", true.into())?;
+        set("transport/link/tls/close_link_on_expiration", true.into())?;
+        for side in ["listen", "connect"] {
+            set(
+                &format!("transport/link/tls/{side}_certificate"),
+                path(&certificate).into(),
+            )?;
+            set(
+                &format!("transport/link/tls/{side}_private_key"),
+                path(&key).into(),
+            )?;
+        }
+    }
+    let role = match config.is_hand {
+        true => Role::Hand,
+        false => Role::Member,
+    };
+    if let Some(rules) = access_control(config, role)? {
+        set("access_control", rules)?;
+    }
+    Ok(settings)
+}
