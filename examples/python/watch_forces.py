@@ -90,7 +90,7 @@ class Watcher:
             self.programs.add(program.instance)
         if is_new:
             of_finger = "" if program.finger == NOBODY else f" of finger {program.finger}"
-            print(f"there is {program.program}{of_finger}, feeler {program.version}", flush=True)
+            print(printable(f"there is {program.program}{of_finger}, feeler {program.version}"), flush=True)
 
     def update(self, sample):
         data = sample.payload.to_bytes()
@@ -114,6 +114,11 @@ class Watcher:
         if update.finger not in self.above:
             self.above.add(update.finger)
             print(f"{line(update)}: more than {self.limit} N, hand told to stop", flush=True)
+
+
+def printable(text):
+    """What a terminal would obey is shown instead: texts come from other programs."""
+    return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
 
 
 def line(update):
