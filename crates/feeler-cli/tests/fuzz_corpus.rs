@@ -123,7 +123,11 @@ fn messages() -> Vec<Vec<u8>> {
         ..MessageHeader::default()
     };
     let update = TactileUpdate {
-        header: header(3, 1),
+        // By a camera's own clock.
+        header: MessageHeader {
+            clock: 3,
+            ..header(3, 1)
+        },
         forces: vec![Vector3::default(); 2],
         shear_rate: vec![0.0; 2],
         slip_mask: vec![0],

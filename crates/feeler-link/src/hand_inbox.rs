@@ -4,8 +4,8 @@ use super::freshness::SentSteps;
 use super::holds::Holds;
 use super::inbox::{Inbox, read};
 use super::message::{
-    EarlierStop, MessageHeader, NO_FINGER, PROTOCOL, ProgramKind, ResumeMessage, StateMessage,
-    StopMessage, TactileUpdate,
+    MessageHeader, NO_FINGER, PROTOCOL, ProgramKind, ResumeMessage, StateMessage, StopMessage,
+    TactileUpdate,
 };
 use super::peers::{Expected, Peers};
 use super::plausible::{check_state, check_update};
@@ -14,6 +14,8 @@ use super::run_clock::RunClock;
 use super::sequence::Sequence;
 use super::topic::Topic;
 use feeler::control::flags::FingerFlags;
+use feeler_record::wire::message;
+use serde::{Deserialize, Serialize};
 
 /// Everything that has arrived for the hand. Bytes and the hand's clock in, decisions out.
 #[derive(Debug, Clone)]
@@ -97,6 +99,21 @@ impl Inbox for HandInbox {
         &mut self.rejected
     }
 }
+
+/// How a stop begins in every version.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+struct EarlierStop {
+    protocol: u32,
+    from: String,
+}
+
+message!(
+    EarlierStop,
+    "Stop",
+    "# How a stop begins in every version",
+    "uint32 protocol",
+    "string from",
+);
 
 /// Reads a stop of whatever version: that it is to stop is all that counts.
 fn read_stop(bytes: &[u8]) -> Result<StopMessage, Rejection> {

@@ -441,21 +441,6 @@ message!(
     "uint64 id  # that the sender draws: the same again is the same stop; 0 for none",
 );
 
-/// How a stop begins in every version.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub(super) struct EarlierStop {
-    pub protocol: u32,
-    pub from: String,
-}
-
-message!(
-    EarlierStop,
-    "Stop",
-    "# How a stop begins in every version",
-    "uint32 protocol",
-    "string from",
-);
-
 /// Resumes a stop. The hand goes on when each stop in force has been resumed and its cause is gone.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct ResumeMessage {

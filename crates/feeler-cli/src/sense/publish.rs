@@ -28,6 +28,8 @@ struct Publisher<'a> {
     sensing: SensingChain,
     readings: Vec<ElementReading>,
     output: Option<Box<dyn Output>>,
+    /// Whether it was said that the pictures are of another fingertip.
+    is_mismatched: bool,
     tally: &'a mut Tally,
 }
 
@@ -91,6 +93,7 @@ impl<'a> Publisher<'a> {
             readings: vec![ElementReading::default(); elements],
             sensing,
             output,
+            is_mismatched: false,
             tally,
         })
     }
@@ -115,7 +118,7 @@ impl<'a> Publisher<'a> {
                         pixels: message.pixels,
                     };
                     self.sensing.sense(&picture, &mut self.readings)?;
-                    self.sensing.check_first(&picture)?;
+                    self.check_first(&picture);
                 }
                 Exposed::Forces(forces) if !pictures => {
                     for (reading, &force) in self.readings.iter_mut().zip(&forces.forces) {
@@ -149,7 +152,7 @@ impl<'a> Publisher<'a> {
             match frame {
                 Ok(frame) => {
                     self.sensing.sense(&frame.picture, &mut self.readings)?;
-                    self.sensing.check_first(&frame.picture)?;
+                    self.check_first(&frame.picture);
                     let forces = self.readings.iter().map(|reading| reading.force);
                     let taken = (frame.sequence, frame.stamp, at);
                     self.program.publish(taken, forces)?;
@@ -163,6 +166,16 @@ impl<'a> Publisher<'a> {
             }
         }
         Ok(())
+    }
+
+    /// Says once, here and by heartbeat, where the first pictures are of another fingertip than the calibration. It ends
+    /// nothing: a sensor program may start while its finger is pressed all over.
+    fn check_first(&mut self, picture: &Picture) {
+        let checked = self.sensing.check_first(picture);
+        if let (Err(mismatch), false) = (checked, self.is_mismatched) {
+            self.program.warn(&mismatch.to_string());
+            self.is_mismatched = true;
+        }
     }
 
     /// Writes and counts the newest readings: those of picture `number`, the `sequence`-th that came, at `at`.

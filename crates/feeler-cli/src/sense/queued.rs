@@ -264,11 +264,13 @@ mod tests {
         let taken = taken.lock().unwrap();
         assert_eq!(taken.len() as u64 + dropped, sequence);
         assert!(taken.is_sorted());
+        // It may hang again, on a machine that is slow.
         let said = said.lock().unwrap();
-        assert!(
-            said[1].contains(&format!("{dropped} frames are missing")),
-            "{said:?}"
-        );
+        let missing = said.iter().filter_map(|line| {
+            let (_, rest) = line.split_once("goes on; ")?;
+            rest.split(' ').next()?.parse::<u64>().ok()
+        });
+        assert_eq!(missing.sum::<u64>(), dropped, "{said:?}");
     }
 
     #[test]

@@ -96,7 +96,7 @@ fn a_run_with_faults_replays() {
     const FAULTS: &str = "--set=sim.fault=[\
         {from=0.2, kind.dead_element={finger=0, element=0}}, \
         {from=0.3, kind.stuck_rows={finger=0, first=100, count=20, gray=90}}, \
-        {from=0.3, until=0.4, kind.frozen_frame={finger=1}}, \
+        {from=0.3, until=0.36, kind.frozen_frame={finger=1}}, \
         {from=0.4, kind.dropped_frames={finger=1, probability=0.5}}, \
         {from=0.5, kind.camera_latency={finger=0, delay=0.02}}, \
         {from=0.6, kind.servo_stall={finger=0, joint=1}}]";

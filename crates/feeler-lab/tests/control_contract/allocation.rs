@@ -49,12 +49,8 @@ fn reading_a_picture_does_not_allocate() {
     let mut sensor = sensor.expect("a sensor");
     let mut frame = TactileFrame::unloaded(sensor.element_count());
     for _ in 0..20 {
-        // Forces are there even where the pictures are of no fingertip at all.
         let read = assert_no_alloc(|| sensor.read(&mut frame));
-        assert!(
-            matches!(read, Ok(()) | Err(SensorError::Mismatch(_))),
-            "{read:?}"
-        );
+        assert!(read.is_ok());
     }
 }
 

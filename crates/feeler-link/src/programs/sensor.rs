@@ -149,6 +149,13 @@ impl SensorProgram {
         Ok(())
     }
 
+    /// Warns whoever runs the program, and the others by heartbeat, of something that is wrong with the sensor.
+    pub fn warn(&mut self, what: &str) {
+        self.node.warn(what);
+        let fault = what.to_string();
+        self.node.beacon.update(|heartbeat| heartbeat.fault = fault);
+    }
+
     /// Warns of programs that are refused.
     pub fn check_peers(&mut self) {
         for mismatch in self.node.new_refusals() {

@@ -91,7 +91,6 @@ impl<C: Camera> TactileSensor for OpticalSensor<C> {
         }
         self.camera.capture(&mut self.frame)?;
         (self.sensing).sense_forces(&self.frame.picture, &mut reading.forces)?;
-        self.sensing.check_first(&self.frame.picture)?;
         reading.sequence = self.frame.sequence;
         reading.stamp = self.frame.stamp;
         Ok(())

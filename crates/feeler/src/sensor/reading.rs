@@ -1,8 +1,7 @@
 //! What a tactile sensor says: one tri-axial force for every sensing element.
 
 use super::{
-    camera::CameraError, frame::Frame, layout::ElementLayout, mismatch::Mismatch,
-    moments_config::MomentsError,
+    camera::CameraError, frame::Frame, layout::ElementLayout, moments_config::MomentsError,
 };
 use glam::DVec3;
 
@@ -66,9 +65,6 @@ pub enum SensorError {
     /// The camera's picture could not be evaluated.
     #[error(transparent)]
     Moments(#[from] MomentsError),
-    /// The pictures are of another fingertip than the calibration.
-    #[error(transparent)]
-    Mismatch(#[from] Mismatch),
     /// The tactile frame to fill is for another number of elements.
     #[error("the sensor has {expected} elements, the tactile frame to fill has {actual}")]
     ElementCount {
