@@ -100,7 +100,7 @@ fn a_finger_that_touches_at_the_start_and_a_lamp_that_drifts_a_little_are_let_be
         picture(60, 0, 0),
         picture(60, 60, 120),
         picture(60, 70, 255),
-        picture(64, 0, 0),
+        picture(62, 0, 0),
     ] {
         let mut sensing = sensing();
         assert_eq!(check(&mut sensing, &first), Ok(()));
