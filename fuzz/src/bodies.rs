@@ -188,6 +188,8 @@ pub fn link(bytes: &[u8]) -> bool {
     let mut hand = HandInbox::new(&[2], clock, expected.clone());
     let mut rig = RigInbox::new((1, 2), 0.045, expected.clone());
     let mut sense = SenseInbox::new((0, 2), (3, 2), expected);
+    // A stop to be resumed.
+    hand.holds.order(1, "somebody");
     let (mut now, mut bytes, mut sound) = (0.0, bytes, false);
     let topics = Topic::all(0);
     for (place, introduction) in introductions() {

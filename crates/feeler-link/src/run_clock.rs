@@ -68,6 +68,8 @@ struct RigClock {
     sequence: u64,
     /// What to add for the time of the run, s.
     offset: f64,
+    /// The state's time in the run, s.
+    time: f64,
     /// The earliest time at which the state can have been taken, and when it came, s on the hand's clock.
     earliest: f64,
     arrived: f64,
@@ -114,15 +116,19 @@ impl RunClock {
             // Another rig, or one that was silent and whose clock was set meanwhile.
             Some(rig) => self.now(&rig, now) - stamp,
         };
+        // A clock that counts from long ago leaves few digits for a difference.
+        let before = self.rig.map_or(0.0, |rig| rig.time);
+        let time = (stamp + offset).max(before);
         self.rig = Some(RigClock {
             clock,
             stamp,
             sequence,
             offset,
+            time,
             earliest,
             arrived: now,
         });
-        Ok(stamp + offset)
+        Ok(time)
     }
 
     /// Whether the state of `header` can be one that follows the newest.
@@ -142,7 +148,7 @@ impl RunClock {
             RigSpeed::Times(speed) => (now - rig.arrived).max(0.0) * speed,
             RigSpeed::Lockstep => self.period,
         };
-        rig.stamp + rig.offset + since
+        rig.time + since
     }
 
     /// The program whose clock the rig's states are stamped by, by its instance; none before the first state.
