@@ -1,6 +1,6 @@
 //! The datagrams of the stop door, byte by byte.
 //!
-//! All begin with [`MAGIC`], the version, the kind (one byte each) and the caller's number (16 bytes). A text or a
+//! All begin with `feelstop`, the version, the kind (one byte each) and the caller's number (16 bytes). A text or a
 //! block of bytes is its length (2 bytes, little-endian) and its bytes. Nothing may follow.
 
 /// How a datagram begins.

@@ -36,9 +36,17 @@ pub fn open(
         .ok()
 }
 
-/// Without the link there is no hand.
+/// Without the link there is no door.
 #[cfg(not(feature = "link"))]
-pub fn open(_: &LinkArguments, _: &ListenArguments, _: &str, _: Stopper, _: &Warnings) {}
+pub fn open(
+    _: &LinkArguments,
+    _: &ListenArguments,
+    _: &str,
+    _: Stopper,
+    _: &Warnings,
+) -> Option<()> {
+    None
+}
 
 /// Says the stop `id` by `from` at the stop door of the hand of `rig`, from a thread of its own; what it answers. Nothing
 /// comes where it does not.
