@@ -46,6 +46,7 @@ fn the_links_sockets_do_not_linger_and_others_still_do() {
     let endpoint = ports::unused_endpoint();
     let config = |listen: &[String], connect: &[String]| LinkConfig {
         rig: "linger".into(),
+        is_hand: !listen.is_empty(),
         listen: listen.to_vec(),
         connect: connect.to_vec(),
         ..LinkConfig::default()

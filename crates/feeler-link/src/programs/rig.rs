@@ -3,8 +3,9 @@
 use super::error::{ProgramError, Warn};
 use super::node::{Node, first_heartbeat};
 use super::rig_config::{Rig, RigConfig};
+use super::rig_publish::Reading;
 use crate::freshness::Echo;
-use crate::message::{InstrumentsMessage, ProgramKind};
+use crate::message::ProgramKind;
 use crate::network::Network;
 use crate::rejection::Rejections;
 use crate::rig_inbox::RigInbox;
@@ -28,12 +29,12 @@ pub struct RigProgram<R> {
     pub(super) sequence: u64,
     pub(super) state: HandState,
     pub(super) command: HandCommand,
-    /// What the instruments read with the newest state.
-    pub(super) instruments: Option<InstrumentsMessage>,
     /// Each finger's newest picture.
     pub(super) exposed: Vec<Option<Exposed>>,
     pub(super) missed: u64,
     pub(super) warning: String,
+    /// The newest readings, to be published again, where the hand is waited for.
+    pub(super) published: Vec<Reading>,
     /// Sequence number and time (s) of the last report.
     pub(super) reported: (u64, f64),
 }
@@ -89,10 +90,10 @@ impl<R: Rig> RigProgram<R> {
             sequence: 0,
             state: HandState::zero(fingers),
             command: HandCommand::stop(fingers),
-            instruments: None,
             exposed: vec![None; fingers],
             missed: 0,
             warning: String::new(),
+            published: Vec::new(),
             reported: (0, 0.0),
         })
     }

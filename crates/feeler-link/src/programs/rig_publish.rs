@@ -3,11 +3,13 @@
 use super::error::ProgramError;
 use super::rig::{Exposed, RigProgram};
 use super::rig_config::{Rig, SensorOutput};
+use crate::endpoints::LinkError;
 use crate::freshness::Echo;
 use crate::message::{
     DirectForces, InstrumentsMessage, MessageHeader, PictureMessage, StateMessage,
 };
 use crate::outlet::{encode, header};
+use crate::run_clock::RigSpeed;
 use crate::topic::Topic;
 use feeler::hand::{HandState, JointState};
 use feeler::sensor::frame::Frame;
@@ -17,36 +19,68 @@ use glam::DVec3;
 /// Time between two reports by heartbeat, s.
 const REPORT_INTERVAL: f64 = 0.25;
 
+/// A message of what was read, which may be published again.
+pub(super) enum Reading {
+    State(StateMessage),
+    Picture(usize, PictureMessage),
+    Forces(usize, DirectForces),
+}
+
+impl Reading {
+    fn header_mut(&mut self) -> &mut MessageHeader {
+        match self {
+            Self::State(message) => &mut message.header,
+            Self::Picture(_, message) => &mut message.header,
+            Self::Forces(_, message) => &mut message.header,
+        }
+    }
+
+    /// Its topic and bytes.
+    fn encoded(&self) -> Result<(Topic, Vec<u8>), LinkError> {
+        Ok(match self {
+            Self::State(message) => (Topic::State, encode(message)?),
+            Self::Picture(finger, message) => (Topic::Picture(*finger), encode(message)?),
+            Self::Forces(finger, message) => (Topic::DirectForces(*finger), encode(message)?),
+        })
+    }
+}
+
 impl<R: Rig> RigProgram<R> {
     /// Publishes what encoders, instruments and sensors read now.
     pub(super) fn publish(&mut self) -> Result<(), ProgramError> {
         self.sequence += 1;
-        self.instruments = self.rig.read(&mut self.state)?;
+        self.published.clear();
+        let instruments = self.rig.read(&mut self.state)?;
         self.update_time();
-        self.publish_read()
-    }
-
-    /// Publishes the newest again, as somebody may not have been there. The rig stands still meanwhile, so that it is
-    /// true now.
-    pub(super) fn publish_again(&mut self) -> Result<(), ProgramError> {
-        self.exposed.fill(None);
-        self.publish_read()
-    }
-
-    fn publish_read(&mut self) -> Result<(), ProgramError> {
-        let taken = (self.node.inbox.lock().echo, self.node.now());
+        let taken = self.taken();
         let header = header(self.node.instance, self.sequence, self.state.stamp);
-        let state = state_message(
-            header.echoing(taken.0, taken.1),
-            &self.state,
-            self.instruments,
-        );
-        self.node.publish(Topic::State, &state)?;
+        let header = header.echoing(taken.0, taken.1);
+        let state = state_message(header, &self.state, instruments);
+        self.send(Reading::State(state))?;
         for finger in 0..self.rig.finger_count() {
             self.expose(finger, taken)?;
         }
         self.report_by_heartbeat();
         Ok(())
+    }
+
+    /// Publishes the newest again, as somebody may not have been there. The rig stands still meanwhile, so that it is
+    /// true now.
+    pub(super) fn publish_again(&mut self) -> Result<(), ProgramError> {
+        let (echo, time) = self.taken();
+        for reading in &mut self.published {
+            let header = reading.header_mut();
+            *header = header.echoing(echo, time);
+            let (topic, bytes) = reading.encoded()?;
+            self.node.network.send(topic, bytes)?;
+        }
+        self.report_by_heartbeat();
+        Ok(())
+    }
+
+    /// The hand's newest step, and the time, s: what is read now echoes.
+    fn taken(&self) -> (Echo, f64) {
+        (self.node.inbox.lock().echo, self.node.now())
     }
 
     /// Publishes what the sensor of `finger` delivers. A picture that comes again echoes what it did when it was
@@ -65,10 +99,9 @@ impl<R: Rig> RigProgram<R> {
         self.exposed[finger] = Some(newest);
         let header = header(self.node.instance, self.sequence, stamp)
             .echoing(newest.taken.0, newest.taken.1);
-        let (topic, bytes) = match exposure {
+        let reading = match exposure {
             SensorOutput::Picture(frame) => {
-                let message = picture_message(header, finger, frame);
-                (Topic::Picture(finger), encode(&message)?)
+                Reading::Picture(finger, picture_message(header, finger, frame))
             }
             SensorOutput::Forces(frame) => {
                 let forces = frame.forces.iter().map(|&f| Vector3::from(f));
@@ -78,10 +111,20 @@ impl<R: Rig> RigProgram<R> {
                     frame: number,
                     forces: forces.collect(),
                 };
-                (Topic::DirectForces(finger), encode(&message)?)
+                Reading::Forces(finger, message)
             }
         };
-        Ok(self.node.network.send(topic, bytes)?)
+        Ok(self.send(reading)?)
+    }
+
+    /// Sends `reading`, and keeps it where the hand's answer is waited for. To read again would draw other noise.
+    fn send(&mut self, reading: Reading) -> Result<(), LinkError> {
+        let (topic, bytes) = reading.encoded()?;
+        self.node.network.send(topic, bytes)?;
+        if self.config.speed == RigSpeed::Lockstep {
+            self.published.push(reading);
+        }
+        Ok(())
     }
 
     /// Reports by heartbeat, and warns of programs that are refused.
