@@ -5,6 +5,7 @@ use crate::interrupt::watch_for_interrupt;
 use crate::{CommandError, Outcome};
 use feeler::pace::{Clock, Monotonic, Pace};
 use feeler_lab::config::Experiment;
+use feeler_lab::experiment::fingers_at_home;
 use feeler_lab::experiment::linked::{expected, hand_program};
 use feeler_link::beacon::Beacon;
 use feeler_link::inbox::listen;
@@ -57,7 +58,13 @@ struct LinkBench {
 
 pub fn bench(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     let What::Link(bench) = &arguments.what;
-    let experiment = Experiment::load(EXPERIMENT, &["sensing=direct".into()])?;
+    // The bench's joints stand still, whatever they are told.
+    let settings = [
+        "sensing=direct",
+        "control.monitor.joint_deviation=0",
+        "time_limit=1e6",
+    ];
+    let experiment = Experiment::load(EXPERIMENT, &settings.map(String::from))?;
     let stop = watch_for_interrupt()?;
     match &bench.sensors_of {
         Some(hand) => Sensors::new(&experiment, hand)?.send(bench.rate, &stop),
@@ -104,6 +111,9 @@ fn answer(
             false => ControlFlow::Break(()),
         }
     })?;
+    if let (true, Some(reason)) = (latency.is_empty(), program.controller().stop_reason()) {
+        return Err(format!("nothing was measured, as the hand stopped: {reason}").into());
+    }
     let at = |quantile| latency.value_at_quantile(quantile) as f64 / 1e3;
     writeln!(
         out,
@@ -138,6 +148,8 @@ struct Sensors {
     world: u64,
     fingers: Vec<u64>,
     elements: usize,
+    /// Joint angles of each finger at home, rad.
+    home: Vec<Vector3>,
     /// Control period, s of the rig's time.
     period: f64,
     _beacons: Vec<Arc<Beacon>>,
@@ -177,8 +189,10 @@ impl Sensors {
             .collect();
         listen(&*network, &topics, &inbox, &clock, &of_world)?;
         let config = &experiment.config;
+        let (_, home) = fingers_at_home(config)?;
         Ok(Self {
             network,
+            home: home.into_iter().map(Vector3::from).collect(),
             inbox,
             clock,
             world,
@@ -194,6 +208,7 @@ impl Sensors {
         let mut pace = Pace::new(1.0 / f64::from(rate))?;
         let (elements, fingers) = (self.elements, self.fingers.len());
         let still = vec![Vector3::default(); fingers];
+        let position = self.home.clone();
         for sequence in 1.. {
             if stop.load(Ordering::Relaxed) || pace.wait_unless(stop).is_none() {
                 break;
@@ -206,7 +221,7 @@ impl Sensors {
             // As in a rig: the joints are known before pictures have become forces.
             let state = StateMessage {
                 header: header(self.world),
-                position: still.clone(),
+                position: position.clone(),
                 velocity: still.clone(),
                 instruments: Vec::new(),
             };
