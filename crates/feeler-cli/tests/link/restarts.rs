@@ -19,7 +19,7 @@ use std::time::Duration;
 /// How often each program is started again; as often in a row as `FEELER_RESTARTS` says.
 fn times() -> usize {
     let times = std::env::var("FEELER_RESTARTS").ok();
-    times.map_or(3, |times| times.parse().expect("FEELER_RESTARTS, a number"))
+    times.map_or(2, |times| times.parse().expect("FEELER_RESTARTS, a number"))
 }
 
 /// Resumes the hand after it has stopped for the `nth` time.
