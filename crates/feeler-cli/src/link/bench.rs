@@ -62,7 +62,7 @@ pub fn bench(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comm
     let settings = [
         "sensing=direct",
         "control.monitor.joint_deviation=0",
-        "time_limit=1e6",
+        "time_limit=1e5",
     ];
     let experiment = Experiment::load(EXPERIMENT, &settings.map(String::from))?;
     let stop = watch_for_interrupt()?;
