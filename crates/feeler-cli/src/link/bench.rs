@@ -184,9 +184,8 @@ impl Sensors {
         let identity = (fingers.len(), world);
         let inbox = Shared::new(RigInbox::new(identity, f64::INFINITY, expected.clone()));
         let clock = monotonic();
-        let topics: Vec<Topic> = Topic::heartbeats()
-            .chain([Topic::Mode, Topic::Command])
-            .collect();
+        // What the drives are told is the drives' business: here it is the way to the command that counts.
+        let topics: Vec<Topic> = Topic::heartbeats().chain([Topic::Mode]).collect();
         listen(&*network, &topics, &inbox, &clock, &of_world)?;
         let config = &experiment.config;
         let (_, home) = fingers_at_home(config)?;
