@@ -1,6 +1,7 @@
 //! What follows for the hand from what has arrived: whether it may begin, and move.
 
 use super::hand_inbox::HandInbox;
+use super::holds::Cause;
 use super::inbox::Inbox;
 use super::message::{Heartbeat, ProgramKind};
 use super::mismatch::Mismatch;
@@ -65,12 +66,12 @@ impl HandInbox {
     }
 
     /// What the hand may do at `now` (s) with data that are stale when older than `limit`, s. What it stopped for by
-    /// itself is over when data are fresh where it `goes_on_by_itself`.
+    /// want of fresh data is over when they are fresh where it `goes_on_by_itself`.
     pub fn verdict(&mut self, now: f64, limit: f64, goes_on_by_itself: bool) -> Verdict {
         let stale = self.stale(now, limit);
         match &stale {
-            Some(reason) => self.holds.fault(&reason.to_string()),
-            None if goes_on_by_itself => self.holds.resume_faults(),
+            Some(reason) => self.holds.fault(Cause::Stale, &reason.to_string()),
+            None if goes_on_by_itself => self.holds.resume_stale(),
             None => {}
         }
         let told = || {

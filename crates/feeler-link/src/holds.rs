@@ -36,17 +36,24 @@ pub struct Hold {
 pub enum Cause {
     /// Somebody, by an order of this id; 0: none was drawn.
     Order(u64),
-    /// The hand itself.
+    /// The hand itself, for want of fresh data.
+    Stale,
+    /// The hand itself, for another reason.
     Fault,
 }
 
 impl Hold {
+    /// Whether the hand stopped by itself.
+    fn is_own(&self) -> bool {
+        !matches!(self.cause, Cause::Order(_))
+    }
+
     /// The same as a message.
     pub fn to_message(&self) -> StopInForce {
         let (number, by) = (self.number, self.by.clone());
         let id = match self.cause {
             Cause::Order(id) => id,
-            Cause::Fault => 0,
+            Cause::Stale | Cause::Fault => 0,
         };
         StopInForce { number, id, by }
     }
@@ -75,10 +82,10 @@ impl Holds {
         (!was_resumed).then(|| self.add(cause, by))
     }
 
-    /// Says that the hand stopped by itself, and why. It does so once, until that stop has been resumed.
-    pub fn fault(&mut self, why: &str) {
-        if self.in_force.iter().all(|hold| hold.cause != Cause::Fault) {
-            self.add(Cause::Fault, printable(why));
+    /// Says that the hand stopped by itself, for that `cause`, and why. It does so once, until that stop has been resumed.
+    pub fn fault(&mut self, cause: Cause, why: &str) {
+        if !self.in_force.iter().any(Hold::is_own) {
+            self.add(cause, printable(why));
         }
     }
 
@@ -94,14 +101,14 @@ impl Holds {
         true
     }
 
-    /// Resumes what the hand stopped for by itself.
-    pub fn resume_faults(&mut self) {
-        self.in_force.retain(|hold| hold.cause != Cause::Fault);
+    /// Resumes what the hand stopped for by itself for want of fresh data.
+    pub fn resume_stale(&mut self) {
+        self.in_force.retain(|hold| hold.cause != Cause::Stale);
     }
 
     /// Who ordered the oldest stop in force that was ordered.
     pub fn ordered_by(&self) -> Option<&str> {
-        let ordered = |hold: &&Hold| hold.cause != Cause::Fault;
+        let ordered = |hold: &&Hold| !hold.is_own();
         Some(&self.in_force.iter().find(ordered)?.by)
     }
 
@@ -159,11 +166,11 @@ mod tests {
     #[test]
     fn the_hands_own_stops_are_one_and_apart_from_orders() {
         let mut holds = Holds::default();
-        holds.fault("stale");
-        holds.fault("staler");
+        holds.fault(Cause::Stale, "stale");
+        holds.fault(Cause::Stale, "staler");
         holds.order(7, "a");
         assert_eq!(holds.in_force().len(), 2);
-        holds.resume_faults();
+        holds.resume_stale();
         assert_eq!(holds.ordered_by(), Some("a"));
     }
 

@@ -6,6 +6,7 @@ use super::node::Node;
 use crate::endpoints::LinkError;
 use crate::hand_inbox::HandInbox;
 use crate::hand_verdict::Verdict;
+use crate::holds::Cause;
 use crate::message::HandMode;
 use crate::peers::Peer;
 use crate::run_clock::RigSpeed;
@@ -118,8 +119,7 @@ impl HandStatus {
     /// whether it does go on.
     pub fn receive_orders(&mut self, control_loop: &mut RemoteLoop) -> bool {
         let controller = control_loop.controller_mut();
-        let by_itself = self.resume == ResumePolicy::Fresh
-            && controller.stop_reason().is_some_and(StopReason::is_stale);
+        let by_itself = self.resume == ResumePolicy::Fresh;
         let verdict = {
             let (mut inbox, now) = (self.node.inbox.lock(), self.node.now());
             inbox.verdict(now, self.limits.stale, by_itself)
@@ -144,7 +144,7 @@ impl HandStatus {
         if let Some(reason) = control_loop.controller().stop_reason() {
             let mut inbox = self.node.inbox.lock();
             if inbox.holds.in_force().is_empty() {
-                inbox.holds.fault(&reason.to_string());
+                inbox.holds.fault(Cause::Fault, &reason.to_string());
             }
         }
     }

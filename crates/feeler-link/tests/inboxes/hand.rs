@@ -5,6 +5,7 @@ use super::bench::{
 };
 use feeler::control::stop_reason::StopReason;
 use feeler_link::hand_inbox::HandInbox;
+use feeler_link::hand_verdict::Verdict;
 use feeler_link::inbox::Inbox;
 use feeler_link::message::{
     InstrumentsMessage, MessageHeader, PROTOCOL, ResumeMessage, StateMessage, StopMessage,
@@ -271,4 +272,31 @@ fn a_stop_of_any_version_is_taken_and_only_its_own_number_resumes_it() {
     assert_eq!(say(1, PROTOCOL), Ok(()));
     assert_eq!(say(1, PROTOCOL), Err(Rejection::Old));
     assert_eq!(hand.holds.ordered_by(), Some("me"));
+}
+
+/// Who stops a hand that had no fresh data, and resumes his stop, keeps it from nothing: it goes on by itself.
+#[test]
+fn a_stop_meanwhile_does_not_keep_a_hand_from_going_on_by_itself() {
+    let mut hand = hand_with_state();
+    let felt = sound_update(&hand, 1);
+    put(&mut hand, Topic::Tactile(0), &felt, NOW).unwrap();
+    assert_eq!(hand.verdict(NOW, STALE, true), Verdict::Go);
+    let late = hand.verdict(NOW + 1.0, STALE, true);
+    assert!(matches!(
+        late,
+        Verdict::Stand(Some(StopReason::StaleState { .. }))
+    ));
+    let number = hand.holds.order(5, "me").unwrap();
+    let told = hand.verdict(NOW, STALE, true);
+    assert!(matches!(
+        told,
+        Verdict::Stand(Some(StopReason::Told { .. }))
+    ));
+    hand.holds.resume(number);
+    assert_eq!(hand.verdict(NOW, STALE, true), Verdict::Go);
+    // Where it is to be told, both stops are to be resumed.
+    hand.verdict(NOW + 1.0, STALE, false);
+    hand.holds.order(6, "me");
+    hand.holds.resume(hand.holds.newest());
+    assert_eq!(hand.verdict(NOW, STALE, false), Verdict::Stand(None));
 }
