@@ -1,7 +1,6 @@
 //! What follows for the hand from what has arrived: whether it may begin, and move.
 
 use super::hand_inbox::HandInbox;
-use super::holds::Cause;
 use super::inbox::Inbox;
 use super::message::{Heartbeat, ProgramKind};
 use super::mismatch::Mismatch;
@@ -18,15 +17,14 @@ pub enum Verdict {
 }
 
 impl HandInbox {
-    /// Why the hand must stop at `now` (s): for data older than `limit`, s.
+    /// Why the hand must stop at `now` (s): for data older than `limit`, s, or whose age is not known.
     pub fn stale(&self, now: f64, limit: f64) -> Option<StopReason> {
-        let (state, mut fingers) = self.ages(now);
-        let old = |age: f64| age.is_nan() || age > limit;
+        let (state, fingers) = self.ages(now);
+        let old = |age: f64| !age.is_finite() || age > limit;
         if old(state) {
             return Some(StopReason::StaleState { age: state, limit });
         }
-        let finger = fingers.position(old)?;
-        let age = self.ages(now).1.nth(finger).unwrap_or(f64::NAN);
+        let (finger, age) = fingers.enumerate().find(|&(_, age)| old(age))?;
         Some(StopReason::StaleForces { finger, age, limit })
     }
 
@@ -70,7 +68,7 @@ impl HandInbox {
     pub fn verdict(&mut self, now: f64, limit: f64, goes_on_by_itself: bool) -> Verdict {
         let stale = self.stale(now, limit);
         match &stale {
-            Some(reason) => self.holds.fault(Cause::Stale, &reason.to_string()),
+            Some(reason) => self.holds.fault(reason),
             None if goes_on_by_itself => self.holds.resume_stale(),
             None => {}
         }

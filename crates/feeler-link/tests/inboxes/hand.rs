@@ -300,3 +300,19 @@ fn a_stop_meanwhile_does_not_keep_a_hand_from_going_on_by_itself() {
     hand.holds.resume(hand.holds.newest());
     assert_eq!(hand.verdict(NOW, STALE, false), Verdict::Stand(None));
 }
+
+/// Where data are never stale, as their rig waits for the hand, they must have come nevertheless: a hand that began
+/// before would wait for a rig that has not heard of it.
+#[test]
+fn a_hand_begins_when_it_has_heard_from_all() {
+    let mut hand = hand();
+    let (now, never) = (1.0, f64::INFINITY);
+    assert!(hand.missing(now).is_empty());
+    assert!(!hand.may_begin(now, never));
+    let state = sound_state(&hand, 1);
+    put(&mut hand, Topic::State, &state, now).unwrap();
+    assert!(!hand.may_begin(now, never));
+    let felt = sound_update(&hand, 1);
+    put(&mut hand, Topic::Tactile(0), &felt, now).unwrap();
+    assert!(hand.may_begin(now, never));
+}
