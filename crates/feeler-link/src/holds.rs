@@ -1,7 +1,8 @@
 //! The stops that are in force: the hand stands still until each has been resumed.
 
-use super::message::StopInForce;
+use super::message::{NO_ID, StopInForce};
 use super::printable::printable;
+use feeler::control::stop_reason::StopReason;
 
 /// Stops that are told apart. Of more, the newest stands for all that came after the others.
 const MOST: usize = 16;
@@ -52,6 +53,7 @@ impl Hold {
     pub fn to_message(&self) -> StopInForce {
         let (number, by) = (self.number, self.by.clone());
         let id = match self.cause {
+            Cause::Order(0) => NO_ID,
             Cause::Order(id) => id,
             Cause::Stale | Cause::Fault => 0,
         };
@@ -82,11 +84,16 @@ impl Holds {
         (!was_resumed).then(|| self.add(cause, by))
     }
 
-    /// Says that the hand stopped by itself, for that `cause`, and why. It does so once, until that stop has been resumed.
-    pub fn fault(&mut self, cause: Cause, why: &str) {
-        if !self.in_force.iter().any(Hold::is_own) {
-            self.add(cause, printable(why));
+    /// Says that the hand stopped by itself, and why. It does so once, until that stop has been resumed.
+    pub fn fault(&mut self, why: &StopReason) {
+        if self.in_force.iter().any(Hold::is_own) {
+            return;
         }
+        let cause = match why.is_stale() {
+            true => Cause::Stale,
+            false => Cause::Fault,
+        };
+        self.add(cause, printable(&why.to_string()));
     }
 
     /// Resumes the stop of this `number`; whether it was in force.
@@ -166,12 +173,18 @@ mod tests {
     #[test]
     fn the_hands_own_stops_are_one_and_apart_from_orders() {
         let mut holds = Holds::default();
-        holds.fault(Cause::Stale, "stale");
-        holds.fault(Cause::Stale, "staler");
+        let stale = |age| StopReason::StaleState { age, limit: 0.035 };
+        holds.fault(&stale(0.04));
+        holds.fault(&stale(0.05));
         holds.order(7, "a");
         assert_eq!(holds.in_force().len(), 2);
         holds.resume_stale();
         assert_eq!(holds.ordered_by(), Some("a"));
+        // What does not pass with fresh data waits for somebody.
+        let (finger, element) = (0, 3);
+        holds.fault(&StopReason::NoForce { finger, element });
+        holds.resume_stale();
+        assert_eq!(holds.in_force().len(), 2);
     }
 
     #[test]

@@ -21,6 +21,9 @@ pub const NO_ELEMENT: u32 = u32::MAX;
 /// [`Heartbeat::finger`] of a program that is not one finger's.
 pub const NO_FINGER: u32 = u32::MAX;
 
+/// [`StopInForce::id`] of an order whose sender drew none.
+pub const NO_ID: u64 = u64::MAX;
+
 /// Who sends, what came before, and how fresh it is.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct MessageHeader {
@@ -204,7 +207,7 @@ pub struct HandMode {
 pub struct StopInForce {
     /// Its number, by which it is resumed.
     pub number: u64,
-    /// [`StopMessage::id`] of the order; 0 where the hand stopped by itself.
+    /// [`StopMessage::id`] of the order, [`NO_ID`] where its sender drew none; 0 where the hand stopped by itself.
     pub id: u64,
     /// Who ordered it, or why the hand stopped by itself.
     pub by: String,
@@ -248,7 +251,7 @@ message!(
     "================================================================================",
     "MSG: feeler_msgs/StopInForce",
     "uint64 number  # by which it is resumed",
-    "uint64 id  # of the order; 0 where the hand stopped by itself",
+    "uint64 id  # of the order, 18446744073709551615 where none was drawn; 0 where the hand stopped by itself",
     "string by  # who ordered it, or why the hand stopped by itself",
 );
 

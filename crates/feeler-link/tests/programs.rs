@@ -3,6 +3,7 @@
 use feeler::control::control_loop::ControlLoop;
 use feeler::control::controller::{ControlConfig, Controller};
 use feeler::control::phase::Phase;
+use feeler::control::stop_reason::StopReason;
 use feeler::control::task::TaskConfig;
 use feeler::control::touch::AnalyzedSensor;
 use feeler::hand::finger::{FingerConfig, FingerGeometry};
@@ -387,6 +388,35 @@ fn an_order_to_stop_is_warned_of_and_obeyed() {
         warnings.iter().any(|warning| warning.contains("a test")),
         "{warnings:?}"
     );
+}
+
+/// A rig that waits for the hand, and hangs, stops it until somebody says that it is to go on.
+#[test]
+fn a_rig_that_hangs_stops_the_hand_that_it_waits_for() {
+    let config = Config::new();
+    let hub = Hub::default();
+    let (mut reasons, never) = (Vec::new(), AtomicBool::new(false));
+    let mut program = beside_rig_and_sensor(&hub, || {
+        let mut program = hand(&config, hub.port(0));
+        assert!(program.wait_for_others(&never).unwrap());
+        let broke = program.run(&never, |_, _| ControlFlow::Break(()));
+        assert_eq!(broke.unwrap(), Some(()));
+        program
+    });
+    // Rig and sensor are gone now.
+    program
+        .run(&never, |after, _| {
+            reasons.push(after.controller().stop_reason().cloned());
+            match reasons.len() {
+                1 => ControlFlow::Continue(()),
+                _ => ControlFlow::Break(()),
+            }
+        })
+        .unwrap();
+    let Some(Some(StopReason::StaleState { age, .. })) = reasons.last() else {
+        panic!("{reasons:?}")
+    };
+    assert!(*age > 4.0, "{age} s");
 }
 
 #[test]

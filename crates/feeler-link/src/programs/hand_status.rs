@@ -6,7 +6,6 @@ use super::node::Node;
 use crate::endpoints::LinkError;
 use crate::hand_inbox::HandInbox;
 use crate::hand_verdict::Verdict;
-use crate::holds::Cause;
 use crate::message::HandMode;
 use crate::peers::Peer;
 use crate::run_clock::RigSpeed;
@@ -144,7 +143,7 @@ impl HandStatus {
         if let Some(reason) = control_loop.controller().stop_reason() {
             let mut inbox = self.node.inbox.lock();
             if inbox.holds.in_force().is_empty() {
-                inbox.holds.fault(Cause::Fault, &reason.to_string());
+                inbox.holds.fault(reason);
             }
         }
     }

@@ -48,16 +48,17 @@ where
     type Break = StepEnd<B>;
 
     fn before_step(&mut self, control_loop: &mut RemoteLoop, tick: &Tick) {
+        let stopped = control_loop.controller().stop_reason();
+        self.stopped_before = stopped.map(ToString::to_string);
         if self.status.limits.period.is_some() {
             self.status.punctuality.record(tick);
         } else if tick.lateness > HANGS_AFTER {
             let (age, limit) = (tick.lateness, HANGS_AFTER);
             let controller = control_loop.controller_mut();
             controller.stop(StopReason::StaleState { age, limit });
+            self.status.hold_if_stopped(control_loop);
         }
         self.status.steps += 1;
-        let stopped = control_loop.controller().stop_reason();
-        self.stopped_before = stopped.map(ToString::to_string);
         self.went_on = self.status.receive_orders(control_loop);
         let inbox = self.status.node.inbox.lock();
         self.answers = inbox.state_sequence();
