@@ -3,12 +3,16 @@
 #[path = "../../../fuzz/src/bodies.rs"]
 mod bodies;
 
+#[path = "../../feeler-link/tests/support/how_many.rs"]
+mod how_many;
+
 use feeler_link::message::{
     CommandMessage, DirectForces, HandMode, Heartbeat, MessageHeader, NO_FINGER, PROTOCOL,
     PictureMessage, ProgramKind, ResumeMessage, StateMessage, StopMessage, TactileUpdate,
 };
 use feeler_link::topic::{Place, Topic};
 use feeler_record::wire::{Message, Vector3, cdr};
+use how_many::how_many;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use std::path::Path;
@@ -74,10 +78,7 @@ fn stop_doors() {
 /// What the fuzzer does, without one: steps drawn at random. `FEELER_FUZZ` says how many inputs.
 #[test]
 fn inboxes_keep_their_promises_whatever_is_drawn() {
-    let inputs = std::env::var("FEELER_FUZZ").ok();
-    let inputs = inputs.map_or(2000, |inputs| {
-        inputs.parse().expect("FEELER_FUZZ, a number")
-    });
+    let inputs = how_many("FEELER_FUZZ", 2000);
     let mut random = Pcg64::seed_from_u64(14);
     let mut sound = 0_u64;
     for _ in 0..inputs {

@@ -4,11 +4,10 @@ use super::freshness::SentSteps;
 use super::holds::Holds;
 use super::inbox::{Inbox, read};
 use super::message::{
-    MessageHeader, NO_FINGER, PROTOCOL, ProgramKind, ResumeMessage, StateMessage, StopMessage,
-    TactileUpdate,
+    MessageHeader, NO_FINGER, ProgramKind, ResumeMessage, StateMessage, StopMessage, TactileUpdate,
 };
 use super::peers::{Expected, Peers};
-use super::plausible::{check_state, check_update};
+use super::plausible::{check_protocol, check_state, check_update};
 use super::rejection::{Rejection, Rejections};
 use super::run_clock::RunClock;
 use super::sequence::Sequence;
@@ -157,7 +156,6 @@ impl HandInbox {
         now: f64,
     ) -> Result<(), Rejection> {
         let header = update.header;
-        check_protocol(header.protocol)?;
         let inbox = self.fingers.get_mut(finger).ok_or(Rejection::Size)?;
         check_update(finger, inbox.elements, &update)?;
         (self.peers).check(header.instance, &ProgramKind::Sense, update.finger)?;
@@ -184,7 +182,6 @@ impl HandInbox {
 
     fn take_state(&mut self, state: StateMessage, now: f64) -> Result<(), Rejection> {
         let header = state.header;
-        check_protocol(header.protocol)?;
         check_state(self.fingers.len(), &state)?;
         self.peers
             .check(header.instance, &ProgramKind::World, NO_FINGER)?;
@@ -239,7 +236,7 @@ impl HandInbox {
         let Some(inbox) = self.fingers.get(finger) else {
             return state.time;
         };
-        let speed = state.clock.speed().unwrap_or(0.0);
+        let speed = state.clock.speed().times();
         let later = (inbox.earliest - state.earliest) * speed;
         let of_own_clock = || state.time + if later.is_finite() { later } else { 0.0 };
         inbox.time.unwrap_or_else(of_own_clock).max(0.0)
@@ -271,11 +268,6 @@ pub(super) fn flags(update: &TactileUpdate) -> FingerFlags {
         largest_element: element.filter(|&element| element < update.forces.len()),
         grasp_force: update.grasp_force,
     }
-}
-
-pub(super) fn check_protocol(protocol: u32) -> Result<(), Rejection> {
-    let same = protocol == PROTOCOL;
-    same.then_some(()).ok_or(Rejection::Protocol)
 }
 
 /// The earliest time of a program's data: nothing that it tells is older than what it told before; what another

@@ -2,7 +2,7 @@
 //!
 //! The bounds are far beyond what any hand of this size does: they keep out what no law, task or record can work with.
 
-use super::message::{StateMessage, TactileUpdate};
+use super::message::{PROTOCOL, StateMessage, TactileUpdate};
 use super::rejection::Rejection;
 use feeler_record::wire::Vector3;
 use glam::DVec3;
@@ -18,12 +18,19 @@ const MOST_SHEAR_RATE: f64 = 1e8;
 /// Greatest reading of an instrument, in its unit.
 const MOST_READING: f64 = 1e9;
 
-/// Holds an update to a `finger` of so many `elements`.
+/// Holds a message to the version of this program's.
+pub(super) fn check_protocol(protocol: u32) -> Result<(), Rejection> {
+    let same = protocol == PROTOCOL;
+    same.then_some(()).ok_or(Rejection::Protocol)
+}
+
+/// Holds an update to this version, and to a `finger` of so many `elements`.
 pub(super) fn check_update(
     finger: usize,
     elements: usize,
     update: &TactileUpdate,
 ) -> Result<(), Rejection> {
+    check_protocol(update.header.protocol)?;
     let mask = elements.div_ceil(8);
     let sizes = usize::try_from(update.finger) == Ok(finger)
         && update.forces.len() == elements
@@ -38,8 +45,9 @@ pub(super) fn check_update(
     check(update.shear_rate.iter().copied(), MOST_SHEAR_RATE)
 }
 
-/// Holds a state to a hand of so many `fingers`.
+/// Holds a state to this version, and to a hand of so many `fingers`.
 pub(super) fn check_state(fingers: usize, state: &StateMessage) -> Result<(), Rejection> {
+    check_protocol(state.header.protocol)?;
     let joints = [state.position.len(), state.velocity.len()];
     if joints != [fingers; 2] || state.instruments.len() > 1 {
         return Err(Rejection::Size);

@@ -1,11 +1,10 @@
 //! What the rig (the world, or real drives) has heard of the hand, and what it makes its drives do.
 
 use super::freshness::Echo;
-use super::hand_inbox::check_protocol;
 use super::inbox::{Inbox, read};
 use super::message::{CommandMessage, HandMode, MessageHeader, NO_FINGER, ProgramKind};
 use super::peers::{Expected, Peers};
-use super::plausible::check_velocities;
+use super::plausible::{check_protocol, check_velocities};
 use super::rejection::{Rejection, Rejections};
 use super::sequence::Sequence;
 use super::topic::Topic;

@@ -182,12 +182,9 @@ impl RunClock {
         time - self.rig.map_or(0.0, |rig| rig.offset)
     }
 
-    /// How many seconds of the rig go by in one of the hand's; none where the rig waits for the hand.
-    pub fn speed(&self) -> Option<f64> {
-        match self.speed {
-            RigSpeed::Times(speed) => Some(speed),
-            RigSpeed::Lockstep => None,
-        }
+    /// How fast the rig's time goes.
+    pub fn speed(&self) -> RigSpeed {
+        self.speed
     }
 
     /// How far the rig's time can go at most from the state of the number `before` to that of `sequence`, s.

@@ -1,13 +1,12 @@
 //! What the sensor program of one finger has heard: the hand's steps, and pictures of a rig elsewhere.
 
 use super::freshness::Echo;
-use super::hand_inbox::check_protocol;
 use super::inbox::{Inbox, read};
 use super::message::{
     DirectForces, HandMode, MessageHeader, NO_FINGER, PictureMessage, ProgramKind,
 };
 use super::peers::{Expected, Peers};
-use super::plausible::check_forces;
+use super::plausible::{check_forces, check_protocol};
 use super::rejection::{Rejection, Rejections};
 use super::sequence::Sequence;
 use super::topic::Topic;

@@ -2,13 +2,13 @@
 //!
 //! Nothing of it is answered, so no program of the rig can tell whether it is watched.
 
-use super::hand_inbox::{check_protocol, flags};
+use super::hand_inbox::flags;
 use super::inbox::{Inbox, read};
 use super::message::{
     HandMode, Heartbeat, MessageHeader, NO_FINGER, ProgramKind, StateMessage, TactileUpdate,
 };
 use super::peers::{Expected, Peers};
-use super::plausible::{check_state, check_update};
+use super::plausible::{check_protocol, check_state, check_update};
 use super::rejection::{Rejection, Rejections};
 use super::sequence::Sequence;
 use super::topic::Topic;
@@ -134,7 +134,6 @@ impl WatchInbox {
         update: TactileUpdate,
         now: f64,
     ) -> Result<(), Rejection> {
-        check_protocol(update.header.protocol)?;
         let elements = *self.elements.get(finger).ok_or(Rejection::Size)?;
         check_update(finger, elements, &update)?;
         self.peers
@@ -146,7 +145,6 @@ impl WatchInbox {
     }
 
     fn take_state(&mut self, state: StateMessage, now: f64) -> Result<(), Rejection> {
-        check_protocol(state.header.protocol)?;
         check_state(self.fingers.len(), &state)?;
         self.peers
             .check(state.header.instance, &ProgramKind::World, NO_FINGER)?;

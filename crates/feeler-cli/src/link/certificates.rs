@@ -98,14 +98,25 @@ fn make(
 ) -> Result<(), CommandError> {
     let validity = arguments.validity();
     let names = authority.certify(&grant.computer, &grant.rights(), validity)?;
-    let folder = authority.folder(&grant.computer)?;
-    let (folder, until) = (folder.display(), validity.last_day());
-    write!(out, "{folder}: {}, valid until {until}", listed(&names))?;
+    write!(out, "{}", made(authority, grant, &names, validity)?)?;
     match grant.rights {
         Some(_) => writeln!(out)?,
         None => writeln!(out, "; all rights, as none were named")?,
     }
     Ok(())
+}
+
+/// Where certificates of these `names` are now, and how long they are valid.
+#[cfg(feature = "link")]
+fn made(
+    authority: &feeler_link::certificates::Authority,
+    grant: &Grant,
+    names: &[feeler_link::right::CertificateName],
+    validity: feeler_link::validity::Validity,
+) -> Result<String, CommandError> {
+    let folder = authority.folder(&grant.computer)?;
+    let (folder, until) = (folder.display(), validity.last_day());
+    Ok(format!("{folder}: {}, valid until {until}", listed(names)))
 }
 
 /// Withdraws or renews certificates, or both.
@@ -121,9 +132,7 @@ fn replace(
     if arguments.renew {
         let validity = arguments.validity();
         let names = authority.renew(computer, &rights, validity)?;
-        let folder = authority.folder(computer)?;
-        let (folder, until) = (folder.display(), validity.last_day());
-        writeln!(out, "{folder}: {}, valid until {until}", listed(&names))?;
+        writeln!(out, "{}", made(authority, grant, &names, validity)?)?;
         if !arguments.withdraw {
             let old = listed(&old);
             writeln!(out, "not withdrawn, and valid until they expire: {old}")?;

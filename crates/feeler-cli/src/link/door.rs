@@ -1,7 +1,5 @@
 //! The stop door: `feeler stop` without a connection, on the hand's side and on the caller's.
 
-#[cfg(feature = "link")]
-use super::HAND_ENDPOINT;
 use super::{LinkArguments, ListenArguments};
 use crate::warnings::Warnings;
 use feeler_link::programs::Stopper;
@@ -53,10 +51,7 @@ pub fn open(
 #[cfg(feature = "link")]
 pub fn call(link: &LinkArguments, rig: &str, (id, from): (u64, &str)) -> Receiver<StopAnswer> {
     let (sender, receiver) = channel();
-    let endpoints = match link.connect.as_slice() {
-        [] => vec![HAND_ENDPOINT.to_string()],
-        given => given.to_vec(),
-    };
+    let endpoints = link.endpoints();
     let (certificates, rig, from) = (link.certificates.clone(), rig.to_string(), from.to_string());
     std::thread::spawn(move || {
         let order = (id, from.as_str());

@@ -58,14 +58,24 @@ impl ListenArguments {
 
     /// Where to listen.
     fn endpoints(&self) -> Vec<String> {
-        match self.listen.as_slice() {
-            [] => vec![HAND_ENDPOINT.into()],
-            given => given.to_vec(),
-        }
+        given_or_default(&self.listen)
+    }
+}
+
+/// The endpoints that are given, or where a hand is unless told otherwise.
+fn given_or_default(endpoints: &[String]) -> Vec<String> {
+    match endpoints {
+        [] => vec![HAND_ENDPOINT.into()],
+        given => given.to_vec(),
     }
 }
 
 impl LinkArguments {
+    /// Where the hand is.
+    fn endpoints(&self) -> Vec<String> {
+        given_or_default(&self.connect)
+    }
+
     /// Of a program whose hand is at `endpoint`.
     fn connecting_to(endpoint: &str) -> Self {
         Self {
@@ -97,13 +107,9 @@ impl LinkArguments {
 
     /// The network of the rig `name`, of a program that looks for the hand.
     pub fn connect(&self, name: &str) -> Result<Arc<dyn Network>, CommandError> {
-        let connect = match self.connect.as_slice() {
-            [] => vec![HAND_ENDPOINT.into()],
-            given => given.to_vec(),
-        };
         self.open(LinkConfig {
             rig: name.into(),
-            connect,
+            connect: self.endpoints(),
             ..LinkConfig::default()
         })
     }
@@ -114,11 +120,10 @@ impl LinkArguments {
         name: &str,
         listening: &ListenArguments,
     ) -> Result<Arc<dyn Network>, CommandError> {
-        let listen = listening.endpoints();
         self.open(LinkConfig {
             rig: name.into(),
             is_hand: true,
-            listen,
+            listen: listening.endpoints(),
             connect: self.connect.clone(),
             insecure: listening.insecure,
             ..LinkConfig::default()

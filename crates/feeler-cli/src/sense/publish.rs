@@ -171,8 +171,10 @@ impl<'a> Publisher<'a> {
     /// Says once, here and by heartbeat, where the first pictures are of another fingertip than the calibration. It ends
     /// nothing: a sensor program may start while its finger is pressed all over.
     fn check_first(&mut self, picture: &Picture) {
-        let checked = self.sensing.check_first(picture);
-        if let (Err(mismatch), false) = (checked, self.is_mismatched) {
+        if self.is_mismatched {
+            return;
+        }
+        if let Err(mismatch) = self.sensing.check_first(picture) {
             self.program.warn(&mismatch.to_string());
             self.is_mismatched = true;
         }

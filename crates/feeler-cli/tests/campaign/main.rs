@@ -16,26 +16,22 @@ mod ports;
 #[path = "../link/rig.rs"]
 mod rig;
 
+#[path = "../../../feeler-link/tests/support/how_many.rs"]
+mod how_many;
+
 mod play;
 mod schedule;
 
+use how_many::how_many;
 use schedule::Schedule;
-
-fn number(variable: &str, default: u64) -> u64 {
-    let said = std::env::var(variable).ok();
-    said.map_or(default, |said| {
-        said.parse()
-            .unwrap_or_else(|_| panic!("{variable}: a number"))
-    })
-}
 
 #[test]
 fn whatever_fails_no_hand_moves_on_stale_data_or_after_a_stop() {
-    let first = number("FEELER_CAMPAIGN_SEED", 0);
-    let seeds = first..first + number("FEELER_CAMPAIGN", 2);
+    let first = how_many("FEELER_CAMPAIGN_SEED", 0);
+    let seeds = first..first + how_many("FEELER_CAMPAIGN", 2);
     let mut failed = Vec::new();
     for seed in seeds {
-        match play::play(&Schedule::new(seed)) {
+        match play::play(&Schedule::new(seed as u64)) {
             Ok(told) => eprintln!("seed {seed}: {told}"),
             Err(violation) => {
                 eprintln!("seed {seed}: VIOLATION: {violation}");

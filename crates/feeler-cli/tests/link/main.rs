@@ -8,6 +8,9 @@ mod program;
 #[path = "../../../feeler-link/tests/support/ports.rs"]
 mod ports;
 
+#[path = "../../../feeler-link/tests/support/how_many.rs"]
+mod how_many;
+
 #[path = "../../../feeler-lab/tests/support/skip.rs"]
 mod skip;
 

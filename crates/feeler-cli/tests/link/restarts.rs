@@ -1,6 +1,7 @@
 //! Any program of a rig may end and start again at any time: the hand stops, and goes on when it is told to.
 
 use super::faults::{NO_HURRY, check};
+use super::how_many::how_many;
 use super::ports::unused_endpoint;
 use super::program::{folder, run};
 use super::rig::{Rig, Running, Setup};
@@ -18,8 +19,7 @@ use std::time::Duration;
 
 /// How often each program is started again; as often in a row as `FEELER_RESTARTS` says.
 fn times() -> usize {
-    let times = std::env::var("FEELER_RESTARTS").ok();
-    times.map_or(2, |times| times.parse().expect("FEELER_RESTARTS, a number"))
+    how_many("FEELER_RESTARTS", 2)
 }
 
 /// Resumes the hand after it has stopped for the `nth` time.

@@ -8,9 +8,12 @@
 //! `FEELER_MODEL_DEPTH` says how many periods are searched exhaustively (4 unless said otherwise), `FEELER_MODEL_STATES`
 //! how many states random walks visit.
 
+#[path = "../support/how_many.rs"]
+mod how_many;
 mod periods;
 mod rig;
 
+use how_many::how_many;
 use periods::{Fate, Happening, Period};
 use rig::{Rig, Violation};
 use stateright::{Checker, HasDiscoveries, Model, Property, UniformChooser};
@@ -63,41 +66,47 @@ impl Model for Protocol {
     }
 
     fn properties(&self) -> Vec<Property<Self>> {
-        fn without(case: &Case, violation: Violation) -> bool {
-            !case.0.violations.contains(&violation)
-        }
-        vec![
-            Property::always("no hand moves on stale data", |_, case: &Case| {
-                without(case, Violation::MovedOnStaleData)
-            }),
-            Property::always("no two hands move one rig", |_, case: &Case| {
-                without(case, Violation::TwoHands)
-            }),
-            Property::always("no stop is lost", |_, case: &Case| {
-                without(case, Violation::MovedWhileStopped)
-            }),
-            Property::always("no drive moves on by itself", |_, case: &Case| {
-                without(case, Violation::DroveOnByItself)
-            }),
-            Property::sometimes("a hand moves", |_, case: &Case| case.0.moves()),
-            Property::sometimes("another hand moves", |_, case: &Case| {
+        let always = SOUND.into_iter();
+        let always = always.map(|(name, holds)| Property::always(name, holds));
+        let sometimes = [
+            Property::sometimes("a hand moves", |_: &Self, case: &Case| case.0.moves()),
+            Property::sometimes("another hand moves", |_: &Self, case: &Case| {
                 case.0.moves() && case.0.has_second_hand()
             }),
-        ]
+        ];
+        always.chain(sometimes).collect()
     }
 }
 
-fn number(variable: &str, default: usize) -> usize {
-    let said = std::env::var(variable).ok();
-    said.map_or(default, |said| {
-        said.parse()
-            .unwrap_or_else(|_| panic!("{variable}: a number"))
-    })
+/// What holds always.
+const SOUND: [(&str, fn(&Protocol, &Case) -> bool); 4] = [
+    ("no hand moves on stale data", |_, case| {
+        without(case, Violation::MovedOnStaleData)
+    }),
+    ("no two hands move one rig", |_, case| {
+        without(case, Violation::TwoHands)
+    }),
+    ("no stop is lost", |_, case| {
+        without(case, Violation::MovedWhileStopped)
+    }),
+    ("no drive moves on by itself", |_, case| {
+        without(case, Violation::DroveOnByItself)
+    }),
+];
+
+fn without(case: &Case, violation: Violation) -> bool {
+    !case.0.violations.contains(&violation)
+}
+
+fn assert_sound(checked: &impl Checker<Protocol>) {
+    for (name, _) in SOUND {
+        checked.assert_no_discovery(name);
+    }
 }
 
 #[test]
 fn nothing_goes_wrong_in_any_order_of_events() {
-    let depth = number("FEELER_MODEL_DEPTH", 4);
+    let depth = how_many("FEELER_MODEL_DEPTH", 4);
     let searched = Protocol
         .checker()
         .threads(2)
@@ -109,20 +118,13 @@ fn nothing_goes_wrong_in_any_order_of_events() {
         searched.state_count(),
         searched.unique_state_count()
     );
-    for property in [
-        "no hand moves on stale data",
-        "no two hands move one rig",
-        "no stop is lost",
-        "no drive moves on by itself",
-    ] {
-        searched.assert_no_discovery(property);
-    }
+    assert_sound(&searched);
     assert!(searched.discovery("a hand moves").is_some());
 }
 
 #[test]
 fn nothing_goes_wrong_on_long_ways() {
-    let states = number("FEELER_MODEL_STATES", 100_000);
+    let states = how_many("FEELER_MODEL_STATES", 100_000);
     let walked = Protocol
         .checker()
         .threads(2)
@@ -131,13 +133,6 @@ fn nothing_goes_wrong_on_long_ways() {
         .finish_when(HasDiscoveries::AnyFailures)
         .spawn_simulation(1, UniformChooser)
         .join();
-    for property in [
-        "no hand moves on stale data",
-        "no two hands move one rig",
-        "no stop is lost",
-        "no drive moves on by itself",
-    ] {
-        walked.assert_no_discovery(property);
-    }
+    assert_sound(&walked);
     assert!(walked.discovery("another hand moves").is_some());
 }

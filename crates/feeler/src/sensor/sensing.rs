@@ -27,9 +27,6 @@ pub enum SensingError {
     /// The calibration cannot be used with it.
     #[error(transparent)]
     Calibration(#[from] CalibrationError),
-    /// The pictures are of another fingertip than the calibration.
-    #[error(transparent)]
-    Mismatch(#[from] Mismatch),
     /// Something is for another number of elements.
     #[error("{what} for {expected} elements expected, got {actual}")]
     ElementCount {
