@@ -75,6 +75,7 @@ impl Holds {
     /// Stops the hand by the order `id` (0: none was drawn) of whoever calls himself `from`; the number of the stop.
     /// The same order again is the same stop; none where it has been resumed.
     pub fn order(&mut self, id: u64, from: &str) -> Option<u64> {
+        let from = if from.is_empty() { "somebody" } else { from };
         let (cause, by) = (Cause::Order(id), printable(from));
         let same = |hold: &&Hold| hold.cause == cause && (id != 0 || hold.by == by);
         if let Some(hold) = self.in_force.iter().find(same) {

@@ -3,15 +3,19 @@
 use super::faults::{NO_HURRY, check};
 use super::rig::{Setup, connect};
 use feeler_link::message::{
-    CommandMessage, Heartbeat, MessageHeader, PROTOCOL, StateMessage, TactileUpdate,
+    CommandMessage, HandMode, Heartbeat, MessageHeader, NO_FINGER, PROTOCOL, ProgramKind,
+    ResumeMessage, StateMessage, StopMessage, TactileUpdate,
 };
 use feeler_link::network::{Heard, Network};
-use feeler_link::outlet::{Outlet, send};
+use feeler_link::outlet::{Outlet, draw_instance, send};
 use feeler_link::topic::Topic;
 use feeler_link::transport::Link;
 use feeler_record::wire::{Vector3, cdr};
 use std::collections::HashMap;
 use std::fs;
+use std::io::Write;
+use std::net::TcpStream;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::Duration;
@@ -91,7 +95,9 @@ fn spy(peer: &Link) -> HashMap<String, u64> {
     let heard = Arc::new(Mutex::new(HashMap::new()));
     let notes = heard.clone();
     let note = move |_: Topic, bytes: &[u8]| {
-        let heartbeat: Heartbeat = cdr::decode(bytes).expect("a heartbeat");
+        let Ok(heartbeat) = cdr::decode::<Heartbeat>(bytes) else {
+            return;
+        };
         let mut notes = notes.lock().expect("the notes");
         notes.insert(heartbeat.program.to_string(), heartbeat.instance);
     };
@@ -165,4 +171,90 @@ fn say_in_the_name_of_others(peer: &Link, instances: &HashMap<String, u64>) {
         instruments: Vec::new(),
     };
     send(peer, Topic::State, &state).expect("a link");
+}
+
+/// Says garbage, speaks in the name of others and of programs that do not exist, stops the hand and lets it go on,
+/// and connects to say nonsense, until it is `over`; again from the beginning every few seconds, by a new connection.
+pub fn be_hostile(endpoint: &str, over: &AtomicBool) {
+    let address = endpoint.split_once('/').expect("an endpoint").1;
+    while !over.load(Ordering::Relaxed) {
+        let peer = connect(endpoint);
+        let instances = spy(&peer);
+        let stops = Arc::new(Mutex::new(Vec::new()));
+        listen_for_stops(&peer, &stops);
+        for turn in 0..500 {
+            if over.load(Ordering::Relaxed) {
+                return;
+            }
+            say_garbage(&peer);
+            say_in_the_name_of_others(&peer, &instances);
+            introduce_somebody(&peer);
+            if turn % 100 == 50 {
+                stop(&peer);
+            }
+            resume(&peer, &stops);
+            if turn % 10 == 0
+                && let Ok(mut stream) = TcpStream::connect(address)
+            {
+                let _ = stream.write_all(b"this is no handshake\r\n\r\n");
+            }
+            thread::sleep(Duration::from_millis(10));
+        }
+    }
+}
+
+/// Keeps the numbers of the stops in force.
+fn listen_for_stops(peer: &Link, stops: &Arc<Mutex<Vec<u64>>>) {
+    let notes = stops.clone();
+    let note = move |_: Topic, bytes: &[u8]| {
+        if let Ok(mode) = cdr::decode::<HandMode>(bytes) {
+            let numbers = mode.stops.iter().map(|stop| stop.number);
+            *notes.lock().expect("the notes") = numbers.collect();
+        }
+    };
+    let listening = peer.listen(Topic::Mode, Arc::new(note));
+    listening.expect("the hand's modes");
+}
+
+fn stop(peer: &Link) {
+    let stop = StopMessage {
+        protocol: PROTOCOL,
+        from: "\u{1b}[2J".repeat(1000),
+        id: draw_instance(),
+    };
+    send(peer, Topic::Stop, &stop).expect("a link");
+}
+
+fn resume(peer: &Link, stops: &Mutex<Vec<u64>>) {
+    let stops = stops.lock().expect("the notes").clone();
+    for number in stops.into_iter().chain([draw_instance()]) {
+        let resume = ResumeMessage {
+            protocol: PROTOCOL,
+            from: "somebody".into(),
+            number,
+        };
+        send(peer, Topic::Resume, &resume).expect("a link");
+    }
+}
+
+/// A sensor program, a rig and a hand that were never seen before, and are not again.
+fn introduce_somebody(peer: &Link) {
+    let programs = [
+        (ProgramKind::Sense, 0),
+        (ProgramKind::World, NO_FINGER),
+        (ProgramKind::Hand, NO_FINGER),
+    ];
+    for (program, finger) in programs {
+        let heartbeat = Heartbeat {
+            protocol: PROTOCOL,
+            instance: draw_instance(),
+            program,
+            finger,
+            version: "x".repeat(200),
+            fault: "y".repeat(200),
+            ..Heartbeat::default()
+        };
+        let place = heartbeat.place().expect("a place");
+        send(peer, Topic::Heartbeat(place), &heartbeat).expect("a link");
+    }
 }

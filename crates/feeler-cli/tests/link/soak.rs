@@ -1,10 +1,14 @@
 //! Programs that run for long neither grow nor lose count of their steps.
 
 use super::faults::STALE;
+use super::hostile::be_hostile;
+use super::how_many::how_many;
 use super::rig::{Running, Setup, ages_of_moves};
 use std::fs;
-use std::path::Path;
-use std::time::{Duration, Instant};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::Duration;
 
 /// How many times as fast as real time, and the control period, s of the rig's time.
 const SPEED: f64 = 4.0;
@@ -21,28 +25,55 @@ const RECORDED_FOR_INDEX: u64 = 700;
 /// `FEELER_SOAK_SECONDS` of it; a minute unless told.
 #[test]
 fn for_a_long_time_memory_stays_and_every_step_is_accounted_for() {
-    let seconds = std::env::var("FEELER_SOAK_SECONDS").ok();
-    let seconds: f64 = seconds.map_or(60.0, |s| s.parse().expect("FEELER_SOAK_SECONDS in s"));
+    let run = soak("link-soak", how_many("FEELER_SOAK_SECONDS", 60), |_, _| {});
+    check_steps(&run.said, wall_time(&run.folder));
+}
+
+/// The same for as long as somebody does all the harm that he can, and for half a minute unless told.
+#[test]
+fn hostile_traffic_for_a_long_time_takes_no_memory() {
+    let seconds = how_many("FEELER_SOAK_SECONDS", 30);
+    let run = soak("link-hostile-soak", seconds, be_hostile);
+    assert!(run.said.contains("malformed"), "{}", run.said);
+}
+
+/// A run that is over.
+struct Soaked {
+    folder: PathBuf,
+    said: String,
+}
+
+/// A run of so many `seconds`, `beside` which something else goes on at the hand's endpoint until it is told that all
+/// is over: no program grows, and nothing moves on stale data.
+fn soak(name: &str, seconds: usize, beside: fn(&str, &AtomicBool)) -> Soaked {
     let endless = [
         "task.screw.strokes=100000",
         "time_limit=1e5",
         "control.resume=fresh",
     ];
-    let mut setup = Setup::new("link-soak").with(&endless);
+    let mut setup = Setup::new(name).with(&endless);
     setup.speed = "4";
     let rig = setup.start();
     let mut hand = rig.moving_hand(&[]);
-    let start = Instant::now();
-    std::thread::sleep(Duration::from_secs_f64(seconds / 4.0));
-    let programs = || [&hand, &rig.world, &rig.senses[0], &rig.senses[1]].map(Running::resident);
-    let recording = rig.setup.folder.join("run/recording.mcap");
-    let recorded = || fs::metadata(&recording).expect("the recording").len();
-    let (early, recorded_early) = (programs(), recorded());
-    while start.elapsed().as_secs_f64() < seconds {
-        std::thread::sleep(Duration::from_millis(100));
-    }
-    let late = programs();
-    let index = (recorded() - recorded_early) / RECORDED_FOR_INDEX / 1024;
+    let folder = rig.setup.folder.join("run");
+    let recording = folder.join("recording.mcap");
+    let sizes = || {
+        let programs = [&hand, &rig.world, &rig.senses[0], &rig.senses[1]];
+        let recorded = fs::metadata(&recording).expect("the recording").len();
+        (programs.map(Running::resident), recorded)
+    };
+    let over = AtomicBool::new(false);
+    let ((early, recorded_early), (late, recorded)) = thread::scope(|scope| {
+        scope.spawn(|| beside(&rig.setup.endpoint, &over));
+        let quarter = Duration::from_secs(seconds as u64) / 4;
+        thread::sleep(quarter);
+        let early = sizes();
+        thread::sleep(3 * quarter);
+        let late = sizes();
+        over.store(true, Ordering::Relaxed);
+        (early, late)
+    });
+    let index = (recorded - recorded_early) / RECORDED_FOR_INDEX / 1024;
     hand.signal("INT");
     let (_, said) = hand.wait();
     eprintln!("resident, KiB: {early:?}, {late:?}, {index} of them for the index\n{said}");
@@ -51,9 +82,10 @@ fn for_a_long_time_memory_stays_and_every_step_is_accounted_for() {
     for ((early, late), allowed) in early.into_iter().zip(late).zip(allowed) {
         assert!(late <= early + allowed, "{early} KiB, {late} KiB: {said}");
     }
-    check_steps(&said, wall_time(&rig.setup.folder.join("run")));
     let ages = ages_of_moves(&rig.setup.recording());
+    assert!(!ages.is_empty(), "{said}");
     assert!(ages.iter().all(|age| *age <= STALE), "{said}");
+    Soaked { folder, said }
 }
 
 /// Time that the hand was at work, s by the computer's clock.

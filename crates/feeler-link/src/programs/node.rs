@@ -70,7 +70,8 @@ impl<I: Inbox + Send + 'static> Node<I> {
 
     /// Why programs are refused that have not been reported yet.
     pub fn new_refusals(&mut self) -> Vec<Mismatch> {
-        self.refusals.new_ones(self.inbox.lock().peers())
+        let now = self.now();
+        self.refusals.new_ones(self.inbox.lock().peers(), now)
     }
 }
 

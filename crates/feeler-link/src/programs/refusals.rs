@@ -2,20 +2,91 @@
 
 use crate::mismatch::Mismatch;
 use crate::peers::Peers;
-use std::collections::HashSet;
+use std::collections::VecDeque;
 
-/// Remembers which refused programs have been reported, by their instances.
-#[derive(Debug, Default)]
-pub(super) struct Refusals(HashSet<u64>);
+/// Refusals that are remembered, so that the same is not told again, and that may be told at once.
+const MOST: usize = 64;
+
+/// Refusals that are told in a second on average: whoever comes by ever new names fills no log.
+const RATE: f64 = 1.0;
+
+/// Remembers which refusals have been reported.
+#[derive(Debug)]
+pub(super) struct Refusals {
+    told: VecDeque<Mismatch>,
+    /// How many more may be told at the time `at`, s.
+    allowed: f64,
+    at: f64,
+}
+
+impl Default for Refusals {
+    fn default() -> Self {
+        Self {
+            told: VecDeque::with_capacity(MOST),
+            allowed: MOST as f64,
+            at: 0.0,
+        }
+    }
+}
 
 impl Refusals {
-    /// Why those of `peers` are refused that have not been reported.
-    pub fn new_ones(&mut self, peers: &Peers) -> Vec<Mismatch> {
-        let refused = peers.all().iter().filter_map(|peer| {
-            let mismatch = peer.refused.clone()?;
-            let is_new = self.0.insert(peer.heartbeat.instance);
-            is_new.then_some(mismatch)
-        });
-        refused.collect()
+    /// Why those of `peers` are refused of which that has not been reported by `now`, s.
+    pub fn new_ones(&mut self, peers: &Peers, now: f64) -> Vec<Mismatch> {
+        self.allowed = (self.allowed + RATE * (now - self.at)).min(MOST as f64);
+        self.at = now;
+        let mut new = Vec::new();
+        for mismatch in peers.all().iter().filter_map(|peer| peer.refused.as_ref()) {
+            if self.allowed < 1.0 || self.told.contains(mismatch) {
+                continue;
+            }
+            if self.told.len() == MOST {
+                self.told.pop_front();
+            }
+            self.told.push_back(mismatch.clone());
+            self.allowed -= 1.0;
+            new.push(mismatch.clone());
+        }
+        new
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::message::{Heartbeat, NO_FINGER, PROTOCOL, ProgramKind};
+    use crate::outlet::encode;
+    use crate::peers::Expected;
+
+    /// A rig of another experiment each time.
+    fn refuse(peers: &mut Peers, instance: u64, experiment: &str, now: f64) {
+        let heartbeat = Heartbeat {
+            protocol: PROTOCOL,
+            instance,
+            program: ProgramKind::World,
+            finger: NO_FINGER,
+            experiment: experiment.into(),
+            ..Heartbeat::default()
+        };
+        let place = heartbeat.place().unwrap();
+        let bytes = encode(&heartbeat).unwrap();
+        peers.heard(place, &bytes, now).unwrap();
+    }
+
+    #[test]
+    fn the_same_is_told_once_and_ever_new_names_fill_no_log() {
+        let mut peers = Peers::new(Expected::default());
+        let mut refusals = Refusals::default();
+        refuse(&mut peers, 1, "theirs", 0.0);
+        assert_eq!(refusals.new_ones(&peers, 0.0).len(), 1);
+        refuse(&mut peers, 2, "theirs", 0.1);
+        assert_eq!(refusals.new_ones(&peers, 0.1), []);
+        let mut told = 0;
+        for instance in 3..10_003 {
+            let now = 0.001 * instance as f64;
+            refuse(&mut peers, instance, &instance.to_string(), now);
+            told += refusals.new_ones(&peers, now).len();
+        }
+        assert!((MOST..MOST + 20).contains(&told), "{told}");
+        assert!(refusals.told.len() <= MOST);
     }
 }
