@@ -35,8 +35,7 @@ pub struct StopArguments {
 pub struct ResumeArguments {
     /// Name of the rig: that of the experiment, unless its programs were given another.
     rig: String,
-    /// Whose stop to resume [default: "the command line"; where there is none of that name, the hand's own or the
-    /// only one]
+    /// Whose stop to resume [default: "the command line"; where there is none of that name, the hand's own]
     #[arg(long, default_value = BY, hide_default_value = true)]
     from: String,
     /// Number of the stop to resume, as `feeler stop` and `feeler resume` print it.
@@ -82,12 +81,12 @@ impl Order {
     }
 }
 
-/// The stop that `from` is to resume of those in force: his own, else that of the hand itself, else the only one.
+/// The stop that `from` is to resume of those in force: his own, else that of the hand itself. Another's is resumed by
+/// its number alone, by somebody who has seen whose it is.
 pub fn to_resume<'a>(stops: &'a [StopInForce], from: &str) -> Option<&'a StopInForce> {
     let (by, is_own) = (printable(from), |stop: &&StopInForce| stop.id == 0);
     let mine = stops.iter().find(|stop| stop.by == by);
-    let only = || stops.first().filter(|_| stops.len() == 1);
-    mine.or_else(|| stops.iter().find(is_own)).or_else(only)
+    mine.or_else(|| stops.iter().find(is_own))
 }
 
 /// Tells the hand of a rig to stop, and says whether it stands still.
@@ -184,9 +183,10 @@ pub fn resume(arguments: &ResumeArguments, out: &mut dyn Write) -> Result<Outcom
     };
     let Some(stop) = chosen else {
         let listed = list(&stops);
-        return Err(
-            format!("which of these stops is to be resumed? expected --number\n{listed}").into(),
-        );
+        return Err(format!(
+            "none of these stops is yours: say by --number which to resume\n{listed}"
+        )
+        .into());
     };
     let number = stop.number;
     let is_so = |mode: &HandMode| mode.stops.iter().all(|stop| stop.number != number);

@@ -43,6 +43,10 @@ fn stops_of_two_need_two_resumes() {
     let listed = first.stdout.contains("the door\\u{1b}[2J") && !first.stdout.contains('\u{1b}');
     assert!(listed, "{first:?}");
     assert!(!hand.said().contains("going on") && !hand.said().contains('\u{1b}'));
+    // The only one that is left is the door's, and nobody else's.
+    let passer_by = rig.setup.order_from("resume", "a passer-by");
+    assert_eq!(passer_by.status, Some(2), "{passer_by:?}");
+    assert!(passer_by.stderr.contains("--number"), "{passer_by:?}");
     rig.setup.order_from("resume", "the door\u{1b}[2J").done();
     hand.wait_for("going on");
     check(&mut rig, hand, "told to stop by the test");

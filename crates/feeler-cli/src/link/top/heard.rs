@@ -56,8 +56,15 @@ impl<'a> Heard<'a> {
 
     /// What is wrong now.
     pub fn faults(&self) -> Vec<String> {
-        let stopped = self.mode.map_or("", |mode| &mode.stopped);
-        let stopped = (!stopped.is_empty()).then(|| format!("the hand is stopped: {stopped}"));
+        let stopped = self.mode.filter(|mode| !mode.stopped.is_empty());
+        let stopped = stopped.map(|mode| {
+            let numbers = mode
+                .stops
+                .iter()
+                .map(|stop| format!(" (stop {})", stop.number));
+            let numbers: String = numbers.collect();
+            format!("the hand is stopped: {}{numbers}", mode.stopped)
+        });
         let warnings = warnings(self.inbox.peers(), self.now);
         stopped.into_iter().chain(warnings).collect()
     }
