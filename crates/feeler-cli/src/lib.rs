@@ -32,6 +32,7 @@ mod throttle;
 #[cfg(feature = "top")]
 pub mod top;
 mod trials;
+mod urdf;
 mod warnings;
 mod watcher;
 
@@ -113,6 +114,8 @@ enum Command {
     Bench(link::bench::Arguments),
     /// Print the ROS 2 message definitions of recordings and of the link between programs.
     Schema(schema::Arguments),
+    /// Print the hand of an experiment as URDF, for viewers and planners.
+    Urdf(urdf::Arguments),
     /// Sense forces: from pictures, a camera or a recorded run to a table of the force on each element.
     Sense(sense::Arguments),
 }
@@ -185,6 +188,7 @@ fn run_command(command: Command, out: &mut dyn Write) -> Result<Outcome, Command
         Command::Resume(arguments) => link::orders::resume(&arguments, out),
         Command::Certificates(arguments) => link::certificates::certificates(&arguments, out),
         Command::Schema(arguments) => schema::schema(&arguments, out),
+        Command::Urdf(arguments) => urdf::print(&arguments, out),
         Command::Sense(arguments) => sense::sense(&arguments),
     }
 }

@@ -24,6 +24,7 @@ pub mod sensed;
 mod sink;
 mod text_enum;
 pub mod topic;
+pub mod urdf;
 pub mod wire;
 mod writer;
 

@@ -24,3 +24,4 @@ mod robustness;
 mod schema;
 mod score_slip;
 mod sweep;
+mod urdf;

@@ -385,7 +385,11 @@ fn fingers_at(
     Ok((fingers, joints))
 }
 
-fn geometries(config: &ExperimentConfig) -> Result<Vec<FingerGeometry>, ExperimentError> {
+/// The fingers of `config`, in order.
+///
+/// # Errors
+/// When a value of one is out of range.
+pub fn geometries(config: &ExperimentConfig) -> Result<Vec<FingerGeometry>, ExperimentError> {
     let fingers = config.hand.finger.iter().enumerate();
     let geometry = |(finger, hand)| {
         FingerGeometry::new(hand).map_err(|source| ExperimentError::Finger { finger, source })

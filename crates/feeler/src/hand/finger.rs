@@ -65,6 +65,7 @@ pub enum FingerError {
 #[derive(Debug, Clone, PartialEq)]
 pub struct FingerGeometry {
     base_position: DVec3,
+    base_angles: (f64, f64),
     base_rotation: DMat3,
     links: [f64; 3],
     joint_lower: DVec3,
@@ -79,10 +80,11 @@ impl FingerGeometry {
     /// When a value is not finite or outside of the range that its field documents.
     pub fn new(config: &FingerConfig) -> Result<Self, FingerError> {
         check(config)?;
-        let base_rotation = DMat3::from_rotation_y(config.phi1_deg.to_radians())
-            * DMat3::from_rotation_x(config.phi2_deg.to_radians());
+        let (phi1, phi2) = (config.phi1_deg.to_radians(), config.phi2_deg.to_radians());
+        let base_rotation = DMat3::from_rotation_y(phi1) * DMat3::from_rotation_x(phi2);
         Ok(Self {
             base_position: DVec3::from_array(config.base_position),
+            base_angles: (phi1, phi2),
             base_rotation,
             links: config.links,
             joint_lower: DVec3::from_array(config.joint_lower_deg.map(f64::to_radians)),
@@ -99,6 +101,11 @@ impl FingerGeometry {
     /// Rotation of the finger base, `Ry(phi1) Rx(phi2)`: takes a vector in `B` to `W`.
     pub fn base_rotation(&self) -> DMat3 {
         self.base_rotation
+    }
+
+    /// Angles phi1 and phi2 of the finger base, rad.
+    pub fn base_angles(&self) -> (f64, f64) {
+        self.base_angles
     }
 
     /// Link lengths l2, l3, l4, m.

@@ -1,0 +1,93 @@
+//! The hand as URDF, read by another program's parser, has its fingertips where the kinematics has them.
+
+use feeler::hand::finger::{FingerConfig, FingerGeometry};
+use feeler::hand::kinematics::fingertip_pose;
+use feeler_record::urdf::{FingerModel, frame, joint_names, urdf};
+use glam::{DAffine3, DMat3, DQuat, DVec3};
+use proptest::prelude::*;
+use urdf_rs::{JointType, Robot};
+
+const DOME: f64 = 0.018;
+
+fn finger(base_position: [f64; 3], (phi1_deg, phi2_deg): (f64, f64), l2: f64) -> FingerGeometry {
+    let config = FingerConfig {
+        base_position,
+        phi1_deg,
+        phi2_deg,
+        links: [l2, 0.06, 0.055],
+        joint_lower_deg: [-60.0, -30.0, -150.0],
+        joint_upper_deg: [60.0, 120.0, 0.0],
+        joint_speed_limit: [2.0, 2.5, 3.0],
+    };
+    FingerGeometry::new(&config).unwrap()
+}
+
+fn parse(fingers: &[FingerGeometry]) -> Robot {
+    let model = |geometry| FingerModel {
+        geometry,
+        dome_radius: DOME,
+    };
+    let models: Vec<_> = fingers.iter().map(model).collect();
+    let text = urdf("two & a half <fingers>", &models).unwrap();
+    urdf_rs::read_from_string(&text).unwrap_or_else(|error| panic!("{error}: {text}"))
+}
+
+/// The frame `link` in the world at the joint angles that `angle` tells by a joint's name, as URDF has it: from frame
+/// to frame, each turned about the axes of the one before.
+fn pose(robot: &Robot, link: &str, angle: &impl Fn(&str) -> f64) -> DAffine3 {
+    let Some(joint) = robot.joints.iter().find(|joint| joint.child.link == link) else {
+        assert_eq!(link, "world");
+        return DAffine3::IDENTITY;
+    };
+    let [roll, pitch, yaw] = *joint.origin.rpy;
+    let turned =
+        DMat3::from_rotation_z(yaw) * DMat3::from_rotation_y(pitch) * DMat3::from_rotation_x(roll);
+    let origin = DAffine3::from_mat3_translation(turned, DVec3::from(*joint.origin.xyz));
+    let turn = match joint.joint_type {
+        JointType::Fixed => DQuat::IDENTITY,
+        _ => DQuat::from_axis_angle(DVec3::from(*joint.axis.xyz), angle(&joint.name)),
+    };
+    pose(robot, &joint.parent.link, angle) * origin * DAffine3::from_quat(turn)
+}
+
+proptest! {
+    /// To what rounding leaves of lengths below 10 m.
+    #[test]
+    fn fingertips_are_where_the_kinematics_has_them(
+        base in prop::array::uniform3(-1.0..1.0),
+        phi in (-180.0..180.0, -180.0..180.0),
+        l2 in prop_oneof![Just(0.0), 0.001..0.1],
+        theta in prop::array::uniform3(-3.0..3.0),
+    ) {
+        let fingers = [finger([0.0; 3], (0.0, 0.0), 0.03), finger(base, phi, l2)];
+        let robot = parse(&fingers);
+        let names = joint_names(1);
+        let angle = |joint: &str| {
+            let index = names.iter().position(|name| name == joint);
+            index.map_or(0.0, |index| theta[index])
+        };
+        let drawn = pose(&robot, &frame(1, "dome"), &angle);
+        let (position, rotation) = fingertip_pose(&fingers[1], DVec3::from(theta));
+        prop_assert!((drawn.translation - position).length() < 1e-12);
+        let off = DMat3::from(drawn.matrix3) - rotation;
+        prop_assert!(off.to_cols_array().iter().all(|entry| entry.abs() < 1e-12));
+    }
+}
+
+#[test]
+fn joints_have_the_limits_of_the_experiment_and_links_their_lengths() {
+    let fingers = [finger([0.0; 3], (0.0, 0.0), 0.0)];
+    let robot = parse(&fingers);
+    assert_eq!(robot.name, "two & a half <fingers>");
+    for (index, name) in joint_names(0).iter().enumerate() {
+        let joint = robot.joints.iter().find(|joint| joint.name == *name);
+        let joint = joint.expect("the joint");
+        assert_eq!(joint.joint_type, JointType::Revolute);
+        assert_eq!(joint.limit.lower, fingers[0].joint_lower()[index]);
+        assert_eq!(joint.limit.upper, fingers[0].joint_upper()[index]);
+        assert_eq!(joint.limit.velocity, fingers[0].joint_speed_limit()[index]);
+    }
+    let drawn: Vec<usize> = robot.links.iter().map(|link| link.visual.len()).collect();
+    // World and base are frames; the first link has no length.
+    assert_eq!(drawn, [0, 0, 0, 1, 1, 1]);
+}
