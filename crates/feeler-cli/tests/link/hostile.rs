@@ -41,7 +41,10 @@ fn a_hostile_peer_is_counted_and_moves_nothing() {
         std::thread::sleep(Duration::from_millis(10));
     }
     assert!(!hand.said().contains("going on"), "{}", hand.said());
-    rig.resume(&hand);
+    // What can be taken for a stop is one, whoever says it: here somebody without a name.
+    let told = rig.setup.order("resume", &[]);
+    assert!(told.stdout.contains("somebody"), "{told:?}");
+    rig.setup.order_from("resume", "somebody").done();
     hand.wait_for("going on");
     let said = check(&mut rig, hand, "told to stop by the test");
     for said in [said.hand, said.world] {
