@@ -69,7 +69,7 @@ proptest! {
         let drawn = pose(&robot, &frame(1, "dome"), &angle);
         let (position, rotation) = fingertip_pose(&fingers[1], DVec3::from(theta));
         prop_assert!((drawn.translation - position).length() < 1e-12);
-        let off = DMat3::from(drawn.matrix3) - rotation;
+        let off = drawn.matrix3 - rotation;
         prop_assert!(off.to_cols_array().iter().all(|entry| entry.abs() < 1e-12));
     }
 }
