@@ -78,8 +78,11 @@ impl Model for Protocol {
     }
 }
 
+/// Whether a state is sound.
+type Holds = fn(&Protocol, &Case) -> bool;
+
 /// What holds always.
-const SOUND: [(&str, fn(&Protocol, &Case) -> bool); 4] = [
+const SOUND: [(&str, Holds); 4] = [
     ("no hand moves on stale data", |_, case| {
         without(case, Violation::MovedOnStaleData)
     }),
