@@ -36,8 +36,8 @@ pub fn check(rig: &mut Rig, mut hand: Running, words: &str) -> LastWords {
 fn worlds_end(rig: &mut Rig) -> String {
     rig.world.signal("INT");
     let (status, said) = rig.world.wait();
-    // How many commands were held up on their way until they were stale, and refused, is the computer's business.
     assert_eq!(status, Some(0), "{said}");
+    assert!(said.contains("0 stale commands refused"), "{said}");
     said
 }
 

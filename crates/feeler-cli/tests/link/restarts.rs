@@ -19,7 +19,7 @@ use std::time::Duration;
 
 /// How often each program is started again; as often in a row as `FEELER_RESTARTS` says.
 fn times() -> usize {
-    how_many("FEELER_RESTARTS", 2)
+    how_many("FEELER_RESTARTS", 3)
 }
 
 /// Resumes the hand after it has stopped for the `nth` time.
