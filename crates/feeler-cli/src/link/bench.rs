@@ -207,7 +207,6 @@ impl Sensors {
         let mut pace = Pace::new(1.0 / f64::from(rate))?;
         let (elements, fingers) = (self.elements, self.fingers.len());
         let still = vec![Vector3::default(); fingers];
-        let position = self.home.clone();
         for sequence in 1.. {
             if stop.load(Ordering::Relaxed) || pace.wait_unless(stop).is_none() {
                 break;
@@ -220,7 +219,7 @@ impl Sensors {
             // As in a rig: the joints are known before pictures have become forces.
             let state = StateMessage {
                 header: header(self.world),
-                position: position.clone(),
+                position: self.home.clone(),
                 velocity: still.clone(),
                 instruments: Vec::new(),
             };

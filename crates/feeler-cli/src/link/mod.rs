@@ -145,10 +145,11 @@ impl LinkArguments {
 /// Warns of a certificate that expires soon, and refuses one that is of no use.
 #[cfg(feature = "link")]
 fn check_certificate(folder: &Path, rights: &[Right]) -> Result<(), CommandError> {
+    use std::io::Write as _;
     let own = feeler_link::own_certificate::OwnCertificate::read(folder, rights)?;
     if let Some(warning) = own.warning() {
         // Where nobody listens, the certificate still works.
-        let _ = std::io::Write::write_fmt(&mut std::io::stderr(), format_args!("{warning}\n"));
+        let _ = writeln!(std::io::stderr(), "{warning}");
     }
     Ok(())
 }
