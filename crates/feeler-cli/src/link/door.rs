@@ -6,10 +6,6 @@ use feeler_link::programs::Stopper;
 use feeler_link::stop_wire::StopAnswer;
 use std::sync::mpsc::{Receiver, channel};
 
-/// How long an answer waits for the hand to stand still.
-#[cfg(feature = "link")]
-const LONGEST: std::time::Duration = std::time::Duration::from_millis(100);
-
 /// Opens the stop door of the hand of `rig`. A hand that has none is stopped over its connections alone, and says so.
 #[cfg(feature = "link")]
 pub fn open(
@@ -20,7 +16,7 @@ pub fn open(
     warnings: &Warnings,
 ) -> Option<feeler_link::stop_door::StopDoor> {
     let answering = move |id, from: &str| {
-        let (order, stands_still) = stopper.stop(id, from, LONGEST);
+        let (order, stands_still) = stopper.stop(id, from);
         let stopped = match stands_still {
             true => format!("told to stop by {from}"),
             false => String::new(),

@@ -55,7 +55,11 @@ pub fn hand(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comma
     program.set_warn(warnings.warn());
     let stopper = program.stopper();
     let _door = door::open(&link, &arguments.listening, &rig, stopper, &warnings);
-    writeln!(out, "waiting for {}", program.missing().join(", "))?;
+    let missing = match program.missing() {
+        none if none.is_empty() => "fresh data".to_string(),
+        missing => missing.join(", "),
+    };
+    writeln!(out, "waiting for {missing}")?;
     out.flush()?;
     if !program.wait_for_others(&interrupted)? {
         return Ok(Outcome::GivenUp);

@@ -21,10 +21,10 @@ fn ip(arguments: &str) -> bool {
 }
 
 impl Cable {
-    /// None where the system does not let us.
-    fn lay() -> Option<Self> {
+    /// None where the system does not let us. Of each `name` there is one at a time.
+    fn lay(name: &str) -> Option<Self> {
         let id = std::process::id();
-        let namespaces = ["hand", "rig"].map(|host| format!("feeler-{id}-{host}"));
+        let namespaces = ["hand", "rig"].map(|host| format!("{name}-{id}-{host}"));
         let [hand, rig] = &namespaces;
         let laid = ip(&format!("netns add {hand}"));
         // From here on, dropped where it is laid but in part.
@@ -65,7 +65,7 @@ fn cut(name: &str, seconds: u64, by_itself: bool) {
         if by_itself { "fresh" } else { "told" }
     );
     let mut setup = setup.with(&[&resume]);
-    let Some(cable) = Cable::lay() else {
+    let Some(cable) = Cable::lay(name) else {
         not_permitted("a cable needs `ip` and the right to make network namespaces");
         return;
     };

@@ -1,7 +1,7 @@
 //! A disk that is full or takes nothing holds up no hand: its record says what is missing.
 
 use super::faults::NO_HURRY;
-use super::rig::{Rig, Running, Setup};
+use super::rig::{QUARTER, Rig, Running, Setup};
 use super::skip::not_permitted;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -65,7 +65,7 @@ fn on_a_frozen_disk(setup: Setup, test: impl FnOnce(&mut Rig, &mut Running, &Dis
 
 #[test]
 fn a_disk_that_hangs_leaves_a_gap_and_stops_no_hand() {
-    let setup = Setup::new("link-frozen-disk").with(&[NO_HURRY]);
+    let setup = Setup::new("link-frozen-disk").with(&[NO_HURRY]).at(QUARTER);
     on_a_frozen_disk(setup, |rig, hand, disk| {
         hand.wait_for("recording: the disk takes nothing");
         assert!(disk.freeze(false));
@@ -86,7 +86,9 @@ fn a_disk_that_hangs_leaves_a_gap_and_stops_no_hand() {
 #[test]
 fn a_disk_that_hangs_stops_the_hand_where_the_experiment_says_so() {
     let stop = "control.on_recording_failure=stop";
-    let setup = Setup::new("link-disk-stops").with(&[NO_HURRY, stop]);
+    let setup = Setup::new("link-disk-stops")
+        .with(&[NO_HURRY, stop])
+        .at(QUARTER);
     on_a_frozen_disk(setup, |_, hand, disk| {
         hand.wait_for("the hand was stopped: recording: the disk takes nothing");
         assert!(disk.freeze(false));
@@ -97,7 +99,7 @@ fn a_disk_that_hangs_stops_the_hand_where_the_experiment_says_so() {
 
 #[test]
 fn the_end_waits_for_a_disk_that_hangs_but_not_for_ever() {
-    let setup = Setup::new("link-disk-end").with(&[NO_HURRY]);
+    let setup = Setup::new("link-disk-end").with(&[NO_HURRY]).at(QUARTER);
     on_a_frozen_disk(setup, |rig, hand, disk| {
         hand.wait_for("recording: the disk takes nothing");
         hand.signal("INT");
@@ -118,7 +120,10 @@ fn the_end_waits_for_a_disk_that_hangs_but_not_for_ever() {
 /// The system refuses a file that grows beyond a limit, as a full disk does.
 #[test]
 fn a_full_disk_ends_the_record_and_not_the_hand() {
-    let mut rig = Setup::new("link-full-disk").with(&[NO_HURRY]).start();
+    let mut rig = Setup::new("link-full-disk")
+        .with(&[NO_HURRY])
+        .at(QUARTER)
+        .start();
     let mut hand = rig.setup.hand_with_files_up_to(300);
     hand.wait_for("the hand goes on without a record");
     std::thread::sleep(Duration::from_millis(300));

@@ -1,6 +1,6 @@
 //! A hand that nobody can connect to is stopped all the same.
 
-use super::faults::{NO_HURRY, check};
+use super::faults::{GOES_ON, NO_HURRY, check};
 use super::rig::{Rig, Setup, connect};
 use feeler_link::inbox::read;
 use feeler_link::message::{CommandMessage, PROTOCOL, ResumeMessage};
@@ -134,14 +134,9 @@ fn how_long_a_stop_takes() {
         }),
     ];
     for (name, flood) in floods {
-        let settings = [
-            NO_HURRY,
-            "control.resume=fresh",
-            "task.screw.strokes=100000",
-        ];
-        let mut setup = Setup::new("link-bench-stop").with(&settings);
-        setup.speed = "1";
-        let rig = setup.start();
+        let settings = [NO_HURRY, GOES_ON, "task.screw.strokes=100000"];
+        let setup = Setup::new("link-bench-stop").with(&settings);
+        let rig = setup.at("1").start();
         let mut hand = rig.moving_hand(&[]);
         let still = Arc::new(Mutex::new(None));
         let note = still.clone();

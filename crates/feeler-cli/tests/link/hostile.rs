@@ -1,7 +1,7 @@
 //! A hostile peer on the same network: whatever it says is dropped and counted, and nothing moves by it.
 
 use super::faults::{NO_HURRY, check};
-use super::rig::{Setup, connect};
+use super::rig::{QUARTER, Setup, connect, within_reason};
 use feeler_link::message::{
     CommandMessage, HandMode, Heartbeat, MessageHeader, NO_FINGER, PROTOCOL, ProgramKind,
     ResumeMessage, StateMessage, StopMessage, TactileUpdate,
@@ -35,6 +35,8 @@ fn a_hostile_peer_is_counted_and_moves_nothing() {
     hand.wait_for("stopped: told to stop by the test");
     let peer = connect(&rig.setup.endpoint);
     let instances = spy(&peer);
+    let stops = Arc::new(Mutex::new(Vec::new()));
+    listen_for_stops(&peer, &stops);
     for _ in 0..20 {
         say_garbage(&peer);
         say_in_the_name_of_others(&peer, &instances);
@@ -42,6 +44,7 @@ fn a_hostile_peer_is_counted_and_moves_nothing() {
     }
     assert!(!hand.said().contains("going on"), "{}", hand.said());
     // What can be taken for a stop is one, whoever says it: here somebody without a name.
+    within_reason(&hand, || stops.lock().expect("the notes").len() > 1);
     let told = rig.setup.order("resume", &[]);
     assert!(told.stdout.contains("somebody"), "{told:?}");
     rig.setup.order_from("resume", "somebody").done();
@@ -57,7 +60,8 @@ fn a_hostile_peer_is_counted_and_moves_nothing() {
 /// What was recorded of a rig, said again to another hand, moves nothing: it proves nothing to that.
 #[test]
 fn a_session_that_is_replayed_to_another_hand_moves_nothing() {
-    let mut rig = Setup::new("link-replayed").with(&[NO_HURRY]).start();
+    let setup = Setup::new("link-replayed").with(&[NO_HURRY]);
+    let mut rig = setup.at(QUARTER).start();
     let mut hand = rig.moving_hand(&[]);
     let peer = connect(&rig.setup.endpoint);
     let session = Arc::new(Mutex::new(Vec::new()));

@@ -3,9 +3,10 @@
 #[path = "../../examples/own_rig.rs"]
 mod example;
 
+use super::faults::{GOES_ON, NO_HURRY};
 use super::ports::unused_endpoint;
 use super::program::{feeler, folder, run};
-use super::rig::{Running, alone};
+use super::rig::{QUARTER, Running, alone};
 use feeler_lab::config::Experiment;
 use feeler_link::endpoints::LinkConfig;
 use feeler_link::network::Network;
@@ -15,6 +16,8 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+const SETTINGS: [&str; 2] = [GOES_ON, NO_HURRY];
+
 #[test]
 fn a_hand_without_a_simulator_runs_a_rig_of_ones_own_and_its_run_is_reported() {
     let _alone = alone();
@@ -22,7 +25,7 @@ fn a_hand_without_a_simulator_runs_a_rig_of_ones_own_and_its_run_is_reported() {
     let file = file.to_str().expect("a path");
     let folder = folder("link-own-rig");
     run(&folder, &["check", file]).done();
-    let experiment = Experiment::load(file, &["control.resume=fresh".into()]).expect("own_rig");
+    let experiment = Experiment::load(file, &SETTINGS.map(Into::into)).expect("own_rig");
     assert!(experiment.config.sim.is_none());
     let endpoint = unused_endpoint();
     let config = LinkConfig {
@@ -31,21 +34,20 @@ fn a_hand_without_a_simulator_runs_a_rig_of_ones_own_and_its_run_is_reported() {
         ..LinkConfig::default()
     };
     let over = AtomicBool::new(false);
-    // A quarter of real time, so that a busy machine does not make its data stale.
     let (status, said) = std::thread::scope(|scope| {
         scope.spawn(|| {
             let network: Arc<dyn Network> = Arc::new(Link::open(&config).expect("a network"));
-            example::serve(&experiment, &network, 0.25, &over).expect("a rig");
+            example::serve(
+                &experiment,
+                &network,
+                QUARTER.parse().expect("a number"),
+                &over,
+            )
+            .expect("a rig");
         });
         let listen = format!("--listen={endpoint}");
-        let arguments = [
-            "hand",
-            file,
-            &listen,
-            "--set=control.resume=fresh",
-            "--speed=0.25",
-            "--out=run",
-        ];
+        let mut arguments = vec!["hand", file, &listen, "--speed", QUARTER, "--out=run"];
+        arguments.extend(SETTINGS.iter().flat_map(|setting| ["--set", setting]));
         let mut hand = Running::start(&folder, "hand", feeler(&folder, &arguments));
         let ended = hand.wait();
         over.store(true, Ordering::Relaxed);

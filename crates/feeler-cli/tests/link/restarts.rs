@@ -88,19 +88,15 @@ fn unloaded(finger: usize) -> Picture {
     }
 }
 
+/// Pictures of a camera in a second: few enough that a busy computer senses them, and fresh enough for a slow rig.
+const CAMERA_RATE: u64 = 5;
+
 /// A camera of the test's own: writes pictures of an unloaded fingertip to a sensor program, until that ends.
 fn film(rig: &Rig, finger: usize) -> Running {
     let (picture, number) = (unloaded(finger), finger.to_string());
     let size = format!("--raw={}x{}", picture.width, picture.height);
-    let arguments = [
-        "sense",
-        "-",
-        &size,
-        "--rate=50",
-        "--publish",
-        "--finger",
-        &number,
-    ];
+    let rate = format!("--rate={CAMERA_RATE}");
+    let arguments = ["sense", "-", &size, &rate, "--publish", "--finger", &number];
     let mut sense = rig
         .setup
         .join_with_input(&format!("sense{finger}"), &arguments);
@@ -116,7 +112,7 @@ fn film(rig: &Rig, finger: usize) -> Running {
             if input.write_all(&noisy.collect::<Vec<u8>>()).is_err() {
                 return;
             }
-            thread::sleep(Duration::from_millis(20));
+            thread::sleep(Duration::from_millis(1000 / CAMERA_RATE));
         }
     });
     sense

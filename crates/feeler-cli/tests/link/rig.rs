@@ -15,7 +15,14 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 /// After this a program is taken to hang: far longer than any takes on a busy machine.
-const HANGS: Duration = Duration::from_secs(180);
+pub const HANGS: Duration = Duration::from_secs(180);
+
+/// Seconds of the rig in a second, unless a test says otherwise: so slow that data stay fresh for 1.75 s of the computer's
+/// time, for which a busy one may hold up any program.
+pub const SLOW: &str = "0.02";
+
+/// The same for rigs that must get somewhere: data stay fresh for 0.14 s, and a busy computer makes them stale at times.
+pub const QUARTER: &str = "0.25";
 
 /// Programs in real time need the computer for themselves, and free ports stay free.
 static ALONE: Mutex<()> = Mutex::new(());
@@ -145,18 +152,28 @@ pub struct Setup {
 }
 
 impl Setup {
-    /// A rig of the test called `name`, four times as slow as real time, so that a busy machine does not make its data stale
-    /// by itself; its forces are sensed without pictures, for speed.
+    /// A [`SLOW`] rig of the test called `name`; its forces are sensed without pictures, for speed.
     pub fn new(name: &str) -> Self {
         Self {
             folder: folder(name),
             endpoint: unused_endpoint(),
-            speed: "0.25",
+            speed: SLOW,
             settings: vec!["--sensing=direct".into()],
             hand_link: Vec::new(),
             link: Vec::new(),
             namespaces: None,
         }
+    }
+
+    /// The same at another `speed`.
+    pub fn at(self, speed: &'static str) -> Self {
+        Self { speed, ..self }
+    }
+
+    /// What `time` (s) of the rig takes of the computer's time; nothing where the rig waits for the hand.
+    pub fn takes(&self, time: f64) -> Duration {
+        let speed = self.speed.parse().unwrap_or(f64::INFINITY);
+        Duration::from_secs_f64(time / speed)
     }
 
     /// The same with `settings` of the experiment.
@@ -304,7 +321,8 @@ impl Rig {
         hand.wait_for("waiting for");
         let log = self.setup.folder.join("run/recording.mcap");
         within_reason(&hand, || log.exists());
-        std::thread::sleep(Duration::from_millis(300));
+        // Three control periods.
+        std::thread::sleep(Duration::from_millis(300) + self.setup.takes(0.03));
         // A machine that stood still for longer than data stay fresh.
         if hand.said().contains("stopped: the ") {
             self.resume(&hand);
@@ -329,8 +347,8 @@ pub fn connect(endpoint: &str) -> Arc<Link> {
     Arc::new(peer.expect("a place in the link"))
 }
 
-/// Waits until `done`.
-fn within_reason(hand: &Running, done: impl Fn() -> bool) {
+/// Waits until `done`, for no longer than until the `hand` is taken to hang.
+pub fn within_reason(hand: &Running, done: impl Fn() -> bool) {
     let start = Instant::now();
     while !done() {
         assert!(start.elapsed() < HANGS, "{}", hand.said());

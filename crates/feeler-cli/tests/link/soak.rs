@@ -1,6 +1,6 @@
 //! Programs that run for long neither grow nor lose count of their steps.
 
-use super::faults::STALE;
+use super::faults::{GOES_ON, STALE};
 use super::hostile::be_hostile;
 use super::how_many::how_many;
 use super::rig::{Running, Setup, ages_of_moves};
@@ -46,14 +46,8 @@ struct Soaked {
 /// A run of so many `seconds`, `beside` which something else goes on at the hand's endpoint until it is told that all
 /// is over: no program grows, and nothing moves on stale data.
 fn soak(name: &str, seconds: usize, beside: fn(&str, &AtomicBool)) -> Soaked {
-    let endless = [
-        "task.screw.strokes=100000",
-        "time_limit=1e5",
-        "control.resume=fresh",
-    ];
-    let mut setup = Setup::new(name).with(&endless);
-    setup.speed = "4";
-    let rig = setup.start();
+    let endless = ["task.screw.strokes=100000", "time_limit=1e5", GOES_ON];
+    let rig = Setup::new(name).with(&endless).at("4").start();
     let mut hand = rig.moving_hand(&[]);
     let folder = rig.setup.folder.join("run");
     let recording = folder.join("recording.mcap");

@@ -1,8 +1,8 @@
 //! Several programs close the cap as one does.
 
-use super::faults::STALE;
+use super::faults::{GOES_ON, NO_HURRY, STALE};
 use super::program::run;
-use super::rig::{Setup, ages_of_moves};
+use super::rig::{QUARTER, Setup, ages_of_moves};
 use std::fs;
 use std::path::Path;
 
@@ -16,8 +16,8 @@ fn digest(folder: &Path) -> String {
 #[test]
 fn a_world_that_waits_gives_the_run_of_one_process_bit_for_bit() {
     for sensing in ["direct", "image"] {
-        let mut setup = Setup::new(&format!("link-step-{sensing}")).with(&["time_limit=4"]);
-        setup.speed = "max";
+        let name = format!("link-step-{sensing}");
+        let mut setup = Setup::new(&name).with(&["time_limit=4"]).at("max");
         setup.settings.push(format!("--set=sensing={sensing}"));
         setup.settings.remove(0);
         let rig = setup.start();
@@ -34,9 +34,8 @@ fn a_world_that_waits_gives_the_run_of_one_process_bit_for_bit() {
 
 #[test]
 fn the_cap_is_closed_on_the_clock_and_the_record_replays() {
-    // A busy machine may stop the hand for want of fresh data, and then it goes on.
-    let rig = Setup::new("link-on-the-clock").with(&["control.resume=fresh"]);
-    let rig = rig.start();
+    let rig = Setup::new("link-on-the-clock").with(&[NO_HURRY, GOES_ON]);
+    let rig = rig.at(QUARTER).start();
     let (status, said) = rig.setup.hand(&[]).wait();
     assert_eq!(status, Some(0), "{said}");
     let recording = rig.setup.recording();

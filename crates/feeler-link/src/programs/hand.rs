@@ -169,6 +169,7 @@ impl HandProgram {
     pub fn stopper(&self) -> Stopper {
         Stopper {
             inbox: self.status.node.inbox.clone(),
+            longest: stands_still_within(self.status.limits.period),
         }
     }
 
@@ -182,13 +183,20 @@ impl HandProgram {
 #[derive(Debug, Clone)]
 pub struct Stopper {
     inbox: Shared<HandInbox>,
+    /// How long the hand may take to stand still before it is taken to hang.
+    longest: Duration,
+}
+
+/// Four control periods (s), of which two are needed, and not less than a busy computer may need for one.
+fn stands_still_within(period: Option<f64>) -> Duration {
+    Duration::from_secs_f64((4.0 * period.unwrap_or(0.0)).max(0.1))
 }
 
 impl Stopper {
     /// Stops the hand by the order `id` of whoever calls himself `from`; the number of the stop (0 where it was resumed
     /// already), and whether it is still in force after the hand's next control step, by which the hand stands still.
-    /// Waits for that, but no longer than `longest`.
-    pub fn stop(&self, id: u64, from: &str, longest: Duration) -> (u64, bool) {
+    /// Waits for that, but no longer than four control periods or 0.1 s.
+    pub fn stop(&self, id: u64, from: &str) -> (u64, bool) {
         let (number, step) = {
             let mut inbox = self.inbox.lock();
             let number = inbox.holds.order(id, from).unwrap_or(0);
@@ -197,7 +205,7 @@ impl Stopper {
         self.inbox.changed();
         // The step under way may have decided before.
         let stepped = |inbox: &mut HandInbox| inbox.sent.newest() > step + 1;
-        let stepped = self.inbox.wait_for(longest, stepped);
+        let stepped = self.inbox.wait_for(self.longest, stepped);
         let inbox = self.inbox.lock();
         let in_force = inbox
             .holds
