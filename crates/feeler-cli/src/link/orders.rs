@@ -199,7 +199,9 @@ pub fn resume(arguments: &ResumeArguments, out: &mut dyn Write) -> Result<Outcom
         return Ok(Outcome::GivenUp);
     }
     let goes_on = |mode: &HandMode| mode.stops.is_empty() && mode.stopped.is_empty();
-    if caller.hears(INTERVAL, goes_on) {
+    // It goes on in its next step, or finds then what it must not go on for.
+    let decided = |mode: &HandMode| mode.stops.is_empty() == mode.stopped.is_empty();
+    if caller.hears(LONGEST, decided) && goes_on(&caller.mode()) {
         writeln!(out, "the hand goes on")?;
         return Ok(Outcome::Done);
     }

@@ -47,7 +47,7 @@ fn a_hostile_peer_is_counted_and_moves_nothing() {
     within_reason(&hand, || stops.lock().expect("the notes").len() > 1);
     let told = rig.setup.order("resume", &[]);
     assert!(told.stdout.contains("somebody"), "{told:?}");
-    rig.setup.order_from("resume", "somebody").done();
+    rig.resume_from(&hand, "somebody");
     hand.wait_for("going on");
     let said = check(&mut rig, hand, "told to stop by the test");
     for said in [said.hand, said.world] {

@@ -20,9 +20,10 @@ fn a_hand_stops_when_told_to_and_goes_on_when_told_to() {
         "{told}"
     );
     hand.wait_for("stopped: told to stop by the test");
-    let told = rig.setup.order("resume", &[]).done();
-    assert!(told.contains("goes on"), "{told}");
+    rig.resume(&hand);
     hand.wait_for("going on");
+    let told = rig.setup.order("resume", &[]);
+    assert!(told.stdout.contains("no stop"), "{told:?}");
     check(&mut rig, hand, "told to stop by the test");
 }
 
@@ -47,7 +48,7 @@ fn stops_of_two_need_two_resumes() {
     let passer_by = rig.setup.order_from("resume", "a passer-by");
     assert_eq!(passer_by.status, Some(2), "{passer_by:?}");
     assert!(passer_by.stderr.contains("--number"), "{passer_by:?}");
-    rig.setup.order_from("resume", "the door\u{1b}[2J").done();
+    rig.resume_from(&hand, "the door\u{1b}[2J");
     hand.wait_for("going on");
     check(&mut rig, hand, "told to stop by the test");
 }
@@ -99,7 +100,7 @@ fn a_long_name_hides_no_hand() {
     let told = rig.setup.order_from("stop", &name).done();
     assert!(told.contains("stands still"), "{told}");
     hand.wait_for("stopped: told to stop by xxx");
-    rig.setup.order_from("resume", &name).done();
+    rig.resume_from(&hand, &name);
     hand.wait_for("going on");
     check(&mut rig, hand, "told to stop by xxx");
 }

@@ -62,11 +62,10 @@ fn a_hand_without_a_simulator_runs_a_rig_of_ones_own_and_its_run_is_reported() {
     let summary = std::fs::read_to_string(folder.join("run/summary.json")).expect("a summary");
     let summary: serde_json::Value = serde_json::from_str(&summary).expect("JSON");
     assert_eq!(summary["state"], "done", "{summary}");
-    assert_eq!(
-        summary["strokes"].as_array().map(Vec::len),
-        Some(1),
-        "{summary}"
-    );
+    // A stop cuts a stroke in pieces.
+    let strokes = summary["strokes"].as_array().expect("strokes");
+    let first = strokes.iter().filter(|stroke| stroke["index"] == 1);
+    assert!(!strokes.is_empty() && first.count() == strokes.len());
     // Nobody screws here, and nothing is held to the paper.
     assert_eq!(summary["claims"].as_array().map(Vec::len), Some(0));
     assert!(folder.join("run/report.html").exists());

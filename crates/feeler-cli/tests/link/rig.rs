@@ -17,9 +17,9 @@ use std::time::{Duration, Instant};
 /// After this a program is taken to hang: far longer than any takes on a busy machine.
 pub const HANGS: Duration = Duration::from_secs(180);
 
-/// Seconds of the rig in a second, unless a test says otherwise: so slow that data stay fresh for 1.75 s of the computer's
+/// Seconds of the rig in a second, unless a test says otherwise: so slow that data stay fresh for 3.5 s of the computer's
 /// time, for which a busy one may hold up any program.
-pub const SLOW: &str = "0.02";
+pub const SLOW: &str = "0.01";
 
 /// The same for rigs that must get somewhere: data stay fresh for 0.14 s, and a busy computer makes them stale at times.
 pub const QUARTER: &str = "0.25";
@@ -321,8 +321,8 @@ impl Rig {
         hand.wait_for("waiting for");
         let log = self.setup.folder.join("run/recording.mcap");
         within_reason(&hand, || log.exists());
-        // Three control periods.
-        std::thread::sleep(Duration::from_millis(300) + self.setup.takes(0.03));
+        // Two control periods.
+        std::thread::sleep(Duration::from_millis(300) + self.setup.takes(0.02));
         // A machine that stood still for longer than data stay fresh.
         if hand.said().contains("stopped: the ") {
             self.resume(&hand);
@@ -332,8 +332,14 @@ impl Rig {
 
     /// Tells the hand to go on until it does: the data may not be fresh yet, and it refuses then.
     pub fn resume(&self, hand: &Running) {
-        let link = &self.setup.hand_link;
-        within_reason(hand, || self.setup.order("resume", link).status == Some(0));
+        self.resume_from(hand, "the test");
+    }
+
+    /// The same in the name of `from`.
+    pub fn resume_from(&self, hand: &Running, from: &str) {
+        within_reason(hand, || {
+            self.setup.order_from("resume", from).status == Some(0)
+        });
     }
 }
 

@@ -10,8 +10,9 @@ use std::time::Duration;
 /// How long to wait for the rig's next state before looking whether to end.
 const PATIENCE: Duration = Duration::from_millis(200);
 
-/// How long a rig that waits for the hand may take for its next step, s.
-pub(super) const HANGS_AFTER: f64 = 5.0;
+/// How long a rig that waits for the hand may take for its next step, s: far longer than one that renders pictures on a
+/// busy computer.
+pub(super) const HANGS_AFTER: f64 = 20.0;
 
 /// When a control step begins.
 pub(super) enum HandSchedule {

@@ -138,7 +138,7 @@ impl HandStatus {
         }
     }
 
-    /// Takes it down among the stops in force where the controller stopped the hand.
+    /// Takes it down among the stops in force where the controller stopped the hand, and nothing else had.
     pub fn hold_if_stopped(&self, control_loop: &RemoteLoop) {
         if let Some(reason) = control_loop.controller().stop_reason() {
             let mut inbox = self.node.inbox.lock();

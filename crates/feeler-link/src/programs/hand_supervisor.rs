@@ -33,6 +33,8 @@ pub(super) struct HandSupervisor<'a, F> {
     stopped_before: Option<String>,
     /// Whether it goes on with the step under way.
     went_on: bool,
+    /// Whether it stands still in the step under way by what was known before.
+    stands_still: bool,
     /// Number of the state that the step before was made from.
     answered: u64,
     /// Number of the state that the step under way is made from.
@@ -60,6 +62,7 @@ where
         }
         self.status.steps += 1;
         self.went_on = self.status.receive_orders(control_loop);
+        self.stands_still = control_loop.controller().stop_reason().is_some();
         let inbox = self.status.node.inbox.lock();
         self.answers = inbox.state_sequence();
         let state = inbox.state().newest.as_ref();
@@ -72,7 +75,10 @@ where
         if status.began.is_nan() {
             status.began = stamp;
         }
-        status.hold_if_stopped(control_loop);
+        // What stopped it before may have been resumed meanwhile.
+        if !self.stands_still {
+            status.hold_if_stopped(control_loop);
+        }
         let mode = {
             let (inbox, instance) = (status.node.inbox.lock(), status.node.instance);
             mode_of(&inbox, control_loop.controller(), instance, stamp)
@@ -111,6 +117,7 @@ where
             each_step,
             stopped_before: None,
             went_on: false,
+            stands_still: false,
             answered: 0,
             answers: 0,
             instruments: None,
