@@ -25,11 +25,12 @@ pub struct Entry {
 }
 
 impl Batch {
-    /// An empty batch with room for so many bytes.
-    pub fn with_capacity(bytes: usize) -> Self {
+    /// An empty batch with room for so many bytes of so many messages.
+    pub fn with_capacity(bytes: usize, messages: usize) -> Self {
         Self {
+            gap: None,
             bytes: Vec::with_capacity(bytes),
-            ..Self::default()
+            messages: Vec::with_capacity(messages),
         }
     }
 

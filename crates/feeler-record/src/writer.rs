@@ -22,6 +22,9 @@ pub const CHUNK_BYTES: usize = 512 * 1024;
 /// Room of a batch: a chunk and the message that filled it.
 const BATCH_ROOM: usize = CHUNK_BYTES + 16 * 1024;
 
+/// Messages that a batch has room for: more than a chunk of any rig's.
+const BATCH_MESSAGES: usize = CHUNK_BYTES / 128;
+
 /// Batches that may wait for the file: some seconds of two fingers, so that a disk that is slow now and then costs
 /// nothing.
 pub const WAITING_BATCHES: usize = 8;
@@ -70,8 +73,10 @@ pub struct Writer {
     pub batch: Batch,
     /// To the thread; none once that has ended, or the recording is closed.
     queue: Option<SyncSender<Work>>,
-    /// Batches that have been written and can be filled again.
-    spare: Receiver<Batch>,
+    /// Batches that have been written and can be filled again, from the thread.
+    written: Receiver<Batch>,
+    /// Batches that can be filled.
+    spares: Vec<Batch>,
     /// What came of it, when the thread ends.
     done: Receiver<Result<Option<Digest>, RecordError>>,
     /// What is missing and has not been told yet.
@@ -92,7 +97,7 @@ impl Writer {
         patience: Patience,
     ) -> Result<Self, RecordError> {
         let (queue, works) = sync_channel::<Work>(WAITING_BATCHES);
-        let (give_back, spare) = channel();
+        let (give_back, written) = channel();
         let (tell, done) = channel();
         let write_all = move || {
             for work in works {
@@ -118,9 +123,14 @@ impl Writer {
         Ok(Self {
             path: path.to_path_buf(),
             patience,
-            batch: Batch::with_capacity(BATCH_ROOM),
+            batch: new_batch(),
             queue: Some(queue),
-            spare,
+            written,
+            spares: match patience {
+                Patience::Unlimited => Vec::new(),
+                // A hand that moves takes no memory meanwhile: so many wait, and one is being written.
+                Patience::Limited(_) => (0..=WAITING_BATCHES).map(|_| resident_batch()).collect(),
+            },
             done,
             gap: None,
             dropped: 0,
@@ -252,8 +262,8 @@ impl Writer {
     }
 
     fn empty_batch(&mut self) -> Batch {
-        let spare = self.spare.try_recv();
-        spare.unwrap_or_else(|_| Batch::with_capacity(BATCH_ROOM))
+        self.spares.extend(self.written.try_iter());
+        self.spares.pop().unwrap_or_else(new_batch)
     }
 
     fn take_back(&mut self, work: Work) {
@@ -283,6 +293,18 @@ impl Writer {
             path: self.path.clone(),
         }
     }
+}
+
+fn new_batch() -> Batch {
+    Batch::with_capacity(BATCH_ROOM, BATCH_MESSAGES)
+}
+
+/// A batch whose memory the system has given already.
+fn resident_batch() -> Batch {
+    let mut batch = new_batch();
+    batch.bytes.resize(BATCH_ROOM, 0);
+    batch.clear();
+    batch
 }
 
 /// Puts `work` into the queue; waits for room where it is to.

@@ -127,6 +127,23 @@ fn write_step(recorder: &mut Recorder, step: usize) -> Result<bool, RecordError>
     recorder.step_ends()
 }
 
+/// A hand whose disk hangs takes no memory for what waits.
+#[test]
+fn batches_of_a_hand_that_moves_are_made_before() {
+    let (mut recorder, _permit) = gated(Memory::default(), HURRY);
+    let made = recorder.writer.spares.len();
+    assert_eq!(made, WAITING_BATCHES + 1);
+    // From here on, each step is a batch.
+    assert!(recorder.step_ends().unwrap());
+    let mut sent = 0;
+    while write_step(&mut recorder, sent).unwrap() {
+        sent += 1;
+        assert_eq!(recorder.writer.spares.len(), made - sent);
+    }
+    assert!(sent >= WAITING_BATCHES);
+    recorder.writer.queue = None;
+}
+
 #[test]
 fn what_is_old_is_handed_on_with_the_step() {
     let spans = Spans::default();
