@@ -69,6 +69,7 @@ pub struct RemoteHand {
     clock: TimeSource,
     instance: u64,
     fingers: usize,
+    newest: Shared<Option<CommandMessage>>,
 }
 
 impl RemoteHand {
@@ -85,7 +86,13 @@ impl RemoteHand {
             clock,
             instance,
             fingers,
+            newest: Shared::new(None),
         }
+    }
+
+    /// The command that was sent last: to be said again to a rig that waits for it.
+    pub(crate) fn newest_command(&self) -> Shared<Option<CommandMessage>> {
+        self.newest.clone()
     }
 }
 
@@ -133,7 +140,9 @@ impl Hand for RemoteHand {
                     .collect(),
             }
         };
-        send(&*self.outlet, Topic::Command, &message).map_err(|e| HandError::Failed(e.to_string()))
+        let sent = send(&*self.outlet, Topic::Command, &message);
+        *self.newest.lock() = Some(message);
+        sent.map_err(|e| HandError::Failed(e.to_string()))
     }
 }
 

@@ -224,6 +224,29 @@ impl Network for Port {
     }
 }
 
+/// A way to the others on which one command in fifty is lost.
+struct Lossy {
+    port: Arc<dyn Network>,
+    commands: AtomicUsize,
+}
+
+impl Outlet for Lossy {
+    fn send(&self, topic: Topic, bytes: Vec<u8>) -> Result<(), LinkError> {
+        let is_lost =
+            topic == Topic::Command && self.commands.fetch_add(1, Ordering::Relaxed) % 50 == 49;
+        match is_lost {
+            true => Ok(()),
+            false => self.port.send(topic, bytes),
+        }
+    }
+}
+
+impl Network for Lossy {
+    fn listen(&self, topic: Topic, heard: Heard) -> Result<(), LinkError> {
+        self.port.listen(topic, heard)
+    }
+}
+
 fn expected() -> Expected {
     Expected {
         experiment: "toy".into(),
@@ -320,6 +343,37 @@ fn three_programs_in_lockstep_do_what_one_control_loop_does() {
     // What the rig read with each state is handed on with it.
     let counted: Vec<_> = (0..trace.len()).map(|step| Some(step as f64)).collect();
     assert_eq!(instruments, counted);
+}
+
+#[test]
+fn commands_that_are_lost_are_said_again_to_a_rig_that_waits_for_them() {
+    let config = Config::new();
+    let hub = Hub::default();
+    let network = Arc::new(Lossy {
+        port: hub.port(0),
+        commands: AtomicUsize::new(0),
+    });
+    let (trace, sent) = beside_rig_and_sensor(&hub, || {
+        let mut program = hand(&config, network.clone());
+        let never = AtomicBool::new(false);
+        assert!(program.wait_for_others(&never).unwrap());
+        let mut trace = Trace::new();
+        let broke: Option<()> = program
+            .run(&never, |after, _| {
+                let force = after.touches()[0].flags.grasp_force;
+                let phase = after.controller().phase();
+                trace.push((after.state().joints[0].position, force, phase));
+                ControlFlow::Continue(())
+            })
+            .unwrap();
+        assert_eq!(broke, None);
+        (trace, network.commands.load(Ordering::Relaxed))
+    });
+    assert!(
+        sent > trace.len() + 1,
+        "{sent} commands, some of them twice"
+    );
+    assert_eq!(trace, in_one_process(&config));
 }
 
 #[test]

@@ -7,7 +7,7 @@ use super::hand_status::HandStatus;
 use super::hand_supervisor::{HandSupervisor, StepEnd};
 use super::node::{Node, first_heartbeat};
 use crate::hand_inbox::HandInbox;
-use crate::message::ProgramKind;
+use crate::message::{CommandMessage, ProgramKind};
 use crate::network::Network;
 use crate::peers::Expected;
 use crate::remote::{RemoteFinger, RemoteHand, mode_of, waiting_mode};
@@ -33,6 +33,8 @@ const WAITING_PERIOD: f64 = 0.01;
 pub struct HandProgram {
     control_loop: RemoteLoop,
     status: HandStatus,
+    /// The command that was sent last.
+    command: Shared<Option<CommandMessage>>,
 }
 
 impl HandProgram {
@@ -70,6 +72,7 @@ impl HandProgram {
             (node.instance, elements.len()),
         );
         Ok(Self {
+            command: hand.newest_command(),
             control_loop: ControlLoop::new(fingers.collect(), hand, controller),
             status: HandStatus::new(node, config)?,
         })
@@ -150,6 +153,8 @@ impl HandProgram {
             None => HandSchedule::Lockstep(Lockstep {
                 inbox: node.inbox.clone(),
                 clock: node.clock.clone(),
+                network: node.network.clone(),
+                command: self.command.clone(),
                 answered: 0,
                 steps: 0,
             }),

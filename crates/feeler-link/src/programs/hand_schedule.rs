@@ -1,9 +1,13 @@
 //! When the steps of the hand program begin.
 
 use crate::hand_inbox::HandInbox;
-use crate::outlet::TimeSource;
+use crate::message::CommandMessage;
+use crate::network::Network;
+use crate::outlet::{TimeSource, send};
 use crate::shared::Shared;
+use crate::topic::Topic;
 use feeler::pace::{Pace, Schedule, Tick};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
@@ -25,6 +29,9 @@ pub(super) enum HandSchedule {
 pub(super) struct Lockstep {
     pub inbox: Shared<HandInbox>,
     pub clock: TimeSource,
+    pub network: Arc<dyn Network>,
+    /// What the hand sent last.
+    pub command: Shared<Option<CommandMessage>>,
     /// Number of the state that the newest step was made from.
     pub answered: u64,
     pub steps: u64,
@@ -40,6 +47,15 @@ impl Schedule for HandSchedule {
 }
 
 impl Lockstep {
+    /// Says again what the rig has not heard, if it still is where it was when it was told: the network may have dropped it.
+    fn answer_again(&self) {
+        let stands = self.inbox.lock().state_sequence() == self.answered;
+        if let Some(command) = self.command.lock().as_ref().filter(|_| stands) {
+            // A network that fails ends the hand with its next step.
+            let _ = send(&*self.network, Topic::Command, command);
+        }
+    }
+
     /// Begins late, by more than [`HANGS_AFTER`], where that passes without the rig's next state.
     fn next_tick(&mut self, interrupted: &AtomicBool) -> Option<Tick> {
         let (answered, began) = (self.answered, (self.clock)());
@@ -50,6 +66,7 @@ impl Lockstep {
                 self.answered = self.inbox.lock().state_sequence();
                 return Some(Tick::on_time(self.steps));
             }
+            self.answer_again();
             let lateness = (self.clock)() - began;
             if lateness > HANGS_AFTER {
                 return Some(Tick {

@@ -58,12 +58,15 @@ impl<'a> Heard<'a> {
     pub fn faults(&self) -> Vec<String> {
         let stopped = self.mode.filter(|mode| !mode.stopped.is_empty());
         let stopped = stopped.map(|mode| {
-            let numbers = mode
-                .stops
-                .iter()
-                .map(|stop| format!(" (stop {})", stop.number));
-            let numbers: String = numbers.collect();
-            format!("the hand is stopped: {}{numbers}", mode.stopped)
+            let stops = mode.stops.iter().map(|stop| {
+                let number = stop.number;
+                match mode.stopped.contains(&stop.by) {
+                    true => format!(" (stop {number})"),
+                    false => format!(" (stop {number}: {})", stop.by),
+                }
+            });
+            let stops: String = stops.collect();
+            format!("the hand is stopped: {}{stops}", mode.stopped)
         });
         let warnings = warnings(self.inbox.peers(), self.now);
         stopped.into_iter().chain(warnings).collect()
