@@ -6,10 +6,21 @@
 const LINK_THREADS: &str = "(rx: (worker_threads: 1), tx: (handover: rx), acc: (handover: rx), app: (handover: rx), net: (handover: rx))";
 
 fn main() -> std::process::ExitCode {
+    hold_memory();
     #[cfg(feature = "link")]
     if std::env::var_os("ZENOH_RUNTIME").is_none() {
         // SAFETY: there is no other thread yet that could read or write the environment.
         unsafe { std::env::set_var("ZENOH_RUNTIME", LINK_THREADS) };
     }
     feeler_cli::main()
+}
+
+/// Holds what the C library keeps for threads that are gone to two of them: the link's library starts some for each
+/// connection, and each could leave 5 MB behind.
+fn hold_memory() {
+    #[cfg(all(feature = "link", target_os = "linux", target_env = "gnu"))]
+    // SAFETY: it sets a number of the allocator, before there is another thread.
+    unsafe {
+        libc::mallopt(libc::M_ARENA_MAX, 2);
+    }
 }

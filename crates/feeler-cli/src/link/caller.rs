@@ -12,10 +12,9 @@ use feeler_link::shared::Shared;
 use feeler_link::topic::Topic;
 use feeler_link::watch_inbox::WatchInbox;
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-/// How often an order is said at most, and how long the hand may take to heed it before it is said again.
-const REPEATS: usize = 5;
+/// How long the hand may take to heed an order before it is said again.
 pub const INTERVAL: Duration = Duration::from_millis(200);
 
 /// How long the hand must stay as it was told before that is reported.
@@ -61,14 +60,16 @@ impl Caller {
         self.inbox.lock().mode().cloned().unwrap_or_default()
     }
 
-    /// Says `order` until the hand is as `is_so` asks, and whether it then stays so.
+    /// Says `order` until the hand is as `is_so` asks, for at most `longest`, and whether it then stays so.
     pub fn order(
         &self,
         order: &Order,
+        longest: Duration,
         is_so: impl Fn(&HandMode) -> bool,
     ) -> Result<Heeded, CommandError> {
+        let start = Instant::now();
         // More than once: a message that the network cannot take is dropped.
-        for _ in 0..REPEATS {
+        while start.elapsed() < longest {
             order.send(&*self.network)?;
             if self.hears(INTERVAL, &is_so) {
                 return Ok(match self.hears(STEADY, |mode| !is_so(mode)) {

@@ -14,8 +14,11 @@ use feeler_link::topic::Topic;
 use std::io::Write;
 use std::time::{Duration, Instant};
 
-/// How long to look for a hand.
+/// How long to look for a hand, and how long it may take to heed: it does so between two of its steps, which may be long.
 const LONGEST: Duration = Duration::from_secs(5);
+
+/// How long a hand is told to stop over its connections before what its stop door says counts.
+const DOOR_NEXT: Duration = Duration::from_secs(1);
 
 /// How long the hand is waited for before what its stop door says is enough.
 const DOOR_FIRST: Duration = Duration::from_millis(500);
@@ -109,7 +112,7 @@ pub fn stop(arguments: &StopArguments, out: &mut dyn Write) -> Result<Outcome, C
     }
     let holds = |mode: &HandMode| mode.stops.iter().any(|stop| stop.id == id);
     let is_so = |mode: &HandMode| holds(mode) && (mode.is_waiting() || !mode.stopped.is_empty());
-    let heeded = caller.order(&order, is_so)?;
+    let heeded = caller.order(&order, DOOR_NEXT, is_so)?;
     let mode = caller.mode();
     let stop = mode.stops.iter().find(|stop| stop.id == id);
     let number = stop.map_or(0, |stop| stop.number);
@@ -129,7 +132,7 @@ pub fn stop(arguments: &StopArguments, out: &mut dyn Write) -> Result<Outcome, C
             return Ok(Outcome::GivenUp);
         }
         Heeded::Not => {
-            if let Ok(answer) = door.try_recv() {
+            if let Ok(answer) = door.recv_timeout(LONGEST) {
                 return said_at_door(&answer, out);
             }
             writeln!(
@@ -190,7 +193,8 @@ pub fn resume(arguments: &ResumeArguments, out: &mut dyn Write) -> Result<Outcom
     };
     let number = stop.number;
     let is_so = |mode: &HandMode| mode.stops.iter().all(|stop| stop.number != number);
-    let heeded = caller.order(&Order::resume(&arguments.from, number), is_so)?;
+    let order = Order::resume(&arguments.from, number);
+    let heeded = caller.order(&order, LONGEST, is_so)?;
     if matches!(heeded, Heeded::Not) {
         writeln!(
             out,
@@ -198,14 +202,15 @@ pub fn resume(arguments: &ResumeArguments, out: &mut dyn Write) -> Result<Outcom
         )?;
         return Ok(Outcome::GivenUp);
     }
-    let goes_on = |mode: &HandMode| mode.stops.is_empty() && mode.stopped.is_empty();
     // It goes on in its next step, or finds then what it must not go on for.
-    let decided = |mode: &HandMode| mode.stops.is_empty() == mode.stopped.is_empty();
-    if caller.hears(LONGEST, decided) && goes_on(&caller.mode()) {
+    caller.hears(LONGEST, |mode| {
+        mode.stops.is_empty() == mode.stopped.is_empty()
+    });
+    let mode = caller.mode();
+    if mode.stops.is_empty() && mode.stopped.is_empty() {
         writeln!(out, "the hand goes on")?;
         return Ok(Outcome::Done);
     }
-    let mode = caller.mode();
     writeln!(
         out,
         "stop {number} is resumed; the hand stays stopped: {}",

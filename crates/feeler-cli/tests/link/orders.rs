@@ -20,7 +20,8 @@ fn a_hand_stops_when_told_to_and_goes_on_when_told_to() {
         "{told}"
     );
     hand.wait_for("stopped: told to stop by the test");
-    rig.resume(&hand);
+    let told = rig.resume(&hand);
+    assert!(told.contains("goes on"), "{told}");
     hand.wait_for("going on");
     let told = rig.setup.order("resume", &[]);
     assert!(told.stdout.contains("no stop"), "{told:?}");

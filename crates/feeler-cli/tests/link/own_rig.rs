@@ -6,7 +6,7 @@ mod example;
 use super::faults::{GOES_ON, NO_HURRY};
 use super::ports::unused_endpoint;
 use super::program::{feeler, folder, run};
-use super::rig::{QUARTER, Running, alone};
+use super::rig::{QUARTER, Running, alone, reasons};
 use feeler_lab::config::Experiment;
 use feeler_link::endpoints::LinkConfig;
 use feeler_link::network::Network;
@@ -62,10 +62,12 @@ fn a_hand_without_a_simulator_runs_a_rig_of_ones_own_and_its_run_is_reported() {
     let summary = std::fs::read_to_string(folder.join("run/summary.json")).expect("a summary");
     let summary: serde_json::Value = serde_json::from_str(&summary).expect("JSON");
     assert_eq!(summary["state"], "done", "{summary}");
-    // A stop cuts a stroke in pieces.
+    // A stop cuts the stroke in two.
     let strokes = summary["strokes"].as_array().expect("strokes");
     let first = strokes.iter().filter(|stroke| stroke["index"] == 1);
     assert!(!strokes.is_empty() && first.count() == strokes.len());
+    let stops = reasons(&recording).len();
+    assert!(strokes.len() <= 1 + stops, "{stops} stops, {summary}");
     // Nobody screws here, and nothing is held to the paper.
     assert_eq!(summary["claims"].as_array().map(Vec::len), Some(0));
     assert!(folder.join("run/report.html").exists());

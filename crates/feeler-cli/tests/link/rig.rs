@@ -331,15 +331,19 @@ impl Rig {
     }
 
     /// Tells the hand to go on until it does: the data may not be fresh yet, and it refuses then.
-    pub fn resume(&self, hand: &Running) {
-        self.resume_from(hand, "the test");
+    pub fn resume(&self, hand: &Running) -> String {
+        self.resume_from(hand, "the test")
     }
 
-    /// The same in the name of `from`.
-    pub fn resume_from(&self, hand: &Running, from: &str) {
+    /// The same in the name of `from`; what it was told then.
+    pub fn resume_from(&self, hand: &Running, from: &str) -> String {
+        let mut told = String::new();
         within_reason(hand, || {
-            self.setup.order_from("resume", from).status == Some(0)
+            let ended = self.setup.order_from("resume", from);
+            told = ended.stdout;
+            ended.status == Some(0)
         });
+        told
     }
 }
 
