@@ -70,10 +70,10 @@ pub fn replay(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Com
     }
     if let Some(problem) = &recording.problem {
         let path = path.display();
-        let until = match recording.gaps.first() {
-            Some(gap) => format!(
+        let until = match recording.task.get(recording.steps_in_a_row()) {
+            Some(next) => format!(
                 "{:.2} s, as no replay is bit for bit over a gap",
-                gap.missing.start
+                next.stamp
             ),
             None => format!("{:.2} s", recording.readable_until),
         };
@@ -120,7 +120,7 @@ fn copy(
     let facts = RunFacts {
         replay_of: Some(recording.digest.to_string()),
         truth: recording.facts.truth.clone(),
-        ..run_facts(&experiment.config)
+        ..run_facts(&experiment.config)?
     };
     let options = RecordOptions {
         calibrations: match from {

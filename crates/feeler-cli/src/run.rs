@@ -128,7 +128,7 @@ pub fn make_folder(
         run_folder::named(out)?;
         return Ok(out.to_path_buf());
     }
-    let facts = run_facts(&experiment.config);
+    let facts = run_facts(&experiment.config)?;
     let number = trial.map_or_else(
         || format!("seed{}", facts.seed),
         |trial| format!("trial{trial}"),

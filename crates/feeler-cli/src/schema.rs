@@ -62,7 +62,7 @@ pub fn schema(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Com
     Ok(Outcome::Done)
 }
 
-fn recorded() -> [Schema; 14] {
+fn recorded() -> [Schema; 21] {
     [
         Schema::recorded(topics::tactile(0)),
         Schema::recorded(topics::flags(0)),
@@ -77,6 +77,13 @@ fn recorded() -> [Schema; 14] {
         Schema::recorded(topics::TRUE_SLIP),
         Schema::recorded(topics::RECORDING_GAP),
         Schema::recorded(topics::image(0)),
+        Schema::recorded(topics::TF),
+        Schema::recorded(topics::TF_STATIC),
+        Schema::recorded(topics::ROBOT_DESCRIPTION),
+        Schema::recorded(topics::JOINT_STATES),
+        Schema::recorded(topics::SCENE),
+        Schema::recorded(topics::wrench(0)),
+        Schema::recorded(topics::taxels(0)),
         Schema::recorded(sensed::MOMENTS),
     ]
 }

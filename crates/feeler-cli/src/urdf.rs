@@ -2,8 +2,8 @@
 
 use super::{CommandError, Outcome};
 use feeler_lab::config::Experiment;
-use feeler_lab::experiment::geometries;
-use feeler_record::urdf::{FingerModel, urdf};
+use feeler_lab::experiment::run_facts;
+use feeler_record::urdf::urdf;
 use std::io::Write;
 
 #[derive(Debug, clap::Args)]
@@ -15,16 +15,11 @@ pub struct Arguments {
     settings: Vec<String>,
 }
 
-/// Prints the hand of an experiment as URDF.
+/// Prints the hand of an experiment, and what stands around it, as URDF.
 pub fn print(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     let experiment = Experiment::load(&arguments.experiment, &arguments.settings)?;
-    let config = &experiment.config;
-    let geometries = geometries(config)?;
-    let model = |(finger, geometry)| FingerModel {
-        geometry,
-        dome_radius: config.sensor.fingertip(finger).layout.dome_radius,
-    };
-    let fingers: Vec<_> = geometries.iter().enumerate().map(model).collect();
-    write!(out, "{}", urdf(&config.name, &fingers)?)?;
+    let facts = run_facts(&experiment.config)?;
+    let description = urdf(&facts.experiment, &facts.hand, &facts.solids)?;
+    write!(out, "{description}")?;
     Ok(Outcome::Done)
 }

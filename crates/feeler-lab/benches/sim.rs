@@ -148,11 +148,11 @@ fn physics_step_out_of_contact(bencher: Bencher) {
 fn control_period(bencher: Bencher, sensing: &str) {
     let experiment = experiment(sensing);
     let path = std::env::temp_dir().join(format!("feeler-bench-{sensing}-{}", std::process::id()));
-    let facts = run_facts(&experiment.config);
+    let facts = run_facts(&experiment.config).expect("facts");
     let start = || {
         let session = Session::new(&experiment).expect("a session");
         let recorder = Recorder::create(&path, &facts, &experiment.toml).expect("a recorder");
-        let log = RunLog::new(recorder, session.layouts());
+        let log = RunLog::new(recorder, &facts).expect("a log");
         (session, log)
     };
     let (mut session, mut log) = start();

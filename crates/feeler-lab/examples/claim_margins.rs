@@ -52,7 +52,7 @@ fn claims(settings: &[String]) -> Result<Vec<Claim>, AnyError> {
     let experiment = Experiment::load("cap-closing", settings)?;
     let mut session = Session::new(&experiment)?;
     let facts = session.facts(&experiment.config);
-    let mut log = RunLog::new(MemoryRecorder::new(&facts)?, session.layouts());
+    let mut log = RunLog::new(MemoryRecorder::new(&facts)?, &facts)?;
     while !session.finished() {
         let instruments = session.step()?;
         instruments.record(session.control_loop(), &mut log)?;

@@ -191,8 +191,6 @@ pub struct Fingertip {
     pub position: Vector3,
     /// Orientation of the fingertip frame `T` in `W`.
     pub orientation: Quaternion,
-    /// Undeformed tip of each element's feeler, m in `W`.
-    pub element_tips: Vec<Vector3>,
 }
 
 message!(
@@ -202,7 +200,6 @@ message!(
     "float64 stamp  # s",
     "geometry_msgs/Vector3 position  # m in the world frame, centre of the dome",
     "geometry_msgs/Quaternion orientation  # fingertip frame in the world frame",
-    "geometry_msgs/Vector3[] element_tips  # m in the world frame, undeformed tip of each feeler",
     vector3_schema!(),
     "================================================================================",
     "MSG: geometry_msgs/Quaternion",

@@ -2,7 +2,7 @@
 
 use super::channels::{Stamped, nanoseconds};
 use super::error::RecordError;
-use super::topic::{Channel, RecordedTopic};
+use super::topic::{Channel, Conversion, RecordedTopic};
 use ::mcap::records::{MessageHeader, Metadata};
 use ::mcap::write::NoSeek;
 use ::mcap::{Attachment, McapError, WriteOptions, Writer};
@@ -23,6 +23,8 @@ struct OpenChannel {
     id: u16,
     topic: String,
     sequence: u32,
+    derived: bool,
+    stored: Option<Conversion>,
 }
 
 impl Container {
@@ -69,12 +71,31 @@ impl Container {
             id,
             topic,
             sequence: 0,
+            derived: channel.derived,
+            stored: channel.stored,
         })
     }
 
     /// Name of the topic of a registered channel.
     pub fn topic(&self, channel: usize) -> &str {
         &self.channels[channel].topic
+    }
+
+    /// Whether the messages of a registered channel follow from others.
+    pub fn is_derived(&self, channel: usize) -> bool {
+        self.channels[channel].derived
+    }
+
+    /// What makes of an encoded message of a registered channel the bytes that are written, if those are others.
+    pub fn stored(&self, channel: usize) -> Option<Conversion> {
+        self.channels[channel].stored
+    }
+
+    /// The topics of all registered channels, by the number of the channel in the file.
+    pub fn ids(&self) -> BTreeMap<String, String> {
+        let channels = self.channels.iter();
+        let ids = channels.map(|channel| (channel.id.to_string(), channel.topic.clone()));
+        ids.collect()
     }
 
     /// Writes an encoded message of time `log_time`, ns, to a registered channel.

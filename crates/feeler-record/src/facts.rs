@@ -1,6 +1,7 @@
 //! What a run was: the constants that a report needs beside the messages.
 
 use super::error::RecordError;
+use super::model::{FingerModel, Solid, validate_solids};
 use super::names::{SensingKind, TaskKind};
 use crate::wire::WireError;
 use serde::{Deserialize, Serialize};
@@ -78,6 +79,13 @@ pub struct RunFacts {
     /// follows from the experiment, and is no part of the digest.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub carry: Option<CarryGoal>,
+    /// How each finger is built; empty where that is not known. It follows from the experiment, and is no part of the
+    /// digest.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub hand: Vec<FingerModel>,
+    /// What stands around the hand. Only simulated worlds know it. Not part of the digest.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub solids: Vec<Solid>,
     /// Of a replay: the digest of what was replayed. Joint angles, torque and cap are from there, and did
     /// not follow from this recording's commands.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -156,6 +164,14 @@ impl RunFacts {
                 return Err(facts_error("carry", expected, format!("{carry:?}")));
             }
         }
+        if !(self.hand.is_empty() || self.hand.len() == self.fingers) {
+            let expected = format!("the build of each of {} fingers", self.fingers);
+            return Err(facts_error("hand", &expected, self.hand.len()));
+        }
+        for model in &self.hand {
+            model.validate()?;
+        }
+        validate_solids(&self.solids)?;
         self.validate_directions("approach", &self.approach)?;
         self.validate_directions("stroke_direction", &self.stroke_direction)
     }

@@ -1,80 +1,47 @@
-//! A camera's picture as ROS 2's `sensor_msgs/Image`, which every viewer of recordings shows.
+//! A camera's picture: as it comes from the control loop, and as ROS 2's `sensor_msgs/CompressedImage`, which every
+//! viewer of recordings shows.
 
-use super::channels::{Stamped, nanoseconds};
+use super::channels::Stamped;
 use super::error::RecordError;
-use crate::wire::{Message, WireError};
+use crate::ros::{CompressedImage, Header, Time};
+use crate::wire::{Message, WireError, cdr};
+use ::image::codecs::png::{CompressionType, FilterType, PngDecoder, PngEncoder};
+use ::image::{ColorType, ExtendedColorType, ImageDecoder, ImageEncoder};
 use feeler::sensor::frame::{Frame, Picture};
 use serde::{Deserialize, Serialize};
+use std::io::Cursor;
 
-/// Grey pixels of 8 bits, in ROS 2's words.
-const MONO8: &str = "mono8";
-/// Nanoseconds of a second.
-const SECOND: u64 = 1_000_000_000;
+/// The format of recorded pictures: grey pixels of 8 bits, without loss.
+const PNG: &str = "png";
 
-/// A time, as ROS 2's `builtin_interfaces/Time`.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Time {
-    /// Whole seconds.
-    pub sec: i32,
-    /// Nanoseconds after them.
-    pub nanosec: u32,
-}
+/// Most pixels of a picture that is read back; a guard against damaged files.
+const MAX_PIXELS: u64 = 1 << 26;
 
-/// What stands before ROS 2's own messages, `std_msgs/Header`.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct ImageHeader {
-    /// Time of exposure, to the nanosecond. The [`Tactile`](super::Tactile) frame that was made of the picture
-    /// has all of it.
-    pub stamp: Time,
-    /// The camera that took it.
-    pub frame_id: String,
-}
-
-/// A grey picture, row by row from the top left.
+/// A grey picture on its way to the recording, row by row from the top left. The recorder's thread makes a
+/// [`CompressedImage`] of it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Image {
-    /// When and by which camera it was taken.
-    pub header: ImageHeader,
+    /// When and by which camera it was taken. The [`Tactile`](super::Tactile) frame that was made of the picture
+    /// has all of the stamp.
+    pub header: Header,
     /// Rows, px.
     pub height: u32,
     /// Columns, px.
     pub width: u32,
-    /// How pixels are written: `mono8`.
-    pub encoding: String,
-    /// Whether the most significant byte of a pixel comes first; of no meaning for single bytes.
-    pub is_bigendian: u8,
-    /// Length of a row, bytes.
-    pub step: u32,
     /// The pixels. In one piece: element by element, a picture would take a hundred times as long.
     #[serde(with = "serde_bytes")]
     pub data: Vec<u8>,
 }
 
+/// As it is recorded.
 impl Message for Image {
-    const SCHEMA_NAME: &'static str = "sensor_msgs/msg/Image";
-    const SCHEMA: &'static str = "\
-std_msgs/Header header
-uint32 height
-uint32 width
-string encoding
-uint8 is_bigendian
-uint32 step
-uint8[] data
-================================================================================
-MSG: std_msgs/Header
-builtin_interfaces/Time stamp
-string frame_id
-================================================================================
-MSG: builtin_interfaces/Time
-int32 sec
-uint32 nanosec
-";
+    const SCHEMA_NAME: &'static str = CompressedImage::SCHEMA_NAME;
+    const SCHEMA: &'static str = CompressedImage::SCHEMA;
 }
 
 impl Stamped for Image {
     fn stamp(&self) -> f64 {
-        let Time { sec, nanosec } = self.header.stamp;
-        f64::from(sec) + f64::from(nanosec) * 1e-9
+        self.header.seconds()
     }
 }
 
@@ -82,15 +49,9 @@ impl Image {
     /// A picture without pixels by the camera in the fingertip of `finger`, to be filled.
     pub fn of_finger(finger: usize) -> Self {
         Self {
-            header: ImageHeader {
-                stamp: Time::default(),
-                frame_id: format!("finger_{finger}_camera"),
-            },
+            header: Header::of(format!("finger_{finger}_camera")),
             height: 0,
             width: 0,
-            encoding: MONO8.into(),
-            is_bigendian: 0,
-            step: 0,
             data: Vec::new(),
         }
     }
@@ -100,13 +61,8 @@ impl Image {
     /// # Errors
     /// When its stamp is no time, or it is larger than any picture can be.
     pub fn fill(&mut self, frame: &Frame) -> Result<(), RecordError> {
-        let time = nanoseconds(frame.stamp).and_then(|ns| {
-            Some(Time {
-                sec: i32::try_from(ns / SECOND).ok()?,
-                nanosec: (ns % SECOND) as u32,
-            })
-        });
-        self.header.stamp = time.ok_or_else(|| RecordError::Stamp {
+        let stamp = Time::of(frame.stamp);
+        self.header.stamp = stamp.ok_or_else(|| RecordError::Stamp {
             topic: self.header.frame_id.clone(),
             stamp: frame.stamp,
         })?;
@@ -118,47 +74,96 @@ impl Image {
         };
         self.height = side(frame.picture.height)?;
         self.width = side(frame.picture.width)?;
-        self.step = self.width;
         self.data.clear();
         self.data.extend_from_slice(&frame.picture.pixels);
         Ok(())
     }
 
-    /// The picture in it.
+    /// The picture as it is recorded.
     ///
     /// # Errors
-    /// When it is no grey picture of 8 bits with as many pixels as it says: what was expected, what found.
-    pub fn into_picture(self) -> Result<Picture, String> {
-        self.check()?;
-        Ok(Picture {
-            width: self.width as usize,
-            height: self.height as usize,
-            pixels: self.data,
+    /// When it has no pixels, or not as many as it says.
+    pub fn compressed(self) -> Result<CompressedImage, WireError> {
+        let mut data = Vec::with_capacity(self.data.len() / 2);
+        // What differs from pixel to pixel is noise: the fastest way takes off as much as the slowest.
+        let encoder =
+            PngEncoder::new_with_quality(&mut data, CompressionType::Fast, FilterType::Sub);
+        let (width, height) = (self.width, self.height);
+        let pixels = u64::from(width) * u64::from(height);
+        if pixels == 0 || pixels != self.data.len() as u64 {
+            return Err(WireError::Encode {
+                schema: Self::SCHEMA_NAME,
+                reason: format!("{width}x{height} px expected, {} found", self.data.len()),
+            });
+        }
+        let written = encoder.write_image(&self.data, width, height, ExtendedColorType::L8);
+        written.map_err(|e| WireError::Encode {
+            schema: Self::SCHEMA_NAME,
+            reason: e.to_string(),
+        })?;
+        Ok(CompressedImage {
+            header: self.header,
+            format: PNG.into(),
+            data,
         })
     }
+}
 
-    /// Refuses what [`into_picture`](Self::into_picture) refuses.
-    pub(super) fn check(&self) -> Result<(), String> {
-        if self.encoding != MONO8 {
-            return Err(format!("{MONO8} expected, {:?} found", self.encoding));
-        }
-        let (step, rows) = (self.step as usize, self.height as usize);
-        if step != self.width as usize || Some(self.data.len()) != step.checked_mul(rows) {
-            return Err(format!(
-                "{}x{} px without gaps expected, {} bytes in rows of {step} found",
-                self.width,
-                self.height,
-                self.data.len()
-            ));
-        }
-        Ok(())
+/// Makes of an encoded [`Image`] the encoded [`CompressedImage`] that is recorded.
+pub(super) fn compress(bytes: &[u8]) -> Result<Vec<u8>, RecordError> {
+    let image: Image = cdr::decode(bytes)?;
+    let mut compressed = Vec::new();
+    cdr::encode(&image.compressed()?, &mut compressed)?;
+    Ok(compressed)
+}
+
+/// Width and height of a recorded picture, px.
+///
+/// # Errors
+/// When it is no grey picture of 8 bits: what was expected, what found.
+pub(super) fn size(image: &CompressedImage) -> Result<(u32, u32), String> {
+    decoder(image).map(|decoder| decoder.dimensions())
+}
+
+/// The picture of a recorded one.
+///
+/// # Errors
+/// When it is no grey picture of 8 bits, or is damaged: what was expected, what found.
+pub(super) fn picture(image: &CompressedImage) -> Result<Picture, String> {
+    let decoder = decoder(image)?;
+    let (width, height) = decoder.dimensions();
+    let mut pixels = vec![0; width as usize * height as usize];
+    decoder.read_image(&mut pixels).map_err(|e| e.to_string())?;
+    Ok(Picture {
+        width: width as usize,
+        height: height as usize,
+        pixels,
+    })
+}
+
+fn decoder(image: &CompressedImage) -> Result<PngDecoder<Cursor<&[u8]>>, String> {
+    if image.format != PNG {
+        return Err(format!("{PNG} expected, {:?} found", image.format));
     }
+    let decoder = PngDecoder::new(Cursor::new(image.data.as_slice()));
+    let decoder = decoder.map_err(|e| e.to_string())?;
+    let (width, height) = decoder.dimensions();
+    if decoder.color_type() != ColorType::L8 {
+        let found = decoder.color_type();
+        return Err(format!("grey pixels of 8 bits expected, {found:?} found"));
+    }
+    if u64::from(width) * u64::from(height) > MAX_PIXELS {
+        return Err(format!(
+            "{MAX_PIXELS} px at most expected, {width}x{height} found"
+        ));
+    }
+    Ok(decoder)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::wire::cdr;
+    use crate::channels::nanoseconds;
 
     fn frame() -> Frame {
         let mut frame = Frame::black(3, 2);
@@ -167,28 +172,38 @@ mod tests {
         frame
     }
 
-    #[test]
-    fn a_picture_reads_back_as_it_was_written() {
+    fn filled() -> Image {
         let mut image = Image::of_finger(1);
         image.fill(&frame()).unwrap();
+        image
+    }
+
+    #[test]
+    fn a_picture_reads_back_as_it_was_written() {
         let mut bytes = Vec::new();
-        cdr::encode(&image, &mut bytes).unwrap();
-        assert_eq!(bytes[bytes.len() - 10..][..4], [6, 0, 0, 0], "{bytes:?}");
-        let again: Image = cdr::decode(&bytes).unwrap();
-        assert_eq!(again, image);
+        cdr::encode(&filled(), &mut bytes).unwrap();
+        let bytes = compress(&bytes).unwrap();
+        let again: CompressedImage = cdr::decode(&bytes).unwrap();
+        let (sec, nanosec) = (12, 345_678_901);
+        assert_eq!(again.header.stamp, Time { sec, nanosec });
         assert_eq!(
-            again.header.stamp,
-            Time {
-                sec: 12,
-                nanosec: 345_678_901
-            }
+            nanoseconds(again.header.seconds()),
+            nanoseconds(frame().stamp)
         );
-        assert_eq!(nanoseconds(again.stamp()), nanoseconds(frame().stamp));
-        assert_eq!(again.into_picture().unwrap(), frame().picture);
+        assert_eq!(size(&again), Ok((3, 2)));
+        assert_eq!(picture(&again), Ok(frame().picture));
         // Cut anywhere, it is refused.
         for length in 0..bytes.len() {
+            let image = cdr::decode::<CompressedImage>(&bytes[..length]);
+            assert!(image.is_err(), "{length} bytes");
+        }
+        for length in 0..again.data.len() {
+            let mut cut = again.clone();
+            cut.data.truncate(length);
+            // Checksum and end of the file say nothing about the pixels.
+            let pixels = picture(&cut);
             assert!(
-                cdr::decode::<Image>(&bytes[..length]).is_err(),
+                pixels.is_err() || pixels == Ok(frame().picture),
                 "{length} bytes"
             );
         }
@@ -196,20 +211,29 @@ mod tests {
 
     #[test]
     fn what_is_no_grey_picture_is_refused() {
-        let mut image = Image::of_finger(0);
-        image.fill(&frame()).unwrap();
-        let spoil: [fn(&mut Image); 4] = [
-            |image| image.encoding = "rgb8".into(),
-            |image| image.step = 9,
-            |image| image.height = u32::MAX,
-            |image| image.data.truncate(5),
-        ];
-        for spoil in spoil {
-            let mut spoilt = image.clone();
-            spoil(&mut spoilt);
-            let reason = spoilt.into_picture().unwrap_err();
+        let mut coloured = Vec::new();
+        let encoder = PngEncoder::new(&mut coloured);
+        let written = encoder.write_image(&[0; 3], 1, 1, ExtendedColorType::Rgb8);
+        written.unwrap();
+        for (format, data) in [("jpeg", Vec::new()), (PNG, vec![0; 100]), (PNG, coloured)] {
+            let image = CompressedImage {
+                format: format.into(),
+                data,
+                ..CompressedImage::default()
+            };
+            picture(&image).unwrap_err();
+            size(&image).unwrap_err();
+        }
+        for (width, data) in [(2, vec![0; 6]), (0, Vec::new())] {
+            let image = Image {
+                width,
+                data,
+                ..filled()
+            };
+            let reason = image.compressed().unwrap_err().to_string();
             assert!(reason.contains("expected"), "{reason}");
         }
+        let mut image = filled();
         for stamp in [f64::NAN, -1.0, 1e10] {
             let mut frame = frame();
             frame.stamp = stamp;

@@ -19,6 +19,11 @@ pub trait MessageSink {
         message: &M,
     ) -> Result<(), RecordError>;
 
+    /// Whether somebody may look at it in a viewer: what follows from other messages is written only then.
+    fn is_for_viewers(&self) -> bool {
+        false
+    }
+
     /// All messages of a control step were written. Whether none was dropped since the last time.
     ///
     /// # Errors

@@ -3,10 +3,10 @@
 use super::digest::Digester;
 use super::error::RecordError;
 use super::facts::RunFacts;
-use super::recording::{PictureAt, Recording};
+use super::recording::{Damage, PictureAt, Recording};
 use super::run_end::RunEnd;
-use super::scan::scan;
-use super::sink::{CALIBRATION, END, EXPERIMENT, FACTS, digest_facts};
+use super::scan::{Found, scan};
+use super::sink::{CALIBRATION, CHANNELS, END, EXPERIMENT, FACTS, digest_facts};
 use super::topic::Channel;
 use ::mcap::records::Record;
 use std::collections::{BTreeMap, HashMap};
@@ -44,7 +44,13 @@ impl Recording {
 
     fn from_reader(file: &mut dyn Read) -> Result<Self, String> {
         let mut collector = Collector::default();
-        let scanned = scan(file, &mut |record, offset| collector.take(record, offset));
+        let scanned = scan(file, &mut |found| match found {
+            Found::Record(record, offset) => collector.take(record, offset),
+            Found::Damage(reason) => {
+                collector.skip(reason);
+                Ok(())
+            }
+        });
         collector.finish(scanned.err())
     }
 }
@@ -67,6 +73,10 @@ struct Collector {
     channels: HashMap<u16, (Channel, String)>,
     end: Option<BTreeMap<String, String>>,
     has_experiment: bool,
+    /// Whether what follows is messages.
+    has_begun: bool,
+    /// The first chunk of no use.
+    damage: Option<Damage>,
 }
 
 impl Collector {
@@ -76,6 +86,15 @@ impl Collector {
             Record::Metadata(m) if m.name == FACTS && self.recording.is_none() => {
                 self.recording = Some(Recording::empty(RunFacts::from_map(&m.metadata)?));
                 self.facts = m.metadata;
+            }
+            Record::Metadata(m) if m.name == CHANNELS => {
+                for (id, topic) in m.metadata {
+                    let id = id
+                        .parse()
+                        .map_err(|_| format!("{CHANNELS}: number {id:?}"))?;
+                    self.channel(id, topic)?;
+                }
+                self.has_begun = true;
             }
             Record::Metadata(m) if m.name == END => self.end = Some(m.metadata),
             Record::Attachment { header, data, .. } if header.name == EXPERIMENT => {
@@ -88,13 +107,7 @@ impl Collector {
                     self.recording()?.calibrations.insert(name.into(), text);
                 }
             }
-            Record::Channel(channel) => {
-                let fingers = self.recording()?.facts.fingers;
-                let mut channels = Channel::known(fingers);
-                if let Some(known) = channels.find(|c| c.topic() == channel.topic) {
-                    self.channels.insert(channel.id, (known, channel.topic));
-                }
-            }
+            Record::Channel(channel) => self.channel(channel.id, channel.topic)?,
             Record::Message { header, data } => {
                 let at = PictureAt {
                     log_time: header.log_time,
@@ -108,6 +121,29 @@ impl Collector {
         Ok(())
     }
 
+    /// Takes the number of the channel of `topic`, if it is one of ours.
+    fn channel(&mut self, id: u16, topic: String) -> Result<(), String> {
+        let mut channels = Channel::known(&self.recording()?.facts);
+        if let Some(known) = channels.find(|channel| channel.topic() == topic) {
+            self.channels.insert(id, (known, topic));
+        }
+        Ok(())
+    }
+
+    /// Goes on after a chunk that is of no use.
+    fn skip(&mut self, reason: String) {
+        let steps = self
+            .recording
+            .as_ref()
+            .map_or(0, |recording| recording.task.len());
+        // Before the messages there is nothing in chunks that is not elsewhere, too.
+        let steps_before = if self.has_begun { steps } else { usize::MAX };
+        self.damage.get_or_insert(Damage {
+            reason,
+            steps_before,
+        });
+    }
+
     fn recording(&mut self) -> Result<&mut Recording, String> {
         (self.recording.as_mut()).ok_or_else(|| format!("no metadata {FACTS:?} before the data"))
     }
@@ -119,6 +155,9 @@ impl Collector {
         let Some((known, name)) = self.channels.get(&channel) else {
             return Ok(()); // a channel of someone else's
         };
+        if known.derived {
+            return Ok(());
+        }
         (known.read_into)(recording, known.finger, bytes, at)
             .map_err(|e| format!("message on {name}: {e}"))?;
         let digester = self.digester.get_or_insert_with(|| {
@@ -133,6 +172,8 @@ impl Collector {
 
     /// Makes the recording, given why scanning stopped early.
     fn finish(self, stopped: Option<String>) -> Result<Recording, String> {
+        let damage = self.damage.as_ref().map(|damage| damage.reason.clone());
+        let stopped = damage.or(stopped);
         let Some(mut recording) = self.recording else {
             return Err(stopped.unwrap_or_else(|| format!("no metadata {FACTS:?} in it")));
         };
@@ -146,6 +187,7 @@ impl Collector {
             .and_then(|end| end.get("wall_time")?.parse().ok())
             .filter(|seconds: &f64| seconds.is_finite());
         let written = self.end.as_ref().and_then(|end| end.get("digest"));
+        recording.damage = self.damage;
         recording.problem = match (stopped, written) {
             (Some(reason), _) => Some(reason),
             (None, _) if !self.has_experiment => Some(format!("no attachment {EXPERIMENT:?}")),

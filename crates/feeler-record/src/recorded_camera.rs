@@ -2,8 +2,9 @@
 
 use super::channels::nanoseconds;
 use super::error::RecordError;
-use super::image::Image;
+use super::image::picture;
 use super::recording::{PictureAt, Recording};
+use crate::ros::CompressedImage;
 use crate::wire::cdr;
 use feeler::sensor::camera::{Camera, CameraError, check_frame_size};
 use feeler::sensor::frame::{Frame, Picture};
@@ -82,8 +83,8 @@ impl<F: Read + Seek> RecordedCamera<F> {
         self.file.seek(SeekFrom::Start(at.offset)).map_err(failed)?;
         let mut bytes = vec![0; at.length];
         self.file.read_exact(&mut bytes).map_err(failed)?;
-        let image: Image = cdr::decode(&bytes).map_err(|e| e.to_string())?;
-        image.into_picture()
+        let image: CompressedImage = cdr::decode(&bytes).map_err(|e| e.to_string())?;
+        picture(&image)
     }
 }
 

@@ -63,7 +63,7 @@ impl Recorder {
         options: &RecordOptions,
     ) -> Result<Self, RecordError> {
         let path = path.as_ref();
-        let channels = Channel::of_run(facts.fingers, options.pictures);
+        let channels = Channel::of_run(facts, options.pictures);
         let calibrations = &options.calibrations;
         let sink = Sink::create(path, facts, experiment_toml, calibrations, &channels)?;
         Self::to_store(path, sink, (channels, facts.fingers), options)
@@ -157,6 +157,10 @@ impl Recorder {
 }
 
 impl MessageSink for Recorder {
+    fn is_for_viewers(&self) -> bool {
+        true
+    }
+
     fn write<M: RecordedMessage>(
         &mut self,
         topic: RecordedTopic<M>,

@@ -46,6 +46,15 @@ pub struct Gap {
     pub steps_before: usize,
 }
 
+/// A part of a file that is of no use, in the middle of what is.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Damage {
+    /// Where it is, and what is wrong.
+    pub reason: String,
+    /// Control steps on record before it; the largest number where it holds none.
+    pub steps_before: usize,
+}
+
 /// A recording in memory.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recording {
@@ -84,6 +93,8 @@ pub struct Recording {
     pub true_slip: Vec<TrueSlip>,
     /// Where messages are missing.
     pub gaps: Vec<Gap>,
+    /// The first part of the file that is damaged, where what follows it was read.
+    pub damage: Option<Damage>,
 }
 
 impl Recording {
@@ -106,7 +117,16 @@ impl Recording {
             object: Vec::new(),
             true_slip: Vec::new(),
             gaps: Vec::new(),
+            damage: None,
         }
+    }
+
+    /// Control steps from the beginning among which none is missing.
+    pub fn steps_in_a_row(&self) -> usize {
+        let gap = self.gaps.first().map(|gap| gap.steps_before);
+        let damage = self.damage.as_ref().map(|damage| damage.steps_before);
+        let first = gap.into_iter().chain(damage).min();
+        first.map_or(self.task.len(), |first| first.min(self.task.len()))
     }
 
     /// What is missing, in words, if something is.

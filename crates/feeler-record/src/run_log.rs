@@ -5,11 +5,13 @@ use crate::channels::{
     TorqueSensor, TrueSlip,
 };
 use crate::error::RecordError;
+use crate::facts::RunFacts;
 use crate::image::Image;
 use crate::memory::MessageSink;
 use crate::names::TaskOutcome;
 use crate::recorder::Recorder;
 use crate::topic::topics;
+use crate::viewer_log::ViewerLog;
 use crate::wire::Vector3;
 use feeler::control::control_loop::ControlLoop;
 use feeler::control::controller::{Controller, FingerControl};
@@ -19,17 +21,16 @@ use feeler::control::task::Task as ControlTask;
 use feeler::control::touch::{FingerTouch, TouchSource};
 use feeler::hand::{Hand, JointState};
 use feeler::sensor::frame::Frame;
-use feeler::sensor::layout::ElementLayout;
-use glam::{DQuat, DVec3};
+use glam::DQuat;
 
 /// Writes control steps to a recording. Messages with lists are kept and filled again.
 pub struct RunLog<R = Recorder> {
     recorder: R,
-    /// Undeformed feeler tips of each finger in its fingertip frame `T`, m.
-    tips: Vec<Vec<DVec3>>,
+    fingers: usize,
+    /// What viewers draw, where it is known how the hand is built.
+    viewer: Option<ViewerLog>,
     tactile: Tactile,
     flags: Flags,
-    fingertip: Fingertip,
     /// Why the hand is stopped, as written last.
     stop_reason: Option<StopReason>,
     findings: Findings,
@@ -57,27 +58,21 @@ struct RecordedPicture {
 }
 
 impl<R: MessageSink> RunLog<R> {
-    /// Logs to `recorder` a run of fingertips with the elements of `layouts`, one each.
-    pub fn new(recorder: R, layouts: &[ElementLayout]) -> Self {
-        let tips = |layout: &ElementLayout| {
-            let elements = 0..layout.elements.len();
-            elements.map(|element| layout.tip(element)).collect()
-        };
-        Self {
+    /// Logs to `recorder` a run of these constants.
+    ///
+    /// # Errors
+    /// When they make no sense.
+    pub fn new(recorder: R, facts: &RunFacts) -> Result<Self, RecordError> {
+        Ok(Self {
             recorder,
-            tips: layouts.iter().map(tips).collect(),
+            fingers: facts.fingers,
+            viewer: ViewerLog::new(facts)?,
             tactile: Tactile::default(),
             flags: Flags::default(),
-            fingertip: Fingertip {
-                stamp: 0.0,
-                position: DVec3::ZERO.into(),
-                orientation: DQuat::IDENTITY.into(),
-                element_tips: Vec::new(),
-            },
             stop_reason: None,
             findings: Findings::default(),
             pictures: Vec::new(),
-        }
+        })
     }
 
     /// The same log with each finger's pictures in it, of which the recorder has to know.
@@ -87,7 +82,7 @@ impl<R: MessageSink> RunLog<R> {
             image: Image::of_finger(finger),
             sequence: None,
         };
-        self.pictures = (0..self.tips.len()).map(picture).collect();
+        self.pictures = (0..self.fingers).map(picture).collect();
         self
     }
 
@@ -138,6 +133,11 @@ impl<R: MessageSink> RunLog<R> {
         }
         self.write_findings(stamp, controller.task())?;
         self.write_task(stamp, controller)?;
+        if let Some(viewer) = &mut self.viewer
+            && self.recorder.is_for_viewers()
+        {
+            viewer.write(&mut self.recorder, control_loop, instruments)?;
+        }
         if !self.recorder.step_ends()? {
             self.forget_written();
         }
@@ -150,6 +150,9 @@ impl<R: MessageSink> RunLog<R> {
         self.stop_reason = None;
         for picture in &mut self.pictures {
             picture.sequence = None;
+        }
+        if let Some(viewer) = &mut self.viewer {
+            viewer.forget_written();
         }
     }
 
@@ -220,15 +223,14 @@ impl<R: MessageSink> RunLog<R> {
         pose: &FingertipPose,
     ) -> Result<(), RecordError> {
         let FingertipPose { position, rotation } = *pose;
-        self.fingertip.stamp = stamp;
-        self.fingertip.position = position.into();
-        self.fingertip.orientation = DQuat::from_mat3(&rotation).into();
-        self.fingertip.element_tips.clear();
-        let tips = self.tips.get(index).into_iter().flatten();
-        let tips = tips.map(|&tip| position + rotation * tip);
-        self.fingertip.element_tips.extend(tips.map(Vector3::from));
-        self.recorder
-            .write(topics::fingertip(index), &self.fingertip)
+        self.recorder.write(
+            topics::fingertip(index),
+            &Fingertip {
+                stamp,
+                position: position.into(),
+                orientation: DQuat::from_mat3(&rotation).into(),
+            },
+        )
     }
 
     /// Writes what the task found out, if that is more than it was.

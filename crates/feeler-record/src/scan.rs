@@ -22,10 +22,19 @@ const CHUNK_HEAD: usize = 8 + 8 + 8 + 4 + 4 + 8;
 /// Longest record, bytes. Our chunks are of half a MiB and a picture.
 const MAX_RECORD: u64 = 64 << 20;
 
-/// Takes a record and where its body begins in the file, bytes from the start.
-pub type Visit<'a> = dyn FnMut(Record<'_>, u64) -> Result<(), String> + 'a;
+/// What is found in a file.
+pub enum Found<'a> {
+    /// A record, and where its body begins in the file, bytes from the start.
+    Record(Record<'a>, u64),
+    /// A chunk that is of no use: why, in words. What follows it is found, too.
+    Damage(String),
+}
 
-/// Hands every record of `file` before the summary to `visit`, in order, chunks unpacked.
+/// Takes what is found.
+pub type Visit<'a> = dyn FnMut(Found<'_>) -> Result<(), String> + 'a;
+
+/// Hands every record of `file` before the summary to `visit`, in order, chunks unpacked. Of a chunk that is damaged,
+/// none of its records.
 ///
 /// # Errors
 /// Why it stopped before the end of the data, in words; all records before that were visited.
@@ -42,10 +51,13 @@ pub fn scan(file: &mut dyn Read, visit: &mut Visit<'_>) -> Result<(), String> {
         let start = offset + RECORD_HEAD as u64;
         match opcode {
             DATA_END => return Ok(()),
-            CHUNK => scan_chunk(&body, start, visit).map_err(at)?,
+            CHUNK => match check_chunk(&body) {
+                Ok(data) => visit_chunk(data, start, visit).map_err(at)?,
+                Err(reason) => visit(Found::Damage(at(reason)))?,
+            },
             _ => {
                 let record = parse(opcode, &body).map_err(at)?;
-                visit(record, start).map_err(at)?;
+                visit(Found::Record(record, start)).map_err(at)?;
             }
         }
         offset = start + body.len() as u64;
@@ -111,10 +123,10 @@ fn attachment_rest(body: &[u8]) -> Option<&[u8]> {
     length.get(8..)
 }
 
-/// Checks and unpacks one chunk, whose body begins at `start`.
-fn scan_chunk(body: &[u8], start: u64, visit: &mut Visit<'_>) -> Result<(), String> {
+/// The records of a chunk, if it is not damaged.
+fn check_chunk(body: &[u8]) -> Result<&[u8], String> {
     let Record::Chunk { header, data } = parse(CHUNK, body)? else {
-        return Ok(());
+        return Err("a chunk expected".into());
     };
     if !header.compression.is_empty() {
         let found = header.compression;
@@ -122,23 +134,31 @@ fn scan_chunk(body: &[u8], start: u64, visit: &mut Visit<'_>) -> Result<(), Stri
             "an uncompressed chunk expected, one compressed by {found:?} found"
         ));
     }
-    let (expected, actual) = (header.uncompressed_crc, crc32fast::hash(&data));
+    let records = CHUNK_HEAD..CHUNK_HEAD + data.len();
+    let data = body.get(records).ok_or("a chunk ends before its records")?;
+    let (expected, actual) = (header.uncompressed_crc, crc32fast::hash(data));
     // No checksum is written as 0.
     if expected != 0 && expected != actual {
         return Err(format!(
             "a chunk with checksum {expected:08x} expected, {actual:08x} found"
         ));
     }
-    let mut rest = &data[..];
-    let mut records = Vec::new();
+    let mut rest = data;
     while !rest.is_empty() {
         let (opcode, body, length) = split_record(rest).ok_or("a chunk ends within a record")?;
-        let offset = data.len() - rest.len() + RECORD_HEAD + CHUNK_HEAD;
-        records.push((opcode, body, start + offset as u64));
+        parse(opcode, body)?;
         rest = &rest[length..];
     }
-    for (opcode, body, offset) in records {
-        visit(parse(opcode, body)?, offset)?;
+    Ok(data)
+}
+
+/// Visits the records of a chunk whose body begins at `start`.
+fn visit_chunk(data: &[u8], start: u64, visit: &mut Visit<'_>) -> Result<(), String> {
+    let mut rest = data;
+    while let Some((opcode, body, length)) = split_record(rest) {
+        let offset = data.len() - rest.len() + RECORD_HEAD + CHUNK_HEAD;
+        visit(Found::Record(parse(opcode, body)?, start + offset as u64))?;
+        rest = &rest[length..];
     }
     Ok(())
 }

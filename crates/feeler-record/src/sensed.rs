@@ -4,7 +4,7 @@ use super::channels::{Moments, Tactile};
 use super::container::{Container, find, log_time};
 use super::error::RecordError;
 use super::memory::MessageSink;
-use super::scan::scan;
+use super::scan::{Found, scan};
 use super::topic::{Channel, RecordedMessage, RecordedTopic};
 use crate::wire::cdr;
 use ::mcap::WriteOptions;
@@ -86,15 +86,18 @@ pub fn read_moments(path: &Path) -> Result<Vec<Moments>, RecordError> {
         source,
     })?;
     let (mut channels, mut moments) = (HashSet::new(), Vec::new());
-    let scanned = scan(&mut BufReader::new(file), &mut |record, _| {
-        match record {
-            Record::Channel(channel) if channel.topic == MOMENTS.name() => {
+    let scanned = scan(&mut BufReader::new(file), &mut |found| {
+        match found {
+            Found::Record(Record::Channel(channel), _) if channel.topic == MOMENTS.name() => {
                 channels.insert(channel.id);
             }
-            Record::Message { header, data } if channels.contains(&header.channel_id) => {
+            Found::Record(Record::Message { header, data }, _)
+                if channels.contains(&header.channel_id) =>
+            {
                 moments.push(cdr::decode(&data).map_err(|e| e.to_string())?);
             }
-            _ => {}
+            Found::Damage(reason) => return Err(reason),
+            Found::Record(..) => {}
         }
         Ok(())
     });

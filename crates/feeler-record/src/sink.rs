@@ -10,11 +10,15 @@ use super::topic::{Channel, topics};
 use super::writer::{End, Store};
 use crate::wire::cdr;
 use ::mcap::WriteOptions;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Name of the metadata record that holds the run's facts, at the file's start.
 pub const FACTS: &str = "feeler.run";
+/// Name of the metadata record that holds each channel's topic by its number, behind the chunk that says the same in
+/// MCAP's way: should that be damaged, the others can be read.
+pub const CHANNELS: &str = "feeler.channels";
 /// Name of the metadata record at the file's end: wall time, digest, and how the run ended.
 pub const END: &str = "feeler.end";
 /// Name of the attachment that holds the experiment as run.
@@ -54,6 +58,7 @@ impl Sink {
         }
         container.register(channels)?;
         container.flush()?;
+        container.metadata(CHANNELS, container.ids())?;
         Ok(Self {
             container,
             digester,
@@ -80,9 +85,15 @@ impl Sink {
         log_time: u64,
         bytes: &[u8],
     ) -> Result<(), RecordError> {
-        let topic = self.container.topic(channel);
-        self.digester.message(topic, log_time, bytes);
-        self.container.write(channel, log_time, bytes)
+        let stored = match self.container.stored(channel) {
+            Some(make) => Cow::Owned(make(bytes)?),
+            None => Cow::Borrowed(bytes),
+        };
+        if !self.container.is_derived(channel) {
+            let topic = self.container.topic(channel);
+            self.digester.message(topic, log_time, &stored);
+        }
+        self.container.write(channel, log_time, &stored)
     }
 }
 
@@ -121,8 +132,8 @@ impl Store for Sink {
 }
 
 /// The facts that are no part of the digest: what only a simulated world knows shows in the forces, and a hand in a
-/// program of its own does not know it; goal and law follow from the experiment, which is taken in, too.
-const NOT_DIGESTED: [&str; 4] = ["truth", "section", "carry", "law"];
+/// program of its own does not know it; goal, law and hand follow from the experiment, which is taken in, too.
+const NOT_DIGESTED: [&str; 6] = ["truth", "section", "solids", "carry", "law", "hand"];
 
 /// Takes in the facts and the experiment, as they stand before all messages.
 pub fn digest_facts(

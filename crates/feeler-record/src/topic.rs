@@ -5,8 +5,12 @@ use super::channels::{
     Tactile, Task, TorqueSensor, TrueSlip,
 };
 use super::error::RecordError;
-use super::image::Image;
+use super::facts::RunFacts;
+use super::image::{Image, compress, size};
 use super::recording::{Gap, PictureAt, Recording};
+use crate::ros::{
+    CompressedImage, JointState, MarkerArray, PointCloud2, TFMessage, Text, WrenchStamped,
+};
 use crate::wire::cdr;
 use std::any::Any;
 use std::fmt;
@@ -125,10 +129,38 @@ pub mod topics {
     pub const TRUE_SLIP: RecordedTopic<TrueSlip> = RecordedTopic::of_rig("true_slip");
     /// What is missing; only where something is.
     pub const RECORDING_GAP: RecordedTopic<RecordingGap> = RecordedTopic::of_rig("recording_gap");
+
+    // For viewers: what follows from the others.
+
+    /// Where what moves is.
+    pub const TF: RecordedTopic<TFMessage> = RecordedTopic::of_rig("tf");
+    /// Where what does not move is; once.
+    pub const TF_STATIC: RecordedTopic<TFMessage> = RecordedTopic::of_rig("tf_static");
+    /// The hand and what stands around it as URDF; once.
+    pub const ROBOT_DESCRIPTION: RecordedTopic<Text> = RecordedTopic::of_rig("robot_description");
+    /// Angles and velocities of all joints.
+    pub const JOINT_STATES: RecordedTopic<JointState> = RecordedTopic::of_rig("joint_states");
+    /// The scene: solids once, forces again and again.
+    pub const SCENE: RecordedTopic<MarkerArray> = RecordedTopic::of_rig("scene");
+
+    /// What acts on the fingertip of a finger, in the frame of its dome.
+    pub const fn wrench(finger: usize) -> RecordedTopic<WrenchStamped> {
+        RecordedTopic::of_finger(finger, "wrench")
+    }
+
+    /// Each element of a finger and the force on it, in the frame of its dome.
+    pub const fn taxels(finger: usize) -> RecordedTopic<PointCloud2> {
+        RecordedTopic::of_finger(finger, "taxels")
+    }
 }
 
 /// A message that a recording holds.
 pub trait RecordedMessage: Stamped + Clone + Any {
+    /// Whether it follows from other messages: it is for viewers, no part of the digest, and not read back.
+    const DERIVED: bool = false;
+    /// Makes what is recorded of the encoded message, on the recorder's thread; none where that is the message itself.
+    const CONVERSION: Option<Conversion> = None;
+
     /// The list of `recording` that keeps the messages of this type: those of `finger`, or of the rig. None
     /// where there is no such list: there is no such finger, or a recording does not keep them in memory.
     fn list(recording: &mut Recording, finger: Option<usize>) -> Option<&mut Vec<Self>>;
@@ -195,6 +227,8 @@ impl RecordedMessage for Moments {
 
 /// Left in its file: a recording in memory has the place of each.
 impl RecordedMessage for Image {
+    const CONVERSION: Option<Conversion> = Some(compress);
+
     fn list(_: &mut Recording, _: Option<usize>) -> Option<&mut Vec<Self>> {
         None
     }
@@ -205,8 +239,8 @@ impl RecordedMessage for Image {
         bytes: &[u8],
         at: PictureAt,
     ) -> Result<(), String> {
-        let image: Self = cdr::decode(bytes).map_err(|e| e.to_string())?;
-        image.check()?;
+        let image: CompressedImage = cdr::decode(bytes).map_err(|e| e.to_string())?;
+        size(&image)?;
         if let Some(finger) = finger.and_then(|finger| recording.fingers.get_mut(finger)) {
             finger.pictures.push(at);
         }
@@ -239,6 +273,9 @@ impl RecordedMessage for RecordingGap {
     }
 }
 
+/// [`RecordedMessage::CONVERSION`] of a topic's messages.
+pub type Conversion = fn(&[u8]) -> Result<Vec<u8>, RecordError>;
+
 /// [`RecordedMessage::read_into`] of a topic's messages.
 pub(crate) type ReadInto =
     fn(&mut Recording, Option<usize>, &[u8], PictureAt) -> Result<(), String>;
@@ -251,12 +288,15 @@ pub(crate) struct Channel {
     /// Name and text of the schema.
     pub schema: (&'static str, &'static str),
     pub read_into: ReadInto,
+    pub derived: bool,
+    pub stored: Option<Conversion>,
 }
 
 impl Channel {
-    /// The channels of a run with `fingers` fingers in the order of the recording; those of pictures, if there
-    /// are `pictures`, at the end.
-    pub fn of_run(fingers: usize, pictures: bool) -> Vec<Self> {
+    /// The channels of a run of these constants in the order of the recording: those for viewers where it is known how
+    /// the hand is built, and those of pictures, if there are `pictures`, at the end.
+    pub fn of_run(facts: &RunFacts, pictures: bool) -> Vec<Self> {
+        let fingers = facts.fingers;
         let mut channels = Vec::new();
         for finger in 0..fingers {
             channels.extend([
@@ -275,16 +315,31 @@ impl Channel {
             topics::OBJECT.into(),
             topics::TRUE_SLIP.into(),
         ]);
+        if !facts.hand.is_empty() {
+            channels.extend([
+                Self::from(topics::TF),
+                topics::TF_STATIC.into(),
+                topics::ROBOT_DESCRIPTION.into(),
+                topics::JOINT_STATES.into(),
+                topics::SCENE.into(),
+            ]);
+            for finger in 0..fingers {
+                channels.extend([
+                    Self::from(topics::wrench(finger)),
+                    topics::taxels(finger).into(),
+                ]);
+            }
+        }
         if pictures {
             channels.extend((0..fingers).map(|finger| Self::from(topics::image(finger))));
         }
         channels
     }
 
-    /// The channels that a recording of `fingers` fingers can have.
-    pub fn known(fingers: usize) -> impl Iterator<Item = Self> {
+    /// The channels that a recording of these constants can have.
+    pub fn known(facts: &RunFacts) -> impl Iterator<Item = Self> + use<> {
         let gaps = Self::from(topics::RECORDING_GAP);
-        Self::of_run(fingers, true).into_iter().chain([gaps])
+        Self::of_run(facts, true).into_iter().chain([gaps])
     }
 
     /// Name of the topic in the recording.
@@ -305,6 +360,8 @@ impl<M: RecordedMessage> From<RecordedTopic<M>> for Channel {
             finger: topic.finger,
             schema: (M::SCHEMA_NAME, M::SCHEMA),
             read_into: M::read_into,
+            derived: M::DERIVED,
+            stored: M::CONVERSION,
         }
     }
 }

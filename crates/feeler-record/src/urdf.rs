@@ -3,54 +3,45 @@
 //! Links and joints of finger N are called `finger_N_...`; those are also the frames of a recording's transforms. All is
 //! in metres and radians, by the conventions of [`feeler::hand::kinematics`]: `finger_N_dome` is the fingertip frame `T`.
 
+use super::error::RecordError;
+use super::model::{FingerModel, Frame, Solid, SolidFrame, SolidShape, WORLD_FRAME, joint_names};
 use feeler::hand::finger::FingerGeometry;
+use glam::{DQuat, EulerRot};
 use serde::Serialize;
 use std::f64::consts::FRAC_PI_2;
 
 /// Radius of a drawn link over that of the dome.
 const LINK_OVER_DOME: f64 = 0.3;
 
-/// The frame that all others hang from.
-pub const WORLD_FRAME: &str = "world";
-
-/// A finger as it is described.
-#[derive(Debug, Clone, Copy)]
-pub struct FingerModel<'a> {
-    /// Its base, links and limits.
-    pub geometry: &'a FingerGeometry,
-    /// Radius of its dome, m.
-    pub dome_radius: f64,
-}
-
-/// The hand called `name` as URDF. What drives can exert is not known: `effort` is 0.
+/// The hand called `name` as URDF, with the `solids` around it: what moves of them hangs from the world by a floating
+/// joint. Prisms are drawn as the boxes about them, round ones as cylinders. What drives can exert is not known:
+/// `effort` is 0.
 ///
 /// # Errors
-/// When `name` cannot stand in XML.
-pub fn urdf(name: &str, fingers: &[FingerModel<'_>]) -> Result<String, quick_xml::SeError> {
+/// When a finger is out of range, or `name` cannot stand in XML.
+pub fn urdf(name: &str, hand: &[FingerModel], solids: &[Solid]) -> Result<String, RecordError> {
     let mut robot = Robot {
         name: name.into(),
-        link: vec![Link::named(WORLD_FRAME)],
+        link: vec![Link::of(WORLD_FRAME, solids, SolidFrame::World)],
         joint: Vec::new(),
     };
-    for (finger, model) in fingers.iter().enumerate() {
-        robot.add(finger, model);
+    for (finger, model) in hand.iter().enumerate() {
+        robot.add(finger, model)?;
+    }
+    for frame in SolidFrame::MOVING {
+        robot.add_moving(frame, solids);
     }
     let mut text = String::from("<?xml version=\"1.0\"?>\n");
     let mut serializer = quick_xml::se::Serializer::new(&mut text);
     serializer.indent(' ', 2);
-    robot.serialize(serializer)?;
+    let written = robot.serialize(serializer);
+    written.map_err(|error| RecordError::Facts {
+        field: "experiment",
+        expected: "a name that can stand in XML".into(),
+        actual: error.to_string(),
+    })?;
     text.push('\n');
     Ok(text)
-}
-
-/// Name of the frame `part` of `finger`, from 0: `base`, `link_1` to `link_3`, `dome`.
-pub fn frame(finger: usize, part: &str) -> String {
-    format!("finger_{finger}_{part}")
-}
-
-/// Names of the joints of `finger`, from 0: theta1 to theta3.
-pub fn joint_names(finger: usize) -> [String; 3] {
-    [1, 2, 3].map(|joint| format!("finger_{finger}_joint_{joint}"))
 }
 
 #[derive(Serialize)]
@@ -84,6 +75,10 @@ struct Geometry {
 #[derive(Serialize)]
 #[serde(rename_all = "lowercase")]
 enum Shape {
+    Box {
+        #[serde(rename = "@size")]
+        size: String,
+    },
     Cylinder {
         #[serde(rename = "@radius")]
         radius: f64,
@@ -146,60 +141,62 @@ struct Limit {
 
 impl Robot {
     /// Adds a finger: each joint turns about z of the link that it carries, whose x points to the next joint.
-    fn add(&mut self, finger: usize, model: &FingerModel<'_>) {
-        let geometry = model.geometry;
-        let base = frame(finger, "base");
-        let (phi1, phi2) = geometry.base_angles();
-        let place = Pose::new(geometry.base_position().to_array(), [phi2, phi1, 0.0]);
-        self.fix(frame(finger, "mount"), WORLD_FRAME, &base, place);
-        self.link.push(Link::named(&base));
-        let links = geometry.links();
-        // Joint 1 turns the plane in which joints 2 and 3 turn: their axes lie across.
-        let places = [
-            Pose::new([0.0; 3], [0.0; 3]),
-            Pose::new([links[0], 0.0, 0.0], [FRAC_PI_2, 0.0, 0.0]),
-            Pose::new([links[1], 0.0, 0.0], [0.0; 3]),
-        ];
-        let mut parent = base;
-        for (index, (name, place)) in joint_names(finger).into_iter().zip(places).enumerate() {
-            let child = frame(finger, &format!("link_{}", index + 1));
+    fn add(&mut self, finger: usize, model: &FingerModel) -> Result<(), RecordError> {
+        let frames = model.frames(finger)?;
+        let geometry = FingerGeometry::new(&model.geometry).ok();
+        let names = joint_names(finger);
+        for Frame {
+            name,
+            parent,
+            xyz,
+            rpy,
+            joint,
+        } in frames
+        {
+            let origin = Pose::new(xyz, rpy);
+            let visual = match joint {
+                Some(joint) => {
+                    let length = model.geometry.links[joint];
+                    Visual::rod(LINK_OVER_DOME * model.dome_radius, length)
+                }
+                None => name
+                    .ends_with("dome")
+                    .then(|| Visual::sphere(model.dome_radius)),
+            };
+            let fixed = || format!("{name}_mount");
             self.joint.push(Joint {
-                name,
-                kind: "revolute",
+                name: joint.map_or_else(fixed, |joint| names[joint].clone()),
+                kind: if joint.is_some() { "revolute" } else { "fixed" },
                 parent: Of::link(&parent),
-                child: Of::link(&child),
-                origin: place,
-                axis: Some(Axis { xyz: "0 0 1" }),
-                limit: Some(Limit {
-                    lower: geometry.joint_lower()[index],
-                    upper: geometry.joint_upper()[index],
-                    velocity: geometry.joint_speed_limit()[index],
+                child: Of::link(&name),
+                origin,
+                axis: joint.map(|_| Axis { xyz: "0 0 1" }),
+                limit: joint.zip(geometry.as_ref()).map(|(joint, geometry)| Limit {
+                    lower: geometry.joint_lower()[joint],
+                    upper: geometry.joint_upper()[joint],
+                    velocity: geometry.joint_speed_limit()[joint],
                     effort: 0.0,
                 }),
             });
-            let rod = Visual::rod(LINK_OVER_DOME * model.dome_radius, links[index]);
-            self.link.push(Link {
-                name: child.clone(),
-                visual: rod.into_iter().collect(),
-            });
-            parent = child;
+            let visual = visual.into_iter().collect();
+            self.link.push(Link { name, visual });
         }
-        let dome = frame(finger, "dome");
-        let place = Pose::new([links[2], 0.0, 0.0], [0.0; 3]);
-        self.fix(frame(finger, "tip"), &parent, &dome, place);
-        self.link.push(Link {
-            name: dome,
-            visual: vec![Visual::sphere(model.dome_radius)],
-        });
+        Ok(())
     }
 
-    fn fix(&mut self, name: String, parent: &str, child: &str, origin: Pose) {
+    /// Adds what of the `solids` moves in a frame of its own, if anything does.
+    fn add_moving(&mut self, frame: SolidFrame, solids: &[Solid]) {
+        let link = Link::of(frame.name(), solids, frame);
+        if link.visual.is_empty() {
+            return;
+        }
+        self.link.push(link);
         self.joint.push(Joint {
-            name,
-            kind: "fixed",
-            parent: Of::link(parent),
-            child: Of::link(child),
-            origin,
+            name: format!("{}_motion", frame.name()),
+            kind: "floating",
+            parent: Of::link(WORLD_FRAME),
+            child: Of::link(frame.name()),
+            origin: Pose::new([0.0; 3], [0.0; 3]),
             axis: None,
             limit: None,
         });
@@ -207,9 +204,13 @@ impl Robot {
 }
 
 impl Link {
-    fn named(name: &str) -> Self {
-        let (name, visual) = (name.into(), Vec::new());
-        Self { name, visual }
+    /// The link `name` with those of the `solids` that are fixed to `frame`.
+    fn of(name: &str, solids: &[Solid], frame: SolidFrame) -> Self {
+        let solids = solids.iter().filter(|solid| solid.frame == frame);
+        Self {
+            name: name.into(),
+            visual: solids.map(Visual::solid).collect(),
+        }
     }
 }
 
@@ -225,10 +226,42 @@ impl Visual {
         Self::new(Pose::new([0.0; 3], [0.0; 3]), Shape::Sphere { radius })
     }
 
+    fn solid(solid: &Solid) -> Self {
+        let turned = DQuat::from_array(solid.orientation);
+        let (yaw, pitch, roll) = turned.to_euler(EulerRot::ZYX);
+        let [x, y, z] = solid.shape.size();
+        let shape = match &solid.shape {
+            SolidShape::Sphere { radius } => Shape::Sphere { radius: *radius },
+            SolidShape::Prism { outline, .. } if !is_round(outline) => Shape::box_of([x, y, z]),
+            SolidShape::Box { size } => Shape::box_of(*size),
+            SolidShape::Cylinder { .. } | SolidShape::Prism { .. } => Shape::Cylinder {
+                radius: 0.5 * x,
+                length: z,
+            },
+        };
+        Self::new(Pose::new(solid.position, [roll, pitch, yaw]), shape)
+    }
+
     fn new(origin: Pose, shape: Shape) -> Self {
         let geometry = Geometry { shape };
         Self { origin, geometry }
     }
+}
+
+impl Shape {
+    fn box_of([x, y, z]: [f64; 3]) -> Self {
+        let size = format!("{x} {y} {z}");
+        Self::Box { size }
+    }
+}
+
+/// Whether all corners are about as far from the origin.
+fn is_round(outline: &[[f64; 2]]) -> bool {
+    let radii = outline.iter().map(|[x, y]| x.hypot(*y));
+    let (low, high) = radii.fold((f64::MAX, 0.0), |(low, high): (f64, f64), radius| {
+        (low.min(radius), high.max(radius))
+    });
+    low > 0.8 * high
 }
 
 impl Pose {

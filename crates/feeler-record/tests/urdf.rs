@@ -2,15 +2,18 @@
 
 use feeler::hand::finger::{FingerConfig, FingerGeometry};
 use feeler::hand::kinematics::fingertip_pose;
-use feeler_record::urdf::{FingerModel, frame, joint_names, urdf};
+use feeler_record::model::{FingerModel, frame, joint_names};
+use feeler_record::urdf::urdf;
+use feeler_record::{Solid, SolidFrame, SolidShape};
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use proptest::prelude::*;
-use urdf_rs::{JointType, Robot};
+use std::f64::consts::TAU;
+use urdf_rs::{Geometry, JointType, Robot};
 
 const DOME: f64 = 0.018;
 
-fn finger(base_position: [f64; 3], (phi1_deg, phi2_deg): (f64, f64), l2: f64) -> FingerGeometry {
-    let config = FingerConfig {
+fn finger(base_position: [f64; 3], (phi1_deg, phi2_deg): (f64, f64), l2: f64) -> FingerConfig {
+    FingerConfig {
         base_position,
         phi1_deg,
         phi2_deg,
@@ -18,17 +21,21 @@ fn finger(base_position: [f64; 3], (phi1_deg, phi2_deg): (f64, f64), l2: f64) ->
         joint_lower_deg: [-60.0, -30.0, -150.0],
         joint_upper_deg: [60.0, 120.0, 0.0],
         joint_speed_limit: [2.0, 2.5, 3.0],
-    };
-    FingerGeometry::new(&config).unwrap()
+    }
 }
 
-fn parse(fingers: &[FingerGeometry]) -> Robot {
-    let model = |geometry| FingerModel {
-        geometry,
+fn built(config: &FingerConfig) -> FingerGeometry {
+    FingerGeometry::new(config).unwrap()
+}
+
+fn parse(fingers: &[FingerConfig], solids: &[Solid]) -> Robot {
+    let model = |geometry: &FingerConfig| FingerModel {
+        geometry: geometry.clone(),
         dome_radius: DOME,
+        element_tips: Vec::new(),
     };
     let models: Vec<_> = fingers.iter().map(model).collect();
-    let text = urdf("two & a half <fingers>", &models).unwrap();
+    let text = urdf("two & a half <fingers>", &models, solids).unwrap();
     urdf_rs::read_from_string(&text).unwrap_or_else(|error| panic!("{error}: {text}"))
 }
 
@@ -60,14 +67,14 @@ proptest! {
         theta in prop::array::uniform3(-3.0..3.0),
     ) {
         let fingers = [finger([0.0; 3], (0.0, 0.0), 0.03), finger(base, phi, l2)];
-        let robot = parse(&fingers);
+        let robot = parse(&fingers, &[]);
         let names = joint_names(1);
         let angle = |joint: &str| {
             let index = names.iter().position(|name| name == joint);
             index.map_or(0.0, |index| theta[index])
         };
         let drawn = pose(&robot, &frame(1, "dome"), &angle);
-        let (position, rotation) = fingertip_pose(&fingers[1], DVec3::from(theta));
+        let (position, rotation) = fingertip_pose(&built(&fingers[1]), DVec3::from(theta));
         prop_assert!((drawn.translation - position).length() < 1e-12);
         let off = drawn.matrix3 - rotation;
         prop_assert!(off.to_cols_array().iter().all(|entry| entry.abs() < 1e-12));
@@ -77,17 +84,59 @@ proptest! {
 #[test]
 fn joints_have_the_limits_of_the_experiment_and_links_their_lengths() {
     let fingers = [finger([0.0; 3], (0.0, 0.0), 0.0)];
-    let robot = parse(&fingers);
+    let (robot, finger) = (parse(&fingers, &[]), built(&fingers[0]));
     assert_eq!(robot.name, "two & a half <fingers>");
     for (index, name) in joint_names(0).iter().enumerate() {
         let joint = robot.joints.iter().find(|joint| joint.name == *name);
         let joint = joint.expect("the joint");
         assert_eq!(joint.joint_type, JointType::Revolute);
-        assert_eq!(joint.limit.lower, fingers[0].joint_lower()[index]);
-        assert_eq!(joint.limit.upper, fingers[0].joint_upper()[index]);
-        assert_eq!(joint.limit.velocity, fingers[0].joint_speed_limit()[index]);
+        assert_eq!(joint.limit.lower, finger.joint_lower()[index]);
+        assert_eq!(joint.limit.upper, finger.joint_upper()[index]);
+        assert_eq!(joint.limit.velocity, finger.joint_speed_limit()[index]);
     }
     let drawn: Vec<usize> = robot.links.iter().map(|link| link.visual.len()).collect();
     // World and base are frames; the first link has no length.
     assert_eq!(drawn, [0, 0, 0, 1, 1, 1]);
+}
+
+#[test]
+fn what_moves_hangs_from_the_world_and_what_does_not_is_part_of_it() {
+    let solid = |name: &str, frame, shape| Solid {
+        name: name.into(),
+        frame,
+        position: [0.0, 0.0, 0.25],
+        orientation: DQuat::from_rotation_x(0.5).to_array(),
+        shape,
+    };
+    let corner = |angle: f64| [0.014 * angle.cos(), 0.014 * angle.sin()];
+    let outline = (0..40).map(|k| corner(TAU * f64::from(k) / 40.0)).collect();
+    let size = [0.03, 0.02, 0.01];
+    let solids = [
+        solid("table", SolidFrame::World, SolidShape::Box { size }),
+        solid(
+            "cap",
+            SolidFrame::Cap,
+            SolidShape::Prism {
+                outline,
+                length: 0.02,
+            },
+        ),
+    ];
+    let robot = parse(&[], &solids);
+    let joints: Vec<_> = robot.joints.iter().map(|joint| &joint.child.link).collect();
+    assert_eq!(joints, ["cap"]);
+    assert_eq!(robot.joints[0].joint_type, JointType::Floating);
+    let [world, cap] = &robot.links[..] else {
+        panic!("{:?}", robot.links);
+    };
+    let Geometry::Box { size: drawn } = &world.visual[0].geometry else {
+        panic!("{:?}", world.visual);
+    };
+    assert_eq!(**drawn, size);
+    assert!((world.visual[0].origin.rpy[0] - 0.5).abs() < 1e-12);
+    assert_eq!(*world.visual[0].origin.xyz, [0.0, 0.0, 0.25]);
+    let Geometry::Cylinder { radius, length } = cap.visual[0].geometry else {
+        panic!("{:?}", cap.visual);
+    };
+    assert!((radius - 0.014).abs() < 1e-12 && length == 0.02);
 }

@@ -30,8 +30,8 @@ pub struct FingerColumns {
     pub position: Vec<DVec3>,
     /// From the fingertip frame `T` to `W`.
     pub rotation: Vec<DQuat>,
-    /// Undeformed tip of every element's feeler, m in `W`.
-    pub element_tips: Vec<Vec<DVec3>>,
+    /// Undeformed tip of every element's feeler, m in `T`.
+    pub tips: Vec<DVec3>,
 }
 
 impl FingerColumns {
@@ -40,18 +40,21 @@ impl FingerColumns {
     pub fn leading_path(&self, stroke: &Stroke) -> Option<Vec<DVec3>> {
         let moving = stroke.moving.clone();
         let leading = moving.clone().find_map(|row| self.largest_element[row])?;
-        let tips = moving.map(|row| self.element_tips[row].get(leading).copied());
-        tips.collect()
+        moving.map(|row| self.tip(row, leading)).collect()
+    }
+
+    /// Undeformed tip of the feeler of `element` at a row, m in `W`.
+    pub fn tip(&self, row: usize, element: usize) -> Option<DVec3> {
+        let (centre, rotation) = (self.position.get(row)?, self.rotation.get(row)?);
+        Some(*centre + *rotation * *self.tips.get(element)?)
     }
 
     /// Force on the feeler of `element` by what it touches at a row, N, in `W`.
     pub fn force_in_world(&self, row: usize, element: usize) -> Option<DVec3> {
         let force = self.forces.get(row)?.get(element)?;
-        let (centre, rotation) = (self.position.get(row)?, self.rotation.get(row)?);
-        let tip = self.element_tips.get(row)?.get(element)?;
-        let outward = rotation.inverse() * (*tip - *centre).normalize_or_zero();
-        let element = SensingElement::facing(outward).rotation;
-        Some(*rotation * (element * force.with_z(-force.z)))
+        let outward = self.tips.get(element)?.normalize_or_zero();
+        let force = SensingElement::facing(outward).force_on_fingertip(*force);
+        Some(*self.rotation.get(row)? * force)
     }
 
     fn push(&mut self, tactile: &Tactile, flags: &Flags, fingertip: &Fingertip) {
@@ -68,8 +71,6 @@ impl FingerColumns {
         self.forces.push(forces.collect());
         self.position.push(fingertip.position.into());
         self.rotation.push(fingertip.orientation.into());
-        let tips = fingertip.element_tips.iter().map(|&tip| tip.into());
-        self.element_tips.push(tips.collect());
     }
 }
 
@@ -129,7 +130,7 @@ impl RunData {
             phase: Vec::new(),
             torque: (!recording.torque_sensor.is_empty()).then(Vec::new),
             cap: (!recording.cap.is_empty()).then(CapColumns::default),
-            fingers: vec![FingerColumns::default(); recording.fingers.len()],
+            fingers: fingers(recording),
             strokes: Vec::new(),
             findings: findings(recording),
         };
@@ -213,6 +214,16 @@ impl RunData {
             columns.slipped.push(distance);
         }
     }
+}
+
+/// The columns of each finger, still without rows.
+fn fingers(recording: &Recording) -> Vec<FingerColumns> {
+    let mut fingers = vec![FingerColumns::default(); recording.fingers.len()];
+    for (columns, model) in fingers.iter_mut().zip(&recording.facts.hand) {
+        let tips = model.element_tips.iter();
+        columns.tips = tips.map(|&tip| DVec3::from_array(tip)).collect();
+    }
+    fingers
 }
 
 /// What the task found out in the end, as far as it is known.

@@ -5,7 +5,7 @@ use crate::warnings::Warnings;
 use crate::{CommandError, Outcome};
 use feeler::control::controller::RecordingFailure;
 use feeler_lab::config::Experiment;
-use feeler_lab::experiment::{layouts, run_facts};
+use feeler_lab::experiment::run_facts;
 use feeler_link::programs::{RemoteLoop, RigSpeed};
 use feeler_record::{
     CLOSE_LIMIT, InstrumentRecord, Patience, RecordError, RecordOptions, Recorder, RunEnd, RunLog,
@@ -62,10 +62,11 @@ impl HandRecord {
             flush_interval,
             ..RecordOptions::default()
         };
-        let (file, facts) = (folder.join(RECORDING), run_facts(config));
+        let facts = run_facts(config)?;
+        let file = folder.join(RECORDING);
         let recorder = Recorder::create_with(file, &facts, &experiment.toml, &options)?;
         Ok(Self {
-            log: RunLog::new(recorder, &layouts(config)?),
+            log: RunLog::new(recorder, &facts)?,
             folder,
             on_failure: config.control.on_recording_failure,
             warnings,

@@ -58,10 +58,10 @@ fn in_a_run(experiment: &Experiment, path: &Path) -> Option<Stopped> {
         pictures: true,
         ..RecordOptions::default()
     };
-    let facts = run_facts(&experiment.config);
+    let facts = run_facts(&experiment.config).unwrap();
     let recorder = Recorder::create_with(path, &facts, &experiment.toml, &options).unwrap();
     let mut session = Session::new(experiment).unwrap();
-    let mut log = RunLog::new(recorder, session.layouts()).with_pictures();
+    let mut log = RunLog::new(recorder, &facts).unwrap().with_pictures();
     let mut found = None;
     for step in 0..STEPS {
         let instruments = session.step().unwrap();

@@ -151,8 +151,9 @@ fn the_report_sees_the_forces_that_the_task_saw() {
     let settings = ["sensing=\"direct\"".to_string()];
     let experiment = Experiment::load("friction-scan", &settings).expect("an experiment");
     let mut session = Session::new(&experiment).expect("a session");
-    let recorder = MemoryRecorder::new(&session.facts(&experiment.config)).expect("facts");
-    let mut log = RunLog::new(recorder, session.layouts());
+    let facts = session.facts(&experiment.config);
+    let recorder = MemoryRecorder::new(&facts).expect("facts");
+    let mut log = RunLog::new(recorder, &facts).expect("a log");
     let mut seen = Vec::new();
     for _ in 0..300 {
         let at = session.step().expect("a step");

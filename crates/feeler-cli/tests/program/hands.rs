@@ -1,7 +1,7 @@
 //! Hands of one to five fingers, each with a base, links and a sensor of its own.
 
 use crate::program::{Ended, experiment, folder, run, summary};
-use feeler_record::Recording;
+use feeler_record::{FingerModel, FingerRecord, Recording};
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::fs;
@@ -64,15 +64,20 @@ fn hand(folder: &Path, fingers: usize, sensors: &str) {
 /// How many elements each finger of the run called `name` has on record.
 fn elements(folder: &Path, name: &str) -> Vec<usize> {
     let recording = Recording::read(folder.join(name).join("recording.mcap")).unwrap();
-    let of_finger = |finger: &feeler_record::FingerRecord| {
+    let models = recording.facts.hand.iter();
+    let of_finger = |(finger, model): (&FingerRecord, &FingerModel)| {
         let counts = finger.tactile.iter().map(|t| t.forces.len());
         let count = counts.clone().next().unwrap();
         assert!(counts.clone().all(|c| c == count));
-        let tips = finger.fingertip.iter().map(|f| f.element_tips.len());
-        assert!(tips.clone().all(|c| c == count));
+        assert_eq!(model.element_tips.len(), count);
         count
     };
-    recording.fingers.iter().map(of_finger).collect()
+    recording
+        .fingers
+        .iter()
+        .zip(models)
+        .map(of_finger)
+        .collect()
 }
 
 fn turned(folder: &Path, name: &str) -> f64 {

@@ -1,9 +1,13 @@
 //! The constants of a run, for its recording.
 
+use super::solids::solids;
+use super::{ExperimentError, layouts};
 use crate::config::{ExperimentConfig, Sensing};
 use feeler::control::task::TaskConfig;
 use feeler::control::task::cap_config::Until;
-use feeler_record::{CapFacts, CarryGoal, RunFacts, SensingKind};
+use feeler::hand::finger::FingerConfig;
+use feeler::sensor::layout::ElementLayout;
+use feeler_record::{CapFacts, CarryGoal, FingerModel, RunFacts, SensingKind};
 use feeler_sim::config::SimConfig;
 use feeler_sim::object::Object;
 use feeler_sim::section::section;
@@ -14,7 +18,15 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 /// The constants of a run of `config` that its report needs.
-pub fn run_facts(config: &ExperimentConfig) -> RunFacts {
+///
+/// # Errors
+/// When a fingertip makes no sense.
+pub fn run_facts(config: &ExperimentConfig) -> Result<RunFacts, ExperimentError> {
+    Ok(facts_with(config, &layouts(config)?))
+}
+
+/// The same where the fingertips have the elements of `layouts`.
+fn facts_with(config: &ExperimentConfig, layouts: &[ElementLayout]) -> RunFacts {
     let paths: Vec<([f64; 3], [f64; 3])> = match &config.task {
         TaskConfig::Screw(screw) => {
             let fingers = screw.finger.iter();
@@ -50,12 +62,18 @@ pub fn run_facts(config: &ExperimentConfig) -> RunFacts {
         section: true_section(config),
         cap: cap_facts(config),
         carry: carry_goal(config),
+        hand: hand(config, layouts),
+        solids: config.sim.as_ref().map_or_else(Vec::new, solids),
         replay_of: None,
     }
 }
 
 /// The constants of a run of `config` in `world`, with what only that knows: friction on objects that have some of their own.
-pub fn simulated_facts(config: &ExperimentConfig, world: &World) -> RunFacts {
+pub fn simulated_facts(
+    config: &ExperimentConfig,
+    layouts: &[ElementLayout],
+    world: &World,
+) -> RunFacts {
     let objects = world.model().objects.iter();
     let truth = objects
         .filter_map(|object| Some((&object.name, object.friction?)))
@@ -70,8 +88,24 @@ pub fn simulated_facts(config: &ExperimentConfig, world: &World) -> RunFacts {
         });
     RunFacts {
         truth: truth.collect(),
-        ..run_facts(config)
+        ..facts_with(config, layouts)
     }
+}
+
+/// How the fingers are built.
+fn hand(config: &ExperimentConfig, layouts: &[ElementLayout]) -> Vec<FingerModel> {
+    let fingers = config.hand.finger.iter().zip(layouts);
+    let model = |(geometry, layout): (&FingerConfig, &ElementLayout)| {
+        let elements = 0..layout.elements.len();
+        FingerModel {
+            geometry: geometry.clone(),
+            dome_radius: layout.dome_radius,
+            element_tips: elements
+                .map(|element| layout.tip(element).to_array())
+                .collect(),
+        }
+    };
+    fingers.map(model).collect()
 }
 
 /// What the cap is held to, unless strokes are counted. A simulated world knows its friction; what varies of it from seed to seed is

@@ -8,6 +8,7 @@ pub mod recorded_run;
 pub mod replay;
 mod sensors;
 pub mod slip_bench;
+mod solids;
 pub mod specimen;
 mod supervised;
 pub mod truth;
@@ -226,7 +227,7 @@ impl Session {
 
     /// The constants of the run, with what only the simulated world knows.
     pub fn facts(&self, config: &ExperimentConfig) -> RunFacts {
-        simulated_facts(config, &self.rig.world())
+        simulated_facts(config, &self.layouts, &self.rig.world())
     }
 
     /// The elements of each finger's fingertip.
@@ -389,7 +390,7 @@ fn fingers_at(
 ///
 /// # Errors
 /// When a value of one is out of range.
-pub fn geometries(config: &ExperimentConfig) -> Result<Vec<FingerGeometry>, ExperimentError> {
+fn geometries(config: &ExperimentConfig) -> Result<Vec<FingerGeometry>, ExperimentError> {
     let fingers = config.hand.finger.iter().enumerate();
     let geometry = |(finger, hand)| {
         FingerGeometry::new(hand).map_err(|source| ExperimentError::Finger { finger, source })

@@ -63,7 +63,7 @@ impl RecordedRun {
         let facts = session.facts(&experiment.config);
         let file = folder.join(RECORDING);
         let recorder = Recorder::create_with(file, &facts, &experiment.toml, options)?;
-        let log = RunLog::new(recorder, session.layouts());
+        let log = RunLog::new(recorder, &facts)?;
         Ok(Self {
             log: match options.pictures {
                 true => log.with_pictures(),

@@ -42,6 +42,9 @@ pub enum SweepError {
     /// The experiment cannot be used.
     #[error(transparent)]
     Config(#[from] crate::config::ConfigError),
+    /// A part of the rig makes no sense.
+    #[error(transparent)]
+    Experiment(#[from] crate::experiment::ExperimentError),
     /// A trial could not be recorded.
     #[error(transparent)]
     Record(#[from] feeler_record::RecordError),

@@ -110,7 +110,7 @@ impl Trials {
         config.simulation()?;
         let screws = matches!(config.task, TaskConfig::Screw(_));
         // The claims about screwing are the paper's, of a cap that is screwed on.
-        let facts = run_facts(config);
+        let facts = run_facts(config)?;
         let claims = if !screws || config.cap().is_some() {
             let nothing = MemoryRecorder::new(&facts)?.into_recording();
             let claims = tasks::of(&facts).claims(&nothing, &RunData::new(&nothing));
@@ -284,11 +284,12 @@ impl Trials {
             Ok(session) => session,
             Err(error) => return Ran::failed("invalid", error.to_string()),
         };
-        let recorder = match MemoryRecorder::new(&session.facts(&experiment.config)) {
-            Ok(recorder) => recorder,
+        let facts = session.facts(&experiment.config);
+        let recorder = MemoryRecorder::new(&facts);
+        let mut log = match recorder.and_then(|recorder| RunLog::new(recorder, &facts)) {
+            Ok(log) => log,
             Err(error) => return Ran::failed("invalid", error.to_string()),
         };
-        let mut log = RunLog::new(recorder, session.layouts());
         let never = AtomicBool::new(false);
         let ran = session.run(
             &mut Unpaced::default(),

@@ -56,9 +56,9 @@ fn python_sees_the_pictures() {
     let mut frame = Frame::black(4, 3);
     frame.stamp = 1.25;
     frame.picture.pixels = (0..12).map(|i| 20 * i).collect();
-    let mut image = Image::of_finger(1);
-    image.fill(&frame).unwrap();
-    recorder.write(topics::image(1), &image).unwrap();
+    let mut taken = Image::of_finger(1);
+    taken.fill(&frame).unwrap();
+    recorder.write(topics::image(1), &taken).unwrap();
     recorder.finish(None).unwrap();
     let Some(found) = read_by_python(&path) else {
         return;
@@ -67,7 +67,13 @@ fn python_sees_the_pictures() {
     let mut seen = found["last"]["/finger/1/image"].clone();
     let log_time = seen.as_object_mut().unwrap().remove("log_time").unwrap();
     assert_eq!(log_time, 1_250_000_000_u64);
-    assert_eq!(seen, json!(image));
+    assert_eq!(seen["header"], json!(taken.header));
+    assert_eq!(seen["format"], "png");
+    let file: Vec<u8> = serde_json::from_value(seen["data"].take()).unwrap();
+    let picture = image::load_from_memory(&file).unwrap();
+    assert_eq!(picture.color(), image::ColorType::L8);
+    assert_eq!((picture.width(), picture.height()), (4, 3));
+    assert_eq!(picture.into_luma8().into_raw(), taken.data);
 }
 
 fn compare(found: &Value, recording: &Recording) {

@@ -4,6 +4,7 @@ use crate::support;
 use feeler_record::wire::Vector3;
 use feeler_record::{Image, MessageSink, Phase, RecordError, Recorder, Recording, Tactile, topics};
 use proptest::prelude::*;
+use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
@@ -228,6 +229,49 @@ fn a_record_longer_than_its_chunk_is_refused() {
     bytes.extend(chunk);
     let reason = Recording::from_bytes(&bytes).unwrap_err();
     assert!(reason.contains("ends within a record"), "{reason}");
+}
+
+/// Where the data of the chunks of a file begin and end.
+fn chunks(file: &[u8]) -> Vec<Range<usize>> {
+    let (mut chunks, mut at) = (Vec::new(), 8);
+    loop {
+        let length = u64::from_le_bytes(file[at + 1..at + 9].try_into().unwrap()) as usize;
+        let (opcode, body) = (file[at], at + 9..at + 9 + length);
+        at = body.end;
+        match opcode {
+            0x06 => chunks.push(body.start + 40..body.end),
+            0x0f => return chunks,
+            _ => {}
+        }
+    }
+}
+
+/// The first holds nothing but what the channels are.
+#[test]
+fn a_damaged_chunk_hides_no_other() {
+    let path = directory("damaged").join("recording.mcap");
+    support::write_run(&path, 2).unwrap();
+    let bytes = std::fs::read(&path).unwrap();
+    let whole = Recording::from_bytes(&bytes).unwrap();
+    let chunks = chunks(&bytes);
+    assert!(chunks.len() > 4, "{}", chunks.len());
+    for (number, chunk) in chunks.iter().enumerate() {
+        let mut damaged = bytes.clone();
+        damaged[(chunk.start + chunk.end) / 2] ^= 0x20;
+        let rest = Recording::from_bytes(&damaged).unwrap();
+        let problem = rest.problem.as_ref().unwrap();
+        assert!(problem.contains("checksum"), "{problem}");
+        assert!(!rest.complete);
+        let before = rest.steps_in_a_row();
+        let missing = whole.task.len() - rest.task.len();
+        assert_eq!(missing > 0, number > 0, "chunk {number}");
+        assert_eq!(rest.task[..before], whole.task[..before]);
+        assert_eq!(rest.task[before..], whole.task[before + missing..]);
+        for (rest, whole) in rest.fingers.iter().zip(&whole.fingers) {
+            assert_eq!(rest.tactile[before..], whole.tactile[before + missing..]);
+            assert_eq!(rest.fingertip[..before], whole.fingertip[..before]);
+        }
+    }
 }
 
 proptest! {

@@ -31,10 +31,10 @@ fn record(settings: &[&str], path: &Path) -> Recording {
         pictures,
         ..RecordOptions::default()
     };
-    let facts = run_facts(&experiment.config);
+    let facts = run_facts(&experiment.config).unwrap();
     let recorder = Recorder::create_with(path, &facts, &experiment.toml, &options).unwrap();
     let mut session = Session::new(&experiment).unwrap();
-    let mut log = RunLog::new(recorder, session.layouts());
+    let mut log = RunLog::new(recorder, &facts).unwrap();
     if pictures {
         log = log.with_pictures();
     }
@@ -113,8 +113,7 @@ fn stops_from_outside_are_repeated() {
     let (path, steps) = (file("outside"), original.task.len());
     let mut control_loop = control_loop(&original);
     let recorder = Recorder::create(&path, &original.facts, &original.experiment).unwrap();
-    let experiment = recorded_experiment(&original, &[]).unwrap();
-    let mut log = RunLog::new(recorder, &layouts(&experiment.config).unwrap());
+    let mut log = RunLog::new(recorder, &original.facts).unwrap();
     for step in 0..steps {
         match step {
             0 | 120 | 250 => control_loop.controller_mut().stop(StopReason::OnRecord),
@@ -171,10 +170,10 @@ fn pictures_change_nothing_else() {
     let (seen, _) = with_pictures();
     let path = file("no-pictures");
     let experiment = Experiment::load("cap-closing", &["time_limit=0.1".into()]).unwrap();
-    let facts = run_facts(&experiment.config);
+    let facts = run_facts(&experiment.config).unwrap();
     let recorder = Recorder::create(&path, &facts, &experiment.toml).unwrap();
     let mut session = Session::new(&experiment).unwrap();
-    let mut log = RunLog::new(recorder, session.layouts());
+    let mut log = RunLog::new(recorder, &facts).unwrap();
     while !session.finished() {
         let instruments = session.step().unwrap();
         instruments

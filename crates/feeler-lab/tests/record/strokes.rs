@@ -25,7 +25,7 @@ fn data(rates: &[f64], torque: f64) -> RunData {
         forces: vec![vec![DVec3::Z]; ROWS],
         position: vec![DVec3::ZERO; ROWS],
         rotation: vec![DQuat::IDENTITY; ROWS],
-        element_tips: vec![vec![DVec3::X]; ROWS],
+        tips: vec![DVec3::X],
     };
     RunData {
         facts: support::facts(),

@@ -1,10 +1,11 @@
 //! A made-up run, plausible enough to look at: two fingers close a cap in four strokes.
 
+use feeler::hand::finger::FingerConfig;
 use feeler_record::wire::{Quaternion, Vector3};
 use feeler_record::{
-    Cap, Command, Digest, FindingName, Findings, Fingertip, Flags, Joints, MessageSink, NO_ELEMENT,
-    Phase, RecordError, Recorder, RunFacts, Tactile, Task, TaskOutcome, TorqueSensor, TrueSlip,
-    topics,
+    Cap, Command, Digest, FindingName, Findings, FingerModel, Fingertip, Flags, Joints,
+    MessageSink, NO_ELEMENT, Phase, RecordError, Recorder, RunFacts, Tactile, Task, TaskOutcome,
+    TorqueSensor, TrueSlip, topics,
 };
 use glam::DVec3;
 use std::collections::BTreeMap;
@@ -56,7 +57,27 @@ pub fn facts() -> RunFacts {
         truth: BTreeMap::new(),
         cap: None,
         carry: None,
+        hand: vec![finger_model(1.0), finger_model(-1.0)],
+        solids: Vec::new(),
         replay_of: None,
+    }
+}
+
+/// A finger on this side of the cap.
+fn finger_model(side: f64) -> FingerModel {
+    let tip = |element| (DOME_RADIUS * normal(element, side)).to_array();
+    FingerModel {
+        geometry: FingerConfig {
+            base_position: [side * 0.1, 0.0, 0.1],
+            phi1_deg: 0.0,
+            phi2_deg: 0.0,
+            links: [0.0, 0.06, 0.055],
+            joint_lower_deg: [-90.0; 3],
+            joint_upper_deg: [90.0; 3],
+            joint_speed_limit: [2.0; 3],
+        },
+        dome_radius: DOME_RADIUS,
+        element_tips: (0..ELEMENTS).map(tip).collect(),
     }
 }
 
@@ -209,7 +230,8 @@ impl MadeUp {
                 stroke,
                 reason,
             },
-        )
+        )?;
+        recorder.step_ends().map(|_| ())
     }
 
     /// What the instruments say, as far as there are any.
@@ -281,9 +303,6 @@ impl MadeUp {
         let position = side * DVec3::new(reach - 0.0002 * press, TRAVEL * travel, 0.1 * side);
         // As the finger passes the cap, the element that faces it changes.
         let largest = if travel < 0.35 { 0 } else { 1 };
-        let tips: Vec<_> = (0..ELEMENTS)
-            .map(|i| position + DOME_RADIUS * normal(i, side))
-            .collect();
         let mut tactile = Tactile {
             sequence: self.step,
             stamp,
@@ -345,7 +364,6 @@ impl MadeUp {
                     z: 0.0,
                     w: 1.0,
                 },
-                element_tips: tips.into_iter().map(Into::into).collect(),
             },
         )
     }

@@ -18,9 +18,9 @@ pub fn run(settings: &[String], folder: &Path) -> Digest {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/experiments/cap-closing.toml");
     let experiment = Experiment::load(file, settings).expect("the reference experiment");
     let mut session = Session::new(&experiment).expect("a session");
-    let facts = run_facts(&experiment.config);
+    let facts = run_facts(&experiment.config).expect("facts");
     let recorder = Recorder::create(folder.join(RECORDING), &facts, &experiment.toml);
-    let mut log = RunLog::new(recorder.expect("a recorder"), session.layouts());
+    let mut log = RunLog::new(recorder.expect("a recorder"), &facts).expect("a log");
     while !session.finished() {
         let instruments = session.step().expect("a step");
         instruments

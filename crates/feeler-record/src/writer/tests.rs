@@ -102,7 +102,7 @@ fn recorder(store: impl Store, patience: Patience) -> Recorder {
         flush_interval: 0.0,
         ..RecordOptions::default()
     };
-    let channels = (Channel::of_run(2, false), 2);
+    let channels = (Channel::of_run(&facts(), false), 2);
     Recorder::to_store(Path::new("recording.mcap"), store, channels, &options).unwrap()
 }
 
@@ -151,7 +151,7 @@ fn what_is_old_is_handed_on_with_the_step() {
         flush_interval: 0.1,
         ..RecordOptions::default()
     };
-    let channels = (Channel::of_run(2, false), 2);
+    let channels = (Channel::of_run(&facts(), false), 2);
     let recorder = Recorder::to_store(Path::new("a.mcap"), spans.clone(), channels, &options);
     let mut recorder = recorder.unwrap();
     for step in 0..100 {
@@ -298,7 +298,7 @@ fn facts() -> RunFacts {
 /// The recording of so many steps to a file that takes nothing until all but the last ten are written.
 fn with_gap(name: &str, patience: Patience) -> Recording {
     let path = std::env::temp_dir().join(format!("feeler-{name}-{}", std::process::id()));
-    let channels = Channel::of_run(2, false);
+    let channels = Channel::of_run(&facts(), false);
     let sink = Sink::create(&path, &facts(), "", &BTreeMap::new(), &channels).unwrap();
     let (mut recorder, permit) = gated(sink, patience);
     for step in 0..OVERFLOW {

@@ -135,8 +135,7 @@ fn tip_paths(data: &RunData, stroke: &Stroke, finger: usize) -> Vec<Plot> {
     for element in 0..elements {
         let touching = |row: usize| {
             let force = columns.forces[row].get(element)?;
-            (force.z > data.facts.touch_force_threshold)
-                .then(|| columns.element_tips[row].get(element).copied())?
+            (force.z > data.facts.touch_force_threshold).then(|| columns.tip(row, element))?
         };
         plots.extend(stretches(stroke, touching).map(|path| draw(&path, TOUCHING)));
     }

@@ -85,7 +85,7 @@ impl<'a> Replay<'a> {
         Ok(Self {
             recording,
             control_loop: control_loop(recording, &followed, sensors)?,
-            log: RunLog::new(comparer, &layouts(&experiment.config)?),
+            log: RunLog::new(comparer, &recording.facts)?,
             outside: outside::on_record(recording, &as_recorded)?
                 .into_iter()
                 .peekable(),
@@ -163,9 +163,7 @@ fn steps(recording: &Recording) -> usize {
             finger.command.len(),
         ]
     });
-    let gap = recording.gaps.first();
-    let before = gap.map_or(recording.task.len(), |gap| gap.steps_before);
-    fingers.fold(before, usize::min)
+    fingers.fold(recording.steps_in_a_row(), usize::min)
 }
 
 /// Refuses what a replay cannot change: how many fingers and elements there are, and how often they are

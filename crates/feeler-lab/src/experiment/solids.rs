@@ -1,0 +1,124 @@
+//! What stands around the hand in a simulated world, as far as a viewer needs it.
+
+use feeler_record::{Solid, SolidFrame, SolidShape};
+use feeler_sim::config::SimConfig;
+use feeler_sim::object::{MotionConfig, ObjectConfig};
+use feeler_sim::shape::ShapeConfig;
+use glam::{DMat3, DQuat, DVec3, EulerRot};
+use std::f64::consts::TAU;
+
+/// Corners of an outline, and of each of its knurls.
+const CORNERS: u32 = 120;
+const CORNERS_PER_KNURL: u32 = 6;
+/// What is drawn of a half-space: a plate, m.
+const PLATE: [f64; 3] = [0.12, 0.12, 0.002];
+
+/// The objects of a simulated world, each in the frame that it moves with. The first that turns on a thread moves with
+/// the cap, the first that is free with the object that is carried; of more, nothing is on record, and they are left out,
+/// as are those whose shape is in a file.
+pub fn solids(sim: &SimConfig) -> Vec<Solid> {
+    let (cap, mut carried) = (sim.cap().map(|(name, ..)| name), None);
+    let mut solids = Vec::new();
+    for (name, object) in &sim.object {
+        let frame = match &object.motion {
+            MotionConfig::Fixed => SolidFrame::World,
+            MotionConfig::Free(_) if *carried.get_or_insert(name) == name => SolidFrame::Object,
+            _ if cap == Some(name) => SolidFrame::Cap,
+            _ => continue,
+        };
+        solids.extend(of_object(name, object, frame));
+    }
+    solids
+}
+
+fn of_object(name: &str, object: &ObjectConfig, frame: SolidFrame) -> Vec<Solid> {
+    let [x, y, z] = object.orientation_deg.map(f64::to_radians);
+    let start = DMat3::from_euler(EulerRot::XYZEx, x, y, z);
+    // A frame that moves is that of the object; a free one's also has its rotation.
+    let (origin, turned) = match frame {
+        SolidFrame::World => (DVec3::from(object.position), start),
+        SolidFrame::Cap => (DVec3::ZERO, start),
+        SolidFrame::Object => (DVec3::ZERO, DMat3::IDENTITY),
+    };
+    let place = |(shape, centre): (SolidShape, DVec3)| Solid {
+        name: name.into(),
+        frame,
+        position: (origin + turned * (DVec3::from(object.offset) + centre)).to_array(),
+        orientation: DQuat::from_mat3(&turned).to_array(),
+        shape,
+    };
+    shapes(&object.shape).into_iter().map(place).collect()
+}
+
+/// The parts of a shape and their centres in its frame, m.
+fn shapes(shape: &ShapeConfig) -> Vec<(SolidShape, DVec3)> {
+    let single = |shape| vec![(shape, DVec3::ZERO)];
+    match *shape {
+        ShapeConfig::Cylinder { radius, height } => single(SolidShape::Cylinder {
+            radius,
+            length: height,
+        }),
+        ShapeConfig::KnurledCylinder {
+            radius,
+            height,
+            knurls,
+            depth,
+            ovality,
+        } => {
+            let side = |angle: f64| {
+                let knurl = 0.5 * depth * ((f64::from(knurls) * angle).cos() - 1.0);
+                let radius = radius * (1.0 + ovality * (2.0 * angle).cos()) + knurl;
+                [radius * angle.cos(), radius * angle.sin()]
+            };
+            let corners = CORNERS.max(CORNERS_PER_KNURL * knurls);
+            let angles = (0..corners).map(|k| TAU * f64::from(k) / f64::from(corners));
+            single(SolidShape::Prism {
+                outline: angles.map(side).collect(),
+                length: height,
+            })
+        }
+        ShapeConfig::EllipticCylinder { semi_axes, height } => {
+            let angles = (0..CORNERS).map(|k| TAU * f64::from(k) / f64::from(CORNERS));
+            let [x, y] = semi_axes;
+            single(SolidShape::Prism {
+                outline: angles.map(|a| [x * a.cos(), y * a.sin()]).collect(),
+                length: height,
+            })
+        }
+        ShapeConfig::RoundedPrism {
+            ref corners,
+            rounding,
+            height,
+        } => single(SolidShape::Prism {
+            outline: rounded_outline(corners, rounding),
+            length: height,
+        }),
+        ShapeConfig::Box { size } => single(SolidShape::Box { size }),
+        ShapeConfig::Sphere { radius } => single(SolidShape::Sphere { radius }),
+        ShapeConfig::Capsule { radius, length } => {
+            let end = 0.5 * length * DVec3::Z;
+            vec![
+                (SolidShape::Cylinder { radius, length }, DVec3::ZERO),
+                (SolidShape::Sphere { radius }, end),
+                (SolidShape::Sphere { radius }, -end),
+            ]
+        }
+        ShapeConfig::HalfSpace => {
+            let below = -0.5 * PLATE[2] * DVec3::Z;
+            vec![(SolidShape::Box { size: PLATE }, below)]
+        }
+        ShapeConfig::ConvexHull { .. } | ShapeConfig::Mesh { .. } => Vec::new(),
+    }
+}
+
+/// The outline of all that is within `rounding` of the hull of `corners`: in each direction, where it reaches farthest.
+fn rounded_outline(corners: &[[f64; 2]], rounding: f64) -> Vec<[f64; 2]> {
+    let mut outline: Vec<[f64; 2]> = Vec::new();
+    for k in 0..CORNERS {
+        let (sin, cos) = (TAU * f64::from(k) / f64::from(CORNERS)).sin_cos();
+        let reach = |[x, y]: &&[f64; 2]| x * cos + y * sin;
+        let farthest = corners.iter().max_by(|a, b| reach(a).total_cmp(&reach(b)));
+        outline.extend(farthest.map(|[x, y]| [x + rounding * cos, y + rounding * sin]));
+    }
+    outline
+}

@@ -1,0 +1,59 @@
+//! Standard messages of ROS 2, for viewers and tools that know no messages of ours.
+//!
+//! Fields, their order and the texts are those of `common_interfaces`; what is written depends on both.
+
+pub mod compressed_image;
+mod header;
+mod joint_state;
+mod marker;
+mod point_cloud;
+mod text;
+mod transform;
+mod wrench;
+
+pub use compressed_image::CompressedImage;
+pub use header::{Header, Time};
+pub use joint_state::JointState;
+pub use marker::{ColorRGBA, Marker, MarkerArray, MarkerType};
+pub use point_cloud::{PointCloud2, PointField};
+pub use text::Text;
+pub use transform::{TFMessage, Transform, TransformStamped};
+pub use wrench::{Wrench, WrenchStamped};
+
+/// Messages that follow from others of the recording: they are for viewers, and neither digested nor read back.
+macro_rules! derived {
+    ($($type:ty, $stamp:expr);+ $(;)?) => {
+        $(impl $crate::channels::Stamped for $type {
+            fn stamp(&self) -> f64 {
+                let stamp: fn(&$type) -> f64 = $stamp;
+                stamp(self)
+            }
+        }
+
+        impl $crate::topic::RecordedMessage for $type {
+            const DERIVED: bool = true;
+
+            fn list(_: &mut $crate::recording::Recording, _: Option<usize>) -> Option<&mut Vec<Self>> {
+                None
+            }
+
+            fn read_into(
+                _: &mut $crate::recording::Recording,
+                _: Option<usize>,
+                _: &[u8],
+                _: $crate::recording::PictureAt,
+            ) -> Result<(), String> {
+                Ok(())
+            }
+        })+
+    };
+}
+
+derived!(
+    JointState, |message| message.header.seconds();
+    WrenchStamped, |message| message.header.seconds();
+    PointCloud2, |message| message.header.seconds();
+    TFMessage, |message| message.transforms.first().map_or(0.0, |t| t.header.seconds());
+    MarkerArray, |message| message.markers.first().map_or(0.0, |m| m.header.seconds());
+    Text, |message| message.stamp;
+);

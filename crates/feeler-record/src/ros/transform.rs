@@ -1,0 +1,69 @@
+//! `tf2_msgs/TFMessage`.
+
+use super::header::{Header, header_schema, nested, quaternion_schema, xyz_schema};
+use crate::wire::{Message, Quaternion, Vector3};
+use glam::{DAffine3, DQuat};
+use serde::{Deserialize, Serialize};
+
+/// Where a frame is in another.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Transform {
+    /// Its origin, m.
+    pub translation: Vector3,
+    /// Its rotation.
+    pub rotation: Quaternion,
+}
+
+impl Default for Transform {
+    fn default() -> Self {
+        Self::from(DAffine3::IDENTITY)
+    }
+}
+
+impl From<DAffine3> for Transform {
+    fn from(pose: DAffine3) -> Self {
+        Self {
+            translation: pose.translation.into(),
+            rotation: DQuat::from_mat3(&pose.matrix3).into(),
+        }
+    }
+}
+
+/// Where a frame is in another, and when.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct TransformStamped {
+    /// When, and in which frame.
+    pub header: Header,
+    /// The frame that is there.
+    pub child_frame_id: String,
+    /// Where it is.
+    pub transform: Transform,
+}
+
+/// Where frames are in others.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct TFMessage {
+    /// One for each frame.
+    pub transforms: Vec<TransformStamped>,
+}
+
+impl Message for TFMessage {
+    const SCHEMA_NAME: &'static str = "tf2_msgs/msg/TFMessage";
+    const SCHEMA: &'static str = concat!(
+        "geometry_msgs/TransformStamped[] transforms\n",
+        nested!(
+            "geometry_msgs/TransformStamped",
+            "std_msgs/Header header",
+            "string child_frame_id",
+            "Transform transform",
+        ),
+        header_schema!(),
+        nested!(
+            "geometry_msgs/Transform",
+            "Vector3 translation",
+            "Quaternion rotation",
+        ),
+        xyz_schema!("geometry_msgs/Vector3"),
+        quaternion_schema!(),
+    );
+}

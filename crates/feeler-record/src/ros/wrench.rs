@@ -1,0 +1,34 @@
+//! `geometry_msgs/WrenchStamped`.
+
+use super::header::{Header, header_schema, nested, xyz_schema};
+use crate::wire::{Message, Vector3};
+use serde::{Deserialize, Serialize};
+
+/// A force and a torque.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct Wrench {
+    /// Force, N.
+    pub force: Vector3,
+    /// Torque about the frame's origin, N m.
+    pub torque: Vector3,
+}
+
+/// What acts on a fingertip by all that its elements touch, in the frame of its dome.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct WrenchStamped {
+    /// Time of the picture that the forces come from, and the dome's frame.
+    pub header: Header,
+    /// What acts on the fingertip.
+    pub wrench: Wrench,
+}
+
+impl Message for WrenchStamped {
+    const SCHEMA_NAME: &'static str = "geometry_msgs/msg/WrenchStamped";
+    const SCHEMA: &'static str = concat!(
+        "std_msgs/Header header\n",
+        "Wrench wrench\n",
+        header_schema!(),
+        nested!("geometry_msgs/Wrench", "Vector3 force", "Vector3 torque"),
+        xyz_schema!("geometry_msgs/Vector3"),
+    );
+}

@@ -1,0 +1,262 @@
+//! What viewers draw of a run without knowing any message of ours.
+//!
+//! All of it follows from the rest of the recording. Joints and wrenches are written at every control step, for plots;
+//! what is drawn, as often as an eye can follow.
+
+use crate::error::RecordError;
+use crate::facts::RunFacts;
+use crate::memory::MessageSink;
+use crate::model::{Frame, SolidFrame, WORLD_FRAME, joint_names};
+use crate::ros::{
+    Header, JointState, MarkerArray, PointCloud2, TFMessage, Text, Time, TransformStamped,
+    WrenchStamped,
+};
+use crate::run_log::InstrumentRecord;
+use crate::scene::{ForceArrows, scene};
+use crate::taxels::{Elements, taxels};
+use crate::topic::topics;
+use crate::urdf::urdf;
+use feeler::control::control_loop::ControlLoop;
+use feeler::control::touch::{FingerTouch, TouchSource};
+use feeler::hand::Hand;
+use glam::{DAffine3, DQuat, DVec3};
+
+/// Time between two pictures of the scene, s.
+const FRAME_TIME: f64 = 1.0 / 30.0;
+
+/// Writes what viewers draw. Messages are kept and filled again.
+pub struct ViewerLog {
+    fingers: Vec<Finger>,
+    still: Still,
+    joints: JointState,
+    /// First the joints of all fingers, then what moves around them.
+    transforms: TFMessage,
+    moving: Vec<SolidFrame>,
+    arrows: MarkerArray,
+    /// Time of the newest picture of the scene, s; none before the first.
+    drawn: Option<f64>,
+}
+
+/// What does not change over a run.
+struct Still {
+    description: Text,
+    transforms: TFMessage,
+    scene: MarkerArray,
+}
+
+struct Finger {
+    elements: Elements,
+    /// Those that hang from joints.
+    frames: Vec<Frame>,
+    wrench: WrenchStamped,
+    taxels: PointCloud2,
+    arrows: ForceArrows,
+}
+
+impl ViewerLog {
+    /// For a run of these constants; none where they do not tell how its fingers are built.
+    ///
+    /// # Errors
+    /// When the constants make no sense.
+    pub fn new(facts: &RunFacts) -> Result<Option<Self>, RecordError> {
+        if facts.hand.is_empty() {
+            return Ok(None);
+        }
+        let mut still = Still {
+            description: Text {
+                data: urdf(&facts.experiment, &facts.hand, &facts.solids)?,
+                stamp: 0.0,
+            },
+            transforms: TFMessage::default(),
+            scene: scene(&facts.hand, &facts.solids),
+        };
+        let mut joints = JointState::default();
+        let mut transforms = TFMessage::default();
+        let mut arrows = MarkerArray::default();
+        let mut fingers = Vec::new();
+        for (number, model) in facts.hand.iter().enumerate() {
+            joints.name.extend(joint_names(number));
+            let frames = model.frames(number)?;
+            let (fixed, moving): (Vec<_>, Vec<_>) =
+                frames.into_iter().partition(|frame| frame.joint.is_none());
+            still
+                .transforms
+                .transforms
+                .extend(fixed.iter().map(transform));
+            transforms.transforms.extend(moving.iter().map(transform));
+            let elements = Elements::of(model);
+            let (taxels, arrow) = (taxels(number, &elements), ForceArrows::new(number, facts));
+            arrows.markers.push(arrow.marker());
+            fingers.push(Finger {
+                wrench: WrenchStamped {
+                    header: taxels.header.clone(),
+                    ..WrenchStamped::default()
+                },
+                elements,
+                frames: moving,
+                taxels,
+                arrows: arrow,
+            });
+        }
+        let is_there = |frame: &SolidFrame| facts.solids.iter().any(|s| s.frame == *frame);
+        let moving: Vec<_> = SolidFrame::MOVING.into_iter().filter(is_there).collect();
+        let place = |frame: &SolidFrame| TransformStamped {
+            header: Header::of(WORLD_FRAME),
+            child_frame_id: frame.name().into(),
+            ..TransformStamped::default()
+        };
+        transforms.transforms.extend(moving.iter().map(place));
+        Ok(Some(Self {
+            fingers,
+            still,
+            joints,
+            transforms,
+            moving,
+            arrows,
+            drawn: None,
+        }))
+    }
+
+    /// What was written once may be among what was dropped: it is written again.
+    pub fn forget_written(&mut self) {
+        self.drawn = None;
+    }
+
+    /// Writes the newest step of `control_loop`, and what moves around the hand by its `instruments`.
+    ///
+    /// # Errors
+    /// When the recording cannot be written.
+    pub fn write<R: MessageSink, S: TouchSource, H: Hand>(
+        &mut self,
+        recorder: &mut R,
+        control_loop: &ControlLoop<S, H>,
+        instruments: InstrumentRecord<'_>,
+    ) -> Result<(), RecordError> {
+        let state = control_loop.state();
+        // The rest of the recording says so where that is no time.
+        let Some(now) = Time::of(state.stamp) else {
+            return Ok(());
+        };
+        if self.drawn.is_none() {
+            self.write_still(recorder, now, state.stamp)?;
+        }
+        self.joints.header.stamp = now;
+        self.joints.position.clear();
+        self.joints.velocity.clear();
+        for joints in &state.joints {
+            self.joints.position.extend(joints.position.to_array());
+            self.joints.velocity.extend(joints.velocity.to_array());
+        }
+        recorder.write(topics::JOINT_STATES, &self.joints)?;
+        let due = self
+            .drawn
+            .is_none_or(|drawn| state.stamp - drawn >= FRAME_TIME);
+        for (index, touch) in control_loop.touches().iter().enumerate() {
+            self.write_felt(recorder, index, touch, due)?;
+        }
+        if due {
+            self.drawn = Some(state.stamp);
+            let angles = state.joints.iter().map(|joints| joints.position);
+            self.write_transforms(recorder, now, angles, instruments)?;
+            for marker in &mut self.arrows.markers {
+                marker.header.stamp = now;
+            }
+            recorder.write(topics::SCENE, &self.arrows)?;
+        }
+        Ok(())
+    }
+
+    fn write_still<R: MessageSink>(
+        &mut self,
+        recorder: &mut R,
+        now: Time,
+        stamp: f64,
+    ) -> Result<(), RecordError> {
+        self.still.description.stamp = stamp;
+        recorder.write(topics::ROBOT_DESCRIPTION, &self.still.description)?;
+        for transform in &mut self.still.transforms.transforms {
+            transform.header.stamp = now;
+        }
+        recorder.write(topics::TF_STATIC, &self.still.transforms)?;
+        for marker in &mut self.still.scene.markers {
+            marker.header.stamp = now;
+        }
+        recorder.write(topics::SCENE, &self.still.scene)
+    }
+
+    /// Writes what acts on a finger, and, where a picture of the scene is `due`, each of its elements.
+    fn write_felt<R: MessageSink>(
+        &mut self,
+        recorder: &mut R,
+        index: usize,
+        touch: &FingerTouch,
+        due: bool,
+    ) -> Result<(), RecordError> {
+        let Some(finger) = self.fingers.get_mut(index) else {
+            return Ok(());
+        };
+        let Some(stamp) = Time::of(touch.frame.stamp) else {
+            return Ok(());
+        };
+        finger.elements.take_forces(&touch.frame.forces);
+        finger.wrench.header.stamp = stamp;
+        finger.wrench.wrench = finger.elements.wrench();
+        recorder.write(topics::wrench(index), &finger.wrench)?;
+        if due {
+            finger.taxels.header.stamp = stamp;
+            let slips = |element: usize| finger.arrows.slips(touch, element);
+            finger.elements.fill(&mut finger.taxels, slips);
+            recorder.write(topics::taxels(index), &finger.taxels)?;
+            if let Some(marker) = self.arrows.markers.get_mut(index) {
+                finger.arrows.fill(marker, &finger.elements, touch);
+            }
+        }
+        Ok(())
+    }
+
+    fn write_transforms<R: MessageSink>(
+        &mut self,
+        recorder: &mut R,
+        now: Time,
+        angles: impl Iterator<Item = DVec3>,
+        instruments: InstrumentRecord<'_>,
+    ) -> Result<(), RecordError> {
+        let frames = self
+            .fingers
+            .iter()
+            .zip(angles)
+            .flat_map(|(finger, angles)| {
+                let angle = move |frame: &Frame| frame.joint.map_or(0.0, |joint| angles[joint]);
+                finger
+                    .frames
+                    .iter()
+                    .map(move |frame| frame.in_parent(angle(frame)))
+            });
+        let moving = self.moving.iter().map(|frame| match frame {
+            SolidFrame::Cap => instruments.cap.map_or(DAffine3::IDENTITY, |cap| {
+                let turned = DQuat::from_rotation_z(cap.angle);
+                DAffine3::from_rotation_translation(turned, cap.centre.into())
+            }),
+            SolidFrame::Object => instruments.object.map_or(DAffine3::IDENTITY, |object| {
+                let turned: DQuat = object.orientation.into();
+                DAffine3::from_rotation_translation(turned, object.position.into())
+            }),
+            SolidFrame::World => DAffine3::IDENTITY,
+        });
+        let transforms = self.transforms.transforms.iter_mut();
+        for (transform, pose) in transforms.zip(frames.chain(moving)) {
+            transform.header.stamp = now;
+            transform.transform = pose.into();
+        }
+        recorder.write(topics::TF, &self.transforms)
+    }
+}
+
+/// The transform of `frame`, at its joint's angle 0.
+fn transform(frame: &Frame) -> TransformStamped {
+    TransformStamped {
+        header: Header::of(frame.parent.as_str()),
+        child_frame_id: frame.name.clone(),
+        transform: frame.in_parent(0.0).into(),
+    }
+}
