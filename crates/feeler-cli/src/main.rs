@@ -15,12 +15,17 @@ fn main() -> std::process::ExitCode {
     feeler_cli::main()
 }
 
-/// Holds what the C library keeps for threads that are gone to two of them: the link's library starts some for each
-/// connection, and each could leave 5 MB behind.
+/// Holds what the C library keeps of memory that was freed: the link's library takes threads and megabytes for each
+/// connection, and a peer may connect again and again.
 fn hold_memory() {
     #[cfg(all(feature = "link", target_os = "linux", target_env = "gnu"))]
-    // SAFETY: it sets a number of the allocator, before there is another thread.
+    // SAFETY: they set numbers of the allocator, before there is another thread.
     unsafe {
-        libc::mallopt(libc::M_ARENA_MAX, 2);
+        /// Threads share so many heaps.
+        const HEAPS: libc::c_int = 2;
+        /// Blocks from this size, bytes, are taken from the system and given back: buffers of connections.
+        const OF_THE_SYSTEM: libc::c_int = 32 * 1024;
+        libc::mallopt(libc::M_ARENA_MAX, HEAPS);
+        libc::mallopt(libc::M_MMAP_THRESHOLD, OF_THE_SYSTEM);
     }
 }
