@@ -1,0 +1,45 @@
+/** A browser for the tests, and what its pages said. */
+import { execSync } from "node:child_process";
+import { type Browser, type BrowserContextOptions, chromium, type Page } from "playwright-core";
+
+const FLAGS = [
+  "--no-sandbox",
+  "--disable-background-networking",
+  "--disable-component-update",
+  "--disable-sync",
+  // WebGL without a graphics card.
+  "--use-angle=swiftshader",
+  "--enable-unsafe-swiftshader",
+];
+
+export function launch(flags: string[] = []): Promise<Browser> {
+  const executablePath = process.env["CHROMIUM"] ?? execSync("command -v chromium").toString().trim();
+  return chromium.launch({ executablePath, args: [...FLAGS, ...flags] });
+}
+
+export interface Opened {
+  page: Page;
+  /** Errors of the console and of scripts. */
+  errors: string[];
+  /** Addresses that the page asked for, besides itself. */
+  requests: string[];
+}
+
+export async function open(
+  browser: Browser,
+  url: string,
+  options: BrowserContextOptions = {},
+): Promise<Opened> {
+  const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, ...options });
+  const page = await context.newPage();
+  const [errors, requests]: [string[], string[]] = [[], []];
+  page.on("pageerror", (error) => errors.push(String(error)));
+  page.on("console", (message) => {
+    if (message.type() === "error" || message.type() === "warning") errors.push(message.text());
+  });
+  page.on("request", (request) => {
+    if (request.url() !== url) requests.push(request.url());
+  });
+  await page.goto(url);
+  return { page, errors, requests };
+}

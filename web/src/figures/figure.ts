@@ -1,0 +1,84 @@
+/** A figure that answers, in place of the still picture that the document has. */
+import type { Figure, Panel } from "../page_data";
+import type { Playback } from "../playback";
+import { PageProblem } from "../problem";
+import type { Run } from "../run";
+import { make } from "../ui/dom";
+import { onTheme } from "../ui/theme";
+import type { PanelView } from "./panel_view";
+import { TimeAxis } from "./time_axis";
+import { TimePanel } from "./time_panel";
+import { XyPanel } from "./xy_panel";
+
+/** What figures may show besides points of their own. */
+export interface Moments {
+  run: Run;
+  playback: Playback;
+}
+
+export class FigureView {
+  readonly #panels: PanelView[];
+  readonly #axis: TimeAxis | undefined;
+  #row = 0;
+  #visible = true;
+
+  /** Puts the figure into its `<figure>`. */
+  constructor(figure: Figure, place: HTMLElement, moments: Moments | undefined) {
+    const times = figure.panels.filter((panel) => panel.kind === "time");
+    this.#axis = moments && new TimeAxis(moments.run.table, times[0]?.rows);
+    this.#panels = figure.panels.map((panel) => this.#panel(panel, times, moments));
+    const body = make("div", { class: "panels" }, ...this.#panels.map((panel) => panel.element));
+    place.prepend(body);
+    place.classList.add("interactive");
+    new ResizeObserver(() => this.#fit(body.clientWidth)).observe(body);
+    new IntersectionObserver(([entry]) => {
+      this.#visible = entry?.isIntersecting ?? true;
+      this.showRow(this.#row);
+    }).observe(place);
+    onTheme(() => this.#panels.forEach((panel) => panel.paint()));
+  }
+
+  showRow(row: number): void {
+    this.#row = row;
+    if (this.#visible) for (const panel of this.#panels) panel.showRow(row);
+  }
+
+  refresh(): void {
+    if (!this.#visible) return;
+    for (const panel of this.#panels) panel.refresh();
+    this.#axis?.follow();
+  }
+
+  #panel(panel: Panel, times: Panel[], moments: Moments | undefined): PanelView {
+    // Without a run, time is an axis like any other.
+    if (panel.kind === "xy" || (!moments && panel.series.every((series) => series.points))) {
+      return new XyPanel(panel, moments?.playback);
+    }
+    if (!moments || !this.#axis)
+      throw new PageProblem("This figure needs the run's data, which this page lacks.");
+    const place = { first: panel === times[0], last: panel === times.at(-1) };
+    return new TimePanel(panel, moments.run, moments.playback, this.#axis, place);
+  }
+
+  #fit(width: number): void {
+    if (width <= 0) return;
+    for (const panel of this.#panels) panel.setWidth(width);
+    this.showRow(this.#row);
+  }
+}
+
+/** The figures of the page, each in its place in the document. */
+export function figureViews(figures: Figure[], moments: Moments | undefined): FigureView[] {
+  return figures.flatMap((figure) => {
+    const id = `fig-${String(figure.number).padStart(2, "0")}`;
+    const place = document.getElementById(id);
+    if (!place || figure.panels.length === 0) return [];
+    try {
+      return [new FigureView(figure, place, moments)];
+    } catch (error) {
+      // The still picture stays.
+      place.append(make("p", { class: "note" }, error instanceof Error ? error.message : String(error)));
+      return [];
+    }
+  });
+}

@@ -1,0 +1,53 @@
+/** Fingers on a panel: one moves the cursor, two zoom, two quick taps reset. */
+
+export interface Gestures {
+  /** The cursor is wanted at this place, px from the panel's left and top. */
+  point(x: number, y: number): void;
+  /** What was at `from` is wanted at `to`: both ends of a pinch, px from the left. */
+  pinch(from: [number, number], to: [number, number]): void;
+  reset(): void;
+}
+
+/** Taps within this time are one gesture, ms. */
+const DOUBLE_TAP = 300;
+
+export function startGestures(over: HTMLElement, gestures: Gestures): void {
+  const fingers = new Map<number, number>();
+  let lastTap = 0;
+  // Up and down still scrolls the page.
+  over.style.touchAction = "pan-y";
+  const place = (event: PointerEvent): [number, number] => {
+    const { left, top } = over.getBoundingClientRect();
+    return [event.clientX - left, event.clientY - top];
+  };
+  const touch = (act: (event: PointerEvent) => void) => (event: PointerEvent) => {
+    if (event.pointerType === "touch") act(event);
+  };
+  over.addEventListener(
+    "pointerdown",
+    touch((event) => {
+      fingers.set(event.pointerId, place(event)[0]);
+      if (fingers.size > 1) return;
+      if (event.timeStamp - lastTap < DOUBLE_TAP) gestures.reset();
+      lastTap = event.timeStamp;
+      gestures.point(...place(event));
+    }),
+  );
+  over.addEventListener(
+    "pointermove",
+    touch((event) => {
+      if (!fingers.has(event.pointerId)) return;
+      const before = [...fingers.values()];
+      fingers.set(event.pointerId, place(event)[0]);
+      const after = [...fingers.values()];
+      if (fingers.size === 1) gestures.point(...place(event));
+      if (fingers.size === 2) gestures.pinch(before as [number, number], after as [number, number]);
+    }),
+  );
+  for (const end of ["pointerup", "pointercancel"] as const) {
+    over.addEventListener(
+      end,
+      touch((event) => fingers.delete(event.pointerId)),
+    );
+  }
+}

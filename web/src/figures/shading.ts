@@ -1,0 +1,61 @@
+/** Strokes and phases behind the panels of time. */
+import type uPlot from "uplot";
+import type { Run } from "../run";
+import { pageColour } from "../ui/colours";
+import { FONT } from "./style";
+
+/** Height of the strip that tells the phases apart, px. */
+const STRIP = 4;
+/** Tol's muted colours, which colour-blind readers can tell and which no finger has. */
+const PHASES = ["#88CCEE", "#DDCC77", "#44AA99", "#CC6677", "#AA4499", "#999933", "#332288", "#DDDDDD"];
+
+/** Fills the parts of the strokes in which the object is turned, and a strip by phase at the bottom. */
+export function shade(u: uPlot, run: Run, numbered: boolean): void {
+  const { ctx, bbox } = u;
+  ctx.save();
+  ctx.beginPath();
+  ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
+  ctx.clip();
+  for (const { move, index } of run.strokes) {
+    const [left, right] = spanOf(u, run, move[0], move[1]);
+    ctx.fillStyle = pageColour("shade");
+    ctx.fillRect(left, bbox.top, right - left, bbox.height);
+    if (numbered) writeNumber(u, String(index), (left + right) / 2);
+  }
+  strip(u, run);
+  ctx.restore();
+}
+
+function writeNumber({ ctx, bbox }: uPlot, text: string, x: number): void {
+  ctx.font = scaled(FONT);
+  ctx.fillStyle = pageColour("soft");
+  ctx.textAlign = "center";
+  ctx.textBaseline = "top";
+  ctx.fillText(text, x, bbox.top + 3 * devicePixelRatio);
+}
+
+function strip(u: uPlot, run: Run): void {
+  const { ctx, bbox } = u;
+  const height = STRIP * devicePixelRatio;
+  const rows = run.table.length;
+  for (let start = 0, row = 1; row <= rows; row++) {
+    const phase = run.phaseNumber(start);
+    if (row < rows && run.phaseNumber(row) === phase) continue;
+    const [left, right] = spanOf(u, run, start, row);
+    start = row;
+    if (phase < 0) continue;
+    ctx.fillStyle = PHASES[phase % PHASES.length] ?? "";
+    ctx.fillRect(left, bbox.top + bbox.height - height, right - left, height);
+  }
+}
+
+/** Left and right of the rows from `start` up to, not including, `end`. */
+function spanOf(u: uPlot, { table }: Run, start: number, end: number): [number, number] {
+  const at = (row: number) => u.valToPos(table.time(Math.min(row, table.length - 1)), "x", true);
+  return [at(start), at(end)];
+}
+
+/** A font in pixels of the canvas. */
+export function scaled(font: string): string {
+  return font.replace(/(\d+)px/, (_, size) => `${Number(size) * devicePixelRatio}px`);
+}

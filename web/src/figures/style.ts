@@ -1,0 +1,56 @@
+/** How series and axes look, in light and dark. */
+import type uPlot from "uplot";
+import type { Axis, Series } from "../page_data";
+import { tick } from "../format";
+import { fingerColour, pageColour } from "../ui/colours";
+import { isDark } from "../ui/theme";
+
+export const FONT = '12px system-ui, "Segoe UI", Roboto, "DejaVu Sans", sans-serif';
+/** Room for the upright axis, so that times of all panels stand one above the other, px. */
+const GUTTER = 54;
+const TIME_AXIS = 40;
+const DASHES = [6, 4];
+
+export function seriesColour({ colour }: Series): string {
+  if (colour === "shared") return pageColour("ink");
+  if (colour === "reference") return pageColour("soft");
+  if (colour === "background") return isDark() ? "#7d858d" : "#a3a9af";
+  return fingerColour(Number(colour.slice("finger-".length)), isDark());
+}
+
+/** What all series have in common for uPlot. */
+export function seriesOptions(series: Series): uPlot.Series {
+  return {
+    label: series.name,
+    stroke: () => seriesColour(series),
+    width: series.colour === "background" ? 1 : 1.6,
+    points: { show: false },
+    ...(series.line === "dashed" && { dash: DASHES }),
+  };
+}
+
+/** "Grasp force (N)". */
+export function axisTitle({ label, unit }: Axis): string {
+  return unit && !label.includes(`(${unit})`) ? `${label} (${unit})` : label;
+}
+
+/** Axes with ticks that are as short as tells them apart; `x` may be hidden where a panel beneath has it. */
+export function axesOptions(x: { title: string } | undefined, upright: boolean): uPlot.Axis[] {
+  const common = {
+    stroke: () => pageColour("soft"),
+    font: FONT,
+    labelFont: FONT,
+    grid: { stroke: () => pageColour("grid"), width: 1 },
+    ticks: { show: false },
+    values: (_: uPlot, splits: number[], _axis: number, _space: number, step: number) =>
+      splits.map((split) => tick(split, step)),
+  };
+  return [
+    {
+      ...common,
+      size: x ? TIME_AXIS : 4,
+      ...(x ? { label: x.title, labelSize: 18, labelGap: 0, gap: 2 } : { values: () => [] }),
+    },
+    { ...common, size: GUTTER, ...(!upright && { values: () => [], grid: { show: false } }) },
+  ];
+}

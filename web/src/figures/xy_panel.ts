@@ -1,0 +1,193 @@
+/** Points in a plane: paths from above, scatter, curves against something else than time. */
+import uPlot from "uplot";
+import { quantity } from "../format";
+import type { Panel } from "../page_data";
+import type { Playback } from "../playback";
+import { make } from "../ui/dom";
+import { startGestures } from "./gestures";
+import { Legend } from "./legend";
+import type { PanelView } from "./panel_view";
+import { equalScale, pinched, type Range, type Window, windowAround } from "./plane";
+import { drawn, nearest, pointAtRow, type Points, pointsOf } from "./points";
+import { axesOptions, axisTitle, seriesColour, seriesOptions } from "./style";
+import { drawThresholds } from "./thresholds";
+import { Tooltip } from "./tooltip";
+
+/** Room of the axes, px. */
+const AXES: [number, number] = [66, 52];
+const HEIGHTS: Range = [180, 440];
+/** Of its width, where nothing else says how high a panel is. */
+const ASPECT = 0.6;
+/** How far from a point the cursor reads it, px. */
+const REACH = 28;
+const CLICK = 6;
+
+export class XyPanel implements PanelView {
+  readonly element: HTMLElement;
+  readonly #panel: Panel;
+  readonly #playback: Playback | undefined;
+  readonly #points: Points[];
+  readonly #all: Window;
+  #window: Window;
+  readonly #legend: Legend;
+  readonly #plot: uPlot;
+  readonly #tooltip: Tooltip;
+  readonly #dots: HTMLElement[];
+
+  constructor(panel: Panel, playback: Playback | undefined) {
+    this.#panel = panel;
+    this.#playback = playback;
+    this.#points = panel.series.map((series) => pointsOf(series, panel.x, panel.y));
+    this.#window = this.#all = this.#everything();
+    this.#legend = new Legend(panel, (i, show) => this.#plot.setSeries(i + 1, { show }));
+    const canvas = make("div", { class: "plot" });
+    this.element = make("div", {}, this.#legend.element, canvas);
+    const data = [null, ...this.#points.map(({ x, y }) => [x, y])] as unknown as uPlot.AlignedData;
+    this.#plot = new uPlot(this.#options(), data, canvas);
+    this.#tooltip = new Tooltip(this.#plot.over);
+    this.#dots = this.#points.map(() => make("i", { class: "moment-dot", hidden: "" }));
+    this.#plot.over.append(...this.#dots);
+    startGestures(this.#plot.over, {
+      point: (x, y) => this.#point(x, y),
+      pinch: (from, to) => this.#show(pinched(this.#window, this.#plot.over.clientWidth, from, to)),
+      reset: () => this.#show(this.#all),
+    });
+  }
+
+  setWidth(width: number): void {
+    const { x, y } = this.#all;
+    const inner = width - AXES[0];
+    const height = this.#panel.equal ? (inner * (y[1] - y[0])) / (x[1] - x[0]) : ASPECT * inner;
+    const bounded = Math.min(Math.max(height, HEIGHTS[0]), HEIGHTS[1]);
+    this.#plot.setSize({ width, height: Math.round(bounded + AXES[1]) });
+    this.#show(this.#window);
+  }
+
+  showRow(row: number): void {
+    this.#points.forEach((points, i) => {
+      const dot = this.#dots[i];
+      if (!dot) return;
+      const index = pointAtRow(points, row);
+      const [x, y] = [points.x[index ?? -1] ?? NaN, points.y[index ?? -1] ?? NaN];
+      const { x: horizontal, y: upright } = this.#window;
+      const inside = x >= horizontal[0] && x <= horizontal[1] && y >= upright[0] && y <= upright[1];
+      dot.hidden = !inside || this.#plot.series[i + 1]?.show === false;
+      if (dot.hidden) return;
+      dot.style.transform = `translate(${this.#plot.valToPos(x, "x")}px, ${this.#plot.valToPos(y, "y")}px)`;
+      dot.style.background = seriesColour(points.series);
+    });
+  }
+
+  paint(): void {
+    this.#legend.paint();
+    this.#plot.redraw();
+  }
+
+  /** Its points are not of the rows. */
+  refresh(): void {}
+
+  #everything(): Window {
+    const { x, y, thresholds } = this.#panel;
+    const points = this.#points.flatMap(({ x, y }) => x.map((value, i) => [value, y[i] ?? NaN] as const));
+    const all = windowAround(points.concat(thresholds.map(({ value }) => [NaN, value * y.scale] as const)));
+    const given = (axis: typeof x, range: Range): Range =>
+      axis.range ? [axis.range[0] * axis.scale, axis.range[1] * axis.scale] : range;
+    return { x: given(x, all.x), y: given(y, all.y) };
+  }
+
+  #options(): uPlot.Options {
+    const range = (axis: "x" | "y") => ({ time: false, auto: false, range: () => this.#window[axis] });
+    return {
+      mode: 2,
+      width: 400,
+      height: 300,
+      legend: { show: false },
+      padding: [8, 12, 0, 0],
+      scales: { x: range("x"), y: range("y") },
+      axes: axesOptions({ title: axisTitle(this.#panel.x) }, true),
+      series: [
+        null as unknown as uPlot.Series,
+        ...this.#points.map((points) => ({
+          ...seriesOptions(points.series),
+          paths: drawn(points),
+          ...(points.series.line === "points" && { fill: () => seriesColour(points.series) }),
+        })),
+      ],
+      cursor: {
+        x: false,
+        y: false,
+        points: { show: false },
+        drag: { x: true, y: true, uni: 20, setScale: false },
+        bind: {
+          mousemove: (u, _target, handle) => (event) => {
+            handle(event);
+            this.#point(u.cursor.left ?? -1, u.cursor.top ?? -1);
+            return null;
+          },
+          mouseleave: (_u, _target, handle) => (event) => {
+            handle(event);
+            this.#tooltip.hide();
+            return null;
+          },
+          click: (u) => () => {
+            if (u.select.width < CLICK && u.select.height < CLICK) this.#click(u);
+            return null;
+          },
+          dblclick: () => () => {
+            this.#show(this.#all);
+            return null;
+          },
+        },
+      },
+      hooks: { setSelect: [(u) => this.#zoom(u)], draw: [(u) => drawThresholds(u, this.#panel)] },
+    };
+  }
+
+  #point(left: number, top: number): void {
+    const found = nearest(this.#plot, this.#points, left, top, REACH);
+    if (!found) {
+      this.#tooltip.hide();
+      return;
+    }
+    const { points, index } = found;
+    const { x, y } = this.#panel;
+    const value = (axis: typeof x, at: number) => `${axis.label}: ${quantity(at, axis.unit)}`;
+    const lines = [points.series.name, value(x, points.x[index] ?? NaN), value(y, points.y[index] ?? NaN)];
+    const label = points.series.points?.label?.[index];
+    if (label) lines.push(label, "Click to copy");
+    this.#tooltip.show(lines, left, top);
+    const row = points.series.points?.row?.[index];
+    if (row !== undefined && this.#playback && !this.#playback.playing) this.#playback.seek(row);
+  }
+
+  #click(u: uPlot): void {
+    const { left = -1, top = -1 } = u.cursor;
+    const found = nearest(u, this.#points, left, top, REACH);
+    const { row, label } = found?.points.series.points ?? {};
+    const [at, text] = [row?.[found?.index ?? -1], label?.[found?.index ?? -1]];
+    if (at !== undefined) this.#playback?.stopAt(at);
+    if (text) void this.#tooltip.copy(text, left, top);
+  }
+
+  #zoom(u: uPlot): void {
+    const { left, top, width, height } = u.select;
+    if (width >= CLICK || height >= CLICK) {
+      const x: Range = [u.posToVal(left, "x"), u.posToVal(left + width, "x")];
+      const y: Range = [u.posToVal(top + height, "y"), u.posToVal(top, "y")];
+      this.#show({ x: width >= CLICK ? x : this.#window.x, y: height >= CLICK ? y : this.#window.y });
+    }
+    u.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
+  }
+
+  #show(window: Window): void {
+    const { clientWidth, clientHeight } = this.#plot.over;
+    const equal = this.#panel.equal && clientWidth > 0 && clientHeight > 0;
+    this.#window = equal ? equalScale(window, clientWidth, clientHeight) : window;
+    const { x, y } = this.#window;
+    this.#plot.batch(() => {
+      this.#plot.setScale("x", { min: x[0], max: x[1] });
+      this.#plot.setScale("y", { min: y[0], max: y[1] });
+    });
+    if (this.#playback) this.showRow(this.#playback.row);
+  }
+}

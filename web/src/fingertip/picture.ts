@@ -1,0 +1,112 @@
+/** Draws what a fingertip's camera sees, with the tangential forces over it. */
+import type { FingerColumns } from "../run";
+import { SLIP } from "../run";
+import { OVER_COLOUR, SLIP_COLOUR, TOUCH_COLOUR } from "../ui/colours";
+import { growth, type Spot, spots } from "./optics";
+
+/** A picture from a camera is dark, on a light page, too. */
+const GROUND = ["#23272c", "#0c0e10"] as const;
+const ARROW = "#7fd4ff";
+/** Radius of an unpressed spot; the picture is 2 wide. */
+const SPOT = 0.035;
+/** Length of an arrow for 1 N; the picture is 2 wide. */
+export const ARROW_SCALE = 2.4;
+/** Forces up to this are noise, N. */
+const LEAST_FORCE = 0.01;
+
+export class Picture {
+  readonly #columns: FingerColumns;
+  readonly #spots: Spot[];
+  readonly #canvas: HTMLCanvasElement;
+
+  constructor(canvas: HTMLCanvasElement, columns: FingerColumns) {
+    this.#canvas = canvas;
+    this.#columns = columns;
+    this.#spots = spots(columns.finger.elements);
+  }
+
+  draw(row: number): void {
+    const ctx = this.#canvas.getContext("2d");
+    if (!ctx) return;
+    const half = this.#canvas.width / 2;
+    // From here on, as the spots are: 1 is the edge, y goes up.
+    ctx.setTransform(half, 0, 0, -half, half, half);
+    ctx.clearRect(-1, -1, 2, 2);
+    this.#drawDome(ctx);
+    const slips = (this.#columns.flags(row) & SLIP) !== 0;
+    this.#spots.forEach((spot, i) => this.#drawSpot(ctx, spot, i, row, slips));
+    this.#spots.forEach((spot, i) => this.#drawArrow(ctx, spot, i, row));
+  }
+
+  #drawDome(ctx: CanvasRenderingContext2D): void {
+    const vignette = ctx.createRadialGradient(0, 0, 0.2, 0, 0, 1);
+    vignette.addColorStop(0, GROUND[0]);
+    vignette.addColorStop(1, GROUND[1]);
+    ctx.fillStyle = vignette;
+    ctx.beginPath();
+    ctx.arc(0, 0, 1, 0, 2 * Math.PI);
+    ctx.fill();
+  }
+
+  #drawSpot(ctx: CanvasRenderingContext2D, spot: Spot, i: number, row: number, slips: boolean): void {
+    const { touchForce, overForce } = this.#columns.finger;
+    const compression = this.#columns.compression(row, i);
+    const [x, y] = this.#place(spot, i, row);
+    const radius = SPOT * growth(compression);
+    const light = Math.max(0.55, 1 - 0.3 * (x * x + y * y));
+    ctx.fillStyle = `rgb(${Math.round(235 * light)} ${Math.round(238 * light)} ${Math.round(225 * light)})`;
+    ctx.beginPath();
+    ctx.arc(x, y, radius, 0, 2 * Math.PI);
+    ctx.fill();
+    if (compression <= touchForce) return;
+    const over = compression > overForce;
+    ctx.strokeStyle = over ? OVER_COLOUR : slips ? SLIP_COLOUR : TOUCH_COLOUR;
+    ctx.lineWidth = over ? 0.035 : 0.022;
+    ctx.beginPath();
+    ctx.arc(x, y, radius + 0.025, 0, 2 * Math.PI);
+    ctx.stroke();
+  }
+
+  /** The tangential force on the feeler by the object, from the spot on. */
+  #drawArrow(ctx: CanvasRenderingContext2D, spot: Spot, i: number, row: number): void {
+    const [fx, fy] = this.#tangential(i, row);
+    const newtons = Math.hypot(fx, fy);
+    if (newtons < LEAST_FORCE || this.#columns.compression(row, i) < LEAST_FORCE) return;
+    const [sx, sy] = spot.shear;
+    const [dx, dy] = [fx * sx[0] + fy * sy[0], fx * sx[1] + fy * sy[1]];
+    const seen = Math.hypot(dx, dy);
+    if (seen < 1e-9) return;
+    // As long as the force is large, wherever on the dome it is.
+    const length = (ARROW_SCALE * newtons) / seen;
+    const [x, y] = this.#place(spot, i, row);
+    drawArrow(ctx, x, y, x + dx * length, y + dy * length);
+  }
+
+  #place(spot: Spot, i: number, row: number): [number, number] {
+    const [fx, fy] = this.#tangential(i, row);
+    const [sx, sy] = spot.shear;
+    return [spot.x + fx * sx[0] + fy * sy[0], spot.y + fx * sx[1] + fy * sy[1]];
+  }
+
+  #tangential(i: number, row: number): [number, number] {
+    const { forces } = this.#columns;
+    return [forces?.at(row, 3 * i) || 0, forces?.at(row, 3 * i + 1) || 0];
+  }
+}
+
+function drawArrow(ctx: CanvasRenderingContext2D, x: number, y: number, toX: number, toY: number): void {
+  const angle = Math.atan2(toY - y, toX - x);
+  const head = Math.min(0.07, 0.6 * Math.hypot(toX - x, toY - y));
+  ctx.strokeStyle = ctx.fillStyle = ARROW;
+  ctx.lineWidth = 0.02;
+  ctx.beginPath();
+  ctx.moveTo(x, y);
+  ctx.lineTo(toX - 0.8 * head * Math.cos(angle), toY - 0.8 * head * Math.sin(angle));
+  ctx.stroke();
+  ctx.beginPath();
+  ctx.moveTo(toX, toY);
+  for (const side of [-0.4, 0.4]) {
+    ctx.lineTo(toX - head * Math.cos(angle + side), toY - head * Math.sin(angle + side));
+  }
+  ctx.fill();
+}

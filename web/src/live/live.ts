@@ -1,0 +1,98 @@
+/** A live page: rows come in, flags and words follow them at once, orders go out. */
+import type { Live } from "../page_data";
+import type { Playback } from "../playback";
+import { PageProblem } from "../problem";
+import type { FingerColumns } from "../run";
+import { Connection } from "./connection";
+import { readState } from "./messages";
+import { LivePanel } from "./panel";
+import type { Ring } from "./ring";
+
+/** Rows older than this are said to be stale, ms. */
+const STALE = 1000;
+/** How often that is looked at, ms. */
+const WATCH = 250;
+
+export class LivePage {
+  readonly panel: LivePanel;
+  readonly #ring: Ring;
+  readonly #playback: Playback;
+  readonly #fingers: FingerColumns[];
+  readonly #rowsGone: () => void;
+  readonly #connection: Connection;
+  #connected = false;
+  #over = false;
+  #lastRow = performance.now();
+  /** What is wrong with a message that came. */
+  #problem = "";
+
+  /** Calls `rowsGone` when the oldest rows have made room. */
+  constructor(live: Live, ring: Ring, playback: Playback, fingers: FingerColumns[], rowsGone: () => void) {
+    this.#ring = ring;
+    this.#playback = playback;
+    this.#fingers = fingers;
+    this.#rowsGone = rowsGone;
+    this.panel = new LivePanel(fingers, live.orders, (order) => this.order(order));
+    this.#connection = new Connection(live.socket, {
+      row: (message) => this.#read(() => this.#row(message)),
+      state: (text) => this.#read(() => this.#state(text)),
+      connected: (there) => this.#connectionChanged(there),
+    });
+    setInterval(() => this.#watch(), WATCH);
+  }
+
+  order(order: "stop" | "resume"): void {
+    if (this.#connection.send({ order })) return;
+    this.panel.notice(`Not connected: “${order}” was not sent. Use the hand's own stop.`);
+  }
+
+  /** A message that cannot be read ends nothing. */
+  #read(message: () => void): void {
+    try {
+      message();
+      this.#problem = "";
+    } catch (error) {
+      if (!(error instanceof PageProblem)) throw error;
+      this.#problem = error.message;
+    }
+    this.#watch();
+  }
+
+  #row(message: ArrayBuffer): void {
+    const gone = this.#ring.add(message);
+    this.#lastRow = performance.now();
+    if (gone > 0) {
+      this.#playback.shift(gone);
+      this.#rowsGone();
+    }
+    const row = this.#ring.table.length - 1;
+    this.#fingers.forEach((finger, i) => this.panel.showFlags(i, finger.flags(row)));
+    this.#playback.request();
+  }
+
+  #state(text: string): void {
+    const state = readState(text);
+    this.#over = state.over;
+    if (state.over) this.#connection.end();
+    this.panel.showState(state);
+  }
+
+  #connectionChanged(there: boolean): void {
+    this.#connected = there;
+    this.#lastRow = performance.now();
+    this.panel.connected(there);
+    this.#watch();
+  }
+
+  #watch(): void {
+    this.panel.notice(this.#problem || this.#trouble());
+  }
+
+  #trouble(): string {
+    if (this.#over) return "";
+    if (!this.#connected) return "Connection lost. What is shown is old. Connecting again …";
+    const age = performance.now() - this.#lastRow;
+    if (age < STALE) return "";
+    return `No data for ${Math.floor(age / 1000)} s. What is shown is old.`;
+  }
+}

@@ -1,0 +1,76 @@
+/** A run: its rows, and what the page asks of them. */
+import type { Finger, RunTable, Stroke } from "./page_data";
+import type { Column, Table } from "./table";
+
+/** Bits of `finger/N/flags`. */
+export const TOUCH = 1;
+export const SLIP = 2;
+export const OVER = 4;
+
+export const FLAG_NAMES: readonly [bit: number, name: string][] = [
+  [TOUCH, "TOUCH"],
+  [SLIP, "SLIP"],
+  [OVER, "OVER"],
+];
+
+/** What is on record of a finger. */
+export class FingerColumns {
+  readonly forces: Column | undefined;
+  readonly graspForce: Column | undefined;
+  readonly shearRate: Column | undefined;
+  readonly #flags: Column | undefined;
+
+  constructor(
+    table: Table,
+    readonly number: number,
+    readonly finger: Finger,
+  ) {
+    this.forces = table.column(`finger/${number}/forces`);
+    this.graspForce = table.column(`finger/${number}/grasp_force`);
+    this.shearRate = table.column(`finger/${number}/shear_rate`);
+    this.#flags = table.column(`finger/${number}/flags`);
+  }
+
+  flags(row: number): number {
+    return this.#flags?.at(row) || 0;
+  }
+
+  /** How strongly an element is pressed, N; 0 where it is not known. */
+  compression(row: number, element: number): number {
+    return this.forces?.at(row, 3 * element + 2) || 0;
+  }
+}
+
+export class Run {
+  readonly strokes: Stroke[];
+  readonly #phases: string[];
+  readonly #phase: Column | undefined;
+
+  constructor(
+    readonly table: Table,
+    { strokes, phases }: RunTable,
+  ) {
+    this.strokes = strokes;
+    this.#phases = phases;
+    this.#phase = table.column("phase");
+  }
+
+  phase(row: number): string {
+    return this.#phases[this.phaseNumber(row)] ?? "";
+  }
+
+  /** Number of the phase at a row; -1 where it is not known. */
+  phaseNumber(row: number): number {
+    return this.#phase?.at(row) ?? -1;
+  }
+
+  stroke(row: number): Stroke | undefined {
+    return this.strokes.find((stroke) => stroke.start <= row && row < stroke.end);
+  }
+
+  /** What happens at a row, in words: "MOVE, stroke 2". */
+  describe(row: number): string {
+    const stroke = this.stroke(row);
+    return [this.phase(row), stroke && `stroke ${stroke.index}`].filter(Boolean).join(", ");
+  }
+}

@@ -1,0 +1,23 @@
+/** A new element with attributes and content. */
+export function make<K extends keyof HTMLElementTagNameMap>(
+  tag: K,
+  attributes: Record<string, string> = {},
+  ...content: (Node | string)[]
+): HTMLElementTagNameMap[K] {
+  const element = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
+  element.append(...content);
+  return element;
+}
+
+/** A button with a name for screen readers, which a sighted reader gets as a tooltip. */
+export function button(text: string, name: string, act: () => void): HTMLButtonElement {
+  const element = make("button", { type: "button", "aria-label": name, title: name }, text);
+  element.addEventListener("click", act);
+  return element;
+}
+
+/** Writes text only where it differs, as writing makes the browser lay out again. */
+export function setText(element: Element, text: string): void {
+  if (element.textContent !== text) element.textContent = text;
+}

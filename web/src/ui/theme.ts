@@ -1,0 +1,70 @@
+/** Light or dark: as the system has it, until the reader chooses. */
+import { forgetPageColours } from "./colours";
+import { button, make } from "./dom";
+
+type Choice = "light" | "dark";
+
+const KEY = "feeler-theme";
+const listeners: (() => void)[] = [];
+const system = matchMedia("(prefers-color-scheme: dark)");
+
+export function isDark(): boolean {
+  const choice = document.documentElement.style.colorScheme;
+  return choice ? choice === "dark" : system.matches;
+}
+
+/** Calls `listener` whenever the page has become light or dark. */
+export function onTheme(listener: () => void): void {
+  listeners.push(listener);
+}
+
+export function themeButton(): HTMLElement {
+  const toggle = button("", "", () => choose(isDark() ? "light" : "dark"));
+  const label = make("span", { class: "sr" });
+  toggle.classList.add("theme");
+  const show = () => {
+    const name = isDark() ? "Light colours" : "Dark colours";
+    toggle.replaceChildren(isDark() ? "☀\ufe0e" : "☾\ufe0e", label);
+    toggle.setAttribute("aria-label", name);
+    toggle.title = name;
+  };
+  onTheme(show);
+  show();
+  return toggle;
+}
+
+/** Applies what the reader chose last time, and follows the system. */
+export function startTheme(): void {
+  const remembered = recall();
+  if (remembered) document.documentElement.style.colorScheme = remembered;
+  system.addEventListener("change", changed);
+}
+
+function choose(choice: Choice): void {
+  document.documentElement.style.colorScheme = choice;
+  remember(choice);
+  changed();
+}
+
+function changed(): void {
+  forgetPageColours();
+  for (const listener of listeners) listener();
+}
+
+// A page from disk may have no storage, or storage that throws.
+function remember(choice: Choice): void {
+  try {
+    localStorage.setItem(KEY, choice);
+  } catch {
+    // Then it holds for this visit.
+  }
+}
+
+function recall(): Choice | undefined {
+  try {
+    const choice = localStorage.getItem(KEY);
+    return choice === "light" || choice === "dark" ? choice : undefined;
+  } catch {
+    return undefined;
+  }
+}

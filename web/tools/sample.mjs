@@ -1,0 +1,14 @@
+// Makes the sample pages: sample/make.ts, bundled for node.
+import { build } from "esbuild";
+
+const outfile = new URL("../out/make_sample.mjs", import.meta.url).pathname;
+await build({
+  entryPoints: ["sample/make.ts"],
+  outfile,
+  bundle: true,
+  platform: "node",
+  format: "esm",
+  packages: "external",
+  logLevel: "warning",
+});
+await import(outfile);
