@@ -38,7 +38,7 @@ export function scene(): Scene {
       touchForce: TOUCH_FORCE,
       overForce: OVER_FORCE,
     })),
-    home: { centre: [0, 0, 0.088], radius: 0.1 },
+    home: { centre: [0, 0, 0.097], radius: 0.055 },
   };
 }
 

@@ -24,11 +24,12 @@ export function moment(seconds: number): string {
   return Number.isFinite(seconds) ? `${signed(seconds, 2)}\u00a0s` : "–";
 }
 
-/** A tick's label: as many decimals as tell it from its neighbours, `step` away. */
+/** A tick's label: as many decimals as its distance from its neighbours, `step`, has. */
 export function tick(value: number, step: number): string {
-  const decimals = Math.min(Math.max(-Math.floor(Math.log10(step) + 1e-9), 0), 9);
-  const text = signed(value, decimals);
-  return text.includes(".") ? text.replace(/\.?0+$/, "") : text;
+  let decimals = 0;
+  const whole = (scaled: number) => Math.abs(scaled - Math.round(scaled)) < 1e-6;
+  while (decimals < 9 && !whole(step * 10 ** decimals)) decimals++;
+  return signed(value, decimals);
 }
 
 function signed(value: number, decimals: number): string {

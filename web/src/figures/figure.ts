@@ -21,6 +21,7 @@ export class FigureView {
   readonly #axis: TimeAxis | undefined;
   #row = 0;
   #visible = true;
+  #width = 0;
 
   /** Puts the figure into its `<figure>`. */
   constructor(figure: Figure, place: HTMLElement, moments: Moments | undefined) {
@@ -61,7 +62,9 @@ export class FigureView {
   }
 
   #fit(width: number): void {
-    if (width <= 0) return;
+    // Panels change the height themselves.
+    if (width <= 0 || width === this.#width) return;
+    this.#width = width;
     for (const panel of this.#panels) panel.setWidth(width);
     this.showRow(this.#row);
   }

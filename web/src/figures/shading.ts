@@ -1,14 +1,11 @@
 /** Strokes and phases behind the panels of time. */
 import type uPlot from "uplot";
 import type { Run } from "../run";
-import { pageColour } from "../ui/colours";
+import { pageColour, phaseColour } from "../ui/colours";
 import { FONT } from "./style";
 
 /** Height of the strip that tells the phases apart, px. */
 const STRIP = 4;
-/** Tol's muted colours, which colour-blind readers can tell and which no finger has. */
-const PHASES = ["#88CCEE", "#DDCC77", "#44AA99", "#CC6677", "#AA4499", "#999933", "#332288", "#DDDDDD"];
-
 /** Fills the parts of the strokes in which the object is turned, and a strip by phase at the bottom. */
 export function shade(u: uPlot, run: Run, numbered: boolean): void {
   const { ctx, bbox } = u;
@@ -44,7 +41,7 @@ function strip(u: uPlot, run: Run): void {
     const [left, right] = spanOf(u, run, start, row);
     start = row;
     if (phase < 0) continue;
-    ctx.fillStyle = PHASES[phase % PHASES.length] ?? "";
+    ctx.fillStyle = phaseColour(phase);
     ctx.fillRect(left, bbox.top + bbox.height - height, right - left, height);
   }
 }

@@ -8,7 +8,7 @@ import { isDark } from "../ui/theme";
 export const FONT = '12px system-ui, "Segoe UI", Roboto, "DejaVu Sans", sans-serif';
 /** Room for the upright axis, so that times of all panels stand one above the other, px. */
 const GUTTER = 54;
-const TIME_AXIS = 40;
+const X_AXIS = 22;
 const DASHES = [6, 4];
 
 export function seriesColour({ colour }: Series): string {
@@ -48,7 +48,7 @@ export function axesOptions(x: { title: string } | undefined, upright: boolean):
   return [
     {
       ...common,
-      size: x ? TIME_AXIS : 4,
+      size: x ? X_AXIS : 4,
       ...(x ? { label: x.title, labelSize: 18, labelGap: 0, gap: 2 } : { values: () => [] }),
     },
     { ...common, size: GUTTER, ...(!upright && { values: () => [], grid: { show: false } }) },

@@ -21,6 +21,13 @@ export function drawThresholds({ ctx, bbox, valToPos }: uPlot, { thresholds, y: 
     ctx.moveTo(bbox.left, y);
     ctx.lineTo(right, y);
     ctx.stroke();
+    ctx.save();
+    // Readable where curves cross it.
+    ctx.setLineDash([]);
+    ctx.strokeStyle = pageColour("paper");
+    ctx.lineWidth = 3 * devicePixelRatio;
+    ctx.strokeText(name, right - 4 * devicePixelRatio, y - 2 * devicePixelRatio);
+    ctx.restore();
     ctx.fillText(name, right - 4 * devicePixelRatio, y - 2 * devicePixelRatio);
   }
   ctx.restore();

@@ -14,7 +14,7 @@ import { drawThresholds } from "./thresholds";
 import { Tooltip } from "./tooltip";
 
 /** Room of the axes, px. */
-const AXES: [number, number] = [66, 52];
+const AXES: [number, number] = [66, 48];
 const HEIGHTS: Range = [180, 440];
 /** Of its width, where nothing else says how high a panel is. */
 const ASPECT = 0.6;
@@ -28,6 +28,8 @@ export class XyPanel implements PanelView {
   readonly #playback: Playback | undefined;
   readonly #points: Points[];
   readonly #all: Window;
+  /** What is to be seen, and the window of equal scales that holds it. */
+  #wanted: Window;
   #window: Window;
   readonly #legend: Legend;
   readonly #plot: uPlot;
@@ -38,7 +40,7 @@ export class XyPanel implements PanelView {
     this.#panel = panel;
     this.#playback = playback;
     this.#points = panel.series.map((series) => pointsOf(series, panel.x, panel.y));
-    this.#window = this.#all = this.#everything();
+    this.#window = this.#wanted = this.#all = this.#everything();
     this.#legend = new Legend(panel, (i, show) => this.#plot.setSeries(i + 1, { show }));
     const canvas = make("div", { class: "plot" });
     this.element = make("div", {}, this.#legend.element, canvas);
@@ -59,8 +61,9 @@ export class XyPanel implements PanelView {
     const inner = width - AXES[0];
     const height = this.#panel.equal ? (inner * (y[1] - y[0])) / (x[1] - x[0]) : ASPECT * inner;
     const bounded = Math.min(Math.max(height, HEIGHTS[0]), HEIGHTS[1]);
-    this.#plot.setSize({ width, height: Math.round(bounded + AXES[1]) });
-    this.#show(this.#window);
+    // At once, as equal scales need the size that there is.
+    this.#plot.batch(() => this.#plot.setSize({ width, height: Math.round(bounded + AXES[1]) }));
+    this.#show(this.#wanted);
   }
 
   showRow(row: number): void {
@@ -182,6 +185,7 @@ export class XyPanel implements PanelView {
   #show(window: Window): void {
     const { clientWidth, clientHeight } = this.#plot.over;
     const equal = this.#panel.equal && clientWidth > 0 && clientHeight > 0;
+    this.#wanted = window;
     this.#window = equal ? equalScale(window, clientWidth, clientHeight) : window;
     const { x, y } = this.#window;
     this.#plot.batch(() => {

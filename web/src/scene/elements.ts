@@ -19,7 +19,9 @@ import type { FrameTree } from "./frames";
 import type { Palette } from "./palette";
 
 /** Length of an arrow, m per N. */
-export const ARROW_LENGTH = 0.03;
+export const ARROW_LENGTH = 0.04;
+/** How far a feeler's tip gives way, of the dome's radius per N: about as much as the reference fingertip's. */
+const YIELD = 0.27;
 /** Forces up to this are noise, N. */
 const LEAST_FORCE = 0.01;
 const Z = new Vector3(0, 0, 1);
@@ -88,7 +90,7 @@ export class Elements {
     const colour = over ? pressedTooHard : touches && slips ? slipping : touching;
     this.#spots.setColorAt(i, touches || over ? colour : this.#palette.resting);
     const size = over ? 1.7 : touches ? 1.35 : 1;
-    this.#matrix.makeScale(size, size, size).setPosition(...element.tip);
+    this.#matrix.makeScale(size, size, size).setPosition(pressedTip(element, compression, this.#tip));
     this.#spots.setMatrixAt(i, this.#matrix);
   }
 
@@ -99,14 +101,15 @@ export class Elements {
     if (!forces || !rotation) return false;
     const at = (k: number) => forces.at(row, 3 * i + k) || 0;
     // What is recorded as compression acts along the inward normal.
+    pressedTip(element, at(2), this.#middle);
     this.#force.set(at(0), at(1), -at(2));
     const newtons = this.#force.length();
     if (newtons < LEAST_FORCE) return false;
     this.#force.divideScalar(newtons).applyQuaternion(rotation);
     this.#turn.setFromUnitVectors(Z, this.#force);
     const length = ARROW_LENGTH * newtons;
-    this.#middle.set(...element.tip).addScaledVector(this.#force, length / 2);
-    this.#tip.set(...element.tip).addScaledVector(this.#force, length);
+    this.#tip.copy(this.#middle).addScaledVector(this.#force, length);
+    this.#middle.addScaledVector(this.#force, length / 2);
     this.#scale.set(1, 1, Math.max(length - 2 * this.#size, 1e-6));
     return true;
   }
@@ -118,6 +121,12 @@ export class Elements {
     this.#matrix.compose(this.#tip, this.#turn, this.#scale);
     this.#heads.setMatrixAt(place, this.#matrix);
   }
+}
+
+/** Where a feeler's tip is in the finger's frame when it is pressed, put into `out`. */
+export function pressedTip({ tip }: Element, compression: number, out: Vector3): Vector3 {
+  // The tip stands on the dome, whose centre is the frame's origin.
+  return out.set(...tip).multiplyScalar(1 - YIELD * Math.max(0, compression));
 }
 
 function instances(

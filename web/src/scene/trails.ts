@@ -1,6 +1,7 @@
 /** Where the touching tips of a finger were: dots in the world, as many as the moment shows. */
 import { BufferAttribute, BufferGeometry, Points, PointsMaterial, Vector3 } from "three";
 import type { FingerColumns, Run } from "../run";
+import { pressedTip } from "./elements";
 import type { FrameTree } from "./frames";
 
 /** How far back a trail goes where no stroke says where it begins, s. */
@@ -48,8 +49,9 @@ export class Trail {
     const world = frames.world(frame);
     for (let i = 0; i < elements.length; i++) {
       const element = elements[i];
-      if (!element || this.#columns.compression(row, i) <= touchForce) continue;
-      this.#dot.set(...element.tip).applyMatrix4(world);
+      const compression = this.#columns.compression(row, i);
+      if (!element || compression <= touchForce) continue;
+      pressedTip(element, compression, this.#dot).applyMatrix4(world);
       this.#push();
     }
     this.#before.push(this.#dots);

@@ -12,6 +12,14 @@ export const TOUCH_COLOUR = "#009E73";
 export const SLIP_COLOUR = "#E69F00";
 export const OVER_COLOUR = "#CC3F8F";
 
+/** Tol's muted colours, which colour-blind readers can tell and which no finger has. */
+const PHASES = ["#88CCEE", "#DDCC77", "#44AA99", "#CC6677", "#AA4499", "#999933", "#332288", "#DDDDDD"];
+
+/** Colour of a phase by its number; none where it is not known. */
+export function phaseColour(phase: number): string {
+  return PHASES[phase % PHASES.length] ?? "transparent";
+}
+
 const read = new Map<string, string>();
 
 /** A colour of page.css as it is now. */

@@ -2,6 +2,7 @@
 import { moment } from "../format";
 import { SPEEDS, type Playback } from "../playback";
 import type { Run } from "../run";
+import { phaseColour } from "./colours";
 import { button, make, setText } from "./dom";
 
 /** A screen reader hears the moment once it has stood still for so long, ms. */
@@ -59,6 +60,7 @@ export class Player {
     const phase = this.#run.describe(row);
     setText(this.#time, time);
     setText(this.#phase, phase);
+    this.#phase.style.borderColor = phaseColour(this.#run.phaseNumber(row));
     this.#slider.setAttribute("aria-valuetext", phase ? `${time}, ${phase}` : time);
     if (!this.#playback.playing) this.#speakLater(`${time}. ${phase}`);
   }

@@ -1,0 +1,109 @@
+/** The live page, against a rig of the test's own. */
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+import type { Browser, Page } from "playwright-core";
+import { launch, open } from "./browser";
+import { type Rig, startRig } from "./live_server";
+
+let browser: Browser;
+let rig: Rig;
+let page: Page;
+let errors: string[];
+
+before(async () => {
+  browser = await launch();
+  rig = await startRig();
+  ({ page, errors } = await open(browser, rig.url));
+  await until(async () => rig.sockets() === 1, "the page connects");
+});
+after(async () => {
+  await browser.close();
+  await rig.close();
+});
+
+async function until(what: () => Promise<boolean>, message: string): Promise<void> {
+  for (let attempt = 0; attempt < 100; attempt++) {
+    if (await what()) return;
+    await new Promise((resolve) => setTimeout(resolve, 50));
+  }
+  assert.fail(message);
+}
+
+const chip = (finger: number, name: string) =>
+  page.locator(".live-finger").nth(finger).locator(`.chip.${name}.on`);
+const touching = () => rig.rows.find((row) => row.flags.every((flags) => flags & 1));
+const free = () => rig.rows[0];
+
+test("flags follow within 100 ms", async () => {
+  const [on, off] = [touching(), free()];
+  assert.ok(on && off);
+  rig.send(off);
+  await until(async () => (await chip(0, "TOUCH").count()) === 0, "no touch");
+  // Timed in the page: from the message's arrival to the change of the chip.
+  const took = page.evaluate(
+    () =>
+      new Promise<number>((resolve) => {
+        const chip = document.querySelector(".live-finger .chip.TOUCH");
+        new MutationObserver(() => resolve(Date.now())).observe(chip as Element, { attributes: true });
+      }),
+  );
+  await page.waitForTimeout(100);
+  const sent = Date.now();
+  rig.send(on);
+  const passed = (await took) - sent;
+  console.log(`flags after ${passed} ms`);
+  assert.ok(passed < 100, `${passed} ms`);
+  assert.equal(await chip(1, "TOUCH").count(), 1);
+});
+
+test("rows are drawn, and the newest is shown", async () => {
+  const canvas = page.locator(".scene-canvas canvas");
+  const before = await canvas.screenshot();
+  for (const row of rig.rows.slice(touching() ? rig.rows.indexOf(touching()!) + 1 : 0, 700)) rig.send(row);
+  const newest = rig.rows[699]?.time.toFixed(2) ?? "";
+  await until(async () => (await page.locator(".player-time").innerText()).startsWith(newest), newest);
+  assert.ok(!before.equals(await canvas.screenshot()));
+});
+
+test("the state is told in words, and stop and resume are sent", async () => {
+  rig.state({ state: "MOVE of stroke 1", stopped: false, over: false });
+  await page.getByText("MOVE of stroke 1").waitFor();
+  await page.getByRole("button", { name: "Stop the hand" }).focus();
+  await page.keyboard.press("Enter");
+  await until(async () => rig.orders.length === 1, "the order arrives");
+  assert.deepEqual(JSON.parse(rig.orders[0] ?? ""), { order: "stop" });
+  rig.state({ state: "Stopped by order.", stopped: true, answer: "All drives stand.", over: false });
+  await page.getByText("All drives stand.").waitFor();
+  await page.getByRole("button", { name: "Let the hand go on" }).click();
+  await until(async () => rig.orders.length === 2, "the order arrives");
+  assert.deepEqual(JSON.parse(rig.orders[1] ?? ""), { order: "resume" });
+});
+
+test("stale data are said to be stale", async () => {
+  await page.getByText(/No data for \d+ s/).waitFor({ timeout: 5000 });
+});
+
+test("a lost connection is told, and comes back", async () => {
+  rig.cut();
+  await page.getByText(/Connection lost/).waitFor();
+  await until(async () => rig.sockets() === 1, "it connects again");
+  rig.send(rig.rows[720] ?? rig.rows[0]!);
+  await until(async () => !(await page.locator(".live-notice").isVisible()), "the notice goes");
+});
+
+test("a message that cannot be read is told, and ends nothing", async () => {
+  rig.state({} as never);
+  await page.getByText(/a state that this page cannot read/).waitFor();
+  rig.state({ state: "RELEASE of stroke 1", stopped: false, over: false });
+  await page.getByText("RELEASE of stroke 1").waitFor();
+});
+
+test("the end is told, and the page stays", async () => {
+  rig.state({ state: "Done.", stopped: false, over: true });
+  await page.getByText("This is the end of the run.").waitFor();
+  rig.cut();
+  await page.waitForTimeout(800);
+  assert.equal(rig.sockets(), 0);
+  assert.equal(await page.locator(".live-notice").isVisible(), false);
+  assert.deepEqual(errors, []);
+});

@@ -1,0 +1,64 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import type { Series } from "../src/page_data";
+import { plotted, seriesAt } from "../src/figures/columns";
+import { equalScale, pinched, windowAround } from "../src/figures/plane";
+import { pointAtRow, type Points } from "../src/figures/points";
+import { Column, Table } from "../src/table";
+
+const table = new Table(
+  [
+    new Column("time", 1, Float64Array.of(0, 0.1, 0.2), 1),
+    new Column("flags", 1, Uint8Array.of(0, 2, 3), 1),
+    new Column("torque", 1, Float32Array.of(0.01, NaN, 0.02), 1),
+  ],
+  3,
+);
+
+const series = (rest: Partial<Series>): Series => ({ name: "s", colour: "shared", line: "solid", ...rest });
+const all = (at: (row: number) => number) => [0, 1, 2].map(at);
+
+test("a series shows a column, one bit of it, or points of its own", () => {
+  assert.deepEqual(all(seriesAt(series({ column: { name: "flags", index: 0 } }), table)), [0, 2, 3]);
+  assert.deepEqual(all(seriesAt(series({ column: { name: "flags", index: 0, bit: 1 } }), table)), [0, 1, 1]);
+  assert.deepEqual(all(seriesAt(series({ points: { x: [0.19], y: [7] } }), table)), [NaN, NaN, 7]);
+  assert.throws(() => seriesAt(series({}), table), /neither/);
+  assert.throws(() => seriesAt(series({ column: { name: "gone", index: 0 } }), table), /“gone”/);
+});
+
+test("what is not known leaves a gap", () => {
+  const at = seriesAt(series({ column: { name: "torque", index: 0 } }), table);
+  const shown = plotted(at, 3, 1e3);
+  assert.deepEqual([Math.round(shown[0] ?? 0), shown[1], Math.round(shown[2] ?? 0)], [10, null, 20]);
+});
+
+test("windows hold their points, and may have equal scales", () => {
+  const window = windowAround(
+    [
+      [0, 0],
+      [10, 5],
+      [NaN, 1],
+    ],
+    0,
+  );
+  assert.deepEqual(window, { x: [0, 10], y: [0, 5] });
+  assert.deepEqual(equalScale(window, 100, 100), { x: [0, 10], y: [-2.5, 7.5] });
+});
+
+test("a pinch keeps what is between the fingers between them", () => {
+  const zoomed = pinched({ x: [0, 10], y: [0, 10] }, 100, [40, 60], [30, 70]);
+  assert.deepEqual(zoomed, { x: [2.5, 7.5], y: [2.5, 7.5] });
+});
+
+test("a row finds its point only while the points go on", () => {
+  const points: Points = {
+    series: series({ points: { x: [1, 2, 3], y: [1, 2, 3], row: [10, 20, 30] } }),
+    x: [1, 2, 3],
+    y: [1, 2, 3],
+  };
+  assert.equal(pointAtRow(points, 5), undefined);
+  assert.equal(pointAtRow(points, 10), 0);
+  assert.equal(pointAtRow(points, 25), 1);
+  assert.equal(pointAtRow(points, 30), 2);
+  assert.equal(pointAtRow(points, 60), undefined);
+});
