@@ -132,7 +132,7 @@ export interface Panel {
   x: Axis;
   y: Axis;
   series: Series[];
-  /** Horizontal lines: thresholds. */
+  /** Horizontal lines, in SI units: thresholds. */
   thresholds: { value: number; name: string }[];
   /** Of "xy": the same scale along x and y. */
   equal?: boolean;
@@ -141,11 +141,13 @@ export interface Panel {
 }
 
 export interface Axis {
+  /** What is shown, without its unit: "Grasp force". */
   label: string;
   /** As it stands behind a value: "mN m". Empty where there is none. */
   unit: string;
   /** What a value in SI units is multiplied by. */
   scale: number;
+  /** In SI units; what there is to see, if not given. */
   range?: [number, number];
 }
 
@@ -153,6 +155,7 @@ export interface Series {
   name: string;
   /** Colours: finger 0, finger 1 ..., what all share, what is planned or allowed, what is in the background. */
   colour: "finger-0" | "finger-1" | "finger-2" | "finger-3" | "shared" | "reference" | "background";
+  /** A panel whose series are all "states" has a lane for each, filled while its value is not 0. */
   line: "solid" | "dashed" | "points" | "states";
   /** Either the k-th number of a column, for each row ... */
   column?: { name: string; index: number; bit?: number };
@@ -162,7 +165,7 @@ export interface Series {
 
 /**
  * A live page. Messages of the socket are binary: time (f64), then every number of every other column as f32, in the
- * columns' order; or JSON text: {@link LiveState}. The page sends {@link LiveOrder}.
+ * columns' order, in SI units (a column's type and scale are those of a report); or JSON text: {@link LiveState}. The page sends {@link LiveOrder}.
  */
 export interface Live {
   /** Path of the WebSocket, with its token. */

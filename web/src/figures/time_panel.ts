@@ -65,7 +65,8 @@ export class TimePanel implements PanelView {
 
   showRow(row: number): void {
     const left = this.#plot.valToPos(this.#run.table.time(row), "x");
-    const inside = left >= 0 && left <= this.#plot.over.clientWidth;
+    // Not the element's width, for which the browser would lay out the page.
+    const inside = left >= 0 && left <= this.#plot.bbox.width / devicePixelRatio;
     this.#plot.setCursor({ left: inside ? left : -10, top: 0 }, false);
     this.#legend.show((i) => this.#read(i, row));
   }

@@ -59,7 +59,7 @@ export class Elements {
     const shaft = new CylinderGeometry(thickness, thickness, 1, 8).rotateX(Math.PI / 2);
     const head = new ConeGeometry(2.4 * thickness, 6 * thickness, 12).rotateX(Math.PI / 2);
     this.#spots = instances(
-      new SphereGeometry(this.#size, 16, 12),
+      new SphereGeometry(this.#size, 12, 8),
       new MeshLambertMaterial(),
       elements.length,
     );

@@ -58,7 +58,7 @@ function object(solid: Solid, palette: Palette) {
 function geometry(solid: Solid): BufferGeometry {
   switch (solid.kind) {
     case "sphere":
-      return new SphereGeometry(solid.radius, 48, 32);
+      return new SphereGeometry(solid.radius, 40, 24);
     case "box":
       return new BoxGeometry(...solid.size);
     case "cylinder":
