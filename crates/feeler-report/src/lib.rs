@@ -12,6 +12,7 @@ pub mod figures;
 pub mod make;
 pub mod measures;
 pub mod page;
+pub mod page_data;
 pub mod path_fit;
 pub mod robustness_page;
 pub mod run_data;

@@ -91,7 +91,7 @@ pub fn make(run_dir: impl AsRef<Path>) -> Result<ReportOutcome, ReportError> {
     }
     let task = tasks::of_recording(&recording);
     let figures = task.figures(&recording, &data);
-    let html = page(&recording, &summary, &figures);
+    let html = page(&recording, &data, &summary, &figures);
     // Should anything go wrong from here on, no earlier report is left beside half of a new one.
     remove(&run_dir.join(REPORT))?;
     remove(&run_dir.join(SUMMARY))?;

@@ -1,8 +1,12 @@
 //! `report.html`: one self-contained page for phone, desk and print.
 
 use super::claim::{Claim, ClaimPart, Relation, Verdict};
-use super::document::document;
+use super::document::{Tile, document_with, tiles};
 use super::figures::Figure;
+use super::make::RECORDING;
+use super::page_data::PageData;
+use super::run_data::RunData;
+use super::strokes::StrokeMeasures;
 use super::summary::Summary;
 use super::tasks::{self, TaskReport};
 use super::text::{significant, value};
@@ -10,7 +14,12 @@ use feeler_record::{Phase, Recording, RunFacts, RunState};
 use maud::{Markup, PreEscaped, html};
 
 /// The page, as HTML text.
-pub fn page(recording: &Recording, summary: &Summary, figures: &[Figure]) -> String {
+pub fn page(
+    recording: &Recording,
+    data: &RunData,
+    summary: &Summary,
+    figures: &[Figure],
+) -> String {
     let facts = &recording.facts;
     let task = tasks::of_recording(recording);
     let name = format!("{}, seed {}", facts.experiment, facts.seed);
@@ -29,14 +38,20 @@ pub fn page(recording: &Recording, summary: &Summary, figures: &[Figure]) -> Str
             }
         }
         p.verdict { (verdict(recording, summary, task)) }
-        @if !summary.claims.is_empty() {
-            h2 { "Claims " (task.whose()) }
-            (claims_table(&summary.claims))
-        }
-        (task.measured(recording, summary))
+        (tiles(&tiles_of(summary)))
+        div id="scene" {}
         h2 { "Figures" }
         div.figures { @for figure in figures { (figure_markup(figure)) } }
+        @if !summary.claims.is_empty() {
+            h2 { "Claims " (task.whose()) }
+            (claims_table(&summary.claims, data))
+        }
+        (task.measured(recording, summary))
         h2 { "The run" }
+        p {
+            "Everything on record: " a href=(RECORDING) { (RECORDING) } " (Rerun, Foxglove, RViz and Python read it). "
+            "The same run again: " code { (again(facts)) } "."
+        }
         (facts_table(facts, summary))
         details {
             summary { "The experiment as run (" code { "experiment.toml" } ")" }
@@ -49,7 +64,55 @@ pub fn page(recording: &Recording, summary: &Summary, figures: &[Figure]) -> Str
             "page is computed from the recording."
         }
     };
-    document(&format!("{mark}{name}"), body)
+    let page = PageData::of_run(&name, recording, data, figures);
+    document_with(&format!("{mark}{name}"), body, &page)
+}
+
+/// The command that makes the same run again.
+fn again(facts: &RunFacts) -> String {
+    let (experiment, seed, sensing) = (&facts.experiment, facts.seed, &facts.sensing);
+    format!("feeler run {experiment} --seed {seed} --sensing {sensing}")
+}
+
+/// What was achieved, as far as it was measured.
+fn tiles_of(summary: &Summary) -> Vec<Tile> {
+    let held = summary.claims.iter().filter(|claim| claim.holds).count();
+    let claims = (!summary.claims.is_empty()).then(|| {
+        Tile::new(
+            format!("{held} of {}", summary.claims.len()),
+            "",
+            "claims hold",
+        )
+    });
+    let outcome = summary
+        .outcome
+        .as_ref()
+        .map(|outcome| outcome.as_str().to_string());
+    let outcome = outcome.unwrap_or_else(|| summary.state.to_string());
+    let slip = |stroke: &StrokeMeasures| stroke.true_slip_fraction.or(stroke.slip_fraction);
+    let slip = summary.strokes.last().and_then(slip);
+    let measure = |value: Option<f64>, factor: f64, unit, label| {
+        value.map(|value| Tile::new(significant(factor * value), unit, label))
+    };
+    let measured = [
+        measure(
+            summary.final_torque,
+            1e3,
+            "mN·m",
+            "torque of the last stroke",
+        ),
+        measure(summary.cap_angle, 1f64.to_degrees(), "°", "turn of the cap"),
+        measure(
+            summary.peak_element_force,
+            1.0,
+            "N",
+            "peak force on an element",
+        ),
+        measure(slip, 1e2, "%", "slip, of the last MOVE"),
+        measure(Some(summary.sim_time), 1.0, "s", "on record"),
+    ];
+    let first = [Some(Tile::new(outcome, "", "outcome")), claims];
+    first.into_iter().chain(measured).flatten().collect()
 }
 
 /// The unmistakable sign over a report of a damaged recording or an interrupted run.
@@ -109,13 +172,27 @@ fn verdict(recording: &Recording, summary: &Summary, task: &dyn TaskReport) -> M
     }
 }
 
-fn claims_table(claims: &[Claim]) -> Markup {
+/// When a claim's moment is, s: the beginning of MOVE in the stroke that it is about.
+fn moment(claim: &Claim, data: &RunData) -> Option<f64> {
+    let mut moved = data
+        .strokes
+        .iter()
+        .filter(|stroke| !stroke.moving.is_empty());
+    let stroke = match claim.id {
+        "four-peaks" | "first-stroke-torque-rises" => moved.next(),
+        "no-damage" => None,
+        _ => moved.next_back(),
+    }?;
+    data.time.get(stroke.moving.start).copied()
+}
+
+fn claims_table(claims: &[Claim], data: &RunData) -> Markup {
     html! {
         div.scroll {
             table {
                 thead { tr { th { "Claim" } th.number { "Value" } th.number { "Bound" } th { "Holds" } } }
                 @for claim in claims {
-                    tbody.claim {
+                    tbody.claim data-time=[moment(claim, data)] {
                         tr {
                             td colspan="3" { (claim.text) " " span.unit { (claim.id) } }
                             td { (holds(claim.verdict)) }

@@ -14,6 +14,8 @@ use std::ops::Range;
 pub struct FingerColumns {
     /// Sum of the positive F_z, N.
     pub grasp_force: Vec<f64>,
+    /// TOUCH.
+    pub touch: Vec<bool>,
     /// SLIP.
     pub slip: Vec<bool>,
     /// OVER.
@@ -62,6 +64,7 @@ impl FingerColumns {
             .then_some(flags.largest_element as usize)
             .filter(|&element| element < flags.shear_rate.len());
         self.grasp_force.push(flags.grasp_force);
+        self.touch.push(flags.touch);
         self.slip.push(flags.slip);
         self.over.push(flags.over);
         self.largest_element.push(largest);
@@ -241,17 +244,19 @@ fn findings(recording: &Recording) -> BTreeMap<FindingName, f64> {
 }
 
 /// Walks one channel: the newest message that is not younger than a time.
-struct Newest<'a, M> {
+pub struct Newest<'a, M> {
     messages: &'a [M],
     next: usize,
 }
 
 impl<'a, M: Stamped> Newest<'a, M> {
-    fn new(messages: &'a [M]) -> Self {
+    /// Of these messages, in the order of time.
+    pub fn new(messages: &'a [M]) -> Self {
         Self { messages, next: 0 }
     }
 
-    fn at(&mut self, time: f64) -> Option<&'a M> {
+    /// The newest at `time`, s, which must not be earlier than before.
+    pub fn at(&mut self, time: f64) -> Option<&'a M> {
         /// Stamps within a nanosecond, the resolution of the recording's clock, are one time.
         const SAME: f64 = 1e-9;
         while (self.messages.get(self.next)).is_some_and(|m| m.stamp() <= time + SAME) {

@@ -14,6 +14,7 @@ const ROWS: usize = 1001;
 fn data(rates: &[f64], torque: f64) -> RunData {
     let finger = |&rate: &f64| FingerColumns {
         grasp_force: vec![1.0; ROWS],
+        touch: vec![true; ROWS],
         slip: vec![false; ROWS],
         over: vec![false; ROWS],
         slipped: vec![None; ROWS],

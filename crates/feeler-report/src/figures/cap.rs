@@ -35,6 +35,7 @@ pub fn figures(recording: &Recording, data: &RunData, cap: &CapMeasures) -> Vec<
         number: 1,
         title: title.into(),
         caption: caption + limit,
+        panels: Vec::new(),
         svg: torque_and_turn(recording, data, cap, title),
     }]
 }

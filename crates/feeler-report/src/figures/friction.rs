@@ -33,6 +33,7 @@ pub fn forces(data: &RunData) -> Figure {
     let title = "Forces of the element that is looked at";
     Figure {
         number: 1,
+        panels: Vec::new(),
         title: title.into(),
         caption: "The load is regulated over all elements that touch, so that the share of one may change as the \
             fingertip rolls. Friction is positive where it acts against the first stroke; its teeth are slips. \
@@ -75,6 +76,7 @@ pub fn ratio(data: &RunData) -> Figure {
     let title = "Friction by normal force";
     Figure {
         number: 2,
+        panels: Vec::new(),
         title: title.into(),
         caption: "While the element sticks, the ratio rises to the static coefficient; when it slips, it falls to the \
             kinetic one. Dashed is what the task found. The tilt that it found is taken out; what is tilted across \
@@ -117,6 +119,7 @@ pub fn path(data: &RunData) -> Figure {
     let title = "Path of the force in the tangential plane";
     Figure {
         number: 3,
+        panels: Vec::new(),
         title: title.into(),
         caption: "Friction along and across the slide, both by normal force: the friction cone from above. Forces stay \
             within the static circle. A path that does not pass through the middle shows how the specimen is tilted \
@@ -173,6 +176,7 @@ pub fn found_and_true(data: &RunData, truth: [Option<f64>; 2]) -> Figure {
     let title = "Found against true";
     Figure {
         number: 4,
+        panels: Vec::new(),
         title: title.into(),
         caption: "A cross on the line is a coefficient that was found as it is; the thin lines are 5 % off.".into(),
         svg: crosses(data, truth, title),

@@ -19,6 +19,8 @@ pub mod sweep;
 pub mod time;
 mod unrolled;
 
+use super::page_data::Panel;
+
 /// One figure of the report.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
@@ -30,6 +32,8 @@ pub struct Figure {
     pub caption: String,
     /// The picture, a whole SVG document; none if the recording does not hold what it shows.
     pub svg: Option<String>,
+    /// What stands in its place where scripts run; nothing if the picture stays.
+    pub panels: Vec<Panel>,
 }
 
 impl Figure {

@@ -63,6 +63,7 @@ fn outline(recording: &Recording, data: &RunData) -> Figure {
     }
     Figure {
         number: 1,
+        panels: Vec::new(),
         title: title.into(),
         caption,
         svg,
@@ -92,6 +93,7 @@ fn error(recording: &Recording) -> Figure {
     });
     Figure {
         number: 2,
+        panels: Vec::new(),
         title: title.into(),
         caption: "Distance of each point felt from the true section.".into(),
         svg,

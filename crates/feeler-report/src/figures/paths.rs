@@ -1,5 +1,6 @@
 //! Figs. 12 and 13: where the fingertips go in a stroke, and whether that is along the cap.
 
+use super::super::page_data::panels::{Axis, Colour, Panel as AnsweringPanel, Points, Series};
 use super::super::run_data::{RunData, Stroke};
 use super::Figure;
 use super::canvas::{Pen, SHADE, finger_colour, finger_legend, frame, line, panel, range};
@@ -8,8 +9,10 @@ use super::from_above::{
 };
 use super::grid::{Panel, rows, stack};
 use super::unrolled::{Step, Unrolled};
+use glam::DVec2;
 use kuva::render::annotations::ShadedRegion;
 use kuva::render::layout::Layout;
+use std::f64::consts::TAU;
 
 /// Height of a row of close-ups of tips, and of paths laid out.
 const HEIGHTS: (f64, f64) = (235.0, 225.0);
@@ -43,6 +46,7 @@ pub fn before_closing(data: &RunData) -> Figure {
             Bottom: how far each dome's centre is from its \
             planned line, much enlarged{laid_out}"
         ),
+        panels: from_above(data, 1),
         svg: paths(data, 12, 1),
     }
 }
@@ -65,8 +69,57 @@ pub fn after_closing(data: &RunData) -> Figure {
             pressed the finger further inward, so that the straight segment has become a curve \
             closer to the cap's contour. At the bottom, compare the bold path with {compare}; a straight path that leaves the line is tilted, not curved. {claims}"
         ),
+        panels: from_above(data, 4),
         svg: paths(data, 13, 4),
     }
+}
+
+/// The domes' centres from above, with the cap, and how they leave the planned line.
+fn from_above(data: &RunData, index: u32) -> Vec<AnsweringPanel> {
+    let Some(stroke) = data.whole_stroke(index) else {
+        return Vec::new();
+    };
+    let (mut plan, mut bends) = (Vec::new(), Vec::new());
+    for finger in 0..data.fingers.len() {
+        let Some(unrolled) = Unrolled::new(data, stroke, finger) else {
+            continue;
+        };
+        let first = stroke.moving.start;
+        let points = |of: fn(&Step) -> (f64, f64)| {
+            let steps = unrolled.steps.iter().map(of).enumerate();
+            Points::of(steps.map(|(step, (x, y))| (first + step, x, y)))
+        };
+        let own = |of| {
+            let name = format!("finger {finger}");
+            Series::of_points(name, Colour::Finger(finger), points(of))
+        };
+        let other = |name: &str, of| {
+            let name = format!("{name}, finger {finger}");
+            Series::of_points(name, Colour::Reference, points(of)).dashed()
+        };
+        plan.push(own(|step| (step.centre.x, step.centre.y)));
+        plan.push(other("planned line", |step| {
+            (step.on_line.x, step.on_line.y)
+        }));
+        bends.push(own(|step| (step.travel, step.path)));
+        if unrolled.has_arc() {
+            bends.push(other("arc", |step| (step.travel, step.arc)));
+        }
+    }
+    if let Some(centre) = cap_above(data, stroke) {
+        let point = |k: u32| {
+            let side = DVec2::from_angle(TAU * f64::from(k) / 120.0);
+            let point = centre + data.facts.cap_radius * side;
+            (stroke.moving.start, point.x, point.y)
+        };
+        let cap = Points::of((0..=120).map(point));
+        plan.push(Series::of_points("cap", Colour::Shared, cap));
+    }
+    let mm = |label: &str| Axis::new(label, "mm", MM);
+    let mut plan = AnsweringPanel::of(mm("x"), mm("y"), plan);
+    plan.equal = true;
+    let bends = AnsweringPanel::of(mm("Travel"), mm("Offset from the planned line"), bends);
+    vec![plan, bends]
 }
 
 /// Whether the cap is to be seen in the figure of a stroke.

@@ -1,5 +1,6 @@
 //! Fig. 14: how far each dome's centre is from the cap's axis, over the travel, in every stroke.
 
+use super::super::page_data::panels::{Axis, Colour, Panel as AnsweringPanel, Points, Series};
 use super::super::run_data::{RunData, Stroke};
 use super::Figure;
 use super::canvas::{Pen, SHADE, frame, line, panel, range, stroke_colour};
@@ -23,19 +24,51 @@ pub fn over_travel(data: &RunData) -> Figure {
             the shade begins, at 25 % of the travel; at its end, at 98 %, the finger begins to brake. Before it the grip \
             builds up. The paper has no such figure; it is what claim path-follows-contour measures."
             .into(),
+        panels: answering(data),
         svg: radius(data),
     }
 }
 
+/// A panel a finger, with all strokes.
+fn answering(data: &RunData) -> Vec<AnsweringPanel> {
+    let strokes = strokes(data);
+    let last = strokes.len().saturating_sub(1);
+    let panel = |finger: usize| {
+        let curves = strokes.iter().enumerate().filter_map(|(place, stroke)| {
+            let path = Unrolled::new(data, stroke, finger)?;
+            let steps = path.steps.iter().enumerate();
+            let rows = steps.map(|(k, step)| (stroke.moving.start + k, step.travel, step.radius));
+            let colour = if place == last {
+                Colour::Finger(finger)
+            } else {
+                Colour::Background
+            };
+            let name = format!("stroke {}", stroke.index);
+            Some(Series::of_points(name, colour, Points::of(rows)))
+        });
+        let mm = |label: String| Axis::new(label, "mm", MM);
+        let y = mm(format!("R − R₀, finger {finger}"));
+        AnsweringPanel::of(mm("Travel".into()), y, curves.collect())
+    };
+    (0..data.fingers.len()).map(panel).collect()
+}
+
+/// The strokes of which it is known where the cap is.
+fn strokes(data: &RunData) -> Vec<&Stroke> {
+    let centre = data.cap.as_ref().map(|cap| &cap.centre);
+    let whole = data
+        .strokes
+        .iter()
+        .filter(|stroke| stroke.whole && !stroke.moving.is_empty());
+    let known = whole.filter(|stroke| {
+        let centre = centre.and_then(|centre| centre.get(stroke.moving.clone()));
+        centre.is_some_and(|centre| centre.iter().any(|c| c.is_finite()))
+    });
+    known.collect()
+}
+
 fn radius(data: &RunData) -> Option<String> {
-    let centre = &data.cap.as_ref()?.centre;
-    let strokes: Vec<_> = (data.strokes.iter())
-        .filter(|stroke| stroke.whole && !stroke.moving.is_empty())
-        .filter(|stroke| {
-            let centre = centre.get(stroke.moving.clone());
-            centre.is_some_and(|centre| centre.iter().any(|c| c.is_finite()))
-        })
-        .collect();
+    let strokes = strokes(data);
     let unrolled: Vec<Vec<_>> = (0..data.fingers.len())
         .map(|finger| {
             let paths = strokes.iter().enumerate();

@@ -1,5 +1,7 @@
 //! Figs. 8 to 11: forces, rates and torque against time.
 
+use super::super::page_data::of_finger;
+use super::super::page_data::panels::{Axis, Colour, Panel as AnsweringPanel, Series};
 use super::super::run_data::{FingerColumns, RunData};
 use super::Figure;
 use super::canvas::{
@@ -34,6 +36,8 @@ pub fn grasp_force_and_torque(data: &RunData) -> Figure {
         name: "Grasp force",
         label: "Grasp force (N)",
         value: |finger, row| finger.grasp_force[row],
+        column: "grasp_force",
+        unit: "N",
         threshold: data.facts.grasp_force_threshold,
         threshold_name: "grasp threshold",
     };
@@ -50,6 +54,7 @@ pub fn grasp_force_and_torque(data: &RunData) -> Figure {
     };
     Figure {
         number: 8,
+        panels: answering(data, &upper, None),
         svg: panels(data, 8, &title, &upper, rows, false),
         title,
         caption: caption.into(),
@@ -75,6 +80,7 @@ pub fn shear_rate_and_torque(data: &RunData) -> Figure {
     );
     Figure {
         number: 9,
+        panels: answering(data, &upper, None),
         svg: panels(data, 9, &title, &upper, rows, false),
         title,
         caption,
@@ -102,6 +108,9 @@ pub fn stroke_in_detail(data: &RunData, number: u32, stroke: u32) -> Figure {
     };
     Figure {
         number,
+        panels: rows
+            .as_ref()
+            .map_or_else(Vec::new, |rows| answering(data, &upper, Some(rows))),
         svg: rows.and_then(|rows| panels(data, number, &title, &upper, rows, true)),
         title,
         caption: caption.concat(),
@@ -141,6 +150,8 @@ fn shear_rate(data: &RunData) -> Upper {
         name: "Shear rate",
         label: "Shear rate (N/s)",
         value: |finger, row| finger.shear_rate[row],
+        column: "shear_rate",
+        unit: "N/s",
         threshold: data.facts.slip_threshold,
         threshold_name: "slip threshold",
     }
@@ -151,8 +162,47 @@ struct Upper {
     name: &'static str,
     label: &'static str,
     value: fn(&FingerColumns, usize) -> f64,
+    column: &'static str,
+    unit: &'static str,
     threshold: f64,
     threshold_name: &'static str,
+}
+
+/// The same as [`panels`], of all rows, showing `rows` at first.
+fn answering(data: &RunData, upper: &Upper, rows: Option<&Range<usize>>) -> Vec<AnsweringPanel> {
+    let fingers = 0..data.fingers.len();
+    let finger = |finger| {
+        let column = of_finger(finger, upper.column);
+        Series::of_column(format!("finger {finger}"), Colour::Finger(finger), column)
+    };
+    let mut axis = Axis::new(upper.name, upper.unit, 1.0);
+    axis.range = Some((0.0, top(data, upper)));
+    let quantity = AnsweringPanel::over_time(axis, fingers.clone().map(finger).collect());
+    let mut panels = vec![quantity.with_threshold(upper.threshold, upper.threshold_name)];
+    if let Some(rows) = rows {
+        let slips = |finger: usize| {
+            let flags = of_finger(finger, "flags");
+            let lane = |name, colour, bit| Series::of_bit(name, colour, flags.clone(), bit);
+            let felt = lane(format!("SLIP, finger {finger}"), Colour::Finger(finger), 1);
+            let known = knows_slip(data, rows);
+            let truth = format!("true slip, finger {finger}");
+            [felt]
+                .into_iter()
+                .chain(known.then(|| lane(truth, Colour::Shared, 3)))
+        };
+        let lanes = fingers.flat_map(slips).collect();
+        panels.push(AnsweringPanel::over_time(Axis::new("Slip", "", 1.0), lanes));
+    }
+    if shows_torque(data, 0..data.time.len()) {
+        let torque = Series::of_column("torque", Colour::Shared, "torque");
+        let axis = Axis::new("Torque", "mN·m", 1e3);
+        panels.push(AnsweringPanel::over_time(axis, vec![torque]));
+    }
+    let shown = |panel: AnsweringPanel| match rows {
+        Some(rows) => panel.of_rows(rows),
+        None => panel,
+    };
+    panels.into_iter().map(shown).collect()
 }
 
 /// A quantity of each finger above the torque, over a span of rows; between them, if asked for, when SLIP was up.
@@ -205,13 +255,7 @@ fn upper_panel(data: &RunData, upper: &Upper, rows: Range<usize>, time: (f64, f6
         let pen = Pen::solid(finger_colour(f), LINE + 0.8 - 1.2 * f.min(1) as f64);
         series(data, rows.clone(), |row| (upper.value)(finger, row), pen)
     });
-    // The same axes in every figure of a quantity, so that strokes compare at a glance.
-    let largest = range((data.fingers.iter()).flat_map(|finger| {
-        let moving = data.strokes.iter().flat_map(|stroke| stroke.moving.clone());
-        moving.map(|row| (upper.value)(finger, row))
-    }));
-    let largest = largest.map_or(0.0, |(_, largest)| largest);
-    let top = 1.25 * largest.max(upper.threshold).max(1e-3);
+    let top = top(data, upper);
     let threshold = ReferenceLine::horizontal(upper.threshold)
         .with_color("#555555")
         .with_stroke_width(THRESHOLD);
@@ -221,6 +265,16 @@ fn upper_panel(data: &RunData, upper: &Upper, rows: Range<usize>, time: (f64, f6
         .with_y_axis_max(top)
         .with_reference_line(threshold);
     (fingers.collect(), layout)
+}
+
+/// Where the axis of a quantity ends: the same in all of its figures, so that strokes compare at a glance.
+fn top(data: &RunData, upper: &Upper) -> f64 {
+    let largest = range((data.fingers.iter()).flat_map(|finger| {
+        let moving = data.strokes.iter().flat_map(|stroke| stroke.moving.clone());
+        moving.map(|row| (upper.value)(finger, row))
+    }));
+    let largest = largest.map_or(0.0, |(_, largest)| largest);
+    1.25 * largest.max(upper.threshold).max(1e-3)
 }
 
 /// Torque against time over a span of rows; none unless some of it was measured.

@@ -198,6 +198,7 @@ fn way(recording: &Recording) -> Figure {
     });
     Figure {
         number: 1,
+        panels: Vec::new(),
         title: title.into(),
         caption,
         svg,
@@ -224,6 +225,7 @@ fn grip(data: &RunData) -> Figure {
     });
     Figure {
         number: 2,
+        panels: Vec::new(),
         title: title.into(),
         caption: "The sum of the compressions of a finger's elements. It grows with what the object pulls, and with every slip."
             .into(),

@@ -1,0 +1,77 @@
+//! What a page's program draws: the contract with `web/src/page_data.ts`, which says what each field means.
+
+pub mod panels;
+mod scene;
+mod table;
+
+use super::figures::Figure as StillFigure;
+use super::run_data::RunData;
+use feeler_record::Recording;
+use scene::Scene;
+use serde::Serialize;
+use table::RunTable;
+
+pub use panels::Panel;
+pub use table::of_finger;
+
+/// Number of the contract.
+const VERSION: u32 = 1;
+
+/// All that a page's program draws.
+#[derive(Debug, Clone, Serialize)]
+pub struct PageData {
+    version: u32,
+    title: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    run: Option<RunTable>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    scene: Option<Scene>,
+    figures: Vec<Figure>,
+}
+
+#[derive(Debug, Clone, Serialize)]
+struct Figure {
+    number: u32,
+    panels: Vec<Panel>,
+}
+
+impl PageData {
+    /// Of a page about one run.
+    pub fn of_run(
+        title: &str,
+        recording: &Recording,
+        data: &RunData,
+        figures: &[StillFigure],
+    ) -> Self {
+        let (run, rows) = RunTable::new(recording, data);
+        let mut figures = interactive(figures);
+        for panel in figures.iter_mut().flat_map(|figure| &mut figure.panels) {
+            panel.take_rows(&rows);
+        }
+        Self {
+            version: VERSION,
+            title: title.into(),
+            run: (!data.time.is_empty()).then_some(run),
+            scene: Scene::new(recording, data),
+            figures,
+        }
+    }
+
+    /// As it stands in a document: JSON in which nothing ends a script.
+    ///
+    /// # Errors
+    /// None that page data can cause; serde's signature has one.
+    pub fn to_json(&self) -> Result<String, serde_json::Error> {
+        serde_json::to_string(self).map(|json| json.replace('<', "\\u003c"))
+    }
+}
+
+/// The figures that answer, each in place of a still one.
+fn interactive(figures: &[StillFigure]) -> Vec<Figure> {
+    let drawn = figures.iter().filter(|figure| figure.svg.is_some());
+    let figures = drawn.map(|figure| Figure {
+        number: figure.number,
+        panels: figure.panels.clone(),
+    });
+    figures.filter(|figure| !figure.panels.is_empty()).collect()
+}

@@ -1,0 +1,234 @@
+//! The 3-D scene of a run.
+
+use crate::run_data::RunData;
+use feeler::sensor::layout::SensingElement;
+use feeler_record::model::{Frame as ModelFrame, WORLD_FRAME, frame};
+use feeler_record::{FingerModel, Recording, Solid, SolidFrame, SolidShape};
+use glam::{DAffine3, DQuat, DVec3};
+use serde::Serialize;
+use std::f64::consts::FRAC_PI_2;
+
+/// Radius of a drawn link over that of the dome.
+const LINK_OVER_DOME: f64 = 0.3;
+/// What the home view shows around what matters, over the radius of a dome.
+const MARGIN: f64 = 1.6;
+
+type Vector = [f64; 3];
+type Quaternion = [f64; 4];
+
+/// Frames, solids in them, and fingertips.
+#[derive(Debug, Clone, Serialize)]
+pub struct Scene {
+    frames: Vec<Frame>,
+    shapes: Vec<Shape>,
+    fingers: Vec<Finger>,
+    home: Home,
+}
+
+#[derive(Debug, Clone, Serialize)]
+struct Frame {
+    name: String,
+    parent: String,
+    position: Vector,
+    rotation: Quaternion,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    joint: Option<Joint>,
+}
+
+#[derive(Debug, Clone, Serialize)]
+struct Joint {
+    finger: usize,
+    joint: usize,
+}
+
+#[derive(Debug, Clone, Serialize)]
+struct Shape {
+    frame: String,
+    position: Vector,
+    rotation: Quaternion,
+    role: Role,
+    solid: Drawn,
+}
+
+#[derive(Debug, Clone, Copy, Serialize)]
+#[serde(rename_all = "snake_case")]
+enum Role {
+    Link,
+    Dome,
+    Object,
+    Fixture,
+}
+
+#[derive(Debug, Clone, Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+enum Drawn {
+    Sphere { radius: f64 },
+    Box { size: Vector },
+    Cylinder { radius: f64, length: f64 },
+    Prism { outline: Vec<[f64; 2]>, length: f64 },
+}
+
+#[derive(Debug, Clone, Serialize)]
+#[serde(rename_all = "camelCase")]
+struct Finger {
+    name: String,
+    frame: String,
+    elements: Vec<Element>,
+    touch_force: f64,
+    over_force: f64,
+}
+
+#[derive(Debug, Clone, Serialize)]
+struct Element {
+    tip: Vector,
+    rotation: Quaternion,
+}
+
+#[derive(Debug, Clone, Serialize)]
+struct Home {
+    centre: Vector,
+    radius: f64,
+}
+
+impl Scene {
+    /// Of a run; none where it is not known how the hand is built.
+    pub fn new(recording: &Recording, data: &RunData) -> Option<Self> {
+        let facts = &recording.facts;
+        let mut scene = Self {
+            frames: Vec::new(),
+            shapes: Vec::new(),
+            fingers: Vec::new(),
+            home: home(recording, data)?,
+        };
+        for (number, model) in facts.hand.iter().enumerate() {
+            let frames = model.frames(number).ok()?;
+            scene.shapes.extend(links(model, &frames));
+            let frames = frames.iter().map(|frame| Frame::of_finger(number, frame));
+            scene.frames.extend(frames);
+            scene.fingers.push(Finger {
+                name: format!("finger {number}"),
+                frame: frame(number, "dome"),
+                elements: model.element_tips.iter().map(element).collect(),
+                touch_force: facts.touch_force_threshold,
+                over_force: facts.over_force_threshold,
+            });
+        }
+        scene.frames.extend(SolidFrame::MOVING.map(|frame| Frame {
+            name: frame.name().into(),
+            parent: WORLD_FRAME.into(),
+            position: [0.0; 3],
+            rotation: DQuat::IDENTITY.to_array(),
+            joint: None,
+        }));
+        scene
+            .shapes
+            .extend(facts.solids.iter().map(Shape::of_solid));
+        Some(scene)
+    }
+}
+
+impl Frame {
+    fn of_finger(finger: usize, frame: &ModelFrame) -> Self {
+        let place = frame.in_parent(0.0);
+        Self {
+            name: frame.name.clone(),
+            parent: frame.parent.clone(),
+            position: place.translation.to_array(),
+            rotation: DQuat::from_mat3(&place.matrix3).to_array(),
+            joint: frame.joint.map(|joint| Joint { finger, joint }),
+        }
+    }
+}
+
+/// A rod for each link, and the dome.
+fn links(model: &FingerModel, frames: &[ModelFrame]) -> Vec<Shape> {
+    let shape = |frame: &ModelFrame| {
+        let (role, solid, position) = match frame.joint {
+            Some(joint) => {
+                let length = model.geometry.links[joint];
+                let radius = LINK_OVER_DOME * model.dome_radius;
+                let middle = [0.5 * length, 0.0, 0.0];
+                (Role::Link, Drawn::Cylinder { radius, length }, middle)
+            }
+            None if frame.name.ends_with("dome") => {
+                let radius = model.dome_radius;
+                (Role::Dome, Drawn::Sphere { radius }, [0.0; 3])
+            }
+            None => return None,
+        };
+        let is_there = !matches!(solid, Drawn::Cylinder { length, .. } if length <= 0.0);
+        is_there.then(|| Shape {
+            frame: frame.name.clone(),
+            position,
+            // A rod is along x of its link, a cylinder along its own z.
+            rotation: DQuat::from_rotation_y(FRAC_PI_2).to_array(),
+            role,
+            solid,
+        })
+    };
+    frames.iter().filter_map(shape).collect()
+}
+
+fn element(tip: &Vector) -> Element {
+    let outward = DVec3::from_array(*tip).normalize_or_zero();
+    Element {
+        tip: *tip,
+        rotation: DQuat::from_mat3(&SensingElement::facing(outward).rotation).to_array(),
+    }
+}
+
+impl Shape {
+    fn of_solid(solid: &Solid) -> Self {
+        Self {
+            frame: solid.frame.name().into(),
+            position: solid.position,
+            rotation: solid.orientation,
+            role: match solid.frame {
+                SolidFrame::World => Role::Fixture,
+                SolidFrame::Cap | SolidFrame::Object => Role::Object,
+            },
+            solid: match solid.shape.clone() {
+                SolidShape::Box { size } => Drawn::Box { size },
+                SolidShape::Sphere { radius } => Drawn::Sphere { radius },
+                SolidShape::Cylinder { radius, length } => Drawn::Cylinder { radius, length },
+                SolidShape::Prism { outline, length } => Drawn::Prism { outline, length },
+            },
+        }
+    }
+}
+
+/// What the home view shows: all domes, wherever they go, and what moves; none without a hand.
+fn home(recording: &Recording, data: &RunData) -> Option<Home> {
+    let hand = &recording.facts.hand;
+    let dome = hand
+        .iter()
+        .map(|model| model.dome_radius)
+        .reduce(f64::max)?;
+    let domes = data.fingers.iter().flat_map(|finger| &finger.position);
+    let cap = data.cap.iter().flat_map(|cap| &cap.centre);
+    let points = || {
+        domes
+            .clone()
+            .chain(cap.clone())
+            .filter(|point| point.is_finite())
+    };
+    let low = points().copied().reduce(DVec3::min);
+    let high = points().copied().reduce(DVec3::max);
+    let (low, high) = low.zip(high).unwrap_or_else(|| {
+        let at_rest = at_rest(hand);
+        (at_rest, at_rest)
+    });
+    Some(Home {
+        centre: low.midpoint(high).to_array(),
+        radius: 0.5 * (high - low).length() + MARGIN * dome,
+    })
+}
+
+/// Where the first dome is while its joints stand at 0.
+fn at_rest(hand: &[FingerModel]) -> DVec3 {
+    let frames = hand.first().and_then(|model| model.frames(0).ok());
+    let places = frames.iter().flatten().map(|frame| frame.in_parent(0.0));
+    places
+        .fold(DAffine3::IDENTITY, |place, next| place * next)
+        .translation
+}

@@ -1,0 +1,250 @@
+//! The rows of a run as columns.
+
+use crate::run_data::{FingerColumns, Newest, RunData};
+use crate::strokes::TRUE_SLIP;
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use feeler_record::{Joints, ObjectPose, Phase, Recording, SolidFrame};
+use flate2::Compression;
+use flate2::write::DeflateEncoder;
+use glam::{DQuat, DVec3};
+use serde::Serialize;
+use std::io::Write;
+
+/// Rows that a second has at most, and those of a page: a file that a browser draws within two seconds.
+const RATE: f64 = 100.0;
+const MOST_ROWS: usize = 30_000;
+/// Smallest step of a force, N: a quarter of what a sensor's noise is.
+const FORCE_STEP: f64 = 5e-4;
+/// What is not known, where numbers are of 16 bits.
+const UNKNOWN: i16 = i16::MIN;
+
+/// The rows of a run.
+#[derive(Debug, Clone, Serialize)]
+pub struct RunTable {
+    rows: usize,
+    columns: Vec<Column>,
+    data: String,
+    phases: Vec<String>,
+    strokes: Vec<Stroke>,
+}
+
+#[derive(Debug, Clone, Serialize)]
+struct Column {
+    name: String,
+    #[serde(rename = "type")]
+    kind: &'static str,
+    width: usize,
+    scale: f64,
+}
+
+#[derive(Debug, Clone, Serialize)]
+struct Stroke {
+    index: u32,
+    start: usize,
+    end: usize,
+    #[serde(rename = "move")]
+    moving: (usize, usize),
+}
+
+/// Which rows of a run stand in its page: every so many.
+pub struct Rows {
+    every: usize,
+    count: usize,
+}
+
+impl Rows {
+    fn new(data: &RunData) -> Self {
+        let count = data.time.len();
+        let every = (1.0 / (RATE * data.facts.control_period)).round() as usize;
+        Self {
+            every: every.max(count.div_ceil(MOST_ROWS)).max(1),
+            count,
+        }
+    }
+
+    /// The rows that stand in the page.
+    fn kept(&self) -> impl Iterator<Item = usize> + Clone + use<> {
+        (0..self.count).step_by(self.every)
+    }
+
+    /// The page's row in place of a run's.
+    pub fn of(&self, row: usize) -> usize {
+        row / self.every
+    }
+}
+
+/// Columns on their way into the page.
+#[derive(Default)]
+struct Columns {
+    columns: Vec<Column>,
+    bytes: Vec<u8>,
+}
+
+impl Columns {
+    fn add<const N: usize>(
+        &mut self,
+        (name, kind): (String, &'static str),
+        (width, scale): (usize, f64),
+        numbers: impl Iterator<Item = [u8; N]>,
+    ) {
+        self.bytes.extend(numbers.flatten());
+        self.columns.push(Column {
+            name,
+            kind,
+            width,
+            scale,
+        });
+    }
+
+    fn bytes(&mut self, name: String, numbers: impl Iterator<Item = u8>) {
+        self.add((name, "u8"), (1, 1.0), numbers.map(|number| [number]));
+    }
+
+    fn f32(&mut self, name: String, width: usize, numbers: impl Iterator<Item = f64>) {
+        let numbers = numbers.map(|number| (number as f32).to_le_bytes());
+        self.add((name, "f32"), (width, 1.0), numbers);
+    }
+}
+
+impl RunTable {
+    /// The rows of a run, and which of all they are.
+    pub fn new(recording: &Recording, data: &RunData) -> (Self, Rows) {
+        let rows = Rows::new(data);
+        let kept = rows.kept();
+        let mut columns = Columns::default();
+        let times = kept.clone().map(|row| data.time[row].to_le_bytes());
+        columns.add(("time".into(), "f64"), (1, 1.0), times);
+        let phases = kept.clone().map(|row| data.phase[row] as u8);
+        columns.bytes("phase".into(), phases);
+        let fingers = data.fingers.iter().zip(&recording.fingers).enumerate();
+        for (number, (finger, record)) in fingers {
+            let joints = at_rows(&record.joints, data, kept.clone(), |joints: &Joints| {
+                joints.position
+            });
+            columns.f32(of_finger(number, "joints"), 3, joints.flatten());
+            add_felt(&mut columns, number, finger, kept.clone());
+        }
+        if let Some(torque) = &data.torque {
+            let torque = kept.clone().map(|row| torque[row]);
+            columns.f32("torque".into(), 1, torque);
+        }
+        add_moving(&mut columns, recording, data, &kept);
+        let strokes = data.strokes.iter().map(|stroke| Stroke {
+            index: stroke.index,
+            start: rows.of(stroke.rows.start),
+            end: rows.of(stroke.rows.end),
+            moving: (rows.of(stroke.moving.start), rows.of(stroke.moving.end)),
+        });
+        let table = Self {
+            rows: kept.count(),
+            columns: columns.columns,
+            data: compressed(&columns.bytes),
+            phases: Phase::ALL.map(|phase| phase.to_string()).to_vec(),
+            strokes: strokes.collect(),
+        };
+        (table, rows)
+    }
+}
+
+/// Name of a column of a finger.
+pub fn of_finger(finger: usize, name: &str) -> String {
+    format!("finger/{finger}/{name}")
+}
+
+/// What a finger felt.
+fn add_felt(
+    columns: &mut Columns,
+    number: usize,
+    finger: &FingerColumns,
+    kept: impl Iterator<Item = usize> + Clone,
+) {
+    let forces = |row: usize| finger.forces[row].iter().flat_map(|force| force.to_array());
+    let width = kept.clone().map(|row| 3 * finger.forces[row].len()).max();
+    let width = width.unwrap_or_default();
+    let largest = kept.clone().flat_map(forces).map(f64::abs);
+    let largest = largest
+        .filter(|force| force.is_finite())
+        .fold(0.0, f64::max);
+    let scale = FORCE_STEP.max(largest / f64::from(i16::MAX));
+    let stored = |force: f64| match force.is_nan() {
+        true => UNKNOWN,
+        false => (force / scale).round() as i16,
+    };
+    let padded = kept.clone().flat_map(|row| {
+        let forces = forces(row).chain(std::iter::repeat(f64::NAN));
+        forces.take(width).map(|force| stored(force).to_le_bytes())
+    });
+    let name = of_finger(number, "forces");
+    columns.add((name, "i16"), (width, scale), padded);
+    let flags = kept.clone().map(|row| {
+        let slips = finger.slipped[row].is_some_and(|slipped| slipped > TRUE_SLIP);
+        let flags = [finger.touch[row], finger.slip[row], finger.over[row], slips];
+        let bits = flags.into_iter().enumerate();
+        bits.fold(0, |bits, (bit, up)| bits | u8::from(up) << bit)
+    });
+    columns.bytes(of_finger(number, "flags"), flags);
+    let grasp = kept.clone().map(|row| finger.grasp_force[row]);
+    columns.f32(of_finger(number, "grasp_force"), 1, grasp);
+    let rate = kept.map(|row| finger.shear_rate[row]);
+    columns.f32(of_finger(number, "shear_rate"), 1, rate);
+}
+
+/// What moves around the hand.
+fn add_moving(
+    columns: &mut Columns,
+    recording: &Recording,
+    data: &RunData,
+    kept: &(impl Iterator<Item = usize> + Clone),
+) {
+    let place = |position: DVec3, turned: DQuat| {
+        let numbers = position.to_array().into_iter().chain(turned.to_array());
+        numbers.collect::<Vec<_>>()
+    };
+    if let Some(cap) = &data.cap {
+        let places = kept.clone().flat_map(|row| {
+            let turned = DQuat::from_rotation_z(cap.angle[row]);
+            place(cap.centre[row], turned)
+        });
+        columns.f32(frame_column(SolidFrame::Cap), 7, places);
+        let angles = kept.clone().map(|row| cap.angle[row]);
+        columns.f32("cap_angle".into(), 1, angles);
+    }
+    if !recording.object.is_empty() {
+        let poses = at_rows(
+            &recording.object,
+            data,
+            kept.clone(),
+            |pose: &ObjectPose| {
+                let turned = DQuat::from(pose.orientation).to_array();
+                let DVec3 { x, y, z } = pose.position.into();
+                [x, y, z, turned[0], turned[1], turned[2], turned[3]]
+            },
+        );
+        columns.f32(frame_column(SolidFrame::Object), 7, poses.flatten());
+    }
+}
+
+/// Name of the column that says where a frame is.
+pub fn frame_column(frame: SolidFrame) -> String {
+    format!("frame/{}", frame.name())
+}
+
+/// What the newest of these messages says at each row; not numbers before the first.
+fn at_rows<'a, M: feeler_record::Stamped, const N: usize>(
+    messages: &'a [M],
+    data: &'a RunData,
+    kept: impl Iterator<Item = usize> + 'a,
+    numbers: impl Fn(&M) -> [f64; N] + 'a,
+) -> impl Iterator<Item = [f64; N]> + 'a {
+    let mut newest = Newest::new(messages);
+    kept.map(move |row| newest.at(data.time[row]).map_or([f64::NAN; N], &numbers))
+}
+
+/// By raw deflate, in base64.
+fn compressed(bytes: &[u8]) -> String {
+    let mut encoder = DeflateEncoder::new(Vec::new(), Compression::best());
+    // Writing to memory cannot fail.
+    let written = encoder.write_all(bytes).and_then(|()| encoder.finish());
+    STANDARD.encode(written.unwrap_or_default())
+}
