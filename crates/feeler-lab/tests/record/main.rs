@@ -4,6 +4,7 @@ mod claims;
 mod digest;
 mod figures;
 mod mcap_tools;
+mod page_data;
 mod real_rig;
 mod recorded_camera;
 mod recording;

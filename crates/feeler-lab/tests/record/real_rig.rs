@@ -45,6 +45,7 @@ fn texts(directory: &Path, figure: &str) -> String {
 fn written(outcome: &ReportOutcome) -> (String, String) {
     let [page, json] =
         [&outcome.report_path, &outcome.summary_path].map(|path| fs::read_to_string(path).unwrap());
+    let page = support::document(&page);
     assert!(!page.contains("NaN") && !json.contains("NaN"));
     (page, json)
 }

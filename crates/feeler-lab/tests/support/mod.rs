@@ -398,3 +398,11 @@ fn normal(element: usize, side: f64) -> DVec3 {
         polar.sin() * azimuth.sin(),
     )
 }
+
+/// A page without its program and that one's data: what a reader without scripts sees.
+pub fn document(page: &str) -> String {
+    let (first, rest) = page.split_once("<script").unwrap_or((page, ""));
+    let scripts = rest.split("<script");
+    let after = scripts.filter_map(|script| Some(script.split_once("</script>")?.1));
+    [first].into_iter().chain(after).collect()
+}

@@ -3,10 +3,10 @@
 use super::super::cap::{CapMeasures, Felt};
 use super::super::run_data::RunData;
 use super::Figure;
-use super::canvas::{CAP, Pen, SHADE, finger_colour, frame, line, panel, range, thin};
+use super::canvas::{CAP, Pen, SHADE, finger_colour, line, panel, range, thin};
+use super::drawing::{Drawing, column};
 use feeler_record::{FindingName, Recording};
 use kuva::render::annotations::{ReferenceLine, ShadedRegion};
-use kuva::render::figure::Figure as Panels;
 use kuva::render::layout::Layout;
 
 /// Pairs of points that a series is thinned to.
@@ -31,13 +31,8 @@ pub fn figures(recording: &Recording, data: &RunData, cap: &CapMeasures) -> Vec<
     } else {
         ""
     };
-    vec![Figure {
-        number: 1,
-        title: title.into(),
-        caption: caption + limit,
-        panels: Vec::new(),
-        svg: torque_and_turn(recording, data, cap, title),
-    }]
+    let drawing = torque_and_turn(recording, data, cap, title);
+    vec![Figure::drawn(1, title, caption + limit, drawing)]
 }
 
 const FELT: &str = "The torque that the hand feels is the sum of shear forces times their distance from the axis; nothing is felt \
@@ -58,7 +53,7 @@ fn torque_and_turn(
     data: &RunData,
     cap: &CapMeasures,
     title: &str,
-) -> Option<String> {
+) -> Option<Drawing> {
     let felt = Felt::new(recording);
     let time = range(data.time.iter().copied())?;
     let measured = |values: Option<&Vec<f64>>, factor: f64| -> Points {
@@ -111,12 +106,6 @@ fn torque_and_turn(
     upper_lines.extend(felt_torques);
     let mut lower_lines: Vec<_> = of_instruments(&turns[0]).into_iter().collect();
     lower_lines.push(line(thin(&turns[1], BUCKETS), hand));
-    let panels = Panels::new(2, 1)
-        .with_plots(vec![upper_lines, lower_lines])
-        .with_layouts(vec![upper, lower])
-        .with_shared_x_all()
-        .with_spacing(0.0)
-        .with_padding(6.0);
     let truth = match [&torques, &turns].map(|lines| !lines[0].is_empty()) {
         [true, true] => Some("torque sensor, true angle"),
         [true, false] => Some("torque sensor"),
@@ -127,7 +116,8 @@ fn torque_and_turn(
     legend.push(("felt", hand));
     legend.extend(limit.map(|_| ("limit of friction", LIMIT_PEN)));
     legend.push(("MOVE", Pen::solid(SHADE, 14.0)));
-    Some(frame(1, title, &legend, panels, 380.0))
+    let panels = vec![(upper_lines, upper), (lower_lines, lower)];
+    Some(column((1, title), &legend, panels, 380.0))
 }
 
 /// Shades the MOVE phases.

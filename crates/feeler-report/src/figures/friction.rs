@@ -2,13 +2,13 @@
 //! it begins.
 
 use super::Figure;
-use super::canvas::{CAP, Pen, SHADE, Style, finger_colour, frame, line, panel, range, thin};
+use super::canvas::{CAP, Pen, SHADE, Style, finger_colour, line, panel, range, thin};
+use super::drawing::{Drawing, column};
 use super::friction_samples::{Sample, strokes};
 use crate::run_data::RunData;
 use crate::series::mean;
 use feeler_record::FindingName;
 use kuva::render::annotations::ShadedRegion;
-use kuva::render::figure::Figure as Panels;
 use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 use std::f64::consts::TAU;
@@ -31,19 +31,13 @@ const KINETIC: Pen = Pen {
 /// Fig. 1.
 pub fn forces(data: &RunData) -> Figure {
     let title = "Forces of the element that is looked at";
-    Figure {
-        number: 1,
-        panels: Vec::new(),
-        title: title.into(),
-        caption: "The load is regulated over all elements that touch, so that the share of one may change as the \
+    let caption = "The load is regulated over all elements that touch, so that the share of one may change as the \
             fingertip rolls. Friction is positive where it acts against the first stroke; its teeth are slips. \
-            Shaded are the strokes that count: the first wipes away what shear the pressing left."
-            .into(),
-        svg: forces_over_time(data, title),
-    }
+            Shaded are the strokes that count: the first wipes away what shear the pressing left.";
+    Figure::drawn(1, title, caption, forces_over_time(data, title))
 }
 
-fn forces_over_time(data: &RunData, title: &str) -> Option<String> {
+fn forces_over_time(data: &RunData, title: &str) -> Option<Drawing> {
     let strokes = strokes(data)?;
     let (normal, friction) = (Pen::solid(CAP, LINE), Pen::solid(finger_colour(0), LINE));
     let plots = |value: fn(&Sample) -> f64, pen: Pen| over_time(&strokes, value, pen);
@@ -58,35 +52,24 @@ fn forces_over_time(data: &RunData, title: &str) -> Option<String> {
         "Time (s)",
         "Friction (N)",
     );
-    let panels = Panels::new(2, 1)
-        .with_plots(vec![
-            plots(|s| s.normal, normal),
-            plots(|s| s.friction, friction),
-        ])
-        .with_layouts(vec![upper, lower])
-        .with_shared_x_all()
-        .with_spacing(0.0)
-        .with_padding(6.0);
+    let panels = vec![
+        (plots(|s| s.normal, normal), upper),
+        (plots(|s| s.friction, friction), lower),
+    ];
     let legend = [("normal force", normal), ("friction", friction)];
-    Some(frame(1, title, &legend, panels, 380.0))
+    Some(column((1, title), &legend, panels, 380.0))
 }
 
 /// Fig. 2.
 pub fn ratio(data: &RunData) -> Figure {
     let title = "Friction by normal force";
-    Figure {
-        number: 2,
-        panels: Vec::new(),
-        title: title.into(),
-        caption: "While the element sticks, the ratio rises to the static coefficient; when it slips, it falls to the \
+    let caption = "While the element sticks, the ratio rises to the static coefficient; when it slips, it falls to the \
             kinetic one. Dashed is what the task found. The tilt that it found is taken out; what is tilted across \
-            the slide is not, and does not matter much."
-            .into(),
-        svg: ratio_over_time(data, title),
-    }
+            the slide is not, and does not matter much.";
+    Figure::drawn(2, title, caption, ratio_over_time(data, title))
 }
 
-fn ratio_over_time(data: &RunData, title: &str) -> Option<String> {
+fn ratio_over_time(data: &RunData, title: &str) -> Option<Drawing> {
     let strokes = strokes(data)?;
     let time = range(strokes.iter().flatten().map(|s| s.time))?;
     let top = 1.15 * range(strokes.iter().flatten().map(|s| s.ratio()))?.1;
@@ -100,11 +83,7 @@ fn ratio_over_time(data: &RunData, title: &str) -> Option<String> {
         }
     }
     let layout = time_panel(data, time, (0.0, top), "Time (s)", "Ratio");
-    let panels = Panels::new(1, 1)
-        .with_plots(vec![plots])
-        .with_layouts(vec![layout])
-        .with_padding(6.0);
-    Some(frame(2, title, &legend, panels, 300.0))
+    Some(column((2, title), &legend, vec![(plots, layout)], 300.0))
 }
 
 fn found_lines() -> [(FindingName, &'static str, Pen); 2] {
@@ -117,19 +96,13 @@ fn found_lines() -> [(FindingName, &'static str, Pen); 2] {
 /// Fig. 3.
 pub fn path(data: &RunData) -> Figure {
     let title = "Path of the force in the tangential plane";
-    Figure {
-        number: 3,
-        panels: Vec::new(),
-        title: title.into(),
-        caption: "Friction along and across the slide, both by normal force: the friction cone from above. Forces stay \
+    let caption = "Friction along and across the slide, both by normal force: the friction cone from above. Forces stay \
             within the static circle. A path that does not pass through the middle shows how the specimen is tilted \
-            across the slide; the circles are drawn around it."
-            .into(),
-        svg: tangential_path(data, title),
-    }
+            across the slide; the circles are drawn around it.";
+    Figure::drawn(3, title, caption, tangential_path(data, title))
 }
 
-fn tangential_path(data: &RunData, title: &str) -> Option<String> {
+fn tangential_path(data: &RunData, title: &str) -> Option<Drawing> {
     let strokes = strokes(data)?;
     let counting = strokes.get(1..)?.iter().flatten();
     let across = mean(counting.map(|s| s.lateral / s.normal))?;
@@ -164,26 +137,18 @@ fn tangential_path(data: &RunData, title: &str) -> Option<String> {
         .with_x_axis_max(x.1)
         .with_y_axis_min(y.0)
         .with_y_axis_max(y.1);
-    let panels = Panels::new(1, 1)
-        .with_plots(vec![plots])
-        .with_layouts(vec![layout])
-        .with_padding(6.0);
-    Some(frame(3, title, &legend, panels, 460.0))
+    Some(column((3, title), &legend, vec![(plots, layout)], 460.0))
 }
 
 /// Fig. 4. `truth`: static and kinetic coefficient.
 pub fn found_and_true(data: &RunData, truth: [Option<f64>; 2]) -> Figure {
     let title = "Found against true";
-    Figure {
-        number: 4,
-        panels: Vec::new(),
-        title: title.into(),
-        caption: "A cross on the line is a coefficient that was found as it is; the thin lines are 5 % off.".into(),
-        svg: crosses(data, truth, title),
-    }
+    let caption =
+        "A cross on the line is a coefficient that was found as it is; the thin lines are 5 % off.";
+    Figure::drawn(4, title, caption, crosses(data, truth, title))
 }
 
-fn crosses(data: &RunData, truth: [Option<f64>; 2], title: &str) -> Option<String> {
+fn crosses(data: &RunData, truth: [Option<f64>; 2], title: &str) -> Option<Drawing> {
     let top = 1.25 * range(truth.into_iter().flatten())?.1;
     let (same, off) = (Pen::solid("#555555", 1.4), Pen::solid("#999999", 0.8));
     let ray = |slope: f64, pen| line([(0.0, 0.0), (top, slope * top)], pen);
@@ -208,11 +173,7 @@ fn crosses(data: &RunData, truth: [Option<f64>; 2], title: &str) -> Option<Strin
         .with_x_axis_max(top)
         .with_y_axis_min(0.0)
         .with_y_axis_max(top);
-    let panels = Panels::new(1, 1)
-        .with_plots(vec![plots])
-        .with_layouts(vec![layout])
-        .with_padding(6.0);
-    Some(frame(4, title, &legend, panels, 440.0))
+    Some(column((4, title), &legend, vec![(plots, layout)], 440.0))
 }
 
 /// A line per stroke, so that nothing joins one to the next.

@@ -4,6 +4,7 @@ pub mod calibration;
 pub(super) mod canvas;
 pub mod cap;
 pub mod compare;
+pub(super) mod drawing;
 pub mod friction;
 mod friction_samples;
 mod from_above;
@@ -20,6 +21,7 @@ pub mod time;
 mod unrolled;
 
 use super::page_data::Panel;
+use drawing::Drawing;
 
 /// One figure of the report.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,6 +39,23 @@ pub struct Figure {
 }
 
 impl Figure {
+    /// A figure that shows `drawing`, if the recording holds it.
+    pub(super) fn drawn(
+        number: u32,
+        title: impl Into<String>,
+        caption: impl Into<String>,
+        drawing: Option<Drawing>,
+    ) -> Self {
+        let (svg, panels) = drawing.map(|drawing| (drawing.svg, drawing.panels)).unzip();
+        Self {
+            number,
+            title: title.into(),
+            caption: caption.into(),
+            svg,
+            panels: panels.unwrap_or_default(),
+        }
+    }
+
     /// Name of the figure's file.
     pub fn file_name(&self) -> String {
         format!("fig-{:02}.svg", self.number)

@@ -1,13 +1,13 @@
 //! An outline that was felt, from above and against the true section.
 
 use super::Figure;
-use super::canvas::{CAP, Pen, finger_colour, frame, line, panel, range};
+use super::canvas::{CAP, Pen, finger_colour, line, panel, range};
+use super::drawing::column;
 use crate::contour_points::{drawn, section};
 use crate::measures::distance_to_path;
 use crate::run_data::RunData;
 use feeler_record::{Phase, Recording};
 use glam::DVec2;
-use kuva::render::figure::Figure as Panels;
 
 /// Metres to millimetres.
 const MM: f64 = 1e3;
@@ -38,7 +38,7 @@ fn outline(recording: &Recording, data: &RunData) -> Figure {
             .chain(drawn.iter().map(|d| d.1))
     };
     let ranges = range(all().map(|p| MM * p.x)).zip(range(all().map(|p| MM * p.y)));
-    let svg = ranges.filter(|_| !drawn.is_empty()).map(|(x, y)| {
+    let drawing = ranges.filter(|_| !drawn.is_empty()).map(|(x, y)| {
         let mut plots = vec![
             line(centre.iter().copied().map(millimetres), path),
             line(drawn.iter().map(|d| millimetres(d.1)), felt),
@@ -50,10 +50,7 @@ fn outline(recording: &Recording, data: &RunData) -> Figure {
         }
         legend.push(("dome's centre", path));
         let layout = panel(x, y, "x (mm)", "y (mm)").with_equal_aspect();
-        let panels = Panels::new(1, 1)
-            .with_plots(vec![plots])
-            .with_layouts(vec![layout]);
-        frame(1, title, &legend, panels, 480.0)
+        column((1, title), &legend, vec![(plots, layout)], 480.0)
     });
     let mut caption = "Every point is where the feeler with the largest force on it touches, by that force, its stiffness and \
             where the arm is. At a corner the finger goes from feeler to feeler, and its path has steps."
@@ -61,13 +58,7 @@ fn outline(recording: &Recording, data: &RunData) -> Figure {
     if !section.is_empty() {
         caption += " The true section is the simulator's; the hand does not know it.";
     }
-    Figure {
-        number: 1,
-        panels: Vec::new(),
-        title: title.into(),
-        caption,
-        svg,
-    }
+    Figure::drawn(1, title, caption, drawing)
 }
 
 fn error(recording: &Recording) -> Figure {
@@ -78,24 +69,12 @@ fn error(recording: &Recording) -> Figure {
         .map(|&(time, point)| (time, MM * distance_to_path(point, &section)))
         .collect();
     let ranges = range(points.iter().map(|p| p.0)).zip(range(points.iter().map(|p| p.1)));
-    let svg = ranges.map(|(time, (_, most))| {
+    let drawing = ranges.map(|(time, (_, most))| {
         let layout = panel(time, (0.0, most), "Time (s)", "Distance (mm)");
-        let panels = Panels::new(1, 1)
-            .with_plots(vec![vec![line(points.iter().copied(), pen)]])
-            .with_layouts(vec![layout]);
-        frame(
-            2,
-            title,
-            &[("felt point to true section", pen)],
-            panels,
-            300.0,
-        )
+        let legend = [("felt point to true section", pen)];
+        let lines = vec![line(points.iter().copied(), pen)];
+        column((2, title), &legend, vec![(lines, layout)], 300.0)
     });
-    Figure {
-        number: 2,
-        panels: Vec::new(),
-        title: title.into(),
-        caption: "Distance of each point felt from the true section.".into(),
-        svg,
-    }
+    let caption = "Distance of each point felt from the true section.";
+    Figure::drawn(2, title, caption, drawing)
 }

@@ -2,6 +2,7 @@
 
 use super::table::Rows;
 use serde::{Serialize, Serializer};
+use std::borrow::Cow;
 use std::ops::Range;
 
 /// What a panel's axis along x is.
@@ -40,7 +41,7 @@ pub struct Axis {
     /// What it is.
     pub label: String,
     /// The unit that is shown.
-    pub unit: &'static str,
+    pub unit: Cow<'static, str>,
     /// Units that are shown per SI unit.
     pub scale: f64,
     /// What it shows at first, in SI units, if not all.
@@ -148,6 +149,31 @@ impl Points {
     }
 }
 
+impl Points {
+    /// Those of a line that is drawn.
+    pub fn drawn(points: Vec<(f64, f64)>) -> Self {
+        let mut taken = Self::default();
+        taken.extend(points);
+        taken
+    }
+
+    /// Takes another line, which does not go on where the last ends.
+    pub fn append(&mut self, points: Vec<(f64, f64)>) {
+        if let (Some(&end), false) = (self.x.last(), points.is_empty()) {
+            self.x.push(end);
+            self.y.push(None);
+        }
+        self.extend(points);
+    }
+
+    fn extend(&mut self, points: Vec<(f64, f64)>) {
+        for (x, y) in points {
+            self.x.push(short(x));
+            self.y.push(y.is_finite().then(|| short(y)));
+        }
+    }
+}
+
 /// A number as precise as a screen can show: 0.1 µm, 0.1 µN m.
 fn short(value: f64) -> f64 {
     (value * 1e7).round() / 1e7
@@ -155,10 +181,10 @@ fn short(value: f64) -> f64 {
 
 impl Axis {
     /// Of a quantity that is shown in `unit`, of which an SI unit has `scale`.
-    pub fn new(label: impl Into<String>, unit: &'static str, scale: f64) -> Self {
+    pub fn new(label: impl Into<String>, unit: impl Into<Cow<'static, str>>, scale: f64) -> Self {
         Self {
             label: label.into(),
-            unit,
+            unit: unit.into(),
             scale,
             range: None,
         }

@@ -3,13 +3,13 @@
 use super::{TaskReport, findings};
 use crate::claim::{Claim, ClaimPart, Relation};
 use crate::figures::Figure;
-use crate::figures::canvas::{CAP, Pen, finger_colour, frame, line, panel, range};
+use crate::figures::canvas::{CAP, Pen, finger_colour, line, panel, range};
+use crate::figures::drawing::column;
 use crate::run_data::RunData;
 use crate::series::{finite, maximum};
 use crate::summary::Summary;
 use feeler_record::{CarryGoal, FindingName, ObjectPose, Recording, TaskOutcome};
 use glam::{DQuat, DVec3};
-use kuva::render::figure::Figure as Panels;
 use maud::Markup;
 
 /// How far the object may end from its goal, m.
@@ -189,20 +189,11 @@ fn way(recording: &Recording) -> Figure {
     }
     caption += ".";
     let ranges = range(all.iter().map(|p| p.0)).zip(range(all.iter().map(|p| p.1)));
-    let svg = ranges.map(|(time, way)| {
+    let drawing = ranges.map(|(time, way)| {
         let layout = panel(time, way, "Time (s)", "Moved (mm)");
-        let panels = Panels::new(1, 1)
-            .with_plots(vec![plots])
-            .with_layouts(vec![layout]);
-        frame(1, title, &legend, panels, 320.0)
+        column((1, title), &legend, vec![(plots, layout)], 320.0)
     });
-    Figure {
-        number: 1,
-        panels: Vec::new(),
-        title: title.into(),
-        caption,
-        svg,
-    }
+    Figure::drawn(1, title, caption, drawing)
 }
 
 fn grip(data: &RunData) -> Figure {
@@ -216,19 +207,10 @@ fn grip(data: &RunData) -> Figure {
         plots.push(line(data.time.iter().copied().zip(force), pen));
         legend.push((NAMES[finger], pen));
     }
-    let svg = range(data.time.iter().copied()).map(|time| {
+    let drawing = range(data.time.iter().copied()).map(|time| {
         let layout = panel(time, (0.0, most), "Time (s)", "Grasp force (N)");
-        let panels = Panels::new(1, 1)
-            .with_plots(vec![plots])
-            .with_layouts(vec![layout]);
-        frame(2, title, &legend, panels, 300.0)
+        column((2, title), &legend, vec![(plots, layout)], 300.0)
     });
-    Figure {
-        number: 2,
-        panels: Vec::new(),
-        title: title.into(),
-        caption: "The sum of the compressions of a finger's elements. It grows with what the object pulls, and with every slip."
-            .into(),
-        svg,
-    }
+    let caption = "The sum of the compressions of a finger's elements. It grows with what the object pulls, and with every slip.";
+    Figure::drawn(2, title, caption, drawing)
 }
