@@ -59,7 +59,14 @@ fn a_run_with_pictures_replays_from_frames_and_from_forces() {
     assert!(compared > 40 && compared < 100, "{torn:?}");
     torn.refused(&["torn.mcap: the recording is incomplete", "replayed up to"]);
     // Cut before the first step there is nothing to replay; before the experiment, nothing to replay with.
-    for (length, words) in [(60_000, "no whole control step"), (1000, "the experiment")] {
+    let name = b"experiment.toml";
+    let mut places = whole.windows(name.len());
+    let experiment = places.position(|bytes| bytes == name).unwrap();
+    let cuts = [
+        (60_000, "no whole control step"),
+        (experiment + 100, "the experiment"),
+    ];
+    for (length, words) in cuts {
         fs::write(folder.join("torn.mcap"), &whole[..length]).unwrap();
         replay(&folder, "torn.mcap", &["--from=frames"]).refused(&[words]);
     }
