@@ -22,7 +22,7 @@ after(async () => {
 });
 
 async function until(what: () => Promise<boolean>, message: string): Promise<void> {
-  for (let attempt = 0; attempt < 100; attempt++) {
+  for (let attempt = 0; attempt < 400; attempt++) {
     if (await what()) return;
     await new Promise((resolve) => setTimeout(resolve, 50));
   }
@@ -31,35 +31,43 @@ async function until(what: () => Promise<boolean>, message: string): Promise<voi
 
 const chip = (finger: number, name: string) =>
   page.locator(".live-finger").nth(finger).locator(`.chip.${name}.on`);
-const touching = () => rig.rows.find((row) => row.flags.every((flags) => flags & 1));
-const free = () => rig.rows[0];
+
+/** Has the page note when the chip of a finger's touch changes. */
+async function watchTouch(): Promise<() => Promise<number[]>> {
+  await page.evaluate(() => {
+    const times: number[] = ((window as unknown as { times: number[] }).times = []);
+    const chip = document.querySelector(".live-finger .chip.TOUCH") as Element;
+    let on = chip.classList.contains("on");
+    new MutationObserver(() => {
+      if (chip.classList.contains("on") !== on) times.push(Date.now());
+      on = chip.classList.contains("on");
+    }).observe(chip, { attributes: true });
+  });
+  return () => page.evaluate(() => (window as unknown as { times: number[] }).times);
+}
 
 test("flags follow within 100 ms", async () => {
-  const [on, off] = [touching(), free()];
-  assert.ok(on && off);
-  rig.send(off);
-  await until(async () => (await chip(0, "TOUCH").count()) === 0, "no touch");
-  // Timed in the page: from the message's arrival to the change of the chip.
-  const took = page.evaluate(
-    () =>
-      new Promise<number>((resolve) => {
-        const chip = document.querySelector(".live-finger .chip.TOUCH");
-        new MutationObserver(() => resolve(Date.now())).observe(chip as Element, { attributes: true });
-      }),
-  );
-  await page.waitForTimeout(100);
-  const sent = Date.now();
-  rig.send(on);
-  const passed = (await took) - sent;
-  console.log(`flags after ${passed} ms`);
-  assert.ok(passed < 100, `${passed} ms`);
-  assert.equal(await chip(1, "TOUCH").count(), 1);
+  const row = rig.rows.find((row) => row.flags.every((flags) => flags & 1));
+  assert.ok(row);
+  const changes = await watchTouch();
+  const took: number[] = [];
+  for (let i = 0; i < 12; i++) {
+    const sent = Date.now();
+    rig.send({ ...row, time: i * 0.01, flags: i % 2 === 0 ? [1, 1] : [0, 0] });
+    await until(async () => (await changes()).length > i, `change ${i}`);
+    took.push(((await changes())[i] ?? NaN) - sent);
+  }
+  assert.equal(await chip(1, "TOUCH").count(), 0);
+  // The middle one: others may have been the work of another program.
+  const middle = took.sort((a, b) => a - b)[6] ?? NaN;
+  console.log(`flags after ${middle} ms`);
+  assert.ok(middle < 100, `${took.join(", ")} ms`);
 });
 
 test("rows are drawn, and the newest is shown", async () => {
   const canvas = page.locator(".scene-canvas canvas");
   const before = await canvas.screenshot();
-  for (const row of rig.rows.slice(touching() ? rig.rows.indexOf(touching()!) + 1 : 0, 700)) rig.send(row);
+  for (const row of rig.rows.slice(100, 700)) rig.send(row);
   const newest = rig.rows[699]?.time.toFixed(2) ?? "";
   await until(async () => (await page.locator(".player-time").innerText()).startsWith(newest), newest);
   assert.ok(!before.equals(await canvas.screenshot()));

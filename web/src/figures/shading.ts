@@ -6,8 +6,12 @@ import { FONT } from "./style";
 
 /** Height of the strip that tells the phases apart, px. */
 const STRIP = 4;
-/** Fills the parts of the strokes in which the object is turned, and a strip by phase at the bottom. */
-export function shade(u: uPlot, run: Run, numbered: boolean): void {
+/** Fills the parts of the strokes in which the object is turned, and a strip by phase at the bottom, where there is room. */
+export function shade(
+  u: uPlot,
+  run: Run,
+  { numbered, phases }: { numbered: boolean; phases: boolean },
+): void {
   const { ctx, bbox } = u;
   ctx.save();
   ctx.beginPath();
@@ -19,7 +23,7 @@ export function shade(u: uPlot, run: Run, numbered: boolean): void {
     ctx.fillRect(left, bbox.top, right - left, bbox.height);
     if (numbered) writeNumber(u, String(index), (left + right) / 2);
   }
-  strip(u, run);
+  if (phases) strip(u, run);
   ctx.restore();
 }
 

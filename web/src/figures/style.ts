@@ -18,12 +18,18 @@ export function seriesColour({ colour }: Series): string {
   return fingerColour(Number(colour.slice("finger-".length)), isDark());
 }
 
+/** The first finger's line is wider, so that an equal one over it does not hide it. */
+function lineWidth({ colour }: Series): number {
+  if (colour === "background") return 1;
+  return colour === "finger-0" ? 2.4 : 1.4;
+}
+
 /** What all series have in common for uPlot. */
 export function seriesOptions(series: Series): uPlot.Series {
   return {
     label: series.name,
     stroke: () => seriesColour(series),
-    width: series.colour === "background" ? 1 : 1.6,
+    width: lineWidth(series),
     points: { show: false },
     ...(series.line === "dashed" && { dash: DASHES }),
   };

@@ -116,7 +116,7 @@ export class TimePanel implements PanelView {
       ],
       cursor: this.#cursor(lanes),
       hooks: {
-        drawClear: [(u) => shade(u, this.#run, first)],
+        drawClear: [(u) => shade(u, this.#run, { numbered: first, phases: !lanes })],
         draw: [(u) => (lanes ? nameLanes(u, this.#panel) : drawThresholds(u, this.#panel))],
         setSelect: [(u) => this.#zoom(u)],
       },

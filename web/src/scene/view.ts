@@ -42,6 +42,8 @@ export class SceneView {
     this.#controls.addEventListener("change", this.request);
     this.#watch();
     this.#paint();
+    // Now rather than when the first element is touched, which would make the page wait in the midst of a run.
+    this.#renderer.compile(model.scene, this.#camera);
     this.goHome();
   }
 
