@@ -12,6 +12,9 @@ const FLAGS = [
   "--enable-unsafe-swiftshader",
 ];
 
+/** How long a test waits for what must happen, ms. */
+const PATIENCE = 180_000;
+
 export function launch(flags: string[] = []): Promise<Browser> {
   const executablePath = process.env["CHROMIUM"] ?? execSync("command -v chromium").toString().trim();
   return chromium.launch({ executablePath, args: [...FLAGS, ...flags] });
@@ -31,6 +34,8 @@ export async function open(
   options: BrowserContextOptions = {},
 ): Promise<Opened> {
   const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, ...options });
+  // No test fails because the computer is busy.
+  context.setDefaultTimeout(PATIENCE);
   const page = await context.newPage();
   const [errors, requests]: [string[], string[]] = [[], []];
   page.on("pageerror", (error) => errors.push(String(error)));
