@@ -10,7 +10,7 @@ use super::strokes::StrokeMeasures;
 use super::summary::Summary;
 use super::tasks::{self, TaskReport};
 use super::text::{significant, value};
-use feeler_record::{Phase, Recording, RunFacts, RunState};
+use feeler_record::{Phase, Recording, RunFacts, RunState, TaskKind};
 use maud::{Markup, PreEscaped, html};
 
 /// The page, as HTML text.
@@ -94,14 +94,12 @@ fn tiles_of(summary: &Summary) -> Vec<Tile> {
     let measure = |value: Option<f64>, factor: f64, unit, label| {
         value.map(|value| Tile::new(significant(factor * value), unit, label))
     };
+    let screws = summary.task == TaskKind::Screw;
+    let torque = summary.final_torque.filter(|_| screws);
+    let turn = summary.cap_angle.filter(|_| screws);
     let measured = [
-        measure(
-            summary.final_torque,
-            1e3,
-            "mN·m",
-            "torque of the last stroke",
-        ),
-        measure(summary.cap_angle, 1f64.to_degrees(), "°", "turn of the cap"),
+        measure(torque, 1e3, "mN·m", "torque of the last stroke"),
+        measure(turn, 1f64.to_degrees(), "°", "turn of the cap"),
         measure(
             summary.peak_element_force,
             1.0,

@@ -59,12 +59,14 @@ fn answering((plots, layout): &grid::Panel, legend: &[(&str, Pen)], of_time: boo
         if of_time {
             points = thin(&points, BUCKETS);
         }
-        let same = |series: &&mut Series| series.name == name && !name.is_empty();
-        match series
-            .iter_mut()
-            .find(same)
-            .and_then(|series| series.points.as_mut())
-        {
+        let begin = points.first().map_or(f64::NEG_INFINITY, |point| point.0);
+        // A line that is drawn in pieces goes on later; another of the same name begins anew.
+        let goes_on = |series: &&mut Series| {
+            let end = series.points.as_ref().and_then(|points| points.x.last());
+            series.name == name && !name.is_empty() && end.is_some_and(|end| *end <= begin)
+        };
+        let before = series.iter_mut().find(goes_on);
+        match before.and_then(|series| series.points.as_mut()) {
             Some(before) => before.append(points),
             None => series.push(Series {
                 line: match line.line_style {

@@ -11,7 +11,7 @@ use std::f64::consts::FRAC_PI_2;
 /// Radius of a drawn link over that of the dome.
 const LINK_OVER_DOME: f64 = 0.3;
 /// What the home view shows around what matters, over the radius of a dome.
-const MARGIN: f64 = 1.6;
+const MARGIN: f64 = 1.2;
 
 type Vector = [f64; 3];
 type Quaternion = [f64; 4];
