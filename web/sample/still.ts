@@ -5,7 +5,7 @@ import type { Figure } from "../src/page_data";
 /** The folder `web/`, which the tests and the scripts run in. */
 export const ROOT = process.cwd();
 
-const real = () => readFileSync(`${ROOT}/../docs/fig-13.svg`, "utf8");
+const real = () => readFileSync(`${ROOT}/../docs/figures/fig-13.svg`, "utf8");
 
 export function still(figure: Figure): string {
   if (figure.number === 13) return real();
