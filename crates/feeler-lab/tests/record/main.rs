@@ -5,13 +5,17 @@ mod digest;
 mod figures;
 mod mcap_tools;
 mod page_data;
+mod python;
 mod real_rig;
 mod recorded_camera;
 mod recording;
 mod replay;
 mod report;
+#[path = "../support/runs.rs"]
+mod runs;
 #[path = "../support/skip.rs"]
 mod skip;
 mod strokes;
 #[path = "../support/mod.rs"]
 mod support;
+mod viewers;

@@ -4,35 +4,17 @@
 //! `python3`); without them the test says that it is skipped, or fails where
 //! `FEELER_REQUIRE_ALL` is set.
 
-use crate::skip::skipped;
+use crate::python::read_by;
 use crate::support;
 use feeler::sensor::frame::Frame;
 use feeler_record::wire::Message;
 use feeler_record::{Image, MessageSink, RecordOptions, Recorder, Recording, topics};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 /// The recording at `path` as Python reads it; nothing where it has not the packages.
 fn read_by_python(path: &Path) -> Option<Value> {
-    let python = std::env::var("FEELER_PYTHON").unwrap_or_else(|_| "python3".into());
-    let probe = Command::new(&python)
-        .args(["-c", "import mcap, mcap_ros2"])
-        .output();
-    if !probe.is_ok_and(|output| output.status.success()) {
-        skipped(&format!(
-            "{python} has no packages mcap and mcap-ros2-support"
-        ));
-        return None;
-    }
-    let output = Command::new(&python)
-        .arg("references/read_recording.py")
-        .arg(path)
-        .output()
-        .unwrap();
-    let errors = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{errors}");
-    Some(serde_json::from_slice(&output.stdout).unwrap())
+    read_by("read_recording.py", &["mcap", "mcap_ros2"], path)
 }
 
 #[test]

@@ -1,0 +1,28 @@
+//! What Python programs find in a recording.
+
+use crate::skip::skipped;
+use serde_json::Value;
+use std::path::Path;
+use std::process::Command;
+
+/// What `references/<script>` prints of the recording at `path`; nothing where the Python named by `FEELER_PYTHON` (default
+/// `python3`) has not the `modules`.
+pub fn read_by(script: &str, modules: &[&str], path: &Path) -> Option<Value> {
+    let python = std::env::var("FEELER_PYTHON").unwrap_or_else(|_| "python3".into());
+    let modules = modules.join(", ");
+    let probe = Command::new(&python)
+        .args(["-c", &format!("import {modules}")])
+        .output();
+    if !probe.is_ok_and(|output| output.status.success()) {
+        skipped(&format!("{python} has not all of the modules {modules}"));
+        return None;
+    }
+    let output = Command::new(&python)
+        .arg(format!("references/{script}"))
+        .arg(path)
+        .output()
+        .unwrap();
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{errors}");
+    Some(serde_json::from_slice(&output.stdout).unwrap())
+}
