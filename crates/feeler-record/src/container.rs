@@ -12,6 +12,12 @@ use std::fs::File;
 use std::io::{BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
+/// How rosbag2 learns how a channel is to be published, and what it is to do with one whose messages hold from then on:
+/// keep the last for whoever comes later.
+const QOS: &str = "offered_qos_profiles";
+const LATCHED: &str =
+    "- history: keep_last\n  depth: 1\n  reliability: reliable\n  durability: transient_local\n";
+
 /// The file and its channels.
 pub struct Container {
     path: PathBuf,
@@ -66,7 +72,11 @@ impl Container {
         let (name, text) = channel.schema;
         let schema = (self.writer).add_schema(name, "ros2msg", text.as_bytes())?;
         let topic = channel.topic();
-        let id = (self.writer).add_channel(schema, &topic, "cdr", &BTreeMap::new())?;
+        let latched = channel
+            .is_latched()
+            .then(|| (QOS.to_string(), LATCHED.to_string()));
+        let metadata = latched.into_iter().collect();
+        let id = (self.writer).add_channel(schema, &topic, "cdr", &metadata)?;
         Ok(OpenChannel {
             id,
             topic,

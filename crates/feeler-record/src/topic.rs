@@ -347,6 +347,11 @@ impl Channel {
         name(self.name, self.finger)
     }
 
+    /// Whether its messages are written once and hold from then on.
+    pub fn is_latched(self) -> bool {
+        self.is_of(topics::TF_STATIC) || self.is_of(topics::ROBOT_DESCRIPTION)
+    }
+
     /// Whether it is the channel of `topic`.
     pub fn is_of<M>(self, topic: RecordedTopic<M>) -> bool {
         self.finger == topic.finger && self.name == topic.name

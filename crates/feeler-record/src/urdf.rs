@@ -64,7 +64,27 @@ struct Link {
 struct Visual {
     origin: Pose,
     geometry: Geometry,
+    material: Material,
 }
+
+#[derive(Serialize)]
+struct Material {
+    #[serde(rename = "@name")]
+    name: &'static str,
+    color: Rgba,
+}
+
+#[derive(Serialize)]
+struct Rgba {
+    #[serde(rename = "@rgba")]
+    rgba: &'static str,
+}
+
+/// Colours by name, as in the scene's markers; a dome shows what is behind it.
+const LINK: (&str, &str) = ("link", "0.55 0.6 0.65 1");
+const DOME: (&str, &str) = ("dome", "0.8 0.8 0.8 0.45");
+const MOVED: (&str, &str) = ("moved", "0.9 0.62 0 0.9");
+const FIXED: (&str, &str) = ("fixed", "0.6 0.6 0.6 0.5");
 
 #[derive(Serialize)]
 struct Geometry {
@@ -219,11 +239,15 @@ impl Visual {
     fn rod(radius: f64, length: f64) -> Option<Self> {
         let lying = Pose::new([length / 2.0, 0.0, 0.0], [0.0, FRAC_PI_2, 0.0]);
         let shape = Shape::Cylinder { radius, length };
-        (length > 0.0).then_some(Self::new(lying, shape))
+        (length > 0.0).then_some(Self::new(lying, shape, LINK))
     }
 
     fn sphere(radius: f64) -> Self {
-        Self::new(Pose::new([0.0; 3], [0.0; 3]), Shape::Sphere { radius })
+        Self::new(
+            Pose::new([0.0; 3], [0.0; 3]),
+            Shape::Sphere { radius },
+            DOME,
+        )
     }
 
     fn solid(solid: &Solid) -> Self {
@@ -239,12 +263,24 @@ impl Visual {
                 length: z,
             },
         };
-        Self::new(Pose::new(solid.position, [roll, pitch, yaw]), shape)
+        let colour = match solid.frame {
+            SolidFrame::World => FIXED,
+            SolidFrame::Cap | SolidFrame::Object => MOVED,
+        };
+        // No minus before a zero.
+        let turned = [roll, pitch, yaw].map(|angle| angle + 0.0);
+        Self::new(Pose::new(solid.position, turned), shape, colour)
     }
 
-    fn new(origin: Pose, shape: Shape) -> Self {
-        let geometry = Geometry { shape };
-        Self { origin, geometry }
+    fn new(origin: Pose, shape: Shape, (name, rgba): (&'static str, &'static str)) -> Self {
+        Self {
+            origin,
+            geometry: Geometry { shape },
+            material: Material {
+                name,
+                color: Rgba { rgba },
+            },
+        }
     }
 }
 
