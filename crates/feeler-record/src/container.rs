@@ -15,8 +15,17 @@ use std::path::{Path, PathBuf};
 /// How rosbag2 learns how a channel is to be published, and what it is to do with one whose messages hold from then on:
 /// keep the last for whoever comes later.
 const QOS: &str = "offered_qos_profiles";
-const LATCHED: &str =
-    "- history: keep_last\n  depth: 1\n  reliability: reliable\n  durability: transient_local\n";
+const LATCHED: &str = "\
+- history: keep_last
+  depth: 1
+  reliability: reliable
+  durability: transient_local
+  deadline: {sec: 0, nsec: 0}
+  lifespan: {sec: 0, nsec: 0}
+  liveliness: automatic
+  liveliness_lease_duration: {sec: 0, nsec: 0}
+  avoid_ros_namespace_conventions: false
+";
 
 /// The file and its channels.
 pub struct Container {
