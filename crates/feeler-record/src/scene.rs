@@ -132,7 +132,8 @@ impl ForceArrows {
             .zip(&touch.frame.forces);
         for (element, ((tip, force), own)) in felt.enumerate() {
             // What is not known does not touch.
-            if !(own.z > self.touch_force) {
+            let touches = own.z > self.touch_force;
+            if !touches {
                 continue;
             }
             let arrow = ARROW_LENGTH * *force;
