@@ -9,6 +9,7 @@ pub mod compare_page;
 mod contour_points;
 mod document;
 pub mod figures;
+pub mod live_page;
 pub mod make;
 pub mod measures;
 pub mod page;

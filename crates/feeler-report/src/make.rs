@@ -1,6 +1,7 @@
 //! Makes a run's report from its recording.
 
 use super::claim::Claim;
+use super::figures::Figure;
 use super::page::page;
 use super::run_data::RunData;
 use super::summary::Summary;
@@ -83,15 +84,12 @@ impl ReportOutcome {
 pub fn make(run_dir: impl AsRef<Path>) -> Result<ReportOutcome, ReportError> {
     let run_dir = run_dir.as_ref();
     let recording = read(run_dir)?;
-    let data = RunData::new(&recording);
-    let mut summary = Summary::new(&recording, &data);
-    // A table of trials has the same columns for every law; a report holds to the paper only what is like it.
-    if !tasks::claims_are_shown(&recording.facts) {
-        summary.claims.clear();
-    }
-    let task = tasks::of_recording(&recording);
-    let figures = task.figures(&recording, &data);
-    let html = page(&recording, &data, &summary, &figures);
+    let Drawn {
+        html,
+        figures,
+        summary,
+        whose,
+    } = draw(&recording);
     // Should anything go wrong from here on, no earlier report is left beside half of a new one.
     remove(&run_dir.join(REPORT))?;
     remove(&run_dir.join(SUMMARY))?;
@@ -122,8 +120,39 @@ pub fn make(run_dir: impl AsRef<Path>) -> Result<ReportOutcome, ReportError> {
         problem: recording.problem,
         readable_until: recording.readable_until,
         summary,
-        whose: task.whose(),
+        whose,
     })
+}
+
+/// The page of a recording: what [`make`] writes as `report.html`. Writes nothing.
+pub fn page_of(recording: &Recording) -> String {
+    draw(recording).html
+}
+
+/// All that a report is made of.
+struct Drawn {
+    html: String,
+    figures: Vec<Figure>,
+    summary: Summary,
+    whose: &'static str,
+}
+
+fn draw(recording: &Recording) -> Drawn {
+    let data = RunData::new(recording);
+    let mut summary = Summary::new(recording, &data);
+    // A table of trials has the same columns for every law; a report holds to the paper only what is like it.
+    if !tasks::claims_are_shown(&recording.facts) {
+        summary.claims.clear();
+    }
+    let task = tasks::of_recording(recording);
+    let figures = task.figures(recording, &data);
+    let html = page(recording, &data, &summary, &figures);
+    Drawn {
+        html,
+        figures,
+        summary,
+        whose: task.whose(),
+    }
 }
 
 /// Reads the recording, or sets aside the report that it cannot back any more.

@@ -1,5 +1,6 @@
 //! What a page's program draws: the contract with `web/src/page_data.ts`, which says what each field means.
 
+mod live;
 pub mod panels;
 mod scene;
 mod table;
@@ -11,6 +12,7 @@ use scene::Scene;
 use serde::Serialize;
 use table::RunTable;
 
+pub use live::{Live, LiveRig};
 pub use panels::Panel;
 pub use table::of_finger;
 
@@ -27,6 +29,8 @@ pub struct PageData {
     #[serde(skip_serializing_if = "Option::is_none")]
     scene: Option<Scene>,
     figures: Vec<Figure>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    live: Option<Live>,
 }
 
 #[derive(Debug, Clone, Serialize)]
@@ -54,6 +58,7 @@ impl PageData {
             run: (!data.time.is_empty()).then_some(run),
             scene: Scene::new(recording, data),
             figures,
+            live: None,
         }
     }
 

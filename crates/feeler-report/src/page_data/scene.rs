@@ -3,7 +3,7 @@
 use crate::run_data::RunData;
 use feeler::sensor::layout::SensingElement;
 use feeler_record::model::{Frame as ModelFrame, WORLD_FRAME, frame};
-use feeler_record::{FingerModel, Recording, Solid, SolidFrame, SolidShape};
+use feeler_record::{FingerModel, Recording, RunFacts, Solid, SolidFrame, SolidShape};
 use glam::{DAffine3, DQuat, DVec3};
 use serde::Serialize;
 use std::f64::consts::FRAC_PI_2;
@@ -93,12 +93,23 @@ struct Home {
 impl Scene {
     /// Of a run; none where it is not known how the hand is built.
     pub fn new(recording: &Recording, data: &RunData) -> Option<Self> {
-        let facts = &recording.facts;
+        Self::around(&recording.facts, home(recording, data)?)
+    }
+
+    /// Of a rig whose fingers begin at `homes`, m in `W`; none where it is not known how the hand is built.
+    pub fn of_rig(facts: &RunFacts, homes: &[Vector]) -> Option<Self> {
+        let homes = homes.iter().map(|&home| DVec3::from_array(home));
+        // What a hand is about stands on the axis of `W`.
+        let points = homes.flat_map(|home| [home, home * DVec3::Z]);
+        Self::around(facts, home_of(&facts.hand, points)?)
+    }
+
+    fn around(facts: &RunFacts, home: Home) -> Option<Self> {
         let mut scene = Self {
             frames: Vec::new(),
             shapes: Vec::new(),
             fingers: Vec::new(),
-            home: home(recording, data)?,
+            home,
         };
         for (number, model) in facts.hand.iter().enumerate() {
             let frames = model.frames(number).ok()?;
@@ -199,21 +210,20 @@ impl Shape {
 
 /// What the home view shows: all domes, wherever they go, and what moves; none without a hand.
 fn home(recording: &Recording, data: &RunData) -> Option<Home> {
-    let hand = &recording.facts.hand;
+    let domes = data.fingers.iter().flat_map(|finger| &finger.position);
+    let cap = data.cap.iter().flat_map(|cap| &cap.centre);
+    home_of(&recording.facts.hand, domes.chain(cap).copied())
+}
+
+/// The view of these points, around domes of the `hand`.
+fn home_of(hand: &[FingerModel], points: impl Iterator<Item = DVec3> + Clone) -> Option<Home> {
     let dome = hand
         .iter()
         .map(|model| model.dome_radius)
         .reduce(f64::max)?;
-    let domes = data.fingers.iter().flat_map(|finger| &finger.position);
-    let cap = data.cap.iter().flat_map(|cap| &cap.centre);
-    let points = || {
-        domes
-            .clone()
-            .chain(cap.clone())
-            .filter(|point| point.is_finite())
-    };
-    let low = points().copied().reduce(DVec3::min);
-    let high = points().copied().reduce(DVec3::max);
+    let points = points.filter(|point| point.is_finite());
+    let low = points.clone().reduce(DVec3::min);
+    let high = points.reduce(DVec3::max);
     let (low, high) = low.zip(high).unwrap_or_else(|| {
         let at_rest = at_rest(hand);
         (at_rest, at_rest)

@@ -108,6 +108,26 @@ impl Columns {
 }
 
 impl RunTable {
+    /// The columns of a page whose rows are still to come.
+    pub fn to_come(columns: impl IntoIterator<Item = (String, usize)>) -> Self {
+        let column = |(name, width): (String, usize)| Column {
+            kind: match name.as_str() {
+                "time" => "f64",
+                _ => "f32",
+            },
+            name,
+            width,
+            scale: 1.0,
+        };
+        Self {
+            rows: 0,
+            columns: columns.into_iter().map(column).collect(),
+            data: String::new(),
+            phases: phase_names(),
+            strokes: Vec::new(),
+        }
+    }
+
     /// The rows of a run, and which of all they are.
     pub fn new(recording: &Recording, data: &RunData) -> (Self, Rows) {
         let rows = Rows::new(data);
@@ -140,11 +160,16 @@ impl RunTable {
             rows: kept.count(),
             columns: columns.columns,
             data: compressed(&columns.bytes),
-            phases: Phase::ALL.map(|phase| phase.to_string()).to_vec(),
+            phases: phase_names(),
             strokes: strokes.collect(),
         };
         (table, rows)
     }
+}
+
+/// Names of phases by number.
+fn phase_names() -> Vec<String> {
+    Phase::ALL.map(|phase| phase.to_string()).to_vec()
 }
 
 /// Name of a column of a finger.

@@ -1,0 +1,25 @@
+//! The page of a rig that works while it is looked at.
+
+use super::document::document_with;
+use super::page_data::PageData;
+pub use super::page_data::{Live, LiveRig};
+use maud::html;
+
+/// The page of `rig`, as HTML text.
+pub fn live_page(title: &str, rig: &LiveRig<'_>, live: Live) -> String {
+    let figures = || rig.figures().into_iter().zip(1..);
+    let body = html! {
+        h1 { "Live: " (title) }
+        div id="live" {}
+        div id="scene" {}
+        h2 { "Figures" }
+        div.figures {
+            @for ((title, _), number) in figures() {
+                figure id=(format!("fig-{number:02}")) {
+                    figcaption { b { "Fig. " (number) ". " (title) ". " } "Of the newest rows, as they come." }
+                }
+            }
+        }
+    };
+    document_with(title, body, &PageData::of_rig(title, rig, live))
+}
