@@ -7,6 +7,8 @@ mod calibrate;
 mod check;
 mod compare;
 mod flush;
+#[cfg(any(feature = "top", feature = "view"))]
+mod history;
 mod init;
 mod interrupt;
 mod link;
@@ -27,12 +29,15 @@ mod score_slip;
 mod screen;
 mod sense;
 mod sensor_geometry;
+#[cfg(any(feature = "top", feature = "view"))]
+pub mod snapshot;
 mod sweep;
 mod throttle;
 #[cfg(feature = "top")]
 pub mod top;
 mod trials;
 mod urdf;
+mod view;
 mod warnings;
 mod watcher;
 
@@ -47,7 +52,9 @@ Examples:
   feeler run cap-closing                      simulate the reference experiment, with pictures
   feeler run cap-closing --sensing direct --seed 7 --out runs/seven
   feeler run cap-closing --top                watch it: flags, forces, phase and programs
+  feeler run cap-closing --view               watch it in the browser
   feeler run my.toml --set control.slip_threshold=2.5 --set task.screw.strokes=3
+  feeler view runs/seven                      look at a recording in the browser
   feeler init my.toml                         write an experiment of your own to start from
   feeler check my.toml                        report what is wrong with an experiment file
   feeler report runs/seven                    make a run's report again from its recording
@@ -104,6 +111,8 @@ enum Command {
     Hand(link::hand::Arguments),
     /// Show a running rig of several programs on the terminal.
     Top(link::top::Arguments),
+    /// Show a recording, or a running rig of several programs, in the browser.
+    View(view::Arguments),
     /// Stop the hand of a rig, from anywhere.
     Stop(link::orders::StopArguments),
     /// Resume a hand that was stopped.
@@ -184,6 +193,7 @@ fn run_command(command: Command, out: &mut dyn Write) -> Result<Outcome, Command
         Command::World(arguments) => link::world::world(&arguments, out),
         Command::Hand(arguments) => link::hand::hand(&arguments, out),
         Command::Top(arguments) => link::top::top(&arguments, out),
+        Command::View(arguments) => view::view(&arguments, out),
         Command::Stop(arguments) => link::orders::stop(&arguments, out),
         Command::Resume(arguments) => link::orders::resume(&arguments, out),
         Command::Certificates(arguments) => link::certificates::certificates(&arguments, out),

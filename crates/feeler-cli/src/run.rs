@@ -6,6 +6,7 @@ use super::report::print_outcome;
 use super::screen::Screen;
 use super::sweep::one_trial;
 use super::throttle::{Throttle, parse_speed};
+use super::view::{LiveRun, ServerArguments};
 use super::watcher::Watcher;
 use super::{CommandError, Outcome, run_folder};
 use feeler_lab::config::Experiment;
@@ -40,18 +41,27 @@ pub struct Arguments {
     record_frames: bool,
     #[command(flatten)]
     flush: FlushArguments,
-    /// Simulated seconds per second, or `max` [default: max; with --top: 1]
+    /// Simulated seconds per second, or `max` [default: max; with --top or --view: 1]
     #[arg(long, value_name = "FACTOR", value_parser = parse_speed)]
     speed: Option<f64>,
     /// Watch the run full-screen in the terminal: flags, forces, torque, phase, programs.
     #[arg(long)]
     top: bool,
+    /// Watch the run in the browser: hand, fingertips, forces, torque, with buttons to stop and resume.
+    #[arg(long)]
+    view: bool,
+    #[command(flatten)]
+    server: ServerArguments,
 }
 
 impl Arguments {
     /// Simulated seconds in a real second; infinite for as many as possible.
     fn speed(&self) -> f64 {
-        let unasked = if self.top { 1.0 } else { f64::INFINITY };
+        let unasked = if self.top || self.view {
+            1.0
+        } else {
+            f64::INFINITY
+        };
         self.speed.unwrap_or(unasked)
     }
 }
@@ -59,6 +69,9 @@ impl Arguments {
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     if arguments.top {
         Screen::check()?;
+    }
+    if !arguments.view {
+        check_unviewed(&arguments.server)?;
     }
     let experiment = load(arguments)?;
     let options = record_options(&experiment, arguments.record_frames);
@@ -70,17 +83,22 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comman
     // Before there is a folder: an experiment that cannot be set up leaves none.
     let session = Session::new(&experiment)?;
     let trial = arguments.trial.as_deref().and_then(|trial| trial.last());
+    let view = arguments
+        .view
+        .then(|| LiveRun::open(&experiment, &arguments.server, out));
+    let view = view.transpose()?;
     let folder = make_folder(arguments.out.as_deref(), &experiment, trial)?;
     let run = RecordedRun::of_session(session, &experiment, &options, &folder)?;
 
     let interrupted = watch_for_interrupt()?;
     let mut throttle = Throttle::new(experiment.config.control.period, arguments.speed());
-    let mut watcher = Watcher::new(
+    let watcher = Watcher::new(
         arguments.top,
         &experiment,
         throttle.is_paced(),
         &interrupted,
     )?;
+    let mut watcher = watcher.with_page(view);
     let ran = run.run(&mut throttle, &interrupted, |control_loop, at, tick| {
         watcher.step(control_loop, at, tick);
     });
@@ -97,6 +115,15 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comman
     )?;
     print_outcome(&ran.report, out)?;
     Ok(Outcome::from(&ran.end))
+}
+
+/// Refuses options of a page that there is none of.
+fn check_unviewed(server: &ServerArguments) -> Result<(), CommandError> {
+    let given = [("--port", server.port != 0), ("--no-open", server.no_open)];
+    match given.into_iter().find(|(_, given)| *given) {
+        Some((option, _)) => Err(format!("{option} is for a run that is watched by --view").into()),
+        None => Ok(()),
+    }
 }
 
 /// The experiment, or the one that a trial of a sweep is.

@@ -3,6 +3,7 @@
 use super::CommandError;
 use super::progress::Progress;
 use super::screen::Screen;
+use super::view::LiveRun;
 use feeler::pace::Tick;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::{Instruments, SimulatedLoop};
@@ -10,7 +11,14 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 /// Shows a run while it goes on.
-pub enum Watcher {
+pub struct Watcher {
+    shown: Shown,
+    /// Its page in the browser, if somebody may look at it there.
+    page: Option<LiveRun>,
+}
+
+/// What there is on the terminal.
+enum Shown {
     /// How far it is.
     Bar(Progress),
     /// All of it, on the whole terminal.
@@ -26,12 +34,19 @@ impl Watcher {
         is_paced: bool,
         interrupted: &Arc<AtomicBool>,
     ) -> Result<Self, CommandError> {
-        if top {
+        let shown = if top {
             let screen = Screen::open(experiment, is_paced, interrupted)?;
-            Ok(Self::Screen(Box::new(screen)))
+            Shown::Screen(Box::new(screen))
         } else {
-            Ok(Self::Bar(Progress::new(experiment)))
-        }
+            Shown::Bar(Progress::new(experiment))
+        };
+        Ok(Self { shown, page: None })
+    }
+
+    /// The same with a page.
+    #[must_use]
+    pub fn with_page(self, page: Option<LiveRun>) -> Self {
+        Self { page, ..self }
     }
 
     /// Shows the newest step of `control_loop`; does to the hand what whoever watches asks for.
@@ -41,22 +56,28 @@ impl Watcher {
         instruments: &Instruments,
         tick: &Tick,
     ) {
-        match self {
-            Self::Bar(progress) => progress.show(control_loop),
-            Self::Screen(screen) => screen.step(control_loop, instruments, tick),
+        match &mut self.shown {
+            Shown::Bar(progress) => progress.show(control_loop),
+            Shown::Screen(screen) => screen.step(control_loop, instruments, tick),
+        }
+        if let Some(page) = &mut self.page {
+            page.step(control_loop, instruments);
         }
     }
 
     /// Takes the bar off; a screen stays, to be looked at.
     pub fn run_ended(&self) {
-        if let Self::Bar(progress) = self {
+        if let Shown::Bar(progress) = &self.shown {
             progress.clear();
         }
     }
 
-    /// Leaves when whoever watches does: at once, unless there is a screen.
+    /// Tells the page that the run is over, and leaves when whoever watches the screen does: at once, unless there is one.
     pub fn leave(self, control_loop: &SimulatedLoop) {
-        if let Self::Screen(screen) = self {
+        if let Some(page) = self.page {
+            page.over(control_loop);
+        }
+        if let Shown::Screen(screen) = self.shown {
             screen.wait_for_quit(control_loop);
         }
     }

@@ -1,13 +1,13 @@
 //! `feeler top`: a running rig of several programs on the terminal.
 
-#[cfg(feature = "top")]
+#[cfg(any(feature = "top", feature = "view"))]
 mod heard;
-#[cfg(feature = "top")]
+#[cfg(any(feature = "top", feature = "view"))]
 mod programs;
 #[cfg(feature = "top")]
 mod show;
-#[cfg(feature = "top")]
-mod watched;
+#[cfg(any(feature = "top", feature = "view"))]
+pub mod watched;
 
 use super::{ExperimentArguments, LinkArguments};
 use crate::{CommandError, Outcome};

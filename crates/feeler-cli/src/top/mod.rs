@@ -9,21 +9,21 @@ mod draw;
 mod finger;
 mod force_list;
 mod gauge;
-mod history;
 mod palette;
 mod programs;
-mod snapshot;
 mod status;
 mod text;
 mod torque;
 mod view;
 mod words;
 
-pub use action::Action;
-pub use draw::draw;
-pub use history::History;
-pub use snapshot::{
+use crate::snapshot;
+
+pub use crate::history::History;
+pub use crate::snapshot::{
     Fault, Finger, Program, ProgramState, Snapshot, TaskState, TimeBase, Torque, UNKNOWN,
 };
+pub use action::Action;
+pub use draw::draw;
 pub use text::text;
 pub use view::{View, ViewError};

@@ -1,7 +1,7 @@
 //! What counts of all that was heard of a rig.
 
 use super::programs::warnings;
-use crate::top::{Fault, UNKNOWN};
+use crate::snapshot::{Fault, UNKNOWN};
 use feeler::control::flags::FingerFlags;
 use feeler_link::inbox::Inbox;
 use feeler_link::message::{

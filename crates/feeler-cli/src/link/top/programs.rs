@@ -1,6 +1,6 @@
 //! The programs of a rig as its heartbeats tell, and what is wrong with them.
 
-use crate::top::{Program, ProgramState, UNKNOWN};
+use crate::snapshot::{Program, ProgramState, UNKNOWN};
 use feeler_link::message::{NO_FINGER, ProgramKind};
 use feeler_link::mismatch::Mismatch;
 use feeler_link::peers::{Peer, Peers};

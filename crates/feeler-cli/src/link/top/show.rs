@@ -3,7 +3,6 @@
 use super::Arguments;
 use super::watched::Watched;
 use crate::interrupt::watch_for_interrupt;
-use crate::link::orders::Order;
 use crate::top::{Action, Snapshot, View, text};
 use crate::{CommandError, Outcome};
 use feeler_lab::config::Experiment;
@@ -17,8 +16,6 @@ use std::time::{Duration, Instant};
 const BY: &str = "the keyboard of feeler top";
 /// Time between two looks at what was heard and at the keys.
 const INTERVAL: Duration = Duration::from_millis(10);
-/// How often an order is said: a message that the network cannot take is dropped.
-const REPEATS: usize = 3;
 /// How long a rig is waited for that is to be shown once.
 const LONGEST: Duration = Duration::from_secs(5);
 /// How long it is listened to then: heartbeats come ten times a second.
@@ -57,18 +54,11 @@ fn keep_showing(
         watched.look();
         view.show(|| watched.snapshot());
         for action in view.actions() {
-            let order = match action {
-                Action::Stop => Some(Order::stop(BY).0),
-                Action::Resume => watched
-                    .to_resume(BY)
-                    .map(|number| Order::resume(BY, number)),
+            match action {
+                Action::Stop => watched.stop(BY)?,
+                Action::Resume => watched.resume(BY)?,
                 // The view says that it is left.
-                Action::Quit => None,
-            };
-            let Some(order) = order else { continue };
-            for _ in 0..REPEATS {
-                order.send(watched.network())?;
-                thread::sleep(INTERVAL);
+                Action::Quit => {}
             }
         }
         thread::sleep(INTERVAL);

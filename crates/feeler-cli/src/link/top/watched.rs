@@ -3,21 +3,32 @@
 use super::heard::{Heard, forces, nothing_felt};
 use super::programs::programs;
 use crate::CommandError;
-use crate::link::orders;
-use crate::top::{self, Fault, Finger, History, Snapshot, TaskState, Torque, UNKNOWN};
+use crate::history::History;
+use crate::link::orders::{self, Order};
+use crate::snapshot::{Fault, Finger, Snapshot, TaskState, TimeBase, Torque, UNKNOWN};
 use feeler::control::phase::Phase;
 use feeler::sensor::layout::ElementLayout;
 use feeler_lab::config::{Experiment, ExperimentConfig};
 use feeler_lab::experiment::layouts;
 use feeler_lab::experiment::linked::expected;
+use feeler_link::endpoints::LinkError;
 use feeler_link::inbox::Inbox;
 use feeler_link::message::HandMode;
+#[cfg(feature = "view")]
+use feeler_link::message::InstrumentsMessage;
 use feeler_link::network::Network;
 use feeler_link::outlet::{TimeSource, monotonic};
 use feeler_link::shared::Shared;
 use feeler_link::watch_inbox::WatchInbox;
 use glam::DVec3;
 use std::sync::Arc;
+use std::thread;
+use std::time::Duration;
+
+/// How often an order is said: a message that the network cannot take is dropped.
+const REPEATS: usize = 3;
+/// Time between two of them.
+const INTERVAL: Duration = Duration::from_millis(10);
 
 /// A rig that is watched.
 pub struct Watched {
@@ -72,23 +83,54 @@ impl Watched {
     }
 
     /// The rig's name.
+    #[cfg(feature = "top")]
     pub fn rig(&self) -> &str {
         &self.rig
     }
 
-    /// Where the rig can be told something.
-    pub fn network(&self) -> &dyn Network {
-        &*self.network
+    /// Stops the hand, as `from` says.
+    pub fn stop(&self, from: &str) -> Result<(), LinkError> {
+        self.send(&Order::stop(from).0)
+    }
+
+    /// Resumes the stop that `from` is to resume, if there is one.
+    pub fn resume(&self, from: &str) -> Result<(), LinkError> {
+        let number = self.to_resume(from);
+        number.map_or(Ok(()), |number| self.send(&Order::resume(from, number)))
+    }
+
+    fn send(&self, order: &Order) -> Result<(), LinkError> {
+        for _ in 0..REPEATS {
+            order.send(&*self.network)?;
+            thread::sleep(INTERVAL);
+        }
+        Ok(())
     }
 
     /// Number of the stop that `from` is to resume, if there is one.
-    pub fn to_resume(&self, from: &str) -> Option<u64> {
+    fn to_resume(&self, from: &str) -> Option<u64> {
         let inbox = self.inbox.lock();
         let stops = &inbox.mode()?.stops;
         Some(orders::to_resume(stops, from)?.number)
     }
 
+    /// Whether the hand says that it is stopped.
+    #[cfg(feature = "view")]
+    pub fn is_stopped(&self) -> bool {
+        let inbox = self.inbox.lock();
+        let heard = Heard::new(&inbox, (self.clock)());
+        heard.mode.is_some_and(|mode| !mode.stopped.is_empty())
+    }
+
+    /// What the rig measures beside its joints.
+    #[cfg(feature = "view")]
+    pub fn instruments(&self) -> Option<InstrumentsMessage> {
+        let inbox = self.inbox.lock();
+        Heard::new(&inbox, (self.clock)()).instruments()
+    }
+
     /// Whether any program of the rig was heard.
+    #[cfg(feature = "top")]
     pub fn hears_somebody(&self) -> bool {
         let inbox = self.inbox.lock();
         inbox.peers().all().iter().any(|peer| peer.works())
@@ -122,7 +164,7 @@ impl Watched {
         Snapshot {
             title: format!("rig {}", self.rig),
             time: heard.state.map_or(UNKNOWN, |state| state.header.stamp),
-            clock: top::TimeBase::Real,
+            clock: TimeBase::Real,
             task: heard.mode.and_then(|mode| self.task(mode)),
             fingers: self.fingers(&heard),
             torque: instruments.map(|at| Torque {

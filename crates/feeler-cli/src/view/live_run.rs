@@ -1,0 +1,132 @@
+//! A run in the browser: what is shown of it, and what its page does to it.
+
+use super::ServerArguments;
+use super::feed::{Feed, Moment, Orders};
+use super::page::{Source, serve};
+use super::row::{FingerRow, Row};
+use super::server::Server;
+use crate::CommandError;
+use feeler::control::phase::Phase;
+use feeler::control::stop_reason::StopReason;
+use feeler_lab::config::Experiment;
+use feeler_lab::experiment::{Instruments, SimulatedLoop};
+use feeler_report::strokes::TRUE_SLIP;
+use glam::DQuat;
+use std::fmt::Write as _;
+use std::io::Write;
+use std::sync::Arc;
+
+/// Who stops the hand when a button is pressed.
+const BY: &str = "the live page";
+
+/// A run in the browser.
+pub struct LiveRun {
+    feed: Arc<Feed>,
+    server: Server,
+    run: Run,
+    /// What the instruments read in the newest step.
+    instruments: Option<Instruments>,
+}
+
+/// What a row of a run is made with.
+struct Run {
+    source: Source,
+    strokes: u32,
+}
+
+impl LiveRun {
+    /// Serves the page of a run of `experiment` that is about to begin, and says where.
+    pub fn open(
+        experiment: &Experiment,
+        arguments: &ServerArguments,
+        out: &mut dyn Write,
+    ) -> Result<Self, CommandError> {
+        let config = &experiment.config;
+        let source = Source::of_run(config)?;
+        let title = format!("{}, seed {}", config.name, config.seed);
+        let (feed, server) = serve(&title, &source, BY, arguments, out)?;
+        Ok(Self {
+            feed,
+            server,
+            run: Run {
+                source,
+                strokes: config.task.strokes(),
+            },
+            instruments: None,
+        })
+    }
+
+    /// Offers the newest step of `control_loop`, and does what the page asks for. It neither waits nor allocates.
+    pub fn step(&mut self, control_loop: &mut SimulatedLoop, instruments: &Instruments) {
+        self.instruments = Some(*instruments);
+        let Orders { stop, resume } = self.feed.orders();
+        if resume {
+            control_loop.controller_mut().resume();
+        }
+        // Of two people, whoever wants it to stand still is heard.
+        if let Some(by) = stop {
+            control_loop.controller_mut().stop(StopReason::Told { by });
+        }
+        let run = &self.run;
+        self.feed
+            .offer(|moment| run.fill(moment, control_loop, instruments));
+    }
+
+    /// Tells pages how the run of `control_loop` ended.
+    pub fn over(self, control_loop: &SimulatedLoop) {
+        self.feed.offer_last(|moment| {
+            if let Some(instruments) = &self.instruments {
+                self.run.fill(moment, control_loop, instruments);
+            }
+        });
+        self.server.wait_for_last();
+    }
+}
+
+impl Run {
+    fn fill(&self, moment: &mut Moment, control_loop: &SimulatedLoop, at: &Instruments) {
+        let (controller, state) = (control_loop.controller(), control_loop.state());
+        let (phase, stroke) = (controller.phase(), controller.task().stroke());
+        let stopped = controller.stop_reason();
+        moment.stopped = stopped.is_some();
+        moment.words.clear();
+        // Words that do not fit are left out.
+        let _ = match stopped {
+            Some(reason) => write!(moment.words, "The hand is stopped: {reason}."),
+            None => say_phase(moment, phase, stroke, self.strokes),
+        };
+        let mut row = Row::begin(moment, state.stamp);
+        row.push(f64::from(u8::from(phase)));
+        let fingers = control_loop.touches().iter().zip(&state.joints);
+        let slipped = at.slipped.iter().chain(std::iter::repeat(&0.0));
+        let elements = self.source.elements.iter();
+        for (((touch, joints), slipped), elements) in fingers.zip(slipped).zip(elements) {
+            row.finger(FingerRow {
+                joints: joints.position.to_array(),
+                elements: *elements,
+                forces: touch.frame.forces.iter().copied(),
+                flags: &touch.flags,
+                slips: *slipped > TRUE_SLIP,
+                shear_rates: &touch.shear_rate,
+            });
+        }
+        row.push(at.torque.torque);
+        if self.source.cap {
+            row.cap(at.cap_centre, at.cap.angle);
+        }
+        if self.source.object
+            && let Some(pose) = at.object
+        {
+            row.pose(pose.position, DQuat::from_mat3(&pose.rotation));
+        }
+    }
+}
+
+/// How far a hand is that does as it should.
+pub fn say_phase(moment: &mut Moment, phase: Phase, stroke: u32, strokes: u32) -> std::fmt::Result {
+    match (stroke, strokes) {
+        (0, _) => write!(moment.words, "{phase}."),
+        (stroke, 0) => write!(moment.words, "{phase} of stroke {stroke}."),
+        (stroke, strokes) => write!(moment.words, "{phase} of stroke {stroke} of {strokes}."),
+    }
+}

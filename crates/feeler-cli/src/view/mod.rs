@@ -1,0 +1,94 @@
+//! A run, a recording or a rig of several programs in the browser.
+
+#[cfg(feature = "view")]
+mod access;
+#[cfg(feature = "view")]
+mod client;
+#[cfg(feature = "view")]
+mod feed;
+#[cfg_attr(not(feature = "view"), path = "no_live_run.rs")]
+mod live_run;
+#[cfg(feature = "view")]
+mod page;
+#[cfg(feature = "view")]
+mod pump;
+#[cfg(feature = "view")]
+mod recording;
+#[cfg(feature = "view")]
+mod rig;
+#[cfg(feature = "view")]
+mod row;
+#[cfg(feature = "view")]
+mod server;
+#[cfg(feature = "view")]
+mod site;
+#[cfg(feature = "view")]
+mod state;
+
+use super::link::{ExperimentArguments, LinkArguments};
+use super::{CommandError, Outcome};
+use std::io::Write;
+
+pub use live_run::LiveRun;
+
+/// What is said where there is no live page.
+#[cfg(not(feature = "view"))]
+const MISSING: &str = "this program was built without the live page; build it with --features view";
+
+/// How a page is served.
+#[derive(Debug, Clone, clap::Args)]
+#[command(next_help_heading = "Page")]
+pub struct ServerArguments {
+    /// Serve the page at this port of this computer; 0 for any that is free.
+    #[arg(long, value_name = "PORT", default_value_t = 0)]
+    pub port: u16,
+    /// Print the page's address, but open no browser.
+    #[arg(long)]
+    pub no_open: bool,
+}
+
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// A recording (the folder of a run, or a file *.mcap), or the experiment of a rig of several programs: a file, or the
+    /// name of a built-in one. Of what is a folder or ends with .mcap, the recording is shown; of all else, the rig.
+    what: String,
+    #[command(flatten)]
+    server: ServerArguments,
+    #[command(flatten)]
+    values: ExperimentArguments,
+    #[command(flatten)]
+    link: LinkArguments,
+}
+
+/// Serves the page of a recording or of a rig.
+#[cfg(feature = "view")]
+pub fn view(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
+    use feeler_report::make::RECORDING;
+    use std::path::Path;
+    let path = Path::new(&arguments.what);
+    if !path.is_dir() && path.extension().is_none_or(|extension| extension != "mcap") {
+        return rig::view(arguments, out);
+    }
+    let given = arguments.values.given().or(arguments.link.given());
+    if let Some(option) = given {
+        let what = path.display();
+        return Err(format!("{option} is for a rig; {what} is a recording").into());
+    }
+    let recording = match path.is_dir() {
+        true => path.join(RECORDING),
+        false => path.to_path_buf(),
+    };
+    recording::view(&recording, &arguments.server, out)
+}
+
+/// Says that there is nothing to serve it with.
+#[cfg(not(feature = "view"))]
+pub fn view(arguments: &Arguments, _: &mut dyn Write) -> Result<Outcome, CommandError> {
+    let Arguments {
+        what,
+        server: _,
+        values: _,
+        link: _,
+    } = arguments;
+    Err(format!("view {what}: {MISSING}").into())
+}

@@ -1,0 +1,35 @@
+//! `feeler view RUN`: the report of a recording, made in memory.
+
+use super::ServerArguments;
+use super::page::say_where;
+use super::server::Door;
+use crate::interrupt::watch_for_interrupt;
+use crate::{CommandError, Outcome};
+use feeler_record::Recording;
+use feeler_report::make::page_of;
+use std::io::Write;
+use std::path::Path;
+use std::sync::atomic::Ordering;
+use std::thread;
+use std::time::Duration;
+
+/// Ctrl-C is seen this soon.
+const PATIENCE: Duration = Duration::from_millis(50);
+
+/// Serves the report of the recording at `path` until Ctrl-C.
+pub fn view(
+    path: &Path,
+    arguments: &ServerArguments,
+    out: &mut dyn Write,
+) -> Result<Outcome, CommandError> {
+    let page = page_of(&Recording::read(path)?);
+    let interrupted = watch_for_interrupt()?;
+    let door = Door::open(arguments.port)?;
+    let url = door.address.url();
+    let _server = door.serve(page, None)?;
+    say_where(&url, arguments, out)?;
+    while !interrupted.load(Ordering::Relaxed) {
+        thread::sleep(PATIENCE);
+    }
+    Ok(Outcome::Done)
+}

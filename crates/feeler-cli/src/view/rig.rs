@@ -1,0 +1,105 @@
+//! `feeler view RIG`: a running rig of several programs.
+
+use super::Arguments;
+use super::feed::{Moment, Orders};
+use super::live_run::say_phase;
+use super::page::{Source, serve};
+use super::row::{FingerRow, Row};
+use crate::interrupt::watch_for_interrupt;
+use crate::link::top::watched::Watched;
+use crate::snapshot::{Snapshot, UNKNOWN};
+use crate::{CommandError, Outcome};
+use feeler_lab::config::Experiment;
+use feeler_link::right::Right;
+use std::fmt::Write as _;
+use std::io::Write;
+use std::sync::atomic::Ordering;
+use std::thread;
+use std::time::Duration;
+
+/// Who stops the hand when a button is pressed.
+const BY: &str = "the page of feeler view";
+/// Time between two looks at what was heard and at what is ordered.
+const INTERVAL: Duration = Duration::from_millis(10);
+
+/// Serves the page of the rig that `arguments` name, until Ctrl-C.
+pub fn view(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
+    let experiment = Experiment::load(&arguments.what, &arguments.values.settings())?;
+    let rig = arguments.values.rig(&experiment);
+    let source = Source::of_rig(&experiment.config)?;
+    let network = arguments
+        .link
+        .with_right(&[Right::Order, Right::Watch])?
+        .connect(&rig)?;
+    let interrupted = watch_for_interrupt()?;
+    let mut watched = Watched::new(&experiment, &rig, network)?;
+    let title = format!("rig {rig}");
+    let (feed, server) = serve(&title, &source, BY, &arguments.server, out)?;
+    while !interrupted.load(Ordering::Relaxed) {
+        watched.look();
+        feed.offer(|moment| fill(moment, &source, &watched));
+        let Orders { stop, resume } = feed.orders();
+        if resume {
+            watched.resume(BY)?;
+        }
+        // Of two people, whoever wants it to stand still is heard.
+        if let Some(by) = stop {
+            watched.stop(&by)?;
+        }
+        thread::sleep(INTERVAL);
+    }
+    feed.offer_last(|moment| {
+        moment.words.clear();
+        // Words that do not fit are left out.
+        let _ = write!(
+            moment.words,
+            "feeler view was ended; the rig was left as it is."
+        );
+    });
+    server.wait_for_last();
+    Ok(Outcome::Done)
+}
+
+fn fill(moment: &mut Moment, source: &Source, watched: &Watched) {
+    let snapshot = watched.snapshot();
+    moment.stopped = watched.is_stopped();
+    moment.words.clear();
+    // Words that do not fit are left out.
+    let _ = say(moment, &snapshot);
+    let mut row = Row::begin(moment, snapshot.time);
+    let phase = snapshot.task.map(|task| f64::from(u8::from(task.phase)));
+    row.push(phase.unwrap_or(UNKNOWN));
+    for (finger, elements) in snapshot.fingers.iter().zip(&source.elements) {
+        row.finger(FingerRow {
+            joints: finger.joints,
+            elements: *elements,
+            forces: finger.forces.iter().copied(),
+            flags: &finger.flags,
+            slips: false,
+            shear_rates: &finger.shear_rates,
+        });
+    }
+    row.push(snapshot.torque.map_or(UNKNOWN, |torque| torque.newest));
+    if source.cap {
+        let cap = watched.instruments();
+        let cap = cap.map(|at| (at.cap_centre.into(), at.cap_angle));
+        let (centre, angle) = cap.unwrap_or((glam::DVec3::NAN, UNKNOWN));
+        row.cap(centre, angle);
+    }
+}
+
+/// What is wrong, or how far the hand is.
+fn say(moment: &mut Moment, snapshot: &Snapshot) -> std::fmt::Result {
+    let fault = snapshot.fault.as_ref().filter(|fault| !fault.over);
+    match (fault, snapshot.task) {
+        (Some(fault), _) => write!(moment.words, "{}.", fault.words),
+        (None, _) if !snapshot.notice.is_empty() => write!(moment.words, "{}.", snapshot.notice),
+        (None, None) => write!(moment.words, "No hand was heard."),
+        (None, Some(task)) => say_phase(
+            moment,
+            task.phase,
+            task.stroke,
+            task.strokes.unwrap_or_default(),
+        ),
+    }
+}

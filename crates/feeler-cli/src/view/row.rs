@@ -1,0 +1,74 @@
+//! One row of a page, in the order of its columns.
+
+use super::feed::Moment;
+use feeler::control::flags::FingerFlags;
+use glam::{DQuat, DVec3};
+use std::iter;
+
+/// Writes the numbers of a row into memory that is there: what does not fit is left out.
+pub struct Row<'a>(&'a mut Vec<f32>);
+
+/// One finger, as a row has it.
+pub struct FingerRow<'a, F> {
+    /// Joint angles, rad.
+    pub joints: [f64; 3],
+    /// Elements of the fingertip.
+    pub elements: usize,
+    /// Force at each element in its frame, N.
+    pub forces: F,
+    /// TOUCH, SLIP, OVER, the largest element, the grasp force.
+    pub flags: &'a FingerFlags,
+    /// Whether it slips in truth, as far as anybody knows.
+    pub slips: bool,
+    /// How fast the tangential force of each element changes, N/s.
+    pub shear_rates: &'a [f64],
+}
+
+impl<'a> Row<'a> {
+    /// Begins the row of `moment`, which is at `time`, s.
+    pub fn begin(moment: &'a mut Moment, time: f64) -> Self {
+        moment.time = time;
+        moment.numbers.clear();
+        Self(&mut moment.numbers)
+    }
+
+    /// The next number.
+    pub fn push(&mut self, number: f64) {
+        if self.0.len() < self.0.capacity() {
+            self.0.push(number as f32);
+        }
+    }
+
+    fn extend(&mut self, numbers: impl IntoIterator<Item = f64>) {
+        numbers.into_iter().for_each(|number| self.push(number));
+    }
+
+    /// The columns of the next finger.
+    pub fn finger(&mut self, finger: FingerRow<'_, impl Iterator<Item = DVec3>>) {
+        let FingerRow { flags, .. } = finger;
+        self.extend(finger.joints);
+        let forces = finger.forces.chain(iter::repeat(DVec3::NAN));
+        self.extend(forces.take(finger.elements).flat_map(|f| f.to_array()));
+        let bits = [flags.touch, flags.slip, flags.over, finger.slips];
+        let bits = bits.into_iter().enumerate();
+        let bits = bits.fold(0_u8, |bits, (bit, up)| bits | u8::from(up) << bit);
+        self.push(f64::from(bits));
+        self.push(flags.grasp_force);
+        let largest = flags
+            .largest_element
+            .map(|element| finger.shear_rates.get(element));
+        self.push(largest.flatten().copied().unwrap_or_default());
+    }
+
+    /// How the cap stands: its centre in `W`, m, and its angle, rad.
+    pub fn cap(&mut self, centre: DVec3, angle: f64) {
+        self.pose(centre, DQuat::from_rotation_z(angle));
+        self.push(angle);
+    }
+
+    /// Where a frame is in its parent.
+    pub fn pose(&mut self, position: DVec3, rotation: DQuat) {
+        self.extend(position.to_array());
+        self.extend(rotation.to_array());
+    }
+}

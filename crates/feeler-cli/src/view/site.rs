@@ -1,0 +1,122 @@
+//! What is answered to a request.
+
+use super::access::{Address, Wanted};
+use super::client::{self, Update};
+use super::feed::Feed;
+use super::state::{Request as Order, Told};
+use axum::body::Bytes;
+use axum::extract::{FromRequestParts, Request, State, WebSocketUpgrade};
+use axum::http::header::{
+    CACHE_CONTROL, CONTENT_SECURITY_POLICY, CONTENT_TYPE, HeaderValue, REFERRER_POLICY,
+    X_CONTENT_TYPE_OPTIONS,
+};
+use axum::http::{HeaderMap, StatusCode};
+use axum::response::{IntoResponse, Response};
+use std::sync::{Arc, Mutex, PoisonError};
+use tokio::sync::{Semaphore, watch};
+
+/// Pages that look at the same time.
+pub const MOST_PAGES: u32 = 8;
+/// Bytes of a message of a page at most.
+const LONGEST_MESSAGE: usize = 1024;
+/// Bytes that wait for the system to take them, at most.
+const LONGEST_WAITING: usize = 1 << 20;
+
+/// What there is to see.
+pub struct Site {
+    /// Where it is.
+    pub address: Address,
+    /// The page.
+    pub page: Bytes,
+    /// A hand that works meanwhile, if there is one.
+    pub live: Option<Live>,
+    /// How many more pages may look.
+    pub pages: Arc<Semaphore>,
+}
+
+/// A hand that works.
+pub struct Live {
+    /// What it shows, and who orders.
+    pub feed: Arc<Feed>,
+    /// Who gives the orders of its pages.
+    pub by: &'static str,
+    /// What they asked for last.
+    pub told: Mutex<Option<Told>>,
+    /// What they get.
+    pub updates: watch::Receiver<Update>,
+}
+
+impl Live {
+    fn order(&self, order: Order) {
+        match order {
+            Order::Stop => self.feed.stop(self.by),
+            Order::Resume => self.feed.resume(),
+        }
+        let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
+        *told = Some(Told::now(order));
+    }
+}
+
+/// Answers a request.
+pub async fn answer(State(site): State<Arc<Site>>, request: Request) -> Response {
+    let admitted = site
+        .address
+        .admit(request.method(), request.uri(), request.headers());
+    let response = match admitted {
+        Ok(Wanted::Page) => {
+            let html = HeaderValue::from_static("text/html; charset=utf-8");
+            ([(CONTENT_TYPE, html)], site.page.clone()).into_response()
+        }
+        Ok(Wanted::Socket) => socket(Arc::clone(&site), request).await,
+        Ok(Wanted::Nothing) => {
+            let said = "There is nothing here but the page, to be asked for by GET.\n";
+            (StatusCode::NOT_FOUND, said).into_response()
+        }
+        Err(refusal) => (StatusCode::FORBIDDEN, format!("{refusal}\n")).into_response(),
+    };
+    (guarded(&site.address), response).into_response()
+}
+
+async fn socket(site: Arc<Site>, request: Request) -> Response {
+    let (mut parts, _) = request.into_parts();
+    let upgrade = match WebSocketUpgrade::from_request_parts(&mut parts, &()).await {
+        Ok(upgrade) => upgrade,
+        Err(rejection) => return rejection.into_response(),
+    };
+    if site.live.is_none() {
+        let said = "This page is of a recording: nothing comes from it.\n";
+        return (StatusCode::NOT_FOUND, said).into_response();
+    }
+    let Ok(place) = Arc::clone(&site.pages).try_acquire_owned() else {
+        let said = format!("{MOST_PAGES} pages are open; expected no more. Close one of them.\n");
+        return (StatusCode::SERVICE_UNAVAILABLE, said).into_response();
+    };
+    upgrade
+        .max_message_size(LONGEST_MESSAGE)
+        .max_frame_size(LONGEST_MESSAGE)
+        .write_buffer_size(0)
+        .max_write_buffer_size(LONGEST_WAITING)
+        .on_upgrade(move |socket| async move {
+            if let Some(live) = &site.live {
+                client::serve(socket, live.updates.clone(), |order| live.order(order)).await;
+            }
+            drop(place);
+        })
+}
+
+/// What keeps a browser from showing the page to others, from keeping it, and from asking anybody else for anything.
+fn guarded(address: &Address) -> HeaderMap {
+    let sockets = address.hosts().map(|host| format!("ws://{host}")).join(" ");
+    let policy = format!(
+        "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; \
+         connect-src 'self' {sockets}; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+    );
+    let mut headers = HeaderMap::new();
+    if let Ok(policy) = HeaderValue::try_from(policy) {
+        headers.insert(CONTENT_SECURITY_POLICY, policy);
+    }
+    headers.insert(REFERRER_POLICY, HeaderValue::from_static("no-referrer"));
+    headers.insert(X_CONTENT_TYPE_OPTIONS, HeaderValue::from_static("nosniff"));
+    headers.insert(CACHE_CONTROL, HeaderValue::from_static("no-store"));
+    headers
+}
