@@ -1,0 +1,32 @@
+//! What cannot be served is refused in words.
+
+use crate::program::{folder, run};
+use std::net::TcpListener;
+
+#[test]
+fn a_port_that_is_taken_is_told_before_anything_begins() {
+    let folder = folder("view-port");
+    let taken = TcpListener::bind("127.0.0.1:0").expect("a port");
+    let port = taken.local_addr().expect("its address").port().to_string();
+    let arguments = [
+        "run",
+        "cap-closing",
+        "--view",
+        "--no-open",
+        "--out=run",
+        "--port",
+    ];
+    let refused = run(&folder, &[&arguments[..], &[&port]].concat());
+    refused.refused(&[&port, "expected a free one"]);
+    assert!(!folder.join("run").exists());
+}
+
+#[test]
+fn what_is_neither_a_recording_nor_an_experiment_is_refused() {
+    let folder = folder("view-nothing");
+    run(&folder, &["view", ".", "--no-open"]).refused(&["recording.mcap"]);
+    run(&folder, &["view", "none.mcap", "--no-open"]).refused(&["none.mcap"]);
+    run(&folder, &["view", "no-such-rig", "--no-open"]).refused(&["no-such-rig"]);
+    let arguments = ["run", "cap-closing", "--no-open", "--out=run"];
+    run(&folder, &arguments).refused(&["--no-open is for a run that is watched by --view"]);
+}
