@@ -67,7 +67,14 @@ Examples:
   feeler robustness cap-closing -o robustness how much of it is luck of parameters
   feeler locate untouched.png -o layout.toml --preview found.png
   feeler sense pictures/ --calibration my.calibration.toml -o forces.csv
-  ffmpeg -i video.mkv -f rawvideo -pix_fmt gray - | feeler sense - --raw 640x480";
+  ffmpeg -i video.mkv -f rawvideo -pix_fmt gray - | feeler sense - --raw 640x480
+
+The book, in docs/ of the repository (`mdbook serve` shows it):
+  first-run.md                                what a run shows, and how to read its report
+  calibration.md, own-hand.md, write-a-task.md  a fingertip, a hand and a task of your own
+  recordings.md                               what is in a recording; Python, Rust, viewers, replay
+  multiple-programs.md                        several programs and computers
+  simulator.md, claims.md                     how the simulator works; how the claims are measured";
 
 /// Tri-axial touch to finger motion, and a simulated hand to try it on.
 ///

@@ -35,7 +35,7 @@ pub struct Arguments {
     /// The run's folder, which must not hold a run yet [default: runs/NAME-SENSING-seedN, or -trialN]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Record the camera pictures, too, for `feeler replay --from frames` and Foxglove: about 0.3 MB each, 60 MB
+    /// Record the camera pictures, too, for `feeler replay --from frames` and Foxglove: about 0.15 MB each, 30 MB
     /// for every simulated second of two fingers at 100 Hz.
     #[arg(long)]
     record_frames: bool,
