@@ -53,7 +53,7 @@ pub fn replay(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Com
     // Refused before a folder is made for it.
     let replay = Replay::new(&recording, from, &experiment)?;
     let replay = match &arguments.out {
-        Some(folder) => replay.copy_to(copy(folder, &recording, &experiment, from)?),
+        Some(folder) => replay.copy_to(copy(folder, &recording, &experiment, from)?)?,
         None => replay,
     };
     let interrupted = watch_for_interrupt()?;

@@ -127,13 +127,17 @@ def tree_of_robot(robot, angles):
 
 
 def poses(messages):
-    """Of each message of transforms: its time, and where in the world the ends of the tree are, as columns of a matrix."""
+    """Of each time with transforms: where in the world the ends of their tree are then, as columns of a matrix."""
     fixed = [t for _, message in messages["/tf_static"] for t in message.transforms]
     robot = ElementTree.fromstring(messages["/robot_description"][0][1].data)
     angles = {time: dict(zip(m.name, m.position)) for time, m in messages["/joint_states"]}
-    found, apart = [], 0.0
+    # What moves by itself has a message of its own at the same time.
+    moved = {}
     for time, message in messages["/tf"]:
-        tree = tree_of([*fixed, *message.transforms])
+        moved.setdefault(time, []).extend(message.transforms)
+    found, apart = [], 0.0
+    for time, transforms in moved.items():
+        tree = tree_of([*fixed, *transforms])
         ends = set(tree) - {parent for parent, _ in tree.values()}
         there = {frame: placed(frame, tree) for frame in ends}
         again = tree_of_robot(robot, angles[time])

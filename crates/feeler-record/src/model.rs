@@ -2,13 +2,16 @@
 
 use super::error::RecordError;
 use feeler::hand::finger::{FingerConfig, FingerGeometry};
-use feeler::sensor::layout::MAX_ELEMENTS;
+use feeler::sensor::layout::{MAX_ELEMENTS, SensingElement};
 use glam::{DAffine3, DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_PI_2;
 
 /// The frame that all others hang from: `W`.
 pub const WORLD_FRAME: &str = "world";
+
+/// Radius of a drawn link over that of the dome.
+const LINK_OVER_DOME: f64 = 0.3;
 
 /// Most solids around a hand, and most corners of an outline; guards against damaged files.
 const MAX_SOLIDS: usize = 64;
@@ -39,6 +42,25 @@ pub struct Frame {
     pub rpy: [f64; 3],
     /// The joint from which it hangs, 0 to 2, if it is not fixed.
     pub joint: Option<usize>,
+    /// What is drawn in it, if anything is.
+    pub part: Option<FingerPart>,
+}
+
+/// A part of a finger in its frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum FingerPart {
+    /// A rod along x from the origin.
+    Link {
+        /// Radius, m.
+        radius: f64,
+        /// Length, m, more than 0.
+        length: f64,
+    },
+    /// A sphere about the origin.
+    Dome {
+        /// Radius, m.
+        radius: f64,
+    },
 }
 
 impl Frame {
@@ -82,16 +104,24 @@ impl FingerModel {
         // Joint 1 turns the plane in which joints 2 and 3 turn: their axes lie across.
         let across = [FRAC_PI_2, 0.0, 0.0];
         let base = (geometry.base_position().to_array(), [phi2, phi1, 0.0]);
+        let radius = LINK_OVER_DOME * self.dome_radius;
+        let link = |joint: usize| {
+            let length = links[joint];
+            (length > 0.0).then_some(FingerPart::Link { radius, length })
+        };
+        let dome = FingerPart::Dome {
+            radius: self.dome_radius,
+        };
         let places = [
-            ("base", base, None),
-            ("link_1", ([0.0; 3], [0.0; 3]), Some(0)),
-            ("link_2", (along_x(links[0]), across), Some(1)),
-            ("link_3", (along_x(links[1]), [0.0; 3]), Some(2)),
-            ("dome", (along_x(links[2]), [0.0; 3]), None),
+            ("base", base, None, None),
+            ("link_1", ([0.0; 3], [0.0; 3]), Some(0), link(0)),
+            ("link_2", (along_x(links[0]), across), Some(1), link(1)),
+            ("link_3", (along_x(links[1]), [0.0; 3]), Some(2), link(2)),
+            ("dome", (along_x(links[2]), [0.0; 3]), None, Some(dome)),
         ];
         let mut parent = WORLD_FRAME.to_string();
-        Ok(places.map(|(part, (xyz, rpy), joint)| {
-            let name = frame(finger, part);
+        Ok(places.map(|(name, (xyz, rpy), joint, part)| {
+            let name = frame(finger, name);
             let parent = std::mem::replace(&mut parent, name.clone());
             Frame {
                 name,
@@ -99,8 +129,15 @@ impl FingerModel {
                 xyz,
                 rpy,
                 joint,
+                part,
             }
         }))
+    }
+
+    /// The elements, each with its undeformed tip, m in `T`.
+    pub fn elements(&self) -> impl Iterator<Item = (SensingElement, DVec3)> + '_ {
+        let tips = self.element_tips.iter().map(|&tip| DVec3::from_array(tip));
+        tips.map(|tip| (SensingElement::facing(tip.normalize_or_zero()), tip))
     }
 
     /// Checks what readers rely on.
@@ -170,7 +207,7 @@ pub struct Solid {
 
 /// The shape of a solid about its centre; lengths in m.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[serde(tag = "kind", rename_all = "snake_case")]
 pub enum SolidShape {
     /// A box.
     Box {

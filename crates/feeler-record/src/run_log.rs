@@ -8,6 +8,7 @@ use crate::error::RecordError;
 use crate::facts::RunFacts;
 use crate::image::Image;
 use crate::memory::MessageSink;
+use crate::model::SolidFrame;
 use crate::names::TaskOutcome;
 use crate::recorder::Recorder;
 use crate::topic::topics;
@@ -21,13 +22,13 @@ use feeler::control::task::Task as ControlTask;
 use feeler::control::touch::{FingerTouch, TouchSource};
 use feeler::hand::{Hand, JointState};
 use feeler::sensor::frame::Frame;
-use glam::DQuat;
+use glam::{DAffine3, DQuat};
 
 /// Writes control steps to a recording. Messages with lists are kept and filled again.
 pub struct RunLog<R = Recorder> {
     recorder: R,
     fingers: usize,
-    /// What viewers draw, where it is known how the hand is built.
+    /// What viewers draw, where somebody may look and it is known how the hand is built.
     viewer: Option<ViewerLog>,
     tactile: Tactile,
     flags: Flags,
@@ -51,6 +52,18 @@ pub struct InstrumentRecord<'a> {
     pub object: Option<&'a ObjectPose>,
 }
 
+impl InstrumentRecord<'_> {
+    /// Where what moves with `frame` is in `W`, where that is known.
+    pub(crate) fn pose(&self, frame: SolidFrame) -> Option<DAffine3> {
+        let (turned, origin) = match frame {
+            SolidFrame::World => return Some(DAffine3::IDENTITY),
+            SolidFrame::Cap => (DQuat::from_rotation_z(self.cap?.angle), self.cap?.centre),
+            SolidFrame::Object => (self.object?.orientation.into(), self.object?.position),
+        };
+        Some(DAffine3::from_rotation_translation(turned, origin.into()))
+    }
+}
+
 struct RecordedPicture {
     image: Image,
     /// Its sequence number, once there is one.
@@ -63,10 +76,14 @@ impl<R: MessageSink> RunLog<R> {
     /// # Errors
     /// When they make no sense.
     pub fn new(recorder: R, facts: &RunFacts) -> Result<Self, RecordError> {
+        let viewer = match recorder.is_for_viewers() {
+            true => ViewerLog::new(facts)?,
+            false => None,
+        };
         Ok(Self {
             recorder,
             fingers: facts.fingers,
-            viewer: ViewerLog::new(facts)?,
+            viewer,
             tactile: Tactile::default(),
             flags: Flags::default(),
             stop_reason: None,
@@ -133,9 +150,7 @@ impl<R: MessageSink> RunLog<R> {
         }
         self.write_findings(stamp, controller.task())?;
         self.write_task(stamp, controller)?;
-        if let Some(viewer) = &mut self.viewer
-            && self.recorder.is_for_viewers()
-        {
+        if let Some(viewer) = &mut self.viewer {
             viewer.write(&mut self.recorder, control_loop, instruments)?;
         }
         if !self.recorder.step_ends()? {

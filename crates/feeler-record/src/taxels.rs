@@ -25,9 +25,7 @@ pub struct Elements {
 impl Elements {
     /// Those of a finger.
     pub fn of(model: &FingerModel) -> Self {
-        let tips = model.element_tips.iter().map(|&tip| DVec3::from_array(tip));
-        let element = |tip: DVec3| (SensingElement::facing(tip.normalize_or_zero()), tip);
-        let elements: Vec<_> = tips.map(element).collect();
+        let elements: Vec<_> = model.elements().collect();
         Self {
             forces: vec![DVec3::ZERO; elements.len()],
             elements,

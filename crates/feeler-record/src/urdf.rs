@@ -4,14 +4,12 @@
 //! in metres and radians, by the conventions of [`feeler::hand::kinematics`]: `finger_N_dome` is the fingertip frame `T`.
 
 use super::error::RecordError;
-use super::model::{FingerModel, Frame, Solid, SolidFrame, SolidShape, WORLD_FRAME, joint_names};
-use feeler::hand::finger::FingerGeometry;
+use super::model::{
+    FingerModel, FingerPart, Frame, Solid, SolidFrame, SolidShape, WORLD_FRAME, joint_names,
+};
 use glam::{DQuat, EulerRot};
 use serde::Serialize;
 use std::f64::consts::FRAC_PI_2;
-
-/// Radius of a drawn link over that of the dome.
-const LINK_OVER_DOME: f64 = 0.3;
 
 /// The hand called `name` as URDF, with the `solids` around it: what moves of them hangs from the world by a floating
 /// joint. Prisms are drawn as the boxes about them, round ones as cylinders. What drives can exert is not known:
@@ -163,7 +161,7 @@ impl Robot {
     /// Adds a finger: each joint turns about z of the link that it carries, whose x points to the next joint.
     fn add(&mut self, finger: usize, model: &FingerModel) -> Result<(), RecordError> {
         let frames = model.frames(finger)?;
-        let geometry = FingerGeometry::new(&model.geometry).ok();
+        let config = &model.geometry;
         let names = joint_names(finger);
         for Frame {
             name,
@@ -171,18 +169,10 @@ impl Robot {
             xyz,
             rpy,
             joint,
+            part,
         } in frames
         {
             let origin = Pose::new(xyz, rpy);
-            let visual = match joint {
-                Some(joint) => {
-                    let length = model.geometry.links[joint];
-                    Visual::rod(LINK_OVER_DOME * model.dome_radius, length)
-                }
-                None => name
-                    .ends_with("dome")
-                    .then(|| Visual::sphere(model.dome_radius)),
-            };
             let fixed = || format!("{name}_mount");
             self.joint.push(Joint {
                 name: joint.map_or_else(fixed, |joint| names[joint].clone()),
@@ -191,14 +181,14 @@ impl Robot {
                 child: Of::link(&name),
                 origin,
                 axis: joint.map(|_| Axis { xyz: "0 0 1" }),
-                limit: joint.zip(geometry.as_ref()).map(|(joint, geometry)| Limit {
-                    lower: geometry.joint_lower()[joint],
-                    upper: geometry.joint_upper()[joint],
-                    velocity: geometry.joint_speed_limit()[joint],
+                limit: joint.map(|joint| Limit {
+                    lower: config.joint_lower_deg[joint].to_radians(),
+                    upper: config.joint_upper_deg[joint].to_radians(),
+                    velocity: config.joint_speed_limit[joint],
                     effort: 0.0,
                 }),
             });
-            let visual = visual.into_iter().collect();
+            let visual = part.map(Visual::part).into_iter().collect();
             self.link.push(Link { name, visual });
         }
         Ok(())
@@ -235,19 +225,17 @@ impl Link {
 }
 
 impl Visual {
-    /// A rod along x from the origin; none of no length.
-    fn rod(radius: f64, length: f64) -> Option<Self> {
-        let lying = Pose::new([length / 2.0, 0.0, 0.0], [0.0, FRAC_PI_2, 0.0]);
-        let shape = Shape::Cylinder { radius, length };
-        (length > 0.0).then_some(Self::new(lying, shape, LINK))
-    }
-
-    fn sphere(radius: f64) -> Self {
-        Self::new(
-            Pose::new([0.0; 3], [0.0; 3]),
-            Shape::Sphere { radius },
-            DOME,
-        )
+    fn part(part: FingerPart) -> Self {
+        match part {
+            FingerPart::Link { radius, length } => {
+                let lying = Pose::new([length / 2.0, 0.0, 0.0], [0.0, FRAC_PI_2, 0.0]);
+                Self::new(lying, Shape::Cylinder { radius, length }, LINK)
+            }
+            FingerPart::Dome { radius } => {
+                let centre = Pose::new([0.0; 3], [0.0; 3]);
+                Self::new(centre, Shape::Sphere { radius }, DOME)
+            }
+        }
     }
 
     fn solid(solid: &Solid) -> Self {

@@ -19,7 +19,7 @@ use crate::urdf::urdf;
 use feeler::control::control_loop::ControlLoop;
 use feeler::control::touch::{FingerTouch, TouchSource};
 use feeler::hand::Hand;
-use glam::{DAffine3, DQuat, DVec3};
+use glam::DVec3;
 
 /// Time between two pictures of the scene, s.
 const FRAME_TIME: f64 = 1.0 / 30.0;
@@ -29,9 +29,10 @@ pub struct ViewerLog {
     fingers: Vec<Finger>,
     still: Still,
     joints: JointState,
-    /// First the joints of all fingers, then what moves around them.
+    /// Of what hangs from joints.
     transforms: TFMessage,
-    moving: Vec<SolidFrame>,
+    /// Of what moves around the hand, each alone: where it is need not be known.
+    moving: Vec<(SolidFrame, TFMessage)>,
     arrows: MarkerArray,
     /// Time of the newest picture of the scene, s; none before the first.
     drawn: Option<f64>,
@@ -79,10 +80,8 @@ impl ViewerLog {
             let frames = model.frames(number)?;
             let (fixed, moving): (Vec<_>, Vec<_>) =
                 frames.into_iter().partition(|frame| frame.joint.is_none());
-            still
-                .transforms
-                .transforms
-                .extend(fixed.iter().map(transform));
+            let fixed = fixed.iter().map(transform);
+            still.transforms.transforms.extend(fixed);
             transforms.transforms.extend(moving.iter().map(transform));
             let elements = Elements::of(model);
             let (taxels, arrow) = (taxels(number, &elements), ForceArrows::new(number, facts));
@@ -99,13 +98,17 @@ impl ViewerLog {
             });
         }
         let is_there = |frame: &SolidFrame| facts.solids.iter().any(|s| s.frame == *frame);
-        let moving: Vec<_> = SolidFrame::MOVING.into_iter().filter(is_there).collect();
-        let place = |frame: &SolidFrame| TransformStamped {
-            header: Header::of(WORLD_FRAME),
-            child_frame_id: frame.name().into(),
-            ..TransformStamped::default()
+        let moving = SolidFrame::MOVING.into_iter().filter(is_there);
+        let place = |frame: SolidFrame| {
+            let place = TransformStamped {
+                header: Header::of(WORLD_FRAME),
+                child_frame_id: frame.name().into(),
+                ..TransformStamped::default()
+            };
+            let transforms = vec![place];
+            (frame, TFMessage { transforms })
         };
-        transforms.transforms.extend(moving.iter().map(place));
+        let moving = moving.map(place).collect();
         Ok(Some(Self {
             fingers,
             still,
@@ -221,34 +224,28 @@ impl ViewerLog {
         angles: impl Iterator<Item = DVec3>,
         instruments: InstrumentRecord<'_>,
     ) -> Result<(), RecordError> {
-        let frames = self
-            .fingers
-            .iter()
-            .zip(angles)
-            .flat_map(|(finger, angles)| {
-                let angle = move |frame: &Frame| frame.joint.map_or(0.0, |joint| angles[joint]);
-                finger
-                    .frames
-                    .iter()
-                    .map(move |frame| frame.in_parent(angle(frame)))
-            });
-        let moving = self.moving.iter().map(|frame| match frame {
-            SolidFrame::Cap => instruments.cap.map_or(DAffine3::IDENTITY, |cap| {
-                let turned = DQuat::from_rotation_z(cap.angle);
-                DAffine3::from_rotation_translation(turned, cap.centre.into())
-            }),
-            SolidFrame::Object => instruments.object.map_or(DAffine3::IDENTITY, |object| {
-                let turned: DQuat = object.orientation.into();
-                DAffine3::from_rotation_translation(turned, object.position.into())
-            }),
-            SolidFrame::World => DAffine3::IDENTITY,
+        let fingers = self.fingers.iter().zip(angles);
+        let frames = fingers.flat_map(|(finger, angles)| {
+            let angle = move |frame: &Frame| frame.joint.map_or(0.0, |joint| angles[joint]);
+            let frames = finger.frames.iter();
+            frames.map(move |frame| frame.in_parent(angle(frame)))
         });
-        let transforms = self.transforms.transforms.iter_mut();
-        for (transform, pose) in transforms.zip(frames.chain(moving)) {
+        for (transform, pose) in self.transforms.transforms.iter_mut().zip(frames) {
             transform.header.stamp = now;
             transform.transform = pose.into();
         }
-        recorder.write(topics::TF, &self.transforms)
+        recorder.write(topics::TF, &self.transforms)?;
+        for (frame, message) in &mut self.moving {
+            let Some(pose) = instruments.pose(*frame) else {
+                continue;
+            };
+            for transform in &mut message.transforms {
+                transform.header.stamp = now;
+                transform.transform = pose.into();
+            }
+            recorder.write(topics::TF, message)?;
+        }
+        Ok(())
     }
 }
 

@@ -73,6 +73,12 @@ fn usual_friction() -> f64 {
 }
 
 impl ObjectConfig {
+    /// Its rotation in W at the start.
+    pub fn rotation(&self) -> DMat3 {
+        let [x, y, z] = self.orientation_deg.map(f64::to_radians);
+        DMat3::from_euler(EulerRot::XYZEx, x, y, z)
+    }
+
     /// The thread that the object turns on, if it does.
     pub fn thread(&self) -> Option<&ThreadConfig> {
         match &self.motion {
@@ -180,8 +186,6 @@ impl Object {
         angle: f64,
         folder: &Path,
     ) -> Result<Self, ShapeError> {
-        let [x, y, z] = config.orientation_deg.map(f64::to_radians);
-        let rotation = DMat3::from_euler(EulerRot::XYZEx, x, y, z);
         Ok(Self {
             name: name.to_string(),
             shape: Shape::new(&config.shape, folder)?,
@@ -194,7 +198,7 @@ impl Object {
             },
             start: Pose {
                 position: config.position.into(),
-                rotation: rotation * DMat3::from_rotation_z(angle),
+                rotation: config.rotation() * DMat3::from_rotation_z(angle),
             },
             friction: config.friction,
         })

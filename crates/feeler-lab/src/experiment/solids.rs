@@ -4,7 +4,7 @@ use feeler_record::{Solid, SolidFrame, SolidShape};
 use feeler_sim::config::SimConfig;
 use feeler_sim::object::{MotionConfig, ObjectConfig};
 use feeler_sim::shape::ShapeConfig;
-use glam::{DMat3, DQuat, DVec3, EulerRot};
+use glam::{DMat3, DQuat, DVec3};
 use std::f64::consts::TAU;
 
 /// Corners of an outline, and of each of its knurls.
@@ -32,8 +32,7 @@ pub fn solids(sim: &SimConfig) -> Vec<Solid> {
 }
 
 fn of_object(name: &str, object: &ObjectConfig, frame: SolidFrame) -> Vec<Solid> {
-    let [x, y, z] = object.orientation_deg.map(f64::to_radians);
-    let start = DMat3::from_euler(EulerRot::XYZEx, x, y, z);
+    let start = object.rotation();
     // A frame that moves is that of the object; a free one's also has its rotation.
     let (origin, turned) = match frame {
         SolidFrame::World => (DVec3::from(object.position), start),
@@ -71,28 +70,21 @@ fn shapes(shape: &ShapeConfig) -> Vec<(SolidShape, DVec3)> {
                 [radius * angle.cos(), radius * angle.sin()]
             };
             let corners = CORNERS.max(CORNERS_PER_KNURL * knurls);
-            let angles = (0..corners).map(|k| TAU * f64::from(k) / f64::from(corners));
-            single(SolidShape::Prism {
-                outline: angles.map(side).collect(),
-                length: height,
-            })
+            single(prism(corners, height, side))
         }
-        ShapeConfig::EllipticCylinder { semi_axes, height } => {
-            let angles = (0..CORNERS).map(|k| TAU * f64::from(k) / f64::from(CORNERS));
-            let [x, y] = semi_axes;
-            single(SolidShape::Prism {
-                outline: angles.map(|a| [x * a.cos(), y * a.sin()]).collect(),
-                length: height,
-            })
-        }
+        ShapeConfig::EllipticCylinder {
+            semi_axes: [x, y],
+            height,
+        } => single(prism(CORNERS, height, |angle| {
+            [x * angle.cos(), y * angle.sin()]
+        })),
         ShapeConfig::RoundedPrism {
             ref corners,
             rounding,
             height,
-        } => single(SolidShape::Prism {
-            outline: rounded_outline(corners, rounding),
-            length: height,
-        }),
+        } => single(prism(CORNERS, height, |angle| {
+            rounded(corners, rounding, angle)
+        })),
         ShapeConfig::Box { size } => single(SolidShape::Box { size }),
         ShapeConfig::Sphere { radius } => single(SolidShape::Sphere { radius }),
         ShapeConfig::Capsule { radius, length } => {
@@ -111,14 +103,21 @@ fn shapes(shape: &ShapeConfig) -> Vec<(SolidShape, DVec3)> {
     }
 }
 
-/// The outline of all that is within `rounding` of the hull of `corners`: in each direction, where it reaches farthest.
-fn rounded_outline(corners: &[[f64; 2]], rounding: f64) -> Vec<[f64; 2]> {
-    let mut outline: Vec<[f64; 2]> = Vec::new();
-    for k in 0..CORNERS {
-        let (sin, cos) = (TAU * f64::from(k) / f64::from(CORNERS)).sin_cos();
-        let reach = |[x, y]: &&[f64; 2]| x * cos + y * sin;
-        let farthest = corners.iter().max_by(|a, b| reach(a).total_cmp(&reach(b)));
-        outline.extend(farthest.map(|[x, y]| [x + rounding * cos, y + rounding * sin]));
+/// An outline with a corner for each of so many angles, drawn out to `length`.
+fn prism(corners: u32, length: f64, corner: impl Fn(f64) -> [f64; 2]) -> SolidShape {
+    let angles = (0..corners).map(|k| TAU * f64::from(k) / f64::from(corners));
+    SolidShape::Prism {
+        outline: angles.map(corner).collect(),
+        length,
     }
-    outline
+}
+
+/// Where all that is within `rounding` of the hull of `corners`, of which there is one at least, reaches farthest in the
+/// direction `angle`.
+fn rounded(corners: &[[f64; 2]], rounding: f64, angle: f64) -> [f64; 2] {
+    let (sin, cos) = angle.sin_cos();
+    let reach = |[x, y]: &&[f64; 2]| x * cos + y * sin;
+    let farthest = corners.iter().max_by(|a, b| reach(a).total_cmp(&reach(b)));
+    let [x, y] = farthest.copied().unwrap_or_default();
+    [x + rounding * cos, y + rounding * sin]
 }

@@ -101,7 +101,7 @@ impl PageData {
             version: VERSION,
             title: title.into(),
             run: Some(RunTable::to_come(rig.columns())),
-            scene: Scene::of_rig(rig.facts, rig.homes),
+            scene: Scene::of_rig(rig),
             figures: figures.map(figure).collect(),
             live: Some(live),
         }

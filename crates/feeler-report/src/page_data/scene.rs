@@ -1,15 +1,14 @@
 //! The 3-D scene of a run.
 
+use super::live::LiveRig;
 use crate::run_data::RunData;
 use feeler::sensor::layout::SensingElement;
-use feeler_record::model::{Frame as ModelFrame, WORLD_FRAME, frame};
+use feeler_record::model::{FingerPart, Frame as ModelFrame, WORLD_FRAME, frame};
 use feeler_record::{FingerModel, Recording, RunFacts, Solid, SolidFrame, SolidShape};
 use glam::{DAffine3, DQuat, DVec3};
 use serde::Serialize;
 use std::f64::consts::FRAC_PI_2;
 
-/// Radius of a drawn link over that of the dome.
-const LINK_OVER_DOME: f64 = 0.3;
 /// What the home view shows around what matters, over the radius of a dome.
 const MARGIN: f64 = 1.2;
 
@@ -47,7 +46,7 @@ struct Shape {
     position: Vector,
     rotation: Quaternion,
     role: Role,
-    solid: Drawn,
+    solid: SolidShape,
 }
 
 #[derive(Debug, Clone, Copy, Serialize)]
@@ -57,15 +56,6 @@ enum Role {
     Dome,
     Object,
     Fixture,
-}
-
-#[derive(Debug, Clone, Serialize)]
-#[serde(tag = "kind", rename_all = "snake_case")]
-enum Drawn {
-    Sphere { radius: f64 },
-    Box { size: Vector },
-    Cylinder { radius: f64, length: f64 },
-    Prism { outline: Vec<[f64; 2]>, length: f64 },
 }
 
 #[derive(Debug, Clone, Serialize)]
@@ -93,18 +83,29 @@ struct Home {
 impl Scene {
     /// Of a run; none where it is not known how the hand is built.
     pub fn new(recording: &Recording, data: &RunData) -> Option<Self> {
-        Self::around(&recording.facts, home(recording, data)?)
+        let is_known = |frame| match frame {
+            SolidFrame::World => true,
+            SolidFrame::Cap => data.cap.is_some(),
+            SolidFrame::Object => !recording.object.is_empty(),
+        };
+        Self::around(&recording.facts, is_known, home(recording, data)?)
     }
 
-    /// Of a rig whose fingers begin at `homes`, m in `W`; none where it is not known how the hand is built.
-    pub fn of_rig(facts: &RunFacts, homes: &[Vector]) -> Option<Self> {
-        let homes = homes.iter().map(|&home| DVec3::from_array(home));
+    /// Of a rig that works; none where it is not known how the hand is built.
+    pub fn of_rig(rig: &LiveRig<'_>) -> Option<Self> {
+        let homes = rig.homes.iter().map(|&home| DVec3::from_array(home));
         // What a hand is about stands on the axis of `W`.
         let points = homes.flat_map(|home| [home, home * DVec3::Z]);
-        Self::around(facts, home_of(&facts.hand, points)?)
+        let is_known = |frame| match frame {
+            SolidFrame::World => true,
+            SolidFrame::Cap => rig.cap,
+            SolidFrame::Object => rig.object,
+        };
+        Self::around(rig.facts, is_known, home_of(&rig.facts.hand, points)?)
     }
 
-    fn around(facts: &RunFacts, home: Home) -> Option<Self> {
+    /// With the solids of the frames of which it `is_known` where they are.
+    fn around(facts: &RunFacts, is_known: impl Fn(SolidFrame) -> bool, home: Home) -> Option<Self> {
         let mut scene = Self {
             frames: Vec::new(),
             shapes: Vec::new(),
@@ -113,32 +114,37 @@ impl Scene {
         };
         for (number, model) in facts.hand.iter().enumerate() {
             let frames = model.frames(number).ok()?;
-            scene.shapes.extend(links(model, &frames));
+            let parts = frames.iter().filter_map(Shape::of_frame);
+            scene.shapes.extend(parts);
             let frames = frames.iter().map(|frame| Frame::of_finger(number, frame));
             scene.frames.extend(frames);
             scene.fingers.push(Finger {
                 name: format!("finger {number}"),
                 frame: frame(number, "dome"),
-                elements: model.element_tips.iter().map(element).collect(),
+                elements: model.elements().map(element).collect(),
                 touch_force: facts.touch_force_threshold,
                 over_force: facts.over_force_threshold,
             });
         }
-        scene.frames.extend(SolidFrame::MOVING.map(|frame| Frame {
-            name: frame.name().into(),
-            parent: WORLD_FRAME.into(),
-            position: [0.0; 3],
-            rotation: DQuat::IDENTITY.to_array(),
-            joint: None,
-        }));
-        scene
-            .shapes
-            .extend(facts.solids.iter().map(Shape::of_solid));
+        let moving = SolidFrame::MOVING.into_iter().filter(|&f| is_known(f));
+        scene.frames.extend(moving.map(Frame::of_solids));
+        let solids = facts.solids.iter().filter(|s| is_known(s.frame));
+        scene.shapes.extend(solids.map(Shape::of_solid));
         Some(scene)
     }
 }
 
 impl Frame {
+    fn of_solids(frame: SolidFrame) -> Self {
+        Self {
+            name: frame.name().into(),
+            parent: WORLD_FRAME.into(),
+            position: [0.0; 3],
+            rotation: DQuat::IDENTITY.to_array(),
+            joint: None,
+        }
+    }
+
     fn of_finger(finger: usize, frame: &ModelFrame) -> Self {
         let place = frame.in_parent(0.0);
         Self {
@@ -151,24 +157,24 @@ impl Frame {
     }
 }
 
-/// A rod for each link, and the dome.
-fn links(model: &FingerModel, frames: &[ModelFrame]) -> Vec<Shape> {
-    let shape = |frame: &ModelFrame| {
-        let (role, solid, position) = match frame.joint {
-            Some(joint) => {
-                let length = model.geometry.links[joint];
-                let radius = LINK_OVER_DOME * model.dome_radius;
+fn element((element, tip): (SensingElement, DVec3)) -> Element {
+    Element {
+        tip: tip.to_array(),
+        rotation: DQuat::from_mat3(&element.rotation).to_array(),
+    }
+}
+
+impl Shape {
+    /// What is drawn in a frame of a finger, if anything is.
+    fn of_frame(frame: &ModelFrame) -> Option<Self> {
+        let (role, solid, position) = match frame.part? {
+            FingerPart::Link { radius, length } => {
                 let middle = [0.5 * length, 0.0, 0.0];
-                (Role::Link, Drawn::Cylinder { radius, length }, middle)
+                (Role::Link, SolidShape::Cylinder { radius, length }, middle)
             }
-            None if frame.name.ends_with("dome") => {
-                let radius = model.dome_radius;
-                (Role::Dome, Drawn::Sphere { radius }, [0.0; 3])
-            }
-            None => return None,
+            FingerPart::Dome { radius } => (Role::Dome, SolidShape::Sphere { radius }, [0.0; 3]),
         };
-        let is_there = !matches!(solid, Drawn::Cylinder { length, .. } if length <= 0.0);
-        is_there.then(|| Shape {
+        Some(Self {
             frame: frame.name.clone(),
             position,
             // A rod is along x of its link, a cylinder along its own z.
@@ -176,19 +182,8 @@ fn links(model: &FingerModel, frames: &[ModelFrame]) -> Vec<Shape> {
             role,
             solid,
         })
-    };
-    frames.iter().filter_map(shape).collect()
-}
-
-fn element(tip: &Vector) -> Element {
-    let outward = DVec3::from_array(*tip).normalize_or_zero();
-    Element {
-        tip: *tip,
-        rotation: DQuat::from_mat3(&SensingElement::facing(outward).rotation).to_array(),
     }
-}
 
-impl Shape {
     fn of_solid(solid: &Solid) -> Self {
         Self {
             frame: solid.frame.name().into(),
@@ -198,12 +193,7 @@ impl Shape {
                 SolidFrame::World => Role::Fixture,
                 SolidFrame::Cap | SolidFrame::Object => Role::Object,
             },
-            solid: match solid.shape.clone() {
-                SolidShape::Box { size } => Drawn::Box { size },
-                SolidShape::Sphere { radius } => Drawn::Sphere { radius },
-                SolidShape::Cylinder { radius, length } => Drawn::Cylinder { radius, length },
-                SolidShape::Prism { outline, length } => Drawn::Prism { outline, length },
-            },
+            solid: solid.shape.clone(),
         }
     }
 }

@@ -226,6 +226,10 @@ impl<'a> Comparer<'a> {
 }
 
 impl MessageSink for Comparer<'_> {
+    fn is_for_viewers(&self) -> bool {
+        self.copy.is_some()
+    }
+
     fn write<M: RecordedMessage>(
         &mut self,
         topic: RecordedTopic<M>,

@@ -95,10 +95,14 @@ impl<'a> Replay<'a> {
     }
 
     /// Writes what comes out to `recorder`, too.
-    #[must_use]
-    pub fn copy_to(mut self, recorder: Recorder) -> Self {
-        self.log.recorder_mut().copy = Some(recorder);
-        self
+    ///
+    /// # Errors
+    /// When the constants on record make no sense.
+    pub fn copy_to(self, recorder: Recorder) -> Result<Self, ReplayError> {
+        let mut comparer = self.log.into_recorder();
+        comparer.copy = Some(recorder);
+        let log = RunLog::new(comparer, &self.recording.facts)?;
+        Ok(Self { log, ..self })
     }
 
     /// Goes round the control loop once on the next step on record.
