@@ -21,7 +21,7 @@ async function ready(page: Page): Promise<void> {
 }
 
 for (const url of allPages()) {
-  const name = url.split("/").at(-1);
+  const name = url.split("/").slice(-2).join("/");
 
   test(`${name} opens without errors, requests or problems`, async () => {
     const { page, errors, requests } = await open(browser, url);

@@ -21,10 +21,19 @@ export function write(name: string, text: string): string {
 
 export const sample = write("sample.html", reportPage(data));
 
-/** The sample and the reports that somebody made. */
+/** The folder REPORTS of pages that feeler made, if there is one. */
+const reports = process.env["REPORTS"];
+
+/** The sample and the pages that feeler made. */
 export function allPages(): string[] {
-  const reports = process.env["REPORTS"];
   if (!reports) return [sample];
-  const names = readdirSync(reports).filter((name) => name.endsWith(".html"));
-  return [sample, ...names.map((name) => pathToFileURL(resolve(reports, name)).href)];
+  const names = readdirSync(reports, { recursive: true }).map(String);
+  return [sample, ...names.filter((name) => name.endsWith(".html")).map((name) => address(reports, name))];
+}
+
+/** A page that feeler made; none where there is no folder of them. */
+export const made = (name: string): string | undefined => reports && address(reports, name);
+
+function address(folder: string, name: string): string {
+  return pathToFileURL(resolve(folder, name)).href;
 }

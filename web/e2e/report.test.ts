@@ -165,7 +165,21 @@ test("a point with a command shows it", async () => {
     await over.hover({ position: { x: x * box.width, y: (0.9 - 0.75 * x) * box.height } });
     if (await page.locator("#fig-14 .tooltip").isVisible()) break;
   }
-  assert.match(await page.locator("#fig-14 .tooltip").innerText(), /feeler run cap-closing --seed \d+/);
+  assert.match(await page.locator("#fig-14 .tooltip").innerText(), /feeler run --trial \S+ \d+/);
+  await page.context().close();
+});
+
+test("a click on a figure goes to that moment while the run plays", async () => {
+  const { page } = await opened();
+  const over = page.locator("#fig-08 .u-over").first();
+  await over.scrollIntoViewIfNeeded();
+  const box = await over.boundingBox();
+  assert.ok(box);
+  await page.keyboard.press(" ");
+  await until(async () => (await time(page)) !== moment(run.rows[0]?.time ?? NaN), "the run plays");
+  await over.click({ position: { x: 0.9 * box.width, y: 50 } });
+  const last = run.rows.at(-1)?.time ?? NaN;
+  await until(async () => parseFloat(await time(page)) > 0.85 * last, "the click's moment is shown");
   await page.context().close();
 });
 

@@ -62,7 +62,7 @@ export function scatter(): Panel {
         points: {
           x: seeds.map((seed) => 1.08 + 0.12 * noise(seed, 1)),
           y: seeds.map((seed) => 0.02 + 0.012 * noise(seed, 1) + 0.006 * noise(seed, 2)),
-          label: seeds.map((seed) => `feeler run cap-closing --seed ${seed}`),
+          command: { pattern: "feeler run --trial {folder} {trial}", trial: seeds },
         },
       },
     ],

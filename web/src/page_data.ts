@@ -123,7 +123,9 @@ export interface Element {
 /** A figure. `#fig-NN` in the document is its `<figure>`, which has the still picture and the caption. */
 export interface Figure {
   number: number;
-  /** From top to bottom; panels of time share their axis. */
+  /** How many panels stand side by side, where there is room; one, if not given. */
+  columns?: number;
+  /** Row by row; panels of time share their axis. */
   panels: Panel[];
 }
 
@@ -149,18 +151,35 @@ export interface Axis {
   scale: number;
   /** In SI units; what there is to see, if not given. */
   range?: [number, number];
+  /** Whether equal distances stand for equal ratios. Only along x of "xy"; every value is more than 0. */
+  log?: boolean;
 }
 
 export interface Series {
   name: string;
   /** Colours: finger 0, finger 1 ..., what all share, what is planned or allowed, what is in the background. */
-  colour: "finger-0" | "finger-1" | "finger-2" | "finger-3" | "shared" | "reference" | "background";
+  colour: `finger-${0 | 1 | 2 | 3 | 4}` | "shared" | "reference" | "background";
   /** A panel whose series are all "states" has a lane for each, filled while its value is not 0. */
   line: "solid" | "dashed" | "points" | "states";
   /** Either the k-th number of a column, for each row ... */
   column?: { name: string; index: number; bit?: number };
-  /** ... or points of its own in SI units; `row` says when, if a row of the run belongs to each. */
-  points?: { x: number[]; y: (number | null)[]; row?: number[]; label?: string[] };
+  /** ... or points of its own. */
+  points?: PointList;
+}
+
+/** Points in SI units; where `y` is not known, a line is interrupted. What else there is has an entry for each point. */
+export interface PointList {
+  x: number[];
+  y: (number | null)[];
+  /** Ends of the interval that `y` stands in: a band about a line, whiskers at points. */
+  low?: (number | null)[];
+  high?: (number | null)[];
+  /** The row of the run that it belongs to. */
+  row?: number[];
+  /** What else is to be said of it. */
+  label?: string[];
+  /** The command that shows it: `pattern` with the page's folder for `{folder}` and the point's trial for `{trial}`. */
+  command?: { pattern: string; trial: number[] };
 }
 
 /**

@@ -2,8 +2,8 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { Series } from "../src/page_data";
 import { plotted, seriesAt } from "../src/figures/columns";
-import { equalScale, pinched, windowAround } from "../src/figures/plane";
-import { pointAtRow, type Points } from "../src/figures/points";
+import { decades, equalScale, pinched, placeOn, windowAround } from "../src/figures/plane";
+import { commandOf, folderOf, pointAtRow, type Points, pointsOf } from "../src/figures/points";
 import { Column, Table } from "../src/table";
 
 const table = new Table(
@@ -55,10 +55,52 @@ test("a row finds its point only while the points go on", () => {
     series: series({ points: { x: [1, 2, 3], y: [1, 2, 3], row: [10, 20, 30] } }),
     x: [1, 2, 3],
     y: [1, 2, 3],
+    low: [],
+    high: [],
   };
   assert.equal(pointAtRow(points, 5), undefined);
   assert.equal(pointAtRow(points, 10), 0);
   assert.equal(pointAtRow(points, 25), 1);
   assert.equal(pointAtRow(points, 30), 2);
   assert.equal(pointAtRow(points, 60), undefined);
+});
+
+test("an axis may show logarithms, with ticks that a reader knows", () => {
+  const axis = { label: "false alarms", unit: "%", scale: 100, log: true };
+  assert.ok(Math.abs(placeOn(axis, 0.001) + 1) < 1e-12);
+  assert.equal(placeOn({ ...axis, log: false }, 0.5), 50);
+  const shown = (low: number, high: number) =>
+    decades(low, high).map((place) => +(10 ** place).toPrecision(3));
+  assert.deepEqual(shown(-2, 2), [0.01, 0.1, 1, 10, 100]);
+  assert.deepEqual(shown(Math.log10(0.15), Math.log10(6)), [0.2, 0.5, 1, 2, 5]);
+});
+
+test("points have intervals in the units of their axis, and each its command", () => {
+  const list = {
+    x: [1, 2],
+    y: [0.5, null],
+    low: [0.4, null],
+    high: [0.6, null],
+    command: { pattern: "feeler run --trial {folder}/best {trial}", trial: [7, 9] },
+  };
+  const axis = { label: "rate", unit: "%", scale: 100 };
+  const points = pointsOf(series({ points: list }), { ...axis, scale: 1 }, axis);
+  assert.deepEqual(
+    [points.y, points.low, points.high],
+    [
+      [50, NaN],
+      [40, NaN],
+      [60, NaN],
+    ],
+  );
+  assert.equal(commandOf(points, 1, "/a/sweep"), "feeler run --trial /a/sweep/best 9");
+  assert.equal(commandOf(points, 0, "it's $1 a"), "feeler run --trial 'it'\\''s $1 a/best' 7");
+  const plain = pointsOf(series({ points: { x: [1], y: [1] } }), axis, axis);
+  assert.deepEqual([commandOf(plain, 0, "."), plain.low], [undefined, []]);
+});
+
+test("a page knows its folder by its address", () => {
+  assert.equal(folderOf("file:///home/a%20b/sweep/summary.html?x#fig-01"), "/home/a b/sweep");
+  assert.equal(folderOf("file:///C:/sweep/summary.html"), "C:/sweep");
+  assert.equal(folderOf("http://127.0.0.1:1/summary.html"), ".");
 });

@@ -1,8 +1,11 @@
 //! The page of a calibration: how far off it is, with curves and residuals.
 
-use super::document::document;
+use super::document::{Tile, document, tiles};
 use super::figures::calibration::{errors_figure, loads_figure};
-use maud::{Markup, PreEscaped, html};
+use super::page_data::PageData;
+use super::text::significant;
+use maud::{Markup, html};
+use std::iter;
 
 /// What the page says.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -55,42 +58,48 @@ pub struct ElementLoads {
 
 /// The page, as HTML text.
 pub fn calibration_page(page: &CalibrationPage) -> String {
+    let drawn = page.drawn.iter().zip(2..);
+    let loads = drawn.map(|(element, number)| loads_figure(element, number));
+    let figures: Vec<_> = iter::once(errors_figure(page)).chain(loads).collect();
     let body = html! {
         h1 { "Calibration: " (page.source) }
         p.verdict { (verdict(page)) }
+        (tiles(&tiles_of(page)))
         h2 { "Figures" }
-        div.figures {
-            figure {
-                (PreEscaped(errors_figure(page)))
-                figcaption { b { "Errors. " }
-                    "Root mean square on loads that the fit has not seen, by element." }
-            }
-            @for (index, element) in page.drawn.iter().enumerate() {
-                figure {
-                    (PreEscaped(loads_figure(element, index as u32 + 2)))
-                    figcaption { b { (element.name) ". " }
-                        "Left: the loads (dots) and the calibration's curves, for a coupled model at "
-                        "no, half and full growth of the gray value. Right: readings less loads, of held-out loads where there are some." }
-                }
-            }
-        }
+        div.figures { @for figure in &figures { (figure.markup()) } }
         h2 { "Elements" }
+        p.note { "Along x, y and z of each element's frame; shares are of full scale." }
         (elements_table(page))
         p { "Made for the fingertip of SHA-256" br; span.digest { (page.sha256) } }
     };
-    document(&format!("Calibration: {}", page.source), body)
+    let title = format!("Calibration: {}", page.source);
+    document(&title, body, &PageData::of_figures(&title, &figures))
+}
+
+/// Errors of the worst element, and how many there are.
+fn tiles_of(page: &CalibrationPage) -> [Tile; 3] {
+    let off = |axes, label| Tile::new(significant(worst(page, axes)), "% of full scale", label);
+    [
+        off(&[2], "RMS error in compression"),
+        off(&[0, 1], "RMS error in shear"),
+        Tile::new(page.elements.len().to_string(), "", "elements"),
+    ]
+}
+
+/// Largest root mean square error of an element along any of these axes, % of full scale.
+fn worst(page: &CalibrationPage, axes: &[usize]) -> f64 {
+    let shares = page.elements.iter().flat_map(|element| {
+        let shares = axes
+            .iter()
+            .map(|&axis| element.rms[axis] / page.full_scale[axis]);
+        shares.map(|share| 100.0 * share)
+    });
+    shares.fold(0.0, f64::max)
 }
 
 /// The calibration in one paragraph.
 fn verdict(page: &CalibrationPage) -> Markup {
-    let worst = |axes: &[usize]| {
-        let percent = page.elements.iter().flat_map(|element| {
-            axes.iter()
-                .map(|&axis| 100.0 * element.rms[axis] / page.full_scale[axis])
-        });
-        percent.fold(0.0, f64::max)
-    };
-    let (shear, normal) = (worst(&[0, 1]), worst(&[2]));
+    let (shear, normal) = (worst(page, &[0, 1]), worst(page, &[2]));
     let [full_shear, _, full_normal] = page.full_scale;
     html! {
         "The " (page.model) " model of " (page.elements.len()) " elements is off by up to "
@@ -107,7 +116,7 @@ fn elements_table(page: &CalibrationPage) -> Markup {
                     th { "Element" }
                     @for name in ["RMS", "RMS", "Worst", "Worst", "Repeatability", "Hysteresis", "Resolution"]
                         .iter().zip(["mN", "%", "mN", "%", "mN", "mN", "mN"]) {
-                        th.number { (name.0) " " span.unit { "x, y, z, " (name.1) } }
+                        th.number { (name.0) " " span.unit { "(" (name.1) ")" } }
                     }
                 } }
                 tbody {

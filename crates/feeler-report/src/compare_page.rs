@@ -1,8 +1,11 @@
 //! `compare.html`: control laws on the same trials, on one self-contained page.
 
-use super::document::document;
-use super::figures::compare::curves_figure;
-use maud::{Markup, PreEscaped, html};
+use super::document::{Tile, document, tiles};
+use super::figures::Figure;
+use super::figures::compare::{curves_figure, pairs_figure};
+use super::page_data::PageData;
+use super::text::{name_and_unit, significant};
+use maud::{Markup, html};
 
 /// What the page shows.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -18,7 +21,9 @@ pub struct ComparePage {
     /// The laws; the others are compared with the first.
     pub laws: Vec<ComparedLaw>,
     /// Success and measures against what varies.
-    pub figures: Vec<Figure>,
+    pub curves: Vec<Curves>,
+    /// Every other law beside the first, trial by trial.
+    pub pairs: Vec<Pairs>,
     /// Seed and expressions, as on the command line.
     pub varied: String,
     /// The experiment, but for law and what varied.
@@ -50,13 +55,33 @@ pub struct Row {
 
 /// A measure of all laws against what varies.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Figure {
+pub struct Curves {
     /// The measure, with its unit.
     pub title: String,
     /// What varies.
     pub against: String,
     /// A curve for each law.
     pub curves: Vec<Curve>,
+}
+
+/// Two laws on the same trials.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pairs {
+    /// The first law.
+    pub first: &'static str,
+    /// The other one.
+    pub other: &'static str,
+    /// What is measured.
+    pub measures: Vec<PairedMeasure>,
+}
+
+/// A measure of two laws.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PairedMeasure {
+    /// What it is, with its unit.
+    pub name: &'static str,
+    /// Of each trial that has it under both laws: its number, the first law's value, the other's.
+    pub trials: Vec<(u64, f64, f64)>,
 }
 
 /// A measure of one law against what varies.
@@ -96,6 +121,7 @@ impl ComparePage {
 /// The page, as HTML text.
 pub fn compare_page(page: &ComparePage) -> String {
     let (torque, force) = page.goal;
+    let figures = figures_of(page);
     let body = html! {
         @if page.trials < page.planned {
             div.incomplete role="alert" {
@@ -106,6 +132,7 @@ pub fn compare_page(page: &ComparePage) -> String {
         @for law in 1..page.laws.len() {
             @if let Some(verdict) = page.verdict(law) { p.verdict { (verdict) "." } }
         }
+        (tiles(&page.laws.iter().filter_map(tile_of).collect::<Vec<_>>()))
         p {
             (page.trials) " trials under each law, with the same draws. A success is a cap that was tightened to "
             (torque) " mN·m or more with no element above " (force) " N. In brackets 95 % confidence: "
@@ -113,16 +140,14 @@ pub fn compare_page(page: &ComparePage) -> String {
             @if page.trials == 1 { " One trial has no interval but that of success." }
         }
         p { code { (page.varied) } }
+        @if !figures.is_empty() {
+            h2 { "Figures" }
+            div.figures { @for figure in &figures { (figure.markup()) } }
+        }
         h2 { "Means" }
         (table(page, true, |row| row.value, number))
         h2 { "Differences from " (page.laws.first().map_or("", |law| law.name)) }
         (table(page, false, |row| row.difference, signed))
-        h2 { "Against what varies" }
-        div.figures {
-            @for (index, figure) in page.figures.iter().enumerate() {
-                figure { (PreEscaped(curves_figure(figure, index as u32 + 1))) }
-            }
-        }
         p.note {
             "Bands are 95 % confidence. Final torque, friction and work lost in slip are the simulator's truth, which no law sees; "
             "element forces are as felt. The path of the fingertip's centre in MOVE, as in a run's report, in strokes 3 and 4: how far its distance "
@@ -134,7 +159,24 @@ pub fn compare_page(page: &ComparePage) -> String {
             pre { (page.experiment) }
         }
     };
-    document(&format!("Control laws compared: {}", page.name), body)
+    let title = format!("Control laws compared: {}", page.name);
+    document(&title, body, &PageData::of_figures(&title, &figures))
+}
+
+fn figures_of(page: &ComparePage) -> Vec<Figure> {
+    let pairs = page.pairs.iter().zip(1..);
+    let mut figures: Vec<_> = pairs.map(|(p, number)| pairs_figure(p, number)).collect();
+    let curves = page.curves.iter().zip(figures.len() as u32 + 1..);
+    figures.extend(curves.map(|(curves, number)| curves_figure(curves, number)));
+    figures
+}
+
+/// The first row of a law: its success.
+fn tile_of(law: &ComparedLaw) -> Option<Tile> {
+    let row = law.rows.first()?;
+    let (name, unit) = name_and_unit(row.name);
+    let label = format!("{name} of {}", law.name);
+    Some(Tile::new(significant(row.value?[1]), unit, label))
 }
 
 /// A row for each measure, and for the lines of code where wanted; a column for each law.

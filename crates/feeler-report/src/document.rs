@@ -8,23 +8,10 @@ const STYLE: &str = include_str!("page.css");
 /// The page's program, made of `web/`.
 const PROGRAM: &str = include_str!("page.js");
 
-/// The document called `title`, as HTML text.
-pub fn document(title: &str, body: Markup) -> String {
-    whole(title, body, html! {})
-}
-
-/// The same with what its program draws.
-pub fn document_with(title: &str, body: Markup, page: &PageData) -> String {
+/// The document called `title` with what its program draws, as HTML text.
+pub fn document(title: &str, body: Markup, page: &PageData) -> String {
     // Without its data, the program says so on the page.
     let data = page.to_json().unwrap_or_default();
-    let program = html! {
-        script type="application/json" id="page-data" { (PreEscaped(data)) }
-        script { (PreEscaped(PROGRAM)) }
-    };
-    whole(title, body, program)
-}
-
-fn whole(title: &str, body: Markup, program: Markup) -> String {
     html! {
         (DOCTYPE)
         html lang="en" {
@@ -34,7 +21,11 @@ fn whole(title: &str, body: Markup, program: Markup) -> String {
                 title { (title) }
                 style { (PreEscaped(STYLE)) }
             }
-            body { (body) (program) }
+            body {
+                (body)
+                script type="application/json" id="page-data" { (PreEscaped(data)) }
+                script { (PreEscaped(PROGRAM)) }
+            }
         }
     }
     .into_string()
@@ -43,13 +34,14 @@ fn whole(title: &str, body: Markup, program: Markup) -> String {
 /// A number that a page begins with.
 pub struct Tile {
     value: String,
-    unit: &'static str,
-    label: &'static str,
+    unit: String,
+    label: String,
 }
 
 impl Tile {
     /// A value in its unit, and what it is.
-    pub fn new(value: String, unit: &'static str, label: &'static str) -> Self {
+    pub fn new(value: String, unit: impl Into<String>, label: impl Into<String>) -> Self {
+        let (unit, label) = (unit.into(), label.into());
         Self { value, unit, label }
     }
 }

@@ -1,6 +1,6 @@
 //! The page of a rig that works while it is looked at.
 
-use super::document::document_with;
+use super::document::document;
 use super::page_data::PageData;
 pub use super::page_data::{Live, LiveRig};
 use maud::html;
@@ -21,5 +21,5 @@ pub fn live_page(title: &str, rig: &LiveRig<'_>, live: Live) -> String {
             }
         }
     };
-    document_with(title, body, &PageData::of_rig(title, rig, live))
+    document(title, body, &PageData::of_rig(title, rig, live))
 }

@@ -1,7 +1,7 @@
 //! `report.html`: one self-contained page for phone, desk and print.
 
 use super::claim::{Claim, ClaimPart, Relation, Verdict};
-use super::document::{Tile, document_with, tiles};
+use super::document::{Tile, document, tiles};
 use super::figures::Figure;
 use super::make::RECORDING;
 use super::page_data::PageData;
@@ -11,7 +11,7 @@ use super::summary::Summary;
 use super::tasks::{self, TaskReport};
 use super::text::{significant, value};
 use feeler_record::{Phase, Recording, RunFacts, RunState, TaskKind};
-use maud::{Markup, PreEscaped, html};
+use maud::{Markup, html};
 
 /// The page, as HTML text.
 pub fn page(
@@ -41,7 +41,7 @@ pub fn page(
         (tiles(&tiles_of(summary)))
         div id="scene" {}
         h2 { "Figures" }
-        div.figures { @for figure in figures { (figure_markup(figure)) } }
+        div.figures { @for figure in figures { (figure.markup()) } }
         @if !summary.claims.is_empty() {
             h2 { "Claims " (task.whose()) }
             (claims_table(&summary.claims, data))
@@ -65,7 +65,7 @@ pub fn page(
         }
     };
     let page = PageData::of_run(&name, recording, data, figures);
-    document_with(&format!("{mark}{name}"), body, &page)
+    document(&format!("{mark}{name}"), body, &page)
 }
 
 /// The command that makes the same run again.
@@ -238,21 +238,6 @@ fn capitalised(state: RunState) -> String {
     let mut letters = text.chars();
     let first = letters.next().map(|letter| letter.to_ascii_uppercase());
     first.into_iter().chain(letters).collect()
-}
-
-fn figure_markup(figure: &Figure) -> Markup {
-    html! {
-        figure id=(format!("fig-{:02}", figure.number)) {
-            @match &figure.svg {
-                Some(svg) => (PreEscaped(svg)),
-                None => div.missing { "Not in this recording." },
-            }
-            figcaption {
-                b { "Fig. " (figure.number) ". " (figure.title) ". " }
-                (figure.caption)
-            }
-        }
-    }
 }
 
 fn facts_table(facts: &RunFacts, summary: &Summary) -> Markup {

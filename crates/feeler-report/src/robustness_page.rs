@@ -1,9 +1,12 @@
 //! `robustness.html`: in what share of plausible hands each claim holds, and which parameters decide it.
 
-use super::document::document;
+use super::document::{Tile, document, tiles};
+use super::figures::Figure;
 use super::figures::robustness::{indices_figure, shares_figure, traces_figure};
+use super::page_data::PageData;
 use super::sweep_page::Varied;
-use maud::{Markup, PreEscaped, html};
+use super::text::significant;
+use maud::{Markup, html};
 use serde::Serialize;
 
 /// What a share is of in which nothing varies but the run's seed.
@@ -161,6 +164,16 @@ impl RobustnessPage {
 
 /// The page, as HTML text.
 pub fn robustness_page(page: &RobustnessPage) -> String {
+    let shares = shares_figure(page, 1);
+    let indices = match page.pairs > 0 {
+        true => indices_of(page),
+        false => Vec::new(),
+    };
+    let traced = page.measures.iter().filter(|m| !m.traces.is_empty());
+    let numbered = traced.zip(2 + indices.len() as u32..);
+    let traces: Vec<_> = numbered
+        .map(|(m, number)| traces_figure(m, number))
+        .collect();
     let body = html! {
         @if page.finished < page.planned {
             div.incomplete role="alert" {
@@ -169,6 +182,7 @@ pub fn robustness_page(page: &RobustnessPage) -> String {
         }
         h1 { "How much is luck of parameters? " (page.name) }
         @if let Some(verdict) = page.verdict() { p.verdict { (verdict) "." } }
+        (tiles(&tiles_of(page)))
         p {
             (page.ranges.len()) " values that nobody knows were varied over plausible ranges, at " (page.rows)
             " points of a scrambled Sobol' sequence (seed " (page.seed) "), each with a seed of its own for what differs from run to run. "
@@ -176,10 +190,10 @@ pub fn robustness_page(page: &RobustnessPage) -> String {
             " are not, as the experiment is refused there, and stand in no share. A hand that stops or fails stands in every share."
         }
         h2 { "In what share of plausible hands each claim holds" }
-        figure { (PreEscaped(shares_figure(page, 1))) }
+        div.figures { (shares.markup()) }
         (shares_table(page))
         p.note { "In brackets Wilson's 95 % interval. Where a group is varied alone, all else is as the experiment has it." }
-        @if page.pairs > 0 { (decided(page)) }
+        @if page.pairs > 0 { (decided(page, &indices, &traces)) }
         h2 { "How the hands ended" }
         (endings_table(page))
         h2 { "What was varied, and why so far" }
@@ -192,37 +206,61 @@ pub fn robustness_page(page: &RobustnessPage) -> String {
             pre { (page.experiment) }
         }
     };
-    document(&format!("Robustness: {}", page.name), body)
+    let title = format!("Robustness: {}", page.name);
+    let figures = [vec![shares], indices, traces].concat();
+    document(&title, body, &PageData::of_figures(&title, &figures))
+}
+
+/// What came of it.
+fn tiles_of(page: &RobustnessPage) -> Vec<Tile> {
+    let share = |share: &Share| significant(100.0 * share.share[1]);
+    let all = page.measures.last().map_or(&[][..], |all| &all.shares);
+    let plausible = all
+        .first()
+        .map(|s| (share(s), "of plausible hands hold all claims"));
+    let nothing = all.iter().rfind(|share| share.of == NOTHING);
+    let nominal = nothing.map(|s| (share(s), "with nothing varied but the seed"));
+    let shares = plausible.into_iter().chain(nominal);
+    let mut tiles: Vec<_> = shares
+        .map(|(value, label)| Tile::new(value, "%", label))
+        .collect();
+    tiles.push(Tile::new(page.hands.to_string(), "", "hands"));
+    tiles.push(Tile::new(
+        page.ranges.len().to_string(),
+        "",
+        "values varied",
+    ));
+    tiles
+}
+
+/// The heat maps: what decides whether claims hold, and by what margin.
+fn indices_of(page: &RobustnessPage) -> Vec<Figure> {
+    const HOLDS: (&str, &str) = (
+        "whether it holds",
+        "Total-effect index (%): how often another value of this parameter alone changes whether the claim holds, \
+        relative to how often another hand does.",
+    );
+    const MARGIN: (&str, &str) = (
+        "its margin",
+        "The same of the distance from the bound, relative to the bound and cut off at -1 and 1; what was not measured is -1.",
+    );
+    vec![
+        indices_figure(page, HOLDS, |m| &m.holds, 2),
+        indices_figure(page, MARGIN, |m| &m.margin, 3),
+    ]
 }
 
 /// What decides whether claims hold: heat maps, and the claims against the parameters that matter most.
-fn decided(page: &RobustnessPage) -> Markup {
-    let measures = page.measures.iter().enumerate();
+fn decided(page: &RobustnessPage, indices: &[Figure], traces: &[Figure]) -> Markup {
     html! {
         h2 { "Which parameters decide it" }
-        div.figures {
-            figure {
-                (PreEscaped(indices_figure(page, "whether it holds", |m| &m.holds, 2)))
-                figcaption { b { "Whether a claim holds. " }
-                    "Total-effect index (%): how often another value of this parameter alone changes whether the claim holds, relative to how often another hand does." }
-            }
-            figure {
-                (PreEscaped(indices_figure(page, "its margin", |m| &m.margin, 3)))
-                figcaption { b { "By what margin. " }
-                    "The same of the distance from the bound, relative to the bound and cut off at -1 and 1; what was not measured is -1." }
-            }
-        }
+        div.figures { @for figure in indices { (figure.markup()) } }
         p.note {
             "Jansen's estimator over " (page.pairs) " pairs of points; first-order indices (Saltelli 2010) and the 95 % intervals of all (bootstrap over pairs) are in "
             code { "robustness.json" } ". Pale figures cannot be told from 0. Total effects count interactions for each parameter that takes part, so that their sum may exceed 100 %."
         }
         h2 { "Claims against the parameters that decide most" }
-        div.figures {
-            @for (index, measure) in measures.filter(|(_, m)| !m.traces.is_empty()) {
-                figure { (PreEscaped(traces_figure(measure, index as u32 + 4))) }
-            }
-        }
-        p.note { "Share of hands with all else varied, too; bands are Wilson's 95 % intervals, the dashed line is what the experiment has." }
+        div.figures { @for figure in traces { (figure.markup()) } }
     }
 }
 

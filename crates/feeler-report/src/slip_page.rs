@@ -1,9 +1,11 @@
 //! `slip.html`: slip detectors against the truth, on one self-contained page.
 
 use super::compare_page::number;
-use super::document::document;
+use super::document::{Tile, document, tiles};
 use super::figures::slip::roc_figure;
-use maud::{PreEscaped, html};
+use super::page_data::PageData;
+use super::text::significant;
+use maud::html;
 
 /// What the page shows.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,6 +55,15 @@ pub struct Roc {
     pub points: Vec<(f64, f64)>,
 }
 
+impl SlipPage {
+    /// Which curve an operating point is on.
+    pub fn curve_of(&self, point: &OperatingPoint) -> Option<usize> {
+        self.curves
+            .iter()
+            .position(|curve| curve.name == point.name)
+    }
+}
+
 impl OperatingPoint {
     /// Its figures in words, in the order of [`COLUMNS`].
     pub fn fields(&self) -> [String; 6] {
@@ -85,14 +96,17 @@ pub const COLUMNS: [&str; 6] = [
 /// The page, as HTML text.
 pub fn slip_page(page: &SlipPage) -> String {
     let (samples, slips) = page.counts;
+    let roc = roc_figure(page, 1);
     let body = html! {
         h1 { "Slip detectors: " (page.name) }
+        (tiles(&tiles_of(page)))
         p {
             (page.trials) " trials of seed " (page.seed) ": random presses, drags, twists and holds on flat, round and cylindrical "
             "specimens that stand still, of friction 0.3 to 1.2, with rubber up to 10 % off its nominal stiffness. Every element counts in every "
             "frame at whose beginning it was pressed harder than " (page.touch_force) " N: " (samples) " times, " (slips)
             " of them slips, by the simulator's truth. Thresholds were chosen on as many other trials."
         }
+        div.figures { (roc.markup()) }
         div.scroll {
             table {
                 thead { tr { th { "Detector" } @for column in COLUMNS { th.number { (column) } } } }
@@ -103,12 +117,6 @@ pub fn slip_page(page: &SlipPage) -> String {
                 }
             }
         }
-        div.figures {
-            figure {
-                (PreEscaped(roc_figure(&page.curves, 1)))
-                figcaption { "Slips noticed against false alarms, over all thresholds." }
-            }
-        }
         p.note {
             "In brackets 95 % confidence, by drawing whole trials again (bootstrap)."
             @if page.trials == 1 { " One trial has no interval." }
@@ -117,5 +125,21 @@ pub fn slip_page(page: &SlipPage) -> String {
             "A slip begins after five frames without, and counts as never noticed after ten."
         }
     };
-    document(&format!("Slip detectors: {}", page.name), body)
+    let title = format!("Slip detectors: {}", page.name);
+    document(&title, body, &PageData::of_figures(&title, &[roc]))
+}
+
+/// What each detector notices with the threshold that was chosen for it.
+fn tiles_of(page: &SlipPage) -> Vec<Tile> {
+    let chosen = page.curves.iter().filter_map(|curve| {
+        let point = page.points.iter().rfind(|point| point.name == curve.name)?;
+        let percent = |share: [f64; 3]| significant(100.0 * share[1]);
+        let right = percent(point.precision?);
+        let label = format!(
+            "of slips noticed by {}, {right} % of alarms right",
+            curve.name
+        );
+        Some(Tile::new(percent(point.recall?), "%", label))
+    });
+    chosen.collect()
 }

@@ -25,9 +25,15 @@ pub fn significant(value: f64) -> String {
     }
 }
 
+/// A quantity's name and its unit, as in `Torque (mN·m)`; without one, the unit is empty.
+pub fn name_and_unit(label: &str) -> (&str, &str) {
+    let parts = label.strip_suffix(')').and_then(|l| l.rsplit_once(" ("));
+    parts.unwrap_or((label, ""))
+}
+
 #[cfg(test)]
 mod tests {
-    use super::significant;
+    use super::{name_and_unit, significant};
 
     #[test]
     fn numbers_have_three_significant_digits() {
@@ -39,5 +45,12 @@ mod tests {
         assert_eq!(significant(123_456.0), "123456");
         assert_eq!(significant(-1e-13), "0");
         assert_eq!(significant(0.15), "0.15");
+    }
+
+    #[test]
+    fn a_label_is_a_name_and_a_unit() {
+        assert_eq!(name_and_unit("Torque (mN·m)"), ("Torque", "mN·m"));
+        assert_eq!(name_and_unit("F (x) (N)"), ("F (x)", "N"));
+        assert_eq!(name_and_unit("friction"), ("friction", ""));
     }
 }

@@ -10,6 +10,10 @@ import { TimeAxis } from "./time_axis";
 import { TimePanel } from "./time_panel";
 import { XyPanel } from "./xy_panel";
 
+/** Least width of a panel beside another one, and what is between them, px. */
+const NARROWEST = 200;
+const GAP = 12;
+
 /** What figures may show besides points of their own. */
 export interface Moments {
   run: Run;
@@ -18,6 +22,8 @@ export interface Moments {
 
 export class FigureView {
   readonly #panels: PanelView[];
+  readonly #body: HTMLElement;
+  readonly #columns: number;
   readonly #axis: TimeAxis | undefined;
   #row = 0;
   #visible = true;
@@ -28,10 +34,11 @@ export class FigureView {
     const times = figure.panels.filter((panel) => panel.kind === "time");
     this.#axis = moments && new TimeAxis(moments.run.table, times[0]?.rows);
     this.#panels = figure.panels.map((panel) => this.#panel(panel, times, moments));
-    const body = make("div", { class: "panels" }, ...this.#panels.map((panel) => panel.element));
-    place.prepend(body);
+    this.#columns = figure.columns ?? 1;
+    this.#body = make("div", { class: "panels" }, ...this.#panels.map((panel) => panel.element));
+    place.prepend(this.#body);
     place.classList.add("interactive");
-    new ResizeObserver(() => this.#fit(body.clientWidth)).observe(body);
+    new ResizeObserver(() => this.#fit(this.#body.clientWidth)).observe(this.#body);
     new IntersectionObserver(([entry]) => {
       this.#visible = entry?.isIntersecting ?? true;
       this.showRow(this.#row);
@@ -65,7 +72,10 @@ export class FigureView {
     // Panels change the height themselves.
     if (width <= 0 || width === this.#width) return;
     this.#width = width;
-    for (const panel of this.#panels) panel.setWidth(width);
+    const columns = Math.max(1, Math.min(this.#columns, Math.floor(width / NARROWEST)));
+    this.#body.style.gridTemplateColumns = `repeat(${columns}, minmax(0, 1fr))`;
+    const each = Math.floor((width - (columns - 1) * GAP) / columns);
+    for (const panel of this.#panels) panel.setWidth(each);
     this.showRow(this.#row);
   }
 }

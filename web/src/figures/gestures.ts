@@ -1,4 +1,4 @@
-/** Fingers on a panel: one moves the cursor, two zoom, two quick taps reset. */
+/** Clicks and fingers on a panel: one finger moves the cursor, two zoom, two quick taps reset. */
 
 export interface Gestures {
   /** The cursor is wanted at this place, px from the panel's left and top. */
@@ -6,6 +6,8 @@ export interface Gestures {
   /** What was at `from` is wanted at `to`: both ends of a pinch, px from the left. */
   pinch(from: [number, number], to: [number, number]): void;
   reset(): void;
+  /** A click or tap at this place, px from the panel's left and top; not the end of a drag. */
+  click(x: number, y: number): void;
 }
 
 /** Taps within this time are one gesture, ms. */
@@ -16,13 +18,15 @@ export function startGestures(over: HTMLElement, gestures: Gestures): void {
   let lastTap = 0;
   // Up and down still scrolls the page.
   over.style.touchAction = "pan-y";
-  const place = (event: PointerEvent): [number, number] => {
+  const place = (event: MouseEvent): [number, number] => {
     const { left, top } = over.getBoundingClientRect();
     return [event.clientX - left, event.clientY - top];
   };
   const touch = (act: (event: PointerEvent) => void) => (event: PointerEvent) => {
     if (event.pointerType === "touch") act(event);
   };
+  // uPlot lets no click through that ends a drag.
+  over.addEventListener("click", (event) => gestures.click(...place(event)));
   over.addEventListener(
     "pointerdown",
     touch((event) => {

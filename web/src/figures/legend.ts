@@ -16,7 +16,11 @@ export class Legend {
       { class: "legend" },
       make("span", { class: "legend-title" }, axisTitle(panel.y)),
     );
-    panel.series.forEach((series, i) => this.element.append(this.#entry(series.name, i, toggle)));
+    panel.series.forEach((series, i) => {
+      const entry = this.#entry(series.name, i, toggle);
+      // What the legend does not name stays without an entry.
+      if (series.name) this.element.append(entry);
+    });
     this.paint();
   }
 

@@ -1,10 +1,27 @@
 /** Parts of a plane that a panel shows. */
+import type { Axis } from "../page_data";
 
 export type Range = [number, number];
 
 export interface Window {
   x: Range;
   y: Range;
+}
+
+/** Where a value in SI units stands along an axis, in the axis' unit or as its logarithm. */
+export function placeOn({ scale, log }: Axis, value: number): number {
+  return log ? Math.log10(value * scale) : value * scale;
+}
+
+/** Ticks of an axis that shows logarithms: powers of ten; with them 2 and 5 times each, where these are few. */
+export function decades(low: number, high: number): number[] {
+  const factors = high - low > 2.5 ? [1] : [1, 2, 5];
+  const powers = Array.from(
+    { length: Math.floor(high) - Math.floor(low) + 1 },
+    (_, i) => Math.floor(low) + i,
+  );
+  const ticks = powers.flatMap((power) => factors.map((factor) => power + Math.log10(factor)));
+  return ticks.filter((tick) => tick >= low - 1e-9 && tick <= high + 1e-9);
 }
 
 const middle = ([low, high]: Range) => (low + high) / 2;

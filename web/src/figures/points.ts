@@ -1,48 +1,114 @@
 /** The points of a series in a plane: drawn, and found under a cursor. */
 import type uPlot from "uplot";
 import type { Axis, Series } from "../page_data";
+import { placeOn } from "./plane";
 
 /** Radius of a dot, px. */
 const DOT = 3.2;
 
-/** Points as they are drawn: in the axes' units, with gaps as NaN. */
+/** Points as they are drawn: where they stand on the axes, with gaps as NaN. */
 export interface Points {
   series: Series;
   x: number[];
   y: number[];
+  /** Ends of the intervals about y; none where they have no intervals. */
+  low: number[];
+  high: number[];
 }
 
 export function pointsOf(series: Series, x: Axis, y: Axis): Points {
   const points = series.points ?? { x: [], y: [] };
+  const upright = (values: (number | null)[] = []) => values.map((value) => placeOn(y, value ?? NaN));
   return {
     series,
-    x: points.x.map((value) => value * x.scale),
-    y: points.y.map((value) => (value ?? NaN) * y.scale),
+    x: points.x.map((value) => placeOn(x, value)),
+    y: upright(points.y),
+    low: upright(points.low),
+    high: upright(points.high),
   };
 }
 
+/** The command that shows a point, if there is one, of the page in `folder`. */
+export function commandOf({ series }: Points, index: number, folder: string): string | undefined {
+  const { pattern, trial } = series.points?.command ?? {};
+  if (!pattern || !trial) return undefined;
+  const words = pattern
+    .split(" ")
+    .map((word) => word.replace("{folder}", () => folder).replace("{trial}", String(trial[index])));
+  // As a shell takes each for one word.
+  const quoted = (word: string) => (/^[\w/.:+-]+$/.test(word) ? word : `'${word.replaceAll("'", "'\\''")}'`);
+  return words.map(quoted).join(" ");
+}
+
+/** The folder of a page by its address; the one that the reader is in where the page is no file. */
+export function folderOf(address: string): string {
+  const { protocol, pathname } = new URL(address);
+  if (protocol !== "file:") return ".";
+  const folder = decodeURIComponent(pathname).replace(/\/[^/]*$/, "");
+  // Windows has its drive behind the first slash.
+  return folder.replace(/^\/([A-Za-z]:)/, "$1") || "/";
+}
+
 /** uPlot's own paths need x to rise; a path in the plane goes anywhere. */
-export function drawn({ series, x, y }: Points): uPlot.Series.PathBuilder {
+export function drawn(points: Points): uPlot.Series.PathBuilder {
   return (u) => {
-    const path = new Path2D();
-    const radius = DOT * devicePixelRatio;
-    let open = false;
-    x.forEach((value, i) => {
-      const [px, py] = [u.valToPos(value, "x", true), u.valToPos(y[i] ?? NaN, "y", true)];
-      if (!Number.isFinite(px + py)) {
-        open = false;
-      } else if (series.line === "points") {
-        path.moveTo(px + radius, py);
-        path.arc(px, py, radius, 0, 2 * Math.PI);
-      } else {
-        if (open) path.lineTo(px, py);
-        else path.moveTo(px, py);
-        open = true;
-      }
-    });
-    const fill = series.line === "points" ? path : null;
-    return { stroke: path, fill };
+    if (points.series.line === "points") {
+      const dots = dotsOf(u, points);
+      const stroke = new Path2D(dots);
+      stroke.addPath(whiskers(u, points));
+      return { stroke, fill: dots };
+    }
+    return { stroke: lineOf(u, points), fill: points.low.length ? band(u, points) : null };
   };
+}
+
+/** Places on the canvas; not numbers where a point is not known. */
+function places(u: uPlot, { x }: Points, y: number[]): [number, number][] {
+  return x.map((value, i) => [u.valToPos(value, "x", true), u.valToPos(y[i] ?? NaN, "y", true)]);
+}
+
+const isPlace = ([x, y]: [number, number]) => Number.isFinite(x + y);
+
+function dotsOf(u: uPlot, points: Points): Path2D {
+  const path = new Path2D();
+  const radius = DOT * devicePixelRatio;
+  for (const [x, y] of places(u, points, points.y).filter(isPlace)) {
+    path.moveTo(x + radius, y);
+    path.arc(x, y, radius, 0, 2 * Math.PI);
+  }
+  return path;
+}
+
+function lineOf(u: uPlot, points: Points): Path2D {
+  const path = new Path2D();
+  let open = false;
+  for (const place of places(u, points, points.y)) {
+    if (open && isPlace(place)) path.lineTo(...place);
+    else if (isPlace(place)) path.moveTo(...place);
+    open = isPlace(place);
+  }
+  return path;
+}
+
+function whiskers(u: uPlot, points: Points): Path2D {
+  const path = new Path2D();
+  const tops = places(u, points, points.high);
+  places(u, points, points.low).forEach((bottom, i) => {
+    const top = tops[i];
+    if (!top || !isPlace(bottom) || !isPlace(top)) return;
+    path.moveTo(...bottom);
+    path.lineTo(...top);
+  });
+  return path;
+}
+
+function band(u: uPlot, points: Points): Path2D {
+  const path = new Path2D();
+  const low = places(u, points, points.low).filter(isPlace);
+  const high = places(u, points, points.high).filter(isPlace);
+  low.concat(high.reverse()).forEach((place, i) => (i ? path.lineTo(...place) : path.moveTo(...place)));
+  path.closePath();
+  return path;
 }
 
 /** The point nearest to a place of the panel, no farther than `reach`, px. */

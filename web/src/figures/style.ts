@@ -1,7 +1,8 @@
 /** How series and axes look, in light and dark. */
 import type uPlot from "uplot";
 import type { Axis, Series } from "../page_data";
-import { tick } from "../format";
+import { significant, tick } from "../format";
+import { decades } from "./plane";
 import { fingerColour, pageColour } from "../ui/colours";
 import { isDark } from "../ui/theme";
 
@@ -24,6 +25,11 @@ function lineWidth({ colour }: Series): number {
   return colour === "finger-0" ? 2.4 : 1.4;
 }
 
+/** The same, so that what is behind it shows. */
+export function bandColour(series: Series): string {
+  return `color-mix(in srgb, ${seriesColour(series)} 20%, transparent)`;
+}
+
 /** What all series have in common for uPlot. */
 export function seriesOptions(series: Series): uPlot.Series {
   return {
@@ -41,7 +47,7 @@ export function axisTitle({ label, unit }: Axis): string {
 }
 
 /** Axes with ticks that are as short as tells them apart; `x` may be hidden where a panel beneath has it. */
-export function axesOptions(x: { title: string } | undefined, upright: boolean): uPlot.Axis[] {
+export function axesOptions(x: { title: string; log?: boolean } | undefined, upright: boolean): uPlot.Axis[] {
   const common = {
     stroke: () => pageColour("soft"),
     font: FONT,
@@ -56,6 +62,10 @@ export function axesOptions(x: { title: string } | undefined, upright: boolean):
       ...common,
       size: x ? X_AXIS : 4,
       ...(x ? { label: x.title, labelSize: 18, labelGap: 0, gap: 2 } : { values: () => [] }),
+      ...(x?.log && {
+        splits: (_u: uPlot, _axis: number, low: number, high: number) => decades(low, high),
+        values: (_u: uPlot, splits: number[]) => splits.map((split) => significant(10 ** split)),
+      }),
     },
     { ...common, size: GUTTER, ...(!upright && { values: () => [], grid: { show: false } }) },
   ];

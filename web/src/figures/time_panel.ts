@@ -17,8 +17,8 @@ import type { TimeAxis } from "./time_axis";
 const HEIGHT = 150;
 /** What the axis of time takes of the lowest panel. */
 const AXIS = 40;
-/** A drag shorter than this is a click, px. */
-const CLICK = 6;
+/** The shortest drag that zooms, px. */
+const DRAG = 6;
 
 export class TimePanel implements PanelView {
   readonly element: HTMLElement;
@@ -56,6 +56,7 @@ export class TimePanel implements PanelView {
       point: (x) => this.#seek(x),
       pinch: (from, to) => axis.pinch(this.#plot, from, to),
       reset: () => axis.reset(),
+      click: (x) => this.#seek(x),
     });
   }
 
@@ -134,10 +135,6 @@ export class TimePanel implements PanelView {
           if (!this.#playback.playing) this.#seek(u.cursor.left ?? -1);
           return null;
         },
-        click: (u) => () => {
-          if (u.select.width < CLICK) this.#seek(u.cursor.left ?? -1);
-          return null;
-        },
         // The cursor stays at the moment that the page shows.
         mouseleave: () => null,
         dblclick: () => () => {
@@ -156,7 +153,7 @@ export class TimePanel implements PanelView {
 
   #zoom(u: uPlot): void {
     const { left, width } = u.select;
-    if (width >= CLICK) this.#axis.show(u.posToVal(left, "x"), u.posToVal(left + width, "x"));
+    if (width >= DRAG) this.#axis.show(u.posToVal(left, "x"), u.posToVal(left + width, "x"));
     u.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
   }
 

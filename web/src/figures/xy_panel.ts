@@ -7,9 +7,9 @@ import { make } from "../ui/dom";
 import { startGestures } from "./gestures";
 import { Legend } from "./legend";
 import type { PanelView } from "./panel_view";
-import { equalScale, pinched, type Range, type Window, windowAround } from "./plane";
-import { drawn, nearest, pointAtRow, type Points, pointsOf } from "./points";
-import { axesOptions, axisTitle, seriesColour, seriesOptions } from "./style";
+import { equalScale, pinched, placeOn, type Range, type Window, windowAround } from "./plane";
+import { commandOf, drawn, folderOf, nearest, pointAtRow, type Points, pointsOf } from "./points";
+import { axesOptions, axisTitle, bandColour, seriesColour, seriesOptions } from "./style";
 import { drawThresholds } from "./thresholds";
 import { Tooltip } from "./tooltip";
 
@@ -20,7 +20,8 @@ const HEIGHTS: Range = [180, 440];
 const ASPECT = 0.6;
 /** How far from a point the cursor reads it, px. */
 const REACH = 28;
-const CLICK = 6;
+/** The shortest drag that zooms, px. */
+const DRAG = 6;
 
 export class XyPanel implements PanelView {
   readonly element: HTMLElement;
@@ -53,6 +54,7 @@ export class XyPanel implements PanelView {
       point: (x, y) => this.#point(x, y),
       pinch: (from, to) => this.#show(pinched(this.#window, this.#plot.over.clientWidth, from, to)),
       reset: () => this.#show(this.#all),
+      click: (x, y) => this.#click(x, y),
     });
   }
 
@@ -91,10 +93,12 @@ export class XyPanel implements PanelView {
 
   #everything(): Window {
     const { x, y, thresholds } = this.#panel;
-    const points = this.#points.flatMap(({ x, y }) => x.map((value, i) => [value, y[i] ?? NaN] as const));
+    const points = this.#points.flatMap(({ x, y, low, high }) =>
+      [y, low, high].flatMap((values) => values.map((value, i) => [x[i] ?? NaN, value] as const)),
+    );
     const all = windowAround(points.concat(thresholds.map(({ value }) => [NaN, value * y.scale] as const)));
     const given = (axis: typeof x, range: Range): Range =>
-      axis.range ? [axis.range[0] * axis.scale, axis.range[1] * axis.scale] : range;
+      axis.range ? [placeOn(axis, axis.range[0]), placeOn(axis, axis.range[1])] : range;
     return { x: given(x, all.x), y: given(y, all.y) };
   }
 
@@ -107,13 +111,13 @@ export class XyPanel implements PanelView {
       legend: { show: false },
       padding: [8, 12, 0, 0],
       scales: { x: range("x"), y: range("y") },
-      axes: axesOptions({ title: axisTitle(this.#panel.x) }, true),
+      axes: axesOptions({ title: axisTitle(this.#panel.x), log: this.#panel.x.log === true }, true),
       series: [
         null as unknown as uPlot.Series,
         ...this.#points.map((points) => ({
           ...seriesOptions(points.series),
           paths: drawn(points),
-          ...(points.series.line === "points" && { fill: () => seriesColour(points.series) }),
+          fill: () => (points.series.line === "points" ? seriesColour : bandColour)(points.series),
         })),
       ],
       cursor: {
@@ -130,10 +134,6 @@ export class XyPanel implements PanelView {
           mouseleave: (_u, _target, handle) => (event) => {
             handle(event);
             this.#tooltip.hide();
-            return null;
-          },
-          click: (u) => () => {
-            if (u.select.width < CLICK && u.select.height < CLICK) this.#click(u);
             return null;
           },
           dblclick: () => () => {
@@ -153,31 +153,39 @@ export class XyPanel implements PanelView {
       return;
     }
     const { points, index } = found;
-    const { x, y } = this.#panel;
-    const value = (axis: typeof x, at: number) => `${axis.label}: ${quantity(at, axis.unit)}`;
-    const lines = [points.series.name, value(x, points.x[index] ?? NaN), value(y, points.y[index] ?? NaN)];
-    const label = points.series.points?.label?.[index];
-    if (label) lines.push(label, "Click to copy");
-    this.#tooltip.show(lines, left, top);
+    this.#tooltip.show(this.#told(points, index), left, top);
     const row = points.series.points?.row?.[index];
     if (row !== undefined && this.#playback && !this.#playback.playing) this.#playback.seek(row);
   }
 
-  #click(u: uPlot): void {
-    const { left = -1, top = -1 } = u.cursor;
-    const found = nearest(u, this.#points, left, top, REACH);
-    const { row, label } = found?.points.series.points ?? {};
-    const [at, text] = [row?.[found?.index ?? -1], label?.[found?.index ?? -1]];
+  /** What is said of a point. */
+  #told(points: Points, index: number): string[] {
+    const { x, y } = this.#panel;
+    const list = points.series.points;
+    const value = (axis: typeof x, values: (number | null)[] = []) =>
+      quantity(values[index] ?? NaN, axis.unit, axis.scale);
+    const interval = list?.low ? ` [${value(y, list.low)}, ${value(y, list.high)}]` : "";
+    const told = [`${x.label}: ${value(x, list?.x)}`, `${y.label}: ${value(y, list?.y)}${interval}`];
+    const command = commandOf(points, index, folderOf(location.href));
+    const lines = [points.series.name, ...told, list?.label?.[index] ?? ""];
+    return lines.concat(command ? [command, "Click to copy"] : []).filter(Boolean);
+  }
+
+  #click(left: number, top: number): void {
+    const found = nearest(this.#plot, this.#points, left, top, REACH);
+    if (!found) return;
+    const at = found.points.series.points?.row?.[found.index];
     if (at !== undefined) this.#playback?.stopAt(at);
-    if (text) void this.#tooltip.copy(text, left, top);
+    const command = commandOf(found.points, found.index, folderOf(location.href));
+    if (command) void this.#tooltip.copy(command, left, top);
   }
 
   #zoom(u: uPlot): void {
     const { left, top, width, height } = u.select;
-    if (width >= CLICK || height >= CLICK) {
+    if (width >= DRAG || height >= DRAG) {
       const x: Range = [u.posToVal(left, "x"), u.posToVal(left + width, "x")];
       const y: Range = [u.posToVal(top + height, "y"), u.posToVal(top, "y")];
-      this.#show({ x: width >= CLICK ? x : this.#window.x, y: height >= CLICK ? y : this.#window.y });
+      this.#show({ x: width >= DRAG ? x : this.#window.x, y: height >= DRAG ? y : this.#window.y });
     }
     u.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
   }

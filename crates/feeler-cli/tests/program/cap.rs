@@ -1,9 +1,8 @@
 //! A cap that is screwed until the hand knows what became of it, through the program.
 
-use crate::program::{Ended, folder, run, summary};
+use crate::program::{Ended, document, folder, run, summary};
 use serde_json::Value;
 use std::f64::consts::PI;
-use std::fs;
 use std::path::Path;
 
 /// Runs an experiment with settings; how it ended, and its summary.
@@ -45,7 +44,7 @@ fn a_good_cap_is_closed_tightly_and_what_was_felt_is_what_happened() {
         let (felt, torque) = pair("felt_torque", "torque");
         assert!((felt - torque).abs() < 0.05 * torque + 0.001, "{stroke}");
     }
-    let page = fs::read_to_string(folder.join("run/report.html")).expect("a page");
+    let page = document(&folder.join("run/report.html"));
     for word in [
         "What became of the cap",
         "closed",
@@ -172,6 +171,6 @@ fn a_sweep_counts_what_was_found() {
         let turned: f64 = row[turned].parse().expect("a turn");
         assert!(turned > 0.3 * std::f64::consts::TAU, "{turned}");
     }
-    let page = fs::read_to_string(folder.join("sweep/summary.html")).expect("a page");
+    let page = document(&folder.join("sweep/summary.html"));
     assert!(page.contains("spinning freely"));
 }

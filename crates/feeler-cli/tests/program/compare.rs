@@ -1,6 +1,6 @@
 //! `feeler compare`, and the control laws that it compares, through the program.
 
-use crate::program::{Ended, feeler, folder, rows, run};
+use crate::program::{Ended, document, feeler, folder, rows, run};
 use feeler::control::law::LawConfig;
 use feeler_lab::sweep::Table;
 use feeler_lab::sweep::comparison::{Candidate, Goal, compare as compare_tables};
@@ -44,7 +44,7 @@ fn one_trial_has_no_interval() {
     let torque = said.lines().find(|line| line.contains("final torque"));
     assert!(torque.unwrap().ends_with("(no interval)"), "{said}");
     assert!(said.contains("not to be judged by one trial"), "{said}");
-    let page = fs::read_to_string(folder.join("compare/compare.html")).unwrap();
+    let page = document(&folder.join("compare/compare.html"));
     assert!(page.contains("One trial has no interval") && page.contains("(no interval)"));
     assert!(!page.contains("NaN"));
 }
@@ -92,7 +92,7 @@ fn laws_are_compared_on_the_same_draws_and_the_best_beats_the_papers() {
         let ratio = seen / torque(row);
         assert!((0.95..1.1).contains(&ratio), "{ratio}");
     }
-    let page = fs::read_to_string(folder.join("c/compare.html")).unwrap();
+    let page = document(&folder.join("c/compare.html"));
     for word in [
         "success (%) against friction",
         "lines of code",
@@ -226,7 +226,7 @@ fn ctrl_c_keeps_the_trials_that_all_laws_have() {
     let ended = Ended::of(child.wait_with_output().unwrap());
     assert_eq!(ended.status, Some(1), "{ended:?}");
     assert!(ended.stdout.contains("--resume"), "{ended:?}");
-    let page = fs::read_to_string(folder.join("c/compare.html")).unwrap();
+    let page = document(&folder.join("c/compare.html"));
     assert!(page.contains("INCOMPLETE"));
 }
 

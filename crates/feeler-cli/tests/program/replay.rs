@@ -204,6 +204,26 @@ fn another_control_law_is_tried_on_the_same_touch() {
         (&new.cap, &new.torque_sensor),
         (&old.cap, &old.torque_sensor)
     );
+    // Viewers find in it what they find in a run's.
+    let for_viewers = |run: &str| {
+        let file = fs::read(folder.join(run).join("recording.mcap")).unwrap();
+        let summary = mcap::Summary::read(&file).unwrap().unwrap();
+        let counts = summary.stats.unwrap().channel_message_counts;
+        [
+            "/tf",
+            "/tf_static",
+            "/robot_description",
+            "/joint_states",
+            "/scene",
+        ]
+        .map(|topic| {
+            let channels = summary.channels.values();
+            let channel = channels.into_iter().find(|channel| channel.topic == topic);
+            counts[&channel.unwrap().id]
+        })
+    };
+    assert_eq!(for_viewers("new"), for_viewers("run"));
+    assert!(for_viewers("new").iter().all(|&count| count > 0));
     let page = fs::read_to_string(folder.join("new/report.html")).unwrap();
     assert!(page.contains("A replay.") && page.contains(old.digest.as_str()));
     // It replays as any other.

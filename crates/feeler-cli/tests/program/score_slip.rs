@@ -1,7 +1,6 @@
 //! `feeler score-slip`, through the program.
 
-use crate::program::{folder, run};
-use std::fs;
+use crate::program::{document, folder, run};
 
 /// Mean of the percentage called `name` of the last detector that the program names.
 fn percent(said: &str, name: &str) -> f64 {
@@ -39,7 +38,7 @@ fn missing_shear_tells_slips_that_the_rate_of_shear_does_not() {
         percent(paper, "recall (%)") < recall - 20.0
             || percent(paper, "precision (%)") < precision - 20.0
     );
-    let page = fs::read_to_string(folder.join("s/slip.html")).unwrap();
+    let page = document(&folder.join("s/slip.html"));
     for word in [
         "Slips noticed against false alarms",
         "bootstrap",
@@ -50,16 +49,10 @@ fn missing_shear_tells_slips_that_the_rate_of_shear_does_not() {
     assert!(!page.contains("NaN"));
 
     run(&folder, &arguments).refused(&["--out s/slip.html", "exists already", "--force"]);
-    assert_eq!(
-        page,
-        fs::read_to_string(folder.join("s/slip.html")).unwrap()
-    );
+    assert_eq!(page, document(&folder.join("s/slip.html")));
     let again = run(&folder, &["score-slip", "--trials=60", "--seed=4", "-o=t"]).done();
     assert_eq!(said.replace("s/slip", "t/slip"), again);
-    assert_eq!(
-        page,
-        fs::read_to_string(folder.join("t/slip.html")).unwrap()
-    );
+    assert_eq!(page, document(&folder.join("t/slip.html")));
 }
 
 #[test]
@@ -88,7 +81,7 @@ fn one_trial_has_no_interval() {
         shares.iter().all(|l| l.ends_with("(no interval)")),
         "{said}"
     );
-    let page = fs::read_to_string(folder.join("s/slip.html")).unwrap();
+    let page = document(&folder.join("s/slip.html"));
     assert!(page.contains("One trial has no interval") && !page.contains("NaN"));
 }
 

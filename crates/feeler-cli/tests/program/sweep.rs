@@ -1,6 +1,6 @@
 //! `feeler sweep`, through the program.
 
-use crate::program::{Ended, experiment, feeler, folder, rows, run, summary};
+use crate::program::{Ended, document, experiment, feeler, folder, rows, run, summary};
 use std::collections::HashMap;
 use std::fs;
 use std::path::Path;
@@ -46,7 +46,7 @@ fn jobs_shards_and_stops_change_nothing() {
     assert!(said.contains("4 trials in"), "{said}");
     assert_eq!(whole, fs::read(folder.join("two/trials.csv")).unwrap());
 
-    let page = fs::read_to_string(folder.join("one/summary.html")).unwrap();
+    let page = document(&folder.join("one/summary.html"));
     for word in [
         "Success rate against friction",
         "cap.radius",
@@ -141,7 +141,7 @@ fn another_law_is_judged_by_what_became_of_the_cap() {
             claims.clone().count() == 33 && claims.into_iter().all(|(_, value)| value.is_empty())
         );
     }
-    let page = fs::read_to_string(folder.join("best/summary.html")).unwrap();
+    let page = document(&folder.join("best/summary.html"));
     assert!(page.contains("the cap is closed") && !page.contains("Claim holds"));
 
     // A cap that has farther to turn than four strokes take it is not closed, however well they went.
@@ -175,7 +175,7 @@ fn another_law_is_judged_by_what_became_of_the_cap() {
     let (papers, best) = (held("tri-axial"), held("best"));
     assert!(!papers.is_empty() && !best.is_empty(), "{rows:?}");
     assert!(papers.iter().all(|empty| !empty) && best.iter().all(|empty| *empty));
-    let page = fs::read_to_string(folder.join("both/summary.html")).unwrap();
+    let page = document(&folder.join("both/summary.html"));
     let of = format!("no-damage</td><td class=\"number\">{}</td>", papers.len());
     assert!(page.contains(&of), "not of {}", papers.len());
 }

@@ -110,3 +110,10 @@ pub fn experiment(folder: &Path, from: &str, to: &str) {
     let name = "reference-fingertip.coupled.calibration.toml";
     fs::write(folder.join(name), calibration).expect("a calibration");
 }
+
+/// A page without its program.
+pub fn document(path: &Path) -> String {
+    let page = fs::read_to_string(path).unwrap();
+    let (document, _) = page.split_once("<script>").expect("a program");
+    document.to_string()
+}

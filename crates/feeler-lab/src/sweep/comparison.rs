@@ -6,7 +6,9 @@
 use super::interval::{Estimate, bootstrap};
 use super::table::Table;
 use feeler::control::law::LawConfig;
-use feeler_report::compare_page::{ComparePage, ComparedLaw, Curve, Figure, Row};
+use feeler_report::compare_page::{
+    ComparePage, ComparedLaw, Curve, Curves, PairedMeasure, Pairs, Row,
+};
 use feeler_report::figures::sweep::wilson;
 use std::collections::BTreeSet;
 
@@ -136,9 +138,8 @@ pub fn compare(candidates: &[Candidate<'_>], goal: Goal, against: Option<&str>) 
         laws: laws
             .map(|(candidate, own)| compared(&candidate.law, own, &results[0]))
             .collect(),
-        figures: against.map_or_else(Vec::new, |name| {
-            figures(candidates, &trials, &results, name)
-        }),
+        curves: against.map_or_else(Vec::new, |name| curves(candidates, &trials, &results, name)),
+        pairs: pairs(candidates, &trials, &results),
         ..ComparePage::default()
     }
 }
@@ -195,13 +196,38 @@ fn ends(estimate: Estimate) -> [f64; 3] {
     [estimate.low, estimate.mean, estimate.high]
 }
 
+/// Every other law beside the first, trial by trial, in what a better law is judged by.
+fn pairs(candidates: &[Candidate<'_>], trials: &[u64], results: &[Vec<Result>]) -> Vec<Pairs> {
+    const JUDGED: usize = 2;
+    let laws = candidates.iter().zip(results).skip(1);
+    let paired = laws.map(|(other, own)| {
+        let measures = MEASURES[..JUDGED].iter().enumerate();
+        let measures = measures.map(|(index, (name, _))| {
+            let both = trials.iter().zip(&results[0]).zip(own);
+            let both = both.filter_map(|((&trial, first), other)| {
+                Some((trial, first.measures[index]?, other.measures[index]?))
+            });
+            PairedMeasure {
+                name,
+                trials: both.collect(),
+            }
+        });
+        Pairs {
+            first: candidates[0].law.name(),
+            other: other.law.name(),
+            measures: measures.collect(),
+        }
+    });
+    paired.collect()
+}
+
 /// Success and each measure against a parameter.
-fn figures(
+fn curves(
     candidates: &[Candidate<'_>],
     trials: &[u64],
     results: &[Vec<Result>],
     name: &str,
-) -> Vec<Figure> {
+) -> Vec<Curves> {
     let Some(table) = candidates.first().map(|c| c.table) else {
         return Vec::new();
     };
@@ -230,22 +256,22 @@ fn figures(
                 points: points.collect(),
             }
         });
-        Figure {
+        Curves {
             title: title.to_string(),
             against: name.to_string(),
             curves: curves.collect(),
         }
     };
-    let mut figures = vec![draw("success (%)", &rate)];
+    let mut curves = vec![draw("success (%)", &rate)];
     for (index, (title, _)) in MEASURES.iter().enumerate() {
-        figures.push(draw(title, &|inside: &[Result]| {
+        curves.push(draw(title, &|inside: &[Result]| {
             let values: Vec<_> = inside.iter().filter_map(|r| r.measures[index]).collect();
             bootstrap(&values).map(ends)
         }));
     }
     // What no trial has, as where there is no third stroke, is not drawn.
-    figures.retain(|figure| figure.curves.iter().any(|curve| !curve.points.is_empty()));
-    figures
+    curves.retain(|drawn| drawn.curves.iter().any(|curve| !curve.points.is_empty()));
+    curves
 }
 
 /// Lines of a source that are neither blank nor comments.

@@ -5,7 +5,8 @@ use super::distribution::Distribution;
 use super::store::{SUMMARY_PAGE, write_whole};
 use super::table::Table;
 use super::trial::Trials;
-use feeler_report::sweep_page::{Counted, Measured, SweepPage, Varied, sweep_page};
+use feeler_report::sweep_page::{Counted, Measured, SweepPage, TrialMeasure, Varied, sweep_page};
+use feeler_report::text::significant;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -68,12 +69,40 @@ fn page(trials: &Trials, table: &Table) -> SweepPage {
         claims: claims(table),
         numbers,
         words,
+        measured: measured(table),
         measures: measures(table),
         worst_header,
         worst,
         varied: format!("--seed {} {}", plan.seed, vary(&plan.vary)),
         experiment: plan.experiment.clone(),
     }
+}
+
+/// What tells most of a single trial: the torque that a cap came to, else what the task found out, else how long it took.
+fn measured(table: &Table) -> Option<TrialMeasure> {
+    const TORQUE: &str = "cap_torque";
+    let found = table
+        .header
+        .iter()
+        .filter(|name| name.starts_with("found."));
+    let candidates = std::iter::once(TORQUE).chain(found.map(String::as_str));
+    candidates.chain(["sim_time"]).find_map(|name| {
+        let index = table.column(name)?;
+        let (title, factor) = match name {
+            TORQUE => ("final torque (mN·m)".to_string(), 1e3),
+            "sim_time" => ("time on record (s)".to_string(), 1.0),
+            found => (found.trim_start_matches("found.").to_string(), 1.0),
+        };
+        let value = |row: &Vec<String>| Some(factor * row.get(index)?.parse::<f64>().ok()?);
+        let trials: Vec<_> = (table.rows.iter())
+            .map(|(&trial, row)| (trial, value(row)))
+            .collect();
+        let is_known = trials.iter().any(|(_, value)| value.is_some());
+        is_known.then_some(TrialMeasure {
+            name: title,
+            trials,
+        })
+    })
 }
 
 fn vary(expressions: &[String]) -> String {
@@ -184,6 +213,14 @@ fn worst(trials: &Trials, table: &Table) -> (Vec<String>, Vec<Vec<String>>) {
         .collect();
     rows.sort_by_key(|row| rank(row));
     let rows = rows.into_iter().take(WORST);
-    let rows = rows.map(|row| columns.iter().map(|&c| row[c].clone()).collect());
+    let rows = rows.map(|row| columns.iter().map(|&c| shown(&row[c])).collect());
     (names, rows.collect())
+}
+
+/// A field as a page has it: what is a number, to as many digits as a reader wants.
+fn shown(field: &str) -> String {
+    match field.parse::<f64>() {
+        Ok(number) if number.is_finite() => significant(number),
+        _ => field.to_string(),
+    }
 }

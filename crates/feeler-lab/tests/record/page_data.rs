@@ -3,8 +3,9 @@
 use crate::support;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use feeler_record::Recording;
+use feeler_record::{Recording, Solid, SolidFrame, SolidShape};
 use feeler_report::make;
+use feeler_report::make::page_of;
 use flate2::read::DeflateDecoder;
 use serde_json::Value;
 use std::collections::HashMap;
@@ -113,6 +114,39 @@ fn the_rows_of_a_page_are_those_of_the_recording() {
                 assert!((stored - force).abs() <= 0.251e-3, "{stored} N, {force} N");
             }
         }
+    }
+}
+
+/// What moves around the hand is drawn only where the run says where it is: not at the world's origin.
+#[test]
+fn what_moves_is_drawn_where_its_pose_is_known() {
+    let directory = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("page-solids");
+    fs::create_dir_all(&directory).expect("a folder");
+    let drawn = |name: &str, rig| {
+        let path = directory.join(name);
+        support::write_run_on(&path, rig).expect("a run");
+        let mut recording = Recording::read(&path).expect("a recording");
+        let frames = [SolidFrame::World, SolidFrame::Cap, SolidFrame::Object];
+        recording.facts.solids = frames.map(solid).to_vec();
+        let page = Page::of(&page_of(&recording));
+        let shapes = page.data["scene"]["shapes"].as_array().cloned();
+        let solids = shapes.into_iter().flatten();
+        let solids = solids.filter(|s| s["role"] == "object" || s["role"] == "fixture");
+        let frames = solids.map(|s| s["frame"].as_str().map(String::from));
+        frames.collect::<Option<Vec<_>>>().expect("frames")
+    };
+    assert_eq!(drawn("real.mcap", support::REAL), ["world"]);
+    let of_a_simulator = drawn("simulated.mcap", support::SIMULATED);
+    assert_eq!(of_a_simulator, ["world", "cap"]);
+}
+
+fn solid(frame: SolidFrame) -> Solid {
+    Solid {
+        name: frame.name().into(),
+        frame,
+        shape: SolidShape::Sphere { radius: 0.01 },
+        position: [0.0; 3],
+        orientation: [0.0, 0.0, 0.0, 1.0],
     }
 }
 

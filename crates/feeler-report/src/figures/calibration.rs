@@ -1,94 +1,77 @@
 //! Figures of a calibration: errors by element, curves and residuals of one.
 
 use super::super::calibration_page::{CalibrationPage, ElementLoads};
-use super::canvas::{Pen, finger_colour, frame, line, panel, range};
-use kuva::plot::ScatterPlot;
-use kuva::render::figure::Figure as Panels;
-use kuva::render::plots::Plot;
+use super::Figure;
+use super::canvas::{Pen, airy, dots, finger_colour, line, panel, range};
+use super::drawing::tiled;
+use kuva::render::layout::Layout;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 /// Most dots of one panel: more tell no more.
 const DOTS: usize = 200;
+/// Grey of loads.
+const LOADS: &str = "#999999";
 
 /// Root mean square errors of all elements, % of full scale.
-pub fn errors_figure(page: &CalibrationPage) -> String {
+pub fn errors_figure(page: &CalibrationPage) -> Figure {
     let percent = |axis: usize| {
         let elements = page.elements.iter().enumerate();
         elements.map(move |(index, element)| {
-            (
-                index as f64,
-                100.0 * element.rms[axis] / page.full_scale[axis],
-            )
+            let share = element.rms[axis] / page.full_scale[axis];
+            (index as f64, 100.0 * share)
         })
     };
-    let pens: Vec<_> = (0..3)
-        .map(|axis| Pen::solid(finger_colour(axis), 1.6))
-        .collect();
+    let pens = [0, 1, 2].map(|axis| Pen::solid(finger_colour(axis), 1.6));
     let plots = (0..3).map(|axis| line(percent(axis), pens[axis])).collect();
     let largest = range((0..3).flat_map(|axis| percent(axis).map(|p| p.1))).map_or(1.0, |r| r.1);
     let last = page.elements.len().saturating_sub(1) as f64;
-    let layout = panel(
-        (0.0, last),
-        (0.0, 1.1 * largest),
-        "element",
-        "% of full scale",
-    );
-    let panels = Panels::new(1, 1)
-        .with_plots(vec![plots])
-        .with_layouts(vec![layout]);
+    let upright = (0.0, 1.1 * largest);
+    let layout = panel((0.0, last), upright, "element", "error (% of full scale)");
     let legend: Vec<_> = AXES.into_iter().zip(pens).collect();
-    frame(1, "Held-out errors by element", &legend, panels, 300.0)
+    let (title, panels) = ("Errors by element", vec![(plots, layout)]);
+    let drawing = tiled((1, title), &legend, panels, 1, 300.0);
+    let caption = "Root mean square on loads that the fit has not seen.";
+    Figure::drawn(1, title, caption, Some(drawing))
 }
 
 /// Loads, curves and residuals of one element, a row for each of x, y and z.
-pub fn loads_figure(element: &ElementLoads, number: u32) -> String {
-    let mut plots = Vec::new();
-    let mut layouts = Vec::new();
-    for (axis, name) in AXES.into_iter().enumerate() {
+pub fn loads_figure(element: &ElementLoads, number: u32) -> Figure {
+    let panels = AXES.into_iter().enumerate().flat_map(|(axis, name)| {
         let pen = Pen::solid(finger_colour(axis), 1.4);
-        let mut drawn = vec![dots(&element.loads[axis], "#999999")];
-        drawn.extend(
-            element.curves[axis]
-                .iter()
-                .map(|curve| line(curve.iter().copied(), pen)),
-        );
-        plots.push(drawn);
         let input = match axis {
             2 => "growth of G".to_owned(),
             _ => format!("u_{name} ({})", element.length_unit),
         };
-        layouts.push(over(&element.loads[axis], &input, &format!("F_{name} (N)")));
-        plots.push(vec![dots(&element.residuals[axis], pen.colour)]);
-        let load = format!("F_{name} (N)");
-        layouts.push(over(&element.residuals[axis], &load, "error (mN)"));
-    }
-    let panels = Panels::new(3, 2)
-        .with_plots(plots)
-        .with_layouts(layouts)
-        .with_spacing(6.0)
-        .with_padding(6.0);
+        let force = format!("F_{name} (N)");
+        let (loads, residuals) = (&element.loads[axis], &element.residuals[axis]);
+        let curves = element.curves[axis].iter();
+        let curves = curves.map(|curve| line(curve.iter().copied(), pen));
+        let mut drawn = vec![dots(loads, DOTS, LOADS, 1.6)];
+        drawn.extend(curves);
+        [
+            (drawn, over(loads, &input, &force)),
+            (
+                vec![dots(residuals, DOTS, pen.colour, 1.6)],
+                over(residuals, &force, "error (mN)"),
+            ),
+        ]
+    });
     let title = format!("{}: curves and residuals", element.name);
     let legend = [
-        ("loads", Pen::solid("#999999", 2.0)),
+        ("loads", Pen::solid(LOADS, 2.0)),
         ("x", Pen::solid(finger_colour(0), 2.0)),
         ("y", Pen::solid(finger_colour(1), 2.0)),
         ("z", Pen::solid(finger_colour(2), 2.0)),
     ];
-    frame(number, &title, &legend, panels, 660.0)
+    let drawing = tiled((number, &title), &legend, panels.collect(), 2, 220.0);
+    let caption = "Left: the loads (dots) and the calibration's curves, for a coupled model at no, half and full growth of \
+        the gray value. Right: readings less loads, of held-out loads where there are some.";
+    Figure::drawn(number, title, caption, Some(drawing))
 }
 
 /// An empty panel that holds all points.
-fn over(points: &[(f64, f64)], x_label: &str, y_label: &str) -> kuva::render::layout::Layout {
+fn over(points: &[(f64, f64)], x_label: &str, y_label: &str) -> Layout {
     let x = range(points.iter().map(|p| p.0)).unwrap_or((0.0, 1.0));
     let y = range(points.iter().map(|p| p.1)).unwrap_or((0.0, 1.0));
-    panel(x, y, x_label, y_label).with_ticks(4)
-}
-
-/// Dots at points, evenly thinned, without those that are no numbers.
-fn dots(points: &[(f64, f64)], colour: &str) -> Plot {
-    let step = points.len().div_ceil(DOTS).max(1);
-    let known = |(x, y): &(f64, f64)| x.is_finite() && y.is_finite();
-    let points: Vec<_> = points.iter().step_by(step).copied().filter(known).collect();
-    let plot = ScatterPlot::new().with_data(points).with_color(colour);
-    Plot::Scatter(plot.with_size(1.6))
+    panel(airy(x), airy(y), x_label, y_label).with_ticks(4)
 }

@@ -7,7 +7,7 @@
 use super::super::series::finite;
 pub use super::pen::{CAP, Pen, SHADE, Style, finger_colour, stroke_colour};
 use kuva::backend::svg::SvgBackend;
-use kuva::plot::{LinePlot, LineStyle};
+use kuva::plot::{BandPlot, LinePlot, LineStyle, ScatterPlot};
 use kuva::render::figure::Figure as Panels;
 use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
@@ -42,6 +42,27 @@ pub fn line(points: impl IntoIterator<Item = (f64, f64)>, pen: Pen) -> Plot {
         Some(dashes) => line.with_line_style(LineStyle::Custom(dashes.into())),
         None => line,
     })
+}
+
+/// A line through the middle of intervals, in their band; without those that are no numbers.
+pub fn line_in_band(points: impl IntoIterator<Item = (f64, [f64; 3])>, pen: Pen) -> [Plot; 2] {
+    let known = |(x, y): &(f64, [f64; 3])| x.is_finite() && y.iter().all(|y| y.is_finite());
+    let points: Vec<_> = points.into_iter().filter(known).collect();
+    let x = || points.iter().map(|(x, _)| *x);
+    let y = |which: usize| points.iter().map(move |(_, y)| y[which]);
+    let band = BandPlot::new(x(), y(0), y(2))
+        .with_color(pen.colour)
+        .with_opacity(0.2);
+    [Plot::Band(band), line(x().zip(y(1)), pen)]
+}
+
+/// Dots at points, at most `most` of them, evenly thinned; without those that are no numbers.
+pub fn dots(points: &[(f64, f64)], most: usize, colour: &str, size: f64) -> Plot {
+    let step = points.len().div_ceil(most).max(1);
+    let known = |(x, y): &(f64, f64)| x.is_finite() && y.is_finite();
+    let points: Vec<_> = points.iter().step_by(step).copied().filter(known).collect();
+    let plot = ScatterPlot::new().with_data(points).with_color(colour);
+    Plot::Scatter(plot.with_size(size))
 }
 
 /// An empty panel over the given ranges. A range that is none is widened to one.
@@ -86,6 +107,12 @@ pub fn range(values: impl IntoIterator<Item = f64>) -> Option<(f64, f64)> {
         None => Some((v, v)),
         Some((low, high)) => Some((v.min(low), v.max(high))),
     })
+}
+
+/// The range with some air, so that dots at its ends are whole.
+pub fn airy((low, high): (f64, f64)) -> (f64, f64) {
+    let air = 0.05 * (high - low);
+    (low - air, high + air)
 }
 
 /// Thins a series to at most `buckets` pairs of a smallest and a largest value, in their order,

@@ -1,36 +1,75 @@
-//! Figures of a comparison: a measure of each control law against what varies.
+//! Figures of a comparison: a measure of each control law against what varies, and two laws trial by trial.
 
-use super::super::compare_page::Figure;
-use super::canvas::{Pen, finger_colour, frame, line, panel, range};
-use kuva::plot::BandPlot;
-use kuva::render::figure::Figure as Panels;
-use kuva::render::plots::Plot;
+use super::super::compare_page::{Curves, PairedMeasure, Pairs};
+use super::super::page_data::panels::{Colour, Command, Line, Points, Series};
+use super::canvas::{Pen, airy, dots, finger_colour, line, line_in_band, panel, range};
+use super::drawing::{Drawing, tiled};
+use super::{Figure, grid};
+
+/// Most trials that are drawn in a still picture.
+const MOST_DOTS: usize = 300;
+/// Where both laws do alike.
+const ALIKE: Pen = Pen::dashed("#555555", 1.2);
 
 /// One curve a law, with the band of its 95 % confidence.
-pub fn curves_figure(figure: &Figure, number: u32) -> String {
+pub fn curves_figure(curves: &Curves, number: u32) -> Figure {
     let (mut plots, mut legend) = (Vec::new(), Vec::new());
-    for (index, curve) in figure.curves.iter().enumerate() {
+    for (index, curve) in curves.curves.iter().enumerate() {
         let pen = Pen::solid(finger_colour(index), 2.0);
-        let x = || curve.points.iter().map(|(x, _)| *x);
-        let y = |which: usize| curve.points.iter().map(move |(_, y)| y[which]);
-        let band = BandPlot::new(x(), y(0), y(2))
-            .with_color(pen.colour)
-            .with_opacity(0.2);
-        plots.extend([Plot::Band(band), line(x().zip(y(1)), pen)]);
+        plots.extend(line_in_band(curve.points.iter().copied(), pen));
         legend.push((curve.law, pen));
     }
-    let points = || figure.curves.iter().flat_map(|curve| &curve.points);
+    let points = || curves.curves.iter().flat_map(|curve| &curve.points);
     let across = range(points().map(|(x, _)| *x)).unwrap_or((0.0, 1.0));
     let (low, high) = range(points().flat_map(|(_, y)| *y)).unwrap_or((0.0, 1.0));
-    let layout = panel(
-        across,
-        (low.min(0.0), 1.05 * high),
-        &figure.against,
-        &figure.title,
-    );
-    let panels = Panels::new(1, 1)
-        .with_plots(vec![plots])
-        .with_layouts(vec![layout]);
-    let title = format!("{} against {}", figure.title, figure.against);
-    frame(number, &title, &legend, panels, 270.0)
+    let upright = (low.min(0.0), 1.05 * high);
+    let layout = panel(across, upright, &curves.against, &curves.title);
+    let title = format!("{} against {}", curves.title, curves.against);
+    let drawing = tiled((number, &title), &legend, vec![(plots, layout)], 1, 270.0);
+    Figure::drawn(number, title, "", Some(drawing))
+}
+
+/// Two laws on the same trials: a panel for each measure, a dot for each trial.
+pub fn pairs_figure(pairs: &Pairs, number: u32) -> Figure {
+    let title = format!("{} and {}, trial by trial", pairs.first, pairs.other);
+    let panels = pairs.measures.iter().map(|measure| {
+        let of = |law: &str| format!("{law}: {}", measure.name);
+        pair_panel(&measure.trials, &of(pairs.first), &of(pairs.other))
+    });
+    let legend = [
+        ("trials", Pen::solid(finger_colour(1), 2.0)),
+        ("both alike", ALIKE),
+    ];
+    let panels: Vec<_> = panels.collect();
+    let mut drawing = tiled((number, &title), &legend, panels, 2, 250.0);
+    answer(&mut drawing, pairs);
+    let caption = "Each dot is a trial under both laws, with the same draws; on the broken line they do alike. A click copies \
+        the command that runs the trial alone under the second law.";
+    Figure::drawn(number, title, caption, Some(drawing))
+}
+
+fn pair_panel(trials: &[(u64, f64, f64)], along: &str, upright: &str) -> grid::Panel {
+    let points: Vec<_> = trials.iter().map(|&(_, x, y)| (x, y)).collect();
+    let both = range(points.iter().flat_map(|&(x, y)| [x, y])).unwrap_or((0.0, 1.0));
+    let plots = vec![
+        line([(both.0, both.0), (both.1, both.1)], ALIKE),
+        dots(&points, MOST_DOTS, finger_colour(1), 2.4),
+    ];
+    let axis = airy(both);
+    (plots, panel(axis, axis, along, upright).with_ticks(4))
+}
+
+/// Gives every trial its command where scripts run.
+fn answer(drawing: &mut Drawing, pairs: &Pairs) {
+    for (panel, PairedMeasure { trials, .. }) in drawing.panels.iter_mut().zip(&pairs.measures) {
+        panel.series.retain(|series| series.line != Line::Points);
+        let folder = format!("/{}", pairs.other);
+        let numbers = trials.iter().map(|trial| trial.0).collect();
+        let points = Points {
+            command: Some(Command::of_trials(&folder, numbers)),
+            ..Points::new(trials.iter().map(|&(_, x, y)| (x, y)))
+        };
+        let dots = Series::of_points("trials", Colour::Finger(1), points).dotted();
+        panel.series.push(dots);
+    }
 }

@@ -1,12 +1,12 @@
 //! A picture, and what stands in its place where scripts run.
 
-use super::super::page_data::panels::{Axis, Colour, Line, Panel, Points, Series};
+use super::super::page_data::panels::{Axis, COLOURS, Colour, Line, Panel, Points, Series};
+use super::super::text::name_and_unit;
 use super::canvas::{CAP, Pen, finger_colour, frame, thin};
 use super::grid;
-use kuva::plot::{LinePlot, LineStyle};
+use kuva::plot::{BandPlot, LinePlot, LineStyle};
 use kuva::render::figure::Figure as Panels;
 use kuva::render::plots::Plot;
-use std::borrow::Cow;
 
 /// Around all panels.
 const PADDING: f64 = 6.0;
@@ -23,6 +23,8 @@ pub struct Drawing {
     pub svg: String,
     /// The same as panels.
     pub panels: Vec<Panel>,
+    /// How many of them stand side by side.
+    pub columns: usize,
 }
 
 /// Panels one below the other, which share what is along x, under a legend.
@@ -47,34 +49,49 @@ pub fn column(
     Drawing {
         svg: frame(number, title, legend, drawn, height),
         panels: answering,
+        columns: 1,
+    }
+}
+
+/// Panels of axes of their own, side by side in `columns`, under a legend; each row is `height` high.
+pub fn tiled(
+    (number, title): (u32, &str),
+    legend: &[(&str, Pen)],
+    panels: Vec<grid::Panel>,
+    columns: usize,
+    height: f64,
+) -> Drawing {
+    let answering = panels.iter().map(|panel| answering(panel, legend, false));
+    let answering = answering.collect();
+    let rows = panels.len().div_ceil(columns).max(1);
+    let (plots, layouts): (Vec<_>, Vec<_>) = panels.into_iter().unzip();
+    let drawn = Panels::new(rows, columns)
+        .with_plots(plots)
+        .with_layouts(layouts)
+        .with_spacing(PADDING)
+        .with_padding(PADDING);
+    Drawing {
+        svg: frame(number, title, legend, drawn, height * rows as f64),
+        panels: answering,
+        columns,
     }
 }
 
 /// A panel that shows what a drawn one does, in the units that it is drawn in.
 fn answering((plots, layout): &grid::Panel, legend: &[(&str, Pen)], of_time: bool) -> Panel {
     let mut series: Vec<Series> = Vec::new();
-    for line in plots.iter().filter_map(line_of) {
-        let name = name(line, legend);
-        let mut points: Vec<_> = line.data.iter().map(|point| (point.x, point.y)).collect();
-        if of_time {
-            points = thin(&points, BUCKETS);
-        }
-        let begin = points.first().map_or(f64::NEG_INFINITY, |point| point.0);
-        // A line that is drawn in pieces goes on later; another of the same name begins anew.
-        let goes_on = |series: &&mut Series| {
-            let end = series.points.as_ref().and_then(|points| points.x.last());
-            series.name == name && !name.is_empty() && end.is_some_and(|end| *end <= begin)
-        };
-        let before = series.iter_mut().find(goes_on);
-        match before.and_then(|series| series.points.as_mut()) {
-            Some(before) => before.append(points),
-            None => series.push(Series {
-                line: match line.line_style {
-                    LineStyle::Solid => Line::Solid,
-                    _ => Line::Dashed,
-                },
-                ..Series::of_points(name, colour(&line.color), Points::drawn(points))
-            }),
+    for (index, plot) in plots.iter().enumerate() {
+        match plot {
+            Plot::Line(line) => match index.checked_sub(1).map(|before| &plots[before]) {
+                Some(Plot::Band(band)) => series.push(line_in_band(line, band, legend)),
+                _ => add_line(&mut series, line, legend, of_time),
+            },
+            Plot::Scatter(dots) => {
+                let points = Points::new(dots.data.iter().map(|point| (point.x, point.y)));
+                let name = name(legend, &dots.color, None);
+                series.push(Series::of_points(name, colour(&dots.color), points).dotted());
+            }
+            _ => {}
         }
     }
     let y = axis(layout.y_label.as_deref(), layout.y_range);
@@ -82,7 +99,8 @@ fn answering((plots, layout): &grid::Panel, legend: &[(&str, Pen)], of_time: boo
     let panel = match of_time {
         true => Panel::over_time(y, series),
         false => {
-            let x = axis(layout.x_label.as_deref(), layout.x_range);
+            let mut x = axis(layout.x_label.as_deref(), layout.x_range);
+            x.log = layout.log_x;
             Panel::of(x, y, series)
         }
     };
@@ -95,23 +113,59 @@ fn answering((plots, layout): &grid::Panel, legend: &[(&str, Pen)], of_time: boo
     }
 }
 
-fn line_of(plot: &Plot) -> Option<&LinePlot> {
-    match plot {
-        Plot::Line(line) => Some(line),
-        _ => None,
+/// Adds a line to those that there are. One that is drawn in pieces is one series; only over time, where no line goes
+/// back, another of the same name begins anew.
+fn add_line(series: &mut Vec<Series>, line: &LinePlot, legend: &[(&str, Pen)], of_time: bool) {
+    let name = name_of(line, legend);
+    let mut points: Vec<_> = line.data.iter().map(|point| (point.x, point.y)).collect();
+    if of_time {
+        points = thin(&points, BUCKETS);
+    }
+    let begin = points.first().map_or(f64::NEG_INFINITY, |point| point.0);
+    let goes_on = |series: &&mut Series| {
+        let end = series.points.as_ref().and_then(|points| points.x.last());
+        let is_later = end.is_some_and(|end| *end <= begin);
+        series.name == name && !name.is_empty() && (is_later || !of_time)
+    };
+    let before = series.iter_mut().find(goes_on);
+    match before.and_then(|series| series.points.as_mut()) {
+        Some(before) => before.append(points),
+        None => series.push(Series {
+            line: match line.line_style {
+                LineStyle::Solid => Line::Solid,
+                _ => Line::Dashed,
+            },
+            ..Series::of_points(name, colour(&line.color), Points::new(points))
+        }),
     }
 }
 
-/// What the legend calls a line; nothing where it does not name it.
-fn name(line: &LinePlot, legend: &[(&str, Pen)]) -> String {
-    let is_solid = matches!(line.line_style, LineStyle::Solid);
-    let same = |(_, pen): &&(&str, Pen)| {
-        pen.colour == line.color && pen.style.dashes().is_none() == is_solid
-    };
-    legend
+/// A line with the band of its intervals.
+fn line_in_band(line: &LinePlot, band: &BandPlot, legend: &[(&str, Pen)]) -> Series {
+    let points = Points::new(line.data.iter().map(|point| (point.x, point.y)));
+    let ends = band
+        .y_lower
         .iter()
-        .find(same)
-        .map_or_else(String::new, |(name, _)| (*name).into())
+        .copied()
+        .zip(band.y_upper.iter().copied());
+    let points = points.within(ends);
+    Series::of_points(name_of(line, legend), colour(&line.color), points)
+}
+
+/// What the legend calls a line.
+fn name_of(line: &LinePlot, legend: &[(&str, Pen)]) -> String {
+    let is_solid = matches!(line.line_style, LineStyle::Solid);
+    name(legend, &line.color, Some(is_solid))
+}
+
+/// What the legend calls what has a colour, and is solid or not; nothing where it does not name it.
+fn name(legend: &[(&str, Pen)], colour: &str, is_solid: Option<bool>) -> String {
+    let same = |(_, pen): &&(&str, Pen)| {
+        let solid = pen.style.dashes().is_none();
+        pen.colour == colour && is_solid.is_none_or(|is_solid| is_solid == solid)
+    };
+    let entry = legend.iter().find(same);
+    entry.map_or_else(String::new, |(name, _)| (*name).into())
 }
 
 /// What the legend calls a horizontal line: its last broken one.
@@ -127,7 +181,7 @@ fn colour(drawn: &str) -> Colour {
         CAP => Colour::Shared,
         REFERENCE => Colour::Reference,
         drawn => {
-            let finger = (0..4).find(|&finger| finger_colour(finger) == drawn);
+            let finger = (0..COLOURS).find(|&finger| finger_colour(finger) == drawn);
             finger.map_or(Colour::Background, Colour::Finger)
         }
     }
@@ -135,10 +189,8 @@ fn colour(drawn: &str) -> Colour {
 
 /// An axis by its label, as in `Torque (mN·m)`.
 fn axis(label: Option<&str>, range: (f64, f64)) -> Axis {
-    let label = label.unwrap_or_default();
-    let (label, unit) = label.rsplit_once(" (").unwrap_or((label, ""));
-    let unit = Cow::Owned(unit.trim_end_matches(')').to_string());
-    let mut axis = Axis::new(label, unit, 1.0);
+    let (label, unit) = name_and_unit(label.unwrap_or_default());
+    let mut axis = Axis::new(label, unit.to_string(), 1.0);
     axis.range = (range.0 < range.1).then_some(range);
     axis
 }

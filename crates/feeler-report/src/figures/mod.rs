@@ -22,6 +22,7 @@ mod unrolled;
 
 use super::page_data::Panel;
 use drawing::Drawing;
+use maud::{Markup, PreEscaped, html};
 
 /// One figure of the report.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,6 +37,8 @@ pub struct Figure {
     pub svg: Option<String>,
     /// What stands in its place where scripts run; nothing if the picture stays.
     pub panels: Vec<Panel>,
+    /// How many panels stand side by side, where there is room.
+    pub columns: usize,
 }
 
 impl Figure {
@@ -46,13 +49,62 @@ impl Figure {
         caption: impl Into<String>,
         drawing: Option<Drawing>,
     ) -> Self {
-        let (svg, panels) = drawing.map(|drawing| (drawing.svg, drawing.panels)).unzip();
+        let (title, caption) = (title.into(), caption.into());
+        let Some(Drawing {
+            svg,
+            panels,
+            columns,
+        }) = drawing
+        else {
+            return Self::missing(number, title, caption);
+        };
         Self {
             number,
-            title: title.into(),
-            caption: caption.into(),
-            svg,
-            panels: panels.unwrap_or_default(),
+            title,
+            caption,
+            svg: Some(svg),
+            panels,
+            columns,
+        }
+    }
+
+    /// A figure that is a picture only.
+    pub(super) fn still(
+        number: u32,
+        title: impl Into<String>,
+        caption: impl Into<String>,
+        svg: String,
+    ) -> Self {
+        Self {
+            svg: Some(svg),
+            ..Self::missing(number, title.into(), caption.into())
+        }
+    }
+
+    fn missing(number: u32, title: String, caption: String) -> Self {
+        Self {
+            number,
+            title,
+            caption,
+            svg: None,
+            panels: Vec::new(),
+            columns: 1,
+        }
+    }
+
+    /// The figure in a page, where its panels find it by its number.
+    pub(super) fn markup(&self) -> Markup {
+        html! {
+            figure id=(format!("fig-{:02}", self.number)) {
+                @match &self.svg {
+                    Some(svg) => (PreEscaped(svg)),
+                    None => div.missing { "Not in this recording." },
+                }
+                figcaption {
+                    b { "Fig. " (self.number) ". " (self.title) ". " }
+                    (self.caption)
+                }
+            }
         }
     }
 

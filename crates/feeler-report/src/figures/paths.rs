@@ -47,6 +47,7 @@ pub fn before_closing(data: &RunData) -> Figure {
             planned line, much enlarged{laid_out}"
         ),
         panels: from_above(data, 1),
+        columns: 1,
         svg: paths(data, 12, 1),
     }
 }
@@ -70,6 +71,7 @@ pub fn after_closing(data: &RunData) -> Figure {
             closer to the cap's contour. At the bottom, compare the bold path with {compare}; a straight path that leaves the line is tilted, not curved. {claims}"
         ),
         panels: from_above(data, 4),
+        columns: 1,
         svg: paths(data, 13, 4),
     }
 }
@@ -87,7 +89,7 @@ fn from_above(data: &RunData, index: u32) -> Vec<AnsweringPanel> {
         let first = stroke.moving.start;
         let points = |of: fn(&Step) -> (f64, f64)| {
             let steps = unrolled.steps.iter().map(of).enumerate();
-            Points::of(steps.map(|(step, (x, y))| (first + step, x, y)))
+            Points::of_rows(steps.map(|(step, (x, y))| (first + step, x, y)))
         };
         let own = |of| {
             let name = format!("finger {finger}");
@@ -110,9 +112,9 @@ fn from_above(data: &RunData, index: u32) -> Vec<AnsweringPanel> {
         let point = |k: u32| {
             let side = DVec2::from_angle(TAU * f64::from(k) / 120.0);
             let point = centre + data.facts.cap_radius * side;
-            (stroke.moving.start, point.x, point.y)
+            (point.x, point.y)
         };
-        let cap = Points::of((0..=120).map(point));
+        let cap = Points::new((0..=120).map(point));
         plan.push(Series::of_points("cap", Colour::Shared, cap));
     }
     let mm = |label: &str| Axis::new(label, "mm", MM);

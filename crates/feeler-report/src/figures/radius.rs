@@ -25,6 +25,7 @@ pub fn over_travel(data: &RunData) -> Figure {
             builds up. The paper has no such figure; it is what claim path-follows-contour measures."
             .into(),
         panels: answering(data),
+        columns: 1,
         svg: radius(data),
     }
 }
@@ -44,7 +45,7 @@ fn answering(data: &RunData) -> Vec<AnsweringPanel> {
                 Colour::Background
             };
             let name = format!("stroke {}", stroke.index);
-            Some(Series::of_points(name, colour, Points::of(rows)))
+            Some(Series::of_points(name, colour, Points::of_rows(rows)))
         });
         let mm = |label: String| Axis::new(label, "mm", MM);
         let y = mm(format!("R − R₀, finger {finger}"));

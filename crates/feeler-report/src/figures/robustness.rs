@@ -1,13 +1,14 @@
 //! Figures of robustness: shares with intervals, total-effect indices as a heat map, shares against parameters.
 
 use super::super::robustness_page::{Index, Measure, NOTHING, RobustnessPage, Share, Trace};
-use super::canvas::{Pen, WIDTH, finger_colour, frame, line, panel, range, sheet};
-use super::sweep::rate_with_band;
-use kuva::render::figure::Figure as Panels;
-use kuva::render::layout::Layout;
-use kuva::render::plots::Plot;
+use super::canvas::{Pen, WIDTH, finger_colour, line, range, sheet};
+use super::drawing::tiled;
+use super::sweep::{parameter_panel, rate_with_band};
+use super::{Figure, grid};
 use maud::{Markup, html};
 
+/// What the experiment has.
+const NOMINAL: Pen = Pen::dashed("#555555", 1.2);
 /// Height of a line of a chart.
 const ROW: f64 = 17.0;
 /// Left end of a chart, right of its labels.
@@ -18,7 +19,7 @@ const SLANT: f64 = 44.0;
 const MOST: usize = 16;
 
 /// A chart of shares: for each claim a dot with its interval, of each kind of hands.
-pub fn shares_figure(page: &RobustnessPage, number: u32) -> String {
+pub fn shares_figure(page: &RobustnessPage, number: u32) -> Figure {
     let kinds = page.measures.first().map_or(0, |m| m.shares.len());
     let block = 10.0 * kinds as f64 + 14.0;
     let top = 24.0 * kinds.div_ceil(2) as f64 + 8.0;
@@ -50,12 +51,10 @@ pub fn shares_figure(page: &RobustnessPage, number: u32) -> String {
         line x1=(LEFT) x2=(x(1.0)) y1=(bottom) y2=(bottom) stroke="black" {}
         text x=(x(0.5)) y=(bottom + 38.0) text-anchor="middle" { "share of hands in which it holds (%)" }
     };
-    sheet(
-        number,
-        "Share of hands in which each claim holds",
-        bottom + 50.0,
-        body,
-    )
+    let title = "Share of hands in which each claim holds";
+    let caption = "A dot for each kind of hands, with Wilson's 95 % interval.";
+    let svg = sheet(number, title, bottom + 50.0, body);
+    Figure::still(number, title, caption, svg)
 }
 
 /// Colour of a kind of hands: all varied black, nothing varied grey, the groups in between.
@@ -75,10 +74,10 @@ fn dot(x: f64, y: f64, share: &Share, kind: usize) -> Markup {
 /// Total-effect indices of `which` by factor and claim: parameters that decide most first, then what is not one.
 pub fn indices_figure(
     page: &RobustnessPage,
-    of: &str,
+    (of, caption): (&str, &str),
     which: impl Fn(&Measure) -> &Vec<Index>,
     number: u32,
-) -> String {
+) -> Figure {
     let measures: Vec<_> = page
         .measures
         .iter()
@@ -122,7 +121,8 @@ pub fn indices_figure(
         @if left_out > 0 { text x=(LEFT) y=(bottom + 16.0) font-size="12" fill="#555" { (note) } }
     };
     let title = format!("Total-effect indices of {of}");
-    sheet(number, &title, bottom + 26.0, body)
+    let svg = sheet(number, &title, bottom + 26.0, body);
+    Figure::still(number, title, caption, svg)
 }
 
 /// One index: white at 0, blue at 1, and the number in percent; white and pale where it cannot be told from 0.
@@ -152,36 +152,25 @@ fn cell_of(total: Option<[f64; 3]>, x: f64, y: f64, width: f64) -> Markup {
 }
 
 /// Share of hands in which a claim holds against the parameters that decide most, a panel each.
-pub fn traces_figure(measure: &Measure, number: u32) -> String {
-    let (plots, layouts): (Vec<_>, Vec<_>) = measure.traces.iter().map(trace).unzip();
-    let rows = measure.traces.len();
-    let panels = Panels::new(rows, 1)
-        .with_plots(plots)
-        .with_layouts(layouts)
-        .with_spacing(6.0)
-        .with_padding(6.0);
+pub fn traces_figure(measure: &Measure, number: u32) -> Figure {
     let title = format!("{}: against what decides most", measure.name);
-    let legend = [(measure.name.as_str(), Pen::solid(finger_colour(0), 2.0))];
-    frame(number, &title, &legend, panels, 170.0 * rows as f64)
+    let panels = measure.traces.iter().map(trace).collect();
+    let legend = [
+        (measure.name.as_str(), Pen::solid(finger_colour(0), 2.0)),
+        ("as in the experiment", NOMINAL),
+    ];
+    let drawing = tiled((number, &title), &legend, panels, 1, 170.0);
+    let caption = "The share of hands in bins of equal width with all else varied, too, with Wilson's 95 % interval.";
+    Figure::drawn(number, title, caption, Some(drawing))
 }
 
-fn trace(trace: &Trace) -> (Vec<Plot>, Layout) {
+fn trace(trace: &Trace) -> grid::Panel {
     let mut plots = rate_with_band(&trace.varied, Pen::solid(finger_colour(0), 2.0));
     let (low, high) = range(trace.varied.trials.iter().map(|t| t.0)).unwrap_or((0.0, 1.0));
-    if let Some(nominal) = trace
-        .nominal
-        .filter(|nominal| (low..=high).contains(nominal))
-    {
-        plots.push(line(
-            [(nominal, 0.0), (nominal, 100.0)],
-            Pen::dashed("#555555", 1.2),
-        ));
-    }
-    let label = format!(
-        "{}, total effect {:.0} %",
-        trace.varied.name,
-        100.0 * trace.total
-    );
-    let layout = panel((low, high), (0.0, 100.0), &label, "holds (%)").with_ticks(4);
-    (plots, layout)
+    let inside = trace.nominal.filter(|n| (low..=high).contains(n));
+    plots.extend(inside.map(|nominal| line([(nominal, 0.0), (nominal, 100.0)], NOMINAL)));
+    let total = 100.0 * trace.total;
+    let label = format!("{}, total effect {total:.0} %", trace.varied.name);
+    let layout = parameter_panel(&trace.varied, &label, (0.0, 100.0), "holds (%)");
+    (plots, layout.with_ticks(4))
 }

@@ -1,37 +1,61 @@
 //! Figure of slip detectors: slips noticed against false alarms.
 
-use super::super::slip_page::Roc;
-use super::canvas::{Pen, finger_colour, frame, line, panel};
-use kuva::render::figure::Figure as Panels;
+use super::super::page_data::panels::{Colour, Points, Series};
+use super::super::slip_page::{OperatingPoint, SlipPage};
+use super::super::text::significant;
+use super::Figure;
+use super::canvas::{Pen, dots, finger_colour, line, panel};
+use super::drawing::tiled;
 
 /// Fewest false alarms that are drawn, %: where precision is of interest, they are far below one percent.
 const LEAST: f64 = 0.01;
 
-/// The receiver operating characteristic of each detector, %.
-pub fn roc_figure(curves: &[Roc], number: u32) -> String {
+/// The receiver operating characteristic of each detector with its operating point, %.
+pub fn roc_figure(page: &SlipPage, number: u32) -> Figure {
+    let title = "Slips noticed against false alarms";
     let pen = |index| Pen::solid(finger_colour(index), 2.0);
-    let percent = |&(x, y): &(f64, f64)| ((100.0 * x).max(LEAST), 100.0 * y);
-    let lines = curves.iter().enumerate();
-    let lines = lines.map(|(index, curve)| line(curve.points.iter().map(percent), pen(index)));
+    let drawn = |(x, y): (f64, f64)| ((100.0 * x).max(LEAST), 100.0 * y);
+    let curves = page.curves.iter().enumerate();
+    let lines =
+        curves.map(|(index, curve)| line(curve.points.iter().copied().map(drawn), pen(index)));
+    let points = page.points.iter().filter_map(|point| {
+        let at = drawn((point.false_alarms?[1], point.recall?[1]));
+        Some(dots(&[at], 1, finger_colour(page.curve_of(point)?), 5.0))
+    });
+    let plots = lines.chain(points).collect();
     let layout = panel(
         (LEAST, 100.0),
         (0.0, 100.0),
         "false alarms (%)",
         "slips noticed (%)",
-    )
-    .with_log_x();
-    let panels = Panels::new(1, 1)
-        .with_plots(vec![lines.collect()])
-        .with_layouts(vec![layout]);
-    let names = curves.iter().enumerate();
+    );
+    let names = page.curves.iter().enumerate();
     let legend: Vec<_> = names
         .map(|(index, curve)| (curve.name, pen(index)))
         .collect();
-    frame(
-        number,
-        "Slips noticed against false alarms",
-        &legend,
-        panels,
-        360.0,
-    )
+    let panels = vec![(plots, layout.with_log_x())];
+    let mut drawing = tiled((number, title), &legend, panels, 1, 360.0);
+    for panel in &mut drawing.panels {
+        // In place of the dots, which say nothing.
+        panel.series.truncate(page.curves.len());
+        let points = page.points.iter();
+        panel
+            .series
+            .extend(points.filter_map(|point| operating_point(page.curve_of(point)?, point)));
+    }
+    let caption = "Over all thresholds; the dots are the experiment's threshold and those that were chosen, with the 95 % interval of what they notice.";
+    Figure::drawn(number, title, caption, Some(drawing))
+}
+
+fn operating_point(curve: usize, point: &OperatingPoint) -> Option<Series> {
+    let [low, recall, high] = point.recall?.map(|share| 100.0 * share);
+    let alarms = (100.0 * point.false_alarms?[1]).max(LEAST);
+    let points = Points::new([(alarms, recall)]).within([(low, high)]);
+    let label = format!("precision {} %", point.fields()[1]);
+    let points = Points {
+        label: vec![label],
+        ..points
+    };
+    let name = format!("{} above {}", point.name, significant(point.threshold));
+    Some(Series::of_points(name, Colour::Finger(curve), points).dotted())
 }

@@ -1,9 +1,10 @@
 //! Figures of a sweep: success rate against a parameter, and how measures are distributed.
 
-use super::super::sweep_page::{Measured, Varied};
-use super::canvas::{Pen, finger_colour, frame, line, panel, range};
-use kuva::plot::BandPlot;
-use kuva::render::figure::Figure as Panels;
+use super::super::page_data::panels::{Colour, Command, Points, Series};
+use super::super::sweep_page::{Measured, TrialMeasure, Varied};
+use super::canvas::{Pen, airy, dots, finger_colour, line, line_in_band, panel, range};
+use super::drawing::tiled;
+use super::{Figure, grid};
 use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 
@@ -11,6 +12,11 @@ use kuva::render::plots::Plot;
 const BINS: usize = 12;
 /// Bins of a histogram.
 const BARS: usize = 24;
+/// Most trials that answer, and most that are drawn in a still picture.
+const MOST_TRIALS: usize = 5000;
+const MOST_DOTS: usize = 300;
+const SUCCESS: &str = "success";
+const FAILURE: &str = "no success";
 /// Standard deviations of a 95 % confidence interval.
 const Z: f64 = 1.959_964;
 
@@ -57,56 +63,114 @@ fn rates(varied: &Varied) -> Vec<(f64, [f64; 3])> {
 
 /// A rate against a parameter, %, within its 95 % confidence band.
 pub(super) fn rate_with_band(varied: &Varied, pen: Pen) -> Vec<Plot> {
-    let rates = rates(varied);
-    let percent = |which: usize| rates.iter().map(move |(_, rate)| 100.0 * rate[which]);
-    let x = || rates.iter().map(|(x, _)| *x);
-    let band = BandPlot::new(x(), percent(0), percent(2))
-        .with_color(pen.colour)
-        .with_opacity(0.2);
-    vec![Plot::Band(band), line(x().zip(percent(1)), pen)]
+    let percent = |(x, rate): (f64, [f64; 3])| (x, rate.map(|part| 100.0 * part));
+    line_in_band(rates(varied).into_iter().map(percent), pen).into()
 }
 
-/// Success rate against a parameter, %, with its 95 % confidence band.
-pub fn success_figure(varied: &Varied, number: u32) -> String {
+/// The panel of something, which is within `upright`, against a parameter.
+pub(super) fn parameter_panel(
+    varied: &Varied,
+    label: &str,
+    upright: (f64, f64),
+    name: &str,
+) -> Layout {
+    let along = range(varied.trials.iter().map(|trial| trial.0)).unwrap_or((0.0, 1.0));
+    let layout = panel(along, upright, label, name);
+    // A range without width is widened to one in which a logarithm says nothing.
+    match varied.logarithmic && 0.0 < along.0 && along.0 < along.1 {
+        true => layout.with_log_x(),
+        false => layout,
+    }
+}
+
+/// Success rate against a parameter, %, with its 95 % confidence band, and each trial.
+pub fn success_figure(varied: &Varied, number: u32, measured: Option<&TrialMeasure>) -> Figure {
     let pen = Pen::solid(finger_colour(0), 2.0);
-    let plots = rate_with_band(varied, pen);
-    let (low, high) = range(varied.trials.iter().map(|trial| trial.0)).unwrap_or((0.0, 1.0));
-    let layout = panel((low, high), (0.0, 100.0), &varied.name, "success (%)");
-    let panels = Panels::new(1, 1)
-        .with_plots(vec![plots])
-        .with_layouts(vec![layout]);
+    let rate = (
+        rate_with_band(varied, pen),
+        parameter_panel(varied, &varied.name, (0.0, 100.0), "success (%)"),
+    );
     let title = format!("Success rate against {}", varied.name);
-    let band = Pen {
-        width: 10.0,
-        ..Pen::solid("#cce3f0", 10.0)
+    let mut legend = vec![(SUCCESS, pen)];
+    let trials = measured.map(|measured| Scatter::new(varied, measured));
+    let panels = match &trials {
+        None => vec![rate],
+        Some(trials) => {
+            legend.push((FAILURE, Pen::solid(finger_colour(1), 2.0)));
+            vec![rate, trials.drawn(varied)]
+        }
     };
-    let legend = [("share of trials", pen), ("95 % confidence", band)];
-    frame(number, &title, &legend, panels, 270.0)
+    let mut drawing = tiled((number, &title), &legend, panels, 1, 230.0);
+    if let (Some(trials), Some(panel)) = (trials, drawing.panels.get_mut(1)) {
+        panel.series = trials.answering();
+    }
+    let caption = match measured {
+        None => "The share of trials in bins of equal width, with Wilson's 95 % interval.",
+        Some(_) => {
+            "Top: the share of trials in bins of equal width, with Wilson's 95 % interval. Bottom: each trial that has the \
+            measure; a click copies the command that runs it alone."
+        }
+    };
+    Figure::drawn(number, title, caption, Some(drawing))
 }
 
 /// How often each measure took which value, in two columns of panels.
-pub fn distributions_figure(measures: &[Measured], number: u32) -> String {
+pub fn distributions_figure(measures: &[Measured], number: u32) -> Figure {
     let pen = Pen::solid(finger_colour(0), 1.6);
-    let (mut plots, mut layouts) = (Vec::new(), Vec::new());
-    for measured in measures {
+    let histogram = |measured| {
         let (outline, layout) = histogram(measured);
-        plots.push(vec![line(outline, pen)]);
-        layouts.push(layout);
+        (vec![line(outline, pen)], layout)
+    };
+    let panels = measures.iter().map(histogram).collect();
+    let (title, legend) = ("Distribution of measures", [("number of trials", pen)]);
+    let drawing = tiled((number, title), &legend, panels, 2, 210.0);
+    let caption = "Of all trials that define the measure; the digit before it is the stroke.";
+    Figure::drawn(number, title, caption, Some(drawing))
+}
+
+/// The trials of a sweep as dots: those that were a success, and the others.
+struct Scatter<'a> {
+    measured: &'a TrialMeasure,
+    groups: [Vec<Dot>; 2],
+}
+
+/// A trial: its number, the parameter, the measure.
+type Dot = (u64, f64, f64);
+
+impl<'a> Scatter<'a> {
+    fn new(varied: &Varied, measured: &'a TrialMeasure) -> Self {
+        let step = varied.trials.len().div_ceil(MOST_TRIALS).max(1);
+        let mut groups = [Vec::new(), Vec::new()];
+        let trials = varied.trials.iter().zip(&measured.trials).step_by(step);
+        for (&(x, success), &(trial, value)) in trials {
+            if let Some(value) = value.filter(|value| value.is_finite()) {
+                groups[usize::from(!success)].push((trial, x, value));
+            }
+        }
+        Self { measured, groups }
     }
-    let rows = measures.len().div_ceil(2).max(1);
-    let panels = Panels::new(rows, 2)
-        .with_plots(plots)
-        .with_layouts(layouts)
-        .with_spacing(6.0)
-        .with_padding(6.0);
-    let legend = [("number of trials", pen)];
-    frame(
-        number,
-        "Distribution of measures",
-        &legend,
-        panels,
-        210.0 * rows as f64,
-    )
+
+    fn drawn(&self, varied: &Varied) -> grid::Panel {
+        let all = || self.groups.iter().flatten();
+        let upright = airy(range(all().map(|dot| dot.2)).unwrap_or((0.0, 1.0)));
+        let layout = parameter_panel(varied, &varied.name, upright, &self.measured.name);
+        let plots = self.groups.iter().enumerate().map(|(group, trials)| {
+            let points: Vec<_> = trials.iter().map(|&(_, x, y)| (x, y)).collect();
+            dots(&points, MOST_DOTS, finger_colour(group), 2.4)
+        });
+        (plots.collect(), layout)
+    }
+
+    fn answering(self) -> Vec<Series> {
+        let [success, failure] = self.groups.map(|trials: Vec<Dot>| Points {
+            command: Some(Command::of_trials("", trials.iter().map(|t| t.0).collect())),
+            ..Points::new(trials.iter().map(|&(_, x, y)| (x, y)))
+        });
+        let series = |name: &str, finger, points| {
+            Series::of_points(name, Colour::Finger(finger), points).dotted()
+        };
+        vec![series(SUCCESS, 0, success), series(FAILURE, 1, failure)]
+    }
 }
 
 /// The outline of a histogram, and the panel that holds it.

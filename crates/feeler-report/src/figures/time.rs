@@ -55,6 +55,7 @@ pub fn grasp_force_and_torque(data: &RunData) -> Figure {
     Figure {
         number: 8,
         panels: answering(data, &upper, None),
+        columns: 1,
         svg: panels(data, 8, &title, &upper, rows, false),
         title,
         caption: caption.into(),
@@ -81,6 +82,7 @@ pub fn shear_rate_and_torque(data: &RunData) -> Figure {
     Figure {
         number: 9,
         panels: answering(data, &upper, None),
+        columns: 1,
         svg: panels(data, 9, &title, &upper, rows, false),
         title,
         caption,
@@ -108,6 +110,7 @@ pub fn stroke_in_detail(data: &RunData, number: u32, stroke: u32) -> Figure {
     };
     Figure {
         number,
+        columns: 1,
         panels: rows
             .as_ref()
             .map_or_else(Vec::new, |rows| answering(data, &upper, Some(rows))),

@@ -95,6 +95,7 @@ impl PageData {
         let figures = rig.figures().into_iter().zip(1..);
         let figure = |((_, panel), number)| Figure {
             number,
+            columns: 1,
             panels: vec![panel],
         };
         Self {

@@ -36,6 +36,7 @@ pub struct PageData {
 #[derive(Debug, Clone, Serialize)]
 struct Figure {
     number: u32,
+    columns: usize,
     panels: Vec<Panel>,
 }
 
@@ -62,6 +63,18 @@ impl PageData {
         }
     }
 
+    /// Of a page that has figures only.
+    pub fn of_figures(title: &str, figures: &[StillFigure]) -> Self {
+        Self {
+            version: VERSION,
+            title: title.into(),
+            run: None,
+            scene: None,
+            figures: interactive(figures),
+            live: None,
+        }
+    }
+
     /// As it stands in a document: JSON in which nothing ends a script.
     ///
     /// # Errors
@@ -76,6 +89,7 @@ fn interactive(figures: &[StillFigure]) -> Vec<Figure> {
     let drawn = figures.iter().filter(|figure| figure.svg.is_some());
     let figures = drawn.map(|figure| Figure {
         number: figure.number,
+        columns: figure.columns,
         panels: figure.panels.clone(),
     });
     figures.filter(|figure| !figure.panels.is_empty()).collect()

@@ -47,6 +47,8 @@ pub struct Axis {
     /// What it shows at first, in SI units, if not all.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub range: Option<(f64, f64)>,
+    /// Whether equal distances stand for equal ratios.
+    pub log: bool,
 }
 
 /// A horizontal line.
@@ -58,10 +60,13 @@ pub struct Threshold {
     pub name: String,
 }
 
+/// Fingers that have a colour of their own.
+pub const COLOURS: usize = 5;
+
 /// Colour of a series.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Colour {
-    /// Of a finger.
+    /// Of a finger; of one of several things that are compared.
     Finger(usize),
     /// Of what belongs to all.
     Shared,
@@ -74,8 +79,9 @@ pub enum Colour {
 impl Serialize for Colour {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self {
-            // Four have a colour of their own.
-            Self::Finger(finger) => serializer.collect_str(&format_args!("finger-{}", finger % 4)),
+            Self::Finger(finger) => {
+                serializer.collect_str(&format_args!("finger-{}", finger % COLOURS))
+            }
             Self::Shared => serializer.serialize_str("shared"),
             Self::Reference => serializer.serialize_str("reference"),
             Self::Background => serializer.serialize_str("background"),
@@ -91,6 +97,8 @@ pub enum Line {
     Solid,
     /// A broken line.
     Dashed,
+    /// Dots.
+    Points,
     /// A lane that is filled while something is so.
     States,
 }
@@ -124,37 +132,63 @@ pub struct ColumnPart {
     pub bit: Option<u32>,
 }
 
-/// Points in SI units; what is not known is null.
+/// Points in SI units; what is not known is null. What else there is has an entry for each point, or none at all.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Points {
     /// Along x.
     pub x: Vec<f64>,
     /// Along y.
     pub y: Vec<Option<f64>>,
+    /// Lower ends of the intervals about y.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub low: Vec<Option<f64>>,
+    /// Upper ends of the intervals about y.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub high: Vec<Option<f64>>,
     /// The row of the run that each belongs to.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub row: Vec<usize>,
+    /// What else is to be said of each.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub label: Vec<String>,
+    /// The command that shows each.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub command: Option<Command>,
 }
 
-impl Points {
-    /// Those that are numbers, each with its row.
-    pub fn of(points: impl IntoIterator<Item = (usize, f64, f64)>) -> Self {
-        let mut taken = Self::default();
-        for (row, x, y) in points.into_iter().filter(|(_, x, _)| x.is_finite()) {
-            taken.x.push(short(x));
-            taken.y.push(y.is_finite().then(|| short(y)));
-            taken.row.push(row);
-        }
-        taken
+/// A command for each point.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Command {
+    /// The command, with `{folder}` in place of the page's folder and `{trial}` in place of the trial.
+    pub pattern: String,
+    /// The trial of each point.
+    pub trial: Vec<u64>,
+}
+
+impl Command {
+    /// What runs trials alone of the sweep in `folder` of the page's own.
+    pub fn of_trials(folder: &str, trial: Vec<u64>) -> Self {
+        let pattern = format!("feeler run --trial {{folder}}{folder} {{trial}}");
+        Self { pattern, trial }
     }
 }
 
 impl Points {
-    /// Those of a line that is drawn.
-    pub fn drawn(points: Vec<(f64, f64)>) -> Self {
+    /// Those whose x is a number.
+    pub fn new(points: impl IntoIterator<Item = (f64, f64)>) -> Self {
         let mut taken = Self::default();
         taken.extend(points);
         taken
+    }
+
+    /// The same, each with its row.
+    pub fn of_rows(points: impl IntoIterator<Item = (usize, f64, f64)>) -> Self {
+        let points = points.into_iter().filter(|(_, x, _)| x.is_finite());
+        let (row, points): (_, Vec<_>) = points.map(|(row, x, y)| (row, (x, y))).unzip();
+        Self {
+            row,
+            ..Self::new(points)
+        }
     }
 
     /// Takes another line, which does not go on where the last ends.
@@ -166,17 +200,38 @@ impl Points {
         self.extend(points);
     }
 
-    fn extend(&mut self, points: Vec<(f64, f64)>) {
-        for (x, y) in points {
+    fn extend(&mut self, points: impl IntoIterator<Item = (f64, f64)>) {
+        for (x, y) in points.into_iter().filter(|(x, _)| x.is_finite()) {
             self.x.push(short(x));
-            self.y.push(y.is_finite().then(|| short(y)));
+            self.y.push(shown(y));
         }
+    }
+
+    /// The same, with the intervals about y from low to high.
+    #[must_use]
+    pub fn within(mut self, intervals: impl IntoIterator<Item = (f64, f64)>) -> Self {
+        let ends = intervals.into_iter().map(|(l, h)| (shown(l), shown(h)));
+        (self.low, self.high) = ends.unzip();
+        self
     }
 }
 
-/// A number as precise as a screen can show: 0.1 µm, 0.1 µN m.
+fn shown(value: f64) -> Option<f64> {
+    value.is_finite().then(|| short(value))
+}
+
+/// A number to six significant digits: more precise than a screen can show.
 fn short(value: f64) -> f64 {
-    (value * 1e7).round() / 1e7
+    const DIGITS: i32 = 6;
+    // Powers of ten up to the 22nd are exact, and so is what is left of the digits.
+    match value.abs().log10().floor() as i32 {
+        _ if value == 0.0 => 0.0,
+        magnitude if magnitude < DIGITS => {
+            let factor = 10_f64.powi((DIGITS - 1 - magnitude).min(22));
+            (value * factor).round() / factor
+        }
+        _ => value.round(),
+    }
 }
 
 impl Axis {
@@ -187,6 +242,7 @@ impl Axis {
             unit: unit.into(),
             scale,
             range: None,
+            log: false,
         }
     }
 
@@ -291,6 +347,13 @@ impl Series {
             column: None,
             points: Some(points),
         }
+    }
+
+    /// The same as dots.
+    #[must_use]
+    pub fn dotted(mut self) -> Self {
+        self.line = Line::Points;
+        self
     }
 
     /// The same as a broken line.
