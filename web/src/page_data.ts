@@ -1,7 +1,7 @@
 /**
  * What a page is made of: the contract between `feeler-report`, which writes it into the document, and this program,
- * which draws it. `crates/feeler-report/src/page_data.rs` holds the same structs; a test in each language reads the
- * same example.
+ * which draws it. `crates/feeler-report/src/page_data` holds the same structs; `test/examples.ts` is what pages hold, which
+ * a test of Rust compares and the compiler checks against these types.
  *
  * The document holds one `<script type="application/json" id="page-data">` with a {@link PageData}. Units are SI; a
  * figure says how its values are scaled for the eye.

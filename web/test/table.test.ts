@@ -8,6 +8,7 @@ import { readTable } from "../src/table";
 import { runTable } from "../sample/encode";
 import { elements } from "../sample/hand";
 import { simulate } from "../sample/simulate";
+import { examples } from "./examples";
 
 const run = simulate(1);
 const packed = runTable(run, 2, elements().length);
@@ -64,4 +65,21 @@ test("another version, and what is no page, are refused in words", () => {
   assert.throws(() => readPage('{"version":1,"figures":[],"run":{"columns":[]}}'), /phases/);
   assert.throws(() => readPage('{"version":1,"figures":[],"scene":{}}'), /frames/);
   assert.equal(readPage('{"version":1,"title":"t","figures":[]}').title, "t");
+});
+
+test("what feeler-report makes of each kind of page is read", () => {
+  for (const example of examples) assert.equal(readPage(JSON.stringify(example)).title, example.title);
+  // Of a report, of what many trials came to, and of a rig that works: nothing that is declared goes unseen.
+  assert.ok(examples.some((page) => page.scene?.shapes.length && page.run?.strokes.length));
+  assert.ok(examples.some((page) => page.live));
+  const series = examples.flatMap((page) =>
+    page.figures.flatMap((figure) => figure.panels.flatMap((p) => p.series)),
+  );
+  assert.deepEqual(new Set(series.map(({ line }) => line)), new Set(["solid", "dashed", "points", "states"]));
+  for (const field of ["low", "row", "label", "command"] as const) {
+    assert.ok(
+      series.some(({ points }) => points?.[field]),
+      field,
+    );
+  }
 });

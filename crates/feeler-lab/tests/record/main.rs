@@ -4,6 +4,7 @@ mod claims;
 mod digest;
 mod figures;
 mod mcap_tools;
+mod page_contract;
 mod page_data;
 mod python;
 mod real_rig;
