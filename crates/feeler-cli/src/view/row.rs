@@ -2,6 +2,7 @@
 
 use super::feed::Moment;
 use feeler::control::flags::FingerFlags;
+use feeler_report::page_data::flag_bits;
 use glam::{DQuat, DVec3};
 use std::iter;
 
@@ -49,9 +50,7 @@ impl<'a> Row<'a> {
         self.extend(finger.joints);
         let forces = finger.forces.chain(iter::repeat(DVec3::NAN));
         self.extend(forces.take(finger.elements).flat_map(|f| f.to_array()));
-        let bits = [flags.touch, flags.slip, flags.over, finger.slips];
-        let bits = bits.into_iter().enumerate();
-        let bits = bits.fold(0_u8, |bits, (bit, up)| bits | u8::from(up) << bit);
+        let bits = flag_bits([flags.touch, flags.slip, flags.over, finger.slips]);
         self.push(f64::from(bits));
         self.push(flags.grasp_force);
         let largest = flags

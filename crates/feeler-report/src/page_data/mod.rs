@@ -14,7 +14,7 @@ use table::RunTable;
 
 pub use live::{Live, LiveRig};
 pub use panels::Panel;
-pub use table::of_finger;
+pub use table::{flag_bits, of_finger};
 
 /// Number of the contract.
 const VERSION: u32 = 1;

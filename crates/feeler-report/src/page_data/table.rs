@@ -177,6 +177,12 @@ pub fn of_finger(finger: usize, name: &str) -> String {
     format!("finger/{finger}/{name}")
 }
 
+/// What stands in a finger's column `flags`, of TOUCH, SLIP, OVER, and whether it slips in truth.
+pub fn flag_bits(flags: [bool; 4]) -> u8 {
+    let bits = flags.into_iter().enumerate();
+    bits.fold(0, |bits, (bit, up)| bits | u8::from(up) << bit)
+}
+
 /// What a finger felt.
 fn add_felt(
     columns: &mut Columns,
@@ -204,9 +210,7 @@ fn add_felt(
     columns.add((name, "i16"), (width, scale), padded);
     let flags = kept.clone().map(|row| {
         let slips = finger.slipped[row].is_some_and(|slipped| slipped > TRUE_SLIP);
-        let flags = [finger.touch[row], finger.slip[row], finger.over[row], slips];
-        let bits = flags.into_iter().enumerate();
-        bits.fold(0, |bits, (bit, up)| bits | u8::from(up) << bit)
+        flag_bits([finger.touch[row], finger.slip[row], finger.over[row], slips])
     });
     columns.bytes(of_finger(number, "flags"), flags);
     let grasp = kept.clone().map(|row| finger.grasp_force[row]);

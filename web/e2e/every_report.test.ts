@@ -1,0 +1,84 @@
+/** What every report that feeler made must do. That the columns of its page are those of the recording, Rust tests. */
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+import type { Browser, Page } from "playwright-core";
+import { moment, quantity } from "../src/format";
+import { inflate } from "../src/inflate";
+import type { PageData } from "../src/page_data";
+import { readPage } from "../src/read_page";
+import { readTable, type Table } from "../src/table";
+import { launch, open } from "./browser";
+import { allPages } from "./pages";
+
+let browser: Browser;
+before(async () => {
+  browser = await launch();
+});
+after(() => browser.close());
+
+/** Of a run's rows: where its fingers move, whatever its task is. */
+const PLACES = [0.35, 0.62, 0.9];
+
+async function dataOf(page: Page): Promise<{ data: PageData; table: Table }> {
+  const data = readPage(await page.locator("#page-data").innerText());
+  assert.ok(data.run);
+  return { data, table: readTable(data.run, await inflate(data.run.data)) };
+}
+
+async function seek(page: Page, table: Table, row: number): Promise<void> {
+  await page.locator(".player input").fill(String(row));
+  await page
+    .getByText(moment(table.time(row)), { exact: true })
+    .first()
+    .waitFor();
+  // The moment is drawn in the frame that follows.
+  await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+}
+
+/** Every figure's values of columns at a row, as they are to be read; by the figure's place in the document. */
+function expected({ figures }: PageData, table: Table, row: number): Map<string, string[]> {
+  const values = figures.map(({ number, panels }): [string, string[]] => {
+    const ofTime = panels.filter((panel) => panel.kind === "time");
+    const read = ofTime.flatMap(({ series, y }) =>
+      series.map(({ column, line }) => {
+        if (!column || line === "states") return "";
+        return quantity(table.column(column.name)?.at(row, column.index) ?? NaN, y.unit, y.scale);
+      }),
+    );
+    return [`#fig-${String(number).padStart(2, "0")}`, read];
+  });
+  return new Map(values.filter(([, read]) => read.some(Boolean)));
+}
+
+for (const url of allPages().filter((url) => url.endsWith("/report.html"))) {
+  const name = url.split("/").slice(-2).join("/");
+
+  test(`${name}: the scene moves, and values at the cursor are those of the run`, async () => {
+    const { page, errors } = await open(browser, url);
+    await page.locator(".player").waitFor();
+    const { data, table } = await dataOf(page);
+    const scene = page.locator(".scene-canvas canvas");
+    const pictures: Buffer[] = [];
+    for (const place of PLACES) {
+      const row = Math.round(place * (table.length - 1));
+      await page.locator("#scene").scrollIntoViewIfNeeded();
+      await seek(page, table, row);
+      pictures.push(await scene.screenshot());
+      for (const [figure, values] of expected(data, table, row)) {
+        await page.locator(figure).scrollIntoViewIfNeeded();
+        await page.waitForTimeout(200);
+        const shown = await page.locator(`${figure} .legend-value`).allInnerTexts();
+        assert.deepEqual(
+          shown.filter((_, i) => values[i]),
+          values.filter(Boolean),
+          `${figure}, row ${row}`,
+        );
+      }
+    }
+    for (const [i, picture] of pictures.entries()) {
+      assert.ok(!picture.equals(pictures[(i + 1) % pictures.length] ?? picture), "the scene changes");
+    }
+    assert.deepEqual(errors, []);
+    await page.context().close();
+  });
+}
