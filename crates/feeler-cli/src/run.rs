@@ -12,6 +12,7 @@ use super::{CommandError, Outcome, run_folder};
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::recorded_run::{RecordedRun, RunError, record_options};
 use feeler_lab::experiment::{Session, run_facts};
+use feeler_record::RecordOptions;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -82,30 +83,51 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comman
     options.flush_interval = arguments.flush.flush_interval;
     // Before there is a folder: an experiment that cannot be set up leaves none.
     let session = Session::new(&experiment)?;
-    let trial = arguments.trial.as_deref().and_then(|trial| trial.last());
-    let view = arguments
+    let page = arguments
         .view
         .then(|| LiveRun::open(&experiment, &arguments.server, out));
-    let view = view.transpose()?;
-    let folder = make_folder(arguments.out.as_deref(), &experiment, trial)?;
-    let run = RecordedRun::of_session(session, &experiment, &options, &folder)?;
+    let mut page = page.transpose()?;
+    let ran = watched_run(
+        arguments,
+        (&experiment, session),
+        &options,
+        page.as_mut(),
+        out,
+    );
+    if let Some(page) = page {
+        page.leave(ran.as_ref().err());
+    }
+    ran
+}
+
+/// Makes the run that is set up as `session`, records and reports it.
+fn watched_run(
+    arguments: &Arguments,
+    (experiment, session): (&Experiment, Session),
+    options: &RecordOptions,
+    page: Option<&mut LiveRun>,
+    out: &mut dyn Write,
+) -> Result<Outcome, CommandError> {
+    let trial = arguments.trial.as_deref().and_then(|trial| trial.last());
+    let folder = make_folder(arguments.out.as_deref(), experiment, trial)?;
+    let run = RecordedRun::of_session(session, experiment, options, &folder)?;
 
     let interrupted = watch_for_interrupt()?;
     let mut throttle = Throttle::new(experiment.config.control.period, arguments.speed());
-    let watcher = Watcher::new(
+    let mut watcher = Watcher::new(
         arguments.top,
-        &experiment,
+        experiment,
         throttle.is_paced(),
         &interrupted,
+        page,
     )?;
-    let mut watcher = watcher.with_page(view);
     let ran = run.run(&mut throttle, &interrupted, |control_loop, at, tick| {
         watcher.step(control_loop, at, tick);
     });
     watcher.run_ended();
     let ran = ran?;
     let control_loop = ran.session.control_loop();
-    watcher.leave(control_loop);
+    watcher.leave(control_loop, &ran.end);
 
     let (sim_time, wall_time) = (control_loop.state().stamp, ran.wall_time);
     let factor = sim_time / wall_time;

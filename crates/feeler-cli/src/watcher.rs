@@ -7,14 +7,15 @@ use super::view::LiveRun;
 use feeler::pace::Tick;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::{Instruments, SimulatedLoop};
+use feeler_record::RunEnd;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 /// Shows a run while it goes on.
-pub struct Watcher {
+pub struct Watcher<'a> {
     shown: Shown,
     /// Its page in the browser, if somebody may look at it there.
-    page: Option<LiveRun>,
+    page: Option<&'a mut LiveRun>,
 }
 
 /// What there is on the terminal.
@@ -25,14 +26,15 @@ enum Shown {
     Screen(Box<Screen>),
 }
 
-impl Watcher {
+impl<'a> Watcher<'a> {
     /// Begins to watch a run of `experiment`, whose steps have real times where it `is_paced`; with `top`, on the
-    /// whole terminal. `interrupted` is raised when whoever watches has had enough.
+    /// whole terminal; on its `page`, if there is one. `interrupted` is raised when whoever watches has had enough.
     pub fn new(
         top: bool,
         experiment: &Experiment,
         is_paced: bool,
         interrupted: &Arc<AtomicBool>,
+        page: Option<&'a mut LiveRun>,
     ) -> Result<Self, CommandError> {
         let shown = if top {
             let screen = Screen::open(experiment, is_paced, interrupted)?;
@@ -40,13 +42,7 @@ impl Watcher {
         } else {
             Shown::Bar(Progress::new(experiment))
         };
-        Ok(Self { shown, page: None })
-    }
-
-    /// The same with a page.
-    #[must_use]
-    pub fn with_page(self, page: Option<LiveRun>) -> Self {
-        Self { page, ..self }
+        Ok(Self { shown, page })
     }
 
     /// Shows the newest step of `control_loop`; does to the hand what whoever watches asks for.
@@ -72,10 +68,10 @@ impl Watcher {
         }
     }
 
-    /// Tells the page that the run is over, and leaves when whoever watches the screen does: at once, unless there is one.
-    pub fn leave(self, control_loop: &SimulatedLoop) {
+    /// Tells the page how the run ended, and leaves when whoever watches the screen does: at once, unless there is one.
+    pub fn leave(self, control_loop: &SimulatedLoop, end: &RunEnd) {
         if let Some(page) = self.page {
-            page.over(control_loop);
+            page.over(control_loop, end);
         }
         if let Shown::Screen(screen) = self.shown {
             screen.wait_for_quit(control_loop);

@@ -5,6 +5,7 @@ use axum::body::Bytes;
 use axum::extract::ws::{Message, Utf8Bytes, WebSocket};
 use futures_util::stream::{SplitSink, SplitStream};
 use futures_util::{SinkExt, StreamExt};
+use std::pin::pin;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 use tokio::sync::watch::Receiver;
@@ -12,7 +13,7 @@ use tokio::time::{MissedTickBehavior, interval, timeout};
 
 /// A page is asked so often whether it has read what was sent.
 const PING: Duration = Duration::from_secs(1);
-/// While so many questions wait for their answers, nothing else is sent: a page that is slow misses rows.
+/// While so many questions wait for their answers, nothing else is sent but the last update: a page that is slow misses rows.
 const BEHIND: u64 = 2;
 /// With so many, nobody is there.
 const GONE: u64 = 6;
@@ -41,9 +42,13 @@ pub async fn serve(socket: WebSocket, updates: Receiver<Update>, order: impl Fn(
         number: updates.borrow().number,
         state: Utf8Bytes::default(),
     };
+    let mut listening = pin!(listen(stream, &answered, order));
     tokio::select! {
-        () = outlet.keep_sending(updates) => {}
-        () = listen(stream, &answered, order) => {}
+        sent = outlet.keep_sending(updates) => if sent.is_ok() {
+            // Whoever leaves with messages unread takes back what is still on its way to the page.
+            let _ = timeout(PATIENCE, listening).await;
+        },
+        () = &mut listening => {}
     }
 }
 
@@ -83,26 +88,30 @@ struct Outlet<'a> {
 struct Gone;
 
 impl Outlet<'_> {
-    async fn keep_sending(mut self, mut updates: Receiver<Update>) {
+    /// Sends what is new until there is nothing more to come, and then the last of it.
+    async fn keep_sending(mut self, mut updates: Receiver<Update>) -> Result<(), Gone> {
         let mut pings = interval(PING);
         pings.set_missed_tick_behavior(MissedTickBehavior::Delay);
         loop {
-            let sent = tokio::select! {
-                changed = updates.changed() => match changed {
-                    Ok(()) => Ok(()),
+            tokio::select! {
+                changed = updates.changed() => if changed.is_err() {
                     // There is nothing more to come.
-                    Err(_) => break,
+                    break;
                 },
-                _ = pings.tick() => self.ping().await,
-            };
+                _ = pings.tick() => self.ping().await?,
+            }
             // It is not borrowed while it is sent: the next update waits for nobody.
             let update = updates.borrow_and_update().clone();
-            if sent.is_err() || self.show(update).await.is_err() {
-                return;
+            if self.waiting() < BEHIND {
+                self.show(update).await?;
             }
         }
+        // A page that is behind gets it, too: it says how everything ended.
+        let last = updates.borrow().clone();
+        self.show(last).await?;
         // Where it is not taken, the connection ends all the same.
         let _ = timeout(PATIENCE, self.sink.close()).await;
+        Ok(())
     }
 
     /// Questions that wait for an answer. A page cannot answer what it was not asked.
@@ -120,11 +129,8 @@ impl Outlet<'_> {
         self.send(Message::Ping(number)).await
     }
 
-    /// Sends what is new of `update`, unless the page is behind.
+    /// Sends what is new of `update`.
     async fn show(&mut self, update: Update) -> Result<(), Gone> {
-        if self.waiting() >= BEHIND {
-            return Ok(());
-        }
         if update.number != self.number {
             self.number = update.number;
             self.send(Message::Binary(update.row)).await?;

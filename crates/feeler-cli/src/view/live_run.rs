@@ -10,6 +10,7 @@ use feeler::control::phase::Phase;
 use feeler::control::stop_reason::StopReason;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::{Instruments, SimulatedLoop};
+use feeler_record::{RunEnd, RunState};
 use feeler_report::strokes::TRUE_SLIP;
 use glam::DQuat;
 use std::fmt::Write as _;
@@ -72,13 +73,28 @@ impl LiveRun {
             .offer(|moment| run.fill(moment, control_loop, instruments));
     }
 
-    /// Tells pages how the run of `control_loop` ended.
-    pub fn over(self, control_loop: &SimulatedLoop) {
+    /// Tells pages that the run of `control_loop` is over, and how it ended.
+    pub fn over(&self, control_loop: &SimulatedLoop, end: &RunEnd) {
         self.feed.offer_last(|moment| {
             if let Some(instruments) = &self.instruments {
                 self.run.fill(moment, control_loop, instruments);
             }
+            moment.words.clear();
+            // Words that do not fit are left out.
+            let _ = say_end(moment, end);
         });
+    }
+
+    /// Waits, for two seconds at most, until pages know how the run ended: as they were told, or that it `failed`.
+    pub fn leave(self, failed: Option<&CommandError>) {
+        if let Some(error) = failed {
+            self.feed.offer_last(|moment| {
+                if !moment.over {
+                    moment.words.clear();
+                    let _ = write!(moment.words, "The run failed: {error}.");
+                }
+            });
+        }
         self.server.wait_for_last();
     }
 }
@@ -119,6 +135,15 @@ impl Run {
         {
             row.pose(pose.position, DQuat::from_mat3(&pose.rotation));
         }
+    }
+}
+
+/// How a run ended.
+fn say_end(moment: &mut Moment, end: &RunEnd) -> std::fmt::Result {
+    match (end.state, &end.reason) {
+        (RunState::Done, _) => write!(moment.words, "The task is done."),
+        (state, None) => write!(moment.words, "The run was {state}."),
+        (state, Some(reason)) => write!(moment.words, "The run was {state}: {reason}."),
     }
 }
 

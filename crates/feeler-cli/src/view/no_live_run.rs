@@ -4,6 +4,7 @@ use super::{MISSING, ServerArguments};
 use crate::CommandError;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::{Instruments, SimulatedLoop};
+use feeler_record::RunEnd;
 use std::io::Write;
 
 /// There is none.
@@ -23,7 +24,11 @@ impl LiveRun {
         match *self {}
     }
 
-    pub fn over(self, _: &SimulatedLoop) {
+    pub fn over(&self, _: &SimulatedLoop, _: &RunEnd) {
+        match *self {}
+    }
+
+    pub fn leave(self, _: Option<&CommandError>) {
         match self {}
     }
 }

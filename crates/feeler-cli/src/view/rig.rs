@@ -1,7 +1,7 @@
 //! `feeler view RIG`: a running rig of several programs.
 
 use super::Arguments;
-use super::feed::{Moment, Orders};
+use super::feed::{Feed, Moment, Orders};
 use super::live_run::say_phase;
 use super::page::{Source, serve};
 use super::row::{FingerRow, Row};
@@ -10,10 +10,11 @@ use crate::link::top::watched::Watched;
 use crate::snapshot::{Snapshot, UNKNOWN};
 use crate::{CommandError, Outcome};
 use feeler_lab::config::Experiment;
+use feeler_link::endpoints::LinkError;
 use feeler_link::right::Right;
 use std::fmt::Write as _;
 use std::io::Write;
-use std::sync::atomic::Ordering;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
 
@@ -35,9 +36,31 @@ pub fn view(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comma
     let mut watched = Watched::new(&experiment, &rig, network)?;
     let title = format!("rig {rig}");
     let (feed, server) = serve(&title, &source, BY, &arguments.server, out)?;
+    let watching = watch(&mut watched, &source, &feed, &interrupted);
+    feed.offer_last(|moment| {
+        moment.words.clear();
+        // Words that do not fit are left out.
+        let _ = match &watching {
+            Ok(()) => write!(moment.words, "feeler view was ended"),
+            Err(error) => write!(moment.words, "feeler view failed: {error}"),
+        };
+        let _ = write!(moment.words, "; the rig was left as it is.");
+    });
+    server.wait_for_last();
+    watching?;
+    Ok(Outcome::Done)
+}
+
+/// Shows what is heard and sends what is ordered, until it is `interrupted`.
+fn watch(
+    watched: &mut Watched,
+    source: &Source,
+    feed: &Feed,
+    interrupted: &AtomicBool,
+) -> Result<(), LinkError> {
     while !interrupted.load(Ordering::Relaxed) {
         watched.look();
-        feed.offer(|moment| fill(moment, &source, &watched));
+        feed.offer(|moment| fill(moment, source, watched));
         let Orders { stop, resume } = feed.orders();
         if resume {
             watched.resume(BY)?;
@@ -48,16 +71,7 @@ pub fn view(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comma
         }
         thread::sleep(INTERVAL);
     }
-    feed.offer_last(|moment| {
-        moment.words.clear();
-        // Words that do not fit are left out.
-        let _ = write!(
-            moment.words,
-            "feeler view was ended; the rig was left as it is."
-        );
-    });
-    server.wait_for_last();
-    Ok(Outcome::Done)
+    Ok(())
 }
 
 fn fill(moment: &mut Moment, source: &Source, watched: &Watched) {

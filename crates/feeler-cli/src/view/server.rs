@@ -31,8 +31,8 @@ const ASKING: Duration = Duration::from_secs(5);
 const ANSWERING: Duration = Duration::from_secs(60);
 /// Where the system has no connections to give, it is asked again after this time.
 const REST: Duration = Duration::from_millis(50);
-/// Pages are waited for this long in the end.
-const FAREWELL: Duration = Duration::from_secs(1);
+/// Pages are waited for this long in the end: a page that is behind has to take what is on its way first.
+const FAREWELL: Duration = Duration::from_secs(2);
 
 /// Why nothing is served.
 #[derive(Debug, thiserror::Error)]
@@ -133,7 +133,7 @@ pub struct Server {
 }
 
 impl Server {
-    /// Waits until pages have the last moment of the feed, but no longer than a second.
+    /// Waits until pages have the last moment of the feed, but no longer than two seconds.
     pub fn wait_for_last(mut self) {
         if let Some(thread) = self.thread.take() {
             // It does not panic, and would have said so.

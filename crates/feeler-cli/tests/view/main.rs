@@ -15,6 +15,7 @@ mod ports;
 mod rig;
 
 mod bad_input;
+mod end;
 mod let_in;
 mod orders;
 mod recording;

@@ -1,7 +1,7 @@
 //! What comes over the socket.
 
 use crate::program::folder;
-use crate::viewed::{Viewed, next_row, wait_for};
+use crate::viewed::{Viewed, next_row};
 use feeler_record::Recording;
 use serde_json::Value;
 
@@ -61,17 +61,4 @@ fn rows_are_what_the_recording_holds() {
         let torque = torque.expect("torque").torque as f32;
         assert_eq!(numbers[self::place(&data, "torque")], torque, "at {time}");
     }
-}
-
-#[test]
-fn the_end_of_the_run_is_told() {
-    let folder = folder("view-end");
-    let viewed = Viewed::run(&folder, &["--speed=0.05", "--set=time_limit=0.5"]);
-    let mut socket = viewed.socket();
-    let state = wait_for(&mut socket, |state| state["over"] == true);
-    assert_eq!(state["state"], "SEARCH of stroke 1 of 4.");
-    // The server leaves properly.
-    while socket.read().is_ok() {}
-    let ended = viewed.wait();
-    assert!(ended.stdout.contains("report.html"), "{ended:?}");
 }

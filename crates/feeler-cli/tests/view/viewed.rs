@@ -36,7 +36,11 @@ impl Viewed {
 
     /// Starts the program with these arguments.
     pub fn start(folder: &Path, arguments: &[&str]) -> Self {
-        let mut command = feeler(folder, &[arguments, &["--no-open"]].concat());
+        Self::spawn(feeler(folder, &[arguments, &["--no-open"]].concat()))
+    }
+
+    /// The same by a `command` that starts the program.
+    pub fn spawn(mut command: Command) -> Self {
         let piped = command.stdout(Stdio::piped()).stderr(Stdio::piped());
         let mut child = piped.spawn().expect("the program");
         let mut output = BufReader::new(child.stdout.take().expect("its output"));
@@ -66,18 +70,23 @@ impl Viewed {
 
     /// Status, head and body of the answer to a request with this line and these headers.
     pub fn ask(&self, line: &str, headers: &[&str]) -> (u16, String, String) {
+        let (status, head, body) = self.ask_bytes(line, headers);
+        (status, head, String::from_utf8(body).expect("text"))
+    }
+
+    /// The same, the body as bytes.
+    pub fn ask_bytes(&self, line: &str, headers: &[&str]) -> (u16, String, Vec<u8>) {
         let mut stream = TcpStream::connect(self.host()).expect("a connection");
         let headers = [headers, &["Connection: close"]].concat().join("\r\n");
         write!(stream, "{line} HTTP/1.1\r\n{headers}\r\n\r\n").expect("a request");
         let mut answer = Vec::new();
         stream.read_to_end(&mut answer).expect("an answer");
-        let answer = String::from_utf8_lossy(&answer).into_owned();
-        let (head, body) = answer.split_once("\r\n\r\n").expect("a head and a body");
-        let status = head
-            .split(' ')
-            .nth(1)
-            .and_then(|status| status.parse().ok());
-        (status.expect("a status"), head.into(), body.into())
+        let gap = answer.windows(4).position(|bytes| bytes == b"\r\n\r\n");
+        let (head, body) = answer.split_at(gap.expect("a head and a body"));
+        let head = String::from_utf8(head.to_vec()).expect("text");
+        let status = head.split(' ').nth(1);
+        let status = status.and_then(|status| status.parse().ok());
+        (status.expect("a status"), head, body[4..].to_vec())
     }
 
     /// The page, as a browser asks for it.
@@ -108,6 +117,16 @@ impl Viewed {
         let stream = TcpStream::connect(self.host()).expect("a connection");
         let (socket, _) = client(request, stream).expect("a socket");
         socket
+    }
+
+    /// Waits until it prints a line with these words.
+    pub fn says(&mut self, words: &str) {
+        let mut line = String::new();
+        while !line.contains(words) {
+            line.clear();
+            let read = self.output.read_line(&mut line).expect("a line");
+            assert!(read > 0, "it ended without {words:?}");
+        }
     }
 
     /// Ends the program as Ctrl-C does.
