@@ -2,6 +2,7 @@
 
 use axum::http::header::{HOST, ORIGIN};
 use axum::http::{HeaderMap, HeaderName, Method, Uri};
+use feeler_report::make::RECORDING;
 use subtle::ConstantTimeEq;
 
 /// Bytes of a token.
@@ -46,6 +47,8 @@ pub enum Wanted {
     Page,
     /// Its socket.
     Socket,
+    /// The recording that it is of.
+    Recording,
     /// Something that is not there.
     Nothing,
 }
@@ -112,6 +115,7 @@ impl Address {
         let wanted = match rest {
             "" if method == Method::GET => Wanted::Page,
             SOCKET if method == Method::GET => Wanted::Socket,
+            RECORDING if method == Method::GET => Wanted::Recording,
             _ => Wanted::Nothing,
         };
         let origins = hosts.map(|host| format!("http://{host}"));

@@ -5,6 +5,8 @@ mod access;
 #[cfg(feature = "view")]
 mod client;
 #[cfg(feature = "view")]
+mod download;
+#[cfg(feature = "view")]
 mod feed;
 #[cfg_attr(not(feature = "view"), path = "no_live_run.rs")]
 mod live_run;

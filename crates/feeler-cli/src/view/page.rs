@@ -77,7 +77,7 @@ pub fn serve(
         orders: true,
     };
     let url = door.address.url();
-    let server = door.serve(live_page(title, &rig, live), Some((Arc::clone(&feed), by)))?;
+    let server = door.serve_live(live_page(title, &rig, live), Arc::clone(&feed), by)?;
     say_where(&url, arguments, out)?;
     Ok((feed, server))
 }

@@ -26,7 +26,7 @@ pub fn view(
     let interrupted = watch_for_interrupt()?;
     let door = Door::open(arguments.port)?;
     let url = door.address.url();
-    let _server = door.serve(page, None)?;
+    let _server = door.serve_recording(page, path.into())?;
     say_where(&url, arguments, out)?;
     while !interrupted.load(Ordering::Relaxed) {
         thread::sleep(PATIENCE);

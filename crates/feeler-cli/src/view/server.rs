@@ -2,15 +2,18 @@
 
 use super::access::Address;
 use super::client::Update;
+use super::download::Progress;
 use super::feed::Feed;
 use super::pump::pump;
-use super::site::{Live, MOST_PAGES, Site, answer};
-use axum::Router;
+use super::site::{Live, MOST_PAGES, Site, Subject, answer};
+use axum::{Extension, Router};
 use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr};
+use std::path::PathBuf;
+use std::pin::pin;
 use std::sync::{Arc, Mutex};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
@@ -27,7 +30,7 @@ const BACKLOG: u32 = 16;
 const SEND_BUFFER: u32 = 128 * 1024;
 /// A request is to be there within this time.
 const ASKING: Duration = Duration::from_secs(5);
-/// An answer is to be taken within this time.
+/// An answer is to be taken within this time, and of a long one the next part.
 const ANSWERING: Duration = Duration::from_secs(60);
 /// Where the system has no connections to give, it is asked again after this time.
 const REST: Duration = Duration::from_millis(50);
@@ -86,24 +89,42 @@ impl Door {
     ///
     /// # Errors
     /// When there is no thread for it.
-    pub fn serve(
+    pub fn serve_live(
         self,
         page: String,
-        feed: Option<(Arc<Feed>, &'static str)>,
+        feed: Arc<Feed>,
+        by: &'static str,
     ) -> Result<Server, ServerError> {
         let (updates, receiver) = watch::channel(Update::default());
-        let pages = Arc::new(Semaphore::new(MOST_PAGES as usize));
-        let live = feed.map(|(feed, by)| Live {
+        let live = Live {
             feed,
             by,
             told: Mutex::default(),
             updates: receiver,
-        });
+        };
+        self.serve(page, Subject::Live(live), updates)
+    }
+
+    /// Serves `page` here, and the `recording` that it is of.
+    ///
+    /// # Errors
+    /// When there is no thread for it.
+    pub fn serve_recording(self, page: String, recording: PathBuf) -> Result<Server, ServerError> {
+        let (updates, _) = watch::channel(Update::default());
+        self.serve(page, Subject::Recording(recording), updates)
+    }
+
+    fn serve(
+        self,
+        page: String,
+        subject: Subject,
+        updates: watch::Sender<Update>,
+    ) -> Result<Server, ServerError> {
         let site = Arc::new(Site {
             address: self.address,
             page: page.into(),
-            live,
-            pages,
+            subject,
+            pages: Arc::new(Semaphore::new(MOST_PAGES as usize)),
         });
         let (closing, closed) = oneshot::channel();
         let (runtime, listener) = (self.runtime, self.listener);
@@ -150,9 +171,9 @@ async fn keep_serving(
     closed: oneshot::Receiver<()>,
 ) {
     let pumping = async {
-        match &site.live {
-            Some(live) => pump(&live.feed, &live.told, &updates).await,
-            None => std::future::pending().await,
+        match &site.subject {
+            Subject::Live(live) => pump(&live.feed, &live.told, &updates).await,
+            Subject::Recording(_) => std::future::pending().await,
         }
     };
     tokio::select! {
@@ -191,11 +212,14 @@ async fn accept(listener: TcpListener, site: &Arc<Site>) {
 async fn serve(stream: TcpStream, router: Router) {
     // Rows are small, and are to be seen at once.
     let _ = stream.set_nodelay(true);
+    let progress = Progress::default();
+    let router = router.layer(Extension(progress.clone()));
     let connection = http1::Builder::new()
         .timer(TokioTimer::new())
         .header_read_timeout(ASKING)
         .serve_connection(TokioIo::new(stream), TowerToHyperService::new(router))
         .with_upgrades();
+    let mut connection = pin!(connection);
     // Who asks nonsense, or leaves, is not answered.
-    let _ = timeout(ANSWERING, connection).await;
+    while timeout(ANSWERING, connection.as_mut()).await.is_err() && progress.was_made() {}
 }

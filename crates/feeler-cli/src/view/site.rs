@@ -2,6 +2,7 @@
 
 use super::access::{Address, Wanted};
 use super::client::{self, Update};
+use super::download::{Progress, download};
 use super::feed::Feed;
 use super::state::{Request as Order, Told};
 use axum::body::Bytes;
@@ -12,6 +13,7 @@ use axum::http::header::{
 };
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use tokio::sync::{Semaphore, watch};
 
@@ -28,10 +30,18 @@ pub struct Site {
     pub address: Address,
     /// The page.
     pub page: Bytes,
-    /// A hand that works meanwhile, if there is one.
-    pub live: Option<Live>,
+    /// What it is of.
+    pub subject: Subject,
     /// How many more pages may look.
     pub pages: Arc<Semaphore>,
+}
+
+/// What a page is of.
+pub enum Subject {
+    /// The recording in this file.
+    Recording(PathBuf),
+    /// A hand that works meanwhile.
+    Live(Live),
 }
 
 /// A hand that works.
@@ -68,13 +78,28 @@ pub async fn answer(State(site): State<Arc<Site>>, request: Request) -> Response
             ([(CONTENT_TYPE, html)], site.page.clone()).into_response()
         }
         Ok(Wanted::Socket) => socket(Arc::clone(&site), request).await,
+        Ok(Wanted::Recording) => match &site.subject {
+            Subject::Recording(path) => recording(path, &request),
+            Subject::Live(_) => {
+                nothing("The recording is being made: it is in the folder of the run.")
+            }
+        },
         Ok(Wanted::Nothing) => {
-            let said = "There is nothing here but the page, to be asked for by GET.\n";
-            (StatusCode::NOT_FOUND, said).into_response()
+            nothing("There is nothing here but the page, to be asked for by GET.")
         }
         Err(refusal) => (StatusCode::FORBIDDEN, format!("{refusal}\n")).into_response(),
     };
     (guarded(&site.address), response).into_response()
+}
+
+fn nothing(said: &str) -> Response {
+    (StatusCode::NOT_FOUND, format!("{said}\n")).into_response()
+}
+
+fn recording(path: &Path, request: &Request) -> Response {
+    let progress = request.extensions().get::<Progress>();
+    download(path, progress.cloned().unwrap_or_default())
+        .unwrap_or_else(|error| nothing(&format!("{}: {error}", path.display())))
 }
 
 async fn socket(site: Arc<Site>, request: Request) -> Response {
@@ -83,9 +108,8 @@ async fn socket(site: Arc<Site>, request: Request) -> Response {
         Ok(upgrade) => upgrade,
         Err(rejection) => return rejection.into_response(),
     };
-    if site.live.is_none() {
-        let said = "This page is of a recording: nothing comes from it.\n";
-        return (StatusCode::NOT_FOUND, said).into_response();
+    if let Subject::Recording(_) = &site.subject {
+        return nothing("This page is of a recording: nothing comes from it.");
     }
     let Ok(place) = Arc::clone(&site.pages).try_acquire_owned() else {
         let said = format!("{MOST_PAGES} pages are open; expected no more. Close one of them.\n");
@@ -97,7 +121,7 @@ async fn socket(site: Arc<Site>, request: Request) -> Response {
         .write_buffer_size(0)
         .max_write_buffer_size(LONGEST_WAITING)
         .on_upgrade(move |socket| async move {
-            if let Some(live) = &site.live {
+            if let Subject::Live(live) = &site.subject {
                 client::serve(socket, live.updates.clone(), |order| live.order(order)).await;
             }
             drop(place);
