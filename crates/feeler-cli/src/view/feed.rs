@@ -84,7 +84,7 @@ impl Feed {
         };
         Self {
             width,
-            wanted: AtomicBool::new(true),
+            wanted: AtomicBool::new(false),
             newest: Mutex::new((moment, false)),
             ordered: AtomicBool::new(false),
             orders: Mutex::default(),
@@ -119,14 +119,21 @@ impl Feed {
         newest.1 = true;
     }
 
-    /// Lets `look` see the newest moment, if there is a new one. Then waits for the next.
-    pub fn take(&self, look: impl FnOnce(&Moment)) {
-        if let Some(mut newest) = free(&self.newest) {
-            if mem::take(&mut newest.1) {
-                look(&newest.0);
-            }
-            self.wanted.store(true, Ordering::Relaxed);
+    /// Asks for the next moment that there is.
+    pub fn want(&self) {
+        self.wanted.store(true, Ordering::Relaxed);
+    }
+
+    /// Lets `look` see the newest moment, if nobody has seen it; whether it did.
+    pub fn take(&self, look: impl FnOnce(&Moment)) -> bool {
+        let Some(mut newest) = free(&self.newest) else {
+            return false;
+        };
+        let is_new = mem::take(&mut newest.1);
+        if is_new {
+            look(&newest.0);
         }
+        is_new
     }
 
     /// Says that the hand is to stop, and who says so.
@@ -183,10 +190,13 @@ mod tests {
     #[test]
     fn a_moment_is_filled_when_it_is_wanted_and_seen_once() {
         let feed = Feed::new(1);
+        feed.offer(|_| unreachable!("nobody asked"));
+        feed.want();
         feed.offer(|moment| moment.time = 1.0);
         feed.offer(|_| unreachable!("nobody asked again"));
         assert_eq!(seen(&feed), Some(1.0));
         assert_eq!(seen(&feed), None);
+        feed.want();
         feed.offer(|moment| moment.time = 2.0);
         assert_eq!(seen(&feed), Some(2.0));
     }
@@ -194,13 +204,14 @@ mod tests {
     #[test]
     fn nobody_waits_for_who_looks() {
         let feed = Feed::new(1);
+        feed.want();
         feed.offer(|moment| moment.time = 1.0);
-        feed.take(|_| {
-            feed.wanted.store(true, Ordering::Relaxed);
+        let taken = feed.take(|_| {
+            feed.want();
             feed.offer(|_| unreachable!("somebody looks"));
         });
         feed.offer_last(|moment| moment.time = 3.0);
-        feed.take(|moment| assert!(moment.over));
+        assert!(taken && feed.take(|moment| assert!(moment.over)));
     }
 
     #[test]

@@ -7,10 +7,12 @@ use axum::body::Bytes;
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 use tokio::sync::watch::Sender;
-use tokio::time::{MissedTickBehavior, interval};
+use tokio::time::{MissedTickBehavior, interval, sleep};
 
 /// Time between two rows.
 const INTERVAL: Duration = Duration::from_nanos(1_000_000_000 / 30);
+/// How soon a row is seen: the hand's thread, which makes it, wakes nobody.
+const LOOK: Duration = Duration::from_millis(3);
 
 /// Sends pages what `feed` has, until its last moment; `told` is what they asked for last.
 pub async fn pump(feed: &Feed, told: &Mutex<Option<Told>>, updates: &Sender<Update>) {
@@ -20,7 +22,9 @@ pub async fn pump(feed: &Feed, told: &Mutex<Option<Told>>, updates: &Sender<Upda
     let mut over = false;
     while !over {
         ticks.tick().await;
-        feed.take(|moment| {
+        // Asked for only now, as it would be as old as the interval is long by the next tick.
+        feed.want();
+        let mut look = |moment: &Moment| {
             over = moment.over;
             let mut told = told.lock().unwrap_or_else(PoisonError::into_inner);
             let state = state(moment, told.as_mut()).into();
@@ -34,7 +38,10 @@ pub async fn pump(feed: &Feed, told: &Mutex<Option<Told>>, updates: &Sender<Upda
                 }
                 is_new
             });
-        });
+        };
+        while !feed.take(&mut look) {
+            sleep(LOOK).await;
+        }
     }
 }
 
@@ -62,7 +69,9 @@ mod tests {
     #[test]
     fn a_row_is_its_time_then_its_numbers() {
         let mut moment = None;
-        Feed::new(2).offer(|there| {
+        let feed = Feed::new(2);
+        feed.want();
+        feed.offer(|there| {
             there.time = 1.5;
             there.numbers.extend([2.0, f32::NAN]);
             moment = Some(there.clone());

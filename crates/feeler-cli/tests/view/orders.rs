@@ -1,7 +1,7 @@
 //! What the page's buttons do.
 
 use crate::program::folder;
-use crate::viewed::{Viewed, wait_for};
+use crate::viewed::{Viewed, next_row, wait_for};
 use feeler_record::{Phase, Recording};
 use tungstenite::Message;
 
@@ -44,6 +44,8 @@ fn the_buttons_stop_the_hand_and_let_it_go_on() {
         .send(Message::text(r#"{"order":"resume"}"#))
         .expect("an order");
     wait_for(&mut socket, |state| state["stopped"] == false);
+    // A later step than the one after which it was let go on.
+    next_row(&mut socket);
     viewed.interrupt();
     let recording = Recording::read(folder.join("run/recording.mcap")).expect("a recording");
     let mut phases: Vec<_> = recording.task.iter().map(|task| task.phase).collect();
