@@ -210,6 +210,11 @@ fn run_command(command: Command, out: &mut dyn Write) -> Result<Outcome, Command
     }
 }
 
+/// Ends the tests where what must not allocate does.
+#[cfg(test)]
+#[global_allocator]
+static ALLOCATOR: assert_no_alloc::AllocDisabler = assert_no_alloc::AllocDisabler;
+
 #[cfg(test)]
 mod tests {
     use super::command_line;

@@ -155,3 +155,58 @@ pub fn say_phase(moment: &mut Moment, phase: Phase, stroke: u32, strokes: u32) -
         (stroke, strokes) => write!(moment.words, "{phase} of stroke {stroke} of {strokes}."),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use assert_no_alloc::assert_no_alloc;
+    use feeler::pace::Unpaced;
+    use feeler_lab::config::BUILT_IN;
+    use feeler_lab::experiment::Session;
+    use std::convert::Infallible;
+    use std::ops::ControlFlow;
+    use std::sync::atomic::AtomicBool;
+
+    const ARGUMENTS: ServerArguments = ServerArguments {
+        port: 0,
+        no_open: true,
+    };
+
+    /// Rows of whole runs of all built-in experiments: somebody looks at every step, and stops the hand at times.
+    #[test]
+    fn handing_a_step_to_the_page_does_not_allocate() {
+        for built_in in BUILT_IN {
+            let settings = ["sensing=\"direct\"".to_string()];
+            let experiment = Experiment::load(built_in.name, &settings).expect("an experiment");
+            let mut session = Session::new(&experiment).expect("a session");
+            let page = LiveRun::open(&experiment, &ARGUMENTS, &mut Vec::new());
+            let mut page = page.expect("a page");
+            let feed = Arc::clone(&page.feed);
+            let (mut step, mut whole, mut stopped) = (0, 0, 0);
+            let ran = session.run(
+                &mut Unpaced::default(),
+                &AtomicBool::new(false),
+                |control_loop, at, _| {
+                    step += 1;
+                    match step % 300 {
+                        100 => feed.stop(BY),
+                        // Who stopped the hand is forgotten, which frees memory; the hand stands still then.
+                        110 => control_loop.controller_mut().resume(),
+                        _ => {}
+                    }
+                    feed.want();
+                    assert_no_alloc(|| page.step(control_loop, at));
+                    feed.take(|moment| {
+                        whole += usize::from(moment.numbers.len() == feed.width());
+                        stopped += usize::from(moment.stopped);
+                    });
+                    ControlFlow::<Infallible>::Continue(())
+                },
+            );
+            ran.expect("a run");
+            // The server takes some of them.
+            assert!(whole > step / 2, "{}: {whole} of {step}", built_in.name);
+            assert!(stopped > 0, "{}", built_in.name);
+        }
+    }
+}
