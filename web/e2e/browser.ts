@@ -14,6 +14,8 @@ const FLAGS = [
 
 /** How long a test waits for what must happen, ms. */
 const PATIENCE = 180_000;
+/** How often it looks, ms. */
+const INTERVAL = 50;
 
 export function launch(flags: string[] = []): Promise<Browser> {
   const executablePath = process.env["CHROMIUM"] ?? execSync("command -v chromium").toString().trim();
@@ -28,10 +30,12 @@ export interface Opened {
   requests: string[];
 }
 
+/** Opens the page at `url`, once it is prepared. */
 export async function open(
   browser: Browser,
   url: string,
   options: BrowserContextOptions = {},
+  prepare: (page: Page) => Promise<void> = async () => {},
 ): Promise<Opened> {
   const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, ...options });
   // No test fails because the computer is busy.
@@ -45,6 +49,16 @@ export async function open(
   page.on("request", (request) => {
     if (request.url() !== url) requests.push(request.url());
   });
+  await prepare(page);
   await page.goto(url);
   return { page, errors, requests };
+}
+
+/** Waits until `what` is so; `message` says what that is. */
+export async function until(what: () => Promise<boolean>, message: string): Promise<void> {
+  for (let waited = 0; waited < PATIENCE; waited += INTERVAL) {
+    if (await what()) return;
+    await new Promise((resolve) => setTimeout(resolve, INTERVAL));
+  }
+  throw new Error(`not within ${PATIENCE / 1000} s: ${message}`);
 }

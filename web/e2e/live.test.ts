@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import type { Browser, Page } from "playwright-core";
-import { launch, open } from "./browser";
+import { launch, open, until } from "./browser";
 import { type Rig, startRig } from "./live_server";
 
 let browser: Browser;
@@ -20,14 +20,6 @@ after(async () => {
   await browser.close();
   await rig.close();
 });
-
-async function until(what: () => Promise<boolean>, message: string): Promise<void> {
-  for (let attempt = 0; attempt < 400; attempt++) {
-    if (await what()) return;
-    await new Promise((resolve) => setTimeout(resolve, 50));
-  }
-  assert.fail(message);
-}
 
 const chip = (finger: number, name: string) =>
   page.locator(".live-finger").nth(finger).locator(`.chip.${name}.on`);

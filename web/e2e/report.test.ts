@@ -4,7 +4,7 @@ import { after, before, test } from "node:test";
 import type { Browser, Page } from "playwright-core";
 import { html, reportBody, reportPage } from "../sample/document";
 import { moment, quantity } from "../src/format";
-import { launch, open } from "./browser";
+import { launch, open, until } from "./browser";
 import { data, run, sample, write } from "./pages";
 
 let browser: Browser;
@@ -21,14 +21,6 @@ async function opened(options = {}): Promise<{ page: Page; errors: string[] }> {
 }
 
 const time = (page: Page) => page.locator(".player-time").innerText();
-
-async function until(what: () => Promise<boolean>, message: string): Promise<void> {
-  for (let attempt = 0; attempt < 300; attempt++) {
-    if (await what()) return;
-    await new Promise((resolve) => setTimeout(resolve, 100));
-  }
-  assert.fail(message);
-}
 
 const showsTime = (page: Page, row: number) =>
   until(async () => (await time(page)) === moment(run.rows[row]?.time ?? NaN), `row ${row} is not shown`);

@@ -1,0 +1,176 @@
+/** A run of the program itself, watched and ordered in the browser from its beginning to its end. */
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { join } from "node:path";
+import { after, before, describe, test } from "node:test";
+import type { Browser, Page } from "playwright-core";
+import { FLAG_NAMES } from "../src/run";
+import { launch, open, until } from "./browser";
+import { Program, ask, folder, killAll, skip } from "./feeler";
+import { type Change, type Noted, note, noted } from "./noted";
+import { type Recorded, begins, recorded } from "./recorded";
+
+/** How often the hand is stopped, for how long at least, and how long it works in between, ms. */
+const STOPS = 7;
+const STANDS = 500;
+const WORKS = 1500;
+/** Rows of 10 ms within which the drives come to rest. */
+const SETTLES = 20;
+
+describe("a run in the browser", { skip }, () => {
+  const where = folder();
+  let browser: Browser;
+  let program: Program;
+  let page: Page;
+  let errors: string[];
+  let shown: Noted;
+  let record: Recorded;
+
+  before(async () => {
+    browser = await launch();
+    // In real time.
+    program = new Program(where, [
+      "run",
+      "cap-closing",
+      "--sensing=direct",
+      "--out=run",
+      "--view",
+      "--no-open",
+    ]);
+    // A small page, as there may be no graphics card to draw it.
+    const viewport = { width: 640, height: 480 };
+    ({ page, errors } = await open(browser, await program.url(), { viewport }, note));
+  });
+  after(async () => {
+    killAll();
+    await browser.close();
+  });
+
+  const time = async () => Number.parseFloat(await page.locator(".player-time").innerText());
+  const stop = () => page.getByRole("button", { name: "Stop the hand" });
+  const resume = () => page.getByRole("button", { name: "Let the hand go on" });
+
+  test("rows come, and the scene moves with them", async () => {
+    await until(async () => (await time()) > 0, "a row is shown");
+    const before = await time();
+    const canvas = page.locator(".scene-canvas canvas");
+    const picture = await canvas.screenshot();
+    await until(async () => (await time()) > before + 0.5, "later rows are shown");
+    assert.ok(!picture.equals(await canvas.screenshot()));
+  });
+
+  test("stop and resume are answered in words", async () => {
+    for (let i = 0; i < STOPS; i++) {
+      await stop().click();
+      await page.getByText("The hand is stopped: told to stop by the live page.").waitFor();
+      await page.getByText("Stop: the hand stands still.").waitFor();
+      await page.waitForTimeout(STANDS);
+      await resume().click();
+      await page.getByText("Resume: the hand goes on.").waitFor();
+      await page.waitForTimeout(WORKS);
+    }
+  });
+
+  test("the end is told, and the page stays without a complaint", async () => {
+    await page.getByText("The task is done. This is the end of the run.").waitFor();
+    assert.equal(await program.ended, 0, program.said);
+    assert.equal(await page.locator(".live-notice").isVisible(), false);
+    assert.deepEqual(errors, []);
+    shown = await noted(page);
+  });
+
+  test("the report of the recording opens, and has it to be taken along", async () => {
+    const view = new Program(where, ["view", "run", "--no-open"]);
+    const url = await view.url();
+    record = await recorded((await ask(url, {})).body);
+    const { page: report, errors } = await open(browser, url);
+    await report.locator(".uplot").first().waitFor();
+    const loading = report.waitForEvent("download");
+    await report.getByRole("link", { name: "recording.mcap" }).click();
+    const loaded = await loading;
+    assert.equal(loaded.suggestedFilename(), "recording.mcap");
+    assert.ok(readFileSync(await loaded.path()).equals(readFileSync(join(where, "run/recording.mcap"))));
+    assert.deepEqual(errors, []);
+    assert.equal(await view.interrupt(), 0);
+  });
+
+  test("the hand was stopped as often as the button was pressed, and stood still", () => {
+    const { table, run } = record;
+    assert.equal(shown.stops.length, STOPS);
+    assert.equal(begins(record, "STOPPED").length, STOPS);
+    for (const finger of [0, 1]) {
+      const joints = table.column(`finger/${finger}/joints`);
+      assert.ok(joints);
+      const angles = (row: number) => [0, 1, 2].map((joint) => joints.at(row, joint));
+      let stood = 0;
+      for (let row = SETTLES; row < table.length; row++) {
+        if (run.phase(row) !== "STOPPED" || run.phase(row - SETTLES) !== "STOPPED") continue;
+        assert.deepEqual(angles(row), angles(row - 1), `${table.time(row)} s`);
+        stood++;
+      }
+      assert.ok(stood >= STOPS * SETTLES, `${stood} rows`);
+    }
+  });
+
+  test("the page showed the flags that are on record, at every row that came", () => {
+    assert.ok(shown.rows.length > 100);
+    const changes = [...shown.changes];
+    const on = new Set<string>();
+    for (const { time } of shown.rows) {
+      while (changes[0]?.row.time === time) {
+        const { finger, name, on: isOn } = changes.shift()!;
+        on[isOn ? "add" : "delete"](`${finger} ${name}`);
+      }
+      const row = record.table.rowAt(time);
+      assert.equal(record.table.time(row), time);
+      const flags = record.fingers.flatMap((finger) =>
+        FLAG_NAMES.filter(([bit]) => finger.flags(row) & bit).map(([, name]) => `${finger.number} ${name}`),
+      );
+      assert.deepEqual([...on].sort(), flags.sort(), `${time} s`);
+    }
+    assert.deepEqual(changes, []);
+    // Two fingers touch and let go in each of four strokes.
+    assert.ok(shown.changes.filter(({ name }) => name === "TOUCH").length >= 16);
+  });
+
+  /** Time of the step, s, since which a flag is as its row shows it. */
+  const began = ({ row: { time }, finger, name, on }: Change) => {
+    const bit = FLAG_NAMES.find(([, flag]) => flag === name)?.[0] ?? 0;
+    const isSo = (row: number) => (((record.fingers[finger]?.flags(row) ?? 0) & bit) !== 0) === on;
+    let row = record.table.rowAt(time);
+    while (row > 0 && isSo(row - 1)) row--;
+    return record.table.time(row);
+  };
+
+  /**
+   * From the step in which a flag changes to the chip that shows it, in three parts: to the step whose row shows it, as
+   * they are recorded in real time; from there to the page; from there to the chip. Nobody outside of the program knows when
+   * a step is made, so the second part is not known, but something longer is. The step that the button stops comes after the
+   * button was pressed: from there to the first row of a stopped hand, less what that is after the stopped step, is the
+   * way of a row and of the order besides. Of each, the median, as a busy computer may hold up anything at any time.
+   */
+  test("flags follow within 100 ms of their step", () => {
+    const stopped = begins(record, "STOPPED");
+    const ways = shown.stops.map((pressed, i) => {
+      const stop = stopped[i] ?? NaN;
+      const row = shown.rows.find(({ time }) => time >= stop);
+      return row ? row.at - pressed - 1000 * (row.time - stop) : NaN;
+    });
+    const way = median(ways);
+    // SLIP comes and goes from step to step, so that what a row shows may be new by chance.
+    const touches = shown.changes.filter(({ name }) => name === "TOUCH");
+    const rest = median(
+      touches.map((change) => 1000 * (change.row.time - began(change)) + change.at - change.row.at),
+    );
+    console.log(
+      `flags after ${(rest + way).toFixed(0)} ms, ${way.toFixed(0)} of them the way of an order and a row`,
+    );
+    assert.ok(rest + way < 100, `${rest} ms, and ${ways.join(", ")} ms`);
+  });
+});
+
+/** The middle one. Not a number where one is not. */
+function median(numbers: number[]): number {
+  const sorted = numbers.toSorted((a, b) => a - b);
+  return numbers.some(Number.isNaN) ? NaN : (sorted[sorted.length >> 1] ?? NaN);
+}
