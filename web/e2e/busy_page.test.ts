@@ -32,7 +32,7 @@ describe("a busy page", { skip }, () => {
     await page.evaluate((busy) => {
       for (const until = Date.now() + busy; Date.now() < until;);
     }, BUSY);
-    await page.getByText(/The run was interrupted: .*This is the end of the run/).waitFor();
+    await page.getByText(/The run was interrupted: .*No more rows come/).waitFor();
     assert.equal(await page.locator(".live-notice").isVisible(), false);
     assert.deepEqual(errors, []);
     assert.equal(await program.ended, 1, program.said);

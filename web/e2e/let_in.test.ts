@@ -74,6 +74,6 @@ describe("who asks for a live page", { skip }, () => {
     await page.getByText(/SEARCH of stroke 1 of 4/).waitFor();
     assert.deepEqual(errors, []);
     assert.equal(await program.interrupt(), 1);
-    await page.getByText(/The run was interrupted.*This is the end of the run/).waitFor();
+    await page.getByText(/The run was interrupted.*No more rows come/).waitFor();
   });
 });

@@ -100,7 +100,7 @@ test("a message that cannot be read is told, and ends nothing", async () => {
 
 test("the end is told, and the page stays", async () => {
   rig.state({ state: "Done.", stopped: false, over: true });
-  await page.getByText("This is the end of the run.").waitFor();
+  await page.getByText("No more rows come.").waitFor();
   rig.cut();
   await page.waitForTimeout(800);
   assert.equal(rig.sockets(), 0);

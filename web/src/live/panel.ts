@@ -53,7 +53,7 @@ export class LivePanel {
   }
 
   showState({ state, stopped, answer, over }: LiveState): void {
-    setText(this.#state, over ? `${state} This is the end of the run.` : state);
+    setText(this.#state, over ? `${state} No more rows come.` : state);
     this.#state.classList.toggle("stopped", stopped);
     setText(this.#answer, answer ?? "");
     this.#resume.disabled = !stopped || over;
