@@ -19,7 +19,7 @@ import zenoh
 from mcap.records import Schema
 from mcap_ros2.decoder import DecoderFactory
 
-PROTOCOL = 3  # version of the messages that this program knows
+PROTOCOL = 4  # version of the messages that this program knows
 NOBODY = 0xFFFFFFFF  # no element, no finger
 PRINT_INTERVAL = 0.1  # s between two lines of one finger
 

@@ -9,11 +9,11 @@ use super::topic::Place;
 use feeler::control::phase::Phase;
 use feeler::hand::MAX_FINGERS;
 use feeler_record::text_enum;
-use feeler_record::wire::{Vector3, message, vector3_schema};
+use feeler_record::wire::{Quaternion, Vector3, message, quaternion_schema, vector3_schema};
 use serde::{Deserialize, Serialize};
 
 /// Version of these messages. A program takes no other, and says so.
-pub const PROTOCOL: u32 = 3;
+pub const PROTOCOL: u32 = 4;
 
 /// [`TactileUpdate::largest_element`] when no element touches.
 pub const NO_ELEMENT: u32 = u32::MAX;
@@ -313,6 +313,10 @@ message!(
     "geometry_msgs/Vector3 cap_centre  # m in the world frame (simulated worlds only)",
     "float64 cap_torque  # N m, true, positive when it resists closing (simulated worlds only)",
     "float64[5] slipped  # m, of each finger: how far a feeler slipped since the state before (simulated worlds only)",
+    "bool has_object  # whether an object is carried of which it is known where it is (simulated worlds only)",
+    "geometry_msgs/Vector3 object_position  # m, its origin in the world frame",
+    "geometry_msgs/Quaternion object_orientation  # of its frame in the world frame",
+    quaternion_schema!(),
 );
 
 /// What the rig's own instruments say, and what only a simulated world knows of its cap.
@@ -332,6 +336,12 @@ pub struct InstrumentsMessage {
     pub cap_torque: f64,
     /// Of each finger's feelers, the longest way that an anchor slid since the state before, m.
     pub slipped: [f64; MAX_FINGERS],
+    /// Whether an object is carried of which it is known where it is.
+    pub has_object: bool,
+    /// Its origin, m in `W`.
+    pub object_position: Vector3,
+    /// Orientation of its frame in `W`.
+    pub object_orientation: Quaternion,
 }
 
 text_enum! {

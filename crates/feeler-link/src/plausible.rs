@@ -5,7 +5,7 @@
 use super::message::{PROTOCOL, StateMessage, TactileUpdate};
 use super::rejection::Rejection;
 use feeler_record::wire::Vector3;
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 
 /// Greatest angle of a joint, rad.
 const MOST_ANGLE: f64 = 100.0;
@@ -17,6 +17,8 @@ const MOST_FORCE: f64 = 1e4;
 const MOST_SHEAR_RATE: f64 = 1e8;
 /// Greatest reading of an instrument, in its unit.
 const MOST_READING: f64 = 1e9;
+/// How far the length of a rotation's quaternion may be from 1: rounding is far below.
+const UNIT: f64 = 1e-6;
 
 /// Holds a message to the version of this program's.
 pub(super) fn check_protocol(protocol: u32) -> Result<(), Rejection> {
@@ -61,10 +63,19 @@ pub(super) fn check_state(fingers: usize, state: &StateMessage) -> Result<(), Re
             i.cap_angle,
             greatest(&i.cap_centre),
             i.cap_torque,
+            greatest(&i.object_position),
         ];
         others.into_iter().chain(i.slipped)
     });
-    check(readings, MOST_READING)
+    check(readings, MOST_READING)?;
+    let orientations = state.instruments.iter().map(|i| i.object_orientation);
+    for orientation in orientations.map(DQuat::from) {
+        check(orientation.to_array(), 1.0 + UNIT)?;
+        if (orientation.length() - 1.0).abs() > UNIT {
+            return Err(Rejection::Implausible);
+        }
+    }
+    Ok(())
 }
 
 /// Holds commanded joint velocities, rad/s, to a hand of so many `fingers`.

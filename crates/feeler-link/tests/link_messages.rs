@@ -4,7 +4,7 @@ use feeler_link::message::{
     CommandMessage, DirectForces, HandMode, Heartbeat, InstrumentsMessage, MessageHeader,
     PictureMessage, ResumeMessage, StateMessage, StopInForce, StopMessage, TactileUpdate,
 };
-use feeler_record::wire::{Message, Vector3, cdr};
+use feeler_record::wire::{Message, Quaternion, Vector3, cdr};
 use proptest::prelude::*;
 use proptest::{bits, collection::vec};
 use serde_json::{Map, Value, json};
@@ -139,8 +139,12 @@ prop_compose! {
     fn instruments()(
         [torque, bridge_voltage, cap_angle, cap_torque] in [number(), number(), number(), number()],
         counts: i32, cap_centre in vector(), slipped in [(); 5].map(|()| number()),
+        has_object: bool, object_position in vector(), [x, y, z, w] in [(); 4].map(|()| number()),
     ) -> InstrumentsMessage {
-        InstrumentsMessage { torque, bridge_voltage, counts, cap_angle, cap_centre, cap_torque, slipped }
+        InstrumentsMessage {
+            torque, bridge_voltage, counts, cap_angle, cap_centre, cap_torque, slipped, has_object, object_position,
+            object_orientation: Quaternion { x, y, z, w },
+        }
     }
 }
 

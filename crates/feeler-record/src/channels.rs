@@ -4,7 +4,7 @@
 //! All stamps are seconds of the run's time (simulated or real), not of the wall clock.
 
 use super::names::{FindingName, TaskOutcome};
-use crate::wire::{Message, Quaternion, Vector3, message, vector3_schema};
+use crate::wire::{Message, Quaternion, Vector3, message, quaternion_schema, vector3_schema};
 use feeler::control::phase::Phase;
 use serde::{Deserialize, Serialize};
 
@@ -201,12 +201,7 @@ message!(
     "geometry_msgs/Vector3 position  # m in the world frame, centre of the dome",
     "geometry_msgs/Quaternion orientation  # fingertip frame in the world frame",
     vector3_schema!(),
-    "================================================================================",
-    "MSG: geometry_msgs/Quaternion",
-    "float64 x",
-    "float64 y",
-    "float64 z",
-    "float64 w",
+    quaternion_schema!(),
 );
 
 /// What the torque sensor under the bottle measures.
@@ -378,12 +373,7 @@ message!(
     "geometry_msgs/Vector3 position  # m in the world frame",
     "geometry_msgs/Quaternion orientation  # of its frame in the world frame",
     vector3_schema!(),
-    "================================================================================",
-    "MSG: geometry_msgs/Quaternion",
-    "float64 x",
-    "float64 y",
-    "float64 z",
-    "float64 w",
+    quaternion_schema!(),
 );
 
 /// Messages that are missing from here on, as the file took nothing while they were written. It stands where they

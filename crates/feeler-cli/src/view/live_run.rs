@@ -43,7 +43,7 @@ impl LiveRun {
         out: &mut dyn Write,
     ) -> Result<Self, CommandError> {
         let config = &experiment.config;
-        let source = Source::of_run(config)?;
+        let source = Source::new(config)?;
         let title = format!("{}, seed {}", config.name, config.seed);
         let (feed, server) = serve(&title, &source, BY, arguments, out)?;
         Ok(Self {

@@ -27,23 +27,16 @@ pub struct Source {
 }
 
 impl Source {
-    /// Of a run of `config` in this program.
-    pub fn of_run(config: &ExperimentConfig) -> Result<Self, CommandError> {
-        let source = Self::of_rig(config)?;
-        let mut solids = source.facts.solids.iter();
-        let object = solids.any(|solid| solid.frame == SolidFrame::Object);
-        Ok(Self { object, ..source })
-    }
-
-    /// Of a rig of several programs, which does not tell where an object is.
-    pub fn of_rig(config: &ExperimentConfig) -> Result<Self, CommandError> {
+    /// Of the rig of `config`.
+    pub fn new(config: &ExperimentConfig) -> Result<Self, CommandError> {
         let facts = run_facts(config)?;
         let elements = facts.hand.iter().map(|model| model.element_tips.len());
+        let mut solids = facts.solids.iter();
         Ok(Self {
             homes: config.task.homes(),
             elements: elements.collect(),
             cap: config.cap().is_some(),
-            object: false,
+            object: solids.any(|solid| solid.frame == SolidFrame::Object),
             facts,
         })
     }

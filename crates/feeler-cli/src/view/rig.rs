@@ -12,6 +12,7 @@ use crate::{CommandError, Outcome};
 use feeler_lab::config::Experiment;
 use feeler_link::endpoints::LinkError;
 use feeler_link::right::Right;
+use glam::{DQuat, DVec3};
 use std::fmt::Write as _;
 use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -27,7 +28,7 @@ const INTERVAL: Duration = Duration::from_millis(10);
 pub fn view(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     let experiment = Experiment::load(&arguments.what, &arguments.values.settings())?;
     let rig = arguments.values.rig(&experiment);
-    let source = Source::of_rig(&experiment.config)?;
+    let source = Source::new(&experiment.config)?;
     let network = arguments
         .link
         .with_right(&[Right::Order, Right::Watch])?
@@ -94,11 +95,17 @@ fn fill(moment: &mut Moment, source: &Source, watched: &Watched) {
         });
     }
     row.push(snapshot.torque.map_or(UNKNOWN, |torque| torque.newest));
+    let instruments = watched.instruments();
     if source.cap {
-        let cap = watched.instruments();
-        let cap = cap.map(|at| (at.cap_centre.into(), at.cap_angle));
-        let (centre, angle) = cap.unwrap_or((glam::DVec3::NAN, UNKNOWN));
+        let cap = instruments.map(|at| (at.cap_centre.into(), at.cap_angle));
+        let (centre, angle) = cap.unwrap_or((DVec3::NAN, UNKNOWN));
         row.cap(centre, angle);
+    }
+    if source.object {
+        let object = instruments.filter(|at| at.has_object);
+        let pose = object.map(|at| (at.object_position.into(), at.object_orientation.into()));
+        let (position, rotation) = pose.unwrap_or((DVec3::NAN, DQuat::NAN));
+        row.pose(position, rotation);
     }
 }
 

@@ -138,6 +138,8 @@ impl Drop for Running {
 #[derive(Debug, Clone)]
 pub struct Setup {
     pub folder: PathBuf,
+    /// The experiment, and what the rig is called.
+    pub experiment: &'static str,
     /// Where the hand listens.
     pub endpoint: String,
     /// Of the rig's time, as hand and world are told.
@@ -156,6 +158,7 @@ impl Setup {
     pub fn new(name: &str) -> Self {
         Self {
             folder: folder(name),
+            experiment: "cap-closing",
             endpoint: unused_endpoint(),
             speed: SLOW,
             settings: vec!["--sensing=direct".into()],
@@ -163,6 +166,11 @@ impl Setup {
             link: Vec::new(),
             namespaces: None,
         }
+    }
+
+    /// The same of another experiment.
+    pub fn of(self, experiment: &'static str) -> Self {
+        Self { experiment, ..self }
     }
 
     /// The same at another `speed`.
@@ -208,13 +216,14 @@ impl Setup {
     }
 
     fn world(&self) -> Running {
-        let arguments = ["world", "cap-closing", "--speed", self.speed];
+        let arguments = ["world", self.experiment, "--speed", self.speed];
         self.join("world", &arguments)
     }
 
     fn sense(&self, finger: usize) -> Running {
         let number = finger.to_string();
-        let arguments = ["sense", "rig:", "--publish", "--finger", &number];
+        let of_rig = ["sense", "rig:", "--experiment", self.experiment];
+        let arguments = [&of_rig[..], &["--publish", "--finger", &number]].concat();
         self.join(&format!("sense{finger}"), &arguments)
     }
 
@@ -237,7 +246,7 @@ impl Setup {
 
     /// Starts the hand, with `more` arguments.
     pub fn hand(&self, more: &[&str]) -> Running {
-        let mut command = self.command(0, &["hand", "cap-closing", "--out", "run"]);
+        let mut command = self.command(0, &["hand", self.experiment, "--out", "run"]);
         command.args(["--listen", &self.endpoint, "--speed", self.speed]);
         command
             .args(&self.hand_link)
@@ -249,7 +258,7 @@ impl Setup {
     /// Starts the hand, whose files the system lets grow to so many blocks (512 B, or 1 KiB by some shells).
     #[cfg(target_os = "linux")]
     pub fn hand_with_files_up_to(&self, blocks: usize) -> Running {
-        let hand = self.command(0, &["hand", "cap-closing", "--out", "run"]);
+        let hand = self.command(0, &["hand", self.experiment, "--out", "run"]);
         // What exceeds it is an error then, and not the end.
         let limited = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$@\"");
         let mut command = Command::new("sh");
@@ -272,7 +281,7 @@ impl Setup {
     }
 
     fn say(&self, order: &str, from: &str, link: &[String]) -> Ended {
-        let mut command = self.command(0, &[order, "cap-closing", "--from", from]);
+        let mut command = self.command(0, &[order, self.experiment, "--from", from]);
         command.args(["--connect", &self.endpoint]).args(link);
         Ended::of(command.output().expect("the program"))
     }

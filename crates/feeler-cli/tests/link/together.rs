@@ -15,20 +15,26 @@ fn digest(folder: &Path) -> String {
 
 #[test]
 fn a_world_that_waits_gives_the_run_of_one_process_bit_for_bit() {
-    for sensing in ["direct", "image"] {
-        let name = format!("link-step-{sensing}");
-        let mut setup = Setup::new(&name).with(&["time_limit=4"]).at("max");
+    let runs = [
+        ("cap-closing", "direct"),
+        ("cap-closing", "image"),
+        ("lift", "direct"),
+    ];
+    for (experiment, sensing) in runs {
+        let name = format!("link-step-{experiment}-{sensing}");
+        let setup = Setup::new(&name).of(experiment);
+        let mut setup = setup.with(&["time_limit=4"]).at("max");
         setup.settings.push(format!("--set=sensing={sensing}"));
         setup.settings.remove(0);
         let rig = setup.start();
         let (status, said) = rig.setup.hand(&[]).wait();
-        // It ends at the time limit, before the cap is closed.
+        // It ends at the time limit, before the task is done.
         assert_eq!(status, Some(1), "{said}");
-        let mut one = vec!["run", "cap-closing", "--out=one"];
+        let mut one = vec!["run", experiment, "--out=one"];
         one.extend(rig.setup.settings.iter().map(String::as_str));
         run(&rig.setup.folder, &one);
         let of = |run: &str| digest(&rig.setup.folder.join(run));
-        assert_eq!(of("run"), of("one"), "{sensing}: {said}");
+        assert_eq!(of("run"), of("one"), "{experiment}, {sensing}: {said}");
     }
 }
 

@@ -2,6 +2,9 @@
 
 use crate::rig::{QUARTER, Setup};
 use crate::viewed::{Viewed, next_row, wait_for};
+use feeler_record::ObjectPose;
+use feeler_record::wire::Vector3;
+use glam::DQuat;
 use serde_json::Value;
 use tungstenite::Message;
 
@@ -14,13 +17,49 @@ fn says(state: &Value, words: &str) -> bool {
         .is_some_and(|said| said.contains(words))
 }
 
+/// The page of the rig that `setup` starts.
+fn viewed(setup: &Setup) -> Viewed {
+    let mut arguments = vec!["view", setup.experiment, "--connect", &setup.endpoint];
+    arguments.extend(setup.settings.iter().map(String::as_str));
+    Viewed::start(&setup.folder, &arguments)
+}
+
+#[test]
+fn an_object_that_is_carried_is_where_the_rig_has_it() {
+    /// Numbers of a pose, the last of a row.
+    const POSE: usize = 7;
+    let setup = Setup::new("view-rig-lift").of("lift");
+    let rig = setup.with(&SETTINGS).at(QUARTER).start();
+    let viewed = viewed(&rig.setup);
+    let mut socket = viewed.socket();
+    let mut hand = rig.moving_hand(&[]);
+    let known = |pose: &[f32]| pose.iter().all(|number| number.is_finite());
+    let shown = loop {
+        let (_, row) = next_row(&mut socket);
+        let pose = row[row.len() - POSE..].to_vec();
+        if known(&pose) {
+            break pose;
+        }
+    };
+    hand.signal("INT");
+    hand.wait();
+    let recording = rig.setup.recording();
+    let is_shown = |object: &ObjectPose| {
+        let Vector3 { x, y, z } = object.position;
+        let orientation = DQuat::from(object.orientation).to_array();
+        let numbers = [x, y, z].into_iter().chain(orientation);
+        numbers
+            .map(|number| number as f32)
+            .eq(shown.iter().copied())
+    };
+    assert!(recording.object.iter().any(is_shown), "{shown:?}");
+    viewed.interrupt();
+}
+
 #[test]
 fn a_rig_is_seen_and_ordered_from_its_page() {
     let rig = Setup::new("view-rig").with(&SETTINGS).at(QUARTER).start();
-    let endpoint = &rig.setup.endpoint;
-    let mut arguments = vec!["view", "cap-closing", "--connect", endpoint];
-    arguments.extend(rig.setup.settings.iter().map(String::as_str));
-    let viewed = Viewed::start(&rig.setup.folder, &arguments);
+    let viewed = viewed(&rig.setup);
     let mut socket = viewed.socket();
     wait_for(&mut socket, |state| says(state, "No hand was heard"));
     let _hand = rig.moving_hand(&[]);

@@ -5,7 +5,7 @@ use feeler::control::control_loop::ControlLoop;
 use feeler::control::touch::TouchSource;
 use feeler::hand::{Hand, MAX_FINGERS};
 use feeler_link::message::InstrumentsMessage;
-use feeler_record::{InstrumentRecord, MessageSink, ObjectPose, RecordError, RunLog};
+use feeler_record::{MessageSink, RecordError, RunLog};
 use feeler_sim::object::Motion;
 use feeler_sim::pose::Pose;
 use feeler_sim::rig::SimRig;
@@ -60,25 +60,15 @@ impl Instruments {
         log: &mut RunLog<R>,
     ) -> Result<(), RecordError> {
         let stamp = control_loop.state().stamp;
-        let message = InstrumentsMessage::from(self);
-        let (torque, cap, slip) = message.recorded(stamp, control_loop.touches().len());
-        let object = self.object.map(|pose| ObjectPose {
-            stamp,
-            position: pose.position.into(),
-            orientation: DQuat::from_mat3(&pose.rotation).into(),
-        });
-        let instruments = InstrumentRecord {
-            torque: Some(&torque),
-            cap: Some(&cap),
-            slip: Some(&slip),
-            object: object.as_ref(),
-        };
-        log.write(control_loop, instruments)
+        let fingers = control_loop.touches().len();
+        let read = InstrumentsMessage::from(self).recorded(stamp, fingers);
+        log.write(control_loop, read.record())
     }
 }
 
 impl From<&Instruments> for InstrumentsMessage {
     fn from(at: &Instruments) -> Self {
+        let object = at.object.unwrap_or(Pose::IDENTITY);
         Self {
             torque: at.torque.torque,
             bridge_voltage: at.torque.voltage,
@@ -87,6 +77,9 @@ impl From<&Instruments> for InstrumentsMessage {
             cap_centre: at.cap_centre.into(),
             cap_torque: at.cap.torque,
             slipped: at.slipped,
+            has_object: at.object.is_some(),
+            object_position: object.position.into(),
+            object_orientation: DQuat::from_mat3(&object.rotation).into(),
         }
     }
 }

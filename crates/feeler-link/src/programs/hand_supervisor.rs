@@ -4,6 +4,7 @@ use super::hand_config::RemoteLoop;
 use super::hand_schedule::HANGS_AFTER;
 use super::hand_status::HandStatus;
 use crate::endpoints::LinkError;
+use crate::instruments::RecordedInstruments;
 use crate::message::InstrumentsMessage;
 use crate::remote::{RemoteFinger, RemoteHand, mode_of};
 use feeler::control::control_loop::Supervisor;
@@ -128,15 +129,7 @@ where
     fn record(&mut self, control_loop: &RemoteLoop, stamp: f64) -> ControlFlow<StepEnd<B>> {
         let fingers = control_loop.state().joints.len();
         let read = self.instruments.map(|at| at.recorded(stamp, fingers));
-        let none = InstrumentRecord::default();
-        let instruments = read
-            .as_ref()
-            .map_or(none, |(torque, cap, slip)| InstrumentRecord {
-                torque: Some(torque),
-                cap: Some(cap),
-                slip: Some(slip),
-                object: None,
-            });
-        (self.each_step)(control_loop, instruments).map_break(StepEnd::Broke)
+        let instruments = read.as_ref().map(RecordedInstruments::record);
+        (self.each_step)(control_loop, instruments.unwrap_or_default()).map_break(StepEnd::Broke)
     }
 }

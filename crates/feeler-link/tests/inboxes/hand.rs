@@ -15,6 +15,7 @@ use feeler_link::outlet::encode;
 use feeler_link::rejection::Rejection;
 use feeler_link::topic::Topic;
 use feeler_record::wire::Vector3;
+use glam::DQuat;
 
 /// When messages come, s on the hand's clock.
 const NOW: f64 = 1.002;
@@ -88,7 +89,7 @@ fn headers_are_refused_for_one_thing_each() {
 #[test]
 fn states_are_refused_for_one_thing_each() {
     type Spoil = fn(&mut StateMessage);
-    let cases: [(Spoil, Rejection); 13] = [
+    let cases: [(Spoil, Rejection); 14] = [
         (|s| s.header.instance = SENSE, Rejection::Stranger),
         (|s| s.header.sequence = 1, Rejection::Old),
         (|s| s.header.stamp = 4.99, Rejection::Implausible),
@@ -112,6 +113,17 @@ fn states_are_refused_for_one_thing_each() {
                 }]
             },
             Rejection::NotFinite,
+        ),
+        (
+            |s| {
+                // As zeroed memory has it: no rotation at all.
+                let object_orientation = DQuat::from_array([0.0; 4]).into();
+                s.instruments = vec![InstrumentsMessage {
+                    object_orientation,
+                    ..InstrumentsMessage::default()
+                }]
+            },
+            Rejection::Implausible,
         ),
     ];
     for (index, (spoil, rejection)) in cases.into_iter().enumerate() {

@@ -49,6 +49,13 @@ pub struct Quaternion {
     pub w: f64,
 }
 
+impl Default for Quaternion {
+    /// No rotation.
+    fn default() -> Self {
+        DQuat::IDENTITY.into()
+    }
+}
+
 impl From<Quaternion> for DQuat {
     fn from(q: Quaternion) -> Self {
         Self::from_xyzw(q.x, q.y, q.z, q.w)
@@ -70,6 +77,19 @@ macro_rules! message {
             const SCHEMA_NAME: &'static str = concat!("feeler_msgs/msg/", $name);
             const SCHEMA: &'static str = concat!($($line, "\n"),+);
         }
+    };
+}
+
+/// The text of `geometry_msgs/Quaternion`, to stand after a schema that uses it.
+#[macro_export]
+macro_rules! quaternion_schema {
+    () => {
+        "================================================================================\n\
+         MSG: geometry_msgs/Quaternion\n\
+         float64 x\n\
+         float64 y\n\
+         float64 z\n\
+         float64 w"
     };
 }
 

@@ -3,6 +3,6 @@
 pub mod cdr;
 mod message;
 
-pub use crate::{message, vector3_schema};
+pub use crate::{message, quaternion_schema, vector3_schema};
 pub use cdr::WireError;
 pub use message::{Message, Quaternion, Vector3};
