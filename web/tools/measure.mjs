@@ -24,7 +24,9 @@ try {
   const middle = (of) => runs.map(of).sort((a, b) => a - b)[Math.floor(REPEATS / 2)];
   console.log(`file                 ${(statSync(report).size / 1e6).toFixed(2)} MB`);
   console.log(`drawn by             ${runs[0].renderer}`);
-  console.log(`first picture after  ${(middle((run) => run.first) / 1000).toFixed(2)} s (median of ${REPEATS})`);
+  console.log(
+    `first picture after  ${(middle((run) => run.first) / 1000).toFixed(2)} s (median of ${REPEATS})`,
+  );
   console.log(`while playing        ${middle((run) => run.rate).toFixed(1)} frames/s (median of ${REPEATS})`);
 } finally {
   await browser.close();
