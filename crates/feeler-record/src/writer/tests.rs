@@ -11,6 +11,7 @@ use crate::topic::{Channel, topics};
 use crate::{Joints, RunState, Task};
 use proptest::prelude::*;
 use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::Sender;
 use std::sync::{Arc, Mutex};
 
@@ -24,10 +25,13 @@ const HURRY: Patience = Patience::Limited(Duration::ZERO);
 struct Gated<S> {
     permits: Receiver<()>,
     store: S,
+    /// Whether there is a batch that waits for its permit.
+    begun: Arc<AtomicBool>,
 }
 
 impl<S: Store> Store for Gated<S> {
     fn write(&mut self, batch: &Batch) -> Result<(), RecordError> {
+        self.begun.store(true, Ordering::Relaxed);
         let _ = self.permits.recv();
         self.store.write(batch)
     }
@@ -108,7 +112,29 @@ fn recorder(store: impl Store, patience: Patience) -> Recorder {
 
 fn gated<S: Store>(store: S, patience: Patience) -> (Recorder, Sender<()>) {
     let (permit, permits) = channel();
-    (recorder(Gated { permits, store }, patience), permit)
+    let gated = Gated {
+        permits,
+        store,
+        begun: Arc::default(),
+    };
+    (recorder(gated, patience), permit)
+}
+
+/// The same behind step 0, whose batch waits for its permit: until then nothing makes room for what follows.
+fn held_up<S: Store>(store: S, patience: Patience) -> (Recorder, Sender<()>) {
+    let (permit, permits) = channel();
+    let begun = Arc::<AtomicBool>::default();
+    let gated = Gated {
+        permits,
+        store,
+        begun: Arc::clone(&begun),
+    };
+    let mut recorder = recorder(gated, patience);
+    write_step(&mut recorder, 0).unwrap();
+    while !begun.load(Ordering::Relaxed) {
+        thread::yield_now();
+    }
+    (recorder, permit)
 }
 
 /// Writes the two messages of step number `step`, of 10 ms; whether none was dropped.
@@ -193,8 +219,8 @@ fn a_file_that_takes_nothing_holds_no_write_up() {
 
 #[test]
 fn a_write_that_may_wait_waits_once_until_there_is_room() {
-    let (mut recorder, permit) = gated(Memory::default(), Patience::Limited(FOR_EVER));
-    for step in 0..OVERFLOW {
+    let (mut recorder, permit) = held_up(Memory::default(), Patience::Limited(FOR_EVER));
+    for step in 1..OVERFLOW {
         // As if it had waited in vain once there was no room; it would hang here if it waited again.
         recorder.writer.waited |= recorder.dropped() == 0;
         write_step(&mut recorder, step).unwrap();
@@ -300,8 +326,8 @@ fn with_gap(name: &str, patience: Patience) -> Recording {
     let path = std::env::temp_dir().join(format!("feeler-{name}-{}", std::process::id()));
     let channels = Channel::of_run(&facts(), false);
     let sink = Sink::create(&path, &facts(), "", &BTreeMap::new(), &channels).unwrap();
-    let (mut recorder, permit) = gated(sink, patience);
-    for step in 0..OVERFLOW {
+    let (mut recorder, permit) = held_up(sink, patience);
+    for step in 1..OVERFLOW {
         write_step(&mut recorder, step).unwrap();
     }
     drop(permit);
