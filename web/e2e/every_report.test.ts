@@ -1,14 +1,15 @@
 /** What every report that feeler made must do. That the columns of its page are those of the recording, Rust tests. */
 import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
 import { after, before, test } from "node:test";
+import { fileURLToPath } from "node:url";
 import type { Browser, Page } from "playwright-core";
 import { moment, quantity } from "../src/format";
-import { inflate } from "../src/inflate";
 import type { PageData } from "../src/page_data";
-import { readPage } from "../src/read_page";
-import { readTable, type Table } from "../src/table";
+import type { Table } from "../src/table";
 import { launch, open } from "./browser";
 import { allPages } from "./pages";
+import { recorded } from "./recorded";
 
 let browser: Browser;
 before(async () => {
@@ -18,12 +19,6 @@ after(() => browser.close());
 
 /** Of a run's rows: where its fingers move, whatever its task is. */
 const PLACES = [0.35, 0.62, 0.9];
-
-async function dataOf(page: Page): Promise<{ data: PageData; table: Table }> {
-  const data = readPage(await page.locator("#page-data").innerText());
-  assert.ok(data.run);
-  return { data, table: readTable(data.run, await inflate(data.run.data)) };
-}
 
 async function seek(page: Page, table: Table, row: number): Promise<void> {
   await page.locator(".player input").fill(String(row));
@@ -60,7 +55,7 @@ for (const url of reports) {
   test(`${name}: the scene moves, and values at the cursor are those of the run`, async () => {
     const { page, errors } = await open(browser, url);
     await page.locator(".player").waitFor();
-    const { data, table } = await dataOf(page);
+    const { data, table } = await recorded(readFileSync(fileURLToPath(url), "utf8"));
     const scene = page.locator(".scene-canvas canvas");
     const pictures: Buffer[] = [];
     for (const place of PLACES) {

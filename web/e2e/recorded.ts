@@ -1,10 +1,12 @@
 /** A run as it is on record: what the page of its report holds. */
 import { inflate } from "../src/inflate";
+import type { PageData } from "../src/page_data";
 import { readPage } from "../src/read_page";
 import { FingerColumns, Run } from "../src/run";
 import { readTable, type Table } from "../src/table";
 
 export interface Recorded {
+  data: PageData;
   table: Table;
   run: Run;
   fingers: FingerColumns[];
@@ -16,6 +18,7 @@ export async function recorded(html: string): Promise<Recorded> {
   if (!page.run || !page.scene) throw new Error("the report is not of a run");
   const table = readTable(page.run, await inflate(page.run.data));
   return {
+    data: page,
     table,
     run: new Run(table, page.run),
     fingers: page.scene.fingers.map((finger, number) => new FingerColumns(table, number, finger)),

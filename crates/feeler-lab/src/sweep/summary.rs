@@ -91,7 +91,7 @@ fn measured(table: &Table) -> Option<TrialMeasure> {
         let (title, factor) = match name {
             TORQUE => ("final torque (mN·m)".to_string(), 1e3),
             "sim_time" => ("time on record (s)".to_string(), 1.0),
-            found => (found.trim_start_matches("found.").to_string(), 1.0),
+            found => (found.replacen("found.", "", 1), 1.0),
         };
         let value = |row: &Vec<String>| Some(factor * row.get(index)?.parse::<f64>().ok()?);
         let trials: Vec<_> = (table.rows.iter())

@@ -111,17 +111,22 @@ fn recorder(store: impl Store, patience: Patience) -> Recorder {
 }
 
 fn gated<S: Store>(store: S, patience: Patience) -> (Recorder, Sender<()>) {
-    let (permit, permits) = channel();
-    let gated = Gated {
-        permits,
-        store,
-        begun: Arc::default(),
-    };
-    (recorder(gated, patience), permit)
+    let (recorder, permit, _) = gate(store, patience);
+    (recorder, permit)
 }
 
 /// The same behind step 0, whose batch waits for its permit: until then nothing makes room for what follows.
 fn held_up<S: Store>(store: S, patience: Patience) -> (Recorder, Sender<()>) {
+    let (mut recorder, permit, begun) = gate(store, patience);
+    write_step(&mut recorder, 0).unwrap();
+    while !begun.load(Ordering::Relaxed) {
+        thread::yield_now();
+    }
+    (recorder, permit)
+}
+
+/// A recorder, its permits, and whether a batch waits for one.
+fn gate<S: Store>(store: S, patience: Patience) -> (Recorder, Sender<()>, Arc<AtomicBool>) {
     let (permit, permits) = channel();
     let begun = Arc::<AtomicBool>::default();
     let gated = Gated {
@@ -129,12 +134,7 @@ fn held_up<S: Store>(store: S, patience: Patience) -> (Recorder, Sender<()>) {
         store,
         begun: Arc::clone(&begun),
     };
-    let mut recorder = recorder(gated, patience);
-    write_step(&mut recorder, 0).unwrap();
-    while !begun.load(Ordering::Relaxed) {
-        thread::yield_now();
-    }
-    (recorder, permit)
+    (recorder(gated, patience), permit, begun)
 }
 
 /// Writes the two messages of step number `step`, of 10 ms; whether none was dropped.

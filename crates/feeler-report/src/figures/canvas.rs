@@ -5,7 +5,7 @@
 //! panels, where it covers nothing); the panels are kuva's.
 
 use super::super::series::finite;
-pub use super::pen::{CAP, Pen, SHADE, Style, finger_colour, stroke_colour};
+pub use super::pen::{CAP, Pen, REFERENCE, SHADE, Style, finger_colour, stroke_colour};
 use kuva::backend::svg::SvgBackend;
 use kuva::plot::{BandPlot, LinePlot, LineStyle, ScatterPlot};
 use kuva::render::figure::Figure as Panels;

@@ -3,7 +3,7 @@
 use super::super::cap::{CapMeasures, Felt};
 use super::super::run_data::RunData;
 use super::Figure;
-use super::canvas::{CAP, Pen, SHADE, finger_colour, line, panel, range, thin};
+use super::canvas::{CAP, Pen, REFERENCE, SHADE, finger_colour, line, panel, range, thin};
 use super::drawing::{Drawing, column};
 use feeler_record::{FindingName, Recording};
 use kuva::render::annotations::{ReferenceLine, ShadedRegion};
@@ -43,7 +43,7 @@ const LIMIT: &str = " Dashed is what friction allows with the whole grip.";
 /// Of the instruments.
 const TRUTH: Pen = Pen::solid(CAP, 2.4);
 /// Where friction ends.
-const LIMIT_PEN: Pen = Pen::dashed("#555555", 1.4);
+const LIMIT_PEN: Pen = Pen::dashed(REFERENCE, 1.4);
 
 /// Points of time (s) and value.
 type Points = Vec<(f64, f64)>;

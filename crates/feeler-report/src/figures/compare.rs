@@ -2,14 +2,14 @@
 
 use super::super::compare_page::{Curves, PairedMeasure, Pairs};
 use super::super::page_data::panels::{Colour, Command, Line, Points, Series};
-use super::canvas::{Pen, airy, dots, finger_colour, line, line_in_band, panel, range};
+use super::canvas::{Pen, REFERENCE, airy, dots, finger_colour, line, line_in_band, panel, range};
 use super::drawing::{Drawing, tiled};
 use super::{Figure, grid};
 
 /// Most trials that are drawn in a still picture.
 const MOST_DOTS: usize = 300;
 /// Where both laws do alike.
-const ALIKE: Pen = Pen::dashed("#555555", 1.2);
+const ALIKE: Pen = Pen::dashed(REFERENCE, 1.2);
 
 /// One curve a law, with the band of its 95 % confidence.
 pub fn curves_figure(curves: &Curves, number: u32) -> Figure {

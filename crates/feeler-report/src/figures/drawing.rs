@@ -2,7 +2,7 @@
 
 use super::super::page_data::panels::{Axis, COLOURS, Colour, Line, Panel, Points, Series};
 use super::super::text::name_and_unit;
-use super::canvas::{CAP, Pen, finger_colour, frame, thin};
+use super::canvas::{CAP, Pen, REFERENCE, finger_colour, frame, thin};
 use super::grid;
 use kuva::plot::{BandPlot, LinePlot, LineStyle};
 use kuva::render::figure::Figure as Panels;
@@ -14,8 +14,6 @@ const PADDING: f64 = 6.0;
 const BUCKETS: usize = 600;
 /// What the axis of time is called.
 const TIME: &str = "Time (s)";
-/// Grey of what was planned, or is allowed.
-const REFERENCE: &str = "#555555";
 
 /// A picture, and the panels that answer in its place.
 pub struct Drawing {
@@ -29,49 +27,50 @@ pub struct Drawing {
 
 /// Panels one below the other, which share what is along x, under a legend.
 pub fn column(
-    (number, title): (u32, &str),
+    head: (u32, &str),
     legend: &[(&str, Pen)],
     panels: Vec<grid::Panel>,
     height: f64,
 ) -> Drawing {
     let of_time = |panel: &grid::Panel| panel.1.x_label.as_deref() == Some(TIME);
     let of_time = panels.iter().any(of_time);
-    let answering = panels.iter().map(|panel| answering(panel, legend, of_time));
-    let answering = answering.collect();
-    let count = panels.len();
-    let (plots, layouts): (Vec<_>, Vec<_>) = panels.into_iter().unzip();
-    let drawn = Panels::new(count, 1)
-        .with_plots(plots)
-        .with_layouts(layouts)
+    let arranged = Panels::new(panels.len(), 1)
         .with_shared_x_all()
-        .with_spacing(0.0)
-        .with_padding(PADDING);
-    Drawing {
-        svg: frame(number, title, legend, drawn, height),
-        panels: answering,
-        columns: 1,
-    }
+        .with_spacing(0.0);
+    let svg = |drawn| frame(head.0, head.1, legend, drawn, height);
+    drawing((arranged, 1), (legend, of_time), panels, svg)
 }
 
 /// Panels of axes of their own, side by side in `columns`, under a legend; each row is `height` high.
 pub fn tiled(
-    (number, title): (u32, &str),
+    head: (u32, &str),
     legend: &[(&str, Pen)],
     panels: Vec<grid::Panel>,
     columns: usize,
     height: f64,
 ) -> Drawing {
-    let answering = panels.iter().map(|panel| answering(panel, legend, false));
-    let answering = answering.collect();
     let rows = panels.len().div_ceil(columns).max(1);
+    let arranged = Panels::new(rows, columns).with_spacing(PADDING);
+    let svg = |drawn| frame(head.0, head.1, legend, drawn, height * rows as f64);
+    drawing((arranged, columns), (legend, false), panels, svg)
+}
+
+/// The panels in their arrangement of so many columns, and what answers in place of each.
+fn drawing(
+    (arranged, columns): (Panels, usize),
+    (legend, of_time): (&[(&str, Pen)], bool),
+    panels: Vec<grid::Panel>,
+    svg: impl FnOnce(Panels) -> String,
+) -> Drawing {
+    let answering = panels.iter().map(|panel| answering(panel, legend, of_time));
+    let answering = answering.collect();
     let (plots, layouts): (Vec<_>, Vec<_>) = panels.into_iter().unzip();
-    let drawn = Panels::new(rows, columns)
+    let drawn = arranged
         .with_plots(plots)
         .with_layouts(layouts)
-        .with_spacing(PADDING)
         .with_padding(PADDING);
     Drawing {
-        svg: frame(number, title, legend, drawn, height * rows as f64),
+        svg: svg(drawn),
         panels: answering,
         columns,
     }

@@ -2,7 +2,7 @@
 //! it begins.
 
 use super::Figure;
-use super::canvas::{CAP, Pen, SHADE, Style, finger_colour, line, panel, range, thin};
+use super::canvas::{CAP, Pen, REFERENCE, SHADE, Style, finger_colour, line, panel, range, thin};
 use super::drawing::{Drawing, column};
 use super::friction_samples::{Sample, strokes};
 use crate::run_data::RunData;
@@ -150,7 +150,7 @@ pub fn found_and_true(data: &RunData, truth: [Option<f64>; 2]) -> Figure {
 
 fn crosses(data: &RunData, truth: [Option<f64>; 2], title: &str) -> Option<Drawing> {
     let top = 1.25 * range(truth.into_iter().flatten())?.1;
-    let (same, off) = (Pen::solid("#555555", 1.4), Pen::solid("#999999", 0.8));
+    let (same, off) = (Pen::solid(REFERENCE, 1.4), Pen::solid("#999999", 0.8));
     let ray = |slope: f64, pen| line([(0.0, 0.0), (top, slope * top)], pen);
     let mut plots = vec![ray(1.0, same), ray(0.95, off), ray(1.05, off)];
     let mut legend = vec![("found as it is", same), ("5 % off", off)];

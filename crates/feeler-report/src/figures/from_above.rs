@@ -1,7 +1,7 @@
 //! A stroke from above: the cap, the paths of the domes' centres beside it, and of the tips that touch it.
 
 use super::super::run_data::{RunData, Stroke};
-use super::canvas::{CAP, Pen, WIDTH, finger_colour, line, panel, range};
+use super::canvas::{CAP, Pen, REFERENCE, WIDTH, finger_colour, line, panel, range};
 use super::grid::{Panel, Row};
 use super::unrolled::{Step, Unrolled};
 use feeler_record::RunFacts;
@@ -17,7 +17,7 @@ pub const BOLD: f64 = 2.6;
 /// The other touching elements.
 pub const TOUCHING: Pen = Pen::solid("#888888", 1.0);
 /// The line that was planned.
-pub const PLANNED: Pen = Pen::dashed("#555555", 1.4);
+pub const PLANNED: Pen = Pen::dashed(REFERENCE, 1.4);
 /// The arc about the cap's axis.
 pub const ARC: Pen = Pen::dotted(CAP, 1.8);
 /// The cap's contour.

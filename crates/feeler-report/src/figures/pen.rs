@@ -9,6 +9,8 @@ const FINGERS: [&str; 5] = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9
 const STROKES: [&str; 6] = [
     "#F1962F", "#E16462", "#C03A83", "#8F0DA4", "#5901A5", "#0D0887",
 ];
+/// Grey of what was planned, or is allowed.
+pub const REFERENCE: &str = "#555555";
 /// Grey of grids and shades.
 pub const SHADE: &str = "#d9d9d9";
 

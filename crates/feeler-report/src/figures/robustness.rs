@@ -1,14 +1,14 @@
 //! Figures of robustness: shares with intervals, total-effect indices as a heat map, shares against parameters.
 
 use super::super::robustness_page::{Index, Measure, NOTHING, RobustnessPage, Share, Trace};
-use super::canvas::{Pen, WIDTH, finger_colour, line, range, sheet};
+use super::canvas::{Pen, REFERENCE, WIDTH, finger_colour, line, range, sheet};
 use super::drawing::tiled;
 use super::sweep::{parameter_panel, rate_with_band};
 use super::{Figure, grid};
 use maud::{Markup, html};
 
 /// What the experiment has.
-const NOMINAL: Pen = Pen::dashed("#555555", 1.2);
+const NOMINAL: Pen = Pen::dashed(REFERENCE, 1.2);
 /// Height of a line of a chart.
 const ROW: f64 = 17.0;
 /// Left end of a chart, right of its labels.

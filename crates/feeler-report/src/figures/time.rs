@@ -5,7 +5,7 @@ use super::super::page_data::panels::{Axis, Colour, Panel as AnsweringPanel, Ser
 use super::super::run_data::{FingerColumns, RunData};
 use super::Figure;
 use super::canvas::{
-    CAP, Pen, SHADE, finger_colour, finger_legend, frame, line, panel, range, thin,
+    CAP, Pen, REFERENCE, SHADE, finger_colour, finger_legend, frame, line, panel, range, thin,
 };
 use super::grid::{Panel, Row, stack};
 use super::slip_strip::slip_strip;
@@ -260,7 +260,7 @@ fn upper_panel(data: &RunData, upper: &Upper, rows: Range<usize>, time: (f64, f6
     });
     let top = top(data, upper);
     let threshold = ReferenceLine::horizontal(upper.threshold)
-        .with_color("#555555")
+        .with_color(REFERENCE)
         .with_stroke_width(THRESHOLD);
     let layout = panel(time, (0.0, top), "", upper.label);
     let layout = with_strokes(layout, data, time, Some(top))
@@ -302,7 +302,7 @@ fn legend(data: &RunData, upper: &Upper, has_torque: bool) -> Vec<(&'static str,
     if has_torque {
         legend.push(("torque", Pen::solid(CAP, LINE)));
     }
-    legend.push((upper.threshold_name, Pen::dashed("#555555", THRESHOLD)));
+    legend.push((upper.threshold_name, Pen::dashed(REFERENCE, THRESHOLD)));
     legend.push(("MOVE of stroke n", Pen::solid(SHADE, 14.0)));
     legend
 }
