@@ -28,7 +28,6 @@ mod score_slip;
 #[cfg_attr(not(feature = "top"), path = "no_screen.rs")]
 mod screen;
 mod sense;
-mod sensor_geometry;
 #[cfg(any(feature = "top", feature = "view"))]
 pub mod snapshot;
 mod sweep;

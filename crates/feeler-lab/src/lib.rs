@@ -3,4 +3,5 @@
 
 pub mod config;
 pub mod experiment;
+pub mod sensor;
 pub mod sweep;

@@ -4,15 +4,15 @@ mod loads;
 mod page;
 
 use super::part_file::{Outputs, Overwrite};
-use super::progress::Working;
-use super::sensor_geometry::SensorGeometry;
+use super::progress::{Steps, Working};
+use super::sense::sensor::named_sensor;
 use super::{CommandError, Outcome};
 use feeler::sensor::calibration::{Calibration, FullScale};
 use feeler::sensor::calibration_fit::{ElementRecord, ModelChoice, fit};
 use feeler::sensor::calibration_report::CalibrationReport;
 use feeler_lab::config::Experiment;
+use feeler_lab::sensor::LoadsFile;
 use feeler_sim::calibration_bench::{CalibrationBenchConfig, load_simulated};
-use loads::Loads;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -98,26 +98,24 @@ pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, 
         .into());
     }
     let experiment_name = experiment_name(arguments);
-    let sensor = SensorGeometry::of(
-        experiment_name,
-        arguments.finger,
-        arguments.layout.as_deref(),
-    )?;
+    let layout = arguments.layout.as_deref();
+    let sensor = named_sensor(experiment_name, arguments.finger, layout)?;
     let csv = arguments.input.as_ref().filter(|_| !arguments.simulated);
-    let loads = csv.map(|csv| Loads::read(Path::new(csv), &sensor));
+    let elements = sensor.kernel.element_count();
+    let loads = csv.map(|csv| LoadsFile::read(Path::new(csv), elements));
     let loads = loads.transpose()?;
-    let files = loads.as_ref().map_or_else(Vec::new, Loads::files);
+    let files = loads.as_ref().map_or_else(Vec::new, LoadsFile::files);
     let inputs = files.iter().map(|path| Some(path.as_path()));
-    let named = [
-        Some(Path::new(experiment_name)),
-        arguments.layout.as_deref(),
-    ];
+    let named = [Some(Path::new(experiment_name)), layout];
     let mut outputs = Outputs::new(arguments.overwrite, inputs.chain(named));
     // Opened first, for calibrating takes its time.
     let file = outputs.create(output, "--output")?;
     let page_file = outputs.create(&page_path, "--output")?;
     let (records, source) = match &loads {
-        Some(loads) => (loads.measure(&sensor)?, loads.name()),
+        Some(loads) => {
+            let progress = Steps::new(loads.picture_count());
+            (loads.measure(&sensor, || progress.advance())?, loads.name())
+        }
         None => simulated(arguments)?,
     };
     let full_scale = full_scale(arguments, &records);

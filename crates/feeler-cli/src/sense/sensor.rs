@@ -1,10 +1,11 @@
 //! The sensor that the arguments describe.
 
 use super::{Arguments, CommandError};
-use crate::sensor_geometry::SensorGeometry;
+use feeler::sensor::calibration::Calibration;
 use feeler::sensor::drift::DriftConfig;
 use feeler::sensor::sensing::{ElementReading, Reference, SensingChain};
 use feeler_lab::config::Experiment;
+use feeler_lab::sensor::SensorGeometry;
 use feeler_sources::picture::read_picture;
 use std::path::Path;
 
@@ -12,9 +13,9 @@ use std::path::Path;
 /// if there is one.
 pub fn sensor(arguments: &Arguments) -> Result<SensingChain, CommandError> {
     let layout = arguments.layout.as_deref();
-    let geometry = SensorGeometry::of(&arguments.experiment, arguments.finger, layout)?;
+    let geometry = named_sensor(&arguments.experiment, arguments.finger, layout)?;
     let calibration = arguments.calibration.as_deref();
-    let calibration = calibration.map(|path| geometry.read_calibration(path));
+    let calibration = calibration.map(|path| named_calibration(&geometry, path));
     let calibration = calibration.transpose()?;
     let SensorGeometry {
         size,
@@ -52,11 +53,11 @@ pub fn for_the_hand(
     finger: usize,
 ) -> Result<SensorOf, CommandError> {
     let geometry = match &arguments.layout {
-        Some(path) => SensorGeometry::of(&arguments.experiment, None, Some(path))?,
+        layout @ Some(_) => named_sensor(&arguments.experiment, None, layout.as_deref())?,
         None => SensorGeometry::of_fingertip(experiment.fingertip(Some(finger))?)?,
     };
     let calibration = match &arguments.calibration {
-        Some(path) => geometry.read_calibration(path)?,
+        Some(path) => named_calibration(&geometry, path)?,
         None => {
             let calibration = experiment.calibration(finger)?;
             geometry.made_for.check_same(&calibration.made_for)?;
@@ -73,6 +74,25 @@ pub fn for_the_hand(
         None => sensing,
     };
     Ok(SensorOf { sensing, sha256 })
+}
+
+/// The fingertip of `finger` of the experiment called `name`, or the sensor whose `layout` was located, if one was.
+pub fn named_sensor(
+    name: &str,
+    finger: Option<usize>,
+    layout: Option<&Path>,
+) -> Result<SensorGeometry, CommandError> {
+    match layout {
+        Some(path) => SensorGeometry::read_layout(path)
+            .map_err(|e| format!("--layout {}: {e}", path.display()).into()),
+        None => Ok(SensorGeometry::of_experiment(name, finger)?),
+    }
+}
+
+/// The calibration at `path`, which --calibration names, if it was made for the sensor.
+fn named_calibration(geometry: &SensorGeometry, path: &Path) -> Result<Calibration, CommandError> {
+    let read = geometry.read_calibration(path);
+    read.map_err(|e| format!("--calibration {}: {e}", path.display()).into())
 }
 
 /// Where the centroids are in the picture at `path`.

@@ -105,11 +105,11 @@ impl SaturationCheck {
 
     /// Whether more of the pixels of `element` are saturated than are allowed. Neither allocates nor
     /// panics; pixels beyond the picture are not.
-    pub fn saturated(&self, picture: &Picture, element: usize) -> bool {
+    pub fn saturated<P: AsRef<[u8]>>(&self, picture: &Picture<P>, element: usize) -> bool {
         let Some(region) = self.elements.get(element) else {
             return false;
         };
-        let pixels = &picture.pixels;
+        let pixels = picture.pixels.as_ref();
         at_most(&region.blocks, pixels) > region.allowed && region.count(pixels) > region.allowed
     }
 }

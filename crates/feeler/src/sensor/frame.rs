@@ -1,14 +1,15 @@
 //! One grey picture, with the time at which it was taken.
 
-/// A grey 8-bit picture from a fingertip's camera, row by row from the top left.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Picture {
+/// A grey 8-bit picture from a fingertip's camera, row by row from the top left. Its pixels are its own, or somebody
+/// else's, as in `Picture<&[u8]>`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Picture<P = Vec<u8>> {
     /// Columns, px.
     pub width: usize,
     /// Rows, px.
     pub height: usize,
     /// Grey values, `width * height` of them, row-major; 0 is dark, 255 saturated.
-    pub pixels: Vec<u8>,
+    pub pixels: P,
 }
 
 impl Picture {

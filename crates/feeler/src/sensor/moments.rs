@@ -138,9 +138,9 @@ impl MomentsKernel {
     ///
     /// # Errors
     /// When the picture or `moments` has another size than the kernel.
-    pub fn measure(
+    pub fn measure<P: AsRef<[u8]>>(
         &self,
-        picture: &Picture,
+        picture: &Picture<P>,
         moments: &mut [ElementMoments],
     ) -> Result<(), MomentsError> {
         if moments.len() != self.elements.len() {
@@ -150,7 +150,8 @@ impl MomentsKernel {
             });
         }
         let (width, height) = (picture.width, picture.height);
-        let pixels = picture.pixels.len();
+        let gray = picture.pixels.as_ref();
+        let pixels = gray.len();
         if (width, height, pixels) != (self.width, self.height, self.width * self.height) {
             return Err(MomentsError::PictureSize {
                 expected_width: self.width,
@@ -160,7 +161,7 @@ impl MomentsKernel {
                 pixels,
             });
         }
-        self.instructions.measure(self, &picture.pixels, moments);
+        self.instructions.measure(self, gray, moments);
         Ok(())
     }
 }

@@ -217,9 +217,9 @@ impl SensingChain {
     /// # Errors
     /// When the picture has another size than the sensor's, or `readings` is for another number of
     /// elements.
-    pub fn sense(
+    pub fn sense<P: AsRef<[u8]>>(
         &mut self,
-        picture: &Picture,
+        picture: &Picture<P>,
         readings: &mut [ElementReading],
     ) -> Result<(), SensingError> {
         check_count("readings", self.element_count(), readings.len())?;
@@ -247,9 +247,9 @@ impl SensingChain {
     /// # Errors
     /// When the picture has another size than the sensor's, or `forces` is for another number of
     /// elements.
-    pub fn sense_forces(
+    pub fn sense_forces<P: AsRef<[u8]>>(
         &mut self,
-        picture: &Picture,
+        picture: &Picture<P>,
         forces: &mut [DVec3],
     ) -> Result<(), MomentsError> {
         let (expected, actual) = (self.element_count(), forces.len());
@@ -269,7 +269,7 @@ impl SensingChain {
     ///
     /// # Errors
     /// When more than half of the elements are not where they are without load.
-    pub fn check_first(&mut self, picture: &Picture) -> Result<(), Mismatch> {
+    pub fn check_first<P: AsRef<[u8]>>(&mut self, picture: &Picture<P>) -> Result<(), Mismatch> {
         let mut first_picture = self.first_picture;
         let calibration = self.calibration.iter();
         let elements = calibration.flat_map(|calibration| &calibration.elements);
@@ -296,7 +296,7 @@ impl SensingChain {
         elements.map(|(element, moments)| element.validity(moments))
     }
 
-    fn measure(&mut self, picture: &Picture) -> Result<(), MomentsError> {
+    fn measure<P: AsRef<[u8]>>(&mut self, picture: &Picture<P>) -> Result<(), MomentsError> {
         self.kernel.measure(picture, &mut self.moments)?;
         if let Some(drift) = &mut self.drift {
             drift.correct(&mut self.moments);
@@ -304,7 +304,12 @@ impl SensingChain {
         Ok(())
     }
 
-    fn exposure(&self, picture: &Picture, element: usize, moments: &ElementMoments) -> Exposure {
+    fn exposure<P: AsRef<[u8]>>(
+        &self,
+        picture: &Picture<P>,
+        element: usize,
+        moments: &ElementMoments,
+    ) -> Exposure {
         if moments.integrated_gray <= 0.0 {
             Exposure::Dark
         } else if self.saturation.saturated(picture, element) {

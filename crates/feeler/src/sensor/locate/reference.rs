@@ -72,9 +72,10 @@ impl MeanPicture {
     ///
     /// # Errors
     /// When it has another size than those before, or is too small to hold anything.
-    pub fn add(&mut self, picture: &Picture) -> Result<(), LocateError> {
+    pub fn add<P: AsRef<[u8]>>(&mut self, picture: &Picture<P>) -> Result<(), LocateError> {
         let (width, height) = (picture.width, picture.height);
-        let pixels = picture.pixels.len();
+        let gray = picture.pixels.as_ref();
+        let pixels = gray.len();
         if self.pictures == 0 {
             if width < super::MIN_SIZE || height < super::MIN_SIZE {
                 return Err(LocateError::TooSmall { width, height });
@@ -94,7 +95,7 @@ impl MeanPicture {
         if self.pictures == MAX_PICTURES {
             return Err(LocateError::TooMany { most: MAX_PICTURES });
         }
-        for (sum, &pixel) in self.sum.iter_mut().zip(&picture.pixels) {
+        for (sum, &pixel) in self.sum.iter_mut().zip(gray) {
             *sum += u32::from(pixel);
             self.gray_levels |= pixel != 0 && pixel != 255;
         }
