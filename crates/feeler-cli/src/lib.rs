@@ -22,7 +22,6 @@ mod replay;
 mod report;
 mod robustness;
 mod run;
-mod run_folder;
 mod schema;
 mod score_slip;
 #[cfg_attr(not(feature = "top"), path = "no_screen.rs")]

@@ -3,10 +3,11 @@
 use super::interrupt::watch_for_interrupt;
 use super::progress::{Steps, Working};
 use super::report::print_outcome;
-use super::{CommandError, Outcome, run_folder};
+use super::{CommandError, Outcome};
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::replay::{Comparison, Kind, Replay, ReplayFrom, recorded_experiment};
 use feeler_lab::experiment::run_facts;
+use feeler_lab::experiment::run_folder;
 use feeler_record::{RecordOptions, Recorder, Recording, RunFacts};
 use feeler_report::make::{RECORDING, make};
 use std::io::{self, Write};
@@ -116,7 +117,7 @@ fn copy(
     experiment: &Experiment,
     from: ReplayFrom<'_>,
 ) -> Result<Recorder, CommandError> {
-    run_folder::named(folder)?;
+    run_folder::named(folder).map_err(|e| format!("--out {e}"))?;
     let facts = RunFacts {
         replay_of: Some(recording.digest.to_string()),
         truth: recording.facts.truth.clone(),

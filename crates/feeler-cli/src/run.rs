@@ -8,10 +8,10 @@ use super::sweep::one_trial;
 use super::throttle::{Throttle, parse_speed};
 use super::view::{LiveRun, ServerArguments};
 use super::watcher::Watcher;
-use super::{CommandError, Outcome, run_folder};
+use super::{CommandError, Outcome};
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::recorded_run::{RecordedRun, RunError, record_options};
-use feeler_lab::experiment::{Session, run_facts};
+use feeler_lab::experiment::{Session, run_folder};
 use feeler_record::RecordOptions;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -174,15 +174,10 @@ pub fn make_folder(
     trial: Option<&String>,
 ) -> Result<PathBuf, CommandError> {
     if let Some(out) = out {
-        run_folder::named(out)?;
+        run_folder::named(out).map_err(|e| format!("--out {e}"))?;
         return Ok(out.to_path_buf());
     }
-    let facts = run_facts(&experiment.config)?;
-    let number = trial.map_or_else(
-        || format!("seed{}", facts.seed),
-        |trial| format!("trial{trial}"),
-    );
-    let stem = format!("{}-{}-{number}", facts.experiment, facts.sensing);
-    run_folder::new(Path::new("runs"), &stem)
-        .map_err(|e| format!("runs/{stem}: {e}; name a folder that can be made with --out").into())
+    let number = trial.map(|trial| format!("trial{trial}"));
+    run_folder::new(Path::new("runs"), &experiment.config, number)
+        .map_err(|e| format!("{e}; name one with --out").into())
 }

@@ -177,26 +177,12 @@ fn bench(arguments: &Arguments) -> CalibrationBenchConfig {
 
 /// What shares of full scale refer to: as asked for, or as large as the loads.
 fn full_scale(arguments: &Arguments, records: &[ElementRecord]) -> FullScale {
-    let default = FullScale::default();
-    let forces = || {
-        records
-            .iter()
-            .flat_map(|r| &r.fitted)
-            .map(|sample| sample.force)
+    let default = match arguments.simulated {
+        true => FullScale::default(),
+        false => FullScale::of_loads(records),
     };
-    let largest = |of: fn(glam::DVec3) -> f64, simulated: f64| {
-        let largest = forces().map(of).fold(0.0, f64::max);
-        if arguments.simulated || largest <= 0.0 {
-            simulated
-        } else {
-            // To the millinewton: more digits would say nothing.
-            (1e3 * largest).ceil() / 1e3
-        }
-    };
-    let normal = largest(|force| force.z.abs(), default.normal);
-    let shear = largest(|force| force.truncate().length(), default.shear);
     FullScale {
-        normal: arguments.full_scale_normal.unwrap_or(normal),
-        shear: arguments.full_scale_shear.unwrap_or(shear),
+        normal: arguments.full_scale_normal.unwrap_or(default.normal),
+        shear: arguments.full_scale_shear.unwrap_or(default.shear),
     }
 }

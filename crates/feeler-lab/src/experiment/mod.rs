@@ -6,6 +6,7 @@ pub mod linked;
 pub mod played_rig;
 pub mod recorded_run;
 pub mod replay;
+pub mod run_folder;
 mod sensors;
 pub mod slip_bench;
 mod solids;

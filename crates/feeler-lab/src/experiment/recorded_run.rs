@@ -83,8 +83,18 @@ impl RecordedRun {
         self,
         schedule: &mut impl Schedule,
         interrupted: &AtomicBool,
-        mut each_step: impl FnMut(&mut SimulatedLoop, &Instruments, &Tick),
+        each_step: impl FnMut(&mut SimulatedLoop, &Instruments, &Tick),
     ) -> Result<FinishedRun, RunError> {
+        self.record(schedule, interrupted, each_step).report()
+    }
+
+    /// The same without the report, which the returned run makes of the closed recording.
+    pub fn record(
+        self,
+        schedule: &mut impl Schedule,
+        interrupted: &AtomicBool,
+        mut each_step: impl FnMut(&mut SimulatedLoop, &Instruments, &Tick),
+    ) -> ClosedRun {
         let Self {
             mut session,
             mut log,
@@ -107,15 +117,45 @@ impl RecordedRun {
         let controller = session.control_loop().controller();
         let reason = failed.as_ref().map(ToString::to_string);
         let end = run_end(reason, controller, interrupted.load(Ordering::Relaxed));
-        let report = finish(log, wall_time, end.clone(), &folder);
-        if let Some(error) = failed {
+        ClosedRun {
+            closed: close(log, wall_time, end.clone()),
+            failed,
+            session,
+            folder,
+            wall_time,
+            end,
+        }
+    }
+}
+
+/// A run whose recording is closed.
+pub struct ClosedRun {
+    session: Session,
+    folder: PathBuf,
+    wall_time: f64,
+    end: RunEnd,
+    failed: Option<RunError>,
+    closed: Result<(), RecordError>,
+}
+
+impl ClosedRun {
+    /// Makes the report, also of a run that failed.
+    ///
+    /// # Errors
+    /// When the run, the recording or the report fails.
+    pub fn report(self) -> Result<FinishedRun, RunError> {
+        let report = match self.closed {
+            Ok(()) => make(&self.folder).map_err(RunError::from),
+            Err(error) => Err(error.into()),
+        };
+        if let Some(error) = self.failed {
             return Err(error);
         }
         Ok(FinishedRun {
             report: report?,
-            session,
-            wall_time,
-            end,
+            session: self.session,
+            wall_time: self.wall_time,
+            end: self.end,
         })
     }
 }
@@ -184,8 +224,12 @@ pub fn finish(
     end: RunEnd,
     folder: &Path,
 ) -> Result<ReportOutcome, RunError> {
+    close(log, wall_time, end)?;
+    Ok(make(folder)?)
+}
+
+fn close(log: RunLog, wall_time: f64, end: RunEnd) -> Result<(), RecordError> {
     let mut recorder = log.into_recorder();
     recorder.set_end(end);
-    recorder.finish(Some(wall_time))?;
-    Ok(make(folder)?)
+    recorder.finish(Some(wall_time)).map(|_| ())
 }

@@ -53,6 +53,24 @@ pub enum ModelChoice {
     Auto,
 }
 
+impl FullScale {
+    /// As large as the largest of the loads in `records`, rounded up to the millinewton; the default where there are none.
+    pub fn of_loads(records: &[ElementRecord]) -> Self {
+        let largest = |of: fn(DVec3) -> f64, default: f64| {
+            let loads = records.iter().flat_map(|record| &record.fitted);
+            match loads.map(|sample| of(sample.force)).fold(0.0, f64::max) {
+                largest if largest > 0.0 => (1e3 * largest).ceil() / 1e3,
+                _ => default,
+            }
+        };
+        let default = Self::default();
+        Self {
+            normal: largest(|force| force.z.abs(), default.normal),
+            shear: largest(|force| force.truncate().length(), default.shear),
+        }
+    }
+}
+
 /// Fits a calibration to `records`, one for each element of what it is `made_for`.
 ///
 /// # Errors
