@@ -1,0 +1,156 @@
+//! Calibrations: their files, and fitting them to loads.
+
+use crate::errors::{failed, refused};
+use crate::interrupt::interruptible;
+use crate::layout::Layout;
+use feeler::sensor::calibration as core;
+use feeler::sensor::calibration_fit::{ElementRecord, ModelChoice, fit};
+use feeler::sensor::calibration_quality::FullScale;
+use feeler::sensor::calibration_report::CalibrationReport;
+use feeler::sensor::frame::Picture;
+use feeler::sensor::loads::RecordBuilder;
+use feeler::sensor::moments::ElementMoments;
+use feeler_lab::sensor::{LoadsFile, SensorGeometry};
+use glam::DVec3;
+use numpy::{PyReadonlyArray3, PyUntypedArrayMethods as _};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use std::path::PathBuf;
+
+/// From moments to forces, for one fingertip.
+#[pyclass(frozen, module = "feeler._core")]
+pub struct Calibration(pub core::Calibration);
+
+#[pymethods]
+impl Calibration {
+    /// The calibration that `text` (TOML) says.
+    #[staticmethod]
+    fn parse(text: &str) -> PyResult<Self> {
+        Ok(Self(core::Calibration::from_toml(text).map_err(refused)?))
+    }
+
+    fn to_toml(&self) -> PyResult<String> {
+        self.0.to_toml().map_err(failed)
+    }
+
+    #[getter]
+    fn element_count(&self) -> usize {
+        self.0.elements.len()
+    }
+
+    #[getter]
+    fn model(&self) -> &'static str {
+        match self.0.model() {
+            core::CalibrationModel::Separable => "separable",
+            core::CalibrationModel::Coupled => "coupled",
+        }
+    }
+
+    /// Root mean square error on held-out loads along x, y, z of each element, N [E, 3].
+    fn held_out_rms(&self) -> Vec<[f64; 3]> {
+        let elements = self.0.elements.iter();
+        elements
+            .map(|e| e.quality.held_out.rms.to_array())
+            .collect()
+    }
+
+    /// Its errors, as text.
+    fn report(&self) -> String {
+        CalibrationReport::new(&self.0).to_string()
+    }
+}
+
+/// Which sensor loads were put on, how to fit, and to what full scale.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct Fit<'py> {
+    layout: Option<PyRef<'py, Layout>>,
+    experiment: String,
+    finger: Option<usize>,
+    model: String,
+    full_scale_normal: Option<f64>,
+    full_scale_shear: Option<f64>,
+}
+
+impl Fit<'_> {
+    fn geometry(&self) -> PyResult<SensorGeometry> {
+        let geometry = match &self.layout {
+            Some(layout) => SensorGeometry::of_layout(&layout.layout),
+            None => SensorGeometry::of_experiment(&self.experiment, self.finger),
+        };
+        geometry.map_err(refused)
+    }
+
+    fn fit(
+        &self,
+        py: Python<'_>,
+        geometry: SensorGeometry,
+        records: &[ElementRecord],
+    ) -> PyResult<Calibration> {
+        let choice = match self.model.as_str() {
+            "separable" => ModelChoice::Separable,
+            "coupled" => ModelChoice::Coupled,
+            "auto" => ModelChoice::Auto,
+            other => {
+                return Err(PyValueError::new_err(format!(
+                    "model = {other:?}: expected \"separable\", \"coupled\" or \"auto\""
+                )));
+            }
+        };
+        let largest = FullScale::of_loads(records);
+        let full_scale = FullScale {
+            normal: self.full_scale_normal.unwrap_or(largest.normal),
+            shear: self.full_scale_shear.unwrap_or(largest.shear),
+        };
+        let fit = |_: &_| fit(geometry.made_for, records, choice, full_scale);
+        let fitted = interruptible(py, fit, |_| Ok(()))?;
+        Ok(Calibration(fitted.map_err(refused)?))
+    }
+}
+
+/// Fits a calibration to the loads in the CSV file at `path`.
+#[pyfunction]
+pub fn calibrate_file(py: Python<'_>, path: PathBuf, how: Fit<'_>) -> PyResult<Calibration> {
+    let geometry = how.geometry()?;
+    let loads = LoadsFile::read(&path, geometry.kernel.element_count()).map_err(refused)?;
+    let measure = |_: &_| loads.measure(&geometry, || {});
+    let records = interruptible(py, measure, |_| Ok(()))?.map_err(refused)?;
+    how.fit(py, geometry, &records)
+}
+
+/// Fits a calibration to `frames` [N, H, W] under `forces` [N, E, 3], N; not a number where a force is not known.
+#[pyfunction]
+pub fn calibrate_frames(
+    py: Python<'_>,
+    frames: PyReadonlyArray3<'_, u8>,
+    forces: PyReadonlyArray3<'_, f64>,
+    how: Fit<'_>,
+) -> PyResult<Calibration> {
+    let geometry = how.geometry()?;
+    let elements = geometry.kernel.element_count();
+    let ((width, height), count) = (geometry.size, frames.shape()[0]);
+    if frames.shape() != [count, height, width] || forces.shape() != [count, elements, 3] {
+        return Err(PyValueError::new_err(format!(
+            "frames [N, {height}, {width}] and forces [N, {elements}, 3] expected, got {:?} and {:?}",
+            frames.shape(),
+            forces.shape()
+        )));
+    }
+    let mut builder = RecordBuilder::new(elements);
+    let mut moments = vec![ElementMoments::default(); elements];
+    let pictures = frames.as_slice()?.chunks_exact(width * height);
+    let loads = forces.as_slice()?.chunks_exact(3 * elements);
+    for (pixels, loads) in pictures.zip(loads) {
+        let picture = Picture {
+            width,
+            height,
+            pixels,
+        };
+        let measured = geometry.kernel.measure(&picture, &mut moments);
+        measured.map_err(refused)?;
+        let known = |load: &[f64]| Some(DVec3::from_slice(load)).filter(|load| !load.is_nan());
+        let loads: Vec<_> = loads.chunks_exact(3).map(known).collect();
+        builder.add(&loads, &moments);
+    }
+    how.fit(py, geometry, &builder.finish())
+}

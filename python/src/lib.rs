@@ -1,0 +1,31 @@
+//! What the Python package `feeler` calls: arrays in, arrays out, with the interpreter released meanwhile.
+//!
+//! Names, defaults and checks of what callers give are Python's; see `python/feeler`.
+
+mod calibration;
+mod errors;
+mod flags;
+mod interrupt;
+mod layout;
+mod run;
+mod sensing;
+
+use pyo3::prelude::*;
+
+/// Rust side of the package `feeler`.
+#[pymodule(gil_used = false)]
+mod _core {
+    #[pymodule_export]
+    #[allow(non_upper_case_globals, reason = "Python's name")]
+    const __version__: &str = env!("CARGO_PKG_VERSION");
+    #[pymodule_export]
+    use super::calibration::{Calibration, calibrate_file, calibrate_frames};
+    #[pymodule_export]
+    use super::flags::raise_flags;
+    #[pymodule_export]
+    use super::layout::{Layout, locate_elements};
+    #[pymodule_export]
+    use super::run::{RunOutcome, report, run};
+    #[pymodule_export]
+    use super::sensing::Sensor;
+}

@@ -1,0 +1,92 @@
+//! Runs: an experiment, its recording and its report.
+
+use crate::errors::{failed, refused};
+use crate::interrupt::interruptible;
+use feeler::pace::Unpaced;
+use feeler_lab::config::Experiment;
+use feeler_lab::experiment::recorded_run::{FinishedRun, RecordedRun, RunError};
+use feeler_lab::experiment::run_folder;
+use feeler_report::make;
+use pyo3::prelude::*;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+/// What came of a run.
+#[pyclass(frozen, get_all, module = "feeler._core")]
+pub struct RunOutcome {
+    folder: PathBuf,
+    /// What stands in `summary.json`.
+    summary: String,
+    state: String,
+    reason: Option<String>,
+    simulated_time: f64,
+    wall_time: f64,
+}
+
+/// Runs `experiment` with `settings` and records it in the folder `out`, or in one of its own in `runs`. `progress` is
+/// called with the simulated time, s, now and then.
+#[pyfunction]
+#[pyo3(signature = (experiment, settings, out, record_frames, progress))]
+pub fn run(
+    py: Python<'_>,
+    experiment: &str,
+    settings: Vec<String>,
+    out: Option<PathBuf>,
+    record_frames: bool,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<RunOutcome> {
+    let experiment = Experiment::load(experiment, &settings).map_err(refused)?;
+    let folder = match out {
+        Some(out) => run_folder::named(&out).map(|()| out),
+        None => run_folder::new(Path::new("runs"), &experiment.config, None),
+    };
+    let folder = folder.map_err(refused)?;
+    let nanoseconds = AtomicU64::new(0);
+    let work = |stop: &AtomicBool| -> Result<Option<FinishedRun>, RunError> {
+        let run = RecordedRun::new(&experiment, record_frames, &folder)?;
+        let closed = run.record(&mut Unpaced::default(), stop, |control_loop, _, _| {
+            let stamp = 1e9 * control_loop.state().stamp;
+            nanoseconds.store(stamp as u64, Ordering::Relaxed);
+        });
+        // Whoever interrupts does not want to wait for a report: `feeler report` makes it of what is there.
+        match stop.load(Ordering::Relaxed) {
+            true => Ok(None),
+            false => closed.report().map(Some),
+        }
+    };
+    let finished = interruptible(py, work, |py| {
+        let seconds = 1e-9 * nanoseconds.load(Ordering::Relaxed) as f64;
+        match &progress {
+            Some(progress) => progress.call1(py, (seconds,)).map(|_| ()),
+            None => Ok(()),
+        }
+    })?;
+    let finished = finished.map_err(|error| match error {
+        RunError::Config(_) | RunError::Experiment(_) | RunError::NoPictures => refused(error),
+        RunError::Record(_) | RunError::Report(_) => failed(error),
+    })?;
+    // Without a report it was interrupted, which was raised above.
+    finished.map_or_else(
+        || Err(pyo3::exceptions::PyKeyboardInterrupt::new_err(())),
+        |finished| outcome(folder, finished),
+    )
+}
+
+fn outcome(folder: PathBuf, finished: FinishedRun) -> PyResult<RunOutcome> {
+    let summary = std::fs::read_to_string(folder.join(make::SUMMARY))?;
+    Ok(RunOutcome {
+        folder,
+        summary,
+        state: finished.end.state.to_string(),
+        reason: finished.end.reason.clone(),
+        simulated_time: finished.session.control_loop().state().stamp,
+        wall_time: finished.wall_time,
+    })
+}
+
+/// Makes the report of the run in `folder` again.
+#[pyfunction]
+pub fn report(py: Python<'_>, folder: PathBuf) -> PyResult<()> {
+    let made = interruptible(py, |_| make::make(&folder), |_| Ok(()))?;
+    made.map(|_| ()).map_err(failed)
+}

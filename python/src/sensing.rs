@@ -1,0 +1,326 @@
+//! Pictures in arrays to moments and forces in arrays.
+
+use crate::calibration::Calibration;
+use crate::errors::refused;
+use crate::interrupt::interruptible;
+use crate::layout::Layout;
+use feeler::sensor::drift::DriftConfig;
+use feeler::sensor::exposure::Exposure;
+use feeler::sensor::frame::Picture;
+use feeler::sensor::sensing::{ElementReading, Reference, SensingChain, SensingError};
+use feeler_lab::sensor::SensorGeometry;
+use numpy::{PyReadonlyArray3, PyReadwriteArray2, PyReadwriteArray3, PyUntypedArrayMethods as _};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::thread;
+
+/// Frames that a thread takes at once: some milliseconds' work.
+const CHUNK: usize = 64;
+/// Fewer frames than this are sensed before a signal could be noticed.
+const SHORT: usize = 256;
+
+/// The sensing of one fingertip.
+#[pyclass(frozen, module = "feeler._core")]
+pub struct Sensor {
+    /// One for each thread that sensed at the same time so far.
+    chains: Mutex<Vec<SensingChain>>,
+    /// What further ones are copied from.
+    template: SensingChain,
+    /// Whether what is sensed depends on the frames before.
+    in_order: bool,
+}
+
+#[pymethods]
+impl Sensor {
+    /// The sensor of `calibration`, or without one of `layout` or the experiment's fingertip.
+    #[new]
+    #[pyo3(signature = (calibration, layout, experiment, finger, drift_correction, max_saturated))]
+    fn new(
+        calibration: Option<&Calibration>,
+        layout: Option<&Layout>,
+        experiment: Option<&str>,
+        finger: Option<usize>,
+        drift_correction: bool,
+        max_saturated: f64,
+    ) -> PyResult<Self> {
+        let geometry = geometry(calibration, layout, experiment, finger)?;
+        let SensorGeometry {
+            size,
+            kernel,
+            regions,
+            made_for,
+        } = geometry;
+        let chain = SensingChain::new(size, kernel, &regions, max_saturated);
+        let mut chain = chain.map_err(refused)?;
+        if let Some(Calibration(calibration)) = calibration {
+            made_for
+                .check_same(&calibration.made_for)
+                .map_err(refused)?;
+            chain = chain
+                .with_calibration(calibration.clone())
+                .map_err(refused)?;
+        }
+        if drift_correction {
+            chain = chain.with_drift_correction(DriftConfig::default());
+        }
+        Ok(Self {
+            chains: Mutex::new(vec![chain.clone()]),
+            template: chain,
+            in_order: drift_correction,
+        })
+    }
+
+    #[getter]
+    fn element_count(&self) -> usize {
+        self.template.element_count()
+    }
+
+    /// Columns and rows of the pictures, px.
+    #[getter]
+    fn picture_size(&self) -> (usize, usize) {
+        self.template.picture_size()
+    }
+
+    #[getter]
+    fn is_calibrated(&self) -> bool {
+        self.template.is_calibrated()
+    }
+
+    /// The same sensor, whose displacements count from the mean centroids in `frames` [N, H, W].
+    fn with_reference(&self, frames: PyReadonlyArray3<'_, u8>) -> PyResult<Self> {
+        let frames = Frames::of(&frames, self.picture_size())?;
+        let mut chain = self.template.clone();
+        let mut readings = Vec::with_capacity(frames.count());
+        for frame in frames.pixels.chunks_exact(frames.length) {
+            let mut sensed = vec![ElementReading::default(); chain.element_count()];
+            let picture = frames.picture(frame);
+            chain.sense(&picture, &mut sensed).map_err(refused)?;
+            readings.push(sensed);
+        }
+        let reference = Reference::mean(readings.iter().map(Vec::as_slice));
+        chain.set_reference(reference).map_err(refused)?;
+        Ok(Self {
+            chains: Mutex::new(vec![chain.clone()]),
+            template: chain,
+            in_order: self.in_order,
+        })
+    }
+
+    /// Fills `force` [N, E, 3], `valid` [N, E], `gray` [N, E] and `displacement` [N, E, 2] with what is sensed in
+    /// `frames` [N, H, W], on up to `threads` threads.
+    #[allow(clippy::too_many_arguments, reason = "one for each array")]
+    fn sense(
+        &self,
+        py: Python<'_>,
+        frames: PyReadonlyArray3<'_, u8>,
+        mut force: PyReadwriteArray3<'_, f64>,
+        mut valid: PyReadwriteArray2<'_, bool>,
+        mut gray: PyReadwriteArray2<'_, f64>,
+        mut displacement: PyReadwriteArray3<'_, f64>,
+        threads: usize,
+    ) -> PyResult<()> {
+        let frames = Frames::of(&frames, self.picture_size())?;
+        let (count, elements) = (frames.count(), self.element_count());
+        let shapes = [
+            (force.shape() == [count, elements, 3]),
+            (valid.shape() == [count, elements]),
+            (gray.shape() == [count, elements]),
+            (displacement.shape() == [count, elements, 2]),
+        ];
+        if shapes.contains(&false) {
+            return Err(PyValueError::new_err(format!(
+                "outputs for {count} frames of {elements} elements expected, got {:?}",
+                force.shape()
+            )));
+        }
+        let work = Chunks {
+            frames: frames.pixels.chunks(CHUNK * frames.length),
+            force: force.as_slice_mut()?.chunks_mut(CHUNK * elements * 3),
+            valid: valid.as_slice_mut()?.chunks_mut(CHUNK * elements),
+            gray: gray.as_slice_mut()?.chunks_mut(CHUNK * elements),
+            displacement: displacement
+                .as_slice_mut()?
+                .chunks_mut(CHUNK * elements * 2),
+        };
+        let threads = if self.in_order { 1 } else { threads };
+        let sense = |stop: &AtomicBool| self.sense_on(threads, &frames, work, stop);
+        let sensed = if count < SHORT && threads == 1 {
+            py.detach(|| sense(&AtomicBool::new(false)))
+        } else {
+            interruptible(py, sense, |_| Ok(()))?
+        };
+        sensed.map_err(refused)
+    }
+}
+
+impl Sensor {
+    fn sense_on(
+        &self,
+        threads: usize,
+        frames: &Frames<'_>,
+        work: Chunks<'_>,
+        stop: &AtomicBool,
+    ) -> Result<(), SensingError> {
+        let work = Mutex::new(work);
+        let next = || lock(&work).next().filter(|_| !stop.load(Ordering::Relaxed));
+        let sense = || {
+            let mut chain = self.take_chain();
+            let mut readings = vec![ElementReading::default(); chain.element_count()];
+            let mut sensed = Ok(());
+            while let (Ok(()), Some(chunk)) = (&sensed, next()) {
+                sensed = chunk.sense(frames, &mut chain, &mut readings);
+            }
+            lock(&self.chains).push(chain);
+            sensed
+        };
+        thread::scope(|scope| {
+            let others: Vec<_> = (1..threads).map(|_| scope.spawn(sense)).collect();
+            let own = sense();
+            others.into_iter().fold(own, |sensed, other| {
+                let other = other
+                    .join()
+                    .unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+                sensed.and(other)
+            })
+        })
+    }
+
+    fn take_chain(&self) -> SensingChain {
+        let chain = lock(&self.chains).pop();
+        chain.unwrap_or_else(|| self.template.clone())
+    }
+}
+
+/// A panic elsewhere leaves nothing half-done in what is locked here.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn geometry(
+    calibration: Option<&Calibration>,
+    layout: Option<&Layout>,
+    experiment: Option<&str>,
+    finger: Option<usize>,
+) -> PyResult<SensorGeometry> {
+    let fingertip = calibration.and_then(|Calibration(c)| c.made_for.fingertip.as_ref());
+    let geometry = match (layout, experiment, fingertip) {
+        (Some(Layout { layout, .. }), ..) => SensorGeometry::of_layout(layout),
+        (None, Some(name), _) => SensorGeometry::of_experiment(name, finger),
+        (None, None, Some(fingertip)) => SensorGeometry::of_fingertip(fingertip),
+        (None, None, None) => {
+            return Err(PyValueError::new_err(
+                "the calibration was made for a layout that was located; expected that layout, as in layout=\"my.layout.toml\"",
+            ));
+        }
+    };
+    geometry.map_err(refused)
+}
+
+/// Pictures side by side in memory.
+struct Frames<'a> {
+    width: usize,
+    height: usize,
+    /// Pixels of one picture.
+    length: usize,
+    pixels: &'a [u8],
+}
+
+impl<'a> Frames<'a> {
+    fn of(array: &'a PyReadonlyArray3<'_, u8>, (width, height): (usize, usize)) -> PyResult<Self> {
+        let shape = array.shape();
+        if shape[1..] != [height, width] {
+            return Err(PyValueError::new_err(format!(
+                "frames of {height} rows and {width} columns expected, got {} and {}",
+                shape[1], shape[2]
+            )));
+        }
+        Ok(Self {
+            width,
+            height,
+            length: width * height,
+            pixels: array.as_slice()?,
+        })
+    }
+
+    fn count(&self) -> usize {
+        self.pixels.len() / self.length.max(1)
+    }
+
+    fn picture(&self, pixels: &'a [u8]) -> Picture<&'a [u8]> {
+        Picture {
+            width: self.width,
+            height: self.height,
+            pixels,
+        }
+    }
+}
+
+/// What is left to do: pictures, and where what they say belongs.
+struct Chunks<'a> {
+    frames: std::slice::Chunks<'a, u8>,
+    force: std::slice::ChunksMut<'a, f64>,
+    valid: std::slice::ChunksMut<'a, bool>,
+    gray: std::slice::ChunksMut<'a, f64>,
+    displacement: std::slice::ChunksMut<'a, f64>,
+}
+
+impl<'a> Chunks<'a> {
+    fn next(&mut self) -> Option<Chunk<'a>> {
+        Some(Chunk {
+            frames: self.frames.next()?,
+            force: self.force.next()?,
+            valid: self.valid.next()?,
+            gray: self.gray.next()?,
+            displacement: self.displacement.next()?,
+        })
+    }
+}
+
+/// Some pictures, and where what they say belongs.
+struct Chunk<'a> {
+    frames: &'a [u8],
+    force: &'a mut [f64],
+    valid: &'a mut [bool],
+    gray: &'a mut [f64],
+    displacement: &'a mut [f64],
+}
+
+impl Chunk<'_> {
+    fn sense(
+        self,
+        frames: &Frames<'_>,
+        chain: &mut SensingChain,
+        readings: &mut [ElementReading],
+    ) -> Result<(), SensingError> {
+        let elements = readings.len();
+        let pictures = self.frames.chunks_exact(frames.length);
+        let outputs = self.force.chunks_exact_mut(3 * elements);
+        let outputs = outputs.zip(self.valid.chunks_exact_mut(elements));
+        let outputs = outputs.zip(self.gray.chunks_exact_mut(elements));
+        let outputs = outputs.zip(self.displacement.chunks_exact_mut(2 * elements));
+        for (pixels, (((force, valid), gray), displacement)) in pictures.zip(outputs) {
+            let picture = Picture {
+                width: frames.width,
+                height: frames.height,
+                pixels,
+            };
+            chain.sense(&picture, readings)?;
+            let outputs = force.chunks_exact_mut(3).zip(valid).zip(gray);
+            let outputs = outputs.zip(displacement.chunks_exact_mut(2));
+            for (reading, (((force, valid), gray), moved)) in readings.iter().zip(outputs) {
+                let none = [f64::NAN; 3];
+                force.copy_from_slice(&reading.force.map_or(none, |force| force.to_array()));
+                *valid = match chain.is_calibrated() {
+                    true => reading.force.is_some(),
+                    false => reading.exposure == Exposure::Good,
+                };
+                *gray = reading.integrated_gray;
+                let displacement = reading.displacement;
+                moved.copy_from_slice(&displacement.map_or([f64::NAN; 2], |u| u.to_array()));
+            }
+        }
+        Ok(())
+    }
+}
