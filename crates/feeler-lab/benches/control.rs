@@ -9,7 +9,7 @@ use feeler::control::sense::{FingerSense, FingertipPose};
 use feeler::control::touch::FingerTouch;
 use feeler::hand::finger::FingerGeometry;
 use feeler::hand::inverse_kinematics::inverse_kinematics;
-use feeler::hand::{HandCommand, HandState};
+use feeler::hand::{HandCommand, HandState, JointState};
 use feeler::sensor::layout::ElementLayout;
 use feeler::sensor::reading::TactileFrame;
 use feeler_lab::config::{Experiment, ExperimentConfig};
@@ -108,6 +108,7 @@ fn law_in_contact(bencher: Bencher, law: &str) {
         touch.frame.sequence += 1;
         let sense = FingerSense {
             pose: FingertipPose::default(),
+            joints: JointState::default(),
             touch: &touch,
             layout: &layout,
         };

@@ -125,8 +125,7 @@ pub fn score(
 fn run(experiment: &Experiment, counts: &mut [[Counts; 3]; 2]) -> Result<(), Box<dyn Error>> {
     let touch_force = experiment.config.control.touch_force;
     let mut session = Session::new(experiment)?;
-    let layouts = session.layouts().to_vec();
-    let fingers = layouts.iter().map(|l| l.elements.len());
+    let fingers = session.layouts().iter().map(|l| l.elements.len());
     let mut fingers: Vec<_> = fingers.map(|n| Finger::new(touch_force, n)).collect();
     while !session.finished() {
         let world = session.rig().world().state().clone();
@@ -134,14 +133,9 @@ fn run(experiment: &Experiment, counts: &mut [[Counts; 3]; 2]) -> Result<(), Box
         let felt = session.control_loop();
         let controller = felt.controller();
         let half = usize::from(controller.task().stroke() > 2);
-        for (index, finger) in fingers.iter_mut().enumerate() {
-            let touch = &felt.touches()[index];
-            let sense = FingerSense {
-                pose: controller.poses()[index],
-                touch,
-                layout: &layouts[index],
-            };
-            let slipped = &world.fingers[index].slipped;
+        let senses = felt.hand_sense().fingers().zip(&world.fingers);
+        for (finger, (sense, truth)) in fingers.iter_mut().zip(senses) {
+            let slipped = &truth.slipped;
             let way: Vec<_> = slipped.iter().map(|slipped| slipped.way).collect();
             let (said, truth) = (finger.say(&sense, touch_force), finger.slipped(&way));
             if controller.phase() == Phase::Move {
@@ -150,7 +144,7 @@ fn run(experiment: &Experiment, counts: &mut [[Counts; 3]; 2]) -> Result<(), Box
                 }
             }
             finger.way = way;
-            let forces = touch.frame.forces.iter();
+            let forces = sense.touch.frame.forces.iter();
             finger.pressed = forces.map(|force| force.z > touch_force).collect();
         }
     }

@@ -3,6 +3,7 @@
 use feeler::control::sense::{FingerSense, FingertipPose};
 use feeler::control::touch::FingerTouch;
 use feeler::glam::{DMat3, DVec3};
+use feeler::hand::JointState;
 use feeler::sensor::layout::{ElementLayout, LayoutConfig, RingConfig};
 use feeler::sensor::reading::NO_FORCE;
 
@@ -36,6 +37,7 @@ fn the_resultant_is_the_sum_of_what_the_object_does_to_the_fingertip() {
     };
     let sense = |touch| FingerSense {
         pose,
+        joints: JointState::default(),
         touch,
         layout: &layout,
     };

@@ -2,7 +2,6 @@
 //! finds the same.
 
 use crate::program::{Ended, document, folder, run, summary};
-use feeler::control::sense::HandSense;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::Session;
 use feeler_record::{MemoryRecorder, Recording, RunLog};
@@ -160,13 +159,7 @@ fn the_report_sees_the_forces_that_the_task_saw() {
         at.record(session.control_loop(), &mut log)
             .expect("a record");
         let control_loop = session.control_loop();
-        let hand = HandSense {
-            stamp: control_loop.state().stamp,
-            poses: control_loop.controller().poses(),
-            touches: control_loop.touches(),
-            layouts: session.layouts(),
-        };
-        let finger = hand.finger(0).expect("a finger");
+        let finger = control_loop.hand_sense().finger(0).expect("a finger");
         seen.push(
             (0..41)
                 .map(|element| finger.force(element))

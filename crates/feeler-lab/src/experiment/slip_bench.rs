@@ -8,6 +8,7 @@ use feeler::control::flags::FlagAnalyzer;
 use feeler::control::sense::{FingerSense, FingertipPose};
 use feeler::control::slip_detector::SlipDetector;
 use feeler::control::touch::FingerTouch;
+use feeler::hand::JointState;
 use feeler::sensor::layout::ElementLayout;
 use feeler_sim::columnar_feeler::Friction;
 use feeler_sim::config::{DirectSensingConfig, SimConfig};
@@ -165,6 +166,7 @@ impl Judge {
                 position: pose.position,
                 rotation: pose.rotation,
             },
+            joints: JointState::default(),
             touch: &self.touch,
             layout: &self.layout,
         };

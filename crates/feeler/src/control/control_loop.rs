@@ -1,11 +1,13 @@
 //! The loop: feel, decide, move.
 
 use super::controller::Controller;
+use super::sense::HandSense;
 use super::stop_reason::StopReason;
 use super::touch::{FingerTouch, TouchSource};
 use crate::hand::{Hand, HandCommand, HandError, HandState};
 use crate::pace::{Schedule, Tick};
 use crate::sensor::reading::SensorError;
+use glam::DVec3;
 use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
 
@@ -120,6 +122,28 @@ impl<S: TouchSource, H: Hand> ControlLoop<S, H> {
         Ok(self.hand.command(&self.command)?)
     }
 
+    /// Reads the hand and the sensors, and plans: a [`step`](Self::step) up to where the control laws would
+    /// decide. For whoever decides in their place, with [`follow`](Self::follow).
+    ///
+    /// # Errors
+    /// When one of them fails. The hand is then told to stop first.
+    pub fn plan(&mut self) -> Result<(), ControlError> {
+        self.sense()?;
+        self.controller.plan(&self.touches, &self.state);
+        Ok(())
+    }
+
+    /// The rest of a [`step`](Self::step) after [`plan`](Self::plan): commands the hand what the limits let through of
+    /// these velocities of the fingertips, m/s, in W ([`Controller::follow`]).
+    ///
+    /// # Errors
+    /// When the hand fails.
+    pub fn follow(&mut self, velocities: &[DVec3]) -> Result<(), ControlError> {
+        self.controller
+            .follow(velocities, &self.state, &mut self.command);
+        Ok(self.hand.command(&self.command)?)
+    }
+
     /// Makes a step whenever `schedule` says so, until `each_step` breaks or `interrupted` is raised (Ctrl-C);
     /// then tells the hand to stop. `each_step` sees the loop after every step, and how punctual that was.
     /// Returns what `each_step` broke with, if it did.
@@ -193,6 +217,11 @@ impl<S: TouchSource, H: Hand> ControlLoop<S, H> {
     /// What each finger felt.
     pub fn touches(&self) -> &[FingerTouch] {
         &self.touches
+    }
+
+    /// What the hand felt, where its fingertips are as of the newest step.
+    pub fn hand_sense(&self) -> HandSense<'_> {
+        self.controller.hand_sense(&self.touches, &self.state)
     }
 
     /// The newest joint state.

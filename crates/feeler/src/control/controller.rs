@@ -2,6 +2,7 @@
 
 pub use super::config::{ControlConfig, RecordingFailure, ResumePolicy};
 
+use super::input_check::{check_count, check_input, check_load};
 use super::law::Law;
 use super::limits::{Admitted, Request};
 use super::monitor::FingerMonitor;
@@ -13,7 +14,7 @@ use super::task::{Task, TaskConfig};
 use super::touch::FingerTouch;
 use crate::hand::finger::FingerGeometry;
 use crate::hand::kinematics::fingertip_pose;
-use crate::hand::{HandCommand, HandState, JointState};
+use crate::hand::{HandCommand, HandState};
 use crate::sensor::layout::ElementLayout;
 use glam::DVec3;
 
@@ -22,7 +23,7 @@ use glam::DVec3;
 pub struct FingerControl {
     geometry: FingerGeometry,
     law: Box<dyn Law>,
-    /// The velocity that the control law wants of it, m/s, in W.
+    /// The velocity that the control law, or who acts in its place, wants of it, m/s, in W.
     pub velocity: DVec3,
     /// What the limits made of that.
     pub admitted: Admitted,
@@ -37,6 +38,10 @@ pub struct Controller {
     poses: Vec<FingertipPose>,
     layouts: Vec<ElementLayout>,
     task: Box<dyn Task>,
+    /// What the task wants of each finger.
+    plans: Vec<Plan>,
+    /// Whether the newest input was found good and has not been acted on.
+    planned: bool,
     stop_reason: Option<StopReason>,
 }
 
@@ -72,6 +77,8 @@ impl Controller {
             poses: vec![FingertipPose::default(); count],
             layouts: layouts[..count].to_vec(),
             task,
+            plans: vec![Plan::default(); count],
+            planned: false,
             stop_reason: None,
             config,
         }
@@ -105,6 +112,20 @@ impl Controller {
         self.stop_reason.as_ref()
     }
 
+    /// What the task wants of each finger, as of the newest decision; nothing while the hand is stopped.
+    pub fn plans(&self) -> &[Plan] {
+        &self.plans
+    }
+
+    /// What all fingers feel, where they are as of the newest decision.
+    pub fn hand_sense<'a>(
+        &'a self,
+        touches: &'a [FingerTouch],
+        state: &'a HandState,
+    ) -> HandSense<'a> {
+        HandSense::new(state, touches, &self.poses, &self.layouts)
+    }
+
     /// Decides what all fingers do for the next control period: what each finger felt and the
     /// joint state in, joint velocities out. Allocates nothing; a fault in the
     /// input stops all fingers with a [`StopReason`].
@@ -114,17 +135,40 @@ impl Controller {
         state: &HandState,
         command: &mut HandCommand,
     ) {
-        command.set_to_stop();
-        let decided = self
+        self.plan(touches, state);
+        if self.planned {
+            self.obey_laws(touches, state);
+        }
+        self.admit(state, command);
+    }
+
+    /// The first half of a [decision](Self::decide), for whoever acts in place of the laws: checks what arrived and asks the
+    /// task for its [`plans`](Self::plans). [`follow`](Self::follow) is the other half.
+    pub fn plan(&mut self, touches: &[FingerTouch], state: &HandState) {
+        let planned = self
             .feel(touches, state)
             .and_then(|()| self.watch(touches, state))
-            .and_then(|()| self.plan(touches, state));
-        if let Err(reason) = decided {
+            .and_then(|()| self.ask_task(touches, state));
+        self.planned = planned.is_ok();
+        if let Err(reason) = planned {
             self.stop(reason);
         }
-        for (finger, velocity) in self.fingers.iter().zip(command.admitted_mut()) {
-            *velocity = finger.admitted.joint_velocity;
+    }
+
+    /// The second half of a [decision](Self::decide) after [`plan`](Self::plan), with these velocities of the fingertips in place of
+    /// the laws', m/s, in W. They pass the same limits. A velocity that is missing or not finite stops all fingers with a
+    /// [`StopReason`]; while the hand is stopped, or after no new plan, nothing moves.
+    pub fn follow(&mut self, velocities: &[DVec3], state: &HandState, command: &mut HandCommand) {
+        let count = check_count("velocities", self.fingers.len(), velocities.len());
+        if let Err(reason) = count {
+            self.stop(reason);
         }
+        if self.stop_reason.is_none() {
+            for (finger, &velocity) in self.fingers.iter_mut().zip(velocities) {
+                finger.velocity = velocity;
+            }
+        }
+        self.admit(state, command);
     }
 
     /// Stops all fingers at once, until told to [`resume`](Self::resume). The first reason is kept; but
@@ -135,6 +179,11 @@ impl Controller {
             Some(first) if !(told && first.is_stale()) => {}
             _ => self.stop_reason = Some(reason),
         }
+        self.plans.fill(Plan::default());
+        self.rest();
+    }
+
+    fn rest(&mut self) {
         for finger in &mut self.fingers {
             finger.velocity = DVec3::ZERO;
             finger.admitted = Admitted::default();
@@ -190,28 +239,46 @@ impl Controller {
         Ok(())
     }
 
-    /// What the task wants, what the law makes of it, and what the limits let through.
-    fn plan(&mut self, touches: &[FingerTouch], state: &HandState) -> Result<(), StopReason> {
-        let hand = HandSense {
-            stamp: state.stamp,
-            poses: &self.poses,
-            touches,
-            layouts: &self.layouts,
-        };
-        let stopped = self.stop_reason.is_some();
-        if !stopped {
-            self.task.advance(&hand)?;
+    /// Asks the task what it wants of each finger.
+    fn ask_task(&mut self, touches: &[FingerTouch], state: &HandState) -> Result<(), StopReason> {
+        if self.stop_reason.is_some() {
+            return Ok(());
         }
-        let fingers = self.fingers.iter_mut().zip(hand.fingers());
-        for (index, ((finger, sense), joints)) in fingers.zip(&state.joints).enumerate() {
-            let plan = match stopped {
-                true => Plan::default(),
-                false => self.task.plan(index, &hand),
-            };
-            finger.velocity = finger.law.velocity(&plan, &sense);
+        let hand = HandSense::new(state, touches, &self.poses, &self.layouts);
+        self.task.advance(&hand)?;
+        for (finger, plan) in self.plans.iter_mut().enumerate() {
+            *plan = self.task.plan(finger, &hand);
+        }
+        Ok(())
+    }
+
+    /// What the law of each finger makes of its plan.
+    fn obey_laws(&mut self, touches: &[FingerTouch], state: &HandState) {
+        let hand = HandSense::new(state, touches, &self.poses, &self.layouts);
+        let fingers = self.fingers.iter_mut().zip(&self.plans);
+        for ((finger, plan), sense) in fingers.zip(hand.fingers()) {
+            finger.velocity = finger.law.velocity(plan, &sense);
+        }
+    }
+
+    /// Makes the command of what the limits let through of each finger's velocity: once for each plan.
+    fn admit(&mut self, state: &HandState, command: &mut HandCommand) {
+        command.set_to_stop();
+        match std::mem::take(&mut self.planned) {
+            false => self.rest(),
+            true => self.limit(state).unwrap_or_else(|reason| self.stop(reason)),
+        }
+        for (finger, velocity) in self.fingers.iter().zip(command.admitted_mut()) {
+            *velocity = finger.admitted.joint_velocity;
+        }
+    }
+
+    fn limit(&mut self, state: &HandState) -> Result<(), StopReason> {
+        let fingers = self.fingers.iter_mut().zip(&self.poses);
+        for (index, ((finger, pose), joints)) in fingers.zip(&state.joints).enumerate() {
             let request = Request {
                 velocity: finger.velocity,
-                position: sense.pose.position,
+                position: pose.position,
                 theta: joints.position,
                 previous: finger.admitted.joint_velocity,
             };
@@ -225,59 +292,5 @@ impl Controller {
                 })?;
         }
         Ok(())
-    }
-}
-
-fn check_count(what: &'static str, expected: usize, actual: usize) -> Result<(), StopReason> {
-    if actual == expected {
-        Ok(())
-    } else {
-        Err(StopReason::FingerCount {
-            what,
-            expected,
-            actual,
-        })
-    }
-}
-
-fn check_input(
-    finger: usize,
-    elements: usize,
-    touch: &FingerTouch,
-    joints: &JointState,
-) -> Result<(), StopReason> {
-    let forces = &touch.frame.forces;
-    if forces.len() != elements {
-        return Err(StopReason::ElementCount {
-            finger,
-            expected: elements,
-            actual: forces.len(),
-        });
-    }
-    // In every step of every finger, so one pass without a branch; what is wrong is found out afterwards.
-    let not_finite = |what| StopReason::NotFinite { finger, what };
-    if !forces.iter().fold(true, |all, f| all & f.is_finite()) {
-        let no_force = |element| StopReason::NoForce { finger, element };
-        let invalid = touch.frame.first_invalid().map(no_force);
-        return Err(invalid.unwrap_or_else(|| not_finite("force")));
-    }
-    if !(joints.position.is_finite() && joints.velocity.is_finite()) {
-        return Err(not_finite("joint state"));
-    }
-    Ok(())
-}
-
-/// No element is pressed harder than `limit`, N, where there is one.
-fn check_load(finger: usize, touch: &FingerTouch, limit: Option<f64>) -> Result<(), StopReason> {
-    let Some(limit) = limit else { return Ok(()) };
-    let mut forces = touch.frame.forces.iter().enumerate();
-    match forces.find(|(_, force)| force.z > limit) {
-        Some((element, force)) => Err(StopReason::Overload {
-            finger,
-            element,
-            force: force.z,
-            limit,
-        }),
-        None => Ok(()),
     }
 }

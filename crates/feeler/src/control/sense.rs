@@ -2,6 +2,7 @@
 
 use super::flags::FingerFlags;
 use super::touch::FingerTouch;
+use crate::hand::{HandState, JointState};
 use crate::sensor::layout::ElementLayout;
 use glam::{DMat3, DVec3};
 
@@ -28,6 +29,8 @@ impl Default for FingertipPose {
 pub struct FingerSense<'a> {
     /// Where its fingertip is.
     pub pose: FingertipPose,
+    /// Its joint angles and velocities, by its encoders.
+    pub joints: JointState,
     /// The forces on all its elements, their shear rates and the flags.
     pub touch: &'a FingerTouch,
     /// Where its elements sit on the dome.
@@ -70,6 +73,8 @@ pub struct HandSense<'a> {
     pub stamp: f64,
     /// Where each fingertip is.
     pub poses: &'a [FingertipPose],
+    /// Each finger's joint angles and velocities.
+    pub joints: &'a [JointState],
     /// What each finger felt since the last control step.
     pub touches: &'a [FingerTouch],
     /// The elements of each finger.
@@ -77,10 +82,27 @@ pub struct HandSense<'a> {
 }
 
 impl<'a> HandSense<'a> {
+    /// What fingers with elements as in `layouts` feel, whose encoders say `state`: `touches`, with their tips at `poses`.
+    pub fn new(
+        state: &'a HandState,
+        touches: &'a [FingerTouch],
+        poses: &'a [FingertipPose],
+        layouts: &'a [ElementLayout],
+    ) -> Self {
+        Self {
+            stamp: state.stamp,
+            poses,
+            joints: &state.joints,
+            touches,
+            layouts,
+        }
+    }
+
     /// One finger, if there is such a finger.
     pub fn finger(&self, finger: usize) -> Option<FingerSense<'a>> {
         Some(FingerSense {
             pose: *self.poses.get(finger)?,
+            joints: *self.joints.get(finger)?,
             touch: self.touches.get(finger)?,
             layout: self.layouts.get(finger)?,
         })
@@ -88,9 +110,11 @@ impl<'a> HandSense<'a> {
 
     /// The fingers, one after the other.
     pub fn fingers(&self) -> impl Iterator<Item = FingerSense<'a>> + use<'a> {
-        let fingers = self.poses.iter().zip(self.touches).zip(self.layouts);
-        fingers.map(|((&pose, touch), layout)| FingerSense {
+        let stand = self.poses.iter().zip(self.joints);
+        let fingers = stand.zip(self.touches).zip(self.layouts);
+        fingers.map(|(((&pose, &joints), touch), layout)| FingerSense {
             pose,
+            joints,
             touch,
             layout,
         })

@@ -6,7 +6,7 @@ use glam::DVec3;
 pub const MAX_FINGERS: usize = 5;
 
 /// What the encoders of one finger say.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct JointState {
     /// Joint angles theta1..theta3, rad.
     pub position: DVec3,
@@ -26,13 +26,9 @@ pub struct HandState {
 impl HandState {
     /// `fingers` fingers at joint angles zero and at rest, at time 0.
     pub fn zero(fingers: usize) -> Self {
-        let joint = JointState {
-            position: DVec3::ZERO,
-            velocity: DVec3::ZERO,
-        };
         Self {
             stamp: 0.0,
-            joints: vec![joint; fingers],
+            joints: vec![JointState::default(); fingers],
         }
     }
 }

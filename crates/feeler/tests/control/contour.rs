@@ -7,6 +7,7 @@ use feeler::control::sense::{FingertipPose, HandSense};
 use feeler::control::task::Task;
 use feeler::control::task::contour::{Contour, ContourConfig};
 use feeler::control::touch::FingerTouch;
+use feeler::hand::JointState;
 use glam::{DMat3, DVec2, DVec3};
 
 const CONTACT_FORCE: f64 = 1.0;
@@ -77,6 +78,7 @@ fn the_outline_lies_on_the_surface_once_the_friction_is_known() {
                 let hand = HandSense {
                     stamp: PERIOD * f64::from(step),
                     poses: &[pose],
+                    joints: &[JointState::default()],
                     touches: &[touch],
                     layouts: &[layout()],
                 };

@@ -2,6 +2,7 @@
 
 use super::rig::{controller, state, touch};
 use feeler::control::phase::Phase;
+use feeler::control::plan::Plan;
 use feeler::control::stop_reason::StopReason;
 use feeler::hand::HandCommand;
 use glam::DVec3;
@@ -65,4 +66,68 @@ fn a_task_is_not_asked_while_the_hand_is_stopped() {
         (2, Phase::Move)
     );
     assert!(command.joint_velocity()[0] != DVec3::ZERO);
+}
+
+/// An agent that wants what the law makes of the plan gets what the law gets; another gets its own velocity through the limits.
+#[test]
+fn an_agents_velocity_passes_the_limits_of_the_laws() {
+    let (mut by_law, mut by_agent) = (controller(), controller());
+    let (mut lawful, mut followed) = (HandCommand::stop(1), HandCommand::stop(1));
+    let (touches, state) = ([touch(1.0)], state());
+    by_law.decide(&touches, &state, &mut lawful);
+    by_agent.plan(&touches, &state);
+    // The law is "open-loop", which does what is planned.
+    let planned = by_agent.plans()[0].velocity;
+    by_agent.follow(&[planned], &state, &mut followed);
+    assert_eq!(lawful, followed);
+    assert!(lawful.joint_velocity()[0] != DVec3::ZERO);
+    by_agent.plan(&touches, &state);
+    by_agent.follow(&[DVec3::splat(1e300)], &state, &mut followed);
+    assert!(by_agent.fingers()[0].admitted.limited);
+    // 20 rad/s² for twice 10 ms.
+    assert!(followed.joint_velocity()[0].abs().max_element() <= 0.4 + 1e-12);
+}
+
+#[test]
+fn an_agent_moves_nothing_without_a_plan_or_while_the_hand_is_stopped() {
+    let mut controller = controller();
+    let mut command = HandCommand::stop(1);
+    let (touches, state) = ([touch(1.0)], state());
+    let fast = [0.01 * DVec3::Y];
+    controller.plan(&touches, &state);
+    controller.follow(&fast, &state, &mut command);
+    assert!(command.joint_velocity()[0] != DVec3::ZERO);
+    controller.follow(&fast, &state, &mut command);
+    assert_eq!(command.joint_velocity(), [DVec3::ZERO]);
+    controller.plan(&touches, &state);
+    controller.stop(told());
+    controller.follow(&fast, &state, &mut command);
+    assert_eq!(command.joint_velocity(), [DVec3::ZERO]);
+    controller.plan(&touches, &state);
+    assert_eq!(controller.plans(), [Plan::default()]);
+    controller.follow(&fast, &state, &mut command);
+    assert_eq!(command.joint_velocity(), [DVec3::ZERO]);
+    for (velocities, reason) in [
+        (
+            vec![],
+            StopReason::FingerCount {
+                what: "velocities",
+                expected: 1,
+                actual: 0,
+            },
+        ),
+        (
+            vec![DVec3::NAN],
+            StopReason::NotFinite {
+                finger: 0,
+                what: "command",
+            },
+        ),
+    ] {
+        controller.resume();
+        controller.plan(&touches, &state);
+        controller.follow(&velocities, &state, &mut command);
+        assert_eq!(command.joint_velocity(), [DVec3::ZERO]);
+        assert_eq!(controller.stop_reason(), Some(&reason));
+    }
 }

@@ -8,7 +8,7 @@ use feeler::control::law::{Law, normal_only::NormalOnlyConfig};
 use feeler::control::plan::Plan;
 use feeler::control::sense::{FingerSense, FingertipPose};
 use feeler::control::touch::FingerTouch;
-use feeler::hand::{Hand, HandCommand};
+use feeler::hand::{Hand, HandCommand, JointState};
 use glam::DVec3;
 
 const MOVE: Plan = Plan {
@@ -35,6 +35,7 @@ fn pressing(law: &mut dyn Law, sequence: u64, force: DVec3) -> f64 {
     let touch = touch(sequence, force);
     let sense = FingerSense {
         pose: FingertipPose::default(),
+        joints: JointState::default(),
         touch: &touch,
         layout: &layout,
     };
@@ -130,6 +131,7 @@ fn the_best_learns_the_friction_of_what_slips() {
             let touch = touch(frame, DVec3::new(friction * used, 0.0, 1.0));
             let sense = FingerSense {
                 pose: FingertipPose::default(),
+                joints: JointState::default(),
                 touch: &touch,
                 layout: &layout,
             };
@@ -162,6 +164,7 @@ fn the_best_presses_along_what_it_feels_and_shares_between_elements() {
     touch.frame.forces[9].z = 0.019;
     let sense = FingerSense {
         pose: FingertipPose::default(),
+        joints: JointState::default(),
         touch: &touch,
         layout: &layout,
     };
@@ -192,6 +195,7 @@ fn believed(before: (f64, f64), now: (f64, f64)) -> f64 {
         let touch = touch(sequence, DVec3::new(shear, 0.0, normal));
         let sense = FingerSense {
             pose: FingertipPose::default(),
+            joints: JointState::default(),
             touch: &touch,
             layout: &layout,
         };
@@ -242,6 +246,7 @@ fn the_open_loop_presses_no_farther_than_its_distance_and_anew_in_each_grasp() {
                 position: DVec3::new(x, 0.0, 0.0),
                 ..FingertipPose::default()
             },
+            joints: JointState::default(),
             touch: &touch,
             layout: &layout,
         };

@@ -7,6 +7,7 @@ use feeler::control::plan::Plan;
 use feeler::control::sense::{FingerSense, FingertipPose};
 use feeler::control::slip_detector::SlipDetector;
 use feeler::control::touch::FingerTouch;
+use feeler::hand::JointState;
 use glam::{DMat3, DVec3};
 
 /// An element that misses more than this slips, N.
@@ -52,6 +53,7 @@ fn missing(mut detector: SlipDetector, share: f64, slip: f64) -> [f64; 2] {
                 position,
                 ..FingertipPose::default()
             },
+            joints: JointState::default(),
             touch,
             layout: &layout,
         };
@@ -105,6 +107,7 @@ fn nothing_goes_farther_along_than_the_fingertip() {
                     position,
                     ..FingertipPose::default()
                 },
+                joints: JointState::default(),
                 touch: &touch,
                 layout: &layout,
             };
@@ -138,6 +141,7 @@ fn pressing(shear: &[(u64, f64)]) -> Vec<f64> {
         touch.flags.slip = true;
         let sense = FingerSense {
             pose: FingertipPose::default(),
+            joints: JointState::default(),
             touch: &touch,
             layout: &layout,
         };
@@ -209,6 +213,7 @@ fn what_sticks_misses_nothing_however_the_fingertip_goes_and_turns() {
                     touch.frame.forces[element] = force;
                     let sense = FingerSense {
                         pose,
+                        joints: JointState::default(),
                         touch: &touch,
                         layout: &layout,
                     };
@@ -239,6 +244,7 @@ fn what_slips_slips_on_but_no_more_than_a_little_is_carried() {
             touch.frame.forces[0] = force;
             let sense = FingerSense {
                 pose: FingertipPose::default(),
+                joints: JointState::default(),
                 touch: &touch,
                 layout: &layout,
             };

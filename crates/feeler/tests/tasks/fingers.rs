@@ -8,6 +8,7 @@ use feeler::control::sense::{FingertipPose, HandSense};
 use feeler::control::stop_reason::StopReason;
 use feeler::control::task::Task;
 use feeler::control::touch::FingerTouch;
+use feeler::hand::JointState;
 use feeler::sensor::layout::{ElementLayout, LayoutConfig, RingConfig};
 use glam::{DMat3, DVec3};
 
@@ -120,6 +121,7 @@ impl<T: Task> Run<T> {
         let hand = HandSense {
             stamp: PERIOD * self.steps as f64,
             poses: &poses,
+            joints: &vec![JointState::default(); self.fingers.len()],
             touches: &touches,
             layouts: &layouts,
         };

@@ -1,0 +1,233 @@
+//! One finger's observation as plain numbers: what a learnt policy takes, and what an environment hands out.
+//!
+//! Velocities and directions are in the fingertip frame `T`, so that one policy serves fingers that face each other. Forces
+//! are in their element's frame `E_i`, as sensors deliver them.
+
+use super::plan::Plan;
+use super::sense::FingerSense;
+use glam::DVec3;
+use std::ops::Range;
+
+/// Numbers beside the elements' forces.
+const BESIDE_FORCES: usize = 21;
+
+/// Why an observation could not be written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum ObservationError {
+    /// The finger has another number of elements.
+    #[error("an observation of {expected} elements, the finger has forces on {actual}")]
+    ElementCount {
+        /// Elements of the observation.
+        expected: usize,
+        /// Elements of the finger.
+        actual: usize,
+    },
+    /// There is more or less room than numbers.
+    #[error("an observation of {expected} numbers, there is room for {actual}")]
+    Length {
+        /// Numbers of the observation.
+        expected: usize,
+        /// Room for them.
+        actual: usize,
+    },
+}
+
+/// Where in an observation what stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ObservationLayout {
+    /// Elements of the finger.
+    pub elements: usize,
+}
+
+/// A part of an observation.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ObservationPart {
+    /// What it is called.
+    pub name: &'static str,
+    /// Its unit and frame.
+    pub unit: &'static str,
+    /// Where it stands.
+    pub range: Range<usize>,
+}
+
+impl ObservationLayout {
+    /// How many numbers there are.
+    #[expect(clippy::len_without_is_empty, reason = "no observation is empty")]
+    pub fn len(&self) -> usize {
+        3 * self.elements + BESIDE_FORCES
+    }
+
+    /// What stands in an observation, in this order.
+    pub fn parts(&self) -> [ObservationPart; 12] {
+        let mut end = 0;
+        [
+            // F_x, F_y, F_z of one element after the other.
+            ("forces", "N, in E_i", 3 * self.elements),
+            ("touch", "0 or 1", 1),
+            ("slip", "0 or 1", 1),
+            ("over", "0 or 1", 1),
+            ("grasp_force", "N", 1),
+            ("joint_angles", "rad", 3),
+            ("joint_velocities", "rad/s", 3),
+            ("last_action", "m/s, in T", 3),
+            ("planned_velocity", "m/s, in T", 3),
+            ("towards_object", "unit vector, in T", 3),
+            ("reflex", "0 or 1", 1),
+            ("keep_grasp", "0 or 1", 1),
+        ]
+        .map(|(name, unit, length)| {
+            let start = end;
+            end += length;
+            ObservationPart {
+                name,
+                unit,
+                range: start..end,
+            }
+        })
+    }
+
+    /// Where the part called `name` stands, if there is one.
+    pub fn range(&self, name: &str) -> Option<Range<usize>> {
+        let mut parts = self.parts().into_iter();
+        parts.find_map(|part| (part.name == name).then_some(part.range))
+    }
+
+    /// Writes what a finger with the `plan` feels, which was last asked to move its fingertip at `last_action` (m/s, in W).
+    /// Does not allocate.
+    ///
+    /// # Errors
+    /// When the finger has another number of elements, or `observation` another length than [`len`](Self::len).
+    pub fn write(
+        &self,
+        plan: &Plan,
+        sense: &FingerSense<'_>,
+        last_action: DVec3,
+        observation: &mut [f32],
+    ) -> Result<(), ObservationError> {
+        let (flags, forces) = (sense.flags(), &sense.touch.frame.forces);
+        if forces.len() != self.elements {
+            return Err(ObservationError::ElementCount {
+                expected: self.elements,
+                actual: forces.len(),
+            });
+        }
+        if observation.len() != self.len() {
+            return Err(ObservationError::Length {
+                expected: self.len(),
+                actual: observation.len(),
+            });
+        }
+        let to_fingertip = sense.pose.rotation.transpose();
+        let (felt, rest) = observation.split_at_mut(3 * self.elements);
+        for (numbers, force) in felt.chunks_exact_mut(3).zip(forces) {
+            numbers.copy_from_slice(&force.as_vec3().to_array());
+        }
+        let up = |flag: bool| f32::from(u8::from(flag));
+        let [touch, slip, over] = [flags.touch, flags.slip, flags.over].map(up);
+        let vectors = [
+            sense.joints.position,
+            sense.joints.velocity,
+            to_fingertip * last_action,
+            to_fingertip * plan.velocity,
+            to_fingertip * plan.towards_object,
+        ];
+        let numbers = [touch, slip, over, flags.grasp_force as f32];
+        let numbers = numbers
+            .into_iter()
+            .chain(vectors.into_iter().flat_map(|v| v.as_vec3().to_array()))
+            .chain([plan.reflex, plan.keep_grasp].map(up));
+        for (own, number) in rest.iter_mut().zip(numbers) {
+            *own = number;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::control::flags::FingerFlags;
+    use crate::control::sense::FingertipPose;
+    use crate::control::touch::FingerTouch;
+    use crate::hand::JointState;
+    use crate::sensor::layout::{ElementLayout, LayoutConfig, RingConfig};
+    use glam::DMat3;
+
+    fn layout() -> ElementLayout {
+        ElementLayout::new(&LayoutConfig {
+            dome_radius: 0.018,
+            rings: vec![RingConfig {
+                elements: 2,
+                polar_angle_deg: 45.0,
+            }],
+        })
+    }
+
+    /// A finger that is turned by a quarter about z: its `x` is W's `y`, its `y` W's `-x`.
+    #[test]
+    fn every_number_stands_in_its_part_and_vectors_in_the_fingertip_frame() {
+        let layout = layout();
+        let mut touch = FingerTouch::none(2);
+        touch.frame.forces = vec![DVec3::new(0.1, 0.2, 0.3), DVec3::new(-0.4, 0.5, -0.6)];
+        touch.flags = FingerFlags {
+            touch: true,
+            over: true,
+            grasp_force: 0.3,
+            ..FingerFlags::default()
+        };
+        let sense = FingerSense {
+            pose: FingertipPose {
+                rotation: DMat3::from_cols(DVec3::Y, -DVec3::X, DVec3::Z),
+                ..FingertipPose::default()
+            },
+            joints: JointState {
+                position: DVec3::new(1.0, 2.0, 3.0),
+                velocity: DVec3::new(4.0, 5.0, 6.0),
+            },
+            touch: &touch,
+            layout: &layout,
+        };
+        let plan = Plan {
+            velocity: 7.0 * DVec3::Y,
+            towards_object: DVec3::X,
+            reflex: false,
+            keep_grasp: true,
+        };
+        let observed = ObservationLayout { elements: 2 };
+        let mut numbers = vec![f32::NAN; observed.len()];
+        let last = DVec3::new(8.0, 9.0, 10.0);
+        observed
+            .write(&plan, &sense, last, &mut numbers)
+            .expect("it fits");
+        let expected: [&[f32]; 12] = [
+            &[0.1, 0.2, 0.3, -0.4, 0.5, -0.6],
+            &[1.0],
+            &[0.0],
+            &[1.0],
+            &[0.3],
+            &[1.0, 2.0, 3.0],
+            &[4.0, 5.0, 6.0],
+            &[9.0, -8.0, 10.0],
+            &[7.0, 0.0, 0.0],
+            &[0.0, -1.0, 0.0],
+            &[0.0],
+            &[1.0],
+        ];
+        for (part, expected) in observed.parts().into_iter().zip(expected) {
+            assert_eq!(&numbers[part.range.clone()], expected, "{}", part.name);
+            assert_eq!(observed.range(part.name), Some(part.range));
+        }
+        assert_eq!(numbers, expected.concat());
+        let mut short = vec![0.0; observed.len() - 1];
+        let error = observed.write(&plan, &sense, last, &mut short);
+        let (expected, actual) = (27, 26);
+        assert_eq!(error, Err(ObservationError::Length { expected, actual }));
+        let other = ObservationLayout { elements: 3 };
+        let error = other.write(&plan, &sense, last, &mut short);
+        let (expected, actual) = (3, 2);
+        assert_eq!(
+            error,
+            Err(ObservationError::ElementCount { expected, actual })
+        );
+    }
+}
