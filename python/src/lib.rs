@@ -3,6 +3,7 @@
 //! Names, defaults and checks of what callers give are Python's; see `python/feeler`.
 
 mod calibration;
+mod control;
 mod errors;
 mod flags;
 mod interrupt;
@@ -20,6 +21,8 @@ mod _core {
     const __version__: &str = env!("CARGO_PKG_VERSION");
     #[pymodule_export]
     use super::calibration::{Calibration, calibrate_file, calibrate_frames};
+    #[pymodule_export]
+    use super::control::{FingerSense, HandSense, Plan, Session};
     #[pymodule_export]
     use super::flags::raise_flags;
     #[pymodule_export]

@@ -6,6 +6,7 @@ use feeler::pace::Unpaced;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::recorded_run::{FinishedRun, RecordedRun, RunError};
 use feeler_lab::experiment::run_folder;
+use feeler_record::RunEnd;
 use feeler_report::make;
 use pyo3::prelude::*;
 use std::path::{Path, PathBuf};
@@ -68,20 +69,30 @@ pub fn run(
     // Without a report it was interrupted, which was raised above.
     finished.map_or_else(
         || Err(pyo3::exceptions::PyKeyboardInterrupt::new_err(())),
-        |finished| outcome(folder, finished),
+        |finished| {
+            let simulated_time = finished.session.control_loop().state().stamp;
+            RunOutcome::read(folder, &finished.end, simulated_time, finished.wall_time)
+        },
     )
 }
 
-fn outcome(folder: PathBuf, finished: FinishedRun) -> PyResult<RunOutcome> {
-    let summary = std::fs::read_to_string(folder.join(make::SUMMARY))?;
-    Ok(RunOutcome {
-        folder,
-        summary,
-        state: finished.end.state.to_string(),
-        reason: finished.end.reason.clone(),
-        simulated_time: finished.session.control_loop().state().stamp,
-        wall_time: finished.wall_time,
-    })
+impl RunOutcome {
+    /// Of the run in `folder`, whose report is made.
+    pub fn read(
+        folder: PathBuf,
+        end: &RunEnd,
+        simulated_time: f64,
+        wall_time: f64,
+    ) -> PyResult<Self> {
+        Ok(Self {
+            summary: std::fs::read_to_string(folder.join(make::SUMMARY))?,
+            folder,
+            state: end.state.to_string(),
+            reason: end.reason.clone(),
+            simulated_time,
+            wall_time,
+        })
+    }
 }
 
 /// Makes the report of the run in `folder` again.

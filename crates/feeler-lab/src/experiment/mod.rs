@@ -22,6 +22,7 @@ pub use instruments::Instruments;
 use facts::simulated_facts;
 use feeler::control::control_loop::{ControlError, ControlLoop};
 use feeler::control::controller::{ControlConfig, Controller};
+use feeler::control::law::Law;
 use feeler::control::phase::Phase;
 use feeler::control::stop_reason::StopReason;
 use feeler::control::task::Task;
@@ -168,9 +169,44 @@ impl Session {
     /// # Errors
     /// When a sensor or the hand fails.
     pub fn step(&mut self) -> Result<Instruments, ExperimentError> {
-        let instruments = Instruments::read(&self.rig, self.cap, &mut self.slip);
+        let instruments = self.instruments();
         self.control_loop.step()?;
         Ok(instruments)
+    }
+
+    /// What the rig's own instruments read now.
+    pub fn instruments(&mut self) -> Instruments {
+        Instruments::read(&self.rig, self.cap, &mut self.slip)
+    }
+
+    /// The other half after [`plan`](Self::plan), as the control laws say.
+    ///
+    /// # Errors
+    /// When the hand fails.
+    pub fn obey(&mut self) -> Result<(), ExperimentError> {
+        Ok(self.control_loop.obey()?)
+    }
+
+    /// Gives each finger, by its number, the control law that `law` makes for it, in place of the experiment's.
+    pub fn set_laws(&mut self, law: impl Fn(usize) -> Box<dyn Law>) {
+        self.control_loop.controller_mut().set_laws(law);
+    }
+
+    /// The first half of a [`step`](Self::step), up to where the control laws would decide: reads the hand and the sensors,
+    /// and plans. For an agent in their place.
+    ///
+    /// # Errors
+    /// When a sensor or the hand fails.
+    pub fn plan(&mut self) -> Result<(), ExperimentError> {
+        Ok(self.control_loop.plan()?)
+    }
+
+    /// The other half after [`plan`](Self::plan): moves the fingertips at `velocities`, m/s in `W`, as far as the limits admit.
+    ///
+    /// # Errors
+    /// When the hand fails.
+    pub fn follow(&mut self, velocities: &[DVec3]) -> Result<(), ExperimentError> {
+        Ok(self.control_loop.follow(velocities)?)
     }
 
     /// Whether the task is done or was given up, or the time is over. A hand that was told to stop may

@@ -133,6 +133,16 @@ impl<S: TouchSource, H: Hand> ControlLoop<S, H> {
         Ok(())
     }
 
+    /// The rest of a [`step`](Self::step) after [`plan`](Self::plan), as the control laws say.
+    ///
+    /// # Errors
+    /// When the hand fails.
+    pub fn obey(&mut self) -> Result<(), ControlError> {
+        self.controller
+            .obey(&self.touches, &self.state, &mut self.command);
+        Ok(self.hand.command(&self.command)?)
+    }
+
     /// The rest of a [`step`](Self::step) after [`plan`](Self::plan): commands the hand what the limits let through of
     /// these velocities of the fingertips, m/s, in W ([`Controller::follow`]).
     ///

@@ -89,6 +89,13 @@ impl Controller {
         &self.fingers
     }
 
+    /// Gives each finger, by its number, the law that `law` makes for it, in place of the one it has.
+    pub fn set_laws(&mut self, law: impl Fn(usize) -> Box<dyn Law>) {
+        for (index, finger) in self.fingers.iter_mut().enumerate() {
+            finger.law = law(index);
+        }
+    }
+
     /// Where each fingertip is, by the encoders, as of the newest decision.
     pub fn poses(&self) -> &[FingertipPose] {
         &self.poses
@@ -136,10 +143,7 @@ impl Controller {
         command: &mut HandCommand,
     ) {
         self.plan(touches, state);
-        if self.planned {
-            self.obey_laws(touches, state);
-        }
-        self.admit(state, command);
+        self.obey(touches, state, command);
     }
 
     /// The first half of a [decision](Self::decide), for whoever acts in place of the laws: checks what arrived and asks the
@@ -153,6 +157,14 @@ impl Controller {
         if let Err(reason) = planned {
             self.stop(reason);
         }
+    }
+
+    /// The second half of a [decision](Self::decide) after [`plan`](Self::plan), as the laws say.
+    pub fn obey(&mut self, touches: &[FingerTouch], state: &HandState, command: &mut HandCommand) {
+        if self.planned {
+            self.obey_laws(touches, state);
+        }
+        self.admit(state, command);
     }
 
     /// The second half of a [decision](Self::decide) after [`plan`](Self::plan), with these velocities of the fingertips in place of

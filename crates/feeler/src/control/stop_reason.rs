@@ -137,6 +137,12 @@ pub enum StopReason {
         /// The limit, N.
         limit: f64,
     },
+    /// The task cannot go on, for a reason of its own.
+    #[error("the task gave up: {reason}")]
+    TaskFailed {
+        /// Why.
+        reason: String,
+    },
     /// Somebody said so.
     #[error("told to stop by {by}")]
     Told {

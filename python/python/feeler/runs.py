@@ -1,0 +1,139 @@
+"""Runs: an experiment from beginning to end, with recording and report."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from feeler import _core
+from feeler._progress import progress_bar
+from feeler._settings import Value, as_settings
+from feeler.recordings import Recording, read
+from feeler.sensing import PathLike
+
+
+class Run:
+    """A run in its folder: recording, report, summary."""
+
+    def __init__(self, folder: PathLike) -> None:
+        """The run that is in ``folder``.
+
+        Raises
+        ------
+        FileNotFoundError
+            When there is none.
+        """
+        self.folder = Path(folder)
+        if not self.recording_path.exists():
+            raise FileNotFoundError(f"{self.folder}: no recording.mcap in it; expected the folder of a run")
+
+    @property
+    def recording_path(self) -> Path:
+        """``recording.mcap``."""
+        return self.folder / "recording.mcap"
+
+    @property
+    def report_path(self) -> Path:
+        """``report.html``."""
+        return self.folder / "report.html"
+
+    @cached_property
+    def summary(self) -> Mapping[str, Any]:
+        """What stands in ``summary.json``: claims, strokes, findings."""
+        text = (self.folder / "summary.json").read_text(encoding="utf-8")
+        summary: dict[str, Any] = json.loads(text)
+        return summary
+
+    @cached_property
+    def recording(self) -> Recording:
+        """All that was recorded, as columns."""
+        return read(self.recording_path)
+
+    @property
+    def figures(self) -> dict[str, Path]:
+        """The report's figures (SVG), by name."""
+        return {path.stem: path for path in sorted((self.folder / "figures").glob("*.svg"))}
+
+    def __getattr__(self, name: str) -> Any:
+        """A column of the recording: ``run.force``, ``run.torque``."""
+        if name.startswith("_") or name not in Recording.COLUMNS:
+            raise AttributeError(f"a run has no {name!r}; expected one of {', '.join(Recording.COLUMNS)}")
+        return getattr(self.recording, name)
+
+    def __repr__(self) -> str:
+        claims = self.summary.get("claims") or []
+        held = sum(bool(claim["holds"]) for claim in claims)
+        return f"Run({str(self.folder)!r}, {self.summary.get('sim_time')} s, {held} of {len(claims)} claims hold)"
+
+    def _repr_html_(self) -> str:
+        """The figures, and a link to the report, for a notebook."""
+        figures = "".join(
+            f"<figure style='display:inline-block;margin:4px;width:48%'>{path.read_text(encoding='utf-8')}</figure>"
+            for path in self.figures.values()
+        )
+        return f"<p>{self!r}: <a href='{self.report_path}'>report</a>, with the scene in 3-D</p>{figures}"
+
+
+def run(
+    experiment: PathLike,
+    *,
+    seed: int | None = None,
+    sensing: str | None = None,
+    settings: Mapping[str, Value] | None = None,
+    out: PathLike | None = None,
+    record_frames: bool = False,
+    progress: bool | Callable[[float], None] = False,
+) -> Run:
+    """Runs an experiment, records it and makes its report, as ``feeler run`` does.
+
+    Ctrl-C ends it: what was recorded is kept in its folder, and :func:`report` makes the report of that.
+
+    Parameters
+    ----------
+    experiment
+        An experiment file, or the name of a built-in experiment.
+    seed
+        Random seed; the experiment's if left out.
+    sensing
+        ``"image"`` (rendered pictures) or ``"direct"`` (forces plus noise); the experiment's if left out.
+    settings
+        Values of the experiment, as in ``{"control.slip_threshold": 2.5}``.
+    out
+        The run's folder, which must not hold a run yet; ``runs/NAME-SENSING-seedN`` if left out.
+    record_frames
+        Record the camera's pictures, too.
+    progress
+        Show a bar (by tqdm, where it is installed), or a function that is called with the simulated time, s.
+
+    Raises
+    ------
+    ValueError
+        When the experiment cannot be used: names key, value and what was expected.
+    OSError
+        When a file cannot be read or written.
+    RuntimeError
+        When the run could not go on.
+    """
+    lines = as_settings(settings)
+    if seed is not None:
+        lines.append(f"seed={int(seed)}")
+    if sensing is not None:
+        lines.append(f"sensing={sensing}")
+    with progress_bar(progress, "s simulated") as watch:
+        outcome = _core.run(str(experiment), lines, out and Path(out), record_frames, watch)
+    return Run(outcome.folder)
+
+
+def report(folder: PathLike) -> Run:
+    """Makes the report of the run in ``folder`` again, from its recording.
+
+    Raises
+    ------
+    OSError, RuntimeError
+        When nothing of the recording is readable, or a file cannot be written.
+    """
+    _core.report(Path(folder))
+    return Run(folder)
