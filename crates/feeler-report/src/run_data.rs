@@ -2,8 +2,8 @@
 
 use feeler::sensor::layout::SensingElement;
 use feeler_record::{
-    Cap, FindingName, FingerRecord, Fingertip, Flags, NO_ELEMENT, Phase, Recording, RunFacts,
-    Stamped, Tactile, Task, TorqueSensor, TrueSlip,
+    Cap, FindingName, FingerRecord, Fingertip, Flags, NO_ELEMENT, Newest, Phase, Recording,
+    RunFacts, Tactile, Task, TorqueSensor, TrueSlip,
 };
 use glam::{DQuat, DVec3};
 use std::collections::BTreeMap;
@@ -243,29 +243,6 @@ fn findings(recording: &Recording) -> BTreeMap<FindingName, f64> {
     .collect()
 }
 
-/// Walks one channel: the newest message that is not younger than a time.
-pub struct Newest<'a, M> {
-    messages: &'a [M],
-    next: usize,
-}
-
-impl<'a, M: Stamped> Newest<'a, M> {
-    /// Of these messages, in the order of time.
-    pub fn new(messages: &'a [M]) -> Self {
-        Self { messages, next: 0 }
-    }
-
-    /// The newest at `time`, s, which must not be earlier than before.
-    pub fn at(&mut self, time: f64) -> Option<&'a M> {
-        /// Stamps within a nanosecond, the resolution of the recording's clock, are one time.
-        const SAME: f64 = 1e-9;
-        while (self.messages.get(self.next)).is_some_and(|m| m.stamp() <= time + SAME) {
-            self.next += 1;
-        }
-        self.messages.get(self.next.checked_sub(1)?)
-    }
-}
-
 /// The channels of one finger that become columns.
 struct FingerNewest<'a> {
     tactile: Newest<'a, Tactile>,
@@ -360,20 +337,5 @@ mod tests {
         assert!(!split_strokes(&[1, 1, 1], &[Search, Move, Stopped])[0].whole);
         let without_move = &split_strokes(&[1, 1], &[Search, Search])[0];
         assert!(without_move.moving.is_empty());
-    }
-
-    #[test]
-    fn newest_holds_the_last_message_and_knows_none_before_the_first() {
-        let cap = |stamp| Cap {
-            stamp,
-            ..Cap::default()
-        };
-        let messages = [cap(0.1), cap(0.2), cap(0.2 + 5e-10)];
-        let mut newest = Newest::new(&messages);
-        assert_eq!(newest.at(0.0), None);
-        assert_eq!(newest.at(0.1), Some(&messages[0]));
-        assert_eq!(newest.at(0.15), Some(&messages[0]));
-        assert_eq!(newest.at(0.2), Some(&messages[2]));
-        assert_eq!(newest.at(9.0), Some(&messages[2]));
     }
 }

@@ -1,10 +1,10 @@
 //! The rows of a run as columns.
 
-use crate::run_data::{FingerColumns, Newest, RunData};
+use crate::run_data::{FingerColumns, RunData};
 use crate::strokes::TRUE_SLIP;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use feeler_record::{Joints, ObjectPose, Phase, Recording, SolidFrame};
+use feeler_record::{Joints, Newest, ObjectPose, Phase, Recording, SolidFrame};
 use flate2::Compression;
 use flate2::write::DeflateEncoder;
 use glam::{DQuat, DVec3};

@@ -1,0 +1,48 @@
+//! The newest message of a channel at a time.
+
+use super::channels::Stamped;
+
+/// Walks one channel: the newest message that is not younger than a time.
+#[derive(Debug, Clone)]
+pub struct Newest<'a, M> {
+    messages: &'a [M],
+    next: usize,
+}
+
+impl<'a, M: Stamped> Newest<'a, M> {
+    /// Of these messages, in the order of time.
+    pub fn new(messages: &'a [M]) -> Self {
+        Self { messages, next: 0 }
+    }
+
+    /// The newest at `time`, s, which must not be earlier than before.
+    pub fn at(&mut self, time: f64) -> Option<&'a M> {
+        /// Stamps within a nanosecond, the resolution of the recording's clock, are one time.
+        const SAME: f64 = 1e-9;
+        while (self.messages.get(self.next)).is_some_and(|m| m.stamp() <= time + SAME) {
+            self.next += 1;
+        }
+        self.messages.get(self.next.checked_sub(1)?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::channels::Cap;
+
+    #[test]
+    fn it_holds_the_last_message_and_knows_none_before_the_first() {
+        let cap = |stamp| Cap {
+            stamp,
+            ..Cap::default()
+        };
+        let messages = [cap(0.1), cap(0.2), cap(0.2 + 5e-10)];
+        let mut newest = Newest::new(&messages);
+        assert_eq!(newest.at(0.0), None);
+        assert_eq!(newest.at(0.1), Some(&messages[0]));
+        assert_eq!(newest.at(0.15), Some(&messages[0]));
+        assert_eq!(newest.at(0.2), Some(&messages[2]));
+        assert_eq!(newest.at(9.0), Some(&messages[2]));
+    }
+}
