@@ -8,6 +8,7 @@ mod errors;
 mod flags;
 mod interrupt;
 mod layout;
+mod recording;
 mod run;
 mod sensing;
 
@@ -27,6 +28,8 @@ mod _core {
     use super::flags::raise_flags;
     #[pymodule_export]
     use super::layout::{Layout, locate_elements};
+    #[pymodule_export]
+    use super::recording::{Recording, read};
     #[pymodule_export]
     use super::run::{RunOutcome, report, run};
     #[pymodule_export]

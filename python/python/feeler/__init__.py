@@ -6,15 +6,31 @@ SI units everywhere, angles in radians; frames and signs as in the documentation
 from __future__ import annotations
 
 from feeler._core import __version__
+from feeler.control import FingerSense, HandSense, Law, Plan, Session, Step, Task
+from feeler.recordings import PHASES, Recording, read
+from feeler.runs import Run, report, run
 from feeler.sensing import Calibration, Felt, Fingertip, Layout, Thresholds, calibrate, locate
 
 __all__ = [
+    "PHASES",
     "Calibration",
     "Felt",
+    "FingerSense",
     "Fingertip",
+    "HandSense",
+    "Law",
     "Layout",
+    "Plan",
+    "Recording",
+    "Run",
+    "Session",
+    "Step",
+    "Task",
     "Thresholds",
     "__version__",
     "calibrate",
     "locate",
+    "read",
+    "report",
+    "run",
 ]

@@ -1,0 +1,194 @@
+"""Recordings as columns, a row for each control step."""
+
+from __future__ import annotations
+
+import tomllib
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from feeler import _core
+from feeler._arrays import read_only
+from feeler.sensing import BoolArray, FloatArray, PathLike
+
+if TYPE_CHECKING:
+    import pandas
+    import polars
+
+PHASES = ("search", "move", "release", "return", "done", "stopped")
+"""Phases of a task, in the order of their numbers."""
+
+
+class Recording:
+    """What was recorded of a run with F fingers of E elements, at N control steps.
+
+    Each column takes the newest message that is not younger than the step. What the recording does not tell is not a number,
+    false or -1. Columns are read-only.
+    """
+
+    COLUMNS: dict[str, str] = {
+        "time": "time of the control step [N], s",
+        "phase": "phase of the task [N]",
+        "stroke": "number of the stroke [N], from 1",
+        "force": "force on each feeler by the object, in E_i [N, F, E, 3], N; z is compression",
+        "shear_rate": "rate of each element's shear force [N, F, E], N/s",
+        "touch": "TOUCH [N, F]",
+        "slip": "SLIP [N, F]",
+        "over": "OVER [N, F]",
+        "largest_element": "touching element of largest compression [N, F]; -1 for none",
+        "grasp_force": "sum of the elements' compressions [N, F], N",
+        "joint_position": "joint angles [N, F, 3], rad",
+        "joint_velocity": "joint velocities [N, F, 3], rad/s",
+        "joint_command": "commanded joint velocities [N, F, 3], rad/s",
+        "fingertip_command": "velocity of the fingertip that the law wanted, in W [N, F, 3], m/s",
+        "limited": "whether the limits changed it [N, F]",
+        "position": "centre of the dome, in W [N, F, 3], m",
+        "orientation": "from the fingertip's frame T to W, quaternion x, y, z, w [N, F, 4]",
+        "true_slip": "longest way that a feeler slipped since the step before [N, F], m (simulated worlds)",
+        "torque": "torque sensor [N], N·m, positive when the cap is turned on",
+        "cap_angle": "angle that the cap has turned since the start [N], rad, positive when it is turned on",
+        "cap_torque": "torque of the thread on the cap [N], N·m (simulated worlds)",
+        "object_position": "where the carried object is, in W [N, 3], m (simulated worlds)",
+        "object_orientation": "its orientation, quaternion x, y, z, w [N, 4] (simulated worlds)",
+    }
+    """What each column holds, with shape and unit."""
+
+    time: FloatArray
+    stroke: NDArray[np.uint32]
+    force: FloatArray
+    shear_rate: FloatArray
+    touch: BoolArray
+    slip: BoolArray
+    over: BoolArray
+    largest_element: NDArray[np.int64]
+    grasp_force: FloatArray
+    joint_position: FloatArray
+    joint_velocity: FloatArray
+    joint_command: FloatArray
+    fingertip_command: FloatArray
+    limited: BoolArray
+    position: FloatArray
+    orientation: FloatArray
+    true_slip: FloatArray
+    torque: FloatArray
+    cap_angle: FloatArray
+    cap_torque: FloatArray
+    object_position: FloatArray
+    object_orientation: FloatArray
+
+    def __init__(self, path: PathLike) -> None:
+        """Reads the recording at ``path``, as far as it goes; see :func:`read`."""
+        self.path = Path(path)
+        self._recording = _core.read(self.path)
+
+    @cached_property
+    def phase(self) -> NDArray[np.str_]:
+        """Phase of the task [N], one of :data:`PHASES`."""
+        return read_only(np.array(PHASES)[self._recording.columns["phase"]])
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_") or name not in self.COLUMNS:
+            raise AttributeError(f"a recording has no {name!r}; expected one of {', '.join(self.COLUMNS)}")
+        return self._recording.columns[name]
+
+    @cached_property
+    def experiment(self) -> dict[str, Any]:
+        """The experiment as run."""
+        return tomllib.loads(self._recording.experiment)
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of all messages: the same for the same program, experiment and seed."""
+        return self._recording.digest
+
+    @property
+    def complete(self) -> bool:
+        """Whether the recording is whole."""
+        return self._recording.complete
+
+    @property
+    def problem(self) -> str | None:
+        """What is wrong with it, if it is not whole."""
+        return self._recording.problem
+
+    @property
+    def state(self) -> str:
+        """How the run ended: ``done``, ``given up`` or ``interrupted``."""
+        return self._recording.state
+
+    @property
+    def reason(self) -> str | None:
+        """Why the run did not end as it should have, if it did not."""
+        return self._recording.reason
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    def to_dict(self) -> dict[str, NDArray[Any]]:
+        """A flat table: one-dimensional columns such as ``finger0.force.5.z``. Columns of which nothing is known are left out."""
+        flat: dict[str, NDArray[Any]] = {}
+        for name in self.COLUMNS:
+            column = getattr(self, name)
+            if column.dtype.kind == "f" and np.isnan(column).all():
+                continue
+            per_finger = "[N, F" in self.COLUMNS[name]
+            for index in np.ndindex(column.shape[1:]):
+                flat[_flat_name(name, index, column.shape[1:], per_finger)] = column[(slice(None), *index)]
+        return flat
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """The flat table of :meth:`to_dict` for pandas.
+
+        Raises
+        ------
+        ModuleNotFoundError
+            Where pandas is not installed.
+        """
+        import pandas
+
+        return pandas.DataFrame(self.to_dict())
+
+    def to_polars(self) -> polars.DataFrame:
+        """The flat table of :meth:`to_dict` for polars.
+
+        Raises
+        ------
+        ModuleNotFoundError
+            Where polars is not installed.
+        """
+        import polars
+
+        return polars.DataFrame(self.to_dict())
+
+    def __repr__(self) -> str:
+        until = f"{self.time[-1]:.2f} s" if len(self) else "nothing"
+        whole = "" if self.complete else f", not whole: {self.problem}"
+        fingers, elements = self._recording.fingers, self._recording.elements
+        return f"Recording({str(self.path)!r}, {until}, {fingers} fingers of {elements} elements, {self.state}{whole})"
+
+
+def _flat_name(name: str, index: tuple[int, ...], shape: tuple[int, ...], per_finger: bool) -> str:
+    parts: list[str] = []
+    rest = list(zip(index, shape, strict=True))
+    if per_finger:
+        parts.append(f"finger{rest.pop(0)[0]}")
+    parts.append(name)
+    axes = "xyzw" if rest and rest[-1][1] in (3, 4) and not name.startswith("joint") else None
+    for place, (number, _) in enumerate(rest):
+        last = place == len(rest) - 1
+        parts.append(axes[number] if axes and last else str(number))
+    return ".".join(parts)
+
+
+def read(path: PathLike) -> Recording:
+    """Reads a recording (``recording.mcap``), as far as it goes.
+
+    Raises
+    ------
+    OSError, ValueError
+        When nothing of it is readable.
+    """
+    return Recording(path)

@@ -1,0 +1,224 @@
+//! Recordings as columns: a row for each control step.
+
+use crate::errors::refused;
+use crate::interrupt::interruptible;
+use feeler_record::wire::Vector3;
+use feeler_record::{self as record, FingerStep, NO_ELEMENT, Step, Steps};
+use glam::{DQuat, DVec3};
+use numpy::{Element, IntoPyArray as _, PyArrayMethods as _};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::path::PathBuf;
+
+/// What was read of a recording.
+#[pyclass(frozen, get_all, module = "feeler._core")]
+pub struct Recording {
+    /// Columns by name.
+    columns: Py<PyDict>,
+    /// The experiment as run (TOML).
+    experiment: String,
+    digest: String,
+    /// Whether it is whole.
+    complete: bool,
+    /// What is wrong with it, if it is not.
+    problem: Option<String>,
+    /// How the run ended, and why, if it did not end as it should have.
+    state: String,
+    reason: Option<String>,
+    fingers: usize,
+    elements: usize,
+}
+
+/// Reads the recording at `path`, as far as it goes.
+#[pyfunction]
+pub fn read(py: Python<'_>, path: PathBuf) -> PyResult<Recording> {
+    let read = || {
+        let recording = record::Recording::read(&path)?;
+        let columns = Columns::of(&recording);
+        Ok::<_, record::RecordError>((recording, columns))
+    };
+    let (recording, columns) = interruptible(py, |_| read(), |_| Ok(()))?.map_err(refused)?;
+    let (fingers, elements) = (recording.fingers.len(), columns.elements);
+    Ok(Recording {
+        columns: columns.into_dict(py)?.unbind(),
+        digest: recording.digest.to_string(),
+        complete: recording.complete,
+        problem: recording.problem,
+        state: recording.end.state.to_string(),
+        reason: recording.end.reason,
+        experiment: recording.experiment,
+        fingers,
+        elements,
+    })
+}
+
+/// Numbers of all steps, one after the other. What a recording does not tell is not a number, false or -1.
+#[derive(Default)]
+struct Columns {
+    steps: usize,
+    fingers: usize,
+    /// Elements of the finger that has most.
+    elements: usize,
+    time: Vec<f64>,
+    phase: Vec<u8>,
+    stroke: Vec<u32>,
+    force: Vec<f64>,
+    shear_rate: Vec<f64>,
+    touch: Vec<bool>,
+    slip: Vec<bool>,
+    over: Vec<bool>,
+    largest_element: Vec<i64>,
+    grasp_force: Vec<f64>,
+    joint_position: Vec<f64>,
+    joint_velocity: Vec<f64>,
+    joint_command: Vec<f64>,
+    fingertip_command: Vec<f64>,
+    limited: Vec<bool>,
+    position: Vec<f64>,
+    orientation: Vec<f64>,
+    true_slip: Vec<f64>,
+    torque: Vec<f64>,
+    cap_angle: Vec<f64>,
+    cap_torque: Vec<f64>,
+    object_position: Vec<f64>,
+    object_orientation: Vec<f64>,
+}
+
+impl Columns {
+    fn of(recording: &record::Recording) -> Self {
+        let frames = recording
+            .fingers
+            .iter()
+            .flat_map(|finger| finger.tactile.first());
+        let mut columns = Self {
+            fingers: recording.fingers.len(),
+            elements: frames.map(|frame| frame.forces.len()).max().unwrap_or(0),
+            ..Self::default()
+        };
+        for step in Steps::new(recording) {
+            columns.push(&step);
+        }
+        columns
+    }
+
+    fn push(&mut self, step: &Step<'_>) {
+        self.steps += 1;
+        self.time.push(step.task.stamp);
+        self.phase.push(step.task.phase.into());
+        self.stroke.push(step.task.stroke);
+        self.torque.push(step.torque.map_or(f64::NAN, |t| t.torque));
+        self.cap_angle
+            .push(step.cap.map_or(f64::NAN, |cap| cap.angle));
+        let cap_torque = step.cap.map(|cap| cap.resisting_torque);
+        self.cap_torque.push(cap_torque.unwrap_or(f64::NAN));
+        let object = step.object;
+        push(&mut self.object_position, object.map(|o| xyz(o.position)));
+        push(
+            &mut self.object_orientation,
+            object.map(|o| DQuat::from(o.orientation).to_array()),
+        );
+        for (index, finger) in step.fingers.iter().enumerate() {
+            let slip = step.true_slip.and_then(|slip| slip.distance.get(index));
+            self.true_slip.push(slip.copied().unwrap_or(f64::NAN));
+            self.push_finger(finger);
+        }
+    }
+
+    fn push_finger(&mut self, finger: &FingerStep<'_>) {
+        let forces = finger.tactile.map_or(&[][..], |tactile| &tactile.forces);
+        let forces = forces.iter().map(|&force| xyz(force));
+        let padded = forces.chain(std::iter::repeat([f64::NAN; 3]));
+        self.force.extend(padded.take(self.elements).flatten());
+        let flags = finger.flags;
+        let rates = flags.map_or(&[][..], |flags| &flags.shear_rate);
+        let padded = rates.iter().copied().chain(std::iter::repeat(f64::NAN));
+        self.shear_rate.extend(padded.take(self.elements));
+        self.touch.push(flags.is_some_and(|flags| flags.touch));
+        self.slip.push(flags.is_some_and(|flags| flags.slip));
+        self.over.push(flags.is_some_and(|flags| flags.over));
+        let largest = flags.map(|flags| flags.largest_element);
+        let largest = largest.filter(|&element| element != NO_ELEMENT);
+        self.largest_element.push(largest.map_or(-1, i64::from));
+        self.grasp_force
+            .push(flags.map_or(f64::NAN, |flags| flags.grasp_force));
+        push(&mut self.joint_position, finger.joints.map(|j| j.position));
+        push(&mut self.joint_velocity, finger.joints.map(|j| j.velocity));
+        let command = finger.command;
+        push(&mut self.joint_command, command.map(|c| c.joint_velocity));
+        push(
+            &mut self.fingertip_command,
+            command.map(|c| xyz(c.fingertip_velocity)),
+        );
+        self.limited
+            .push(command.is_some_and(|command| command.limited));
+        push(
+            &mut self.position,
+            finger.fingertip.map(|f| xyz(f.position)),
+        );
+        push(
+            &mut self.orientation,
+            finger
+                .fingertip
+                .map(|f| DQuat::from(f.orientation).to_array()),
+        );
+    }
+
+    fn into_dict(self, py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
+        let columns = PyDict::new(py);
+        let (n, f, e) = (self.steps, self.fingers, self.elements);
+        put(&columns, "time", self.time, &[n])?;
+        put(&columns, "phase", self.phase, &[n])?;
+        put(&columns, "stroke", self.stroke, &[n])?;
+        put(&columns, "force", self.force, &[n, f, e, 3])?;
+        put(&columns, "shear_rate", self.shear_rate, &[n, f, e])?;
+        put(&columns, "touch", self.touch, &[n, f])?;
+        put(&columns, "slip", self.slip, &[n, f])?;
+        put(&columns, "over", self.over, &[n, f])?;
+        put(&columns, "largest_element", self.largest_element, &[n, f])?;
+        put(&columns, "grasp_force", self.grasp_force, &[n, f])?;
+        put(&columns, "joint_position", self.joint_position, &[n, f, 3])?;
+        put(&columns, "joint_velocity", self.joint_velocity, &[n, f, 3])?;
+        put(&columns, "joint_command", self.joint_command, &[n, f, 3])?;
+        put(
+            &columns,
+            "fingertip_command",
+            self.fingertip_command,
+            &[n, f, 3],
+        )?;
+        put(&columns, "limited", self.limited, &[n, f])?;
+        put(&columns, "position", self.position, &[n, f, 3])?;
+        put(&columns, "orientation", self.orientation, &[n, f, 4])?;
+        put(&columns, "true_slip", self.true_slip, &[n, f])?;
+        put(&columns, "torque", self.torque, &[n])?;
+        put(&columns, "cap_angle", self.cap_angle, &[n])?;
+        put(&columns, "cap_torque", self.cap_torque, &[n])?;
+        put(&columns, "object_position", self.object_position, &[n, 3])?;
+        put(
+            &columns,
+            "object_orientation",
+            self.object_orientation,
+            &[n, 4],
+        )?;
+        Ok(columns)
+    }
+}
+
+fn xyz(vector: Vector3) -> [f64; 3] {
+    DVec3::from(vector).to_array()
+}
+
+fn push<const N: usize>(column: &mut Vec<f64>, numbers: Option<[f64; N]>) {
+    column.extend(numbers.unwrap_or([f64::NAN; N]));
+}
+
+/// Hands a column over as an array that cannot be written to.
+fn put<T: Element>(
+    columns: &Bound<'_, PyDict>,
+    name: &str,
+    numbers: Vec<T>,
+    shape: &[usize],
+) -> PyResult<()> {
+    let array = numbers.into_pyarray(columns.py()).reshape(shape)?;
+    array.getattr("flags")?.setattr("writeable", false)?;
+    columns.set_item(name, array)
+}
