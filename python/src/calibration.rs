@@ -11,11 +11,14 @@ use feeler::sensor::frame::Picture;
 use feeler::sensor::loads::RecordBuilder;
 use feeler::sensor::moments::ElementMoments;
 use feeler_lab::sensor::{LoadsFile, SensorGeometry};
+use feeler_lab::config::Experiment;
+use feeler_sim::calibration_bench::{CalibrationBenchConfig, CalibrationBenchError, take_pictures};
 use glam::DVec3;
-use numpy::{PyReadonlyArray3, PyUntypedArrayMethods as _};
+use numpy::{IntoPyArray as _, PyArray3, PyArrayMethods as _, PyReadonlyArray3, PyUntypedArrayMethods as _};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// From moments to forces, for one fingertip.
 #[pyclass(frozen, module = "feeler._core")]
@@ -153,4 +156,56 @@ pub fn calibrate_frames(
         builder.add(&loads, &moments);
     }
     how.fit(py, geometry, &builder.finish())
+}
+
+/// Why no more pictures are taken.
+enum Taken {
+    Interrupted,
+    Failed(CalibrationBenchError),
+}
+
+impl From<CalibrationBenchError> for Taken {
+    fn from(error: CalibrationBenchError) -> Self {
+        Self::Failed(error)
+    }
+}
+
+/// Pictures of the simulated fingertip of `experiment` [N, H, W] under known loads [N, E, 3], N.
+#[pyfunction]
+#[pyo3(signature = (experiment, finger, combined, seed))]
+pub fn simulate_loads<'py>(
+    py: Python<'py>,
+    experiment: &str,
+    finger: Option<usize>,
+    combined: usize,
+    seed: u64,
+) -> PyResult<(Bound<'py, PyArray3<u8>>, Bound<'py, PyArray3<f64>>)> {
+    let experiment = Experiment::load(experiment, &[]).map_err(refused)?;
+    let fingertip = experiment.fingertip(finger).map_err(refused)?;
+    let optics = &experiment.config.simulation().map_err(refused)?.optics;
+    let bench = CalibrationBenchConfig {
+        seed,
+        ..CalibrationBenchConfig::of_size(combined)
+    };
+    let (mut pixels, mut forces, mut count) = (Vec::new(), Vec::new(), 0);
+    let take = |stop: &AtomicBool| {
+        let taken = take_pictures(fingertip, optics, &bench, |picture, loads| {
+            if stop.load(Ordering::Relaxed) {
+                return Err(Taken::Interrupted);
+            }
+            pixels.extend_from_slice(&picture.pixels);
+            forces.extend(loads.iter().flat_map(|load| load.force().to_array()));
+            count += 1;
+            Ok(())
+        });
+        match taken {
+            Ok(()) | Err(Taken::Interrupted) => Ok(()),
+            Err(Taken::Failed(error)) => Err(error),
+        }
+    };
+    interruptible(py, take, |_| Ok(()))?.map_err(refused)?;
+    let (width, height) = (fingertip.camera.width, fingertip.camera.height);
+    let elements = fingertip.layout.element_count();
+    let frames = pixels.into_pyarray(py).reshape([count, height, width])?;
+    Ok((frames, forces.into_pyarray(py).reshape([count, elements, 3])?))
 }

@@ -21,7 +21,7 @@ mod _core {
     #[allow(non_upper_case_globals, reason = "Python's name")]
     const __version__: &str = env!("CARGO_PKG_VERSION");
     #[pymodule_export]
-    use super::calibration::{Calibration, calibrate_file, calibrate_frames};
+    use super::calibration::{Calibration, calibrate_file, calibrate_frames, simulate_loads};
     #[pymodule_export]
     use super::control::{FingerSense, HandSense, Plan, Session};
     #[pymodule_export]
@@ -29,7 +29,7 @@ mod _core {
     #[pymodule_export]
     use super::layout::{Layout, locate_elements};
     #[pymodule_export]
-    use super::recording::{Recording, read};
+    use super::recording::Recording;
     #[pymodule_export]
     use super::run::{RunOutcome, report, run};
     #[pymodule_export]

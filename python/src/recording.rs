@@ -2,54 +2,147 @@
 
 use crate::errors::refused;
 use crate::interrupt::interruptible;
+use feeler_record::recording::PictureAt;
 use feeler_record::wire::Vector3;
 use feeler_record::{self as record, FingerStep, NO_ELEMENT, Step, Steps};
 use glam::{DQuat, DVec3};
-use numpy::{Element, IntoPyArray as _, PyArrayMethods as _};
+use numpy::{Element, IntoPyArray as _, PyArray1, PyArray3, PyArrayMethods as _};
+use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::fs::File;
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// What was read of a recording.
-#[pyclass(frozen, get_all, module = "feeler._core")]
+#[pyclass(frozen, module = "feeler._core")]
 pub struct Recording {
+    recording: record::Recording,
+    path: PathBuf,
+    elements: usize,
     /// Columns by name.
     columns: Py<PyDict>,
-    /// The experiment as run (TOML).
-    experiment: String,
-    digest: String,
-    /// Whether it is whole.
-    complete: bool,
-    /// What is wrong with it, if it is not.
-    problem: Option<String>,
-    /// How the run ended, and why, if it did not end as it should have.
-    state: String,
-    reason: Option<String>,
-    fingers: usize,
-    elements: usize,
 }
 
-/// Reads the recording at `path`, as far as it goes.
-#[pyfunction]
-pub fn read(py: Python<'_>, path: PathBuf) -> PyResult<Recording> {
-    let read = || {
-        let recording = record::Recording::read(&path)?;
-        let columns = Columns::of(&recording);
-        Ok::<_, record::RecordError>((recording, columns))
-    };
-    let (recording, columns) = interruptible(py, |_| read(), |_| Ok(()))?.map_err(refused)?;
-    let (fingers, elements) = (recording.fingers.len(), columns.elements);
-    Ok(Recording {
-        columns: columns.into_dict(py)?.unbind(),
-        digest: recording.digest.to_string(),
-        complete: recording.complete,
-        problem: recording.problem,
-        state: recording.end.state.to_string(),
-        reason: recording.end.reason,
-        experiment: recording.experiment,
-        fingers,
-        elements,
-    })
+#[pymethods]
+impl Recording {
+    /// Reads the recording at `path`, as far as it goes.
+    #[new]
+    fn new(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        let read = || {
+            let recording = record::Recording::read(&path)?;
+            let columns = Columns::of(&recording);
+            Ok::<_, record::RecordError>((recording, columns))
+        };
+        let (recording, columns) = interruptible(py, |_| read(), |_| Ok(()))?.map_err(refused)?;
+        Ok(Self {
+            elements: columns.elements,
+            columns: columns.into_dict(py)?.unbind(),
+            recording,
+            path,
+        })
+    }
+
+    /// Columns by name.
+    #[getter]
+    fn columns<'py>(&self, py: Python<'py>) -> &Bound<'py, PyDict> {
+        self.columns.bind(py)
+    }
+
+    /// The experiment as run (TOML).
+    #[getter]
+    fn experiment(&self) -> &str {
+        &self.recording.experiment
+    }
+
+    #[getter]
+    fn digest(&self) -> String {
+        self.recording.digest.to_string()
+    }
+
+    /// Whether it is whole.
+    #[getter]
+    fn complete(&self) -> bool {
+        self.recording.complete
+    }
+
+    /// What is wrong with it, if it is not.
+    #[getter]
+    fn problem(&self) -> Option<&str> {
+        self.recording.problem.as_deref()
+    }
+
+    /// How the run ended, and why, if it did not end as it should have.
+    #[getter]
+    fn end(&self) -> (String, Option<&str>) {
+        let end = &self.recording.end;
+        (end.state.to_string(), end.reason.as_deref())
+    }
+
+    #[getter]
+    fn fingers(&self) -> usize {
+        self.recording.fingers.len()
+    }
+
+    /// Elements of the finger that has most.
+    #[getter]
+    fn elements(&self) -> usize {
+        self.elements
+    }
+
+    /// Number of pictures on record of `finger`.
+    fn frame_count(&self, finger: usize) -> usize {
+        let finger = self.recording.fingers.get(finger);
+        finger.map_or(0, |finger| finger.pictures.len())
+    }
+
+    /// Pictures `start` to `stop` of `finger` [N, H, W], and their times [N], s.
+    fn frames<'py>(
+        &self,
+        py: Python<'py>,
+        finger: usize,
+        start: usize,
+        stop: usize,
+    ) -> PyResult<(Bound<'py, PyArray3<u8>>, Bound<'py, PyArray1<f64>>)> {
+        let pictures = self.recording.fingers.get(finger).map(|f| &f.pictures);
+        let pictures = pictures.and_then(|pictures| pictures.get(start..stop));
+        let pictures = pictures.unwrap_or_default();
+        let read = |stop: &AtomicBool| self.read_pictures(pictures, stop);
+        let (size, pixels) = interruptible(py, read, |_| Ok(()))?.map_err(PyOSError::new_err)?;
+        let times = pictures.iter().map(|at| 1e-9 * at.log_time as f64);
+        let shape = [pictures.len(), size.1, size.0];
+        let frames = pixels.into_pyarray(py).reshape(shape)?;
+        Ok((frames, PyArray1::from_iter(py, times)))
+    }
+}
+
+impl Recording {
+    /// The columns and rows of `pictures`, and their pixels one after the other.
+    fn read_pictures(
+        &self,
+        pictures: &[PictureAt],
+        stop: &AtomicBool,
+    ) -> Result<((usize, usize), Vec<u8>), String> {
+        let mut file =
+            File::open(&self.path).map_err(|e| format!("{}: {e}", self.path.display()))?;
+        let (mut size, mut pixels) = (None, Vec::new());
+        for at in pictures
+            .iter()
+            .take_while(|_| !stop.load(Ordering::Relaxed))
+        {
+            let picture = at.read(&mut file)?;
+            let (width, height) = *size.get_or_insert((picture.width, picture.height));
+            if (picture.width, picture.height) != (width, height) {
+                let (actual_width, actual_height) = (picture.width, picture.height);
+                return Err(format!(
+                    "pictures of {width}x{height} px expected, one has {actual_width}x{actual_height} px"
+                ));
+            }
+            pixels.reserve_exact(picture.pixels.len() * pictures.len() - pixels.len());
+            pixels.extend_from_slice(&picture.pixels);
+        }
+        Ok((size.unwrap_or((0, 0)), pixels))
+    }
 }
 
 /// Numbers of all steps, one after the other. What a recording does not tell is not a number, false or -1.

@@ -74,15 +74,21 @@ impl<F: Read + Seek> RecordedCamera<F> {
                     "the picture of {stamp} s expected on record, {found}"
                 ))
             })?;
-        self.read(at)
+        at.read(&mut self.file)
             .map_err(|reason| CameraError::Failed(format!("the picture of {stamp} s: {reason}")))
     }
+}
 
-    fn read(&mut self, at: PictureAt) -> Result<Picture, String> {
+impl PictureAt {
+    /// Reads the picture from the recording's `file`.
+    ///
+    /// # Errors
+    /// What was expected and what was found, in words.
+    pub fn read(self, file: &mut (impl Read + Seek)) -> Result<Picture, String> {
         let failed = |e: std::io::Error| e.to_string();
-        self.file.seek(SeekFrom::Start(at.offset)).map_err(failed)?;
-        let mut bytes = vec![0; at.length];
-        self.file.read_exact(&mut bytes).map_err(failed)?;
+        file.seek(SeekFrom::Start(self.offset)).map_err(failed)?;
+        let mut bytes = vec![0; self.length];
+        file.read_exact(&mut bytes).map_err(failed)?;
         let image: CompressedImage = cdr::decode(&bytes).map_err(|e| e.to_string())?;
         picture(&image)
     }

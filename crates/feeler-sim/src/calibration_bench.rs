@@ -70,6 +70,22 @@ impl Default for CalibrationBenchConfig {
     }
 }
 
+impl CalibrationBenchConfig {
+    /// As the default but for `combined` combined loads, and other kinds in proportion.
+    pub fn of_size(combined: usize) -> Self {
+        let default = Self::default();
+        let share = |count: usize| (count * combined).div_ceil(default.combined);
+        Self {
+            combined,
+            unloaded: share(default.unloaded).max(2),
+            normal_sweep: share(default.normal_sweep),
+            shear_sweep: share(default.shear_sweep),
+            held_out: share(default.held_out),
+            ..default
+        }
+    }
+}
+
 /// Why a simulated fingertip cannot be calibrated.
 #[derive(Debug, thiserror::Error)]
 pub enum CalibrationBenchError {

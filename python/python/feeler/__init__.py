@@ -6,10 +6,11 @@ SI units everywhere, angles in radians; frames and signs as in the documentation
 from __future__ import annotations
 
 from feeler._core import __version__
+from feeler._settings import Value
 from feeler.control import FingerSense, HandSense, Law, Plan, Session, Step, Task
 from feeler.recordings import PHASES, Recording, read
 from feeler.runs import Run, report, run
-from feeler.sensing import Calibration, Felt, Fingertip, Layout, Thresholds, calibrate, locate
+from feeler.sensing import Calibration, Felt, Fingertip, Layout, Thresholds, calibrate, locate, simulate_loads
 
 __all__ = [
     "PHASES",
@@ -27,10 +28,12 @@ __all__ = [
     "Step",
     "Task",
     "Thresholds",
+    "Value",
     "__version__",
     "calibrate",
     "locate",
     "read",
     "report",
     "run",
+    "simulate_loads",
 ]

@@ -27,8 +27,8 @@ Phase = Literal["search", "move", "release", "return", "done", "stopped"]
 class Task:
     """What a hand does: a small state machine, to be subclassed.
 
-    In every control step :meth:`advance` comes first, then :meth:`plan` for each finger. What either raises stops the hand and
-    ends the session.
+    In every control step :meth:`advance` comes first, then :meth:`plan` for each finger. What either raises stops the
+    hand and ends the session.
     """
 
     phase: Phase = "search"
@@ -85,7 +85,9 @@ class Step:
         """
         array = np.ascontiguousarray(velocity, dtype=np.float64)
         if array.shape != (len(self.fingers), 3):
-            raise ValueError(f"velocity: expected float64 [{len(self.fingers)}, 3], got {array.dtype} {list(array.shape)}")
+            raise ValueError(
+                f"velocity: expected float64 [{len(self.fingers)}, 3], got {array.dtype} {list(array.shape)}"
+            )
         self._velocity = array
 
     def __repr__(self) -> str:

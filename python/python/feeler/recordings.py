@@ -5,7 +5,7 @@ from __future__ import annotations
 import tomllib
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,11 +25,11 @@ PHASES = ("search", "move", "release", "return", "done", "stopped")
 class Recording:
     """What was recorded of a run with F fingers of E elements, at N control steps.
 
-    Each column takes the newest message that is not younger than the step. What the recording does not tell is not a number,
-    false or -1. Columns are read-only.
+    Each column takes the newest message that is not younger than the step. What the recording does not tell is not a
+    number, false or -1. Columns are read-only.
     """
 
-    COLUMNS: dict[str, str] = {
+    COLUMNS: ClassVar[dict[str, str]] = {
         "time": "time of the control step [N], s",
         "phase": "phase of the task [N]",
         "stroke": "number of the stroke [N], from 1",
@@ -82,7 +82,7 @@ class Recording:
     def __init__(self, path: PathLike) -> None:
         """Reads the recording at ``path``, as far as it goes; see :func:`read`."""
         self.path = Path(path)
-        self._recording = _core.read(self.path)
+        self._recording = _core.Recording(self.path)
 
     @cached_property
     def phase(self) -> NDArray[np.str_]:
@@ -117,18 +117,52 @@ class Recording:
     @property
     def state(self) -> str:
         """How the run ended: ``done``, ``given up`` or ``interrupted``."""
-        return self._recording.state
+        return self._recording.end[0]
 
     @property
     def reason(self) -> str | None:
         """Why the run did not end as it should have, if it did not."""
-        return self._recording.reason
+        return self._recording.end[1]
+
+    def frames(self, finger: int = 0, start: int = 0, stop: int | None = None) -> tuple[NDArray[np.uint8], FloatArray]:
+        """Pictures on record of one finger, where the run was recorded with them.
+
+        Parameters
+        ----------
+        finger
+            The finger, from 0.
+        start, stop
+            The first picture, and the one after the last; all if left out. A picture takes 0.3 MB.
+
+        Returns
+        -------
+        frames
+            uint8 [N, H, W].
+        times
+            When each was taken [N], s.
+
+        Raises
+        ------
+        ValueError
+            When there are no such pictures.
+        OSError
+            When the file cannot be read.
+        """
+        count = self._recording.frame_count(finger)
+        stop = count if stop is None else stop
+        if not 0 <= start < stop <= count:
+            raise ValueError(f"pictures {start} to {stop} of finger {finger}: the recording has {count}")
+        frames, times = self._recording.frames(finger, start, stop)
+        return frames, times
 
     def __len__(self) -> int:
         return len(self.time)
 
     def to_dict(self) -> dict[str, NDArray[Any]]:
-        """A flat table: one-dimensional columns such as ``finger0.force.5.z``. Columns of which nothing is known are left out."""
+        """A flat table: one-dimensional columns such as ``finger0.force.5.z``.
+
+        Columns of which nothing is known are left out.
+        """
         flat: dict[str, NDArray[Any]] = {}
         for name in self.COLUMNS:
             column = getattr(self, name)

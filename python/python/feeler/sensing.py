@@ -133,12 +133,14 @@ class Layout:
     @property
     def centres(self) -> FloatArray:
         """Column and row of each element's centre [E, 2], px."""
-        return self._layout.centres()
+        centres: FloatArray = self._layout.centres()
+        return centres
 
     @property
     def radii(self) -> FloatArray:
         """Radius of each element's sub-region [E], px."""
-        return self._layout.radii()
+        radii: FloatArray = self._layout.radii()
+        return radii
 
     @property
     def warnings(self) -> list[str]:
@@ -240,8 +242,8 @@ class Fingertip:
         if drift_correction and calibration is None:
             raise ValueError("drift_correction: expected a calibration, which says what is without drift")
         self._sensor = _core.Sensor(
-            calibration and calibration._calibration,
-            layout and layout._layout,
+            None if calibration is None else calibration._calibration,
+            None if layout is None else layout._layout,
             experiment,
             finger,
             drift_correction,
@@ -389,8 +391,8 @@ def locate(
     spot_diameter
         Diameter of a bright spot, px; estimated from the picture if left out.
     element_diameter
-        Diameter of an element, px: spots within it are one element. Without it, groups of equal numbers of spots are, if
-        there are any.
+        Diameter of an element, px: spots within it are one element. Without it, groups of equal numbers of spots are,
+        if there are any.
     region_radius
         Radius of a sub-region relative to the distance to the nearest element.
     dome
@@ -442,7 +444,7 @@ def calibrate(
     """
     normal, shear = full_scale if full_scale is not None else (None, None)
     how = {
-        "layout": layout and layout._layout,
+        "layout": None if layout is None else layout._layout,
         "experiment": experiment,
         "finger": finger,
         "model": model,
@@ -458,6 +460,35 @@ def calibrate(
     frames = checked("frames", frames, np.uint8, ("N", "H", "W"))
     forces = checked("forces", forces, np.float64, (len(frames), "E", 3))
     return Calibration(_core.calibrate_frames(frames, forces, how))
+
+
+def simulate_loads(
+    experiment: str = "cap-closing", *, finger: int | None = None, loads: int = 400, seed: int = 1
+) -> tuple[NDArray[np.uint8], FloatArray]:
+    """Pictures of a simulated fingertip under known loads, as a laboratory would take them.
+
+    Parameters
+    ----------
+    experiment, finger
+        Whose fingertip it is.
+    loads
+        Combined loads of compression and shear; sweeps, cycles and pictures without load come in addition.
+    seed
+        Of the loads' order and of the camera's noise.
+
+    Returns
+    -------
+    frames
+        uint8 [N, H, W], 0.3 MB each.
+    forces
+        Force on each element in each picture [N, E, 3], N.
+
+    Raises
+    ------
+    ValueError
+        When there is no such fingertip.
+    """
+    return _core.simulate_loads(experiment, finger, loads, seed)
 
 
 def _write_new(path: PathLike, text: str) -> None:

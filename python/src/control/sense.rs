@@ -29,21 +29,25 @@ impl Plan {
         })
     }
 
+    /// Velocity of the fingertip [3], m/s, in W.
     #[getter]
     fn velocity<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         vector(py, self.0.velocity)
     }
 
+    /// Where the object is thought to be: a unit vector [3] in W.
     #[getter]
     fn towards_object<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         vector(py, self.0.towards_object)
     }
 
+    /// Whether the finger re-compresses when it slips.
     #[getter]
     fn reflex(&self) -> bool {
         self.0.reflex
     }
 
+    /// Whether the finger re-compresses when its grasp force is low.
     #[getter]
     fn keep_grasp(&self) -> bool {
         self.0.keep_grasp
@@ -97,67 +101,80 @@ impl FingerSense {
 
 #[pymethods]
 impl FingerSense {
+    /// Force on each feeler by the object, in `E_i` [E, 3], N; z is compression, positive when pressed.
     #[getter]
     fn force<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         rows(py, &self.force)
     }
 
+    /// The dome's outward normal at each element [E, 3], unit vectors in W.
     #[getter]
     fn normal<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         rows(py, &self.normals)
     }
 
+    /// Rate of each element's shear force [E], N/s.
     #[getter]
     fn shear_rate<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_slice(py, &self.shear_rate)
     }
 
+    /// TOUCH: an element is pressed harder than F1, or slips.
     #[getter]
     fn touch(&self) -> bool {
         self.flags.touch
     }
 
+    /// SLIP: an element's shear force changes faster than dr.
     #[getter]
     fn slip(&self) -> bool {
         self.flags.slip
     }
 
+    /// OVER: an element is pressed harder than F2.
     #[getter]
     fn over(&self) -> bool {
         self.flags.over
     }
 
+    /// The touching element of largest compression; none where none touches.
     #[getter]
     fn largest_element(&self) -> Option<usize> {
         self.flags.largest_element
     }
 
+    /// Sum of the elements' compressions, N.
     #[getter]
     fn grasp_force(&self) -> f64 {
         self.flags.grasp_force
     }
 
+    /// The dome's centre [3], m, in W, by the encoders.
     #[getter]
     fn position<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         vector(py, self.pose.position)
     }
 
+    /// From the fingertip's frame `T` to W [3, 3].
     #[getter]
     fn rotation<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let rows_of = self.pose.rotation.transpose();
         rows(py, &[rows_of.x_axis, rows_of.y_axis, rows_of.z_axis])
     }
 
+    /// Joint angles [3], rad.
     #[getter]
     fn joint_position<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         vector(py, self.joints.position)
     }
 
+    /// Joint velocities [3], rad/s.
     #[getter]
     fn joint_velocity<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         vector(py, self.joints.velocity)
     }
 
+    /// Resultant force on the fingertip by what it touches [3], N, in W.
     #[getter]
     fn resultant<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         vector(py, self.resultant)
@@ -178,7 +195,9 @@ impl FingerSense {
 /// What the whole hand feels in one control step.
 #[pyclass(frozen, get_all, module = "feeler._core")]
 pub struct HandSense {
+    /// Time of the control step, s.
     time: f64,
+    /// What each finger feels.
     fingers: Vec<Py<FingerSense>>,
 }
 

@@ -150,29 +150,16 @@ fn simulated(arguments: &Arguments) -> Result<(Vec<ElementRecord>, String), Comm
     let fingertip = experiment.fingertip(arguments.finger)?;
     let config = &experiment.config;
     let optics = &config.simulation()?.optics;
-    let bench = bench(arguments);
+    let bench = CalibrationBenchConfig {
+        seed: arguments.seed,
+        ..CalibrationBenchConfig::of_size(arguments.loads as usize)
+    };
     let _working = Working::on("loading the simulated fingertip");
     if let Some(folder) = &arguments.write_loads {
         loads::write_simulated(folder, fingertip, optics, &bench)?;
     }
     let records = load_simulated(fingertip, optics, &bench)?;
     Ok((records, format!("{}, simulated", config.name)))
-}
-
-/// The simulated loads, all kinds in proportion to the combined ones.
-fn bench(arguments: &Arguments) -> CalibrationBenchConfig {
-    let default = CalibrationBenchConfig::default();
-    let combined = arguments.loads as usize;
-    let share = |count: usize| (count * combined).div_ceil(default.combined);
-    CalibrationBenchConfig {
-        seed: arguments.seed,
-        combined,
-        unloaded: share(default.unloaded).max(2),
-        normal_sweep: share(default.normal_sweep),
-        shear_sweep: share(default.shear_sweep),
-        held_out: share(default.held_out),
-        ..default
-    }
 }
 
 /// What shares of full scale refer to: as asked for, or as large as the loads.

@@ -1,0 +1,42 @@
+"""What several tests use: runs, and where the repository's files are."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import feeler
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+EXPERIMENTS = Path(__file__).parents[2] / "crates/feeler-lab/experiments"
+CALIBRATION = EXPERIMENTS / "reference-fingertip.coupled.calibration.toml"
+
+
+def missing(what: str) -> None:
+    """Skips a test for want of something, or fails it where nothing may be skipped."""
+    if os.environ.get("FEELER_REQUIRE_ALL") == "1":
+        pytest.fail(f"{what} is missing, and FEELER_REQUIRE_ALL=1")
+    pytest.skip(f"SKIPPED for want of {what}")
+
+
+@pytest.fixture(scope="session")
+def pictured(tmp_path_factory: pytest.TempPathFactory) -> feeler.Run:
+    """A run through pictures with contact, which are on record."""
+    folder = tmp_path_factory.mktemp("runs") / "pictured"
+    settings: dict[str, feeler.Value] = {"time_limit": 3.0}
+    return feeler.run("cap-closing", seed=3, sensing="image", settings=settings, out=folder, record_frames=True)
+
+
+@pytest.fixture(scope="session")
+def frames(pictured: feeler.Run) -> NDArray[np.uint8]:
+    """Its pictures of finger 0 [N, H, W]."""
+    return pictured.recording.frames(0)[0]
+
+
+@pytest.fixture(scope="session")
+def closing(tmp_path_factory: pytest.TempPathFactory) -> feeler.Run:
+    """The reference experiment, sensed directly."""
+    folder = tmp_path_factory.mktemp("runs") / "closing"
+    return feeler.run("cap-closing", seed=7, sensing="direct", out=folder)

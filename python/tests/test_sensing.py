@@ -1,0 +1,165 @@
+"""Sensing on arrays, held against what the control loop sensed in the same pictures."""
+
+from __future__ import annotations
+
+import threading
+from pathlib import Path
+
+import feeler
+import numpy as np
+import pytest
+from conftest import CALIBRATION
+from numpy.typing import NDArray
+
+Frames = NDArray[np.uint8]
+
+
+@pytest.fixture(scope="module")
+def tip() -> feeler.Fingertip:
+    return feeler.Fingertip.load(CALIBRATION)
+
+
+def test_forces_and_flags_are_those_of_the_run(tip: feeler.Fingertip, pictured: feeler.Run, frames: Frames) -> None:
+    recording = pictured.recording
+    rows = len(frames)
+    felt = tip.sense(frames, stamps=recording.time[:rows].copy())
+    # The same pictures through the same chain: equal to the bit.
+    np.testing.assert_array_equal(felt.force, recording.force[:rows, 0])
+    np.testing.assert_array_equal(felt.shear_rate, recording.shear_rate[:rows, 0])
+    for name in ("touch", "slip", "over", "grasp_force"):
+        np.testing.assert_array_equal(getattr(felt, name), getattr(recording, name)[:rows, 0], err_msg=name)
+    assert felt.touch.any() and not felt.touch.all(), "the finger touches at some time"
+    assert felt.valid.all() and felt.gray.min() > 0
+
+
+def test_threads_change_nothing(tip: feeler.Fingertip, frames: Frames) -> None:
+    one, four = tip.sense(frames, threads=1), tip.sense(frames, threads=4)
+    for name in ("force", "valid", "gray", "displacement", "shear_rate"):
+        np.testing.assert_array_equal(getattr(one, name), getattr(four, name), err_msg=name)
+
+
+def test_threads_of_python_may_share_a_fingertip(tip: feeler.Fingertip, frames: Frames) -> None:
+    felt: list[feeler.Felt] = []
+    threads = [threading.Thread(target=lambda: felt.append(tip.sense(frames))) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(felt) == 4
+    for other in felt[1:]:
+        np.testing.assert_array_equal(felt[0].force, other.force)
+
+
+def test_outputs_are_written_in_place(tip: feeler.Fingertip, frames: Frames) -> None:
+    out = feeler.Felt.empty(10, tip.element_count)
+    force = out.force
+    assert tip.sense(frames[:10], out=out) is out
+    assert out.force is force
+    np.testing.assert_array_equal(force, tip.sense(frames[:10]).force)
+
+
+def test_one_picture_is_a_batch_of_one(tip: feeler.Fingertip, frames: Frames) -> None:
+    felt = tip.sense(frames[5])
+    assert felt.force.shape == (1, 41, 3)
+    np.testing.assert_array_equal(felt.force, tip.sense(frames[5:6]).force)
+
+
+def test_arrays_that_do_not_fit_are_named(tip: feeler.Fingertip, frames: Frames) -> None:
+    cases: list[tuple[object, str]] = [
+        (frames.astype(np.float32), r"frames: expected .* uint8 \[N, 480, 640\], got float32"),
+        (frames[:, :100], r"uint8 \[N, 480, 640\], got uint8 \[\d+, 100, 640\]"),
+        (frames[:, :, ::2], r"got uint8 \[\d+, 480, 320\]"),
+        (frames[::2], "np.ascontiguousarray"),
+        (np.asfortranarray(frames[:2]), "np.ascontiguousarray"),
+        ([1, 2], "got list"),
+        (frames[np.newaxis], r"got uint8 \[1, "),
+    ]
+    for given, words in cases:
+        with pytest.raises(ValueError, match=words):
+            tip.sense(given)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match=r"out.force: expected .* float64 \[3, 41, 3\], got float64 \[2, 41, 3\]"):
+        tip.sense(frames[:3], out=feeler.Felt.empty(2, 41))
+    locked = feeler.Felt.empty(3, 41)
+    locked.valid.flags.writeable = False
+    with pytest.raises(ValueError, match=r"out.valid: .* read-only"):
+        tip.sense(frames[:3], out=locked)
+    with pytest.raises(ValueError, match="stamps: expected rising"):
+        tip.sense(frames[:3], stamps=np.zeros(3))
+    with pytest.raises(ValueError, match="rate: expected"):
+        tip.sense(frames[:3], rate=-1.0)
+    with pytest.raises(ValueError, match="threads: expected 1 or more"):
+        tip.sense(frames[:3], threads=0)
+
+
+def test_dark_and_saturated_forces_are_not_valid(tip: feeler.Fingertip) -> None:
+    frames = np.zeros((2, 480, 640), dtype=np.uint8)
+    frames[1] = 255
+    felt = tip.sense(frames)
+    assert not felt.valid.any()
+    assert np.isnan(felt.force).all()
+    assert not felt.touch.any() and (felt.gray[0] == 0).all()
+
+
+def test_without_calibration_displacements_count_from_a_reference(pictured: feeler.Run, frames: Frames) -> None:
+    tip = feeler.Fingertip(experiment="cap-closing").with_reference(frames[:20])
+    felt = tip.sense(frames)
+    assert not tip.is_calibrated and np.isnan(felt.force).all() and felt.valid.all()
+    # Without load the centroids stay within the picture's noise, 2.5 um; under load they move by far more.
+    touching = pictured.recording.touch[: len(frames), 0]
+    moved = np.abs(felt.displacement).max(axis=(1, 2))
+    assert moved[:20].max() < 30e-6 < moved[touching].max()
+
+
+def test_layouts_are_located_saved_and_used(frames: Frames, tmp_path: Path) -> None:
+    layout = feeler.locate(frames[:20], dome="cap-closing")
+    assert len(layout) == 41 and layout.centres.shape == (41, 2) and layout.radii.min() > 0
+    layout.save(tmp_path / "my.layout.toml")
+    read = feeler.Layout.load(tmp_path / "my.layout.toml")
+    np.testing.assert_array_equal(read.centres, layout.centres)
+    felt = feeler.Fingertip(layout=read).with_reference(frames[:20]).sense(frames[:30])
+    assert felt.gray.shape == (30, 41)
+    with pytest.raises(FileExistsError):
+        layout.save(tmp_path / "my.layout.toml")
+    with pytest.raises(ValueError, match="black"):
+        feeler.locate(np.zeros((48, 64), dtype=np.uint8))
+
+
+def test_a_calibration_is_fitted_to_loads_and_predicts_others() -> None:
+    loaded, forces = feeler.simulate_loads(loads=60)
+    calibration = feeler.calibrate(frames=loaded, forces=forces, model="coupled")
+    others, held_out = feeler.simulate_loads(loads=20, seed=2)
+    error = feeler.Fingertip(calibration).sense(others).force - held_out
+    rms = np.sqrt((error**2).mean(axis=(0, 1)))
+    # Full scale is 1 N of shear and 2 N of compression; with 400 loads the reference has 0.5 and 0.15 %.
+    assert (rms < [0.02, 0.02, 0.02]).all(), rms
+
+
+def test_loads_that_determine_no_calibration_are_refused(
+    pictured: feeler.Run, frames: Frames, tmp_path: Path
+) -> None:
+    forces = np.ascontiguousarray(pictured.recording.force[: len(frames), 0])
+    unloaded = np.abs(forces).max(axis=2) < 0.01
+    forces[unloaded] = 0.0
+    # Elements that the cap never reaches have no loads to be fitted to.
+    with pytest.raises(ValueError, match="element"):
+        feeler.calibrate(frames=frames, forces=forces)
+    with pytest.raises(ValueError, match=r"forces: expected .* float64 \[\d+, E, 3\]"):
+        feeler.calibrate(frames=frames, forces=forces[:3])
+    with pytest.raises(ValueError, match="expected a file of loads"):
+        feeler.calibrate()
+    with pytest.raises(FileNotFoundError, match=r"nowhere\.csv"):
+        feeler.calibrate(tmp_path / "nowhere.csv")
+
+
+def test_calibrations_are_read_and_written(tmp_path: Path) -> None:
+    calibration = feeler.Calibration.load(CALIBRATION)
+    assert calibration.model == "coupled" and calibration.held_out_rms.shape == (41, 3)
+    calibration.save(tmp_path / "copy.toml")
+    assert "coupled" in repr(feeler.Calibration.load(tmp_path / "copy.toml"))
+    with pytest.raises(ValueError, match="version"):
+        (tmp_path / "other.toml").write_text("version = 1\n")
+        feeler.Fingertip.load(tmp_path / "other.toml")
+    with pytest.raises(FileNotFoundError):
+        feeler.Fingertip.load(tmp_path / "none.toml")
+    with pytest.raises(ValueError, match="calibration, a layout or an experiment"):
+        feeler.Fingertip()
