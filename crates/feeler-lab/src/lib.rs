@@ -2,6 +2,7 @@
 #![warn(missing_docs)]
 
 pub mod config;
+pub mod environment;
 pub mod experiment;
 pub mod sensor;
 pub mod sweep;

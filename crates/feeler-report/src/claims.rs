@@ -27,7 +27,7 @@ pub const SMOOTHING: f64 = 0.05;
 /// Largest lag at which torque rate and shear rate are compared, s.
 const MAX_LAG: f64 = 0.05;
 /// Share of F2 above which an element might be damaged…
-const DAMAGE_FORCE: f64 = 1.25;
+pub const DAMAGE_FORCE: f64 = 1.25;
 /// …if it stays there for longer than this, s.
 const DAMAGE_TIME: f64 = 0.05;
 

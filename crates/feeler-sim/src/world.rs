@@ -126,6 +126,18 @@ impl World {
         wrench(&self.model, &self.state, object)
     }
 
+    /// How hard each feeler of `finger` that touches is pressed, in truth: F_z, N, in no particular order.
+    pub fn compressions(&self, finger: usize) -> impl Iterator<Item = f64> + use<'_> {
+        let fingers = self.model.fingers.iter().zip(&self.state.fingers);
+        fingers.skip(finger).take(1).flat_map(|(finger, state)| {
+            let contacts = state.contacts.iter().map(|contact| contact.element);
+            let pressed = |element: usize| {
+                state.forces[element].dot(state.tip.rotation * finger.normals[element])
+            };
+            contacts.map(pressed)
+        })
+    }
+
     /// The true tri-axial forces on the elements of `finger`, N, each in its own frame `E_i` with
     /// the sign of a [`TactileFrame`](feeler::sensor::reading::TactileFrame).
     pub fn element_forces(&self, finger: usize, forces: &mut [DVec3]) {

@@ -96,6 +96,20 @@ impl Experiment {
         })
     }
 
+    /// The same with `settings` put in, too.
+    ///
+    /// # Errors
+    /// When a setting makes no sense, or a value is out of its range.
+    pub fn with_settings(&self, settings: &[String]) -> Result<Self, ConfigError> {
+        let (origin, folder) = (&self.config.name, self.folder.clone());
+        let calibrations = self.calibrations.clone();
+        let experiment = Self::parse(&self.toml, origin, settings, folder)?;
+        Ok(Self {
+            calibrations,
+            ..experiment
+        })
+    }
+
     /// SHA-256 of all values, settings included; not of comments, order or layout of the text.
     pub fn sha256(&self) -> String {
         // Every value of an experiment came from TOML, or stands for one that can.

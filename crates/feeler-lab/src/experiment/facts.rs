@@ -9,7 +9,7 @@ use feeler::hand::finger::FingerConfig;
 use feeler::sensor::layout::ElementLayout;
 use feeler_record::{CapFacts, CarryGoal, FingerModel, RunFacts, SensingKind};
 use feeler_sim::config::SimConfig;
-use feeler_sim::object::Object;
+use feeler_sim::object::{Object, ObjectConfig};
 use feeler_sim::section::section;
 use feeler_sim::shape::ShapeConfig;
 use feeler_sim::world::World;
@@ -59,7 +59,7 @@ fn facts_with(config: &ExperimentConfig, layouts: &[ElementLayout]) -> RunFacts 
         stroke_direction: paths.iter().map(|path| unit(path.1)).collect(),
         stroke_count: config.task.strokes(),
         truth: BTreeMap::new(),
-        section: true_section(config),
+        section: true_section(config).map_or_else(Vec::new, |(_, section)| section),
         cap: cap_facts(config),
         carry: carry_goal(config),
         hand: hand(config, layouts),
@@ -110,7 +110,7 @@ fn hand(config: &ExperimentConfig, layouts: &[ElementLayout]) -> Vec<FingerModel
 
 /// What the cap is held to, unless strokes are counted. A simulated world knows its friction; what varies of it from seed to seed is
 /// left out.
-fn cap_facts(config: &ExperimentConfig) -> Option<CapFacts> {
+pub(crate) fn cap_facts(config: &ExperimentConfig) -> Option<CapFacts> {
     let TaskConfig::Screw(screw) = &config.task else {
         return None;
     };
@@ -155,17 +155,15 @@ fn cap_radius(sim: &SimConfig) -> f64 {
     }
 }
 
-/// The true section of the object whose outline is to be drawn; none where that is not the task, or a file would have to be
-/// read for it.
-fn true_section(config: &ExperimentConfig) -> Vec<[f64; 2]> {
+/// The object whose outline is to be drawn, and its true section; none where that is not the task, or a file would have to
+/// be read for it.
+pub(crate) fn true_section(config: &ExperimentConfig) -> Option<(&ObjectConfig, Vec<[f64; 2]>)> {
     let TaskConfig::Contour(contour) = &config.task else {
-        return Vec::new();
+        return None;
     };
     let mut objects = config.sim.iter().flat_map(|sim| &sim.object);
-    let Some((name, object)) = objects.find(|(_, o)| o.shape != ShapeConfig::HalfSpace) else {
-        return Vec::new();
-    };
-    Object::new(name, object, 0.0, Path::new(""))
-        .map(|object| section(&object, contour.home[2]))
-        .unwrap_or_default()
+    let (name, config) = objects.find(|(_, o)| o.shape != ShapeConfig::HalfSpace)?;
+    let object = Object::new(name, config, 0.0, Path::new("")).ok()?;
+    let section = section(&object, contour.home[2]);
+    (!section.is_empty()).then_some((config, section))
 }

@@ -17,6 +17,7 @@ pub mod warnings;
 
 use crate::config::{ConfigError, Experiment, ExperimentConfig, Sensing};
 pub use facts::run_facts;
+pub(crate) use facts::{cap_facts, true_section};
 pub use instruments::Instruments;
 
 use facts::simulated_facts;
@@ -270,6 +271,11 @@ impl Session {
     /// The elements of each finger's fingertip.
     pub fn layouts(&self) -> &[ElementLayout] {
         &self.layouts
+    }
+
+    /// The object on a thread, if there is one.
+    pub(crate) fn cap(&self) -> Option<usize> {
+        self.cap
     }
 
     /// The simulated rig.

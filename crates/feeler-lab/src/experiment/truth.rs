@@ -4,6 +4,7 @@ use super::Session;
 use feeler::hand::MAX_FINGERS;
 use feeler_sim::object::Motion;
 use feeler_sim::state::{FingerState, State};
+use feeler_sim::world::World;
 
 /// What came of a run so far, in truth.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -11,6 +12,8 @@ pub struct Truth {
     /// Torque that the cap is tightened to, N·m: what its thread now holds against being turned on. None
     /// without a cap.
     pub cap_torque: Option<f64>,
+    /// How far the cap is turned on, rad. None without a cap.
+    pub cap_angle: Option<f64>,
     /// Work that friction took from feelers that slipped, J.
     pub slip_work: f64,
 }
@@ -18,17 +21,22 @@ pub struct Truth {
 impl Truth {
     /// What came of `session` so far.
     pub fn of(session: &Session) -> Self {
-        let world = session.rig().world();
+        Self::in_world(&session.rig().world(), session.cap())
+    }
+
+    /// What came of a run in `world` so far, whose object `cap` is on a thread.
+    pub(crate) fn in_world(world: &World, cap: Option<usize>) -> Self {
         let (model, state) = (world.model(), world.state());
-        let cap = session.cap.and_then(|cap| {
+        let cap = cap.and_then(|cap| {
             let (object, state) = (model.objects.get(cap)?, state.objects.get(cap)?);
             match &object.motion {
-                Motion::Turns(hinge) => Some(hinge.thread.resisting_torque(state.turn.angle)),
+                Motion::Turns(hinge) => Some((hinge, state.turn.angle)),
                 Motion::Fixed | Motion::Free(_) => None,
             }
         });
         Self {
-            cap_torque: cap,
+            cap_torque: cap.map(|(hinge, angle)| hinge.thread.resisting_torque(angle)),
+            cap_angle: cap.map(|(_, angle)| angle),
             slip_work: state.slip_work(),
         }
     }

@@ -206,6 +206,20 @@ pub fn settings<'a>(
     Ok(settings)
 }
 
+/// Requires that no parameter sets what another one sets, or is multiplied by it before it is set.
+///
+/// # Errors
+/// The first that does.
+pub fn check_conflicts(parameters: &[Parameter]) -> Result<(), SweepError> {
+    for (index, parameter) in parameters.iter().enumerate() {
+        let mut earlier = parameters[..index].iter();
+        if let Some(conflict) = earlier.find_map(|other| other.conflict(parameter)) {
+            return Err(parameter.error(conflict));
+        }
+    }
+    Ok(())
+}
+
 /// Checks both ends of each parameter's range while all others are as the experiment has them.
 ///
 /// # Errors
@@ -231,10 +245,8 @@ fn check(
     blame: &Parameter,
 ) -> Result<(), SweepError> {
     let settings = settings(values.iter().copied())?;
-    let folder = Some(experiment.folder().to_path_buf());
-    Experiment::parse(&experiment.toml, "the experiment", &settings, folder)
-        .map(|_| ())
-        .map_err(|e| blame.error(e.to_string()))
+    let checked = experiment.with_settings(&settings);
+    checked.map(|_| ()).map_err(|e| blame.error(e.to_string()))
 }
 
 fn same(a: &Value, b: &Value) -> bool {

@@ -2,7 +2,7 @@
 
 use super::SweepError;
 use super::design::{Design, MAX_PARAMETERS, Scheme};
-use super::parameter::{Parameter, check_together};
+use super::parameter::{Parameter, check_conflicts, check_together};
 use super::ranges::Entry;
 use crate::config::Experiment;
 use serde::{Deserialize, Serialize};
@@ -184,12 +184,7 @@ impl Plan {
             .iter()
             .map(|e| Parameter::of_entry(e, &experiment));
         let parameters = varied.chain(entries).collect::<Result<Vec<_>, _>>()?;
-        for (index, parameter) in parameters.iter().enumerate() {
-            let earlier = &parameters[..index];
-            if let Some(conflict) = earlier.iter().find_map(|other| other.conflict(parameter)) {
-                return Err(parameter.error(conflict));
-            }
-        }
+        check_conflicts(&parameters)?;
         if self.design.is_some() {
             if !(1..=MAX_PARAMETERS).contains(&parameters.len()) {
                 let count = parameters.len();

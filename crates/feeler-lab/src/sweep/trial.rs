@@ -401,7 +401,7 @@ impl Ran {
 }
 
 /// The stream of `purpose` in trial `trial` of the sweep of `seed`.
-fn generator(seed: u64, trial: u64, purpose: &str) -> Pcg64 {
+pub(crate) fn generator(seed: u64, trial: u64, purpose: &str) -> Pcg64 {
     let mut hash = Sha256::new();
     hash.update(seed.to_le_bytes());
     hash.update(trial.to_le_bytes());

@@ -30,6 +30,13 @@ pub struct FingerControl {
     monitor: FingerMonitor,
 }
 
+impl FingerControl {
+    /// Its links and joints.
+    pub fn geometry(&self) -> &FingerGeometry {
+        &self.geometry
+    }
+}
+
 /// Task, law and limits with their memory.
 #[derive(Debug, Clone)]
 pub struct Controller {
