@@ -10,11 +10,13 @@ use feeler::sensor::calibration_report::CalibrationReport;
 use feeler::sensor::frame::Picture;
 use feeler::sensor::loads::RecordBuilder;
 use feeler::sensor::moments::ElementMoments;
-use feeler_lab::sensor::{LoadsFile, SensorGeometry};
 use feeler_lab::config::Experiment;
+use feeler_lab::sensor::{LoadsFile, SensorGeometry};
 use feeler_sim::calibration_bench::{CalibrationBenchConfig, CalibrationBenchError, take_pictures};
 use glam::DVec3;
-use numpy::{IntoPyArray as _, PyArray3, PyArrayMethods as _, PyReadonlyArray3, PyUntypedArrayMethods as _};
+use numpy::{
+    IntoPyArray as _, PyArray3, PyArrayMethods as _, PyReadonlyArray3, PyUntypedArrayMethods as _,
+};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::path::PathBuf;
@@ -207,5 +209,8 @@ pub fn simulate_loads<'py>(
     let (width, height) = (fingertip.camera.width, fingertip.camera.height);
     let elements = fingertip.layout.element_count();
     let frames = pixels.into_pyarray(py).reshape([count, height, width])?;
-    Ok((frames, forces.into_pyarray(py).reshape([count, elements, 3])?))
+    Ok((
+        frames,
+        forces.into_pyarray(py).reshape([count, elements, 3])?,
+    ))
 }

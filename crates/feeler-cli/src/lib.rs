@@ -6,6 +6,7 @@ mod arrivals;
 mod calibrate;
 mod check;
 mod compare;
+mod export;
 mod flush;
 #[cfg(any(feature = "top", feature = "view"))]
 mod history;
@@ -59,6 +60,7 @@ Examples:
   feeler run cap-closing --record-frames --out runs/seen
   feeler replay runs/seen --from frames       pictures -> forces -> flags -> commands again, compared bit for bit
   feeler replay runs/seven --from forces --set control.slip_threshold=2.5 --out runs/what-if
+  feeler export parquet runs/seven -o seven.parquet
   feeler calibrate --simulated --experiment my.toml -o my.calibration.toml
   feeler sweep cap-closing --sensing direct --vary 'friction=uniform(0.3,1.2)' -o sweep
   feeler compare cap-closing -o compare       the paper's control law against others, on the same trials
@@ -106,6 +108,8 @@ enum Command {
     Report(report::Arguments),
     /// Replay a recording through the sensor stage, the control stage or both, and compare bit for bit.
     Replay(replay::Arguments),
+    /// Export recordings as tables or data sets for other programs.
+    Export(export::Arguments),
     /// Calibrate a fingertip: load its elements, take pictures, fit.
     Calibrate(calibrate::Arguments),
     /// Find the sensing elements in pictures of an untouched sensor.
@@ -192,6 +196,7 @@ fn run_command(command: Command, out: &mut dyn Write) -> Result<Outcome, Command
         Command::Check(arguments) => check::check(&arguments, out),
         Command::Report(arguments) => report::report(&arguments, out),
         Command::Replay(arguments) => replay::replay(&arguments, out),
+        Command::Export(arguments) => export::export(&arguments, out),
         Command::Calibrate(arguments) => calibrate::calibrate(&arguments, out),
         Command::Locate(arguments) => locate::locate(&arguments, out),
         Command::Bench(arguments) => link::bench::bench(&arguments, out),

@@ -42,7 +42,7 @@ enum From {
 }
 
 pub fn replay(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
-    let path = recording_path(&arguments.run)?;
+    let path = run_folder::recording(&arguments.run)?;
     let reading = Working::on("reading the recording");
     let recording = Recording::read(&path)?;
     drop(reading);
@@ -92,22 +92,6 @@ pub fn replay(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Com
     } else {
         Outcome::Differs
     })
-}
-
-/// The recording that is meant by `path`.
-fn recording_path(path: &Path) -> Result<PathBuf, CommandError> {
-    let inside = path.join(RECORDING);
-    if inside.is_file() {
-        return Ok(inside);
-    }
-    if path.is_file() {
-        return Ok(path.to_path_buf());
-    }
-    Err(format!(
-        "{}: there is no recording; expected the folder of a run, with {RECORDING} in it, or an MCAP file",
-        path.display()
-    )
-    .into())
 }
 
 /// A recording of the replay, in a folder of its own.

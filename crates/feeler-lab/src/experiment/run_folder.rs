@@ -25,6 +25,15 @@ pub enum RunFolderError {
         /// What the system said.
         source: io::Error,
     },
+    /// There is no recording.
+    #[error(
+        "{}: there is no recording; expected the folder of a run, with {RECORDING} in it, or an MCAP file",
+        path.display()
+    )]
+    NoRecording {
+        /// Where it was looked for.
+        path: PathBuf,
+    },
     /// The run cannot be named.
     #[error(transparent)]
     Experiment(#[from] ExperimentError),
@@ -73,4 +82,18 @@ pub fn new(
         folder: parent.join(&stem),
         source,
     })
+}
+
+/// The recording that is meant by `path`: a run's folder, or the file itself.
+///
+/// # Errors
+/// When there is none.
+pub fn recording(path: &Path) -> Result<PathBuf, RunFolderError> {
+    let inside = path.join(RECORDING);
+    let mut files = [inside, path.to_path_buf()].into_iter();
+    files
+        .find(|file| file.is_file())
+        .ok_or_else(|| RunFolderError::NoRecording {
+            path: path.to_path_buf(),
+        })
 }

@@ -1,0 +1,53 @@
+//! `feeler export`
+
+#[cfg(feature = "export")]
+mod runs;
+#[cfg(feature = "export")]
+mod table;
+
+use super::part_file::Overwrite;
+use super::{CommandError, Outcome};
+use std::io::Write;
+use std::path::PathBuf;
+
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    #[command(subcommand)]
+    format: Format,
+}
+
+#[derive(Debug, clap::Subcommand)]
+enum Format {
+    /// A table in a Parquet file for each run, with a row for each control step: for pandas, Polars, PyArrow, DuckDB.
+    Parquet(TableArguments),
+}
+
+#[derive(Debug, clap::Args)]
+#[cfg_attr(
+    not(feature = "export"),
+    expect(dead_code, reason = "nothing reads them")
+)]
+struct TableArguments {
+    /// The runs' folders, or recordings.
+    #[arg(required = true)]
+    runs: Vec<PathBuf>,
+    /// A file that ends in .parquet, for one run; or a folder, for RUN.parquet of each.
+    #[arg(short, long, value_name = "PATH")]
+    output: PathBuf,
+    #[command(flatten)]
+    overwrite: Overwrite,
+}
+
+/// Exports runs.
+#[cfg(feature = "export")]
+pub fn export(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
+    match &arguments.format {
+        Format::Parquet(arguments) => table::export(arguments, out),
+    }
+}
+
+/// Says that it cannot be done.
+#[cfg(not(feature = "export"))]
+pub fn export(_: &Arguments, _: &mut dyn Write) -> Result<Outcome, CommandError> {
+    Err("export: this program was built without exports; build it with --features export".into())
+}

@@ -1,0 +1,45 @@
+//! The runs that are exported.
+
+use crate::CommandError;
+use crate::progress::Working;
+use feeler_lab::experiment::run_folder;
+use feeler_record::Recording;
+use feeler_report::make::RECORDING;
+use std::path::{Path, PathBuf};
+
+/// A run to export.
+pub struct Run {
+    /// Its folder's name; of a recording that is called otherwise, its own.
+    pub name: String,
+    /// Its recording.
+    pub path: PathBuf,
+}
+
+impl Run {
+    /// The run that is meant by `path`.
+    fn find(path: &Path) -> Result<Self, CommandError> {
+        let recording = run_folder::recording(path)?;
+        let named = |path: &Path| Some(path.file_name()?.to_string_lossy().into_owned());
+        let name = if recording.ends_with(RECORDING) {
+            let recording = recording.canonicalize()?;
+            recording.parent().and_then(named)
+        } else {
+            named(&recording.with_extension(""))
+        };
+        Ok(Self {
+            name: name.unwrap_or_else(|| "run".into()),
+            path: recording,
+        })
+    }
+
+    /// The runs that are meant by `paths`.
+    pub fn find_all(paths: &[PathBuf]) -> Result<Vec<Self>, CommandError> {
+        paths.iter().map(|path| Self::find(path)).collect()
+    }
+
+    /// Reads its recording.
+    pub fn read(&self) -> Result<Recording, CommandError> {
+        let _reading = Working::on("reading the recording");
+        Ok(Recording::read(&self.path)?)
+    }
+}

@@ -1,0 +1,31 @@
+//! `feeler export`: what other programs read in its files is what was recorded.
+//!
+//! Needs `pip install pyarrow pandas polars` in the Python named by `FEELER_PYTHON` (default `python3`); without them those
+//! tests say that they are skipped, or fail where `FEELER_REQUIRE_ALL` is set.
+
+#[path = "../support/program.rs"]
+mod program;
+#[path = "../../../feeler-lab/tests/record/python.rs"]
+mod python;
+mod refused;
+#[path = "../../../feeler-lab/tests/support/skip.rs"]
+mod skip;
+mod tables;
+
+use std::path::Path;
+
+/// Makes a run of 3 s called `name` in `folder`.
+fn short_run(folder: &Path, name: &str, seed: &str) {
+    let arguments = [
+        "run",
+        "cap-closing",
+        "--sensing=direct",
+        "--set=time_limit=3",
+    ];
+    let ended = program::run(
+        folder,
+        &[&arguments[..], &["--seed", seed, "--out", name]].concat(),
+    );
+    // Its time is up before the task is done.
+    assert_eq!(ended.status, Some(1), "{ended:?}");
+}

@@ -1,0 +1,8 @@
+#![doc = include_str!("../README.md")]
+#![warn(missing_docs)]
+
+mod columnar;
+pub mod error;
+pub mod table;
+
+pub use error::ExportError;

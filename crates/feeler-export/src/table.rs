@@ -1,0 +1,319 @@
+//! A recording as one table in a Parquet file: a row for each control step.
+
+use crate::columnar::{AnyCells, Cells, Column, ParquetFile};
+use crate::error::ExportError;
+use feeler_record::{NO_ELEMENT, Recording, RunFacts, Step, Steps};
+use serde_json::{Map, Value, json};
+use std::io::Write;
+
+/// Rows that are held in memory and written together.
+const ROWS_OF_A_GROUP: usize = 8192;
+
+/// Writes `recording` as a Parquet file to `out`: a row for each control step, with what was newest of every channel then;
+/// null where a channel had not been heard of yet. Numbers are those on record, bit for bit. `run` is the column `run` of
+/// every row.
+///
+/// The file's metadata have `feeler.columns` (JSON: unit and meaning of each column), `feeler.run` (JSON: the run's
+/// constants), `feeler.digest` and `feeler.problem` (what is wrong with the recording; empty if it is whole).
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn write<W: Write + Send>(run: &str, recording: &Recording, out: W) -> Result<(), ExportError> {
+    let mut steps = Steps::new(recording);
+    let mut next_group = || steps.by_ref().take(ROWS_OF_A_GROUP).collect::<Vec<_>>();
+    let mut group = next_group();
+    let columns = table_columns(run, recording, &group);
+    let about = about(recording, &columns);
+    let mut columns: Vec<_> = columns
+        .into_iter()
+        .map(|described| described.column)
+        .collect();
+    let mut file = ParquetFile::create(out, &columns, about)?;
+    while !group.is_empty() {
+        file.write(&columns)?;
+        group = next_group();
+        let next = table_columns(run, recording, &group);
+        columns = next.into_iter().map(|described| described.column).collect();
+    }
+    Ok(file.close()?)
+}
+
+/// What is said of a recording in its table's file.
+fn about(recording: &Recording, columns: &[Described]) -> Vec<(String, String)> {
+    let columns: Map<_, _> = columns.iter().map(Described::description).collect();
+    let facts: &RunFacts = &recording.facts;
+    let run = json!({
+        "experiment": facts.experiment,
+        "task": facts.task,
+        "seed": facts.seed,
+        "version": facts.version,
+        "sensing": facts.sensing,
+        "law": facts.law,
+        "control_period_s": facts.control_period,
+        "state": recording.end.state,
+        "reason": recording.end.reason,
+    });
+    let problem = recording.problem.clone().unwrap_or_default();
+    let texts = [
+        ("feeler.columns", Value::Object(columns).to_string()),
+        ("feeler.run", run.to_string()),
+        ("feeler.digest", recording.digest.to_string()),
+        ("feeler.problem", problem),
+    ];
+    texts.map(|(key, text)| (key.to_string(), text)).into()
+}
+
+/// A column, and what it is.
+struct Described {
+    column: Column,
+    unit: &'static str,
+    meaning: &'static str,
+}
+
+impl Described {
+    fn description(&self) -> (String, Value) {
+        let description = json!({ "unit": self.unit, "meaning": self.meaning });
+        (self.column.name.clone(), description)
+    }
+}
+
+/// The columns of these steps of a recording. All groups of rows have the same.
+fn table_columns(run: &str, recording: &Recording, steps: &[Step<'_>]) -> Vec<Described> {
+    let mut columns = Columns {
+        steps,
+        prefix: String::new(),
+        made: Vec::new(),
+    };
+    let runs = steps.iter().map(|_| run);
+    columns.add("run", "", "name of the run", AnyCells::texts(runs));
+    columns.number("timestamp", "s", "time of the control step", |s| {
+        Some(s.task.stamp)
+    });
+    let phases = AnyCells::texts(steps.iter().map(|s| s.task.phase));
+    columns.add("phase", "", "phase that the command belongs to", phases);
+    columns.whole("stroke", "from 1; 0 before the first", |s| {
+        Some(s.task.stroke.into())
+    });
+    for finger in 0..recording.fingers.len() {
+        columns.prefix = format!("finger_{finger}_");
+        motion_columns(&mut columns, finger);
+        touch_columns(&mut columns, finger);
+        if !recording.true_slip.is_empty() {
+            let slid = "longest way that the anchor of a feeler slid since the step before, as the simulated world knows";
+            columns.number("true_slip", "m", slid, move |s| {
+                s.true_slip?.distance.get(finger).copied()
+            });
+        }
+    }
+    columns.prefix = String::new();
+    instrument_columns(&mut columns, recording);
+    columns.made
+}
+
+/// Where a finger was, and what it was told.
+fn motion_columns(columns: &mut Columns<'_, '_>, finger: usize) {
+    columns.list(
+        "joint_position",
+        "rad",
+        "encoders: theta1 to theta3",
+        move |s| Some(s.finger(finger)?.joints?.position.to_vec()),
+    );
+    columns.list(
+        "joint_velocity",
+        "rad/s",
+        "encoders: theta1 to theta3",
+        move |s| Some(s.finger(finger)?.joints?.velocity.to_vec()),
+    );
+    columns.list(
+        "command_joint_velocity",
+        "rad/s",
+        "as sent to the drives",
+        move |s| Some(s.finger(finger)?.command?.joint_velocity.to_vec()),
+    );
+    let asked = "world frame; as asked for, before any limit";
+    columns.list("command_fingertip_velocity", "m/s", asked, move |s| {
+        let velocity = s.finger(finger)?.command?.fingertip_velocity;
+        Some(vec![velocity.x, velocity.y, velocity.z])
+    });
+    columns.flag(
+        "command_limited",
+        "a limit changed what was asked for",
+        move |s| Some(s.finger(finger)?.command?.limited),
+    );
+    columns.list(
+        "fingertip_position",
+        "m",
+        "centre of the dome in the world frame",
+        move |s| {
+            let position = s.finger(finger)?.fingertip?.position;
+            Some(vec![position.x, position.y, position.z])
+        },
+    );
+    let turned = "quaternion x, y, z, w: from the fingertip frame to the world frame";
+    columns.list("fingertip_orientation", "", turned, move |s| {
+        let turned = s.finger(finger)?.fingertip?.orientation;
+        Some(vec![turned.x, turned.y, turned.z, turned.w])
+    });
+}
+
+/// What a finger felt.
+fn touch_columns(columns: &mut Columns<'_, '_>, finger: usize) {
+    columns.number(
+        "sensed_at",
+        "s",
+        "time of the picture that forces and flags come from",
+        move |s| Some(s.finger(finger)?.tactile?.stamp),
+    );
+    let tangential = "tangential force on each element by the object, in the element's frame";
+    let compression = "compression of each element, positive when pressed";
+    columns.list("force_x", "N", tangential, move |s| {
+        Some(
+            s.finger(finger)?
+                .tactile?
+                .forces
+                .iter()
+                .map(|f| f.x)
+                .collect(),
+        )
+    });
+    columns.list("force_y", "N", tangential, move |s| {
+        Some(
+            s.finger(finger)?
+                .tactile?
+                .forces
+                .iter()
+                .map(|f| f.y)
+                .collect(),
+        )
+    });
+    columns.list("force_z", "N", compression, move |s| {
+        Some(
+            s.finger(finger)?
+                .tactile?
+                .forces
+                .iter()
+                .map(|f| f.z)
+                .collect(),
+        )
+    });
+    columns.list(
+        "shear_rate",
+        "N/s",
+        "|d(F_x, F_y)/dt| of each element",
+        move |s| Some(s.finger(finger)?.flags?.shear_rate.clone()),
+    );
+    columns.flag(
+        "touch",
+        "an element is pressed harder than F1, or slip",
+        move |s| Some(s.finger(finger)?.flags?.touch),
+    );
+    columns.flag("slip", "an element's shear rate exceeds dr", move |s| {
+        Some(s.finger(finger)?.flags?.slip)
+    });
+    columns.flag("over", "an element is pressed harder than F2", move |s| {
+        Some(s.finger(finger)?.flags?.over)
+    });
+    columns.number(
+        "grasp_force",
+        "N",
+        "sum of the positive compressions",
+        move |s| Some(s.finger(finger)?.flags?.grasp_force),
+    );
+    let largest = "the touching element that is compressed most, from 0; null where none touches";
+    columns.whole("largest_element", largest, move |s| {
+        let element = s.finger(finger)?.flags?.largest_element;
+        (element != NO_ELEMENT).then_some(element.into())
+    });
+}
+
+/// What the rig's instruments measured, and what only a simulated world knows (`true_`), as far as there is any.
+fn instrument_columns(columns: &mut Columns<'_, '_>, recording: &Recording) {
+    if !recording.torque_sensor.is_empty() {
+        let torque = "on the bottle by the cap, as measured; positive when the cap is turned in the closing direction";
+        columns.number("torque", "N m", torque, |s| Some(s.torque?.torque));
+    }
+    if !recording.cap.is_empty() {
+        let turned = "that the cap has turned since the start, positive = closing";
+        columns.number("true_cap_angle", "rad", turned, |s| Some(s.cap?.angle));
+        columns.list("true_cap_centre", "m", "world frame", |s| {
+            let centre = s.cap?.centre;
+            Some(vec![centre.x, centre.y, centre.z])
+        });
+        let resists = "between cap and bottle, positive when it resists closing";
+        columns.number("true_resisting_torque", "N m", resists, |s| {
+            Some(s.cap?.resisting_torque)
+        });
+    }
+    if !recording.object.is_empty() {
+        columns.list("true_object_position", "m", "world frame", |s| {
+            let position = s.object?.position;
+            Some(vec![position.x, position.y, position.z])
+        });
+        let turned = "quaternion x, y, z, w: from the object's frame to the world frame";
+        columns.list("true_object_orientation", "", turned, |s| {
+            let turned = s.object?.orientation;
+            Some(vec![turned.x, turned.y, turned.z, turned.w])
+        });
+    }
+}
+
+/// The columns of some steps while they are made.
+struct Columns<'s, 'a> {
+    steps: &'s [Step<'a>],
+    /// What the next names begin with.
+    prefix: String,
+    made: Vec<Described>,
+}
+
+impl<'a> Columns<'_, 'a> {
+    fn add(&mut self, name: &str, unit: &'static str, meaning: &'static str, cells: AnyCells) {
+        let name = format!("{}{name}", self.prefix);
+        self.made.push(Described {
+            column: Column { name, cells },
+            unit,
+            meaning,
+        });
+    }
+
+    fn number(
+        &mut self,
+        name: &str,
+        unit: &'static str,
+        meaning: &'static str,
+        cell: impl Fn(&Step<'a>) -> Option<f64>,
+    ) {
+        let cells = Cells::of_values(self.steps.iter().map(cell));
+        self.add(name, unit, meaning, AnyCells::Double(cells));
+    }
+
+    fn list(
+        &mut self,
+        name: &str,
+        unit: &'static str,
+        meaning: &'static str,
+        cell: impl Fn(&Step<'a>) -> Option<Vec<f64>>,
+    ) {
+        let cells = Cells::of_lists(self.steps.iter().map(cell));
+        self.add(name, unit, meaning, AnyCells::Double(cells));
+    }
+
+    fn whole(
+        &mut self,
+        name: &str,
+        meaning: &'static str,
+        cell: impl Fn(&Step<'a>) -> Option<i64>,
+    ) {
+        let cells = Cells::of_values(self.steps.iter().map(cell));
+        self.add(name, "", meaning, AnyCells::Int(cells));
+    }
+
+    fn flag(
+        &mut self,
+        name: &str,
+        meaning: &'static str,
+        cell: impl Fn(&Step<'a>) -> Option<bool>,
+    ) {
+        let cells = Cells::of_values(self.steps.iter().map(cell));
+        self.add(name, "", meaning, AnyCells::Bool(cells));
+    }
+}
