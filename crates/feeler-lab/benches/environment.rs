@@ -1,7 +1,10 @@
 //! Time of learning environments: control steps of 10 ms of simulated time, with everything that a step does.
 
 use divan::Bencher;
-use feeler_lab::environment::{ActionKind, Environment, EnvironmentConfig};
+use divan::counter::ItemsCount;
+use feeler_lab::environment::{
+    ActionKind, Autoreset, Batch, Environment, EnvironmentConfig, VectorEnvironment,
+};
 
 fn main() {
     divan::main();
@@ -51,4 +54,34 @@ fn reset_that_varies(bencher: Bencher) {
     config.vary.push("friction=uniform(0.6,1.2)".to_string());
     let mut environment = Environment::new(&config).expect("an environment");
     bencher.bench_local(|| environment.reset(None).expect("an episode"));
+}
+
+/// One step of each of 256 environments, on so many threads: whole episodes, resets included.
+#[divan::bench(args = [1, 2], sample_count = 10, sample_size = 200)]
+fn step_of_256(bencher: Bencher, threads: usize) {
+    const COUNT: usize = 256;
+    let vector =
+        VectorEnvironment::new(&config("cap-closing"), COUNT, threads, Autoreset::NextStep);
+    let mut vector = vector.expect("environments");
+    let mut observations = vec![0.0; COUNT * vector.observation_len()];
+    let mut infos = vec![0.0; COUNT * vector.info_len()];
+    let (mut rewards, mut flags) = (vec![0.0; COUNT], [vec![false; COUNT], vec![false; COUNT]]);
+    let [terminated, truncated] = &mut flags;
+    let mut batch = Batch {
+        observations: &mut observations,
+        rewards: &mut rewards,
+        terminated,
+        truncated,
+        infos: &mut infos,
+    };
+    let seeds: Vec<_> = (0..COUNT as u64).map(Some).collect();
+    vector.reset(&seeds, None, &mut batch).expect("episodes");
+    let mut actions = vec![0.0; COUNT * vector.action_len()];
+    bencher.counter(ItemsCount::new(COUNT)).bench_local(|| {
+        for (index, action) in actions.chunks_exact_mut(6).enumerate() {
+            let guided = vector.look(index, |environment| environment.guide(action));
+            guided.expect("an environment").expect("an action");
+        }
+        vector.step(&actions, &mut batch).expect("a step");
+    });
 }

@@ -67,12 +67,18 @@ impl SimHand {
     /// # Errors
     /// When the command is for another number of fingers, or the world cannot go on.
     pub fn advance(&mut self, command: &HandCommand) -> Result<(), HandError> {
+        self.advance_by(1, command)
+    }
+
+    fn advance_by(&self, steps: usize, command: &HandCommand) -> Result<(), HandError> {
         check_finger_count(self.fingers, command.joint_velocity().len())?;
         let mut world = self.rig.world();
         for (finger, &velocity) in command.joint_velocity().iter().enumerate() {
             world.command(finger, velocity);
         }
-        world.step().map_err(|e| HandError::Failed(e.to_string()))
+        let mut steps = 0..steps;
+        let stepped = steps.try_for_each(|_| world.step());
+        stepped.map_err(|e| HandError::Failed(e.to_string()))
     }
 }
 
@@ -95,6 +101,6 @@ impl Hand for SimHand {
 
     fn command(&mut self, command: &HandCommand) -> Result<(), HandError> {
         self.begin_period();
-        (0..self.steps_per_command).try_for_each(|_| self.advance(command))
+        self.advance_by(self.steps_per_command, command)
     }
 }

@@ -13,9 +13,13 @@ mod action;
 mod episodes;
 mod error;
 mod goal;
+mod pool;
+mod slot;
+mod vector;
 
 pub use action::ActionKind;
 pub use error::EnvironmentError;
+pub use vector::{Autoreset, Batch, VectorEnvironment, VectorError};
 
 use crate::config::Experiment;
 use crate::experiment::Session;
@@ -75,6 +79,18 @@ impl Environment {
     /// When the experiment cannot be used, or there are no rewards for its task.
     pub fn new(config: &EnvironmentConfig) -> Result<Self, EnvironmentError> {
         let episodes = Episodes::new(&config.experiment, &config.settings, &config.vary)?;
+        Self::of(episodes, config.action)
+    }
+
+    /// Another one of the same kind, before its first episode.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn another(&self) -> Result<Self, EnvironmentError> {
+        Self::of(self.episodes.clone(), self.action)
+    }
+
+    fn of(episodes: Episodes, action: ActionKind) -> Result<Self, EnvironmentError> {
         let goal = goal(episodes.experiment())?;
         let session = Session::new(episodes.experiment())?;
         let layouts = observation_layouts(&session);
@@ -83,9 +99,9 @@ impl Environment {
             observation: vec![0.0; layouts.iter().map(ObservationLayout::len).sum()],
             velocities: vec![DVec3::ZERO; layouts.len()],
             info: vec![0.0; told],
-            action: config.action,
             under_way: false,
             episodes,
+            action,
             goal,
             session,
             layouts,
@@ -112,9 +128,9 @@ impl Environment {
         let world = self.session.rig().world();
         let seen = Seen::new(&world, &self.session, 0.0);
         self.goal.begin(experiment, &seen)?;
+        tell(&self.session, &*self.goal, &seen, &mut self.info);
         drop(world);
         self.observe()?;
-        self.tell();
         self.under_way = true;
         Ok(seed)
     }
@@ -141,9 +157,8 @@ impl Environment {
         }
         self.session.follow(&self.velocities)?;
         self.session.plan()?;
-        let verdict = self.judge();
         self.observe()?;
-        self.tell();
+        let verdict = self.judge();
         let over = matches!(self.controller().phase(), Phase::Done | Phase::Stopped);
         let terminated = verdict.over || over;
         let limit = self.experiment().config.time_limit;
@@ -229,10 +244,14 @@ impl Environment {
         self.session.control_loop().controller()
     }
 
+    /// Judges the newest step, and tells of it.
     fn judge(&mut self) -> Verdict {
         let world = self.session.rig().world();
         let period = self.episodes.experiment().config.control.period;
-        self.goal.judge(&Seen::new(&world, &self.session, period))
+        let seen = Seen::new(&world, &self.session, period);
+        let verdict = self.goal.judge(&seen);
+        tell(&self.session, &*self.goal, &seen, &mut self.info);
+        verdict
     }
 
     fn observe(&mut self) -> Result<(), EnvironmentError> {
@@ -248,22 +267,21 @@ impl Environment {
         }
         Ok(())
     }
+}
 
-    fn tell(&mut self) {
-        let control_loop = self.session.control_loop();
-        let world = self.session.rig().world();
-        let seen = Seen::new(&world, &self.session, 0.0);
-        let told = [
-            control_loop.state().stamp,
-            f64::from(u8::from(control_loop.controller().phase())),
-            f64::from(u8::from(self.goal.reached())),
-            seen.peak_force(),
-            seen.truth.slip_work,
-        ];
-        let (common, own) = self.info.split_at_mut(told.len());
-        common.copy_from_slice(&told);
-        self.goal.tell(own);
-    }
+/// Writes to `info` what is told of the newest step of `session`.
+fn tell(session: &Session, goal: &dyn Goal, seen: &Seen<'_>, info: &mut [f64]) {
+    let control_loop = session.control_loop();
+    let told = [
+        control_loop.state().stamp,
+        f64::from(u8::from(control_loop.controller().phase())),
+        f64::from(u8::from(goal.reached())),
+        seen.peak_force(),
+        seen.truth.slip_work,
+    ];
+    let (common, own) = info.split_at_mut(told.len());
+    common.copy_from_slice(&told);
+    goal.tell(own);
 }
 
 /// Where in the observation of each finger of `session` what stands.

@@ -4,3 +4,4 @@ mod episodes;
 mod rewards;
 mod same_run;
 mod support;
+mod vector;

@@ -1,0 +1,95 @@
+//! One of many environments: what it is told to do in a round, and what came of it.
+
+use super::vector::Autoreset;
+use super::{Environment, EnvironmentError, Step};
+
+/// What an environment does in a round.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(super) enum Order {
+    /// Nothing.
+    #[default]
+    Rest,
+    /// It makes a step.
+    Step,
+    /// It begins an episode: that of a seed, or the next.
+    Reset(Option<u64>),
+}
+
+/// An environment with its order and what came of it.
+pub(super) struct Slot {
+    pub environment: Environment,
+    pub order: Order,
+    pub action: Vec<f64>,
+    pub step: Step,
+    /// Observation and info at the end of an episode, where the newest step has already begun another.
+    pub last: Last,
+    pub error: Option<EnvironmentError>,
+    autoreset: Autoreset,
+    /// Whether the next step begins an episode.
+    begins: bool,
+}
+
+/// How an episode ended that was followed by another in the same step.
+pub(super) struct Last {
+    /// Whether there is one.
+    pub is_new: bool,
+    pub observation: Vec<f32>,
+    pub info: Vec<f64>,
+}
+
+impl Slot {
+    /// A slot for `environment`, before its first episode.
+    pub fn new(environment: Environment, autoreset: Autoreset) -> Self {
+        Self {
+            order: Order::default(),
+            action: vec![0.0; environment.action_len()],
+            step: Step::default(),
+            last: Last {
+                is_new: false,
+                observation: environment.observation().to_vec(),
+                info: environment.info().to_vec(),
+            },
+            error: None,
+            autoreset,
+            begins: false,
+            environment,
+        }
+    }
+
+    /// Does what it was told to.
+    pub fn work(&mut self) {
+        self.last.is_new = false;
+        self.error = match self.order {
+            Order::Rest => Ok(()),
+            Order::Reset(seed) => self.begin(seed),
+            Order::Step if self.begins => self.begin(None),
+            Order::Step => self.go_on(),
+        }
+        .err();
+    }
+
+    fn begin(&mut self, seed: Option<u64>) -> Result<(), EnvironmentError> {
+        self.begins = false;
+        self.step = Step::default();
+        self.environment.reset(seed).map(|_| ())
+    }
+
+    fn go_on(&mut self) -> Result<(), EnvironmentError> {
+        self.step = self.environment.step(&self.action)?;
+        let ended = self.step.terminated || self.step.truncated;
+        match self.autoreset {
+            Autoreset::NextStep => self.begins = ended,
+            Autoreset::SameStep if ended => {
+                self.last.is_new = true;
+                let Last {
+                    observation, info, ..
+                } = &mut self.last;
+                observation.copy_from_slice(self.environment.observation());
+                info.copy_from_slice(self.environment.info());
+                self.environment.reset(None)?;
+            }
+            Autoreset::SameStep | Autoreset::Disabled => {}
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,340 @@
+//! Many environments that step together, on several threads.
+
+use super::pool::Pool;
+use super::slot::{Order, Slot};
+use super::{Environment, EnvironmentConfig, EnvironmentError};
+
+/// Parts of the work for each thread, so that none waits long for another.
+const PARTS_PER_THREAD: usize = 8;
+/// Most environments, and most threads.
+const MOST: usize = 1 << 16;
+
+/// When an environment whose episode is over begins the next, as Gymnasium calls it.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Autoreset {
+    /// In the step after: its action is not used, its reward is 0.
+    #[default]
+    NextStep,
+    /// In the very step that ends the episode. The observation is the new episode's; how the old one ended is kept
+    /// ([`VectorEnvironment::last`]).
+    SameStep,
+    /// When told to; a step before is refused.
+    Disabled,
+}
+
+/// Why many environments could not step.
+#[derive(Debug, thiserror::Error)]
+pub enum VectorError {
+    /// One of them could not be set up or go on.
+    #[error("environment {index}: {source}")]
+    Environment {
+        /// Which one.
+        index: usize,
+        /// What it said.
+        source: Box<EnvironmentError>,
+    },
+    /// One of them made the program panic; it needs a reset.
+    #[error("environments {first} to {last}: the program panicked: {message}")]
+    Panicked {
+        /// First of those that were stepped together.
+        first: usize,
+        /// Last of those.
+        last: usize,
+        /// What the panic said.
+        message: String,
+    },
+    /// There are too few or too many of something.
+    #[error("{what}: {expected} expected, {actual} arrived")]
+    Count {
+        /// What.
+        what: &'static str,
+        /// How many there should be.
+        expected: String,
+        /// How many there are.
+        actual: usize,
+    },
+    /// The system has no more threads.
+    #[error("{threads} threads: {source}")]
+    Threads {
+        /// How many were asked for.
+        threads: usize,
+        /// What the system said.
+        source: std::io::Error,
+    },
+}
+
+/// Where the results of n environments are written, row by row. Each slice has as many entries as stand beside it.
+#[derive(Debug)]
+pub struct Batch<'a> {
+    /// Observations: n times [`VectorEnvironment::observation_len`].
+    pub observations: &'a mut [f32],
+    /// Rewards: n.
+    pub rewards: &'a mut [f64],
+    /// Whether each episode is over: n.
+    pub terminated: &'a mut [bool],
+    /// Whether each was cut off: n.
+    pub truncated: &'a mut [bool],
+    /// What is told in truth: n times [`VectorEnvironment::info_len`].
+    pub infos: &'a mut [f64],
+}
+
+/// Environments of one kind. Number i comes out as a single one would with its seeds, whatever the others do and on however many
+/// threads.
+pub struct VectorEnvironment {
+    pool: Pool<Part>,
+    count: usize,
+    size: usize,
+    action_len: usize,
+    observation_len: usize,
+    info_len: usize,
+}
+
+/// Environments that one thread steps one after the other.
+struct Part(Vec<Slot>);
+
+impl Part {
+    fn work(&mut self) {
+        for slot in &mut self.0 {
+            slot.work();
+        }
+    }
+}
+
+impl VectorEnvironment {
+    /// `count` environments of `config` on `threads` threads, the caller's among them, before their first episodes.
+    ///
+    /// # Errors
+    /// When there is no such environment, or there are none or too many.
+    pub fn new(
+        config: &EnvironmentConfig,
+        count: usize,
+        threads: usize,
+        autoreset: Autoreset,
+    ) -> Result<Self, VectorError> {
+        check_range("environments", count)?;
+        check_range("threads", threads)?;
+        let first = Environment::new(config).map_err(at(0))?;
+        let (action_len, observation_len) = (first.action_len(), first.observation().len());
+        let info_len = first.info().len();
+        let others = (1..count).map(|index| first.another().map_err(at(index)));
+        let others = others.collect::<Result<Vec<_>, _>>()?;
+        let environments = std::iter::once(first).chain(others);
+        let mut slots = environments.map(|environment| Slot::new(environment, autoreset));
+        let size = count.div_ceil(PARTS_PER_THREAD * threads);
+        let parts = (0..count.div_ceil(size)).map(|_| Part(slots.by_ref().take(size).collect()));
+        let pool = Pool::new(parts.collect(), threads, Part::work);
+        Ok(Self {
+            pool: pool.map_err(|source| VectorError::Threads { threads, source })?,
+            count,
+            size,
+            action_len,
+            observation_len,
+            info_len,
+        })
+    }
+
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Numbers of the action of each.
+    pub fn action_len(&self) -> usize {
+        self.action_len
+    }
+
+    /// Numbers of the observation of each.
+    pub fn observation_len(&self) -> usize {
+        self.observation_len
+    }
+
+    /// Numbers that are told of each.
+    pub fn info_len(&self) -> usize {
+        self.info_len
+    }
+
+    /// Begins an episode in each environment, or in each for which `mask` has `true`: that of its seed, or the one that follows
+    /// ([`Environment::reset`]). The others' rows are left as they are.
+    ///
+    /// # Errors
+    /// When a count is wrong, then nothing has happened; or when an episode cannot begin.
+    pub fn reset(
+        &mut self,
+        seeds: &[Option<u64>],
+        mask: Option<&[bool]>,
+        batch: &mut Batch<'_>,
+    ) -> Result<(), VectorError> {
+        check_count("seeds", self.count, seeds.len())?;
+        if let Some(mask) = mask {
+            check_count("entries of the mask", self.count, mask.len())?;
+        }
+        self.check(batch)?;
+        self.each(|index, slot| {
+            slot.order = match mask.is_none_or(|mask| mask[index]) {
+                true => Order::Reset(seeds[index]),
+                false => Order::Rest,
+            };
+        });
+        self.run(batch)
+    }
+
+    /// Makes a control step in each environment, or begins its next episode where that is due. `actions` has a row for each. Allocates
+    /// nothing, unless an episode begins.
+    ///
+    /// # Errors
+    /// When a count is wrong, then nothing has happened. When an environment refuses its action or fails: the others have made their
+    /// step, and the rows of all are written.
+    pub fn step(&mut self, actions: &[f64], batch: &mut Batch<'_>) -> Result<(), VectorError> {
+        let length = self.action_len;
+        check_count("numbers of all actions", self.count * length, actions.len())?;
+        self.check(batch)?;
+        self.each(|index, slot| {
+            slot.order = Order::Step;
+            let own = &actions[index * length..][..length];
+            slot.action.copy_from_slice(own);
+        });
+        self.run(batch)
+    }
+
+    /// Writes the observation and info with which the episode of environment `index` ended, if the newest step ended it and
+    /// began another ([`Autoreset::SameStep`]); whether it did.
+    ///
+    /// # Errors
+    /// When there is no such environment, or too little or too much room.
+    pub fn last(
+        &self,
+        index: usize,
+        observation: &mut [f32],
+        info: &mut [f64],
+    ) -> Result<bool, VectorError> {
+        check_count(
+            "numbers of the observation",
+            self.observation_len,
+            observation.len(),
+        )?;
+        check_count("numbers of the info", self.info_len, info.len())?;
+        self.with(index, |slot| {
+            if slot.last.is_new {
+                observation.copy_from_slice(&slot.last.observation);
+                info.copy_from_slice(&slot.last.info);
+            }
+            slot.last.is_new
+        })
+    }
+
+    /// What `look` makes of environment `index`.
+    ///
+    /// # Errors
+    /// When there is no such environment.
+    pub fn look<R>(
+        &self,
+        index: usize,
+        look: impl FnOnce(&Environment) -> R,
+    ) -> Result<R, VectorError> {
+        self.with(index, |slot| look(&slot.environment))
+    }
+
+    fn with<R>(&self, index: usize, look: impl FnOnce(&Slot) -> R) -> Result<R, VectorError> {
+        let part = self.pool.parts().nth(index / self.size);
+        let found = part.and_then(|part| part.0.get(index % self.size).map(look));
+        found.ok_or_else(|| VectorError::Count {
+            what: "the number of an environment",
+            expected: format!("0 to {}", self.count - 1),
+            actual: index,
+        })
+    }
+
+    fn each(&self, mut work: impl FnMut(usize, &mut Slot)) {
+        for (part, first) in self.pool.parts().zip((0..).step_by(self.size)) {
+            let mut part = part;
+            for (index, slot) in (first..).zip(&mut part.0) {
+                work(index, slot);
+            }
+        }
+    }
+
+    /// Lets all do what they were told to, and collects the results.
+    fn run(&self, batch: &mut Batch<'_>) -> Result<(), VectorError> {
+        let ran = self.pool.run();
+        let (observation_len, info_len) = (self.observation_len, self.info_len);
+        let mut failed = None;
+        self.each(|index, slot| {
+            if slot.order == Order::Rest {
+                return;
+            }
+            let row = &mut batch.observations[index * observation_len..][..observation_len];
+            row.copy_from_slice(slot.environment.observation());
+            let row = &mut batch.infos[index * info_len..][..info_len];
+            row.copy_from_slice(slot.environment.info());
+            batch.rewards[index] = slot.step.reward;
+            batch.terminated[index] = slot.step.terminated;
+            batch.truncated[index] = slot.step.truncated;
+            if let Some(source) = slot.error.take() {
+                failed.get_or_insert((index, source));
+            }
+        });
+        if let Err((part, message)) = ran {
+            let first = part * self.size;
+            return Err(VectorError::Panicked {
+                first,
+                last: (first + self.size).min(self.count) - 1,
+                message,
+            });
+        }
+        match failed {
+            Some((index, source)) => Err(at(index)(source)),
+            None => Ok(()),
+        }
+    }
+
+    fn check(&self, batch: &Batch<'_>) -> Result<(), VectorError> {
+        let count = self.count;
+        for (what, expected, actual) in [
+            (
+                "numbers of all observations",
+                count * self.observation_len,
+                batch.observations.len(),
+            ),
+            ("rewards", count, batch.rewards.len()),
+            ("flags for terminated", count, batch.terminated.len()),
+            ("flags for truncated", count, batch.truncated.len()),
+            (
+                "numbers of all infos",
+                count * self.info_len,
+                batch.infos.len(),
+            ),
+        ] {
+            check_count(what, expected, actual)?;
+        }
+        Ok(())
+    }
+}
+
+fn at(index: usize) -> impl Fn(EnvironmentError) -> VectorError {
+    move |source| VectorError::Environment {
+        index,
+        source: Box::new(source),
+    }
+}
+
+fn check_count(what: &'static str, expected: usize, actual: usize) -> Result<(), VectorError> {
+    if actual == expected {
+        return Ok(());
+    }
+    Err(VectorError::Count {
+        what,
+        expected: expected.to_string(),
+        actual,
+    })
+}
+
+fn check_range(what: &'static str, actual: usize) -> Result<(), VectorError> {
+    if (1..=MOST).contains(&actual) {
+        return Ok(());
+    }
+    Err(VectorError::Count {
+        what,
+        expected: format!("1 to {MOST}"),
+        actual,
+    })
+}
