@@ -4,6 +4,7 @@
 
 mod calibration;
 mod control;
+mod environment;
 mod errors;
 mod flags;
 mod interrupt;
@@ -24,6 +25,8 @@ mod _core {
     use super::calibration::{Calibration, calibrate_file, calibrate_frames, simulate_loads};
     #[pymodule_export]
     use super::control::{FingerSense, HandSense, Plan, Session};
+    #[pymodule_export]
+    use super::environment::{EnvironmentSpec, ManyEnvironments, SingleEnvironment};
     #[pymodule_export]
     use super::flags::raise_flags;
     #[pymodule_export]

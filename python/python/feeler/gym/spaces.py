@@ -1,0 +1,88 @@
+"""What observations and actions are made of."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Literal
+
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import NDArray
+
+from feeler import _core
+from feeler._environments import EXPERIMENTS
+
+__all__ = ["EXPERIMENTS", "ActionKind", "Observation", "ObservationKind", "Spaces"]
+
+ActionKind = Literal["fingertip", "world", "joints"]
+ObservationKind = Literal["flat", "dict"]
+Observation = NDArray[np.float32] | dict[str, NDArray[np.float32]]
+
+_RANGES = {
+    "touch": (0.0, 1.0),
+    "slip": (0.0, 1.0),
+    "over": (0.0, 1.0),
+    "reflex": (0.0, 1.0),
+    "keep_grasp": (0.0, 1.0),
+    "towards_object": (-1.0, 1.0),
+}
+
+
+class Spaces:
+    """The spaces of an environment, and the way from its flat numbers to a dictionary."""
+
+    def __init__(self, spec: _core.EnvironmentSpec, kind: ObservationKind) -> None:
+        if kind not in ("flat", "dict"):
+            raise ValueError(f'observation = {kind!r}: expected "flat" or "dict"')
+        self.kind = kind
+        self.parts = spec.parts
+        self.fingers = len(spec.parts)
+        self.length = spec.parts[-1][-1][3]
+        self.info_names = spec.info_names
+        bounds = np.array(spec.action_bounds)
+        self.action = spaces.Box(-bounds, bounds, dtype=np.float64)
+        self.observation: spaces.Box | spaces.Dict = self._flat() if kind == "flat" else self._dict()
+
+    def _flat(self) -> spaces.Box:
+        low = np.full(self.length, -np.inf, dtype=np.float32)
+        high = np.full(self.length, np.inf, dtype=np.float32)
+        for finger in self.parts:
+            for name, _, start, stop in finger:
+                if name in _RANGES:
+                    low[start:stop], high[start:stop] = _RANGES[name]
+        return spaces.Box(low, high, dtype=np.float32)
+
+    def _dict(self) -> spaces.Dict:
+        lengths = {stop - start for finger in self.parts for name, _, start, stop in finger if name == "forces"}
+        if len(lengths) > 1:
+            raise ValueError('observation = "dict": expected fingers with the same number of elements; use "flat"')
+        boxes: dict[str, spaces.Space[Any]] = {}
+        for name, _, start, stop in self.parts[0]:
+            low, high = _RANGES.get(name, (-np.inf, np.inf))
+            boxes[name] = spaces.Box(low, high, self._shape(name, stop - start), np.float32)
+        return spaces.Dict(boxes)
+
+    def _shape(self, name: str, length: int) -> tuple[int, ...]:
+        if name == "forces":
+            return (self.fingers, length // 3, 3)
+        return (self.fingers, length) if length > 1 else (self.fingers,)
+
+    def observe(self, flat: NDArray[np.float32]) -> Observation:
+        """The observation of flat numbers [..., L]: themselves, or parts of them by name [..., F, ...]."""
+        if self.kind == "flat":
+            return flat
+        leading = flat.shape[:-1]
+        of_fingers = flat.reshape(*leading, self.fingers, -1)
+        return {
+            name: np.ascontiguousarray(of_fingers[..., start:stop]).reshape(*leading, *self._shape(name, stop - start))
+            for name, _, start, stop in self.parts[0]
+        }
+
+    def info(self, numbers: NDArray[np.float64]) -> dict[str, float]:
+        """What is told of one step, by name."""
+        return dict(zip(self.info_names, numbers.tolist(), strict=True))
+
+
+def expressions(vary: Mapping[str, str] | None) -> list[str]:
+    """``{"friction": "uniform(0.3,1.2)"}`` as the program's ``--vary`` takes it."""
+    return [f"{name}={distribution}" for name, distribution in (vary or {}).items()]
