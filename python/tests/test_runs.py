@@ -56,9 +56,7 @@ def test_no_run_is_written_over(closing: feeler.Run) -> None:
 
 
 def test_errors_have_the_programs_words(tmp_path: Path) -> None:
-    with pytest.raises(
-        ValueError, match='no experiment "cap-closinx": expected a file or one of the built-in'
-    ):
+    with pytest.raises(ValueError, match='no experiment "cap-closinx": expected a file or one of the built-in'):
         feeler.run("cap-closinx")
     with pytest.raises(ValueError, match=r"control\.slip_threshold = -1: expected more than 0"):
         feeler.Session("cap-closing", settings={"control.slip_threshold": -1})

@@ -134,9 +134,7 @@ def test_a_calibration_is_fitted_to_loads_and_predicts_others() -> None:
     assert (rms < [0.02, 0.02, 0.02]).all(), rms
 
 
-def test_loads_that_determine_no_calibration_are_refused(
-    pictured: feeler.Run, frames: Frames, tmp_path: Path
-) -> None:
+def test_loads_that_determine_no_calibration_are_refused(pictured: feeler.Run, frames: Frames, tmp_path: Path) -> None:
     forces = np.ascontiguousarray(pictured.recording.force[: len(frames), 0])
     unloaded = np.abs(forces).max(axis=2) < 0.01
     forces[unloaded] = 0.0

@@ -6,11 +6,14 @@ SI units everywhere, angles in radians; frames and signs as in the documentation
 from __future__ import annotations
 
 from feeler._core import __version__
+from feeler._environments import register_once_imported
 from feeler._settings import Value
 from feeler.control import FingerSense, HandSense, Law, Plan, Session, Step, Task
 from feeler.recordings import PHASES, Recording, read
 from feeler.runs import Run, report, run
 from feeler.sensing import Calibration, Felt, Fingertip, Layout, Thresholds, calibrate, locate, simulate_loads
+
+register_once_imported()
 
 __all__ = [
     "PHASES",

@@ -1,6 +1,13 @@
-"""What Gymnasium calls when it is imported: light, as everybody who has both packages pays for it."""
+"""Makes the environments known to Gymnasium, without importing it for those who do not use it."""
 
 from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from importlib.abc import Loader, MetaPathFinder
+from importlib.machinery import ModuleSpec
+from importlib.util import find_spec
+from types import ModuleType
 
 EXPERIMENTS = {
     "CapClosing": "cap-closing",
@@ -13,13 +20,46 @@ EXPERIMENTS = {
 
 
 def register() -> None:
-    """Registers ``feeler/NAME-v0``; Gymnasium puts the namespace before."""
+    """Registers ``feeler/NAME-v0`` with Gymnasium."""
     from gymnasium.envs.registration import register as register_environment
 
     for name, experiment in EXPERIMENTS.items():
         register_environment(
-            id=f"{name}-v0",
+            id=f"feeler/{name}-v0",
             entry_point="feeler.gym:TactileEnv",
             vector_entry_point="feeler.gym:TactileVectorEnv",
             kwargs={"experiment": experiment},
         )
+
+
+def register_once_imported() -> None:
+    """Registers now if Gymnasium is imported already, else when it has been."""
+    if "gymnasium" in sys.modules:
+        register()
+    else:
+        sys.meta_path.insert(0, _GymnasiumFinder())
+
+
+class _GymnasiumFinder(MetaPathFinder):
+    """Finds Gymnasium as the other finders do, once, and has it loaded by a loader that registers afterwards."""
+
+    def find_spec(self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None) -> ModuleSpec | None:
+        if fullname != "gymnasium":
+            return None
+        sys.meta_path.remove(self)
+        spec = find_spec(fullname)
+        if spec is not None and spec.loader is not None:
+            spec.loader = _RegisteringLoader(spec.loader)
+        return spec
+
+
+class _RegisteringLoader(Loader):
+    def __init__(self, loader: Loader) -> None:
+        self._loader = loader
+
+    def create_module(self, spec: ModuleSpec) -> ModuleType | None:
+        return self._loader.create_module(spec)
+
+    def exec_module(self, module: ModuleType) -> None:
+        self._loader.exec_module(module)
+        register()

@@ -85,9 +85,7 @@ class Step:
         """
         array = np.ascontiguousarray(velocity, dtype=np.float64)
         if array.shape != (len(self.fingers), 3):
-            raise ValueError(
-                f"velocity: expected float64 [{len(self.fingers)}, 3], got {array.dtype} {list(array.shape)}"
-            )
+            raise ValueError(f"velocity: expected float64 [{len(self.fingers)}, 3], got {array.dtype} {list(array.shape)}")
         self._velocity = array
 
     def __repr__(self) -> str:

@@ -1,7 +1,7 @@
 """Gymnasium environments: an experiment as episodes, single and as a native vector on threads.
 
-``gymnasium.make("feeler/CapClosing-v0")`` and ``gymnasium.make_vec("feeler/CapClosing-v0", num_envs=256)`` find them once the
-package is installed.
+After ``import feeler``, ``gymnasium.make("feeler/CapClosing-v0")`` and
+``gymnasium.make_vec("feeler/CapClosing-v0", num_envs=256)`` make them.
 """
 
 from __future__ import annotations

@@ -80,9 +80,7 @@ class TactileEnv(gymnasium.Env[Observation, NDArray[np.float64]]):
         self.metadata = {**self.metadata, "render_fps": round(1.0 / spec.period)}
         self._info = np.empty(len(spec.info_names))
 
-    def reset(
-        self, *, seed: int | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[Observation, dict[str, Any]]:
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict[str, Any]]:
         """Begins the episode of ``seed``, or the next of those that follow from the last seed given.
 
         The seed alone determines the episode: what varies in it, noise, where the cap seats.

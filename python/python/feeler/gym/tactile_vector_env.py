@@ -122,9 +122,7 @@ class TactileVectorEnv(VectorEnv[Observation, FloatArray, NDArray[Any]]):
         self._environments.reset(seeds, mask, self._results)
         return self._observations(), self._infos()
 
-    def step(
-        self, actions: ArrayLike
-    ) -> tuple[Observation, FloatArray, BoolArray, BoolArray, dict[str, Any]]:
+    def step(self, actions: ArrayLike) -> tuple[Observation, FloatArray, BoolArray, BoolArray, dict[str, Any]]:
         """Makes a control step in each environment.
 
         Raises
@@ -136,9 +134,7 @@ class TactileVectorEnv(VectorEnv[Observation, FloatArray, NDArray[Any]]):
         """
         numbers = np.ascontiguousarray(actions, dtype=np.float64)
         if numbers.shape != self.action_space.shape:
-            raise ValueError(
-                f"actions: expected float64 {list(self.action_space.shape or ())}, got {list(numbers.shape)}"
-            )
+            raise ValueError(f"actions: expected float64 {list(self.action_space.shape or ())}, got {list(numbers.shape)}")
         self._environments.step(numbers, self._results)
         _, rewards, terminated, truncated, _ = self._results
         infos = self._infos()

@@ -1,0 +1,227 @@
+"""The Gymnasium environments."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import warnings
+from typing import Any
+
+import feeler
+import gymnasium
+import numpy as np
+import pytest
+from feeler.gym import EXPERIMENTS, TactileEnv, TactileVectorEnv
+from feeler.gym.sb3 import SB3VecEnv
+from gymnasium.utils.env_checker import check_env
+from gymnasium.vector import AutoresetMode
+from numpy.typing import NDArray
+from test_runs import PaperLaw
+
+SHORT: dict[str, feeler.Value] = {"time_limit": 0.5}
+
+
+@pytest.mark.parametrize("name", EXPERIMENTS)
+def test_gymnasium_knows_and_accepts_each(name: str) -> None:
+    env = gymnasium.make(f"feeler/{name}-v0").unwrapped
+    with warnings.catch_warnings():
+        # That a force has no bounds is so.
+        warnings.filterwarnings("ignore", message=".*(infinity|not within).*")
+        check_env(env, skip_render_check=True)
+
+
+@pytest.mark.parametrize("name", EXPERIMENTS)
+def test_who_follows_the_plan_reaches_the_goal(name: str) -> None:
+    env = TactileEnv(EXPERIMENTS[name])
+    env.reset(seed=3)
+    total = 0.0
+    for _ in range(env.max_steps):
+        _, reward, terminated, truncated, info = env.step(env.guide())
+        total += reward
+        if terminated or truncated:
+            break
+    assert terminated and "stop_reason" not in info
+    # Units of each goal: mN·m, mm of the path, percent of the outline.
+    assert total > 20
+
+
+def test_the_papers_law_as_an_agent_makes_the_run(closing: feeler.Run) -> None:
+    recording = closing.recording
+    control = recording.experiment["control"]
+    env = TactileEnv("cap-closing", action="world", observation="dict")
+    observation, _ = env.reset(seed=7)
+    # The environment hands out float32: the law decides on the session's own numbers beside it.
+    laws = [PaperLaw(control["recompression_speed"], control.get("minimum_grasp_force", 0.2)) for _ in range(2)]
+    session = feeler.Session("cap-closing", seed=7, sensing="direct")
+    row = 0
+    for row, step in enumerate(session):
+        assert isinstance(observation, dict)
+        np.testing.assert_array_equal(observation["forces"], recording.force[row].astype(np.float32))
+        np.testing.assert_array_equal(observation["joint_angles"], recording.joint_position[row].astype(np.float32))
+        action = [law.velocity(plan, finger) for law, plan, finger in zip(laws, step.plans, step.fingers, strict=True)]
+        step.move(action)
+        if row < len(recording) - 1:
+            observation, _, terminated, _, _ = env.step(np.ravel(action))
+            # The task is done where the run's last step begins.
+            assert terminated == (row == len(recording) - 2)
+    assert row == len(recording) - 1
+
+
+def test_seeds_determine_episodes_and_what_varies_in_them() -> None:
+    vary = {"friction": "uniform(0.4,1.2)"}
+
+    def episode(seed: int) -> NDArray[np.float32]:
+        env = TactileEnv("cap-closing", settings=SHORT, vary=vary)
+        first, _ = env.reset(seed=seed)
+        seen = [first]
+        for _ in range(40):
+            seen.append(env.step(env.guide())[0])
+        return np.array(seen)
+
+    np.testing.assert_array_equal(episode(1), episode(1))
+    assert not np.array_equal(episode(1), episode(2))
+
+
+def test_without_a_seed_environments_differ() -> None:
+    envs = TactileVectorEnv(4, settings=SHORT)
+    observations, _ = envs.reset()
+    assert isinstance(observations, np.ndarray)
+    assert len(np.unique(observations, axis=0)) == 4, "four episodes"
+
+
+@pytest.mark.parametrize("threads", [1, 2, 3])
+@pytest.mark.parametrize("mode", list(AutoresetMode))
+def test_each_of_a_vector_is_a_single_one(threads: int, mode: AutoresetMode) -> None:
+    count, steps = 5, 70  # longer than an episode of half a second
+    random = np.random.default_rng(0)
+    actions = random.uniform(-0.02, 0.02, (steps, count, 6))
+    envs = TactileVectorEnv(count, settings=SHORT, threads=threads, autoreset_mode=mode)
+    singles = [TactileEnv("cap-closing", settings=SHORT) for _ in range(count)]
+    observations, _ = envs.reset(seed=11)
+    expected = np.array([env.reset(seed=11 + i)[0] for i, env in enumerate(singles)])
+    np.testing.assert_array_equal(observations, expected)
+    over = np.zeros(count, dtype=np.bool_)
+    for step in range(steps):
+        if mode == AutoresetMode.DISABLED and over.any():
+            observations, _ = envs.reset(options={"reset_mask": over})
+            for i in np.flatnonzero(over):
+                expected[i] = singles[i].reset()[0]
+            np.testing.assert_array_equal(observations, expected)
+            over = np.zeros(count, dtype=np.bool_)
+        observations, rewards, terminated, truncated, infos = envs.step(actions[step])
+        for i, env in enumerate(singles):
+            if mode == AutoresetMode.NEXT_STEP and over[i]:
+                expected[i], (reward, ended) = env.reset()[0], (0.0, False)
+            else:
+                single, reward, te, tr, _ = env.step(actions[step, i])
+                expected[i], ended = single, te or tr
+            if mode == AutoresetMode.SAME_STEP and ended:
+                np.testing.assert_array_equal(infos["final_obs"][i], expected[i])
+                assert infos["_final_obs"][i]
+                expected[i] = env.reset()[0]
+            assert rewards[i] == reward and (terminated[i] or truncated[i]) == ended
+            over[i] = ended
+        np.testing.assert_array_equal(observations, expected)
+    if mode != AutoresetMode.DISABLED:
+        assert envs.metadata["autoreset_mode"] == mode
+
+
+def test_arrays_are_kept_or_written_over_as_asked() -> None:
+    kept = TactileVectorEnv(2, settings=SHORT)
+    first, _ = kept.reset(seed=1)
+    before = np.array(first)
+    kept.step(kept.guide())
+    np.testing.assert_array_equal(first, before)
+    shared = TactileVectorEnv(2, settings=SHORT, copy=False)
+    first, _ = shared.reset(seed=1)
+    assert isinstance(first, np.ndarray) and not first.flags.writeable
+    second = shared.step(shared.guide())[0]
+    assert isinstance(second, np.ndarray) and np.shares_memory(first, second)
+
+
+def test_dictionaries_hold_the_same_numbers() -> None:
+    flat, _ = TactileEnv("cap-closing").reset(seed=1)
+    named, _ = TactileEnv("cap-closing", observation="dict").reset(seed=1)
+    assert isinstance(named, dict) and isinstance(flat, np.ndarray)
+    assert named["forces"].shape == (2, 41, 3) and named["touch"].shape == (2,)
+    np.testing.assert_array_equal(flat[:123], named["forces"][0].ravel())
+    assert sum(part.size for part in named.values()) == flat.size
+    batch, _ = TactileVectorEnv(3, observation="dict").reset(seed=1)
+    assert isinstance(batch, dict) and batch["forces"].shape == (3, 2, 41, 3)
+    np.testing.assert_array_equal(batch["joint_angles"][0], named["joint_angles"])
+
+
+def test_bad_actions_are_refused_in_words() -> None:
+    env = TactileEnv("cap-closing", settings=SHORT)
+    with pytest.raises(RuntimeError, match="no episode under way"):
+        env.step(np.zeros(6))
+    env.reset(seed=1)
+    with pytest.raises(ValueError, match=r"action: expected float64 \[6\], got \[5\]"):
+        env.step(np.zeros(5))
+    with pytest.raises(ValueError, match=r"action\[2\]: a finite number expected, NaN arrived"):
+        env.step([0, 0, np.nan, 0, 0, 0])
+    env.step(np.full(6, 1e9))
+    envs = TactileVectorEnv(2, settings=SHORT)
+    envs.reset(seed=1)
+    with pytest.raises(ValueError, match=r"environment 1: action\[0\]: a finite number expected"):
+        envs.step([[0.0] * 6, [np.inf, 0, 0, 0, 0, 0]])
+
+
+def test_bad_options_are_refused_in_words() -> None:
+    cases: list[tuple[dict[str, Any], str]] = [
+        ({"experiment": "nowhere"}, "no experiment"),
+        ({"experiment": "friction-scan"}, "there are no rewards for task.friction_scan"),
+        ({"action": "torque"}, "action = .*: expected one of world, fingertip, joints"),
+        ({"observation": "pixels"}, 'expected "flat" or "dict"'),
+        ({"vary": {"friction": "gamma(1,2)"}}, "gamma"),
+        ({"settings": {"no.such.key": 1}}, "no"),
+        ({"render_mode": "ansi"}, "render_mode"),
+    ]
+    for options, words in cases:
+        with pytest.raises(ValueError, match=words):
+            TactileEnv(**options)
+    with pytest.raises(ValueError, match="environments"):
+        TactileVectorEnv(0)
+
+
+def _step_in_child(envs: TactileVectorEnv, answer: Any) -> None:
+    try:
+        envs.step(np.zeros((2, 6)))
+        answer.put("stepped")
+    except RuntimeError as error:
+        answer.put(str(error))
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork on this system")
+def test_a_forked_process_is_told_that_the_threads_are_not_in_it() -> None:
+    envs = TactileVectorEnv(2, settings=SHORT, threads=2)
+    envs.reset(seed=1)
+    context = multiprocessing.get_context("fork")
+    answer = context.SimpleQueue()
+    child = context.Process(target=_step_in_child, args=(envs, answer))
+    child.start()
+    words = answer.get()
+    child.join()
+    assert "before this process was forked" in words
+    envs.step(np.zeros((2, 6)))
+
+
+def test_stable_baselines_gets_what_its_interface_asks_for() -> None:
+    envs = SB3VecEnv(3, experiment="cap-closing", settings=SHORT)
+    assert envs.seed(5) == [5, 6, 7]
+    observations = envs.reset()
+    assert observations.shape == (3, *envs.observation_space.shape) and len(envs.reset_infos) == 3
+    over = np.zeros(3, dtype=np.bool_)
+    for _ in range(60):
+        envs.step_async(np.zeros((3, *envs.action_space.shape), dtype=np.float32))
+        observations, rewards, over, infos = envs.step_wait()
+        assert rewards.dtype == np.float32 and over.dtype == np.bool_ and len(infos) == 3
+        if over.any():
+            break
+    assert over.all(), "half a second is over for all at once"
+    for info in infos:
+        assert info["TimeLimit.truncated"] and info["terminal_observation"].shape == observations[0].shape
+    # The next episodes have begun.
+    assert not np.array_equal(observations[0], infos[0]["terminal_observation"])
+    assert envs.env_is_wrapped(object) == [False] * 3 and envs.get_attr("num_envs", 0) == [3]
+    envs.close()
