@@ -58,7 +58,8 @@ def test_the_papers_law_as_an_agent_makes_the_run(closing: feeler.Run) -> None:
         assert isinstance(observation, dict)
         np.testing.assert_array_equal(observation["forces"], recording.force[row].astype(np.float32))
         np.testing.assert_array_equal(observation["joint_angles"], recording.joint_position[row].astype(np.float32))
-        action = [law.velocity(plan, finger) for law, plan, finger in zip(laws, step.plans, step.fingers, strict=True)]
+        senses = zip(laws, step.plans, step.fingers, strict=True)
+        action = np.array([law.velocity(plan, finger) for law, plan, finger in senses])
         step.move(action)
         if row < len(recording) - 1:
             observation, _, terminated, _, _ = env.step(np.ravel(action))
@@ -104,7 +105,7 @@ def test_each_of_a_vector_is_a_single_one(threads: int, mode: AutoresetMode) -> 
     for step in range(steps):
         if mode == AutoresetMode.DISABLED and over.any():
             observations, _ = envs.reset(options={"reset_mask": over})
-            for i in np.flatnonzero(over):
+            for i in np.flatnonzero(over).tolist():
                 expected[i] = singles[i].reset()[0]
             np.testing.assert_array_equal(observations, expected)
             over = np.zeros(count, dtype=np.bool_)
@@ -210,7 +211,7 @@ def test_stable_baselines_gets_what_its_interface_asks_for() -> None:
     envs = SB3VecEnv(3, experiment="cap-closing", settings=SHORT)
     assert envs.seed(5) == [5, 6, 7]
     observations = envs.reset()
-    assert observations.shape == (3, *envs.observation_space.shape) and len(envs.reset_infos) == 3
+    assert observations.shape == (3, 288) and len(envs.reset_infos) == 3
     over = np.zeros(3, dtype=np.bool_)
     for _ in range(60):
         envs.step_async(np.zeros((3, *envs.action_space.shape), dtype=np.float32))

@@ -488,7 +488,8 @@ def simulate_loads(
     ValueError
         When there is no such fingertip.
     """
-    return _core.simulate_loads(experiment, finger, loads, seed)
+    frames, forces = _core.simulate_loads(experiment, finger, loads, seed)
+    return frames, forces
 
 
 def _write_new(path: PathLike, text: str) -> None:

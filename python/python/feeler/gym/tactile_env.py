@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import Any, cast
 
 import gymnasium
 import numpy as np
@@ -33,7 +33,7 @@ class TactileEnv(gymnasium.Env[Observation, NDArray[np.float64]]):
     (``joints``), rad/s. What exceeds the limits is clipped; what is not finite is refused.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": [], "render_fps": 100}
+    metadata: dict[str, Any] = {"render_modes": [], "render_fps": 100}  # noqa: RUF012 (as in the base class)
 
     def __init__(
         self,
@@ -73,7 +73,7 @@ class TactileEnv(gymnasium.Env[Observation, NDArray[np.float64]]):
         self._environment = _core.SingleEnvironment(str(experiment), lines, varied, action)
         spec = self._environment.spec()
         self._spaces = Spaces(spec, observation)
-        self.observation_space = self._spaces.observation
+        self.observation_space = cast("gymnasium.Space[Observation]", self._spaces.observation)
         self.action_space = self._spaces.action
         self.max_steps: int = spec.max_steps
         """Control steps after which an episode is truncated."""
