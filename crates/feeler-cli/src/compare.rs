@@ -270,7 +270,10 @@ fn page(arguments: &Arguments, contenders: &[Contender], goal: Goal) -> CompareP
 /// The page's table, for a terminal.
 fn print(page: &ComparePage, out: &mut dyn Write) -> std::io::Result<()> {
     for law in &page.laws {
-        writeln!(out, "{} ({} lines of code)", law.name, law.lines)?;
+        match law.lines {
+            Some(lines) => writeln!(out, "{} ({lines} lines of code)", law.name)?,
+            None => writeln!(out, "{}", law.name)?,
+        }
         for row in &law.rows {
             let value = row.value.map_or_else(|| "-".to_string(), number);
             writeln!(out, "  {:<24} {value}", row.name)?;

@@ -4,6 +4,7 @@ use divan::{Bencher, black_box};
 use feeler::control::controller::Controller;
 use feeler::control::flags::FlagAnalyzer;
 use feeler::control::law::LawConfig;
+use feeler::control::law::policy::{PolicyConfig, PolicyModel};
 use feeler::control::plan::Plan;
 use feeler::control::sense::{FingerSense, FingertipPose};
 use feeler::control::touch::FingerTouch;
@@ -15,10 +16,29 @@ use feeler::sensor::reading::TactileFrame;
 use feeler_lab::config::{Experiment, ExperimentConfig};
 use glam::DVec3;
 
+#[path = "../../feeler/tests/support/policy_file.rs"]
+mod policy_file;
+use policy_file::PolicyFile;
+
 const ELEMENTS: usize = 41;
 
 fn main() {
     divan::main();
+}
+
+/// The laws that need no file, and a policy of two hidden layers of 64.
+fn laws() -> impl Iterator<Item = &'static str> {
+    LawConfig::NAMES.into_iter().chain(["policy"])
+}
+
+fn law(name: &str) -> LawConfig {
+    LawConfig::named(name).unwrap_or_else(|| {
+        let bytes = PolicyFile::drawn(ELEMENTS, &[64, 64], 1).bytes();
+        LawConfig::Policy(PolicyConfig {
+            file: "drawn.safetensors".into(),
+            model: Some(PolicyModel::from_bytes(&bytes).expect("a policy").into()),
+        })
+    })
 }
 
 fn config(name: &str) -> ExperimentConfig {
@@ -39,10 +59,10 @@ fn in_contact() -> TactileFrame {
 }
 
 /// One decision for two fingers of 41 elements in contact, under each control law.
-#[divan::bench(args = LawConfig::NAMES)]
-fn decide_by_law(bencher: Bencher, law: &str) {
+#[divan::bench(args = laws())]
+fn decide_by_law(bencher: Bencher, name: &str) {
     let mut config = config("cap-closing");
-    config.control.law = LawConfig::named(law).expect("a law");
+    config.control.law = law(name);
     decide_in_contact(bencher, &config);
 }
 
@@ -58,7 +78,8 @@ fn decide_in_contact(bencher: Bencher, config: &ExperimentConfig) {
         .map(|finger| FingerGeometry::new(finger).expect("a finger"))
         .collect();
     let layouts = vec![layout; fingers.len()];
-    let mut controller = Controller::new(config.control.clone(), &config.task, &fingers, &layouts);
+    let controller = Controller::new(config.control.clone(), &config.task, &fingers, &layouts);
+    let mut controller = controller.expect("a controller");
     let mut state = HandState::zero(fingers.len());
     let homes = config.task.homes();
     for ((joints, geometry), home) in state.joints.iter_mut().zip(&fingers).zip(homes) {
@@ -85,16 +106,13 @@ fn decide_in_contact(bencher: Bencher, config: &ExperimentConfig) {
 }
 
 /// One finger's velocity by each control law, while it keeps its grasp.
-#[divan::bench(args = LawConfig::NAMES)]
-fn law_in_contact(bencher: Bencher, law: &str) {
-    let config = config("cap-closing");
-    let mut law = LawConfig::named(law).expect("a law").law(
-        config.control.reflex(),
-        config.control.touch_force,
-        ELEMENTS,
-    );
-    let layout = ElementLayout::new(&config.sensor.fingertip.layout);
-    let mut analyzer = FlagAnalyzer::new(config.control.thresholds(), ELEMENTS);
+#[divan::bench(args = laws())]
+fn law_in_contact(bencher: Bencher, name: &str) {
+    let control = config("cap-closing").control;
+    let law = law(name).law(control.reflex(), control.touch_force, ELEMENTS);
+    let mut law = law.expect("a law");
+    let layout = ElementLayout::new(&config("cap-closing").sensor.fingertip.layout);
+    let mut analyzer = FlagAnalyzer::new(control.thresholds(), ELEMENTS);
     let mut touch = FingerTouch::none(ELEMENTS);
     touch.frame = in_contact();
     touch.analyze(&mut analyzer);

@@ -51,7 +51,7 @@ impl Config {
     fn controller(&self) -> Controller {
         let fingers = [FingerGeometry::new(&self.finger).unwrap()];
         let layouts = [ElementLayout::new(&self.layout)];
-        Controller::new(self.control.clone(), &self.task, &fingers, &layouts)
+        Controller::new(self.control.clone(), &self.task, &fingers, &layouts).expect("a controller")
     }
 }
 

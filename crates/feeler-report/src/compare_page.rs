@@ -35,8 +35,8 @@ pub struct ComparePage {
 pub struct ComparedLaw {
     /// Its name.
     pub name: &'static str,
-    /// Lines of its code, without blank ones and comments.
-    pub lines: usize,
+    /// Lines of its code, without blank ones and comments; none of a policy, which is numbers.
+    pub lines: Option<usize>,
     /// The same for all laws.
     pub rows: Vec<Row>,
 }
@@ -203,7 +203,7 @@ fn table(
                     @if lines {
                         tr {
                             td { "lines of code of the law" }
-                            @for law in &page.laws { td.number { (law.lines) } }
+                            @for law in &page.laws { td.number { (law.lines.map_or("-".into(), |lines| lines.to_string())) } }
                         }
                     }
                 }

@@ -95,7 +95,7 @@ pub fn control_loop() -> Result<ControlLoop<AnalyzedSensor<MyTouch>, MyHand>, Fa
     let home = config.task.homes()[0].into();
     let home = inverse_kinematics(&finger, home, finger.joint_lower())?;
     let (fingers, layouts) = ([finger.clone()], [layout.clone()]);
-    let controller = Controller::new(config.control, &config.task, &fingers, &layouts);
+    let controller = Controller::new(config.control, &config.task, &fingers, &layouts)?;
     let rig = Rig::new(Cell::new((home, 0.0)));
     let touch = MyTouch {
         rig: rig.clone(),

@@ -129,7 +129,7 @@ impl LinkedHand {
         let who = (0, fingers);
         let hand = RemoteHand::new(inbox.clone(), Arc::new(Nowhere), monotonic(), who);
         let (geometries, _) = fingers_at_home(config).unwrap();
-        let controller = controller(config, &geometries, &layouts);
+        let controller = controller(experiment, &geometries, &layouts).unwrap();
         let thresholds = config.control.thresholds();
         let sensor = |finger: usize| {
             let sensing = SensingChain::of_fingertip(config.sensor.fingertip(finger)).unwrap();

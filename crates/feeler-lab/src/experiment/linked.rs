@@ -62,7 +62,7 @@ pub fn hand_program(
         speed,
         time_limit: config.time_limit,
     };
-    let controller = controller(config, &fingers, &layouts);
+    let controller = controller(experiment, &fingers, &layouts)?;
     Ok(HandProgram::new(&hand, controller, network)?)
 }
 

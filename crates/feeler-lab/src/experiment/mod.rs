@@ -23,7 +23,7 @@ pub use instruments::Instruments;
 use facts::simulated_facts;
 use feeler::control::control_loop::{ControlError, ControlLoop};
 use feeler::control::controller::{ControlConfig, Controller};
-use feeler::control::law::Law;
+use feeler::control::law::{Law, LawError};
 use feeler::control::phase::Phase;
 use feeler::control::stop_reason::StopReason;
 use feeler::control::task::Task;
@@ -105,6 +105,9 @@ pub enum ExperimentError {
         /// What is wrong with it.
         source: Box<SensingError>,
     },
+    /// The control law cannot be built.
+    #[error("control.law: {0}")]
+    Law(#[from] LawError),
     /// The loop could not go round.
     #[error(transparent)]
     Control(#[from] ControlError),
@@ -149,7 +152,7 @@ impl Session {
         let config = &experiment.config;
         let layouts = layouts(config)?;
         let (fingers, joints) = fingers_at(config, homes)?;
-        let controller = Controller::with_task(control(config), task, &fingers, &layouts);
+        let controller = Controller::with_task(control(experiment), task, &fingers, &layouts)?;
         let (rig, cap) = rig(experiment, &joints)?;
         check_specimen(config, &fingers, &rig.world())?;
         let sensors = sensors::sensors(experiment, &rig, &layouts)?;
@@ -335,18 +338,28 @@ fn world_with(experiment: &Experiment, joints: &[DVec3]) -> Result<World, Experi
     )?)
 }
 
-/// The controller of `config` for `fingers` with the elements of `layouts`, one each.
+/// The controller of `experiment` for `fingers` with the elements of `layouts`, one each.
+///
+/// # Errors
+/// When its control law cannot be built.
 pub fn controller(
-    config: &ExperimentConfig,
+    experiment: &Experiment,
     fingers: &[FingerGeometry],
     layouts: &[ElementLayout],
-) -> Controller {
-    Controller::new(control(config), &config.task, fingers, layouts)
+) -> Result<Controller, ExperimentError> {
+    let task = &experiment.config.task;
+    Ok(Controller::new(
+        control(experiment),
+        task,
+        fingers,
+        layouts,
+    )?)
 }
 
-/// What the controller is tuned by: as `config` says, but that simulated sensors without noise may say the same for as
+/// What the controller is tuned by: as `experiment` says, but that simulated sensors without noise may say the same for as
 /// long as the fingers stand still.
-fn control(config: &ExperimentConfig) -> ControlConfig {
+fn control(experiment: &Experiment) -> ControlConfig {
+    let config = &experiment.config;
     let mut control = config.control.clone();
     let noise = config.sim.as_ref().map(|sim| match config.sensing {
         Sensing::Image => sim.optics.read_noise + sim.optics.shot_noise,

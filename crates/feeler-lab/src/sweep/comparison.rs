@@ -169,7 +169,7 @@ fn compared(law: &LawConfig, own: &[Result], first: &[Result]) -> ComparedLaw {
     }
     ComparedLaw {
         name: law.name(),
-        lines: lines_of_code(law.source()),
+        lines: law.source().map(lines_of_code),
         rows,
     }
 }

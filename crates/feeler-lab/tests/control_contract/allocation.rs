@@ -12,14 +12,12 @@ use feeler::sensor::camera::{Camera, CameraError};
 use feeler::sensor::frame::Frame;
 use feeler::sensor::optical::OpticalSensor;
 use feeler::sensor::reading::{SensorError, TactileFrame, TactileSensor};
-use feeler_lab::config::{BUILT_IN, Experiment, ExperimentConfig};
+use feeler_lab::config::{BUILT_IN, Experiment};
 use feeler_lab::experiment::{self, Session, fingers_at_home, layouts};
 
-fn config() -> ExperimentConfig {
+fn experiment() -> Experiment {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/stiff-feelers.toml");
-    Experiment::load(file, &[])
-        .expect("two fingers at a cap")
-        .config
+    Experiment::load(file, &[]).expect("two fingers at a cap")
 }
 
 /// A camera whose pictures get brighter and darker.
@@ -38,7 +36,7 @@ impl Camera for Flicker {
 
 #[test]
 fn reading_a_picture_does_not_allocate() {
-    let config = config();
+    let config = experiment().config;
     let file = concat!(
         env!("CARGO_MANIFEST_DIR"),
         "/experiments/reference-fingertip.calibration.toml"
@@ -62,7 +60,8 @@ fn no_task_allocates() {
         let experiment = Experiment::load(built_in.name, &settings).expect("an experiment");
         let (fingers, _) = fingers_at_home(&experiment.config).expect("fingers");
         let layouts = layouts(&experiment.config).expect("fingertips");
-        let mut controller = experiment::controller(&experiment.config, &fingers, &layouts);
+        let controller = experiment::controller(&experiment, &fingers, &layouts);
+        let mut controller = controller.expect("a controller");
         let mut command = HandCommand::stop(fingers.len());
         let mut session = Session::new(&experiment).expect("a session");
         while !session.finished() {
@@ -98,10 +97,12 @@ impl TactileSensor for Rising {
 
 #[test]
 fn going_round_the_loop_does_not_allocate_nor_does_failing() {
-    let config = config();
-    let (geometries, home) = fingers_at_home(&config).expect("fingers");
-    let layouts = layouts(&config).expect("fingertips");
-    let controller = experiment::controller(&config, &geometries, &layouts);
+    let experiment = experiment();
+    let config = &experiment.config;
+    let (geometries, home) = fingers_at_home(config).expect("fingers");
+    let layouts = layouts(config).expect("fingertips");
+    let controller = experiment::controller(&experiment, &geometries, &layouts);
+    let controller = controller.expect("a controller");
     let hand = IdealHand::new(home, config.control.period);
     let sensors = [Rising(0), Rising(0)];
     let sensors = sensors.map(|sensor| AnalyzedSensor::new(sensor, config.control.thresholds()));

@@ -77,7 +77,7 @@ fn control_loop(recording: &Recording) -> Loop {
     ControlLoop::new(
         sensors.collect(),
         RecordedHand::new(recording),
-        controller(&experiment.config, &fingers, &layouts),
+        controller(&experiment, &fingers, &layouts).expect("a controller"),
     )
 }
 

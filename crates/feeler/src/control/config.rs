@@ -2,7 +2,7 @@
 
 use super::flags::FlagThresholds;
 use super::law::tri_axial::Reflex;
-use super::law::{Law, LawConfig};
+use super::law::{Law, LawConfig, LawError};
 use super::limits::LimitsConfig;
 use super::monitor_config::MonitorConfig;
 use super::task::TaskConfig;
@@ -102,7 +102,10 @@ impl ControlConfig {
     }
 
     /// The control law for one finger of `elements` elements, at rest.
-    pub fn law(&self, elements: usize) -> Box<dyn Law> {
+    ///
+    /// # Errors
+    /// When a policy was not read, or is for other fingertips.
+    pub fn law(&self, elements: usize) -> Result<Box<dyn Law>, LawError> {
         self.law.law(self.reflex(), self.touch_force, elements)
     }
 

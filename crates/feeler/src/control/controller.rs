@@ -3,7 +3,7 @@
 pub use super::config::{ControlConfig, RecordingFailure, ResumePolicy};
 
 use super::input_check::{check_count, check_input, check_load};
-use super::law::Law;
+use super::law::{Law, LawError};
 use super::limits::{Admitted, Request};
 use super::monitor::FingerMonitor;
 use super::phase::Phase;
@@ -54,33 +54,44 @@ pub struct Controller {
 
 impl Controller {
     /// A controller for a hand of `fingers`, each with the elements of its own of `layouts`.
+    ///
+    /// # Errors
+    /// When the law is a policy that was not read, or is for other fingertips.
     pub fn new(
         config: ControlConfig,
         task: &TaskConfig,
         fingers: &[FingerGeometry],
         layouts: &[ElementLayout],
-    ) -> Self {
+    ) -> Result<Self, LawError> {
         Self::with_task(config, task.task(), fingers, layouts)
     }
 
     /// The same for a task that is not among those of [`TaskConfig`].
+    ///
+    /// # Errors
+    /// As [`Self::new`].
     pub fn with_task(
         config: ControlConfig,
         task: Box<dyn Task>,
         fingers: &[FingerGeometry],
         layouts: &[ElementLayout],
-    ) -> Self {
+    ) -> Result<Self, LawError> {
         let most_gap = config.stale_periods.max(1.5) * config.period;
-        let finger = |(geometry, layout): (&FingerGeometry, &ElementLayout)| FingerControl {
-            geometry: geometry.clone(),
-            law: config.law(layout.elements.len()),
-            velocity: DVec3::ZERO,
-            admitted: Admitted::default(),
-            monitor: FingerMonitor::new(config.monitor, layout.elements.len(), most_gap),
+        let finger = |(geometry, layout): (&FingerGeometry, &ElementLayout)| {
+            let elements = layout.elements.len();
+            Ok(FingerControl {
+                geometry: geometry.clone(),
+                law: config.law(elements)?,
+                velocity: DVec3::ZERO,
+                admitted: Admitted::default(),
+                monitor: FingerMonitor::new(config.monitor, elements, most_gap),
+            })
         };
-        let count = fingers.len().min(layouts.len());
-        Self {
-            fingers: fingers.iter().zip(layouts).map(finger).collect(),
+        let fingers = fingers.iter().zip(layouts).map(finger);
+        let fingers = fingers.collect::<Result<Vec<_>, _>>()?;
+        let count = fingers.len();
+        Ok(Self {
+            fingers,
             poses: vec![FingertipPose::default(); count],
             layouts: layouts[..count].to_vec(),
             task,
@@ -88,7 +99,7 @@ impl Controller {
             planned: false,
             stop_reason: None,
             config,
-        }
+        })
     }
 
     /// The fingers as of the newest decision.

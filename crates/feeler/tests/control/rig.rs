@@ -111,6 +111,7 @@ pub fn controller_with(monitor: MonitorConfig) -> Controller {
         &[geometry()],
         &[layout()],
     )
+    .expect("a controller")
 }
 
 /// The finger at rest, at 1 s.

@@ -26,7 +26,8 @@ fn a_law_is_named_or_given_with_its_values() {
         let named = law(&format!("law = {name:?}")).expect("a law");
         assert_eq!(named.name(), name);
         assert_eq!(Some(&named), LawConfig::named(name).as_ref());
-        assert!(named.source().lines().count() > 20, "{name}");
+        let source = named.source().unwrap_or_default();
+        assert!(source.lines().count() > 20, "{name}");
         if name != "tri-axial" {
             let table = law(&format!("[law.{name}]")).expect("a law");
             assert_eq!(table, named);
@@ -38,7 +39,15 @@ fn a_law_is_named_or_given_with_its_values() {
         ..BestConfig::default()
     };
     assert_eq!(tuned, LawConfig::Best(expected));
+    let policy = law("law.policy = { file = \"a.safetensors\" }").expect("a law");
+    assert_eq!((policy.name(), policy.source()), ("policy", None));
     for (text, words) in [
+        ("law = \"policy\"", "law.policy with a file"),
+        ("law.policy = {}", "file"),
+        (
+            "law.policy = { file = \"a\", model = 1 }",
+            "unknown field `model`",
+        ),
         (
             "law = \"worst\"",
             "tri-axial, tri-axial-missing-shear, normal-only, open-loop, best",

@@ -45,6 +45,7 @@ fn pressing(law: &mut dyn Law, sequence: u64, force: DVec3) -> f64 {
 fn law(law: LawConfig) -> Box<dyn Law> {
     let control = config().control;
     law.law(control.reflex(), control.touch_force, ELEMENTS)
+        .expect("a law")
 }
 
 #[test]

@@ -11,6 +11,10 @@ mod hostile;
 mod laws;
 mod loop_faults;
 mod missing_shear;
+mod policy;
+#[path = "../support/policy_file.rs"]
+mod policy_file;
+mod policy_file_errors;
 mod rig;
 mod speed;
 mod task;

@@ -47,6 +47,7 @@ pub fn controller(config: &Config) -> Controller {
         &geometries(config),
         &layouts,
     )
+    .expect("a controller")
 }
 
 /// What the task is tuned by.

@@ -234,7 +234,7 @@ fn control_loop(
 ) -> Result<ControlLoop<Sensor, RecordedHand>, ReplayError> {
     let config = &experiment.config;
     let (fingers, _) = fingers_at_home(config)?;
-    let controller = controller(config, &fingers, &layouts(config)?);
+    let controller = controller(experiment, &fingers, &layouts(config)?)?;
     let hand = RecordedHand::new(recording);
     Ok(ControlLoop::new(sensors, hand, controller))
 }

@@ -5,6 +5,7 @@ use super::best::{Best, BestConfig};
 use super::missing_shear::{MissingShear, MissingShearConfig};
 use super::normal_only::{NormalOnly, NormalOnlyConfig};
 use super::open_loop::{OpenLoop, OpenLoopConfig};
+use super::policy::{Policy, PolicyConfig};
 use super::tri_axial::{FingerSpeedEstimator, Reflex};
 use crate::check::Checker;
 use crate::control::flags::FlagThresholds;
@@ -12,6 +13,29 @@ use serde::de::value::MapAccessDeserializer;
 use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 use std::fmt;
+
+/// Why there is no such law for a finger.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum LawError {
+    /// The policy's file was named, but not read.
+    #[error("the policy {file:?} was not read; expected its model beside its name")]
+    NotRead {
+        /// The file.
+        file: String,
+    },
+    /// The policy is for other fingertips.
+    #[error(
+        "the policy {file:?} is for fingertips of {actual} elements; expected one for {expected}"
+    )]
+    Elements {
+        /// The policy's file.
+        file: String,
+        /// Elements of the finger.
+        expected: usize,
+        /// Elements that the policy is for.
+        actual: usize,
+    },
+}
 
 /// Which control law. In a file either its name, as in `law = "best"`, or its name with what it is tuned
 /// by, as in `law.best = { margin = 1.5 }`.
@@ -29,10 +53,12 @@ pub enum LawConfig {
     OpenLoop(OpenLoopConfig),
     /// Grip before slip, with friction learnt from touch.
     Best(BestConfig),
+    /// A network that was trained elsewhere, in a file.
+    Policy(PolicyConfig),
 }
 
 impl LawConfig {
-    /// The names of all laws.
+    /// The names of the laws that need no file.
     pub const NAMES: [&str; 5] = [
         "tri-axial",
         "tri-axial-missing-shear",
@@ -61,12 +87,13 @@ impl LawConfig {
             Self::NormalOnly(_) => "normal-only",
             Self::OpenLoop(_) => "open-loop",
             Self::Best(_) => "best",
+            Self::Policy(_) => "policy",
         }
     }
 
-    /// The law's source, for whoever asks how simple it is.
-    pub fn source(&self) -> &'static str {
-        match self {
+    /// The law's source, for whoever asks how simple it is; none where a file says what it does.
+    pub fn source(&self) -> Option<&'static str> {
+        Some(match self {
             Self::TriAxial => include_str!("tri_axial.rs"),
             // With all that it is made of: nothing else looks for slip so.
             Self::TriAxialMissingShear(_) => concat!(
@@ -77,7 +104,8 @@ impl LawConfig {
             Self::NormalOnly(_) => include_str!("normal_only.rs"),
             Self::OpenLoop(_) => include_str!("open_loop.rs"),
             Self::Best(_) => include_str!("best.rs"),
-        }
+            Self::Policy(_) => return None,
+        })
     }
 
     /// Requires every value to be in its range. The law stands in the table `key`; elements touch and are pressed enough as
@@ -90,13 +118,23 @@ impl LawConfig {
             Self::NormalOnly(law) => law.check(&key, checker),
             Self::OpenLoop(law) => law.check(&key, checker),
             Self::Best(law) => law.check(&key, thresholds, checker),
+            // Its file is checked where it is read.
+            Self::Policy(_) => {}
         }
     }
 
     /// The law for one finger of `elements` elements, at rest, which touch where they are pressed harder than `touch_force`
     /// (F1), N.
-    pub fn law(&self, reflex: Reflex, touch_force: f64, elements: usize) -> Box<dyn Law> {
-        match self {
+    ///
+    /// # Errors
+    /// When a policy was not read, or is for other fingertips.
+    pub fn law(
+        &self,
+        reflex: Reflex,
+        touch_force: f64,
+        elements: usize,
+    ) -> Result<Box<dyn Law>, LawError> {
+        Ok(match self {
             Self::TriAxial => Box::new(FingerSpeedEstimator::new(reflex)),
             Self::TriAxialMissingShear(config) => {
                 Box::new(MissingShear::new(config, reflex, touch_force, elements))
@@ -104,7 +142,21 @@ impl LawConfig {
             Self::NormalOnly(config) => Box::new(NormalOnly::new(config.clone())),
             Self::OpenLoop(config) => Box::new(OpenLoop::new(config.clone())),
             Self::Best(config) => Box::new(Best::new(config.clone(), elements)),
-        }
+            Self::Policy(config) => Box::new(policy(config, elements)?),
+        })
+    }
+}
+
+fn policy(config: &PolicyConfig, elements: usize) -> Result<Policy, LawError> {
+    let file = config.file.clone();
+    match &config.model {
+        None => Err(LawError::NotRead { file }),
+        Some(model) if model.elements() == elements => Ok(Policy::new(model.clone())),
+        Some(model) => Err(LawError::Elements {
+            file,
+            expected: elements,
+            actual: model.elements(),
+        }),
     }
 }
 
@@ -122,6 +174,7 @@ struct Laws {
     normal_only: Option<NormalOnlyConfig>,
     open_loop: Option<OpenLoopConfig>,
     best: Option<BestConfig>,
+    policy: Option<PolicyConfig>,
 }
 
 struct NameOrTable;
@@ -133,7 +186,7 @@ impl<'de> Visitor<'de> for NameOrTable {
         let names = LawConfig::NAMES.join(", ");
         write!(
             f,
-            "a control law: one of {names}, or a table as in law.best = {{ margin = 1.5 }}"
+            "a control law: one of {names}, or a table as in law.best = {{ margin = 1.5 }} or law.policy = {{ file = \"my.safetensors\" }}"
         )
     }
 
@@ -141,7 +194,7 @@ impl<'de> Visitor<'de> for NameOrTable {
         LawConfig::named(name).ok_or_else(|| {
             let names = LawConfig::NAMES.join(", ");
             E::custom(format!(
-                "there is no control law {name:?}: expected one of {names}"
+                "there is no control law {name:?}: expected one of {names}, or law.policy with a file"
             ))
         })
     }
@@ -154,6 +207,7 @@ impl<'de> Visitor<'de> for NameOrTable {
             laws.normal_only.map(LawConfig::NormalOnly),
             laws.open_loop.map(LawConfig::OpenLoop),
             laws.best.map(LawConfig::Best),
+            laws.policy.map(LawConfig::Policy),
         ];
         let mut found = found.into_iter().flatten();
         match (found.next(), found.next()) {

@@ -6,9 +6,10 @@ mod config;
 pub mod missing_shear;
 pub mod normal_only;
 pub mod open_loop;
+pub mod policy;
 pub mod tri_axial;
 
-pub use config::LawConfig;
+pub use config::{LawConfig, LawError};
 
 use super::plan::Plan;
 use super::sense::FingerSense;

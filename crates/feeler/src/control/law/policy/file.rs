@@ -1,0 +1,222 @@
+//! A policy's file: safetensors with everything in it checked.
+
+use super::PolicyModel;
+use super::network::{Activation, LARGEST, Layer, Network};
+use crate::control::observation::ObservationLayout;
+use crate::sensor::layout::MAX_ELEMENTS;
+use safetensors::SafeTensors;
+use safetensors::tensor::{Dtype, Metadata, SafeTensorError};
+
+/// What a file's metadata have as `format`.
+pub const FORMAT: &str = "feeler-policy-1";
+/// Longest file, bytes: more than the largest network has.
+pub const MAX_BYTES: usize = 40 << 20;
+/// Most layers.
+const MAX_LAYERS: usize = 8;
+/// Most outputs of a layer.
+const MAX_WIDTH: usize = 1024;
+/// Components of a velocity.
+const OUTPUTS: usize = 3;
+/// Smallest scale of an input.
+const SMALLEST_SCALE: f32 = 1e-6;
+/// Greatest speed that a network may add to the plan's, m/s.
+const MAX_RESIDUAL_SPEED: f64 = 1.0;
+/// What the metadata may say.
+const KEYS: [&str; 5] = [
+    "format",
+    "activation",
+    "elements",
+    "residual_speed",
+    "description",
+];
+
+/// Why a file is no policy.
+#[derive(Debug, thiserror::Error)]
+pub enum PolicyError {
+    /// It is too long.
+    #[error("{actual} bytes; expected a policy of at most {MAX_BYTES}")]
+    TooLong {
+        /// Its length, bytes.
+        actual: usize,
+    },
+    /// It is of another kind, or damaged.
+    #[error("{source}; expected a whole file in safetensors format")]
+    Container {
+        /// What the format's reader said.
+        source: SafeTensorError,
+    },
+    /// An entry of the metadata is missing, unknown or wrong.
+    #[error("metadata {key}: {actual}; expected {expected}")]
+    Metadata {
+        /// The entry.
+        key: String,
+        /// What it must be.
+        expected: String,
+        /// What it is.
+        actual: String,
+    },
+    /// A tensor is missing, unknown or wrong.
+    #[error("tensor {name}: {actual}; expected {expected}")]
+    Tensor {
+        /// The tensor.
+        name: String,
+        /// What it must be.
+        expected: String,
+        /// What it is.
+        actual: String,
+    },
+}
+
+/// Reads what [`PolicyModel::from_bytes`] describes.
+pub(super) fn read(bytes: &[u8]) -> Result<PolicyModel, PolicyError> {
+    if bytes.len() > MAX_BYTES {
+        let actual = bytes.len();
+        return Err(PolicyError::TooLong { actual });
+    }
+    let file = File::open(bytes)?;
+    file.check_keys()?;
+    file.parsed("format", &format!("{FORMAT:?}"), |text| {
+        (text == FORMAT).then_some(())
+    })?;
+    let activation = file.parsed("activation", "\"tanh\" or \"relu\"", |text| match text {
+        "tanh" => Some(Activation::Tanh),
+        "relu" => Some(Activation::Relu),
+        _ => None,
+    })?;
+    let elements = format!("a number of elements from 1 to {MAX_ELEMENTS}");
+    let elements = file.parsed("elements", &elements, |text| {
+        text.parse().ok().filter(|e| (1..=MAX_ELEMENTS).contains(e))
+    })?;
+    let speed = format!("a speed from 0 to {MAX_RESIDUAL_SPEED} m/s");
+    let residual_speed = file.parsed("residual_speed", &speed, |text| {
+        let speed: f64 = text.parse().ok()?;
+        (0.0..=MAX_RESIDUAL_SPEED).contains(&speed).then_some(speed)
+    })?;
+    let network = file.network(activation, ObservationLayout { elements }.len())?;
+    Ok(PolicyModel {
+        elements,
+        residual_speed,
+        network,
+    })
+}
+
+/// A file whose tensors lie within it.
+struct File<'a> {
+    header: Metadata,
+    data: &'a [u8],
+}
+
+impl<'a> File<'a> {
+    fn open(bytes: &'a [u8]) -> Result<Self, PolicyError> {
+        let opened = SafeTensors::read_metadata(bytes);
+        let (length, header) = opened.map_err(|source| PolicyError::Container { source })?;
+        // The header's length comes first, in eight bytes.
+        let data = bytes.get(8 + length..).unwrap_or_default();
+        Ok(Self { header, data })
+    }
+
+    /// Refuses metadata that nothing reads.
+    fn check_keys(&self) -> Result<(), PolicyError> {
+        let keys = self.header.metadata().iter().flatten().map(|(key, _)| key);
+        match keys.filter(|key| !KEYS.contains(&key.as_str())).min() {
+            None => Ok(()),
+            Some(key) => Err(PolicyError::Metadata {
+                key: key.clone(),
+                expected: KEYS.join(", "),
+                actual: "there is no such entry".into(),
+            }),
+        }
+    }
+
+    /// What `parse` makes of an entry of the metadata.
+    fn parsed<T>(
+        &self,
+        key: &str,
+        expected: &str,
+        parse: impl Fn(&str) -> Option<T>,
+    ) -> Result<T, PolicyError> {
+        let metadata = self.header.metadata().as_ref();
+        let text = metadata.and_then(|metadata| metadata.get(key));
+        text.and_then(|text| parse(text))
+            .ok_or_else(|| PolicyError::Metadata {
+                key: key.to_string(),
+                expected: expected.to_string(),
+                actual: text.map_or_else(|| "missing".to_string(), |text| format!("{text:?}")),
+            })
+    }
+
+    fn network(&self, activation: Activation, inputs: usize) -> Result<Network, PolicyError> {
+        let mut names = vec!["input.mean".to_string(), "input.scale".to_string()];
+        let mean = self.numbers(&names[0], &[inputs], -LARGEST)?;
+        let scale = self.numbers(&names[1], &[inputs], SMALLEST_SCALE)?;
+        let has = |layer: &usize| self.header.info(&format!("layer{layer}.weight")).is_some();
+        let count = (0..MAX_LAYERS).take_while(has).count().max(1);
+        let (mut layers, mut width) = (Vec::new(), inputs);
+        for layer in 0..count {
+            let [weight, bias] = ["weight", "bias"].map(|part| format!("layer{layer}.{part}"));
+            let outputs = match layer + 1 == count {
+                true => OUTPUTS,
+                false => self.width(&weight)?,
+            };
+            let weights = self.numbers(&weight, &[outputs, width], -LARGEST)?;
+            let biases = self.numbers(&bias, &[outputs], -LARGEST)?;
+            layers.push(Layer::new(width, &weights, &biases));
+            names.extend([weight, bias]);
+            width = outputs;
+        }
+        let tensors = self.header.offset_keys();
+        match tensors.into_iter().find(|name| !names.contains(name)) {
+            None => Ok(Network {
+                mean,
+                scale,
+                activation,
+                layers,
+            }),
+            Some(name) => Err(PolicyError::Tensor {
+                name,
+                expected: format!("only {}; up to {MAX_LAYERS} layers", names.join(", ")),
+                actual: "not to be used".into(),
+            }),
+        }
+    }
+
+    /// How many outputs a hidden layer of these weights has.
+    fn width(&self, weights: &str) -> Result<usize, PolicyError> {
+        let shape = self.header.info(weights).map_or(&[][..], |t| &t.shape);
+        let width = shape.first().copied().unwrap_or_default();
+        let wrong = || PolicyError::Tensor {
+            name: weights.to_string(),
+            expected: format!("1 to {MAX_WIDTH} outputs"),
+            actual: format!("shape {shape:?}"),
+        };
+        let good = (1..=MAX_WIDTH).contains(&width);
+        good.then_some(width).ok_or_else(wrong)
+    }
+
+    /// The numbers of a tensor of this shape, none below `least` or above [`LARGEST`].
+    fn numbers(&self, name: &str, shape: &[usize], least: f32) -> Result<Vec<f32>, PolicyError> {
+        let wrong = |expected: String, actual: String| PolicyError::Tensor {
+            name: name.to_string(),
+            expected,
+            actual,
+        };
+        let expected = || format!("F32 of shape {shape:?}");
+        let tensor = self.header.info(name);
+        let tensor = tensor.ok_or_else(|| wrong(expected(), "missing".into()))?;
+        if tensor.dtype != Dtype::F32 || tensor.shape != shape {
+            let actual = format!("{:?} of shape {:?}", tensor.dtype, tensor.shape);
+            return Err(wrong(expected(), actual));
+        }
+        let (start, end) = tensor.data_offsets;
+        let (numbers, _) = self.data.get(start..end).unwrap_or_default().as_chunks();
+        let numbers: Vec<f32> = numbers.iter().map(|&n| f32::from_le_bytes(n)).collect();
+        let good = |number: &f32| (least..=LARGEST).contains(number);
+        match numbers.iter().position(|number| !good(number)) {
+            None => Ok(numbers),
+            Some(at) => Err(wrong(
+                format!("numbers from {least:e} to {LARGEST:e}"),
+                format!("{} as number {at}", numbers[at]),
+            )),
+        }
+    }
+}

@@ -1,0 +1,205 @@
+//! Files that are no policies: each is refused with what was expected and what arrived.
+
+use super::policy::saying;
+use super::policy_file::PolicyFile;
+use feeler::control::law::policy::PolicyModel;
+use safetensors::tensor::{Dtype, TensorView, serialize};
+
+fn good() -> PolicyFile {
+    PolicyFile::drawn(2, &[5, 4], 3)
+}
+
+/// That `bytes` are refused with all of these words.
+fn refused(bytes: &[u8], words: &[&str]) {
+    let Err(error) = PolicyModel::from_bytes(bytes) else {
+        panic!("expected {words:?}, but it is a policy");
+    };
+    let error = error.to_string();
+    for word in words {
+        assert!(error.contains(word), "no {word:?} in {error:?}");
+    }
+}
+
+#[test]
+fn metadata_are_as_expected_or_named() {
+    assert!(PolicyModel::from_bytes(&saying(good(), "description", "any ✓").bytes()).is_ok());
+    for (key, value, words) in [
+        (
+            "format",
+            "feeler-policy-2",
+            &["metadata format: \"feeler-policy-2\"", "feeler-policy-1"][..],
+        ),
+        (
+            "activation",
+            "gelu",
+            &["activation: \"gelu\"", "\"tanh\" or \"relu\""],
+        ),
+        ("elements", "0", &["elements: \"0\"", "from 1 to 512"]),
+        ("elements", "513", &["elements: \"513\"", "from 1 to 512"]),
+        ("elements", "-1", &["elements: \"-1\""]),
+        ("elements", "two", &["elements: \"two\""]),
+        (
+            "elements",
+            "3",
+            &[
+                "input.mean: F32 of shape [27]",
+                "expected F32 of shape [30]",
+            ],
+        ),
+        (
+            "residual_speed",
+            "nan",
+            &["residual_speed: \"nan\"", "0 to 1 m/s"],
+        ),
+        ("residual_speed", "-0.1", &["residual_speed: \"-0.1\""]),
+        ("residual_speed", "1.1", &["residual_speed: \"1.1\""]),
+        (
+            "framework",
+            "jax",
+            &[
+                "metadata framework: there is no such entry",
+                "residual_speed, description",
+            ],
+        ),
+    ] {
+        refused(&saying(good(), key, value).bytes(), words);
+    }
+    for key in ["format", "activation", "elements", "residual_speed"] {
+        let mut file = good();
+        file.metadata.remove(key);
+        refused(&file.bytes(), &[key, "missing"]);
+    }
+}
+
+#[test]
+fn tensors_are_there_of_their_shape_finite_and_no_others() {
+    let names: Vec<_> = good().tensors.into_keys().collect();
+    for name in &names {
+        let mut file = good();
+        file.tensors.remove(name);
+        refused(&file.bytes(), &["tensor", "expected"]);
+        for (number, shown) in [
+            (f32::NAN, "NaN"),
+            (f32::INFINITY, "inf"),
+            (-1.1e6, "-1100000"),
+            (2e6, "2000000"),
+        ] {
+            let mut file = good();
+            let (_, numbers) = file.tensors.get_mut(name).expect("a tensor");
+            numbers[1] = number;
+            refused(&file.bytes(), &[name, shown, "as number 1", "to 1e6"]);
+        }
+    }
+    type Change = (&'static str, &'static [usize], &'static [&'static str]);
+    let changes: [Change; 8] = [
+        (
+            "input.scale",
+            &[26],
+            &[
+                "input.scale: F32 of shape [26]",
+                "expected F32 of shape [27]",
+            ],
+        ),
+        (
+            "layer0.weight",
+            &[27, 5],
+            &[
+                "layer0.weight: F32 of shape [27, 5]",
+                "expected F32 of shape [27, 27]",
+            ],
+        ),
+        (
+            "layer0.weight",
+            &[1025, 27],
+            &["layer0.weight: shape [1025, 27]", "1 to 1024 outputs"],
+        ),
+        (
+            "layer0.weight",
+            &[0, 27],
+            &["layer0.weight: shape [0, 27]", "1 to 1024 outputs"],
+        ),
+        (
+            "layer0.weight",
+            &[],
+            &["layer0.weight: shape []", "1 to 1024 outputs"],
+        ),
+        (
+            "layer1.bias",
+            &[4, 1],
+            &["layer1.bias: F32 of shape [4, 1]", "shape [4]"],
+        ),
+        (
+            "layer2.weight",
+            &[4, 4],
+            &[
+                "layer2.weight: F32 of shape [4, 4]",
+                "expected F32 of shape [3, 4]",
+            ],
+        ),
+        (
+            "layer4.weight",
+            &[3, 3],
+            &[
+                "layer4.weight: not to be used",
+                "layer2.bias; up to 8 layers",
+            ],
+        ),
+    ];
+    for (name, shape, words) in changes {
+        let mut file = good();
+        file.put(name, shape, vec![0.5; shape.iter().product()]);
+        refused(&file.bytes(), words);
+    }
+    let mut file = good();
+    file.put("input.scale", &[27], vec![0.0; 27]);
+    refused(
+        &file.bytes(),
+        &["input.scale: 0 as number 0", "from 1e-6 to 1e6"],
+    );
+    refused(
+        &PolicyFile::drawn(2, &[4; 8], 3).bytes(),
+        &["layer7.weight: F32 of shape [4, 4]"],
+    );
+}
+
+#[test]
+fn other_numbers_than_single_precision_are_refused() {
+    let numbers = [0_u8; 27 * 8];
+    let view = TensorView::new(Dtype::F64, vec![27], &numbers).expect("a tensor");
+    let metadata = good().metadata.into_iter().collect();
+    let bytes = serialize([("input.mean", view)], Some(metadata)).expect("its bytes");
+    refused(
+        &bytes,
+        &[
+            "input.mean: F64 of shape [27]",
+            "expected F32 of shape [27]",
+        ],
+    );
+}
+
+#[test]
+fn what_is_no_whole_file_is_refused() {
+    let whole = good().bytes();
+    for length in 0..whole.len() {
+        refused(&whole[..length], &["safetensors"]);
+    }
+    refused(
+        &[&whole[..], &[0]].concat(),
+        &["not fully covered", "safetensors"],
+    );
+    refused(b"[control]\nperiod = 0.01\n", &["safetensors"]);
+    refused(&[0xff; 64], &["header", "safetensors"]);
+    refused(
+        &vec![0; (40 << 20) + 1],
+        &["41943041 bytes", "at most 41943040"],
+    );
+    let mut broken = whole;
+    for byte in 0..400 {
+        broken[byte] ^= 0x55;
+        // Whatever it is now, it is said in words.
+        if let Err(error) = PolicyModel::from_bytes(&broken) {
+            assert!(error.to_string().contains("expected"), "{error}");
+        }
+        broken[byte] ^= 0x55;
+    }
+}
