@@ -3,10 +3,16 @@
 //! Shared by the targets and by `tests/fuzz_corpus.rs`, so that every test run goes through the
 //! corpora. A target says whether its bytes were sound.
 
-use feeler::hand::{Hand, HandState};
+use feeler::control::law::Law;
+use feeler::control::law::policy::{Policy, PolicyModel};
+use feeler::control::plan::Plan;
+use feeler::control::sense::{FingerSense, FingertipPose};
+use feeler::control::touch::FingerTouch;
+use feeler::hand::{Hand, HandState, JointState};
 use feeler::sensor::calibration::Calibration;
 use feeler::sensor::camera::{Camera, CameraError};
 use feeler::sensor::frame::Frame;
+use feeler::sensor::layout::ElementLayout;
 use feeler::sensor::loads::read_loads;
 use feeler::sensor::located_layout::LocatedLayout;
 use feeler::sensor::moments::ElementMoments;
@@ -29,9 +35,10 @@ use feeler_link::topic::{Place, Topic};
 use feeler_record::wire::{Message, Vector3, cdr};
 use feeler_record::{RecordedCamera, RecordedHand, RecordedSensor, Recording};
 use feeler_sources::picture::decode_picture;
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use std::io::Cursor;
 use std::str::from_utf8;
+use std::sync::Arc;
 
 /// Most pixels of a layout whose sub-regions are laid out: larger ones only take time.
 const MAX_PIXELS: usize = 1 << 16;
@@ -74,6 +81,38 @@ pub fn calibration(bytes: &[u8]) -> bool {
                 let _ = element.validity(&moments);
             }
         }
+    }
+    true
+}
+
+/// A sound policy keeps its finger's velocity finite, whatever is felt.
+pub fn policy(bytes: &[u8]) -> bool {
+    let Ok(model) = PolicyModel::from_bytes(bytes) else {
+        return false;
+    };
+    let mut touch = FingerTouch::none(model.elements());
+    let mut policy = Policy::new(Arc::new(model));
+    let layout = ElementLayout {
+        dome_radius: 0.018,
+        elements: Vec::new(),
+    };
+    let plan = Plan {
+        reflex: true,
+        ..Plan::default()
+    };
+    for size in [0.0, 1e-3, 1.0, -1e9, f64::MAX] {
+        touch.frame.forces.fill(DVec3::splat(size));
+        let sense = FingerSense {
+            pose: FingertipPose::default(),
+            joints: JointState {
+                position: DVec3::splat(size),
+                velocity: DVec3::splat(-size),
+            },
+            touch: &touch,
+            layout: &layout,
+        };
+        let velocity = policy.velocity(&plan, &sense);
+        assert!(velocity.is_finite(), "{size}: {velocity}");
     }
     true
 }

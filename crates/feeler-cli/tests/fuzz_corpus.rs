@@ -41,6 +41,11 @@ fn calibrations() {
 }
 
 #[test]
+fn policies() {
+    feed("policy", bodies::policy);
+}
+
+#[test]
 fn loads() {
     feed("loads", bodies::loads);
 }
