@@ -200,7 +200,7 @@ fn plan(
         vary,
         arguments.trial.seed,
         arguments.trials,
-    );
+    )?;
     Ok((law, Trials::new(&plan)?))
 }
 

@@ -112,6 +112,7 @@ fn copy(
             ReplayFrom::Frames(_) => experiment.calibration_texts()?,
             ReplayFrom::Forces => recording.calibrations.clone(),
         },
+        policy: experiment.policy_file()?,
         ..RecordOptions::default()
     };
     let file = folder.join(RECORDING);

@@ -167,7 +167,7 @@ fn new_plan(arguments: &Arguments, name: &str) -> Result<Plan, CommandError> {
         entries,
         design,
         arguments.trial.seed,
-    ))
+    )?)
 }
 
 /// The shares and what decides them, for a terminal.

@@ -118,7 +118,7 @@ fn plan(arguments: &Arguments) -> Result<Plan, CommandError> {
     settings.extend(arguments.sensing.iter().map(|s| format!("sensing={s}")));
     let experiment = Experiment::load(name, &settings)?;
     let (seed, trials) = (arguments.trial.seed, arguments.trials);
-    let mut plan = Plan::new(&experiment, name, &arguments.vary, seed, trials);
+    let mut plan = Plan::new(&experiment, name, &arguments.vary, seed, trials)?;
     plan.shard = arguments.shard.unwrap_or(Shard::WHOLE);
     let Some(kept) = kept else { return Ok(plan) };
     let shards = |p: &Plan| format!("{}/{}", p.shard.index, p.shard.of);

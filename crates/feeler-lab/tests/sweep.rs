@@ -16,7 +16,8 @@ fn trials(vary: &[&str], trials: u64) -> Trials {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/stiff-feelers.toml");
     let experiment = Experiment::load(file, &settings).expect("the rig");
     let vary: Vec<_> = vary.iter().map(|text| (*text).to_string()).collect();
-    Trials::new(&Plan::new(&experiment, file, &vary, 7, trials)).expect("a sweep")
+    let plan = Plan::new(&experiment, file, &vary, 7, trials).expect("a plan");
+    Trials::new(&plan).expect("a sweep")
 }
 
 const FRICTION: &str = "sim.variation.friction=uniform(0,0.5)";

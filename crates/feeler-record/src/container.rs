@@ -147,14 +147,19 @@ impl Container {
         written.map_err(|source| self.failed(source))
     }
 
-    /// Attaches a TOML file.
-    pub fn attach(&mut self, name: String, text: &str) -> Result<(), RecordError> {
+    /// Attaches a file.
+    pub fn attach(
+        &mut self,
+        name: String,
+        media_type: &str,
+        bytes: &[u8],
+    ) -> Result<(), RecordError> {
         let written = self.writer.attach(&Attachment {
             log_time: 0,
             create_time: 0,
             name,
-            media_type: "application/toml".into(),
-            data: Cow::Borrowed(text.as_bytes()),
+            media_type: media_type.into(),
+            data: Cow::Borrowed(bytes),
         });
         written.map_err(|source| self.failed(source))
     }

@@ -49,7 +49,7 @@ pub use memory::{MemoryRecorder, MessageSink};
 pub use model::{FingerModel, Solid, SolidFrame, SolidShape};
 pub use names::{FindingName, SensingKind, TaskKind, TaskOutcome};
 pub use newest::Newest;
-pub use options::{FLUSH_INTERVAL, Patience, RecordOptions};
+pub use options::{FLUSH_INTERVAL, Patience, PolicyFile, RecordOptions};
 pub use recorded_camera::RecordedCamera;
 pub use recorder::Recorder;
 pub use recording::{FingerRecord, Gap, PictureAt, Recording};

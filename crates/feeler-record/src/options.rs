@@ -1,6 +1,7 @@
 //! What a recording holds, and how it reaches its file.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 use std::time::Duration;
 
 /// How old a message may be before it is handed to the system, s of the run's time, unless somebody says otherwise.
@@ -12,6 +13,9 @@ pub struct RecordOptions {
     /// The text of each calibration file that the experiment names, by that name. They are no part of the
     /// digest: another calibration shows in the forces.
     pub calibrations: BTreeMap<String, String>,
+    /// The policy that the experiment names as its control law, if it does. It is no part of the digest: another policy
+    /// shows in the commands.
+    pub policy: Option<PolicyFile>,
     /// Whether there will be pictures.
     pub pictures: bool,
     /// What a write does while the file takes nothing.
@@ -25,11 +29,21 @@ impl Default for RecordOptions {
     fn default() -> Self {
         Self {
             calibrations: BTreeMap::new(),
+            policy: None,
             pictures: false,
             patience: Patience::default(),
             flush_interval: FLUSH_INTERVAL,
         }
     }
+}
+
+/// The file of a learnt policy.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PolicyFile {
+    /// As the experiment names it.
+    pub name: String,
+    /// What it holds.
+    pub bytes: Arc<[u8]>,
 }
 
 /// What a write does while the file takes nothing and no more messages can wait for it.

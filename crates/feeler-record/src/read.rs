@@ -3,10 +3,11 @@
 use super::digest::Digester;
 use super::error::RecordError;
 use super::facts::RunFacts;
+use super::options::PolicyFile;
 use super::recording::{Damage, PictureAt, Recording};
 use super::run_end::RunEnd;
 use super::scan::{Found, scan};
-use super::sink::{CALIBRATION, CHANNELS, END, EXPERIMENT, FACTS, digest_facts};
+use super::sink::{CALIBRATION, CHANNELS, END, EXPERIMENT, FACTS, POLICY, digest_facts};
 use super::topic::Channel;
 use ::mcap::records::Record;
 use std::collections::{BTreeMap, HashMap};
@@ -105,6 +106,11 @@ impl Collector {
                 if let Some(name) = header.name.strip_prefix(CALIBRATION) {
                     let text = text(&header.name, &data)?;
                     self.recording()?.calibrations.insert(name.into(), text);
+                } else if let Some(name) = header.name.strip_prefix(POLICY) {
+                    self.recording()?.policy = Some(PolicyFile {
+                        name: name.into(),
+                        bytes: data[..].into(),
+                    });
                 }
             }
             Record::Channel(channel) => self.channel(channel.id, channel.topic)?,

@@ -64,8 +64,7 @@ impl Recorder {
     ) -> Result<Self, RecordError> {
         let path = path.as_ref();
         let channels = Channel::of_run(facts, options.pictures);
-        let calibrations = &options.calibrations;
-        let sink = Sink::create(path, facts, experiment_toml, calibrations, &channels)?;
+        let sink = Sink::create(path, facts, experiment_toml, options, &channels)?;
         Self::to_store(path, sink, (channels, facts.fingers), options)
     }
 

@@ -6,6 +6,7 @@ use super::channels::{
 };
 use super::digest::{Digest, Digester};
 use super::facts::RunFacts;
+use super::options::PolicyFile;
 use super::run_end::{RunEnd, RunState};
 use std::collections::BTreeMap;
 
@@ -65,6 +66,8 @@ pub struct Recording {
     /// The calibration files that the experiment names: name to text. Empty in a recording of forces that were
     /// not calibrated.
     pub calibrations: BTreeMap<String, String>,
+    /// The policy that the experiment names, if it does.
+    pub policy: Option<PolicyFile>,
     /// How the run ended.
     pub end: RunEnd,
     /// Wall time of the run, s, if it was written.
@@ -104,6 +107,7 @@ impl Recording {
             facts,
             experiment: String::new(),
             calibrations: BTreeMap::new(),
+            policy: None,
             end: RunEnd::because(RunState::Interrupted, "the run was not closed"),
             wall_time: None,
             digest: Digester::default().finish(),

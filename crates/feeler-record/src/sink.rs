@@ -6,6 +6,7 @@ use super::container::Container;
 use super::digest::{Digest, Digester};
 use super::error::RecordError;
 use super::facts::RunFacts;
+use super::options::{PolicyFile, RecordOptions};
 use super::topic::{Channel, topics};
 use super::writer::{End, Store};
 use crate::wire::cdr;
@@ -26,6 +27,13 @@ pub const EXPERIMENT: &str = "experiment.toml";
 
 /// What stands before the experiment's name of a calibration in the name of its attachment.
 pub const CALIBRATION: &str = "calibration/";
+/// The same of a policy.
+pub const POLICY: &str = "policy/";
+
+/// Media type of experiment and calibrations.
+const TOML: &str = "application/toml";
+/// Media type of a policy, for which none is registered.
+const BYTES: &str = "application/octet-stream";
 
 /// The file of a recording.
 pub struct Sink {
@@ -36,12 +44,12 @@ pub struct Sink {
 }
 
 impl Sink {
-    /// Creates the file, writes facts, experiment and calibrations (name to text), and registers `channels`.
+    /// Creates the file, writes facts, experiment and the files of `options` that it names, and registers `channels`.
     pub fn create(
         path: &Path,
         facts: &RunFacts,
         experiment: &str,
-        calibrations: &BTreeMap<String, String>,
+        options: &RecordOptions,
         channels: &[Channel],
     ) -> Result<Self, RecordError> {
         facts.validate()?;
@@ -49,12 +57,15 @@ impl Sink {
         let facts = facts.to_map()?;
         digest_facts(&mut digester, &facts, experiment);
         // A chunk ends with its batch.
-        let options = WriteOptions::new().chunk_size(None);
-        let mut container = Container::create(path, options)?;
+        let unchunked = WriteOptions::new().chunk_size(None);
+        let mut container = Container::create(path, unchunked)?;
         container.metadata(FACTS, facts)?;
-        container.attach(EXPERIMENT.into(), experiment)?;
-        for (name, text) in calibrations {
-            container.attach(format!("{CALIBRATION}{name}"), text)?;
+        container.attach(EXPERIMENT.into(), TOML, experiment.as_bytes())?;
+        for (name, text) in &options.calibrations {
+            container.attach(format!("{CALIBRATION}{name}"), TOML, text.as_bytes())?;
+        }
+        if let Some(PolicyFile { name, bytes }) = &options.policy {
+            container.attach(format!("{POLICY}{name}"), BYTES, bytes)?;
         }
         container.register(channels)?;
         container.flush()?;

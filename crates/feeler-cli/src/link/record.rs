@@ -60,6 +60,7 @@ impl HandRecord {
         let options = RecordOptions {
             patience,
             flush_interval,
+            policy: experiment.policy_file()?,
             ..RecordOptions::default()
         };
         let facts = run_facts(config)?;

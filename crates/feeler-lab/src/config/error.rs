@@ -2,6 +2,7 @@
 
 use super::built_in::BUILT_IN;
 use feeler::check::Problem;
+use feeler::control::law::policy::PolicyError;
 use feeler::sensor::calibration::CalibrationError;
 use std::path::PathBuf;
 
@@ -98,6 +99,22 @@ pub enum ConfigError {
         file: String,
         /// What is wrong with it.
         source: Box<CalibrationError>,
+    },
+    /// The policy's file could not be read.
+    #[error("control.law.policy.file = {file:?}: {source}")]
+    PolicyFile {
+        /// The file, as the experiment names it.
+        file: String,
+        /// Where it was looked for, and what the system said.
+        source: Box<ConfigError>,
+    },
+    /// The policy's file cannot be used.
+    #[error("control.law.policy.file = {file:?}: {source}")]
+    Policy {
+        /// The file.
+        file: String,
+        /// What is wrong with it.
+        source: Box<PolicyError>,
     },
 }
 

@@ -9,6 +9,7 @@ use super::settings::put;
 use super::words::in_words;
 use feeler::sensor::fingertip::FingertipConfig;
 use feeler::sensor::made_for::sha256;
+use feeler_record::PolicyFile;
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{self, Read};
@@ -29,6 +30,8 @@ pub struct Experiment {
     pub(super) folder: Option<PathBuf>,
     /// Calibration files that came with it, by the name that it has for each.
     pub(super) calibrations: BTreeMap<String, String>,
+    /// The policy that came with it.
+    pub(super) policy: Option<PolicyFile>,
 }
 
 impl Experiment {
@@ -93,6 +96,7 @@ impl Experiment {
             toml,
             folder,
             calibrations: BTreeMap::new(),
+            policy: None,
         })
     }
 
@@ -173,15 +177,28 @@ fn missing_keys(toml: &str, error: &toml::de::Error) -> Vec<String> {
 
 /// The text of a file, unless it is far longer than any that makes sense (a device, a recording).
 pub(super) fn read(path: &Path, expected: &'static str) -> Result<String, ConfigError> {
+    let bytes = read_bytes(path, MAX_TEXT, expected)?;
+    String::from_utf8(bytes).map_err(|_| ConfigError::Read {
+        path: path.to_path_buf(),
+        expected,
+        source: io::Error::new(io::ErrorKind::InvalidData, "not text in UTF-8"),
+    })
+}
+
+/// What a file holds, unless it is longer than `most` bytes.
+pub(super) fn read_bytes(
+    path: &Path,
+    most: u64,
+    expected: &'static str,
+) -> Result<Vec<u8>, ConfigError> {
     let whole = || {
-        let mut text = String::new();
-        let mut file = File::open(path)?.take(MAX_TEXT + 1);
-        file.read_to_string(&mut text)?;
-        if text.len() as u64 > MAX_TEXT {
-            let reason = format!("longer than {} MiB", MAX_TEXT >> 20);
+        let mut bytes = Vec::new();
+        File::open(path)?.take(most + 1).read_to_end(&mut bytes)?;
+        if bytes.len() as u64 > most {
+            let reason = format!("longer than {} MiB", most >> 20);
             return Err(io::Error::new(io::ErrorKind::FileTooLarge, reason));
         }
-        Ok(text)
+        Ok(bytes)
     };
     whole().map_err(|source| ConfigError::Read {
         path: path.to_path_buf(),

@@ -10,6 +10,7 @@ mod in_short;
 mod load;
 mod missing;
 mod place;
+mod policy;
 mod settings;
 mod stand_in;
 mod words;

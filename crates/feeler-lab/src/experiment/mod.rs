@@ -152,7 +152,7 @@ impl Session {
         let config = &experiment.config;
         let layouts = layouts(config)?;
         let (fingers, joints) = fingers_at(config, homes)?;
-        let controller = Controller::with_task(control(experiment), task, &fingers, &layouts)?;
+        let controller = Controller::with_task(control(experiment)?, task, &fingers, &layouts)?;
         let (rig, cap) = rig(experiment, &joints)?;
         check_specimen(config, &fingers, &rig.world())?;
         let sensors = sensors::sensors(experiment, &rig, &layouts)?;
@@ -347,20 +347,15 @@ pub fn controller(
     fingers: &[FingerGeometry],
     layouts: &[ElementLayout],
 ) -> Result<Controller, ExperimentError> {
-    let task = &experiment.config.task;
-    Ok(Controller::new(
-        control(experiment),
-        task,
-        fingers,
-        layouts,
-    )?)
+    let (control, task) = (control(experiment)?, &experiment.config.task);
+    Ok(Controller::new(control, task, fingers, layouts)?)
 }
 
 /// What the controller is tuned by: as `experiment` says, but that simulated sensors without noise may say the same for as
 /// long as the fingers stand still.
-fn control(experiment: &Experiment) -> ControlConfig {
+fn control(experiment: &Experiment) -> Result<ControlConfig, ConfigError> {
     let config = &experiment.config;
-    let mut control = config.control.clone();
+    let mut control = experiment.control()?;
     let noise = config.sim.as_ref().map(|sim| match config.sensing {
         Sensing::Image => sim.optics.read_noise + sim.optics.shot_noise,
         Sensing::Direct => sim.direct_sensing.normal_noise + sim.direct_sensing.shear_noise,
@@ -368,7 +363,7 @@ fn control(experiment: &Experiment) -> ControlConfig {
     if noise == Some(0.0) {
         control.monitor.frozen_frames = 0;
     }
-    control
+    Ok(control)
 }
 
 /// The elements of each finger's fingertip.
@@ -386,15 +381,16 @@ pub fn layouts(config: &ExperimentConfig) -> Result<Vec<ElementLayout>, Experime
         .collect()
 }
 
-/// Builds all that a real rig's programs build of `config`: fingers that reach their homes, fingertips, and calibrations that were
-/// made for them.
+/// Builds all that a real rig's programs build of `experiment`: fingers that reach their homes, fingertips, calibrations that were
+/// made for them, and the controller.
 ///
 /// # Errors
 /// The first part that makes no sense.
 pub fn check_rig(experiment: &Experiment) -> Result<Vec<ElementLayout>, ExperimentError> {
     let config = &experiment.config;
-    fingers_at_home(config)?;
+    let (fingers, _) = fingers_at_home(config)?;
     let layouts = layouts(config)?;
+    controller(experiment, &fingers, &layouts)?;
     for finger in 0..layouts.len() {
         let calibration = experiment.calibration(finger)?;
         let made_for_it = calibration.check_made_for(config.sensor.fingertip(finger));

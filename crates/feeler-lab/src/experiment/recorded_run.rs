@@ -172,20 +172,24 @@ pub struct FinishedRun {
     pub report: ReportOutcome,
 }
 
-/// What is recorded beside what always is: what forces were made of, where they were made of pictures, and those
-/// `pictures` where they are wanted.
+/// What is recorded beside what always is: the policy that decides, what forces were made of, where they were made of
+/// pictures, and those `pictures` where they are wanted.
 ///
 /// # Errors
-/// When no pictures are taken, or a calibration cannot be read.
+/// When no pictures are taken, or a calibration or the policy cannot be read.
 pub fn record_options(experiment: &Experiment, pictures: bool) -> Result<RecordOptions, RunError> {
+    let options = RecordOptions {
+        policy: experiment.policy_file()?,
+        ..RecordOptions::default()
+    };
     match experiment.config.sensing {
         Sensing::Image => Ok(RecordOptions {
             calibrations: experiment.calibration_texts()?,
             pictures,
-            ..RecordOptions::default()
+            ..options
         }),
         Sensing::Direct if pictures => Err(RunError::NoPictures),
-        Sensing::Direct => Ok(RecordOptions::default()),
+        Sensing::Direct => Ok(options),
     }
 }
 

@@ -48,6 +48,19 @@ pub enum SweepError {
     /// A trial could not be recorded.
     #[error(transparent)]
     Record(#[from] feeler_record::RecordError),
+    /// The policy is another than that with which the sweep was started.
+    #[error(
+        "control.law.policy.file = {file:?}: the policy has the SHA-256 {actual}; expected {expected}, with \
+         which the sweep was started"
+    )]
+    Policy {
+        /// The policy's file, as the experiment names it.
+        file: String,
+        /// SHA-256 of the policy that the sweep was started with.
+        expected: String,
+        /// SHA-256 of what the file holds.
+        actual: String,
+    },
     /// A file could not be read or written.
     #[error("{}: {source}; {note}", path.display())]
     File {

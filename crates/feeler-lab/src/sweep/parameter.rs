@@ -6,6 +6,7 @@ use super::distribution::{Distribution, number_text};
 use super::key::{find, leaves, number};
 use super::ranges::Entry;
 use crate::config::Experiment;
+use feeler::control::law::LawConfig;
 use toml::Value;
 
 /// The name that means the static friction of all feelers and objects, the kinetic in proportion.
@@ -245,8 +246,15 @@ fn check(
     blame: &Parameter,
 ) -> Result<(), SweepError> {
     let settings = settings(values.iter().copied())?;
-    let checked = experiment.with_settings(&settings);
-    checked.map(|_| ()).map_err(|e| blame.error(e.to_string()))
+    let varied = experiment.with_settings(&settings);
+    let varied = varied.map_err(|e| blame.error(e.to_string()))?;
+    let (law, own) = (&varied.config.control.law, &experiment.config.control.law);
+    match law {
+        LawConfig::Policy(_) if law != own => Err(blame.error(
+            "a sweep has one policy; expected another law, or `feeler compare --policy`".into(),
+        )),
+        _ => Ok(()),
+    }
 }
 
 fn same(a: &Value, b: &Value) -> bool {

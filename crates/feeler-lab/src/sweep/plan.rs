@@ -4,7 +4,7 @@ use super::SweepError;
 use super::design::{Design, MAX_PARAMETERS, Scheme};
 use super::parameter::{Parameter, check_conflicts, check_together};
 use super::ranges::Entry;
-use crate::config::Experiment;
+use crate::config::{ConfigError, Experiment};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest as _, Sha256};
 use std::fs;
@@ -51,7 +51,7 @@ impl std::str::FromStr for Shard {
 pub struct Plan {
     /// Version of the program.
     pub version: String,
-    /// SHA-256 of version, seed, trials, expressions, design and experiment.
+    /// SHA-256 of version, seed, trials, expressions, design, experiment and policy.
     pub hash: String,
     /// Seed of all that is drawn.
     pub seed: u64,
@@ -66,6 +66,9 @@ pub struct Plan {
     pub folder: Option<PathBuf>,
     /// The experiment as run but for what varies (TOML).
     pub experiment: String,
+    /// SHA-256 of the policy's file, if the experiment names one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub policy: Option<String>,
     /// Which trials this folder has.
     pub shard: Shard,
     /// How the trials lie in the space of `parameter`; without it, each draws by itself.
@@ -78,21 +81,24 @@ pub struct Plan {
 
 impl Plan {
     /// The plan of a design that varies `parameter` in an experiment that is called `origin`.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
     pub fn designed(
         experiment: &Experiment,
         origin: &str,
         parameter: Vec<Entry>,
         design: Design,
         seed: u64,
-    ) -> Self {
+    ) -> Result<Self, ConfigError> {
         let trials = Scheme::new(design, &parameter).trials();
         let mut plan = Self {
             design: Some(design),
             parameter,
-            ..Self::new(experiment, origin, &[], seed, trials)
+            ..Self::new(experiment, origin, &[], seed, trials)?
         };
         plan.hash = plan.computed_hash();
-        plan
+        Ok(plan)
     }
 
     /// The design's scheme, if there is one.
@@ -101,13 +107,16 @@ impl Plan {
     }
 
     /// The plan to vary `vary` in an experiment that is called `origin`.
+    ///
+    /// # Errors
+    /// When the policy that the experiment names cannot be read.
     pub fn new(
         experiment: &Experiment,
         origin: &str,
         vary: &[String],
         seed: u64,
         trials: u64,
-    ) -> Self {
+    ) -> Result<Self, ConfigError> {
         let folder = experiment.folder();
         let is_file =
             Path::new(origin).exists() && !crate::config::BUILT_IN.iter().any(|b| b.name == origin);
@@ -124,12 +133,15 @@ impl Plan {
             origin: origin.to_string(),
             folder: folder.map(|f| fs::canonicalize(&f).unwrap_or(f)),
             experiment: experiment.toml.clone(),
+            policy: experiment
+                .policy_file()?
+                .map(|policy| sha256(&policy.bytes)),
             shard: Shard::WHOLE,
             design: None,
             parameter: Vec::new(),
         };
         plan.hash = plan.computed_hash();
-        plan
+        Ok(plan)
     }
 
     /// Reads the plan in a sweep's folder.
@@ -171,13 +183,25 @@ impl Plan {
         toml::to_string(self).unwrap_or_default()
     }
 
-    /// The experiment, and what varies in it.
+    /// The experiment with its policy, and what varies in it.
     ///
     /// # Errors
-    /// When either makes no sense.
+    /// When either makes no sense, or the policy is another than the plan's.
     pub fn load(&self) -> Result<(Experiment, Vec<Parameter>), SweepError> {
         let experiment =
             Experiment::parse(&self.experiment, &self.origin, &[], self.folder.clone())?;
+        let policy = experiment.policy_file()?;
+        if let Some(policy) = &policy {
+            let (actual, expected) = (sha256(&policy.bytes), self.policy.clone());
+            if expected.as_ref() != Some(&actual) {
+                return Err(SweepError::Policy {
+                    file: policy.name.clone(),
+                    expected: expected.unwrap_or_default(),
+                    actual,
+                });
+            }
+        }
+        let experiment = experiment.with_policy(policy);
         let varied = self.vary.iter().map(|e| Parameter::parse(e, &experiment));
         let entries = self
             .parameter
@@ -222,6 +246,13 @@ impl Plan {
                 (self.experiment != other.experiment)
                     .then(|| format!("it is of another experiment{line}"))
             })
+            .or_else(|| {
+                let digits = |plan: &Self| plan.policy.clone().unwrap_or_default();
+                (self.policy != other.policy).then(|| {
+                    let (ours, theirs) = (digits(self), digits(other));
+                    format!("it is of a policy of SHA-256 {ours}, not {theirs}")
+                })
+            })
             .or_else(|| (self.hash != other.hash).then(|| "its hash differs".to_string()))
     }
 
@@ -233,13 +264,21 @@ impl Plan {
             .chain(&numbers);
         let designed = (self.design.iter().map(|design| format!("{design:?}")))
             .chain(self.parameter.iter().map(|entry| format!("{entry:?}")));
-        for text in texts.chain(&self.vary).cloned().chain(designed) {
+        let texts = texts.chain(&self.vary).cloned().chain(designed);
+        for text in texts.chain(self.policy.clone()) {
             hash.update((text.len() as u64).to_le_bytes());
             hash.update(text.as_bytes());
         }
-        hash.finalize()
-            .iter()
-            .map(|byte| format!("{byte:02x}"))
-            .collect()
+        digits(hash)
     }
+}
+
+/// The SHA-256 of `bytes`, in hexadecimal digits.
+fn sha256(bytes: &[u8]) -> String {
+    digits(Sha256::new_with_prefix(bytes))
+}
+
+fn digits(hash: Sha256) -> String {
+    let bytes = hash.finalize();
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -168,7 +168,7 @@ mod tests {
                 controls: 0,
                 pairs: 1,
             };
-            let plan = Plan::designed(&experiment, name, ranges.parameter, design, 0);
+            let plan = Plan::designed(&experiment, name, ranges.parameter, design, 0).unwrap();
             let (_, parameters) = plan.load().unwrap();
             for parameter in parameters {
                 let ends = parameter.distribution.extremes(parameter.whole);

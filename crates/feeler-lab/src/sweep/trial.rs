@@ -6,11 +6,11 @@ use super::parameter::{Parameter, settings};
 use super::plan::Plan;
 use crate::config::Experiment;
 use crate::experiment::truth::Truth;
-use crate::experiment::{Session, run_facts};
+use crate::experiment::{ExperimentError, Session, layouts, run_facts};
 use feeler::control::phase::Phase;
 use feeler::control::task::TaskConfig;
 use feeler::pace::Unpaced;
-use feeler_record::{FindingName, MemoryRecorder, Recording, RunLog};
+use feeler_record::{FindingName, MemoryRecorder, PolicyFile, Recording, RunLog};
 use feeler_report::strokes::found_closed;
 use feeler_report::{RunData, StrokeMeasures, StrokePattern, Summary, tasks};
 use rand::{RngExt, SeedableRng};
@@ -77,6 +77,7 @@ const PATTERN_STROKES: u32 = 4;
 /// The trials of a sweep, ready to run on any thread.
 pub struct Trials {
     plan: Plan,
+    policy: Option<PolicyFile>,
     parameters: Vec<Parameter>,
     scheme: Option<Scheme>,
     /// The claims of the task. They have columns whatever the control law, so that tables of different laws compare.
@@ -108,6 +109,7 @@ impl Trials {
         let (experiment, parameters) = plan.load()?;
         let config = &experiment.config;
         config.simulation()?;
+        check_law(&experiment)?;
         let screws = matches!(config.task, TaskConfig::Screw(_));
         // The claims about screwing are the paper's, of a cap that is screwed on.
         let facts = run_facts(config)?;
@@ -129,6 +131,7 @@ impl Trials {
         let laws_differ = parameters.iter().any(|p| p.sets(LAW));
         let trials = Self {
             plan: plan.clone(),
+            policy: experiment.policy_file()?,
             parameters,
             scheme: plan.scheme(),
             claims,
@@ -245,13 +248,9 @@ impl Trials {
         let set = settings(self.parameters.iter().zip(&drawn.values))?;
         let settings = [vec![format!("seed={}", drawn.seed)], set].concat();
         let origin = format!("trial {trial} of {}", self.plan.origin);
-        let text = &self.plan.experiment;
-        Ok(Experiment::parse(
-            text,
-            &origin,
-            &settings,
-            self.plan.folder.clone(),
-        )?)
+        let (text, folder) = (&self.plan.experiment, self.plan.folder.clone());
+        let experiment = Experiment::parse(text, &origin, &settings, folder)?;
+        Ok(experiment.with_policy(self.policy.clone()))
     }
 
     /// Runs trial `trial`; its row. Whatever goes wrong stands in the row.
@@ -380,6 +379,15 @@ impl Trials {
         }
         row
     }
+}
+
+/// Builds the law of every finger, so that a policy that is none is not found out by each trial.
+fn check_law(experiment: &Experiment) -> Result<(), ExperimentError> {
+    let control = experiment.control()?;
+    for layout in layouts(&experiment.config)? {
+        control.law(layout.elements.len())?;
+    }
+    Ok(())
 }
 
 /// What came of a trial.

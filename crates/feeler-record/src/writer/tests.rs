@@ -325,7 +325,7 @@ fn facts() -> RunFacts {
 fn with_gap(name: &str, patience: Patience) -> Recording {
     let path = std::env::temp_dir().join(format!("feeler-{name}-{}", std::process::id()));
     let channels = Channel::of_run(&facts(), false);
-    let sink = Sink::create(&path, &facts(), "", &BTreeMap::new(), &channels).unwrap();
+    let sink = Sink::create(&path, &facts(), "", &RecordOptions::default(), &channels).unwrap();
     let (mut recorder, permit) = held_up(sink, patience);
     for step in 1..OVERFLOW {
         write_step(&mut recorder, step).unwrap();

@@ -43,7 +43,7 @@ pub struct Replay<'a> {
     steps: usize,
 }
 
-/// The experiment in `recording`, with its calibrations and with `settings` of the form
+/// The experiment in `recording`, with its calibrations, its policy and `settings` of the form
 /// `control.slip_threshold=2.5` put in.
 ///
 /// # Errors
@@ -54,7 +54,8 @@ pub fn recorded_experiment(
 ) -> Result<Experiment, ConfigError> {
     let text = &recording.experiment;
     let experiment = Experiment::parse(text, "the experiment on record", settings, None)?;
-    Ok(experiment.with_calibrations(recording.calibrations.clone()))
+    let experiment = experiment.with_calibrations(recording.calibrations.clone());
+    Ok(experiment.with_policy(recording.policy.clone()))
 }
 
 impl<'a> Replay<'a> {
