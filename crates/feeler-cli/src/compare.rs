@@ -4,6 +4,7 @@ use super::interrupt::watch_for_interrupt;
 use super::trials::TrialArguments;
 use super::{CommandError, Outcome};
 use feeler::control::law::LawConfig;
+use feeler::control::law::policy::PolicyConfig;
 use feeler::control::task::TaskConfig;
 use feeler_lab::config::{Experiment, ExperimentConfig};
 use feeler_lab::sweep::comparison::{Candidate, Goal, compare as compare_laws};
@@ -14,20 +15,24 @@ use feeler_lab::sweep::{Ended, Plan, Progress, engine};
 use feeler_report::compare_page::{ComparePage, compare_page, number};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Name of the page in a comparison's folder.
 const PAGE: &str = "compare.html";
+/// Most laws and policies whose curves can be told apart.
+const MOST_LAWS: usize = 10;
 /// Trials of one law before it is the next law's turn, so that a comparison that is stopped has pairs.
 const BLOCK: u64 = 32;
 
 const EXAMPLES: &str = "\
 Each law's trials are a sweep of their own, in a folder of the law's name; trial K draws the same under all.
-A law is as the experiment has it, if that is the one it chooses, and otherwise as it comes.
+A law is as the experiment has it, if that is the one it chooses, and otherwise as it comes. A policy is called
+by its file, without the ending.
 
 Examples:
   feeler compare cap-closing -o compare                     all laws, 200 trials each
   feeler compare cap-closing --laws tri-axial,best --trials 2000 -o compare
+  feeler compare cap-closing --policy my.safetensors        all laws and a learnt policy
   feeler compare cap-closing --resume -o compare            continue what was stopped
   feeler run --trial compare/best 17                        one trial again, with recording and report";
 
@@ -39,6 +44,9 @@ pub struct Arguments {
     /// The control laws; the others are compared with the first.
     #[arg(long, value_delimiter = ',', default_values_t = LawConfig::NAMES.map(String::from))]
     laws: Vec<String>,
+    /// A learnt policy to compare beside the laws (safetensors); may be given again.
+    #[arg(long = "policy", value_name = "FILE")]
+    policies: Vec<PathBuf>,
     /// Number of trials of each law.
     #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u64).range(1..=10_000_000))]
     trials: u64,
@@ -63,6 +71,8 @@ pub struct Arguments {
 
 /// One law with its sweep.
 struct Contender {
+    /// Also its folder's.
+    name: String,
     law: LawConfig,
     trials: Trials,
     store: Store,
@@ -72,13 +82,19 @@ pub fn compare(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Co
     let goal = goal(arguments)?;
     let (vary, settings) = draws(arguments)?;
     let mut plans = Vec::new();
-    for law in laws(arguments)? {
-        plans.push(plan(arguments, law, &vary, &settings)?);
+    for (name, law) in laws(arguments)? {
+        let (law, trials) = plan(arguments, law, &vary, &settings)?;
+        plans.push((name, law, trials));
     }
     let mut contenders = Vec::new();
-    for (law, trials) in plans {
-        let store = store(arguments, &law, &trials)?;
-        contenders.push(Contender { law, trials, store });
+    for (name, law, trials) in plans {
+        let store = store(arguments, &name, &trials)?;
+        contenders.push(Contender {
+            name,
+            law,
+            trials,
+            store,
+        });
     }
     let ended = run(arguments, &mut contenders)?;
     let page = page(arguments, &contenders, goal);
@@ -112,20 +128,56 @@ fn goal(arguments: &Arguments) -> Result<Goal, CommandError> {
     Ok(Goal { torque, force })
 }
 
-/// The laws that were asked for.
-fn laws(arguments: &Arguments) -> Result<Vec<LawConfig>, CommandError> {
-    let mut laws: Vec<LawConfig> = Vec::new();
+/// The laws and policies that were asked for, by name.
+fn laws(arguments: &Arguments) -> Result<Vec<(String, LawConfig)>, CommandError> {
+    let mut laws: Vec<(String, LawConfig)> = Vec::new();
     for name in arguments.laws.iter().map(|name| name.trim()) {
         let law = LawConfig::named(name).ok_or_else(|| {
             let names = LawConfig::NAMES.join(", ");
             format!("--laws: there is no control law {name:?}; expected some of {names}")
         })?;
-        if laws.iter().any(|other| other.name() == name) {
+        if laws.iter().any(|(other, _)| other == name) {
             return Err(format!("--laws: {name} is there twice").into());
         }
-        laws.push(law);
+        laws.push((name.to_string(), law));
+    }
+    for file in &arguments.policies {
+        let policy = policy(file)?;
+        if laws.iter().any(|(other, _)| *other == policy.0) {
+            let (file, name) = (file.display(), policy.0);
+            let message = format!("there is a {name} already; expected a file of another name");
+            return Err(format!("--policy {file}: {message}").into());
+        }
+        laws.push(policy);
+    }
+    if laws.len() > MOST_LAWS {
+        let count = laws.len();
+        return Err(format!(
+            "{count} laws and policies; expected at most {MOST_LAWS} in one figure"
+        )
+        .into());
     }
     Ok(laws)
+}
+
+/// The policy in `file`, called by that.
+fn policy(file: &Path) -> Result<(String, LawConfig), CommandError> {
+    let wrong = |message: &str| format!("--policy {}: {message}", file.display());
+    // It names a folder and is part of commands.
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
+    let stem = file.file_stem().and_then(|stem| stem.to_str());
+    let name = stem.filter(|stem| stem.chars().all(plain) && !stem.starts_with('.'));
+    let expected = "expected a file named by letters, digits, dots, hyphens and underscores";
+    let name = name.ok_or_else(|| wrong(expected))?.to_string();
+    // Whatever folder the experiment is in.
+    let path = file.canonicalize().map_err(|e| wrong(&e.to_string()))?;
+    let path = path.to_str();
+    let path = path.ok_or_else(|| wrong("expected a path in UTF-8"))?;
+    let policy = PolicyConfig {
+        file: path.to_string(),
+        model: None,
+    };
+    Ok((name, LawConfig::Policy(policy)))
 }
 
 /// What varies, and what is set so that it can.
@@ -189,9 +241,17 @@ fn plan(
 ) -> Result<(LawConfig, Trials), CommandError> {
     let name = &arguments.experiment;
     let mut experiment = Experiment::load(name, settings)?;
-    if experiment.config.control.law.name() != law.name() {
-        let settings = [settings, &[format!("control.law={}", law.name())]].concat();
-        experiment = Experiment::load(name, &settings)?;
+    let own = &experiment.config.control.law;
+    let setting = match &law {
+        // JSON's text is TOML's, too.
+        LawConfig::Policy(policy) => {
+            let file = serde_json::to_string(&policy.file)?;
+            Some(format!("control.law={{ policy = {{ file = {file} }} }}"))
+        }
+        law => (own.name() != law.name()).then(|| format!("control.law={}", law.name())),
+    };
+    if let Some(setting) = setting {
+        experiment = Experiment::load(name, &[settings, &[setting]].concat())?;
     }
     let law = experiment.config.control.law.clone();
     let plan = Plan::new(
@@ -205,8 +265,8 @@ fn plan(
 }
 
 /// The folder of one law's sweep.
-fn store(arguments: &Arguments, law: &LawConfig, trials: &Trials) -> Result<Store, CommandError> {
-    let folder = arguments.out.join(law.name());
+fn store(arguments: &Arguments, name: &str, trials: &Trials) -> Result<Store, CommandError> {
+    let folder = arguments.out.join(name);
     let plan = trials.plan();
     if !(arguments.trial.resume && folder.join(PLAN).exists()) {
         return Ok(Store::create(&folder, plan, trials.header())?);
@@ -230,7 +290,7 @@ fn run(arguments: &Arguments, contenders: &mut [Contender]) -> Result<Ended, Com
     while end < arguments.trials {
         end = (end + BLOCK).min(arguments.trials);
         for contender in &mut *contenders {
-            bar.law = contender.law.name();
+            bar.law.clone_from(&contender.name);
             let Contender { trials, store, .. } = contender;
             if engine::run(trials, store, end, jobs, &stop, &mut bar)? == Ended::Stopped {
                 bar.bar.finish_and_clear();
@@ -246,6 +306,7 @@ fn page(arguments: &Arguments, contenders: &[Contender], goal: Goal) -> CompareP
     let candidates: Vec<_> = contenders
         .iter()
         .map(|contender| Candidate {
+            name: &contender.name,
             law: contender.law.clone(),
             table: &contender.store.table,
         })
@@ -288,7 +349,7 @@ fn print(page: &ComparePage, out: &mut dyn Write) -> std::io::Result<()> {
 /// How far the comparison is, on a terminal.
 struct Bar {
     bar: ProgressBar,
-    law: &'static str,
+    law: String,
 }
 
 impl Bar {
@@ -296,13 +357,16 @@ impl Bar {
         let bar = ProgressBar::new(trials);
         let style = ProgressStyle::with_template("{bar:32} {pos}/{len} trials, {msg}, {eta} left");
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-        Self { bar, law: "" }
+        Self {
+            bar,
+            law: String::new(),
+        }
     }
 }
 
 impl Progress for Bar {
     fn show(&mut self, _finished: u64, _of: u64, _successes: u64) {
-        self.bar.set_message(self.law);
+        self.bar.set_message(self.law.clone());
         self.bar.inc(1);
     }
 }

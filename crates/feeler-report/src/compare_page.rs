@@ -34,7 +34,7 @@ pub struct ComparePage {
 #[derive(Debug, Clone, PartialEq)]
 pub struct ComparedLaw {
     /// Its name.
-    pub name: &'static str,
+    pub name: String,
     /// Lines of its code, without blank ones and comments; none of a policy, which is numbers.
     pub lines: Option<usize>,
     /// The same for all laws.
@@ -68,9 +68,9 @@ pub struct Curves {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pairs {
     /// The first law.
-    pub first: &'static str,
+    pub first: String,
     /// The other one.
-    pub other: &'static str,
+    pub other: String,
     /// What is measured.
     pub measures: Vec<PairedMeasure>,
 }
@@ -88,7 +88,7 @@ pub struct PairedMeasure {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
     /// The law.
-    pub law: &'static str,
+    pub law: String,
     /// What varies, and the mean between the ends of its 95 % confidence interval.
     pub points: Vec<(f64, [f64; 3])>,
 }
@@ -108,7 +108,7 @@ impl ComparePage {
             (false, false) if torque[0].is_nan() => "not to be judged by one trial",
             (false, false) => "better in neither",
         };
-        let first = self.laws.first().map_or("", |first| first.name);
+        let first = self.laws.first().map_or("", |first| &first.name);
         Some(format!(
             "{} against {first}: {judged} ({} mN·m, {} N)",
             law.name,
@@ -146,7 +146,7 @@ pub fn compare_page(page: &ComparePage) -> String {
         }
         h2 { "Means" }
         (table(page, true, |row| row.value, number))
-        h2 { "Differences from " (page.laws.first().map_or("", |law| law.name)) }
+        h2 { "Differences from " (page.laws.first().map_or("", |law| &law.name)) }
         (table(page, false, |row| row.difference, signed))
         p.note {
             "Bands are 95 % confidence. Final torque, friction and work lost in slip are the simulator's truth, which no law sees; "

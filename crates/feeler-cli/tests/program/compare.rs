@@ -122,6 +122,7 @@ fn paths_are_compared_over_the_strokes_in_which_the_cap_is_closed() {
         table.rows.insert(trial as u64, row);
     }
     let candidate = Candidate {
+        name: "tri-axial",
         law: LawConfig::TriAxial,
         table: &table,
     };

@@ -16,6 +16,9 @@ mod interrupted;
 mod locate;
 mod lying_sensors;
 mod outputs;
+mod policy;
+#[path = "../../../feeler/tests/support/policy_file.rs"]
+mod policy_file;
 #[path = "../support/program.rs"]
 mod program;
 mod real_rig;

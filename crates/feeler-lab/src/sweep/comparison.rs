@@ -28,6 +28,8 @@ pub struct Goal {
 
 /// One law and its trials.
 pub struct Candidate<'a> {
+    /// What it is called.
+    pub name: &'a str,
     /// The law.
     pub law: LawConfig,
     /// Its rows.
@@ -136,7 +138,7 @@ pub fn compare(candidates: &[Candidate<'_>], goal: Goal, against: Option<&str>) 
         trials: trials.len() as u64,
         goal: (1e3 * goal.torque, goal.force),
         laws: laws
-            .map(|(candidate, own)| compared(&candidate.law, own, &results[0]))
+            .map(|(candidate, own)| compared(candidate, own, &results[0]))
             .collect(),
         curves: against.map_or_else(Vec::new, |name| curves(candidates, &trials, &results, name)),
         pairs: pairs(candidates, &trials, &results),
@@ -144,7 +146,7 @@ pub fn compare(candidates: &[Candidate<'_>], goal: Goal, against: Option<&str>) 
     }
 }
 
-fn compared(law: &LawConfig, own: &[Result], first: &[Result]) -> ComparedLaw {
+fn compared(candidate: &Candidate<'_>, own: &[Result], first: &[Result]) -> ComparedLaw {
     let share = |results: &[Result]| -> Vec<f64> {
         results
             .iter()
@@ -168,8 +170,8 @@ fn compared(law: &LawConfig, own: &[Result], first: &[Result]) -> ComparedLaw {
         });
     }
     ComparedLaw {
-        name: law.name(),
-        lines: law.source().map(lines_of_code),
+        name: candidate.name.to_string(),
+        lines: candidate.law.source().map(lines_of_code),
         rows,
     }
 }
@@ -213,8 +215,8 @@ fn pairs(candidates: &[Candidate<'_>], trials: &[u64], results: &[Vec<Result>]) 
             }
         });
         Pairs {
-            first: candidates[0].law.name(),
-            other: other.law.name(),
+            first: candidates[0].name.to_string(),
+            other: other.name.to_string(),
             measures: measures.collect(),
         }
     });
@@ -252,7 +254,7 @@ fn curves(
                 Some((low + (wanted as f64 + 0.5) * width, point(&inside)?))
             });
             Curve {
-                law: candidate.law.name(),
+                law: candidate.name.to_string(),
                 points: points.collect(),
             }
         });

@@ -1,7 +1,7 @@
 //! Figures of a comparison: a measure of each control law against what varies, and two laws trial by trial.
 
 use super::super::compare_page::{Curves, PairedMeasure, Pairs};
-use super::super::page_data::panels::{Colour, Command, Line, Points, Series};
+use super::super::page_data::panels::{COLOURS, Colour, Command, Line, Points, Series};
 use super::canvas::{Pen, REFERENCE, airy, dots, finger_colour, line, line_in_band, panel, range};
 use super::drawing::{Drawing, tiled};
 use super::{Figure, grid};
@@ -15,9 +15,15 @@ const ALIKE: Pen = Pen::dashed(REFERENCE, 1.2);
 pub fn curves_figure(curves: &Curves, number: u32) -> Figure {
     let (mut plots, mut legend) = (Vec::new(), Vec::new());
     for (index, curve) in curves.curves.iter().enumerate() {
-        let pen = Pen::solid(finger_colour(index), 2.0);
+        // Colours come again, in broken lines.
+        let style = if index < COLOURS {
+            Pen::solid
+        } else {
+            Pen::dashed
+        };
+        let pen = style(finger_colour(index), 2.0);
         plots.extend(line_in_band(curve.points.iter().copied(), pen));
-        legend.push((curve.law, pen));
+        legend.push((curve.law.as_str(), pen));
     }
     let points = || curves.curves.iter().flat_map(|curve| &curve.points);
     let across = range(points().map(|(x, _)| *x)).unwrap_or((0.0, 1.0));
@@ -34,7 +40,7 @@ pub fn pairs_figure(pairs: &Pairs, number: u32) -> Figure {
     let title = format!("{} and {}, trial by trial", pairs.first, pairs.other);
     let panels = pairs.measures.iter().map(|measure| {
         let of = |law: &str| format!("{law}: {}", measure.name);
-        pair_panel(&measure.trials, &of(pairs.first), &of(pairs.other))
+        pair_panel(&measure.trials, &of(&pairs.first), &of(&pairs.other))
     });
     let legend = [
         ("trials", Pen::solid(finger_colour(1), 2.0)),
