@@ -61,6 +61,7 @@ Examples:
   feeler replay runs/seen --from frames       pictures -> forces -> flags -> commands again, compared bit for bit
   feeler replay runs/seven --from forces --set control.slip_threshold=2.5 --out runs/what-if
   feeler export parquet runs/seven -o seven.parquet
+  feeler export lerobot runs/* -o data-set    each run an episode, for imitation learning
   feeler calibrate --simulated --experiment my.toml -o my.calibration.toml
   feeler sweep cap-closing --sensing direct --vary 'friction=uniform(0.3,1.2)' -o sweep
   feeler compare cap-closing -o compare       the paper's control law against others, on the same trials

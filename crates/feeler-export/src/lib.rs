@@ -3,6 +3,7 @@
 
 mod columnar;
 pub mod error;
+pub mod lerobot;
 pub mod table;
 
 pub use error::ExportError;

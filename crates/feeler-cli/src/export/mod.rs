@@ -1,6 +1,10 @@
 //! `feeler export`
 
 #[cfg(feature = "export")]
+mod data_set;
+#[cfg(feature = "export")]
+mod folder;
+#[cfg(feature = "export")]
 mod runs;
 #[cfg(feature = "export")]
 mod table;
@@ -20,6 +24,8 @@ pub struct Arguments {
 enum Format {
     /// A table in a Parquet file for each run, with a row for each control step: for pandas, Polars, PyArrow, DuckDB.
     Parquet(TableArguments),
+    /// A data set of LeRobot, format v3.0: each run is an episode.
+    Lerobot(DataSetArguments),
 }
 
 #[derive(Debug, clap::Args)]
@@ -38,11 +44,32 @@ struct TableArguments {
     overwrite: Overwrite,
 }
 
+#[derive(Debug, clap::Args)]
+#[cfg_attr(
+    not(feature = "export"),
+    expect(dead_code, reason = "nothing reads them")
+)]
+struct DataSetArguments {
+    /// The runs' folders, or recordings: of the same fingers and elements, and as many control steps per second.
+    #[arg(required = true)]
+    runs: Vec<PathBuf>,
+    /// The data set's folder.
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    /// What the hand does, for policies that are told so in words [default: the experiment's name]
+    #[arg(long, value_name = "WORDS")]
+    task: Option<String>,
+    /// Replace a data set that is there already. Nothing else is replaced, and no input.
+    #[arg(long)]
+    force: bool,
+}
+
 /// Exports runs.
 #[cfg(feature = "export")]
 pub fn export(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     match &arguments.format {
         Format::Parquet(arguments) => table::export(arguments, out),
+        Format::Lerobot(arguments) => data_set::export(arguments, out),
     }
 }
 

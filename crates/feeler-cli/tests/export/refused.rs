@@ -59,3 +59,56 @@ fn a_table_of_a_recording_that_was_cut_off_says_so() {
     run(&folder, &export).refused(&["cut.mcap: the recording is incomplete", "exported up to"]);
     assert_eq!(names(&folder), ["cut.mcap", "cut.parquet", "one"]);
 }
+
+#[test]
+fn a_data_set_replaces_only_a_data_set() {
+    let folder = folder("export-refused-set");
+    short_run(&folder, "one", "1");
+    let export = |arguments: &[&str]| run(&folder, &[&["export", "lerobot"], arguments].concat());
+    // An empty folder is as good as none.
+    fs::create_dir(folder.join("set")).unwrap();
+    export(&["one", "-o", "set"]).done();
+    export(&["one", "-o", "set"]).refused(&["--output set", "exists already", "--force"]);
+    fs::write(folder.join("set/of-before"), "").unwrap();
+    export(&["one", "-o", "set", "--force"]).done();
+    assert_eq!(names(&folder.join("set")), ["data", "meta"]);
+    fs::write(folder.join("file"), "mine").unwrap();
+    fs::create_dir(folder.join("mine")).unwrap();
+    fs::write(folder.join("mine/file"), "mine").unwrap();
+    for mine in ["file", "mine", "."] {
+        let words: &[&str] = match mine {
+            "." => &["the input one/recording.mcap is in it"],
+            _ => &["is no data set"],
+        };
+        export(&["one", "-o", mine, "--force"]).refused(words);
+    }
+    // Whoever puts a recording into a data set keeps it.
+    fs::copy(
+        folder.join("one/recording.mcap"),
+        folder.join("set/in.mcap"),
+    )
+    .unwrap();
+    let from_inside = ["set/in.mcap", "-o", "set", "--force"];
+    export(&from_inside).refused(&["the input set/in.mcap is in it"]);
+    assert_eq!(names(&folder), ["file", "mine", "one", "set"]);
+}
+
+#[test]
+fn a_data_set_that_fails_leaves_none() {
+    let folder = folder("export-failed-set");
+    short_run(&folder, "one", "1");
+    run(
+        &folder,
+        &["run", "friction-scan", "--sensing=direct", "--out=two"],
+    )
+    .done();
+    let export = ["export", "lerobot", "one", "two", "-o", "set"];
+    let features = ["two: features", "as in the first run, expected", "found"];
+    run(&folder, &export).refused(&features);
+    assert_eq!(names(&folder), ["one", "two"]);
+    fs::create_dir_all(folder.join("set.part/data")).unwrap();
+    let export = ["export", "lerobot", "one", "-o", "set"];
+    run(&folder, &export).refused(&["set.part", "an export that was killed"]);
+    run(&folder, &[&export[..], &["--force"]].concat()).done();
+    assert_eq!(names(&folder), ["one", "set", "two"]);
+}

@@ -1,0 +1,240 @@
+//! A data set while it is written.
+
+use super::episode::{features, frame_rate, frames};
+use super::feature::{Feature, Values};
+use super::meta::{self, DATA_FILE_MB, Episode, file_path};
+use crate::columnar::{Column, ParquetFile};
+use crate::error::ExportError;
+use feeler_record::Recording;
+use serde_json::{Map, Value};
+use std::collections::BTreeMap;
+use std::fs::{self, File};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+const MEGABYTE: usize = 1 << 20;
+
+/// A run that becomes an episode.
+#[derive(Debug, Clone, Copy)]
+pub struct Run<'a> {
+    /// What it is called in messages and in the list of episodes.
+    pub name: &'a str,
+    /// What the hand does, in words, for policies that are told so.
+    pub task: &'a str,
+    /// What was recorded.
+    pub recording: &'a Recording,
+}
+
+/// A data set of LeRobot, format v3.0, while it is written into a folder: runs are added, then it is finished. Until then
+/// it has no `meta/`, and LeRobot takes it for none.
+///
+/// A frame is a control step, from the first at which every finger had been felt. It has, as numbers of 32 bits:
+///
+/// | feature | shape | content |
+/// |---|---|---|
+/// | `observation.state` | \[3 F\] | joint angles of all fingers, rad |
+/// | `action` | \[3 F\] | joint velocities as sent to the drives at that step, rad/s |
+/// | `observation.tactile.finger_N.force` | \[E, 3\] | force on each element in its frame, N: x, y tangential, on the element by the object; z compression, positive when pressed |
+/// | `observation.tactile.finger_N.flags` | \[3\] | TOUCH, SLIP, OVER |
+/// | `observation.tactile.finger_N.grasp_force` | \[1\] | sum of the positive compressions, N |
+pub struct DataSet {
+    folder: PathBuf,
+    /// Rate, and description of the features, by the first run.
+    kind: Option<(u32, Map<String, Value>)>,
+    data: Option<DataFile>,
+    tasks: Vec<String>,
+    episodes: Vec<Episode>,
+}
+
+/// The file that rows are written to.
+struct DataFile {
+    number: usize,
+    file: ParquetFile<File>,
+}
+
+impl DataSet {
+    /// Begins a data set in `folder`, which is there and empty.
+    pub fn new(folder: &Path) -> Self {
+        Self {
+            folder: folder.to_path_buf(),
+            kind: None,
+            data: None,
+            tasks: Vec::new(),
+            episodes: Vec::new(),
+        }
+    }
+
+    /// Adds a run as the next episode: how many frames it has.
+    ///
+    /// # Errors
+    /// When its recording is not whole or has a number that is not known, when it has another rate, other fingers or
+    /// elements than the runs before it, or when a file cannot be written.
+    pub fn add(&mut self, run: &Run<'_>) -> Result<usize, ExportError> {
+        let frames = frames(run.name, run.recording)?;
+        let rate = frame_rate(run.name, run.recording)?;
+        let mut features = features(run.name, run.recording, &frames)?;
+        let length = frames.len();
+        let from = self
+            .episodes
+            .last()
+            .map_or(0, |last| last.from + last.length);
+        let task = self.task_index(run.task);
+        features.extend(default_features(
+            rate,
+            length,
+            self.episodes.len(),
+            from,
+            task,
+        ));
+        let described = features.iter().map(|f| (f.key.clone(), f.description()));
+        self.check_kind(run.name, rate, described.collect())?;
+        let stats = features.iter().map(|f| (f.key.clone(), f.stats()));
+        let stats = stats.collect();
+        let columns: Vec<_> = features.iter().map(Feature::column).collect();
+        let data_file = self.write_rows(&columns)?;
+        self.episodes.push(Episode {
+            run: run.name.into(),
+            digest: run.recording.digest.to_string(),
+            task: run.task.into(),
+            length,
+            from,
+            data_file,
+            videos: BTreeMap::new(),
+            stats,
+        });
+        Ok(length)
+    }
+
+    /// Ends the data set: writes what it says of itself.
+    ///
+    /// # Errors
+    /// When a file cannot be written.
+    pub fn finish(self) -> Result<(), ExportError> {
+        if let Some(data) = self.data {
+            data.file.close()?;
+        }
+        let (rate, features) = self.kind.unwrap_or_default();
+        let info = meta::info(rate, &features, &self.episodes, self.tasks.len());
+        write_json(
+            &self.folder.join("meta/stats.json"),
+            &meta::stats(&self.episodes),
+        )?;
+        let (tasks, about) = meta::tasks(&self.tasks);
+        write_table(&self.folder.join("meta/tasks.parquet"), &tasks, about)?;
+        let episodes = self.folder.join(file_path("meta/episodes", 0, "parquet"));
+        write_table(&episodes, &meta::episodes(&self.episodes), Vec::new())?;
+        write_json(&self.folder.join("meta/info.json"), &info)
+    }
+
+    /// The number of a task, which gets the next one when it is new.
+    fn task_index(&mut self, task: &str) -> usize {
+        let known = self.tasks.iter().position(|known| known == task);
+        known.unwrap_or_else(|| {
+            self.tasks.push(task.into());
+            self.tasks.len() - 1
+        })
+    }
+
+    /// Holds a run against the first one.
+    fn check_kind(
+        &mut self,
+        run: &str,
+        rate: u32,
+        features: Map<String, Value>,
+    ) -> Result<(), ExportError> {
+        let (first_rate, first) = self.kind.get_or_insert_with(|| (rate, features.clone()));
+        let refuse = |what: &str, expected: String, actual: String| {
+            let expected = format!("{expected}, as in the first run,");
+            Err(ExportError::of_run(run, what, expected, actual))
+        };
+        if rate != *first_rate {
+            let steps = |rate| format!("{rate} control steps per second");
+            return refuse("rate", steps(*first_rate), steps(rate));
+        }
+        let keys = |features: &Map<String, Value>| {
+            let keys: Vec<_> = features.keys().map(String::as_str).collect();
+            keys.join(", ")
+        };
+        if !features.keys().eq(first.keys()) {
+            return refuse("features", keys(first), keys(&features));
+        }
+        for (key, feature) in &features {
+            let (feature, first) = (feature, &first[key]);
+            let part = ["shape", "dtype"]
+                .into_iter()
+                .find(|part| feature[part] != first[part]);
+            if let Some(part) = part {
+                let words = |feature: &Value| format!("{part} {}", feature[part]);
+                return refuse(key, words(first), words(feature));
+            }
+            if feature != first {
+                return refuse(key, "a fingertip built".into(), "another one".into());
+            }
+        }
+        Ok(())
+    }
+
+    /// Writes the rows of an episode: the number of the file that they are in.
+    fn write_rows(&mut self, columns: &[Column]) -> Result<usize, ExportError> {
+        let is_full = |data: &mut DataFile| data.file.size() >= DATA_FILE_MB * MEGABYTE;
+        let mut number = 0;
+        if let Some(full) = self.data.take_if(is_full) {
+            number = full.number + 1;
+            full.file.close()?;
+        }
+        let data = match &mut self.data {
+            Some(data) => data,
+            none => {
+                let path = self.folder.join(file_path("data", number, "parquet"));
+                let file = ParquetFile::create(create(&path)?, columns, Vec::new())?;
+                none.insert(DataFile { number, file })
+            }
+        };
+        data.file.write(columns)?;
+        Ok(data.number)
+    }
+}
+
+/// What LeRobot asks every data set for.
+fn default_features(
+    rate: u32,
+    length: usize,
+    episode: usize,
+    from: usize,
+    task: usize,
+) -> [Feature; 5] {
+    let time = |frame: usize| (frame as f64 / f64::from(rate)) as f32;
+    let times = Values::Float((0..length).map(time).collect());
+    let all = |number| std::iter::repeat_n(number, length);
+    [
+        Feature::of_one("timestamp", times),
+        Feature::index("frame_index", 0..length),
+        Feature::index("episode_index", all(episode)),
+        Feature::index("index", from..from + length),
+        Feature::index("task_index", all(task)),
+    ]
+}
+
+/// Makes a file, and the folders that it is in.
+fn create(path: &Path) -> Result<File, ExportError> {
+    if let Some(folder) = path.parent() {
+        fs::create_dir_all(folder).map_err(ExportError::of_file(folder))?;
+    }
+    File::create(path).map_err(ExportError::of_file(path))
+}
+
+fn write_json(path: &Path, value: &Value) -> Result<(), ExportError> {
+    let mut file = create(path)?;
+    let written = file.write_all(format!("{value:#}").as_bytes());
+    written.map_err(ExportError::of_file(path))
+}
+
+fn write_table(
+    path: &Path,
+    columns: &[Column],
+    about: Vec<(String, String)>,
+) -> Result<(), ExportError> {
+    let mut file = ParquetFile::create(create(path)?, columns, about)?;
+    file.write(columns)?;
+    Ok(file.close()?)
+}

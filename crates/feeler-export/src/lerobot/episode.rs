@@ -1,0 +1,205 @@
+//! A run as an episode: its frames, and what LeRobot calls features of them.
+
+use super::feature::{Feature, Values};
+use crate::error::ExportError;
+use feeler_record::{FingerStep, Step, Steps};
+use feeler_record::Recording;
+use feeler_record::model::joint_names;
+use serde_json::{Map, Value, json};
+
+/// How far a rate may be from a whole number of frames per second, as a share of it.
+const RATE_TOLERANCE: f64 = 1e-6;
+
+/// Frames per second of a recording, which LeRobot has as a whole number.
+///
+/// # Errors
+/// When its control period is no whole number of frames per second.
+pub(crate) fn frame_rate(run: &str, recording: &Recording) -> Result<u32, ExportError> {
+    let period = recording.facts.control_period;
+    let rate = (1.0 / period).round();
+    if (rate * period - 1.0).abs() > RATE_TOLERANCE || rate < 1.0 {
+        let expected = "a whole number of control steps per second";
+        let actual = format!("{} steps, one every {period} s", 1.0 / period);
+        return Err(ExportError::of_run(run, "rate", expected, actual));
+    }
+    Ok(rate as u32)
+}
+
+/// The frames of an episode: all control steps from the first at which every finger had been felt.
+///
+/// # Errors
+/// When the recording is not whole, steps are missing, or there are none.
+pub(crate) fn frames<'a>(
+    run: &str,
+    recording: &'a Recording,
+) -> Result<Vec<Step<'a>>, ExportError> {
+    let refuse = |what: &str, expected: String, actual: String| {
+        Err(ExportError::of_run(run, what, expected, actual))
+    };
+    if let Some(problem) = &recording.problem {
+        let expected = "a whole one, as frames have no times of their own";
+        return refuse(
+            "recording",
+            expected.into(),
+            format!("one that is not ({problem})"),
+        );
+    }
+    let unfelt = |step: &Step<'_>| !step.fingers.iter().all(is_known);
+    let frames: Vec<_> = Steps::new(recording).skip_while(unfelt).collect();
+    if frames.is_empty() {
+        let actual = format!(
+            "{} steps at which not all had been felt",
+            recording.task.len()
+        );
+        return refuse("control steps", "every finger felt".into(), actual);
+    }
+    let period = recording.facts.control_period;
+    for pair in frames.windows(2) {
+        let (from, to) = (pair[0].task.stamp, pair[1].task.stamp);
+        if ((to - from) / period - 1.0).abs() > 0.5 {
+            let expected = format!("one every {period} s");
+            return refuse(
+                "control steps",
+                expected,
+                format!("one at {from} s, the next at {to} s"),
+            );
+        }
+    }
+    Ok(frames)
+}
+
+fn is_known(finger: &FingerStep<'_>) -> bool {
+    finger.tactile.is_some()
+        && finger.flags.is_some()
+        && finger.joints.is_some()
+        && finger.command.is_some()
+}
+
+/// What was observed at these frames, and done.
+///
+/// # Errors
+/// When a frame has other elements than the first, or a number that is not known.
+pub(crate) fn features(
+    run: &str,
+    recording: &Recording,
+    frames: &[Step<'_>],
+) -> Result<Vec<Feature>, ExportError> {
+    let fingers = recording.fingers.len();
+    let names = |suffix: &str| -> Value {
+        let joints = (0..fingers).flat_map(joint_names);
+        joints.map(|joint| format!("{joint}.{suffix}")).collect()
+    };
+    let taken = Taken { run, frames };
+    let all = |numbers: fn(&FingerStep<'_>) -> Option<[f64; 3]>| {
+        move |step: &Step<'_>| step.fingers.iter().filter_map(numbers).flatten().collect()
+    };
+    let angles = all(|finger| Some(finger.joints?.position));
+    let velocities = all(|finger| Some(finger.command?.joint_velocity));
+    let width = vec![3 * fingers];
+    let mut features = vec![
+        taken.numbers(
+            "observation.state",
+            width.clone(),
+            "rad",
+            names("pos"),
+            angles,
+        )?,
+        taken.numbers("action", width, "rad/s", names("vel"), velocities)?,
+    ];
+    for finger in 0..fingers {
+        features.extend(touch(&taken, recording, finger)?);
+    }
+    Ok(features)
+}
+
+/// What one finger felt.
+fn touch(
+    taken: &Taken<'_, '_>,
+    recording: &Recording,
+    finger: usize,
+) -> Result<[Feature; 3], ExportError> {
+    let key = |what: &str| format!("observation.tactile.finger_{finger}.{what}");
+    let elements = taken
+        .frames
+        .first()
+        .and_then(|step| step.finger(finger)?.tactile);
+    let elements = elements.map_or(0, |frame| frame.forces.len());
+    let mut forces = taken.numbers(
+        &key("force"),
+        vec![elements, 3],
+        "N",
+        json!(["element", "axis"]),
+        |step| {
+            let frame = step.finger(finger).and_then(|finger| finger.tactile);
+            let forces = frame.into_iter().flat_map(|frame| &frame.forces);
+            forces
+                .flat_map(|force| [force.x, force.y, force.z])
+                .collect()
+        },
+    )?;
+    let axes = "x, y: tangential force on the element by the object; z: compression, positive when pressed";
+    forces.about.insert("axes".into(), json!(axes));
+    if let Some(model) = recording.facts.hand.get(finger) {
+        let tips = json!(model.element_tips);
+        forces.about.insert("element_positions_m".into(), tips);
+    }
+    let grasp = taken.numbers(&key("grasp_force"), vec![1], "N", Value::Null, |step| {
+        let flags = step.finger(finger).and_then(|finger| finger.flags);
+        flags.map(|flags| flags.grasp_force).into_iter().collect()
+    })?;
+    let flags = taken
+        .frames
+        .iter()
+        .filter_map(|step| step.finger(finger)?.flags);
+    let flags = Feature {
+        key: key("flags"),
+        shape: vec![3],
+        names: json!(["touch", "slip", "over"]),
+        about: Map::new(),
+        values: Values::Bool(flags.flat_map(|f| [f.touch, f.slip, f.over]).collect()),
+    };
+    Ok([forces, flags, grasp])
+}
+
+/// The frames that features are taken from.
+struct Taken<'f, 'a> {
+    run: &'f str,
+    frames: &'f [Step<'a>],
+}
+
+impl<'a> Taken<'_, 'a> {
+    /// A feature of numbers, of which each frame has as many as its shape says.
+    fn numbers(
+        &self,
+        key: &str,
+        shape: Vec<usize>,
+        unit: &str,
+        names: Value,
+        of_frame: impl Fn(&Step<'a>) -> Vec<f64>,
+    ) -> Result<Feature, ExportError> {
+        let count = shape.iter().product::<usize>();
+        let mut values = Vec::with_capacity(count * self.frames.len());
+        for frame in self.frames {
+            let numbers = of_frame(frame);
+            let refuse = |expected: String, actual: &str| {
+                let actual = format!("{actual} at {} s", frame.task.stamp);
+                Err(ExportError::of_run(self.run, key, expected, actual))
+            };
+            if count == 0 || numbers.len() != count {
+                let expected = format!("{} numbers", count.max(1));
+                return refuse(expected, &numbers.len().to_string());
+            }
+            if numbers.iter().any(|number| !number.is_finite()) {
+                return refuse("numbers that are known".into(), "one that is not");
+            }
+            values.extend(numbers.iter().map(|&number| number as f32));
+        }
+        Ok(Feature {
+            key: key.into(),
+            shape,
+            names,
+            about: Map::from_iter([("units".into(), json!(unit))]),
+            values: Values::Float(values),
+        })
+    }
+}

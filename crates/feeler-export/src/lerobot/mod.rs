@@ -1,0 +1,9 @@
+//! Data sets of [LeRobot](https://github.com/huggingface/lerobot), format v3.0: each run is an episode.
+
+mod data_set;
+mod episode;
+mod feature;
+mod meta;
+mod stats;
+
+pub use data_set::{DataSet, Run};

@@ -1,0 +1,153 @@
+//! Statistics of features, as LeRobot computes them.
+
+use serde_json::{Map, Value, json};
+
+/// The quantiles that LeRobot keeps, by its names.
+const QUANTILES: [(&str, f64); 5] = [
+    ("q01", 0.01),
+    ("q10", 0.1),
+    ("q50", 0.5),
+    ("q90", 0.9),
+    ("q99", 0.99),
+];
+
+/// Statistics of one feature, each with a number for each of its components: of a vector, its entries; of an array, those
+/// of its last axis, over all others.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Stats {
+    /// Shape of each statistic.
+    pub shape: Vec<usize>,
+    /// Frames that they are of.
+    count: usize,
+    /// Min, max, mean and standard deviation (of the population).
+    moments: [Vec<f64>; 4],
+    quantiles: [Vec<f64>; QUANTILES.len()],
+}
+
+const MOMENTS: [&str; 4] = ["min", "max", "mean", "std"];
+
+impl Stats {
+    /// Of `count` frames, more than 0, with the values of each component of all of them.
+    pub fn new(count: usize, components: Vec<Vec<f64>>) -> Self {
+        let mut stats = Self {
+            shape: vec![components.len()],
+            count,
+            moments: Default::default(),
+            quantiles: Default::default(),
+        };
+        for mut values in components {
+            values.sort_by(f64::total_cmp);
+            let number = values.len() as f64;
+            let mean = values.iter().sum::<f64>() / number;
+            let squares = values.iter().map(|value| (value - mean).powi(2));
+            let std = (squares.sum::<f64>() / number).sqrt();
+            let (min, max) = (quantile(&values, 0.0), quantile(&values, 1.0));
+            for (of_all, of_this) in stats.moments.iter_mut().zip([min, max, mean, std]) {
+                of_all.push(of_this);
+            }
+            for (of_all, (_, share)) in stats.quantiles.iter_mut().zip(QUANTILES) {
+                of_all.push(quantile(&values, share));
+            }
+        }
+        stats
+    }
+
+    /// Takes in those of further frames of the same feature. As in LeRobot, quantiles become means of the episodes',
+    /// weighted by their frames.
+    pub fn add(&mut self, other: &Self) {
+        let (own, others) = (self.count as f64, other.count as f64);
+        let share = others / (own + others);
+        let [min, max, mean, std] = &mut self.moments;
+        for (component, mean) in mean.iter_mut().enumerate() {
+            let [other_min, other_max, other_mean, other_std] =
+                [0, 1, 2, 3].map(|moment| other.moments[moment][component]);
+            min[component] = min[component].min(other_min);
+            max[component] = max[component].max(other_max);
+            let apart = other_mean - *mean;
+            let within = (1.0 - share) * std[component].powi(2) + share * other_std.powi(2);
+            let between = share * (1.0 - share) * apart.powi(2);
+            std[component] = (within + between).sqrt();
+            *mean += share * apart;
+        }
+        for (own, other) in self.quantiles.iter_mut().zip(&other.quantiles) {
+            for (own, other) in own.iter_mut().zip(other) {
+                *own += share * (other - *own);
+            }
+        }
+        self.count += other.count;
+    }
+
+    /// Each statistic but the count, with its name.
+    pub fn numbers(&self) -> impl Iterator<Item = (&'static str, &[f64])> {
+        let names = MOMENTS.into_iter().chain(QUANTILES.map(|(name, _)| name));
+        let numbers = self.moments.iter().chain(&self.quantiles);
+        names.zip(numbers.map(Vec::as_slice))
+    }
+
+    /// Frames that they are of.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// As they stand in `stats.json`.
+    pub fn json(&self) -> Value {
+        let named = self.numbers().map(|(name, numbers)| {
+            let nested = nested(&self.shape, numbers);
+            (name.to_string(), nested)
+        });
+        let mut stats: Map<_, _> = named.collect();
+        stats.insert("count".into(), json!([self.count]));
+        Value::Object(stats)
+    }
+}
+
+/// Numbers as lists in lists of this shape.
+fn nested(shape: &[usize], numbers: &[f64]) -> Value {
+    match shape {
+        [] | [_] => json!(numbers),
+        [_, inner @ ..] => {
+            let size = inner.iter().product::<usize>().max(1);
+            numbers
+                .chunks(size)
+                .map(|chunk| nested(inner, chunk))
+                .collect()
+        }
+    }
+}
+
+/// The quantile of `sorted` values, at least one, at a share from 0 to 1; between two values, on the line through them.
+fn quantile(sorted: &[f64], share: f64) -> f64 {
+    let place = share * sorted.len().saturating_sub(1) as f64;
+    let below = place.floor();
+    let at = |place: f64| sorted.get(place as usize).copied().unwrap_or(f64::NAN);
+    at(below) + (place - below) * (at(place.ceil()) - at(below))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_together_are_as_the_whole() {
+        let values: Vec<f64> = (0..50).map(|i| ((i * i) as f64 * 0.7).sin()).collect();
+        let whole = Stats::new(50, vec![values.clone()]);
+        let mut parts = Stats::new(13, vec![values[..13].to_vec()]);
+        parts.add(&Stats::new(37, vec![values[13..].to_vec()]));
+        for ((name, whole), (_, parts)) in whole.numbers().zip(parts.numbers()).take(4) {
+            assert!((whole[0] - parts[0]).abs() < 1e-15, "{name}");
+        }
+        assert_eq!(parts.count(), 50);
+    }
+
+    #[test]
+    fn statistics_of_one_to_five_are_known() {
+        let stats = Stats::new(5, vec![vec![5.0, 3.0, 1.0, 2.0, 4.0]]);
+        let expected = json!({
+            "min": [1.0], "max": [5.0], "mean": [3.0], "std": [2f64.sqrt()], "count": [5],
+            "q01": [1.04], "q10": [1.4], "q50": [3.0], "q90": [4.6], "q99": [4.96],
+        });
+        assert_eq!(stats.json(), expected);
+        let cube = nested(&[2, 1, 2], &[1.0, 2.0, 3.0, 4.0]);
+        assert_eq!(cube, json!([[[1.0, 2.0]], [[3.0, 4.0]]]));
+    }
+}
