@@ -2,9 +2,9 @@
 
 use super::feature::{Feature, Values};
 use crate::error::ExportError;
-use feeler_record::{FingerStep, Step, Steps};
 use feeler_record::Recording;
 use feeler_record::model::joint_names;
+use feeler_record::{FingerStep, Step, Steps};
 use serde_json::{Map, Value, json};
 
 /// How far a rate may be from a whole number of frames per second, as a share of it.
