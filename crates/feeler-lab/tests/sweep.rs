@@ -105,7 +105,9 @@ fn folder(name: &str) -> PathBuf {
 #[test]
 fn a_sweep_that_goes_on_runs_all_that_is_missing_wherever_it_is() {
     let trials = trials(&["control.recompression_speed=uniform(0.002,0.004)"], 5);
-    let rows: Vec<_> = (0..5).map(|trial| trials.run(trial)).collect();
+    let stop = AtomicBool::new(false);
+    let row = |trial| trials.run(trial, &stop).expect("nobody stops it");
+    let rows: Vec<_> = (0..5).map(row).collect();
     // Several threads finish in any order: the rows on disk have gaps before, between and after them.
     for (number, kept) in [vec![], vec![2], vec![4, 1], vec![3, 0, 4]]
         .iter()
@@ -120,7 +122,6 @@ fn a_sweep_that_goes_on_runs_all_that_is_missing_wherever_it_is() {
         fs::write(folder.join(GROWING), text).expect("the table");
         let mut store = Store::resume(&folder, plan, trials.header()).expect("a sweep");
         let mut count = Count::default();
-        let stop = AtomicBool::new(false);
         let ended = engine::run(&trials, &mut store, 5, 2, &stop, &mut count).expect("a run");
         assert_eq!(
             (ended, count.0),
@@ -133,4 +134,79 @@ fn a_sweep_that_goes_on_runs_all_that_is_missing_wherever_it_is() {
             "{kept:?}"
         );
     }
+}
+
+#[test]
+fn a_trial_that_is_stopped_has_no_row() {
+    let trials = trials(&[], 1);
+    assert_eq!(trials.run(0, &AtomicBool::new(true)), None);
+}
+
+#[test]
+fn rows_of_another_machine_are_taken_in_once_and_whole_or_not_at_all() {
+    let trials = trials(&[], 3);
+    let plan = trials.plan();
+    let stop = AtomicBool::new(false);
+    let rows = |numbers: &[u64]| {
+        let rows = numbers.iter().filter_map(|&n| trials.run(n, &stop));
+        let lines = rows.map(|row| line(&row));
+        [line(&trials.header()), lines.flatten().collect()].concat()
+    };
+    let folder = folder("pushed");
+    let mut store = Store::create(&folder, plan, trials.header()).expect("a folder");
+    store
+        .push_table(plan, &rows(&[2, 0]))
+        .expect("rows of this sweep");
+    assert_eq!(store.missing(plan, 3), [1]);
+    let torn = rows(&[1]);
+    for (wrong, expected) in [
+        (rows(&[1, 0]), "no trial that belongs there"),
+        (rows(&[1, 1]), "twice"),
+        (b"trial,seed\n1,2\n".to_vec(), "columns"),
+        (torn[..torn.len() - 2].to_vec(), "within a line"),
+        ([&torn[..torn.len() / 2], b"\n"].concat(), "columns"),
+        (Vec::new(), "whole"),
+    ] {
+        let error = store.push_table(plan, &wrong).expect_err(expected);
+        assert!(error.to_string().contains(expected), "{error}");
+        assert_eq!(store.missing(plan, 3), [1], "{expected}");
+    }
+}
+
+/// The files that trials of the built-in `cap-closing` with these settings read.
+fn files(settings: &[&str], vary: &[&str]) -> Result<Vec<String>, String> {
+    let texts = |texts: &[&str]| texts.iter().map(|t| (*t).to_string()).collect::<Vec<_>>();
+    let experiment = Experiment::load("cap-closing", &texts(settings)).expect("an experiment");
+    let plan = Plan::new(&experiment, "cap-closing", &texts(vary), 0, 1);
+    let files = plan.files().map_err(|error| error.to_string())?;
+    assert!(files.values().all(|bytes| !bytes.is_empty()));
+    Ok(files.into_keys().collect())
+}
+
+#[test]
+fn other_machines_need_the_files_that_trials_may_read() {
+    const REFERENCE: &str = "reference-fingertip.calibration.toml";
+    const COUPLED: &str = "reference-fingertip.coupled.calibration.toml";
+    let both = format!("calibration=choice({REFERENCE},{COUPLED})");
+    assert_eq!(
+        files(&[], &[&both]),
+        Ok([REFERENCE, COUPLED].map(String::from).to_vec())
+    );
+    let named = |file: &str| files(&[&format!("sensor.calibration={file}")], &[]);
+    let missing = named("no/such.toml").expect_err("there is none");
+    assert!(
+        missing.contains("no/such.toml") && missing.contains("sensor.calibration"),
+        "{missing}"
+    );
+    for outside in ["../Cargo.toml", "/etc/hostname"] {
+        let said = named(outside).expect_err("it is not the experiment's");
+        assert!(
+            said.contains("in the experiment's folder or below"),
+            "{said}"
+        );
+    }
+    assert_eq!(
+        files(&["sensing=direct", "sensor.calibration=no/such.toml"], &[]),
+        Ok(Vec::new())
+    );
 }

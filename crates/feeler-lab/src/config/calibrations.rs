@@ -17,6 +17,12 @@ const BUILT_IN_CALIBRATIONS: [(&str, &str); 2] = [
     ),
 ];
 
+/// The text of the calibration that built-in experiments call `name`.
+pub fn built_in_calibration(name: &str) -> Option<&'static str> {
+    let found = BUILT_IN_CALIBRATIONS.iter().find(|(own, _)| *own == name);
+    found.map(|(_, text)| *text)
+}
+
 impl Experiment {
     /// The same experiment with these calibration files, by the name that it has for each, in place of
     /// those in its folder.
@@ -59,9 +65,8 @@ impl Experiment {
         if let Some(text) = self.calibrations.get(file) {
             return Ok(text.clone());
         }
-        let built_in = BUILT_IN_CALIBRATIONS.iter().find(|(name, _)| *name == file);
-        if let (None, Some((_, text))) = (&self.folder, built_in) {
-            return Ok((*text).to_string());
+        if let (None, Some(text)) = (&self.folder, built_in_calibration(file)) {
+            return Ok(text.to_string());
         }
         read(&self.folder().join(file), "a calibration file").map_err(|source| {
             ConfigError::CalibrationFile {

@@ -16,6 +16,7 @@ mod stand_in;
 mod words;
 
 pub use built_in::{BUILT_IN, BuiltIn};
+pub use calibrations::built_in_calibration;
 pub use error::ConfigError;
 pub use experiment_config::{
     ExperimentConfig, FingerSensorConfig, HandConfig, Sensing, SensorConfig,

@@ -23,7 +23,7 @@ pub trait Progress {
 }
 
 /// Runs what is left of the shard below trial `end` on `jobs` threads, until done or `stop` is raised.
-/// Trials under way are finished and kept.
+/// Trials under way are dropped then.
 ///
 /// # Errors
 /// When a row cannot be written; what was written is kept.
@@ -38,10 +38,7 @@ pub fn run(
     let plan = trials.plan();
     let mine = |trial: &u64| plan.shard.has(*trial);
     let of = (0..plan.trials).filter(mine).count() as u64;
-    let left: Vec<u64> = (0..plan.trials.min(end))
-        .filter(mine)
-        .filter(|trial| !store.table.rows.contains_key(trial))
-        .collect();
+    let left = store.missing(plan, end);
     let next = AtomicUsize::new(0);
     let given_up = AtomicBool::new(false);
     let (finished, rows) = channel();
@@ -52,7 +49,10 @@ pub fn run(
             let Some(&trial) = left.get(next.fetch_add(1, Ordering::Relaxed)) else {
                 break;
             };
-            if finished.send((trial, trials.run(trial))).is_err() {
+            let Some(row) = trials.run(trial, stop) else {
+                break;
+            };
+            if finished.send((trial, row)).is_err() {
                 break;
             }
         }
@@ -64,6 +64,10 @@ pub fn run(
         }
         drop(finished);
         for (trial, row) in rows {
+            // Whoever stopped it may go on with the folder by now.
+            if stop.load(Ordering::Relaxed) {
+                break;
+            }
             let good = success.is_some_and(|column| row[column] == "1");
             if let Err(error) = store.push(trial, row) {
                 given_up.store(true, Ordering::Relaxed);

@@ -8,6 +8,7 @@ pub mod comparison;
 pub mod design;
 pub mod distribution;
 pub mod engine;
+pub mod files;
 pub mod interval;
 pub mod key;
 pub mod parameter;

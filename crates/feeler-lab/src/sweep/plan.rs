@@ -155,11 +155,19 @@ impl Plan {
             source,
             note: "expected the folder of a sweep".to_string(),
         })?;
+        Self::parse(&text, &path)
+    }
+
+    /// The plan that `text` says, which came from the file at `path` (for messages).
+    ///
+    /// # Errors
+    /// When it is none, or was changed or made by another version.
+    pub fn parse(text: &str, path: &Path) -> Result<Self, SweepError> {
         let wrong = |message: String| SweepError::Folder {
-            path: path.clone(),
+            path: path.to_path_buf(),
             message,
         };
-        let plan: Self = toml::from_str(&text).map_err(|e| wrong(e.to_string()))?;
+        let plan: Self = toml::from_str(text).map_err(|e| wrong(e.to_string()))?;
         if plan.version != env!("CARGO_PKG_VERSION") {
             let (theirs, ours) = (&plan.version, env!("CARGO_PKG_VERSION"));
             return Err(wrong(format!(
@@ -175,6 +183,28 @@ impl Plan {
             ));
         }
         Ok(plan)
+    }
+
+    /// The plan of the sweep that was stopped in `folder`, which must be this one.
+    ///
+    /// # Errors
+    /// When there is none, or it differs: names the first difference.
+    pub fn resume(&self, folder: &Path) -> Result<Self, SweepError> {
+        let kept = Self::read(folder)?;
+        let shard = |p: &Self| format!("{}/{}", p.shard.index, p.shard.of);
+        let difference = kept.difference(self).or_else(|| {
+            let (ours, theirs) = (shard(&kept), shard(self));
+            (ours != theirs).then(|| format!("it is shard {ours}, not {theirs}"))
+        });
+        match difference {
+            None => Ok(kept),
+            Some(difference) => Err(SweepError::Folder {
+                path: folder.to_path_buf(),
+                message: format!(
+                    "{difference}; expected the sweep that was stopped, of which nothing was changed"
+                ),
+            }),
+        }
     }
 
     /// The text of `sweep.toml`.

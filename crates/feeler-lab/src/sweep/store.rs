@@ -92,6 +92,37 @@ impl Store {
         })
     }
 
+    /// The trials of `plan` below trial `end` that are not finished.
+    pub fn missing(&self, plan: &Plan, end: u64) -> Vec<u64> {
+        (0..plan.trials.min(end))
+            .filter(|&trial| plan.shard.has(trial) && !self.table.rows.contains_key(&trial))
+            .collect()
+    }
+
+    /// Takes in the rows of a table with the same columns, as a machine sends them that ran some of the trials of `plan`.
+    ///
+    /// # Errors
+    /// When it is no such table, or has a row that is there already; none is taken in then. When a row cannot be written;
+    /// all earlier ones are safe.
+    pub fn push_table(&mut self, plan: &Plan, text: &[u8]) -> Result<(), SweepError> {
+        let path = self.folder.join(GROWING);
+        if !text.ends_with(b"\n") {
+            return Err(SweepError::Folder {
+                path,
+                message: "rows were sent that end within a line; expected whole ones".to_string(),
+            });
+        }
+        let mut table = Table::new(self.table.header.clone());
+        let finished = &self.table.rows;
+        table.parse(&path, text, |trial| {
+            trial < plan.trials && plan.shard.has(trial) && !finished.contains_key(&trial)
+        })?;
+        for (trial, row) in table.rows {
+            self.push(trial, row)?;
+        }
+        Ok(())
+    }
+
     /// Takes in a finished row, which is in the file when this returns.
     ///
     /// # Errors

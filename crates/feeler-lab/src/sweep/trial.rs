@@ -18,7 +18,7 @@ use rand_pcg::Pcg64;
 use sha2::{Digest as _, Sha256};
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// The key of the control law, on which it depends whether the claims apply.
 const LAW: &str = "control.law";
@@ -253,10 +253,13 @@ impl Trials {
         Ok(experiment.with_policy(self.policy.clone()))
     }
 
-    /// Runs trial `trial`; its row. Whatever goes wrong stands in the row.
-    pub fn run(&self, trial: u64) -> Vec<String> {
-        let ran = catch_unwind(AssertUnwindSafe(|| self.simulate(trial)));
+    /// Runs trial `trial`; its row, unless `stop` was raised meanwhile. Whatever goes wrong stands in the row.
+    pub fn run(&self, trial: u64, stop: &AtomicBool) -> Option<Vec<String>> {
+        let ran = catch_unwind(AssertUnwindSafe(|| self.simulate(trial, stop)));
         let ran = ran.unwrap_or_else(|_| Ran::failed("error", "the program panicked".into()));
+        if stop.load(Ordering::Relaxed) {
+            return None;
+        }
         let drawn = self.draw(trial);
         let mut row = vec![trial.to_string(), drawn.seed.to_string()];
         row.extend(drawn.values);
@@ -271,10 +274,10 @@ impl Trials {
                 row.resize(self.header().len(), String::new());
             }
         }
-        row
+        Some(row)
     }
 
-    fn simulate(&self, trial: u64) -> Ran {
+    fn simulate(&self, trial: u64, stop: &AtomicBool) -> Ran {
         let experiment = match self.experiment(trial) {
             Ok(experiment) => experiment,
             Err(error) => return Ran::failed("invalid", error.to_string()),
@@ -289,10 +292,9 @@ impl Trials {
             Ok(log) => log,
             Err(error) => return Ran::failed("invalid", error.to_string()),
         };
-        let never = AtomicBool::new(false);
         let ran = session.run(
             &mut Unpaced::default(),
-            &never,
+            stop,
             |control_loop, at, _| match at.record(control_loop, &mut log) {
                 Ok(()) => ControlFlow::Continue(()),
                 Err(error) => ControlFlow::Break(error.to_string()),

@@ -1,0 +1,91 @@
+//! The files that a sweep's trials read, for machines that do not have them.
+
+use super::SweepError;
+use super::key::leaves;
+use super::parameter::settings;
+use super::plan::Plan;
+use crate::config::{Experiment, Sensing, built_in_calibration};
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Component, Path, PathBuf};
+
+/// What files hold, by the name that the experiment has for each.
+pub type Files = BTreeMap<String, Vec<u8>>;
+
+/// Last part of the key of a calibration's file. All other files are named by a key that ends with [`FILE`].
+const CALIBRATION: &str = "calibration";
+const FILE: &str = "file";
+
+impl Plan {
+    /// All files that a trial may read: those that the experiment names, and those that it could draw.
+    ///
+    /// # Errors
+    /// When the plan makes no sense, or a file is not there or lies outside of the experiment's folder.
+    pub fn files(&self) -> Result<Files, SweepError> {
+        let (experiment, parameters) = self.load()?;
+        let mut files = Files::new();
+        self.collect(&experiment, &mut files)?;
+        for parameter in &parameters {
+            for value in parameter.distribution.extremes(parameter.whole) {
+                let drawn = settings([(parameter, &value)])?;
+                let (text, folder) = (&self.experiment, self.folder.clone());
+                let experiment = Experiment::parse(text, &self.origin, &drawn, folder)?;
+                self.collect(&experiment, &mut files)?;
+            }
+        }
+        Ok(files)
+    }
+
+    /// The same plan where the experiment's file names are relative to `folder`, which has all of [`files`](Self::files).
+    #[must_use]
+    pub fn with_folder(mut self, folder: PathBuf) -> Self {
+        self.folder = Some(folder);
+        self
+    }
+
+    /// Reads what `experiment` names and is not in `files` yet.
+    fn collect(&self, experiment: &Experiment, files: &mut Files) -> Result<(), SweepError> {
+        for (key, value) in leaves(&experiment.config) {
+            let kind = key.rsplit('.').next().unwrap_or_default();
+            let Some(name) = value
+                .as_str()
+                .filter(|_| [CALIBRATION, FILE].contains(&kind))
+            else {
+                continue;
+            };
+            if files.contains_key(name) {
+                continue;
+            }
+            let built_in = self.folder.is_none().then(|| built_in_calibration(name));
+            if let Some(text) = built_in.flatten() {
+                files.insert(name.to_string(), text.into());
+                continue;
+            }
+            // Forces that are sensed directly need no calibration.
+            let optional = kind == CALIBRATION && experiment.config.sensing == Sensing::Direct;
+            let path = experiment.folder().join(name);
+            if !optional || path.exists() {
+                files.insert(name.to_string(), read(&key, name, &path)?);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The file that `key` calls `name`.
+fn read(key: &str, name: &str, path: &Path) -> Result<Vec<u8>, SweepError> {
+    let inside = |part| matches!(part, Component::Normal(_) | Component::CurDir);
+    if !Path::new(name).components().all(inside) {
+        return Err(SweepError::Folder {
+            path: path.to_path_buf(),
+            message: format!(
+                "{key} = {name:?} cannot be sent to other machines; expected a file in the experiment's folder or below"
+            ),
+        });
+    }
+    fs::read(path).map_err(|source| SweepError::File {
+        path: path.to_path_buf(),
+        source,
+        note: format!("{key} names it, and other machines need it"),
+    })
+}
