@@ -23,6 +23,10 @@ Examples:
   feeler sweep cap-closing --trials 10000 --vary 'cap.radius=normal(0.014,0.0002)' --shard 1/2 -o one
   feeler sweep merge one two -o both            join what two machines did";
 
+/// Ray runs Python.
+const NO_RAY: &str = "--engine ray: expected threads here; on many machines, the Python package runs sweeps, as in \
+     feeler.sweep(\"cap-closing\", engine=\"ray\"): see \"On many machines\" in docs/sweeps.md";
+
 #[derive(Debug, clap::Args)]
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true, after_help = EXAMPLES)]
 pub struct Arguments {
@@ -42,12 +46,23 @@ pub struct Arguments {
     sensing: Option<String>,
     #[command(flatten)]
     trial: TrialArguments,
+    /// What runs the trials: threads of this computer, or Ray on many, which is started from Python.
+    #[arg(long, value_enum, default_value_t)]
+    engine: Engine,
     /// Run the i-th of n shares of the trials.
     #[arg(long, value_name = "I/N")]
     shard: Option<Shard>,
     /// The sweep's folder.
     #[arg(short, long, value_name = "DIR", default_value = "sweep")]
     out: PathBuf,
+}
+
+/// What runs trials.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum)]
+enum Engine {
+    #[default]
+    Threads,
+    Ray,
 }
 
 #[derive(Debug, clap::Subcommand)]
@@ -69,6 +84,9 @@ struct MergeArguments {
 pub fn sweep(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     if let Some(Sub::Merge(merging)) = &arguments.command {
         return merge(merging, out);
+    }
+    if arguments.engine == Engine::Ray {
+        return Err(NO_RAY.into());
     }
     let plan = plan(arguments)?;
     let trials = Trials::new(&plan)?;
@@ -98,11 +116,6 @@ pub fn sweep(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comm
 
 /// What is to be done: as the command line says, or as a stopped sweep's folder does.
 fn plan(arguments: &Arguments) -> Result<Plan, CommandError> {
-    let kept = arguments
-        .trial
-        .resume
-        .then(|| Plan::read(&arguments.out))
-        .transpose()?;
     let Some(name) = &arguments.experiment else {
         let others = !(arguments.vary.is_empty() && arguments.trial.settings.is_empty());
         if others || arguments.sensing.is_some() || arguments.shard.is_some() {
@@ -112,7 +125,7 @@ fn plan(arguments: &Arguments) -> Result<Plan, CommandError> {
                     .into(),
             );
         }
-        return kept.ok_or_else(|| "which experiment?".into());
+        return Ok(Plan::read(&arguments.out)?);
     };
     let mut settings = arguments.trial.settings.clone();
     settings.extend(arguments.sensing.iter().map(|s| format!("sensing={s}")));
@@ -120,19 +133,9 @@ fn plan(arguments: &Arguments) -> Result<Plan, CommandError> {
     let (seed, trials) = (arguments.trial.seed, arguments.trials);
     let mut plan = Plan::new(&experiment, name, &arguments.vary, seed, trials)?;
     plan.shard = arguments.shard.unwrap_or(Shard::WHOLE);
-    let Some(kept) = kept else { return Ok(plan) };
-    let shards = |p: &Plan| format!("{}/{}", p.shard.index, p.shard.of);
-    let difference = kept.difference(&plan).or_else(|| {
-        let (ours, theirs) = (shards(&kept), shards(&plan));
-        (ours != theirs).then(|| format!("it is shard {ours}, not {theirs}"))
-    });
-    match difference {
-        None => Ok(kept),
-        Some(difference) => Err(format!(
-            "--resume -o {}: {difference}; expected the sweep that was stopped, of which nothing was changed",
-            arguments.out.display()
-        )
-        .into()),
+    match arguments.trial.resume {
+        true => Ok(plan.resume(&arguments.out)?),
+        false => Ok(plan),
     }
 }
 

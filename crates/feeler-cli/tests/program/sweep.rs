@@ -60,6 +60,13 @@ fn jobs_shards_and_stops_change_nothing() {
 }
 
 #[test]
+fn many_machines_are_the_python_packages() {
+    let folder = folder("sweep-ray");
+    run(&folder, &sweep(&["--engine=ray", "-o=one"])).refused(&["Python", "docs/sweeps.md"]);
+    assert!(!folder.join("one").exists());
+}
+
+#[test]
 fn a_trial_runs_again_from_its_row_bit_for_bit() {
     let folder = folder("sweep-again");
     // Whole runs, so that every claim is measured.
