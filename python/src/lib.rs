@@ -12,6 +12,7 @@ mod layout;
 mod recording;
 mod run;
 mod sensing;
+mod sweep;
 
 use pyo3::prelude::*;
 
@@ -37,4 +38,6 @@ mod _core {
     use super::run::{RunOutcome, report, run};
     #[pymodule_export]
     use super::sensing::Sensor;
+    #[pymodule_export]
+    use super::sweep::{Store, Trials, read_table};
 }

@@ -12,6 +12,7 @@ from feeler.control import FingerSense, HandSense, Law, Plan, Session, Step, Tas
 from feeler.recordings import PHASES, Recording, read
 from feeler.runs import Run, report, run
 from feeler.sensing import Calibration, Felt, Fingertip, Layout, Thresholds, calibrate, locate, simulate_loads
+from feeler.sweeps import Sweep, sweep
 
 register_once_imported()
 
@@ -29,6 +30,7 @@ __all__ = [
     "Run",
     "Session",
     "Step",
+    "Sweep",
     "Task",
     "Thresholds",
     "Value",
@@ -39,4 +41,5 @@ __all__ = [
     "report",
     "run",
     "simulate_loads",
+    "sweep",
 ]

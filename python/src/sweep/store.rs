@@ -1,0 +1,129 @@
+//! A sweep's folder, into which rows go as they come.
+
+use super::trials::{Trials, tell};
+use crate::errors::{failed, refused};
+use crate::interrupt::{abandonable, interruptible};
+use feeler_lab::sweep::{Progress, engine, store, summary, trial};
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
+
+/// The folder of a sweep, open for rows.
+#[pyclass(frozen, module = "feeler._core")]
+pub struct Store {
+    trials: Arc<trial::Trials>,
+    folder: PathBuf,
+    /// None once it is finished.
+    store: Arc<Mutex<Option<store::Store>>>,
+}
+
+#[pymethods]
+impl Store {
+    /// The new folder of `trials`, or with `resume` that in which they were stopped.
+    #[new]
+    #[pyo3(signature = (folder, trials, resume))]
+    fn new(folder: PathBuf, trials: &Trials, resume: bool) -> PyResult<Self> {
+        let trials = Arc::clone(&trials.trials);
+        let (plan, header) = (trials.plan(), trials.header());
+        let store = match resume {
+            true => store::Store::resume(&folder, plan, header),
+            false => store::Store::create(&folder, plan, header),
+        };
+        Ok(Self {
+            store: Arc::new(Mutex::new(Some(store.map_err(refused)?))),
+            trials,
+            folder,
+        })
+    }
+
+    /// How many trials are finished.
+    #[getter]
+    fn finished(&self) -> PyResult<usize> {
+        let mut store = lock(&self.store)?;
+        Ok(open(&mut store)?.table.rows.len())
+    }
+
+    /// The trials that are not finished.
+    fn missing(&self) -> PyResult<Vec<u64>> {
+        let mut store = lock(&self.store)?;
+        Ok(open(&mut store)?.missing(self.trials.plan(), u64::MAX))
+    }
+
+    /// Takes in rows as `Trials.run` returns them.
+    fn push(&self, rows: &[u8]) -> PyResult<()> {
+        let mut store = lock(&self.store)?;
+        let plan = self.trials.plan();
+        open(&mut store)?.push_table(plan, rows).map_err(failed)
+    }
+
+    /// Runs what is missing here, `jobs` trials at a time; one for each core if none are given. `progress` is called with the
+    /// number of finished trials, now and then.
+    #[pyo3(signature = (jobs, progress))]
+    fn run(
+        &self,
+        py: Python<'_>,
+        jobs: Option<usize>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<()> {
+        let cores = || std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+        let jobs = jobs.unwrap_or_else(cores);
+        let finished = Arc::new(AtomicU64::new(self.finished()? as u64));
+        let (trials, store) = (Arc::clone(&self.trials), Arc::clone(&self.store));
+        let mut count = Count(Arc::clone(&finished));
+        let work = move |stop: &AtomicBool| {
+            let mut store = lock(&store)?;
+            let ran = engine::run(&trials, open(&mut store)?, u64::MAX, jobs, stop, &mut count);
+            ran.map_err(failed)
+        };
+        // A trial's sensors may take longer to set up than Ctrl-C may wait.
+        abandonable(py, work, |py| tell(py, progress.as_ref(), &finished))??;
+        tell(py, progress.as_ref(), &finished)
+    }
+
+    /// Puts the sorted table in place of the growing one, and makes the page.
+    fn finish(&self, py: Python<'_>) -> PyResult<()> {
+        let mut store = lock(&self.store)?;
+        let missing = open(&mut store)?.missing(self.trials.plan(), u64::MAX);
+        if let (count, Some(first)) = (missing.len(), missing.first()) {
+            return Err(PyRuntimeError::new_err(format!(
+                "{count} trials are missing, the first is {first}; expected none"
+            )));
+        }
+        let Some(whole) = store.take() else {
+            return Err(closed());
+        };
+        let (folder, trials) = (&self.folder, &self.trials);
+        let finish = |_: &AtomicBool| summary::write(folder, trials, &whole.finish()?);
+        interruptible(py, finish, |_| Ok(()))?.map_err(failed)
+    }
+}
+
+/// The store, unless another thread has it: that one may need the interpreter to finish, which waiting here would keep
+/// from it.
+fn lock(store: &Mutex<Option<store::Store>>) -> PyResult<MutexGuard<'_, Option<store::Store>>> {
+    store.try_lock().map_err(|error| {
+        PyRuntimeError::new_err(match error {
+            TryLockError::WouldBlock => "the sweep runs on another thread already",
+            TryLockError::Poisoned(_) => "the sweep failed before; expected a new one, resumed",
+        })
+    })
+}
+
+fn open(store: &mut Option<store::Store>) -> PyResult<&mut store::Store> {
+    store.as_mut().ok_or_else(closed)
+}
+
+fn closed() -> PyErr {
+    PyRuntimeError::new_err("the sweep is finished; expected one that is not")
+}
+
+/// How many are finished, for another thread to read.
+struct Count(Arc<AtomicU64>);
+
+impl Progress for Count {
+    fn show(&mut self, finished: u64, _: u64, _: u64) {
+        self.0.store(finished, Ordering::Relaxed);
+    }
+}
