@@ -177,7 +177,7 @@ fn rows_of_another_machine_are_taken_in_once_and_whole_or_not_at_all() {
 fn files(settings: &[&str], vary: &[&str]) -> Result<Vec<String>, String> {
     let texts = |texts: &[&str]| texts.iter().map(|t| (*t).to_string()).collect::<Vec<_>>();
     let experiment = Experiment::load("cap-closing", &texts(settings)).expect("an experiment");
-    let plan = Plan::new(&experiment, "cap-closing", &texts(vary), 0, 1);
+    let plan = Plan::new(&experiment, "cap-closing", &texts(vary), 0, 1).expect("a plan");
     let files = plan.files().map_err(|error| error.to_string())?;
     assert!(files.values().all(|bytes| !bytes.is_empty()));
     Ok(files.into_keys().collect())

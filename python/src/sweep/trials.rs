@@ -46,7 +46,7 @@ impl Trials {
     ) -> PyResult<Self> {
         let name = experiment;
         let experiment = Experiment::load(name, &settings).map_err(refused)?;
-        let plan = Plan::new(&experiment, name, &vary, seed, count);
+        let plan = Plan::new(&experiment, name, &vary, seed, count).map_err(refused)?;
         match resume {
             Some(folder) => Self::of(&plan.resume(&folder).map_err(refused)?),
             None => Self::of(&plan),

@@ -106,10 +106,11 @@ impl Experiment {
     /// When a setting makes no sense, or a value is out of its range.
     pub fn with_settings(&self, settings: &[String]) -> Result<Self, ConfigError> {
         let (origin, folder) = (&self.config.name, self.folder.clone());
-        let calibrations = self.calibrations.clone();
+        let (calibrations, policy) = (self.calibrations.clone(), self.policy.clone());
         let experiment = Self::parse(&self.toml, origin, settings, folder)?;
         Ok(Self {
             calibrations,
+            policy,
             ..experiment
         })
     }

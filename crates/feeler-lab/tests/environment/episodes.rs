@@ -46,7 +46,8 @@ fn what_varies_draws_what_the_first_trial_of_a_sweep_draws() {
     let experiment = Experiment::load("cap-closing", &["sensing=direct".to_string()]);
     let experiment = experiment.expect("an experiment");
     for seed in [1, 9] {
-        let trials = Trials::new(&Plan::new(&experiment, "cap-closing", &vary, seed, 1));
+        let plan = Plan::new(&experiment, "cap-closing", &vary, seed, 1).expect("a plan");
+        let trials = Trials::new(&plan);
         let trial = trials
             .and_then(|trials| trials.experiment(0))
             .expect("a trial");

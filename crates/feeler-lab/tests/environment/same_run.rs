@@ -18,7 +18,9 @@ fn session(name: &str, settings: &[&str], seed: u64) -> Session {
 fn laws(environment: &Environment) -> Vec<Box<dyn Law>> {
     let control = &environment.experiment().config.control;
     let layouts = environment.layouts().iter();
-    layouts.map(|layout| control.law(layout.elements)).collect()
+    layouts
+        .map(|layout| control.law(layout.elements).expect("a law"))
+        .collect()
 }
 
 /// What the laws make of what is planned and felt.
