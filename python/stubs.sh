@@ -5,7 +5,7 @@ cd "$(dirname "$0")"
 
 made=$(mktemp -d)
 trap 'rm -rf "$made"' EXIT
-if ! maturin generate-stubs --profile release --features stubs -o "$made" >"$made/log" 2>&1; then
+if ! maturin generate-stubs --profile "${PROFILE:-dev}" --features stubs -o "$made" >"$made/log" 2>&1; then
     cat "$made/log" >&2
     exit 1
 fi

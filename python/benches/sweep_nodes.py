@@ -48,9 +48,7 @@ def main() -> None:
         ray.init(address=cluster.address, logging_level="WARNING")
         for nodes in (1, 2):
             # Processes that are there already are what a long sweep has.
-            feeler.sweep(
-                "cap-closing", trials=2 * nodes, sensing="direct", out=Path(folder, f"warm-{nodes}"), engine="ray"
-            )
+            feeler.sweep("cap-closing", trials=2 * nodes, sensing="direct", out=Path(folder, f"warm-{nodes}"), engine="ray")
             tables.append(measure(f"Ray, {nodes} node(s)", Path(folder, f"ray-{nodes}"), trials, engine="ray"))
             if nodes == 1:
                 cluster.add_node(**NODE)

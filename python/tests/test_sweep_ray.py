@@ -58,9 +58,7 @@ def expected(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.parametrize("trials_per_task", [1, 7, 250])
-def test_the_files_are_the_same_for_any_split(
-    trials_per_task: int, cluster: Any, expected: Path, tmp_path: Path
-) -> None:
+def test_the_files_are_the_same_for_any_split(trials_per_task: int, cluster: Any, expected: Path, tmp_path: Path) -> None:
     told: list[float] = []
     swept = short(tmp_path / "ray", engine="ray", trials=TRIALS, trials_per_task=trials_per_task, progress=told.append)
     same(swept.folder, expected)

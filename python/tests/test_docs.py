@@ -1,0 +1,34 @@
+"""The Python code of the book and of the package's README, a page after the other, as a reader would run it."""
+
+from __future__ import annotations
+
+import importlib.util
+import re
+from pathlib import Path
+
+import pytest
+from conftest import missing
+
+import feeler
+
+ROOT = Path(__file__).parents[2]
+BLOCK = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+PAGES = [page for page in [ROOT / "python/README.md", *sorted((ROOT / "docs").glob("*.md"))] if BLOCK.search(page.read_text())]
+
+
+def test_there_are_pages() -> None:
+    assert {"README.md", "python.md", "learning.md", "sweeps.md"} <= {page.name for page in PAGES}
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_code_runs(page: Path, closing: feeler.Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    code = BLOCK.findall(page.read_text())
+    if any('engine="ray"' in block for block in code) and importlib.util.find_spec("ray") is None:
+        missing("ray")
+    monkeypatch.chdir(tmp_path)
+    # The run that pages read which do not make one.
+    (tmp_path / "runs").mkdir()
+    (tmp_path / "runs/seven").symlink_to(closing.folder)
+    names: dict[str, object] = {"__name__": page.stem}
+    for number, block in enumerate(code):
+        exec(compile(block, f"{page.name}, block {number}", "exec"), names)
