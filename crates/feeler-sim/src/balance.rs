@@ -8,6 +8,7 @@ use super::state::{Contact, FingerState, ObjectState, State};
 use super::step::{friction, settle, undeformed};
 use super::thread::{FingerLoad, Hinge};
 use glam::DVec3;
+use multiversion::multiversion;
 
 /// A slip lowers the torque on what turns, so the first or second round finds nothing more to do;
 /// the bound keeps a step's time finite.
@@ -101,20 +102,28 @@ fn shift(
 }
 
 /// Turns an object until the torques on it balance, feelers holding on as firmly as they can.
+#[multiversion(targets("x86_64+avx2"))]
 fn turn(model: &WorldModel, state: &mut State, index: usize, hinge: &Hinge) {
     let State {
         fingers, objects, ..
     } = state;
     let (object, own) = (&model.objects[index], &mut objects[index]);
+    let touches = |finger: &FingerState| finger.contacts.iter().any(|c| c.object == index);
+    let touched = fingers.iter().any(touches);
     let mut turn = own.turn;
     hinge.turn(&mut turn, &model.shaft, |turn| {
+        if !touched {
+            return FingerLoad::default();
+        }
         let pose = hinge.pose(turn, &object.start);
         // z x point
         let around = |point: DVec3| DVec3::new(-point.y, point.x, 0.0);
         grip(model, fingers, own, index, &pose, around)
     });
-    own.turn = turn;
-    own.pose = hinge.pose(&turn, &object.start);
+    if turn != own.turn {
+        own.turn = turn;
+        own.pose = hinge.pose(&turn, &object.start);
+    }
 }
 
 /// What the feelers on an object would do at `pose` along one of its freedoms, holding on: `way` is the

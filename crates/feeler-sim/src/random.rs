@@ -40,6 +40,7 @@ pub fn generator(seed: u64, purpose: Purpose) -> Generator {
 }
 
 /// A normally distributed number of mean 0 and deviation `deviation`.
+#[inline]
 pub fn normal(random: &mut Generator, deviation: f64) -> f64 {
     deviation * random.sample::<f64, _>(StandardNormal)
 }

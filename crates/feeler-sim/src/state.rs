@@ -109,6 +109,8 @@ pub(super) struct Watch {
     pub travelled: f64,
     /// Way at which each feeler must be looked at again, m; infinite while it touches.
     pub due: Vec<f64>,
+    /// Nothing is due before this, m.
+    pub soonest: f64,
 }
 
 impl State {
@@ -133,6 +135,7 @@ impl State {
                     seen: objects.iter().map(|o| tip.seen_from(&o.pose)).collect(),
                     travelled: 0.0,
                     due: vec![0.0; elements],
+                    soonest: 0.0,
                 },
             }
         });

@@ -92,13 +92,20 @@ fn touch(model: &WorldModel, state: &mut State) {
                 *rolled = seen.rotation;
             }
         }
+        // Unless the way is not a number.
+        if watch.soonest > watch.travelled {
+            continue;
+        }
+        watch.soonest = f64::INFINITY;
         for element in 0..watch.due.len() {
             if watch.due[element] > watch.travelled {
+                watch.soonest = watch.soonest.min(watch.due[element]);
                 continue;
             }
             let (clearance, contact) =
                 look(finger, &own.sets, &model.objects, &watch.seen, element);
             watch.due[element] = watch.travelled + clearance;
+            watch.soonest = watch.soonest.min(watch.due[element]);
             own.contacts.extend(contact);
         }
     }
@@ -197,6 +204,7 @@ pub(super) fn settle(
                 slips += 1;
                 forces[contact.element] = DVec3::ZERO;
                 watch.due[contact.element] = watch.travelled;
+                watch.soonest = watch.travelled;
                 return false;
             };
             if anchor != contact.anchor {
