@@ -226,7 +226,7 @@ pub(super) fn collider(object: &Object) -> (SharedShape, LibraryPose) {
     (hull.unwrap_or(shape), within)
 }
 
-fn to_library(pose: &Pose) -> LibraryPose {
+pub(super) fn to_library(pose: &Pose) -> LibraryPose {
     LibraryPose::from_parts(pose.position, DQuat::from_mat3(&pose.rotation))
 }
 

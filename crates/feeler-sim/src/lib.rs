@@ -21,6 +21,7 @@ pub mod object;
 pub mod optics;
 pub mod optics_config;
 pub mod optics_model;
+pub mod picture;
 pub mod pose;
 pub mod prism;
 pub mod random;

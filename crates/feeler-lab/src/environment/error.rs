@@ -4,6 +4,7 @@ use crate::config::ConfigError;
 use crate::experiment::ExperimentError;
 use crate::sweep::SweepError;
 use feeler::control::observation::ObservationError;
+use feeler_sim::picture::PictureError;
 
 /// Why an environment could not be set up or go on.
 #[derive(Debug, thiserror::Error)]
@@ -20,6 +21,9 @@ pub enum EnvironmentError {
     /// A finger could not be observed.
     #[error(transparent)]
     Observation(#[from] ObservationError),
+    /// The scene could not be drawn.
+    #[error(transparent)]
+    Picture(#[from] PictureError),
     /// There are no rewards for what the experiment is about.
     #[error(
         "{name}: there are no rewards for task.{task}; expected task.screw with until = \"strokes\" or \"closed\" and a \

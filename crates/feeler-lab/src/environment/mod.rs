@@ -6,7 +6,7 @@
 //! makes of the same seed, and one that says what the task plans does what a task without a law does.
 //!
 //! Rewards and what is told beside ([`Environment::info`]) are of the true state of the simulated world, which observations never
-//! contain; each task has its [own](goal). An episode is over when its goal is reached or lost, when the task is through, or when the
+//! contain; the crate's front page says what each task is rewarded for. An episode is over when its goal is reached or lost, when the task is through, or when the
 //! hand is stopped with a reason; it is cut off at the experiment's time limit.
 
 mod action;
@@ -16,10 +16,12 @@ mod goal;
 mod pool;
 mod slot;
 mod vector;
+mod vector_error;
 
 pub use action::ActionKind;
 pub use error::EnvironmentError;
-pub use vector::{Autoreset, Batch, VectorEnvironment, VectorError};
+pub use vector::{Autoreset, Batch, VectorEnvironment};
+pub use vector_error::VectorError;
 
 use crate::config::Experiment;
 use crate::experiment::Session;
@@ -28,6 +30,7 @@ use feeler::control::controller::Controller;
 use feeler::control::observation::ObservationLayout;
 use feeler::control::phase::Phase;
 use feeler::control::stop_reason::StopReason;
+use feeler_sim::picture::{View, draw};
 use glam::DVec3;
 use goal::{Goal, Seen, Verdict, goal};
 
@@ -228,6 +231,15 @@ impl Environment {
     /// Why the hand was stopped, if it was.
     pub fn stop_reason(&self) -> Option<&StopReason> {
         self.controller().stop_reason()
+    }
+
+    /// Draws the scene as it is now: `width` times `height` pixels, row by row from the top, red, green and blue of each.
+    ///
+    /// # Errors
+    /// When `rgb` has another length than three bytes for each pixel.
+    pub fn render(&self, size: (usize, usize), rgb: &mut [u8]) -> Result<(), EnvironmentError> {
+        let world = self.session.rig().world();
+        Ok(draw(&world, &View::of(&world), size, rgb)?)
     }
 
     /// The experiment of the newest episode.

@@ -2,12 +2,11 @@
 
 use super::pool::Pool;
 use super::slot::{Order, Slot};
-use super::{Environment, EnvironmentConfig, EnvironmentError};
+use super::vector_error::{VectorError, at, check_count, check_range};
+use super::{Environment, EnvironmentConfig};
 
 /// Parts of the work for each thread, so that none waits long for another.
 const PARTS_PER_THREAD: usize = 8;
-/// Most environments, and most threads.
-const MOST: usize = 1 << 16;
 
 /// When an environment whose episode is over begins the next, as Gymnasium calls it.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -20,47 +19,6 @@ pub enum Autoreset {
     SameStep,
     /// When told to; a step before is refused.
     Disabled,
-}
-
-/// Why many environments could not step.
-#[derive(Debug, thiserror::Error)]
-pub enum VectorError {
-    /// One of them could not be set up or go on.
-    #[error("environment {index}: {source}")]
-    Environment {
-        /// Which one.
-        index: usize,
-        /// What it said.
-        source: Box<EnvironmentError>,
-    },
-    /// One of them made the program panic; it needs a reset.
-    #[error("environments {first} to {last}: the program panicked: {message}")]
-    Panicked {
-        /// First of those that were stepped together.
-        first: usize,
-        /// Last of those.
-        last: usize,
-        /// What the panic said.
-        message: String,
-    },
-    /// There are too few or too many of something.
-    #[error("{what}: {expected} expected, {actual} arrived")]
-    Count {
-        /// What.
-        what: &'static str,
-        /// How many there should be.
-        expected: String,
-        /// How many there are.
-        actual: usize,
-    },
-    /// The system has no more threads.
-    #[error("{threads} threads: {source}")]
-    Threads {
-        /// How many were asked for.
-        threads: usize,
-        /// What the system said.
-        source: std::io::Error,
-    },
 }
 
 /// Where the results of n environments are written, row by row. Each slice has as many entries as stand beside it.
@@ -308,33 +266,4 @@ impl VectorEnvironment {
         }
         Ok(())
     }
-}
-
-fn at(index: usize) -> impl Fn(EnvironmentError) -> VectorError {
-    move |source| VectorError::Environment {
-        index,
-        source: Box::new(source),
-    }
-}
-
-fn check_count(what: &'static str, expected: usize, actual: usize) -> Result<(), VectorError> {
-    if actual == expected {
-        return Ok(());
-    }
-    Err(VectorError::Count {
-        what,
-        expected: expected.to_string(),
-        actual,
-    })
-}
-
-fn check_range(what: &'static str, actual: usize) -> Result<(), VectorError> {
-    if (1..=MOST).contains(&actual) {
-        return Ok(());
-    }
-    Err(VectorError::Count {
-        what,
-        expected: format!("1 to {MOST}"),
-        actual,
-    })
 }
