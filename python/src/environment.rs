@@ -5,7 +5,10 @@ use feeler_lab::environment::{
     ActionKind, Autoreset, Batch, Environment, EnvironmentConfig, EnvironmentError,
     VectorEnvironment, VectorError,
 };
-use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyReadwriteArray1, PyReadwriteArray2};
+use numpy::{
+    PyReadonlyArray1, PyReadonlyArray2, PyReadwriteArray1, PyReadwriteArray2, PyReadwriteArray3,
+    PyUntypedArrayMethods as _,
+};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use std::process;
@@ -127,6 +130,15 @@ impl SingleEnvironment {
     fn guide(&self, mut action: PyReadwriteArray1<'_, f64>) -> PyResult<()> {
         let environment = lock(&self.0)?;
         environment.guide(action.as_slice_mut()?).map_err(refused)
+    }
+
+    /// Draws the scene as it is into `picture` [H, W, 3].
+    fn render(&self, py: Python<'_>, mut picture: PyReadwriteArray3<'_, u8>) -> PyResult<()> {
+        let size = (picture.shape()[1], picture.shape()[0]);
+        let rgb = picture.as_slice_mut()?;
+        let mut guard = lock(&self.0)?;
+        let environment = &mut *guard;
+        py.detach(move || environment.render(size, rgb)).map_err(refused)
     }
 
     /// Why the hand was stopped, if it was.
@@ -254,6 +266,16 @@ impl ManyEnvironments {
             guided.map_err(refused)?.map_err(refused)?;
         }
         Ok(())
+    }
+
+    /// Draws the scene of environment `index` as it is into `picture` [H, W, 3].
+    fn render(&self, index: usize, mut picture: PyReadwriteArray3<'_, u8>) -> PyResult<()> {
+        let size = (picture.shape()[1], picture.shape()[0]);
+        let rgb = picture.as_slice_mut()?;
+        let drawn = self
+            .lock()?
+            .look(index, |environment| environment.render(size, rgb));
+        drawn.map_err(refused)?.map_err(refused)
     }
 
     /// Why the hand of environment `index` was stopped, if it was.

@@ -23,11 +23,11 @@ SHORT: dict[str, feeler.Value] = {"time_limit": 0.5}
 
 @pytest.mark.parametrize("name", EXPERIMENTS)
 def test_gymnasium_knows_and_accepts_each(name: str) -> None:
-    env = gymnasium.make(f"feeler/{name}-v0").unwrapped
+    env = gymnasium.make(f"feeler/{name}-v0", render_mode="rgb_array").unwrapped
     with warnings.catch_warnings():
         # That a force has no bounds is so.
         warnings.filterwarnings("ignore", message=".*(infinity|not within).*")
-        check_env(env, skip_render_check=True)
+        check_env(env)
 
 
 @pytest.mark.parametrize("name", EXPERIMENTS)
@@ -150,6 +150,25 @@ def test_dictionaries_hold_the_same_numbers() -> None:
     batch, _ = TactileVectorEnv(3, observation="dict").reset(seed=1)
     assert isinstance(batch, dict) and batch["forces"].shape == (3, 2, 41, 3)
     np.testing.assert_array_equal(batch["joint_angles"][0], named["joint_angles"])
+
+
+def test_pictures_show_what_moves() -> None:
+    env = TactileEnv("cap-closing", render_mode="rgb_array")
+    env.reset(seed=1)
+    before = env.render()
+    for _ in range(300):
+        env.step(env.guide())
+    after = env.render()
+    assert before is not None and after is not None and before.shape == after.shape == (360, 480, 3)
+    # The fingers have come to the cap; the background stays.
+    changed = (before != after).any(axis=2).mean()
+    assert 0.01 < changed < 0.5
+    envs = TactileVectorEnv(2, render_mode="rgb_array")
+    envs.reset(seed=1)
+    pictures = envs.render()
+    assert pictures is not None
+    np.testing.assert_array_equal(pictures[0], before)
+    assert TactileEnv("cap-closing").render() is None
 
 
 def test_bad_actions_are_refused_in_words() -> None:

@@ -12,11 +12,14 @@ from numpy.typing import NDArray
 from feeler import _core
 from feeler._environments import EXPERIMENTS
 
-__all__ = ["EXPERIMENTS", "ActionKind", "Observation", "ObservationKind", "Spaces"]
+__all__ = ["EXPERIMENTS", "PICTURE_SHAPE", "ActionKind", "Observation", "ObservationKind", "Spaces"]
 
 ActionKind = Literal["fingertip", "world", "joints"]
 ObservationKind = Literal["flat", "dict"]
 Observation = NDArray[np.float32] | dict[str, NDArray[np.float32]]
+
+PICTURE_SHAPE = (360, 480, 3)
+"""Rows, columns and colours of a rendered picture."""
 
 _RANGES = {
     "touch": (0.0, 1.0),

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from feeler import _core
 from feeler._settings import Value, as_settings
-from feeler.gym.spaces import ActionKind, Observation, ObservationKind, Spaces, expressions
+from feeler.gym.spaces import PICTURE_SHAPE, ActionKind, Observation, ObservationKind, Spaces, expressions
 from feeler.sensing import PathLike
 
 
@@ -33,7 +33,7 @@ class TactileEnv(gymnasium.Env[Observation, NDArray[np.float64]]):
     (``joints``), rad/s. What exceeds the limits is clipped; what is not finite is refused.
     """
 
-    metadata: dict[str, Any] = {"render_modes": [], "render_fps": 100}  # noqa: RUF012 (as in the base class)
+    metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 100}  # noqa: RUF012 (as in the base class)
 
     def __init__(
         self,
@@ -59,7 +59,7 @@ class TactileEnv(gymnasium.Env[Observation, NDArray[np.float64]]):
         action, observation
             What the numbers mean; see the class.
         render_mode
-            None.
+            ``"rgb_array"``, or None for none.
 
         Raises
         ------
@@ -113,6 +113,14 @@ class TactileEnv(gymnasium.Env[Observation, NDArray[np.float64]]):
         if terminated and (reason := self._environment.stop_reason()) is not None:
             info["stop_reason"] = reason
         return self._spaces.observe(flat), reward, terminated, truncated, info
+
+    def render(self) -> NDArray[np.uint8] | None:  # type: ignore[override]
+        """A picture of the scene: links, domes with their elements coloured by force, objects; uint8 [H, W, 3]."""
+        if self.render_mode is None:
+            return None
+        picture = np.empty(PICTURE_SHAPE, dtype=np.uint8)
+        self._environment.render(picture)
+        return picture
 
     def guide(self) -> NDArray[np.float64]:
         """The action that follows the task's plan."""

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from feeler import _core
 from feeler._arrays import checked, read_only
 from feeler._settings import Value, as_settings
-from feeler.gym.spaces import ActionKind, Observation, ObservationKind, Spaces, expressions
+from feeler.gym.spaces import PICTURE_SHAPE, ActionKind, Observation, ObservationKind, Spaces, expressions
 from feeler.sensing import BoolArray, FloatArray, PathLike
 
 
@@ -33,6 +33,7 @@ class TactileVectorEnv(VectorEnv[Observation, FloatArray, NDArray[Any]]):
         threads: int | None = None,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         copy: bool = True,
+        render_mode: str | None = None,
     ) -> None:
         """The environments, before their first episodes.
 
@@ -49,6 +50,8 @@ class TactileVectorEnv(VectorEnv[Observation, FloatArray, NDArray[Any]]):
             (``infos["final_obs"]`` is how the old one ended), or when told to, by ``reset(options={"reset_mask": ...})``.
         copy
             Whether each step returns arrays of its own. Without, they are written over by the next step, and read-only.
+        render_mode
+            ``"rgb_array"``, or None for none.
 
         Raises
         ------
@@ -56,6 +59,9 @@ class TactileVectorEnv(VectorEnv[Observation, FloatArray, NDArray[Any]]):
             When the experiment cannot be used, or there are no rewards for its task.
         """
         mode = AutoresetMode(autoreset_mode)
+        if render_mode not in (None, "rgb_array"):
+            raise ValueError(f'render_mode = {render_mode!r}: expected None or "rgb_array"')
+        self.render_mode = render_mode
         self._environments = _core.ManyEnvironments(
             str(experiment),
             as_settings(settings),
@@ -72,7 +78,7 @@ class TactileVectorEnv(VectorEnv[Observation, FloatArray, NDArray[Any]]):
         self.single_action_space = self._spaces.action
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
-        self.metadata = {"autoreset_mode": mode, "render_modes": [], "render_fps": round(1.0 / spec.period)}
+        self.metadata = {"autoreset_mode": mode, "render_modes": ["rgb_array"], "render_fps": round(1.0 / spec.period)}
         self.max_steps: int = spec.max_steps
         self._mode = mode
         self._copy = copy
@@ -143,6 +149,15 @@ class TactileVectorEnv(VectorEnv[Observation, FloatArray, NDArray[Any]]):
         if self._copy:
             return self._observations(), rewards.copy(), terminated.copy(), truncated.copy(), infos
         return self._observations(), _view(rewards), _view(terminated), _view(truncated), infos
+
+    def render(self) -> tuple[NDArray[np.uint8], ...] | None:
+        """A picture of each scene, as of :meth:`TactileEnv.render`."""
+        if self.render_mode is None:
+            return None
+        pictures = np.empty((self.num_envs, *PICTURE_SHAPE), dtype=np.uint8)
+        for index, picture in enumerate(pictures):
+            self._environments.render(index, picture)
+        return tuple(pictures)
 
     def guide(self) -> FloatArray:
         """The actions [num_envs, 3F] that follow the tasks' plans."""
