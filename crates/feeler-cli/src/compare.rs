@@ -1,10 +1,11 @@
 //! `feeler compare`
 
+mod laws;
+
 use super::interrupt::watch_for_interrupt;
 use super::trials::TrialArguments;
 use super::{CommandError, Outcome};
 use feeler::control::law::LawConfig;
-use feeler::control::law::policy::PolicyConfig;
 use feeler::control::task::TaskConfig;
 use feeler_lab::config::{Experiment, ExperimentConfig};
 use feeler_lab::sweep::comparison::{Candidate, Goal, compare as compare_laws};
@@ -15,12 +16,10 @@ use feeler_lab::sweep::{Ended, Plan, Progress, engine};
 use feeler_report::compare_page::{ComparePage, compare_page, number};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Name of the page in a comparison's folder.
 const PAGE: &str = "compare.html";
-/// Most laws and policies whose curves can be told apart.
-const MOST_LAWS: usize = 10;
 /// Trials of one law before it is the next law's turn, so that a comparison that is stopped has pairs.
 const BLOCK: u64 = 32;
 
@@ -82,7 +81,7 @@ pub fn compare(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Co
     let goal = goal(arguments)?;
     let (vary, settings) = draws(arguments)?;
     let mut plans = Vec::new();
-    for (name, law) in laws(arguments)? {
+    for (name, law) in laws::laws(&arguments.laws, &arguments.policies)? {
         let (law, trials) = plan(arguments, law, &vary, &settings)?;
         plans.push((name, law, trials));
     }
@@ -126,58 +125,6 @@ fn goal(arguments: &Arguments) -> Result<Goal, CommandError> {
         }
     }
     Ok(Goal { torque, force })
-}
-
-/// The laws and policies that were asked for, by name.
-fn laws(arguments: &Arguments) -> Result<Vec<(String, LawConfig)>, CommandError> {
-    let mut laws: Vec<(String, LawConfig)> = Vec::new();
-    for name in arguments.laws.iter().map(|name| name.trim()) {
-        let law = LawConfig::named(name).ok_or_else(|| {
-            let names = LawConfig::NAMES.join(", ");
-            format!("--laws: there is no control law {name:?}; expected some of {names}")
-        })?;
-        if laws.iter().any(|(other, _)| other == name) {
-            return Err(format!("--laws: {name} is there twice").into());
-        }
-        laws.push((name.to_string(), law));
-    }
-    for file in &arguments.policies {
-        let policy = policy(file)?;
-        if laws.iter().any(|(other, _)| *other == policy.0) {
-            let (file, name) = (file.display(), policy.0);
-            let message = format!("there is a {name} already; expected a file of another name");
-            return Err(format!("--policy {file}: {message}").into());
-        }
-        laws.push(policy);
-    }
-    if laws.len() > MOST_LAWS {
-        let count = laws.len();
-        return Err(format!(
-            "{count} laws and policies; expected at most {MOST_LAWS} in one figure"
-        )
-        .into());
-    }
-    Ok(laws)
-}
-
-/// The policy in `file`, called by that.
-fn policy(file: &Path) -> Result<(String, LawConfig), CommandError> {
-    let wrong = |message: &str| format!("--policy {}: {message}", file.display());
-    // It names a folder and is part of commands.
-    let plain = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
-    let stem = file.file_stem().and_then(|stem| stem.to_str());
-    let name = stem.filter(|stem| stem.chars().all(plain) && !stem.starts_with('.'));
-    let expected = "expected a file named by letters, digits, dots, hyphens and underscores";
-    let name = name.ok_or_else(|| wrong(expected))?.to_string();
-    // Whatever folder the experiment is in.
-    let path = file.canonicalize().map_err(|e| wrong(&e.to_string()))?;
-    let path = path.to_str();
-    let path = path.ok_or_else(|| wrong("expected a path in UTF-8"))?;
-    let policy = PolicyConfig {
-        file: path.to_string(),
-        model: None,
-    };
-    Ok((name, LawConfig::Policy(policy)))
 }
 
 /// What varies, and what is set so that it can.

@@ -14,7 +14,7 @@ pub(super) const LARGEST: f32 = 1e6;
 
 /// What stands between two layers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Activation {
+pub(super) enum Activation {
     /// The hyperbolic tangent.
     Tanh,
     /// The positive part, up to 1e6.
