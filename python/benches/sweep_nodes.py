@@ -5,6 +5,7 @@ python benches/sweep_nodes.py [TRIALS]
 
 from __future__ import annotations
 
+import logging
 import os
 import sys
 import tempfile
@@ -32,20 +33,21 @@ def measure(name: str, out: Path, trials: int, **how: Any) -> bytes:
         **how,
     )
     rate = trials / (time.perf_counter() - start)
-    print(f"{name:24} {rate:8.1f} trials/s, 10^6 trials in {MILLION / rate / 3600:.1f} h", flush=True)
+    load = os.getloadavg()[0]
+    print(f"{name:16} {rate:6.1f} trials/s, 10^6 trials in {MILLION / rate / 3600:.1f} h; load {load:.1f}", flush=True)
     return swept.table_path.read_bytes()
 
 
 def main() -> None:
     trials = int(sys.argv[1]) if len(sys.argv) > 1 else 4000
-    print(f"{trials} trials; {os.cpu_count()} processors, load {os.getloadavg()[0]:.1f}", flush=True)
+    print(f"{trials} trials; {os.cpu_count()} processors", flush=True)
     with tempfile.TemporaryDirectory() as folder:
         tables = [
             measure("1 thread", Path(folder, "1-thread"), trials, jobs=1),
             measure("2 threads", Path(folder, "2-threads"), trials, jobs=2),
         ]
-        cluster = Cluster(initialize_head=True, head_node_args={**NODE, "include_dashboard": False})
-        ray.init(address=cluster.address, logging_level="WARNING")
+        cluster: Any = Cluster(initialize_head=True, head_node_args={**NODE, "include_dashboard": False})
+        ray.init(address=cluster.address, logging_level=logging.WARNING)
         for nodes in (1, 2):
             # Processes that are there already are what a long sweep has.
             feeler.sweep("cap-closing", trials=2 * nodes, sensing="direct", out=Path(folder, f"warm-{nodes}"), engine="ray")

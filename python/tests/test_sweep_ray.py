@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import re
 import shutil
@@ -34,8 +35,8 @@ def cluster() -> Iterator[Any]:
     # A node that is silent for 5 s is dead; 30 s otherwise.
     system = {"health_check_period_ms": 500, "health_check_failure_threshold": 10}
     head = {**NODE, "include_dashboard": False, "_system_config": system}
-    cluster = Cluster(initialize_head=True, head_node_args=head)
-    ray.init(address=cluster.address, logging_level="WARNING")
+    cluster: Any = Cluster(initialize_head=True, head_node_args=head)
+    ray.init(address=cluster.address, logging_level=logging.WARNING)
     yield cluster
     ray.shutdown()
     cluster.shutdown()

@@ -101,7 +101,8 @@ class Cluster:
 
     @staticmethod
     def _cpus() -> int:
-        return max(1, int(ray.cluster_resources().get("CPU", 1)))
+        resources: dict[str, float] = ray.cluster_resources()  # type: ignore[no-untyped-call]
+        return max(1, int(resources.get("CPU", 1)))
 
 
 def _rows(task: ray.ObjectRef[bytes]) -> bytes:
