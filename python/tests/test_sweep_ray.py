@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import logging
 import os
-import re
 import shutil
 import signal
 import subprocess
@@ -136,16 +135,6 @@ def test_a_machine_with_another_version_is_refused_in_words(
     monkeypatch.setattr("feeler._core.__version__", "0.0.0")
     with pytest.raises(RuntimeError, match=r"feeler \d+\.\d+\.\d+ is installed; expected 0\.0\.0"):
         short(tmp_path / "ray", engine="ray", trials=3)
-
-
-def test_the_books_page_runs_as_it_stands(cluster: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    page = (EXPERIMENTS.parents[2] / "docs/sweeps.md").read_text()
-    blocks = re.findall(r"^```python\n(.*?)^```$", page, flags=re.DOTALL | re.MULTILINE)
-    monkeypatch.chdir(tmp_path)
-    assert len(blocks) == 2
-    for block in blocks:
-        exec(block, {})
-    assert [len(feeler.Sweep(name)) for name in ("from-python", "on-ray")] == [100, 100]
 
 
 def test_without_ray_it_is_said_what_is_missing(tmp_path: Path) -> None:
