@@ -18,7 +18,7 @@ pub enum RunFolderError {
         found: &'static str,
     },
     /// The folder cannot be made.
-    #[error("{}: {source}; expected a folder that can be made", folder.display())]
+    #[error("{}: {source}; expected a new folder", folder.display())]
     Make {
         /// The folder.
         folder: PathBuf,
