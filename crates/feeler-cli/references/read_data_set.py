@@ -10,12 +10,16 @@ from pathlib import Path
 os.environ["HF_HUB_OFFLINE"] = "1"
 os.environ["HF_HOME"] = tempfile.mkdtemp()
 
+import av
 import datasets
 import numpy as np
 import pandas as pd
 
 root = Path(sys.argv[1])
 QUANTILES = {"q01": 0.01, "q10": 0.1, "q50": 0.5, "q90": 0.9, "q99": 0.99}
+
+# Of the time of a picture, s.
+TOLERANCE = 1e-4
 
 # What `DatasetInfo` has, and nothing else: LeRobot warns of more.
 KNOWN = {
@@ -72,6 +76,30 @@ def apart(stats, expected):
     return max(float(np.abs(np.array(stats[name]).ravel() - expected[name].ravel()).max()) for name in expected)
 
 
+def video_frames(key):
+    """`decode_video_frames`, of all frames of all episodes: each the one at its time, within LeRobot's tolerance."""
+    found = []
+    for episode in episodes:
+        chunk, file = episode[f"videos/{key}/chunk_index"], episode[f"videos/{key}/file_index"]
+        path = info["video_path"].format(video_key=key, chunk_index=chunk, file_index=file)
+        with av.open(str(root / path)) as container:
+            stream = container.streams.video[0]
+            described = features[key]["info"]
+            assert described["video.codec"] == stream.codec.canonical_name, stream.codec
+            assert described["video.pix_fmt"] == stream.pix_fmt, stream.pix_fmt
+            assert described["video.fps"] == stream.base_rate, stream.base_rate
+            assert features[key]["shape"] == [stream.height, stream.width, 3], (stream.height, stream.width)
+            decoded = {float(f.pts * stream.time_base): f.to_ndarray(format="rgb24") for f in container.decode(stream)}
+        times = np.array(list(decoded))
+        assert episode[f"videos/{key}/to_timestamp"] <= times[-1] + 1 / info["fps"] + TOLERANCE
+        for index in range(episode["length"]):
+            time = episode[f"videos/{key}/from_timestamp"] + index / info["fps"]
+            nearest = times[np.abs(times - time).argmin()]
+            assert abs(nearest - time) < TOLERANCE, (time, nearest)
+            found.append(decoded[nearest])
+    return np.stack(found)
+
+
 info = json.loads((root / "meta/info.json").read_text())
 assert set(info) == KNOWN, set(info) ^ KNOWN
 features = info["features"]
@@ -94,6 +122,8 @@ for key in columns:
         kept = {name: row[f"stats/{key}/{name}"] for name in part}
         stats_apart = max(stats_apart, apart(kept, part))
 
+pictures = {key: video_frames(key) for key in videos}
+
 last = frames[len(frames) - 1]
 print(
     json.dumps(
@@ -106,6 +136,9 @@ print(
             "types": {key: str(values[key].dtype) for key in columns},
             "values": {key: value.tolist() for key, value in values.items()},
             "last_task": tasks.iloc[last["task_index"]].name,
+            # Mean over rows, for each frame and column; the largest difference between colours.
+            "columns": {key: seen[..., 0].mean(axis=1).tolist() for key, seen in pictures.items()},
+            "colour": max([int(np.ptp(seen, axis=-1).max()) for seen in pictures.values()], default=0),
             "stats_keys": sorted(stats),
             "stats_apart": stats_apart,
         }

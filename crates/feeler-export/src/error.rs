@@ -1,11 +1,16 @@
 //! What can go wrong with an export.
 
+use feeler::sensor::camera::CameraError;
+use feeler_record::RecordError;
 use parquet::errors::ParquetError;
 use std::path::{Path, PathBuf};
 
 /// Why a recording could not be exported.
 #[derive(Debug, thiserror::Error)]
 pub enum ExportError {
+    /// A recording could not be read.
+    #[error(transparent)]
+    Recording(#[from] RecordError),
     /// A file or folder could not be made or written.
     #[error("{path}: {source}")]
     File {
@@ -29,6 +34,27 @@ pub enum ExportError {
         /// What arrived.
         actual: String,
     },
+    /// A picture of a run could not be read.
+    #[error("{run}: {source}")]
+    Picture {
+        /// Name of the run.
+        run: String,
+        /// What was expected and what found.
+        source: CameraError,
+    },
+    /// A video could not be encoded or written.
+    #[error("{run}: {key}: {reason}")]
+    Video {
+        /// Name of the run.
+        run: String,
+        /// The feature that its pictures are.
+        key: String,
+        /// What the encoder or the system said.
+        reason: String,
+    },
+    /// It was ended from outside.
+    #[error("interrupted")]
+    Interrupted,
 }
 
 impl ExportError {

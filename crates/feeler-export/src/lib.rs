@@ -2,6 +2,7 @@
 #![warn(missing_docs)]
 
 mod columnar;
+mod columns;
 pub mod error;
 pub mod lerobot;
 pub mod table;

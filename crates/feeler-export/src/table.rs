@@ -1,6 +1,7 @@
 //! A recording as one table in a Parquet file: a row for each control step.
 
-use crate::columnar::{AnyCells, Cells, Column, ParquetFile};
+use crate::columnar::{AnyCells, ParquetFile};
+use crate::columns::{Columns, Described};
 use crate::error::ExportError;
 use feeler_record::{NO_ELEMENT, Recording, RunFacts, Step, Steps};
 use serde_json::{Map, Value, json};
@@ -63,27 +64,9 @@ fn about(recording: &Recording, columns: &[Described]) -> Vec<(String, String)> 
     texts.map(|(key, text)| (key.to_string(), text)).into()
 }
 
-/// A column, and what it is.
-struct Described {
-    column: Column,
-    unit: &'static str,
-    meaning: &'static str,
-}
-
-impl Described {
-    fn description(&self) -> (String, Value) {
-        let description = json!({ "unit": self.unit, "meaning": self.meaning });
-        (self.column.name.clone(), description)
-    }
-}
-
 /// The columns of these steps of a recording. All groups of rows have the same.
 fn table_columns(run: &str, recording: &Recording, steps: &[Step<'_>]) -> Vec<Described> {
-    let mut columns = Columns {
-        steps,
-        prefix: String::new(),
-        made: Vec::new(),
-    };
+    let mut columns = Columns::of(steps);
     let runs = steps.iter().map(|_| run);
     columns.add("run", "", "name of the run", AnyCells::texts(runs));
     columns.number("timestamp", "s", "time of the control step", |s| {
@@ -254,66 +237,5 @@ fn instrument_columns(columns: &mut Columns<'_, '_>, recording: &Recording) {
             let turned = s.object?.orientation;
             Some(vec![turned.x, turned.y, turned.z, turned.w])
         });
-    }
-}
-
-/// The columns of some steps while they are made.
-struct Columns<'s, 'a> {
-    steps: &'s [Step<'a>],
-    /// What the next names begin with.
-    prefix: String,
-    made: Vec<Described>,
-}
-
-impl<'a> Columns<'_, 'a> {
-    fn add(&mut self, name: &str, unit: &'static str, meaning: &'static str, cells: AnyCells) {
-        let name = format!("{}{name}", self.prefix);
-        self.made.push(Described {
-            column: Column { name, cells },
-            unit,
-            meaning,
-        });
-    }
-
-    fn number(
-        &mut self,
-        name: &str,
-        unit: &'static str,
-        meaning: &'static str,
-        cell: impl Fn(&Step<'a>) -> Option<f64>,
-    ) {
-        let cells = Cells::of_values(self.steps.iter().map(cell));
-        self.add(name, unit, meaning, AnyCells::Double(cells));
-    }
-
-    fn list(
-        &mut self,
-        name: &str,
-        unit: &'static str,
-        meaning: &'static str,
-        cell: impl Fn(&Step<'a>) -> Option<Vec<f64>>,
-    ) {
-        let cells = Cells::of_lists(self.steps.iter().map(cell));
-        self.add(name, unit, meaning, AnyCells::Double(cells));
-    }
-
-    fn whole(
-        &mut self,
-        name: &str,
-        meaning: &'static str,
-        cell: impl Fn(&Step<'a>) -> Option<i64>,
-    ) {
-        let cells = Cells::of_values(self.steps.iter().map(cell));
-        self.add(name, "", meaning, AnyCells::Int(cells));
-    }
-
-    fn flag(
-        &mut self,
-        name: &str,
-        meaning: &'static str,
-        cell: impl Fn(&Step<'a>) -> Option<bool>,
-    ) {
-        let cells = Cells::of_values(self.steps.iter().map(cell));
-        self.add(name, "", meaning, AnyCells::Bool(cells));
     }
 }

@@ -3,13 +3,14 @@
 mod support;
 
 use feeler_export::ExportError;
-use feeler_export::lerobot::{DataSet, Run};
+use feeler_export::lerobot::{DataSet, Run, Watch};
 use feeler_record::Recording;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use serde_json::{Value, json};
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
-use support::{MadeUp, force, path, recording};
+use std::sync::atomic::AtomicBool;
+use support::{MadeUp, force, path, recording, recording_file};
 
 fn folder(name: &str) -> PathBuf {
     let folder = path(name);
@@ -18,12 +19,28 @@ fn folder(name: &str) -> PathBuf {
     folder
 }
 
+/// Adds a recording without pictures.
 fn add(set: &mut DataSet, name: &str, recording: &Recording) -> Result<usize, ExportError> {
-    set.add(&Run {
+    add_file(set, name, recording, Path::new(""))
+}
+
+fn add_file(
+    set: &mut DataSet,
+    name: &str,
+    recording: &Recording,
+    path: &Path,
+) -> Result<usize, ExportError> {
+    let run = Run {
         name,
         task: "turn it",
         recording,
-    })
+        path,
+    };
+    let watch = Watch {
+        interrupted: &AtomicBool::new(false),
+        picture_done: &|| {},
+    };
+    set.add(&run, watch)
 }
 
 fn json_of(path: &Path) -> Value {
@@ -137,4 +154,75 @@ fn runs_that_do_not_fit_are_refused_in_words() {
     let mut cut = recording(&MadeUp::default());
     cut.problem = Some("the run was not closed".into());
     refused(cut, &["a whole one", "the run was not closed"]);
+}
+
+#[test]
+fn pictures_of_any_size_from_sixteen_are_written() {
+    for size in [(16, 16), (17, 31), (33, 65)] {
+        let (columns, rows) = size;
+        let folder = folder(&format!("pictures-{columns}x{rows}"));
+        let made_up = MadeUp {
+            steps: 3,
+            pictures: Some(size),
+            ..MadeUp::default()
+        };
+        let file = path(&format!("{columns}x{rows}.mcap"));
+        recording_file(&made_up, &file);
+        let recording = Recording::read(&file).unwrap();
+        let mut set = DataSet::new(&folder);
+        assert_eq!(add_file(&mut set, "seen", &recording, &file).unwrap(), 3);
+        set.finish().unwrap();
+        let info = json_of(&folder.join("meta/info.json"));
+        let pictures = &info["features"]["observation.images.finger_0"];
+        assert_eq!(pictures["shape"], json!([rows, columns, 3]));
+        let video = folder.join("videos/observation.images.finger_0/chunk-000/file-000.mp4");
+        assert!(fs::metadata(video).unwrap().len() > 500);
+    }
+}
+
+#[test]
+fn pictures_that_do_not_fit_are_refused_in_words() {
+    let folder = folder("refused-pictures");
+    let seen = |name: &str, size| {
+        let made_up = MadeUp {
+            steps: 3,
+            pictures: size,
+            ..MadeUp::default()
+        };
+        let file = path(name);
+        recording_file(&made_up, &file);
+        (Recording::read(&file).unwrap(), file)
+    };
+    let mut set = DataSet::new(&folder);
+    let (first, file) = seen("first.mcap", Some((32, 16)));
+    add_file(&mut set, "first", &first, &file).unwrap();
+    let mut refused = |(recording, file): (Recording, PathBuf), words: &[&str]| {
+        let error = add_file(&mut set, "other", &recording, &file).unwrap_err();
+        let error = error.to_string();
+        for word in words {
+            assert!(error.contains(word), "no {word:?} in {error:?}");
+        }
+    };
+    let larger = seen("larger.mcap", Some((32, 17)));
+    refused(
+        larger,
+        &["images.finger_0", "shape [16,32,3]", "shape [17,32,3]"],
+    );
+    refused(seen("blind.mcap", None), &["features", "images.finger_0"]);
+    // Its pictures are in another file.
+    let (elsewhere, _) = seen("elsewhere.mcap", Some((32, 16)));
+    refused((elsewhere.clone(), path("nothing.mcap")), &["nothing.mcap"]);
+    let (mut lost, file) = seen("lost.mcap", Some((32, 16)));
+    lost.fingers[0].pictures.remove(1);
+    refused(
+        (lost, file),
+        &["other: no picture: the picture of 0.02 s expected"],
+    );
+    fs::write(path("torn.mcap"), [0; 100]).unwrap();
+    refused((elsewhere, path("torn.mcap")), &["other: no picture"]);
+    // Smaller than the encoder takes.
+    let (tiny, file) = seen("tiny.mcap", Some((9, 1)));
+    let error = add_file(&mut DataSet::new(&folder), "tiny", &tiny, &file).unwrap_err();
+    let words = "tiny: observation.images.finger_0: invalid width 9 (expected >= 16";
+    assert!(error.to_string().starts_with(words), "{error}");
 }

@@ -61,6 +61,18 @@ impl<F: Read + Seek> RecordedCamera<F> {
         }
     }
 
+    /// Columns and rows of the next picture, px; none if there are no more.
+    ///
+    /// # Errors
+    /// When it cannot be read.
+    pub fn picture_size(&mut self) -> Result<Option<(usize, usize)>, CameraError> {
+        let Some(&at) = self.pictures.as_slice().first() else {
+            return Ok(None);
+        };
+        let picture = self.read(at).map_err(CameraError::Failed)?;
+        Ok(Some((picture.width, picture.height)))
+    }
+
     /// The next picture on record, which must be that of `stamp`, s.
     fn next_picture(&mut self, stamp: f64) -> Result<Picture, CameraError> {
         let expected = nanoseconds(stamp);

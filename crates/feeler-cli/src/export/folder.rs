@@ -29,9 +29,13 @@ impl NewFolder {
             let path = path.display();
             Err(format!("--output {path}: {what}").into())
         };
-        let mut part = path.as_os_str().to_owned();
+        let Some(name) = path.file_name() else {
+            return refuse(path, "expected the name of a folder");
+        };
+        // Beside it, whether or not it is written with a slash at its end.
+        let mut part = name.to_owned();
         part.push(".part");
-        let part = PathBuf::from(part);
+        let part = path.with_file_name(part);
         let is_inside = |input: &&Path| is_in(input, path) || is_in(input, &part);
         if let Some(input) = inputs.find(is_inside) {
             let input = input.display();

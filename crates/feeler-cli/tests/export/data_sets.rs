@@ -1,5 +1,6 @@
 //! `feeler export lerobot`
 
+use crate::made_up::{BAR, MadeUp, bar, recording_file};
 use crate::program::{folder, run};
 use crate::python::read_by;
 use crate::short_run;
@@ -31,7 +32,7 @@ fn lerobots_reader_finds_what_was_recorded() {
     });
     let [one, two] = recordings.each_ref().map(|recording| recording.task.len());
     assert_eq!(said, format!("set: 2 episodes, {} frames\n", one + two));
-    let modules = ["datasets", "numpy", "pandas"];
+    let modules = ["av", "datasets", "numpy", "pandas"];
     let Some(found) = read_by("read_data_set.py", &modules, &folder.join("set")) else {
         return;
     };
@@ -104,4 +105,63 @@ fn values_are_those_on_record(values: &Value, recordings: &[Recording; 2]) {
         json!([flags.touch, flags.slip, flags.over])
     });
     assert_eq!(values["observation.tactile.finger_0.flags"], expected);
+}
+
+/// Columns and rows of pictures, px.
+const SIZE: (usize, usize) = (96, 64);
+
+#[test]
+fn lerobots_reader_sees_the_pictures_on_record() {
+    let folder = folder("export-pictures");
+    let steps = [23, 12];
+    for (name, steps) in ["one.mcap", "two.mcap"].into_iter().zip(steps) {
+        let made_up = MadeUp {
+            fingers: 2,
+            steps,
+            pictures: Some(SIZE),
+            ..MadeUp::default()
+        };
+        recording_file(&made_up, &folder.join(name));
+    }
+    let export = ["export", "lerobot", "one.mcap", "two.mcap", "-o", "set"];
+    let said = run(&folder, &export).done();
+    assert_eq!(said, "set: 2 episodes, 35 frames\n");
+    let modules = ["av", "datasets", "numpy", "pandas"];
+    let Some(found) = read_by("read_data_set.py", &modules, &folder.join("set")) else {
+        return;
+    };
+    assert_eq!(found["colour"], 0, "grey");
+    let steps = steps.into_iter().flat_map(|steps| 0..steps);
+    for (frame, step) in steps.enumerate() {
+        for finger in 0..2 {
+            let key = format!("observation.images.finger_{finger}");
+            let columns = &found["columns"][key][frame];
+            let columns: Vec<f64> = serde_json::from_value(columns.clone()).unwrap();
+            let first = bar(step, finger, SIZE.0);
+            for (column, grey) in columns.iter().enumerate() {
+                let expected = if (first..first + BAR).contains(&column) {
+                    255.0
+                } else {
+                    0.0
+                };
+                // Grey levels: the bar moves by half its width, so another picture is off by 255.
+                assert!(
+                    (grey - expected).abs() < 64.0,
+                    "{finger}, {step}, {column}: {grey}"
+                );
+            }
+        }
+    }
+    let stats: Value =
+        serde_json::from_slice(&std::fs::read(folder.join("set/meta/stats.json")).unwrap())
+            .unwrap();
+    let stats = &stats["observation.images.finger_1"];
+    let share = BAR as f64 / SIZE.0 as f64;
+    for colour in 0..3 {
+        let mean = stats["mean"][colour][0][0].as_f64().unwrap();
+        assert!((mean - share).abs() < 1e-12);
+        let std = stats["std"][colour][0][0].as_f64().unwrap();
+        assert!((std - (share * (1.0 - share)).sqrt()).abs() < 1e-12);
+    }
+    assert_eq!(stats["count"], json!([35]));
 }

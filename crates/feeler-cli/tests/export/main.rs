@@ -1,9 +1,11 @@
 //! `feeler export`: what other programs read in its files is what was recorded.
 //!
-//! Needs `pip install datasets pandas polars pyarrow` in the Python named by `FEELER_PYTHON` (default `python3`); without them those
+//! Needs `pip install av datasets pandas polars pyarrow` in the Python named by `FEELER_PYTHON` (default `python3`); without them those
 //! tests say that they are skipped, or fail where `FEELER_REQUIRE_ALL` is set.
 
 mod data_sets;
+#[path = "../../../feeler-export/tests/support/mod.rs"]
+mod made_up;
 #[path = "../support/program.rs"]
 mod program;
 #[path = "../../../feeler-lab/tests/record/python.rs"]

@@ -1,9 +1,12 @@
 //! What is refused, and what is left of an export that failed.
 
-use crate::program::{folder, run};
+use crate::made_up::{MadeUp, recording_file};
+use crate::program::{Ended, feeler, folder, run};
 use crate::short_run;
 use std::fs;
 use std::path::Path;
+use std::process::{Command, Stdio};
+use std::thread::yield_now;
 
 /// The names of what is in a folder.
 fn names(folder: &Path) -> Vec<String> {
@@ -70,18 +73,19 @@ fn a_data_set_replaces_only_a_data_set() {
     export(&["one", "-o", "set"]).done();
     export(&["one", "-o", "set"]).refused(&["--output set", "exists already", "--force"]);
     fs::write(folder.join("set/of-before"), "").unwrap();
-    export(&["one", "-o", "set", "--force"]).done();
+    export(&["one", "-o", "set/", "--force"]).done();
     assert_eq!(names(&folder.join("set")), ["data", "meta"]);
     fs::write(folder.join("file"), "mine").unwrap();
     fs::create_dir(folder.join("mine")).unwrap();
     fs::write(folder.join("mine/file"), "mine").unwrap();
-    for mine in ["file", "mine", "."] {
-        let words: &[&str] = match mine {
-            "." => &["the input one/recording.mcap is in it"],
-            _ => &["is no data set"],
-        };
-        export(&["one", "-o", mine, "--force"]).refused(words);
+    for mine in ["file", "mine", "mine/"] {
+        export(&["one", "-o", mine, "--force"]).refused(&["is no data set"]);
     }
+    for nameless in [".", "set/.."] {
+        export(&["one", "-o", nameless, "--force"]).refused(&["the name of a folder"]);
+    }
+    let above = ["one", "-o", "../export-refused-set", "--force"];
+    export(&above).refused(&["the input one/recording.mcap is in it"]);
     // Whoever puts a recording into a data set keeps it.
     fs::copy(
         folder.join("one/recording.mcap"),
@@ -111,4 +115,33 @@ fn a_data_set_that_fails_leaves_none() {
     run(&folder, &export).refused(&["set.part", "an export that was killed"]);
     run(&folder, &[&export[..], &["--force"]].concat()).done();
     assert_eq!(names(&folder), ["one", "set", "two"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_data_set_that_is_interrupted_leaves_none() {
+    let folder = folder("export-interrupted-set");
+    // Pictures for minutes.
+    let made_up = MadeUp {
+        steps: 4000,
+        pictures: Some((320, 240)),
+        ..MadeUp::default()
+    };
+    recording_file(&made_up, &folder.join("long.mcap"));
+    let mut export = feeler(&folder, &["export", "lerobot", "long.mcap", "-o", "set"]);
+    let export = export.stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut export = export.spawn().expect("the program");
+    while !folder.join("set.part/videos").exists() {
+        let ended = export.try_wait().expect("its state");
+        assert!(ended.is_none(), "it ended by itself: {ended:?}");
+        yield_now();
+    }
+    let kill = Command::new("kill")
+        .args(["-INT", &export.id().to_string()])
+        .status();
+    assert!(kill.expect("the kill command").success());
+    let ended = Ended::of(export.wait_with_output().unwrap());
+    assert_eq!(ended.status, Some(1), "{ended:?}");
+    assert_eq!(ended.stdout, "interrupted: nothing was exported\n");
+    assert_eq!(names(&folder), ["long.mcap"]);
 }

@@ -2,17 +2,17 @@
 
 use super::episode::{features, frame_rate, frames};
 use super::feature::{Feature, Values};
-use super::meta::{self, DATA_FILE_MB, Episode, file_path};
+use super::meta::{self, DATA_FILE_MB, Episode, MEGABYTE, file_path};
+use super::video::{Watch, cameras};
+use super::videos::{Videos, create};
 use crate::columnar::{Column, ParquetFile};
 use crate::error::ExportError;
 use feeler_record::Recording;
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-
-const MEGABYTE: usize = 1 << 20;
 
 /// A run that becomes an episode.
 #[derive(Debug, Clone, Copy)]
@@ -23,6 +23,8 @@ pub struct Run<'a> {
     pub task: &'a str,
     /// What was recorded.
     pub recording: &'a Recording,
+    /// Its file, for the pictures in it.
+    pub path: &'a Path,
 }
 
 /// A data set of LeRobot, format v3.0, while it is written into a folder: runs are added, then it is finished. Until then
@@ -37,11 +39,13 @@ pub struct Run<'a> {
 /// | `observation.tactile.finger_N.force` | \[E, 3\] | force on each element in its frame, N: x, y tangential, on the element by the object; z compression, positive when pressed |
 /// | `observation.tactile.finger_N.flags` | \[3\] | TOUCH, SLIP, OVER |
 /// | `observation.tactile.finger_N.grasp_force` | \[1\] | sum of the positive compressions, N |
+/// | `observation.images.finger_N` | \[height, width, 3\] | the camera's picture, where pictures were recorded: grey, as a video (AV1 in MP4) |
 pub struct DataSet {
     folder: PathBuf,
     /// Rate, and description of the features, by the first run.
     kind: Option<(u32, Map<String, Value>)>,
     data: Option<DataFile>,
+    videos: Videos,
     tasks: Vec<String>,
     episodes: Vec<Episode>,
 }
@@ -59,6 +63,7 @@ impl DataSet {
             folder: folder.to_path_buf(),
             kind: None,
             data: None,
+            videos: Videos::new(folder),
             tasks: Vec::new(),
             episodes: Vec::new(),
         }
@@ -68,8 +73,8 @@ impl DataSet {
     ///
     /// # Errors
     /// When its recording is not whole or has a number that is not known, when it has another rate, other fingers or
-    /// elements than the runs before it, or when a file cannot be written.
-    pub fn add(&mut self, run: &Run<'_>) -> Result<usize, ExportError> {
+    /// elements than the runs before it, when a picture cannot be read or a file written, or when it is interrupted.
+    pub fn add(&mut self, run: &Run<'_>, watch: Watch<'_>) -> Result<usize, ExportError> {
         let frames = frames(run.name, run.recording)?;
         let rate = frame_rate(run.name, run.recording)?;
         let mut features = features(run.name, run.recording, &frames)?;
@@ -86,10 +91,19 @@ impl DataSet {
             from,
             task,
         ));
+        let cameras = cameras(run, rate, &frames)?;
         let described = features.iter().map(|f| (f.key.clone(), f.description()));
-        self.check_kind(run.name, rate, described.collect())?;
-        let stats = features.iter().map(|f| (f.key.clone(), f.stats()));
-        let stats = stats.collect();
+        let seen = cameras.iter().map(|c| (c.key.clone(), c.description()));
+        self.check_kind(run.name, rate, described.chain(seen).collect())?;
+        let mut stats = BTreeMap::new();
+        for feature in &features {
+            stats.insert(feature.key.clone(), feature.stats());
+        }
+        let mut videos = BTreeMap::new();
+        for video in self.videos.add(cameras, watch)? {
+            stats.insert(video.key.clone(), video.stats);
+            videos.insert(video.key, video.place);
+        }
         let columns: Vec<_> = features.iter().map(Feature::column).collect();
         let data_file = self.write_rows(&columns)?;
         self.episodes.push(Episode {
@@ -99,7 +113,7 @@ impl DataSet {
             length,
             from,
             data_file,
-            videos: BTreeMap::new(),
+            videos,
             stats,
         });
         Ok(length)
@@ -113,6 +127,7 @@ impl DataSet {
         if let Some(data) = self.data {
             data.file.close()?;
         }
+        self.videos.finish()?;
         let (rate, features) = self.kind.unwrap_or_default();
         let info = meta::info(rate, &features, &self.episodes, self.tasks.len());
         write_json(
@@ -213,14 +228,6 @@ fn default_features(
         Feature::index("index", from..from + length),
         Feature::index("task_index", all(task)),
     ]
-}
-
-/// Makes a file, and the folders that it is in.
-fn create(path: &Path) -> Result<File, ExportError> {
-    if let Some(folder) = path.parent() {
-        fs::create_dir_all(folder).map_err(ExportError::of_file(folder))?;
-    }
-    File::create(path).map_err(ExportError::of_file(path))
 }
 
 fn write_json(path: &Path, value: &Value) -> Result<(), ExportError> {

@@ -11,9 +11,11 @@ const FORMAT: &str = "v3.0";
 /// What LeRobot shall call the robot.
 const ROBOT: &str = "feeler";
 /// Most files in a folder, and how large a file of rows or pictures shall get, MB: LeRobot's own defaults.
-pub(crate) const FILES_OF_A_CHUNK: usize = 1000;
+const FILES_OF_A_CHUNK: usize = 1000;
 pub(crate) const DATA_FILE_MB: usize = 100;
 pub(crate) const VIDEO_FILE_MB: usize = 200;
+/// Bytes of what LeRobot calls a megabyte.
+pub(crate) const MEGABYTE: usize = 1 << 20;
 
 /// Where the file of this number is, by the folder it is in and its extension.
 pub(crate) fn file_path(folder: &str, number: usize, extension: &str) -> String {

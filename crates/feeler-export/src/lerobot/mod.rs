@@ -4,6 +4,10 @@ mod data_set;
 mod episode;
 mod feature;
 mod meta;
+mod mp4;
 mod stats;
+mod video;
+mod videos;
 
 pub use data_set::{DataSet, Run};
+pub use video::Watch;

@@ -29,6 +29,12 @@ const MOMENTS: [&str; 4] = ["min", "max", "mean", "std"];
 impl Stats {
     /// Of `count` frames, more than 0, with the values of each component of all of them.
     pub fn new(count: usize, components: Vec<Vec<f64>>) -> Self {
+        let once = |values: Vec<f64>| values.into_iter().map(|value| (value, 1)).collect();
+        Self::of_counted(count, components.into_iter().map(once).collect())
+    }
+
+    /// The same, with how often there is each value.
+    pub fn of_counted(count: usize, components: Vec<Vec<(f64, u64)>>) -> Self {
         let mut stats = Self {
             shape: vec![components.len()],
             count,
@@ -36,20 +42,35 @@ impl Stats {
             quantiles: Default::default(),
         };
         for mut values in components {
-            values.sort_by(f64::total_cmp);
-            let number = values.len() as f64;
-            let mean = values.iter().sum::<f64>() / number;
-            let squares = values.iter().map(|value| (value - mean).powi(2));
-            let std = (squares.sum::<f64>() / number).sqrt();
-            let (min, max) = (quantile(&values, 0.0), quantile(&values, 1.0));
+            values.retain(|(_, times)| *times > 0);
+            values.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+            let number = values.iter().map(|(_, times)| times).sum::<u64>();
+            let mean_of = |term: &dyn Fn(f64) -> f64| {
+                let terms = values
+                    .iter()
+                    .map(|&(value, times)| times as f64 * term(value));
+                terms.sum::<f64>() / number as f64
+            };
+            let mean = mean_of(&|value| value);
+            let std = mean_of(&|value| (value - mean).powi(2)).sqrt();
+            let [min, max] = [0.0, 1.0].map(|share| quantile(&values, number, share));
             for (of_all, of_this) in stats.moments.iter_mut().zip([min, max, mean, std]) {
                 of_all.push(of_this);
             }
             for (of_all, (_, share)) in stats.quantiles.iter_mut().zip(QUANTILES) {
-                of_all.push(quantile(&values, share));
+                of_all.push(quantile(&values, number, share));
             }
         }
         stats
+    }
+
+    /// Makes of a statistic of one component that of equal components, in this shape.
+    pub fn repeat_in_shape(&mut self, shape: &[usize]) {
+        let size = shape.iter().product();
+        for numbers in self.moments.iter_mut().chain(&mut self.quantiles) {
+            *numbers = numbers.iter().copied().cycle().take(size).collect();
+        }
+        self.shape = shape.to_vec();
     }
 
     /// Takes in those of further frames of the same feature. As in LeRobot, quantiles become means of the episodes',
@@ -115,11 +136,19 @@ fn nested(shape: &[usize], numbers: &[f64]) -> Value {
     }
 }
 
-/// The quantile of `sorted` values, at least one, at a share from 0 to 1; between two values, on the line through them.
-fn quantile(sorted: &[f64], share: f64) -> f64 {
-    let place = share * sorted.len().saturating_sub(1) as f64;
+/// The quantile of `number` sorted values, at least one, each as often as it is there, at a share from 0 to 1; between two
+/// values, on the line through them.
+fn quantile(sorted: &[(f64, u64)], number: u64, share: f64) -> f64 {
+    let place = share * number.saturating_sub(1) as f64;
     let below = place.floor();
-    let at = |place: f64| sorted.get(place as usize).copied().unwrap_or(f64::NAN);
+    let at = |place: f64| {
+        let mut after = 0;
+        let found = sorted.iter().find(|(_, times)| {
+            after += times;
+            place < after as f64
+        });
+        found.map_or(f64::NAN, |(value, _)| *value)
+    };
     at(below) + (place - below) * (at(place.ceil()) - at(below))
 }
 
@@ -147,6 +176,12 @@ mod tests {
             "q01": [1.04], "q10": [1.4], "q50": [3.0], "q90": [4.6], "q99": [4.96],
         });
         assert_eq!(stats.json(), expected);
+        let mut counted = Stats::of_counted(2, vec![vec![(4.0, 1), (9.0, 0), (2.0, 3)]]);
+        counted.repeat_in_shape(&[3, 1, 1]);
+        let expected = json!([[[2.5]], [[2.5]], [[2.5]]]);
+        assert_eq!(counted.json()["mean"], expected);
+        assert_eq!(counted.json()["max"][2], json!([[4.0]]));
+        assert_eq!(counted.json()["q50"][0], json!([[2.0]]));
         let cube = nested(&[2, 1, 2], &[1.0, 2.0, 3.0, 4.0]);
         assert_eq!(cube, json!([[[1.0, 2.0]], [[3.0, 4.0]]]));
     }

@@ -3,11 +3,13 @@
 #![allow(dead_code, reason = "not every test program needs all of it")]
 
 use feeler::control::phase::Phase;
+use feeler::sensor::frame::Frame;
 use feeler_record::{
-    Command, Fingertip, Flags, Joints, MemoryRecorder, MessageSink, NO_ELEMENT, Recording,
-    RunFacts, Tactile, Task, TaskKind, TorqueSensor, topics,
+    Command, Fingertip, Flags, Image, Joints, MemoryRecorder, MessageSink, NO_ELEMENT,
+    RecordOptions, Recorder, Recording, RunFacts, Tactile, Task, TaskKind, TorqueSensor, topics,
 };
 use glam::{DQuat, DVec3};
+use std::path::{Path, PathBuf};
 
 pub const PERIOD: f64 = 0.01;
 
@@ -19,6 +21,8 @@ pub struct MadeUp {
     /// The first step at which forces are known.
     pub felt_from: usize,
     pub period: f64,
+    /// Columns and rows of pictures, px, if there are any.
+    pub pictures: Option<(usize, usize)>,
 }
 
 impl Default for MadeUp {
@@ -29,6 +33,7 @@ impl Default for MadeUp {
             steps: 20,
             felt_from: 0,
             period: PERIOD,
+            pictures: None,
         }
     }
 }
@@ -68,16 +73,36 @@ pub fn force(step: usize, finger: usize, element: usize) -> DVec3 {
     DVec3::new(number, -0.5 * number, 1.0 / (1.0 + number))
 }
 
-/// A recording of such a run: forces by [`force`], angles that say joint and step.
+/// A recording of such a run without pictures: forces by [`force`], angles that say joint and step.
 pub fn recording(made_up: &MadeUp) -> Recording {
     let mut recorder = MemoryRecorder::new(&facts(made_up)).unwrap();
+    record(&mut recorder, made_up);
+    recorder.into_recording()
+}
+
+/// The same in a file, with pictures by [`bar`].
+pub fn recording_file(made_up: &MadeUp, path: &Path) {
+    let options = RecordOptions {
+        pictures: made_up.pictures.is_some(),
+        ..RecordOptions::default()
+    };
+    let recorder = Recorder::create_with(path, &facts(made_up), "", &options);
+    let mut recorder = recorder.unwrap();
+    record(&mut recorder, made_up);
+    recorder.finish(None).unwrap();
+}
+
+fn record(recorder: &mut impl MessageSink, made_up: &MadeUp) {
     for step in 0..made_up.steps {
         let stamp = (step + 1) as f64 * made_up.period;
         for finger in 0..made_up.fingers {
-            if step >= made_up.felt_from {
-                touch(&mut recorder, made_up, (step, finger));
+            if let Some(size) = made_up.pictures {
+                see(recorder, (step, finger), stamp, size);
             }
-            move_finger(&mut recorder, (step, finger), stamp);
+            if step >= made_up.felt_from {
+                touch(recorder, made_up, (step, finger));
+            }
+            move_finger(recorder, (step, finger), stamp);
         }
         let torque = TorqueSensor {
             stamp,
@@ -97,10 +122,34 @@ pub fn recording(made_up: &MadeUp) -> Recording {
         };
         recorder.write(topics::TASK, &task).unwrap();
     }
-    recorder.into_recording()
 }
 
-fn touch(recorder: &mut MemoryRecorder, made_up: &MadeUp, (step, finger): (usize, usize)) {
+/// First column of the bright bar in a picture of `width`, px: one for each step and finger.
+pub fn bar(step: usize, finger: usize, width: usize) -> usize {
+    (8 * finger + 4 * step) % (width - BAR)
+}
+
+/// Columns of the bar, px.
+pub const BAR: usize = 8;
+
+fn see(
+    recorder: &mut impl MessageSink,
+    (step, finger): (usize, usize),
+    stamp: f64,
+    (width, height): (usize, usize),
+) {
+    let mut frame = Frame::black(width, height);
+    frame.stamp = stamp;
+    let first = bar(step, finger, width);
+    for row in frame.picture.pixels.chunks_mut(width) {
+        row[first..first + BAR].fill(255);
+    }
+    let mut image = Image::of_finger(finger);
+    image.fill(&frame).unwrap();
+    recorder.write(topics::image(finger), &image).unwrap();
+}
+
+fn touch(recorder: &mut impl MessageSink, made_up: &MadeUp, (step, finger): (usize, usize)) {
     let stamp = (step + 1) as f64 * made_up.period;
     let forces = (0..made_up.elements).map(|element| force(step, finger, element).into());
     let tactile = Tactile {
@@ -121,7 +170,7 @@ fn touch(recorder: &mut MemoryRecorder, made_up: &MadeUp, (step, finger): (usize
     recorder.write(topics::flags(finger), &flags).unwrap();
 }
 
-fn move_finger(recorder: &mut MemoryRecorder, (step, finger): (usize, usize), stamp: f64) {
+fn move_finger(recorder: &mut impl MessageSink, (step, finger): (usize, usize), stamp: f64) {
     let joints = Joints {
         stamp,
         position: [1.0, 2.0, 3.0].map(|joint| joint + 0.001 * step as f64),
@@ -145,8 +194,8 @@ fn move_finger(recorder: &mut MemoryRecorder, (step, finger): (usize, usize), st
 }
 
 /// A file for the test called `name`.
-pub fn path(name: &str) -> std::path::PathBuf {
-    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("export");
+pub fn path(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("export");
     std::fs::create_dir_all(&folder).unwrap();
     folder.join(name)
 }
