@@ -1,7 +1,7 @@
 //! Columns with their units and meanings, made of a recording's steps.
 
 use crate::columnar::{AnyCells, Cells, Column};
-use crate::steps::Step;
+use feeler_record::Step;
 use serde_json::{Value, json};
 
 /// A column, and what it is.

@@ -4,9 +4,9 @@ use super::data_set::Run;
 use super::mp4::Mp4;
 use super::stats::Stats;
 use crate::error::ExportError;
-use crate::steps::Step;
 use feeler::sensor::camera::Camera as _;
 use feeler::sensor::frame::Frame;
+use feeler_record::Step;
 use feeler_record::{RecordedCamera, Tactile};
 use rav1e::prelude::{
     ChromaSampling, Config, Context, EncoderConfig, EncoderStatus, PixelRange, Rational,
