@@ -69,7 +69,7 @@ impl<F: Read + Seek> RecordedCamera<F> {
         let Some(&at) = self.pictures.as_slice().first() else {
             return Ok(None);
         };
-        let picture = self.read(at).map_err(CameraError::Failed)?;
+        let picture = at.read(&mut self.file).map_err(CameraError::Failed)?;
         Ok(Some((picture.width, picture.height)))
     }
 

@@ -7,7 +7,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, Final, SupportsFloat, SupportsIndex, final
 
-__all__ = ["__version__", "Calibration", "FingerSense", "HandSense", "Layout", "Plan", "Recording", "RunOutcome", "Sensor", "Session", "calibrate_file", "calibrate_frames", "locate", "raise_flags", "read", "report", "run"]
+__all__ = ["__version__", "Calibration", "EnvironmentSpec", "FingerSense", "HandSense", "Layout", "ManyEnvironments", "Plan", "Recording", "RunOutcome", "Sensor", "Session", "SingleEnvironment", "Store", "Trials", "calibrate_file", "calibrate_frames", "locate", "raise_flags", "read_table", "report", "run", "simulate_loads"]
 
 __version__: Final[str]
 
@@ -34,6 +34,37 @@ class Calibration:
         Its errors, as text.
         """
     def to_toml(self, /) -> str: ...
+
+@final
+class EnvironmentSpec:
+    """
+    What an environment's numbers mean.
+    """
+    @property
+    def action_bounds(self, /) -> list[float]:
+        """
+        How large each number of an action can be before a limit changes it.
+        """
+    @property
+    def info_names(self, /) -> list[str]:
+        """
+        What is told beside the reward, with units.
+        """
+    @property
+    def max_steps(self, /) -> int:
+        """
+        Most control steps of an episode.
+        """
+    @property
+    def parts(self, /) -> list[list[tuple[str, str, int, int]]]:
+        """
+        Of each finger, parts of its observation: name, unit, first number, and the one after the last.
+        """
+    @property
+    def period(self, /) -> float:
+        """
+        Control period, s.
+        """
 
 @final
 class FingerSense:
@@ -158,6 +189,39 @@ class Layout:
     def warnings(self, /) -> list[str]: ...
 
 @final
+class ManyEnvironments:
+    """
+    Environments that step together, on threads.
+    """
+    def __new__(cls, /, experiment: str, settings: SupportsGetItem[int, str], vary: SupportsGetItem[int, str], action: str, count: SupportsIndex, threads: SupportsIndex, autoreset: str) -> ManyEnvironments: ...
+    def guide(self, /, actions: Incomplete) -> None:
+        """
+        Writes the actions [n, A] that follow the tasks' plans.
+        """
+    def last(self, /, index: SupportsIndex, observation: Incomplete, info: Incomplete) -> bool:
+        """
+        Writes the observation and info with which the episode of environment `index` ended, if the newest step ended it and
+        began another; whether it did.
+        """
+    def render(self, /, index: SupportsIndex, picture: Incomplete) -> None:
+        """
+        Draws the scene of environment `index` as it is into `picture` [H, W, 3].
+        """
+    def reset(self, /, seeds: SupportsGetItem[int, SupportsIndex | None], mask: Incomplete | None, results: tuple[Incomplete, Incomplete, Incomplete, Incomplete, Incomplete]) -> None:
+        """
+        Begins an episode in each environment, or in each for which `mask` has `true`.
+        """
+    def spec(self, /) -> EnvironmentSpec: ...
+    def step(self, /, actions: Incomplete, results: tuple[Incomplete, Incomplete, Incomplete, Incomplete, Incomplete]) -> None:
+        """
+        Makes a control step in each environment, with `actions` [n, A].
+        """
+    def stop_reason(self, /, index: SupportsIndex) -> str | None:
+        """
+        Why the hand of environment `index` was stopped, if it was.
+        """
+
+@final
 class Plan:
     """
     What a task wants of a finger.
@@ -190,6 +254,10 @@ class Recording:
     """
     What was read of a recording.
     """
+    def __new__(cls, /, path: str | PathLike[str]) -> Recording:
+        """
+        Reads the recording at `path`, as far as it goes.
+        """
     @property
     def columns(self, /) -> dict:
         """
@@ -203,7 +271,15 @@ class Recording:
     @property
     def digest(self, /) -> str: ...
     @property
-    def elements(self, /) -> int: ...
+    def elements(self, /) -> int:
+        """
+        Elements of the finger that has most.
+        """
+    @property
+    def end(self, /) -> tuple[str, str | None]:
+        """
+        How the run ended, and why, if it did not end as it should have.
+        """
     @property
     def experiment(self, /) -> str:
         """
@@ -211,17 +287,18 @@ class Recording:
         """
     @property
     def fingers(self, /) -> int: ...
+    def frame_count(self, /, finger: SupportsIndex) -> int:
+        """
+        Number of pictures on record of `finger`.
+        """
+    def frames(self, /, finger: SupportsIndex, start: SupportsIndex, stop: SupportsIndex) -> tuple[Incomplete, Incomplete]:
+        """
+        Pictures `start` to `stop` of `finger` [N, H, W], and their times [N], s.
+        """
     @property
     def problem(self, /) -> str | None:
         """
         What is wrong with it, if it is not.
-        """
-    @property
-    def reason(self, /) -> str | None: ...
-    @property
-    def state(self, /) -> str:
-        """
-        How the run ended, and why, if it did not end as it should have.
         """
 
 @final
@@ -318,6 +395,102 @@ class Session:
         Stops the hand, as `by` says.
         """
 
+@final
+class SingleEnvironment:
+    """
+    An experiment as episodes.
+    """
+    def __new__(cls, /, experiment: str, settings: SupportsGetItem[int, str], vary: SupportsGetItem[int, str], action: str) -> SingleEnvironment: ...
+    def guide(self, /, action: Incomplete) -> None:
+        """
+        Writes the action that follows the task's plan.
+        """
+    def render(self, /, picture: Incomplete) -> None:
+        """
+        Draws the scene as it is into `picture` [H, W, 3].
+        """
+    def reset(self, /, seed: SupportsIndex | None, observation: Incomplete, info: Incomplete) -> int:
+        """
+        Begins the episode of `seed`, or of one that follows from the last one given. Its seed.
+        """
+    def spec(self, /) -> EnvironmentSpec: ...
+    def step(self, /, action: Incomplete, observation: Incomplete, info: Incomplete) -> tuple[float, bool, bool]:
+        """
+        Makes a control step: reward, terminated, truncated.
+        """
+    def stop_reason(self, /) -> str | None:
+        """
+        Why the hand was stopped, if it was.
+        """
+
+@final
+class Store:
+    """
+    The folder of a sweep, open for rows.
+    """
+    def __new__(cls, /, folder: str | PathLike[str], trials: Trials, resume: bool) -> Store:
+        """
+        The new folder of `trials`, or with `resume` that in which they were stopped.
+        """
+    def finish(self, /) -> None:
+        """
+        Puts the sorted table in place of the growing one, and makes the page.
+        """
+    @property
+    def finished(self, /) -> int:
+        """
+        How many trials are finished.
+        """
+    def missing(self, /) -> list[int]:
+        """
+        The trials that are not finished.
+        """
+    def push(self, /, rows: bytes) -> None:
+        """
+        Takes in rows as `Trials.run` returns them.
+        """
+    def run(self, /, jobs: SupportsIndex | None, progress: Any | None) -> None:
+        """
+        Runs what is missing here, `jobs` trials at a time; one for each core if none are given. `progress` is called with the
+        number of finished trials, now and then.
+        """
+
+@final
+class Trials:
+    """
+    The trials of a sweep.
+    """
+    def __new__(cls, /, plan: str, folder: str | PathLike[str] | None) -> Trials:
+        """
+        The trials of a plan, the text of `sweep.toml`, on a machine where the files that it names are in `folder`, if it
+        names any.
+        """
+    @property
+    def count(self, /) -> int:
+        """
+        How many there are.
+        """
+    def files(self, /) -> dict:
+        """
+        The files that trials may read (bytes), by the name that the experiment has for each.
+        """
+    @property
+    def plan(self, /) -> str:
+        """
+        The text of `sweep.toml`.
+        """
+    @staticmethod
+    def planned(experiment: str, settings: SupportsGetItem[int, str], vary: SupportsGetItem[int, str], seed: SupportsIndex, count: SupportsIndex, resume: str | PathLike[str] | None) -> Trials:
+        """
+        `count` trials of `experiment` with `settings` that vary as `vary` says; those that were stopped in the folder
+        `resume`, if one is given, which must be the same.
+        """
+    def run(self, /, trials: SupportsGetItem[int, SupportsIndex], progress: Any | None = None) -> bytes:
+        """
+        Runs the trials of these numbers one after the other; their rows as a table with header (CSV). `progress` is called
+        with the number of finished ones, now and then.
+        """
+
 def calibrate_file(path: str | PathLike[str], how: Incomplete) -> Calibration:
     """
     Fits a calibration to the loads in the CSV file at `path`.
@@ -339,9 +512,9 @@ def raise_flags(force: Incomplete, stamps: Incomplete, thresholds: tuple[Support
     dr.
     """
 
-def read(path: str | PathLike[str]) -> Recording:
+def read_table(path: str | PathLike[str]) -> dict:
     """
-    Reads the recording at `path`, as far as it goes.
+    The columns of the table at `path` by name: arrays, or lists of words.
     """
 
 def report(folder: str | PathLike[str]) -> None:
@@ -353,4 +526,9 @@ def run(experiment: str, settings: SupportsGetItem[int, str], out: str | PathLik
     """
     Runs `experiment` with `settings` and records it in the folder `out`, or in one of its own in `runs`. `progress` is
     called with the simulated time, s, now and then.
+    """
+
+def simulate_loads(experiment: str, finger: SupportsIndex | None, combined: SupportsIndex, seed: SupportsIndex) -> tuple[Incomplete, Incomplete]:
+    """
+    Pictures of the simulated fingertip of `experiment` [N, H, W] under known loads [N, E, 3], N.
     """
