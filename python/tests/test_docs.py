@@ -6,10 +6,9 @@ import importlib.util
 import re
 from pathlib import Path
 
+import feeler
 import pytest
 from conftest import missing
-
-import feeler
 
 ROOT = Path(__file__).parents[2]
 BLOCK = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)

@@ -63,7 +63,7 @@ class Cluster:
         ConnectionError
             When there should be a cluster but is none.
         """
-        files = trials.files()
+        files: Mapping[str, bytes] = trials.files()
         if not ray.is_initialized():
             ray.init(include_dashboard=False, logging_level=logging.WARNING)
         self._task = ray.remote(max_retries=MAX_RETRIES)(run_trials)

@@ -114,7 +114,7 @@ class TactileEnv(gymnasium.Env[Observation, NDArray[np.float64]]):
             info["stop_reason"] = reason
         return self._spaces.observe(flat), reward, terminated, truncated, info
 
-    def render(self) -> NDArray[np.uint8] | None:  # type: ignore[override]
+    def render(self) -> NDArray[np.uint8] | None:
         """A picture of the scene: links, domes with their elements coloured by force, objects; uint8 [H, W, 3]."""
         if self.render_mode is None:
             return None
