@@ -138,7 +138,8 @@ impl SingleEnvironment {
         let rgb = picture.as_slice_mut()?;
         let mut guard = lock(&self.0)?;
         let environment = &mut *guard;
-        py.detach(move || environment.render(size, rgb)).map_err(refused)
+        py.detach(move || environment.render(size, rgb))
+            .map_err(refused)
     }
 
     /// Why the hand was stopped, if it was.

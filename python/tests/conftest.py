@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 from pathlib import Path
 
 import feeler
@@ -19,6 +20,16 @@ def missing(what: str) -> None:
     if os.environ.get("FEELER_REQUIRE_ALL") == "1":
         pytest.fail(f"{what} is missing, and FEELER_REQUIRE_ALL=1")
     pytest.skip(f"SKIPPED for want of {what}")
+
+
+def the_program() -> str:
+    """The program of this clone, or that which is installed."""
+    target = Path(os.environ.get("CARGO_TARGET_DIR", EXPERIMENTS.parents[2] / "target"))
+    built = [path for profile in ("debug", "release") if (path := target / profile / "feeler").exists()]
+    newest = max(built, key=lambda path: path.stat().st_mtime, default=shutil.which("feeler"))
+    if newest is None:
+        missing("the program feeler (cargo build -p feeler-cli)")
+    return str(newest)
 
 
 @pytest.fixture(scope="session")

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import importlib
 import importlib.util
 import re
+import subprocess
 from pathlib import Path
 
 import feeler
 import pytest
-from conftest import missing
+from conftest import missing, the_program
 
 ROOT = Path(__file__).parents[2]
 BLOCK = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 PAGES = [page for page in [ROOT / "python/README.md", *sorted((ROOT / "docs").glob("*.md"))] if BLOCK.search(page.read_text())]
+
+# What pages read that the program wrote.
+EXPORTS = {"data-sets.md": [["parquet", "runs/seven", "-o", "seven.parquet"], ["parquet", "runs/seven", "-o", "tables/"]]}
 
 
 def test_there_are_pages() -> None:
@@ -22,12 +27,19 @@ def test_there_are_pages() -> None:
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_code_runs(page: Path, closing: feeler.Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     code = BLOCK.findall(page.read_text())
-    if any('engine="ray"' in block for block in code) and importlib.util.find_spec("ray") is None:
+    uses_ray = any('engine="ray"' in block for block in code)
+    if uses_ray and importlib.util.find_spec("ray") is None:
         missing("ray")
     monkeypatch.chdir(tmp_path)
     # The run that pages read which do not make one.
     (tmp_path / "runs").mkdir()
     (tmp_path / "runs/seven").symlink_to(closing.folder)
+    for arguments in EXPORTS.get(page.name, []):
+        subprocess.run([the_program(), "export", *arguments], check=True)
     names: dict[str, object] = {"__name__": page.stem}
-    for number, block in enumerate(code):
-        exec(compile(block, f"{page.name}, block {number}", "exec"), names)
+    try:
+        for number, block in enumerate(code):
+            exec(compile(block, f"{page.name}, block {number}", "exec"), names)
+    finally:
+        if uses_ray:
+            importlib.import_module("ray").shutdown()

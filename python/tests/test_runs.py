@@ -33,7 +33,7 @@ def test_columns_are_read_only_and_flat_tables_hold_the_same(closing: feeler.Run
     for name in recording.COLUMNS:
         column = getattr(recording, name)
         assert len(column) == len(recording) and not column.flags.writeable, name
-    assert set(recording.phase) == {"search", "move", "release", "return", "done"}
+    assert set(recording.phase) == {"SEARCH", "MOVE", "RELEASE", "RETURN", "DONE"}
     pandas, polars = recording.to_pandas(), recording.to_polars()
     np.testing.assert_array_equal(pandas["finger1.force.40.z"], recording.force[:, 1, 40, 2])
     np.testing.assert_array_equal(polars["finger0.joint_position.2"], recording.joint_position[:, 0, 2])
@@ -93,7 +93,7 @@ def test_a_session_is_the_run(closing: feeler.Run) -> None:
         for finger, sense in enumerate(step.fingers):
             np.testing.assert_array_equal(sense.force, closing.recording.force[row, finger])
             np.testing.assert_array_equal(sense.joint_position, closing.recording.joint_position[row, finger])
-    assert row == len(closing.recording) - 1 and session.phase == "done" and session.run is None
+    assert row == len(closing.recording) - 1 and session.phase == "DONE" and session.run is None
 
 
 class PaperLaw:
@@ -153,21 +153,21 @@ class Squeeze(feeler.Task):
 
     def advance(self, hand: HandSense) -> None:
         grasp = min(finger.grasp_force for finger in hand.fingers)
-        if self.phase == "search" and grasp > 0.5:
-            self.force, self.phase = grasp, "release"
-        elif self.phase == "release" and not any(finger.touch for finger in hand.fingers):
-            self.phase, self.outcome = "done", "squeezed"
+        if self.phase == "SEARCH" and grasp > 0.5:
+            self.force, self.phase = grasp, "RELEASE"
+        elif self.phase == "RELEASE" and not any(finger.touch for finger in hand.fingers):
+            self.phase, self.outcome = "DONE", "squeezed"
 
     def plan(self, finger: int, hand: HandSense) -> Plan:
-        speed = {"search": 4e-3, "release": -4e-3}.get(self.phase, 0.0)
-        waits = self.phase == "search" and hand.fingers[finger].grasp_force > 0.6
+        speed = {"SEARCH": 4e-3, "RELEASE": -4e-3}.get(self.phase, 0.0)
+        waits = self.phase == "SEARCH" and hand.fingers[finger].grasp_force > 0.6
         return Plan(0.0 * self.approach[finger] if waits else speed * self.approach[finger], self.approach[finger])
 
 
 def test_a_task_in_python_runs_and_is_recorded(tmp_path: Path) -> None:
     session = feeler.Session("cap-closing", sensing="direct", task=Squeeze(), out=tmp_path / "squeeze")
     phases = [session.phase for _ in session]
-    assert phases[0] == "search" and "release" in phases and session.outcome == "squeezed"
+    assert phases[0] == "SEARCH" and "RELEASE" in phases and session.outcome == "squeezed"
     assert 0.5 < session.findings["force_n"] < 1.0
     assert session.run is not None and session.run.recording.state == "done"
 

@@ -12,7 +12,7 @@ from typing import Any
 import feeler
 import numpy as np
 import pytest
-from conftest import EXPERIMENTS, missing
+from conftest import EXPERIMENTS, the_program
 from feeler import _core
 from sweeping import driver, finished, same, short, wait_for
 
@@ -22,20 +22,10 @@ def swept(tmp_path_factory: pytest.TempPathFactory) -> feeler.Sweep:
     return short(tmp_path_factory.mktemp("sweeps") / "swept", trials=12)
 
 
-def program() -> str:
-    """The program of this clone, or that which is installed."""
-    target = Path(os.environ.get("CARGO_TARGET_DIR", EXPERIMENTS.parents[2] / "target"))
-    built = [path for profile in ("debug", "release") if (path := target / profile / "feeler").exists()]
-    newest = max(built, key=lambda path: path.stat().st_mtime, default=shutil.which("feeler"))
-    if newest is None:
-        missing("the program feeler (cargo build -p feeler-cli)")
-    return str(newest)
-
-
 def test_the_files_are_the_programs(swept: feeler.Sweep, tmp_path: Path) -> None:
     options = ["--sensing=direct", "--set=time_limit=4.0", "--seed=5", "--trials=12", "--jobs=1"]
     vary = ["--vary=friction=uniform(0.7,1.3)", "--vary=cap.radius=normal(0.014,0.0001)"]
-    command = [program(), "sweep", "cap-closing", *options, *vary, "-o=theirs"]
+    command = [the_program(), "sweep", "cap-closing", *options, *vary, "-o=theirs"]
     subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)
     same(tmp_path / "theirs", swept.folder)
 

@@ -21,7 +21,7 @@ from feeler.sensing import PathLike
 
 __all__ = ["FingerSense", "HandSense", "Law", "Phase", "Plan", "Session", "Step", "Task"]
 
-Phase = Literal["search", "move", "release", "return", "done", "stopped"]
+Phase = Literal["SEARCH", "MOVE", "RELEASE", "RETURN", "DONE", "STOPPED"]
 
 
 class Task:
@@ -31,8 +31,8 @@ class Task:
     hand and ends the session.
     """
 
-    phase: Phase = "search"
-    """Where the task stands; ``"done"`` ends the run."""
+    phase: Phase = "SEARCH"
+    """Where the task stands; ``"DONE"`` ends the run."""
     stroke: int = 1
     """How many times the fingers have begun to touch and release, from 1."""
     outcome: str | None = None

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import pandas
     import polars
 
-PHASES = ("search", "move", "release", "return", "done", "stopped")
+PHASES = ("SEARCH", "MOVE", "RELEASE", "RETURN", "DONE", "STOPPED")
 """Phases of a task, in the order of their numbers."""
 
 

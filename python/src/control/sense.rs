@@ -229,23 +229,11 @@ impl HandSense {
 pub fn phase(name: &str) -> PyResult<Phase> {
     let mut phases = Phase::ALL.into_iter();
     phases
-        .find(|phase| phase_name(*phase) == name)
+        .find(|phase| phase.to_string() == name)
         .ok_or_else(|| {
-            let names = Phase::ALL.map(phase_name).join(", ");
+            let names = Phase::ALL.map(|phase| phase.to_string()).join(", ");
             PyValueError::new_err(format!("phase = {name:?}: expected one of {names}"))
         })
-}
-
-/// What `phase` is called in Python.
-pub fn phase_name(phase: Phase) -> &'static str {
-    match phase {
-        Phase::Search => "search",
-        Phase::Move => "move",
-        Phase::Release => "release",
-        Phase::Return => "return",
-        Phase::Done => "done",
-        Phase::Stopped => "stopped",
-    }
 }
 
 fn python_bool(value: bool) -> &'static str {

@@ -1,7 +1,7 @@
 //! A run that Python steps.
 
 use super::own::{OwnLaw, OwnTask, Raised};
-use super::sense::{HandSense, Plan, phase_name};
+use super::sense::{HandSense, Plan};
 use crate::errors::{failed, refused};
 use crate::run::RunOutcome;
 use feeler_lab::config::Experiment;
@@ -130,12 +130,12 @@ impl Session {
     }
 
     /// Phase of the task, stroke, and why the hand was stopped, if it was.
-    fn stands(&self) -> PyResult<(&'static str, u32, Option<String>)> {
+    fn stands(&self) -> PyResult<(String, u32, Option<String>)> {
         let stepped = self.stepped()?;
         let controller = stepped.session.control_loop().controller();
         let reason = controller.stop_reason().map(ToString::to_string);
         let stroke = controller.task().stroke();
-        Ok((phase_name(controller.phase()), stroke, reason))
+        Ok((controller.phase().to_string(), stroke, reason))
     }
 
     /// What the task found out so far, by name, and what came of it.
