@@ -27,6 +27,9 @@ def test_there_are_pages() -> None:
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_code_runs(page: Path, closing: feeler.Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     code = BLOCK.findall(page.read_text())
+    if importlib.util.find_spec("lerobot") is None:
+        # It needs a newer Python than the oldest that the package is for.
+        code = [block for block in code if "from lerobot" not in block]
     uses_ray = any('engine="ray"' in block for block in code)
     if uses_ray and importlib.util.find_spec("ray") is None:
         missing("ray")
