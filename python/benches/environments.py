@@ -1,0 +1,91 @@
+"""Control steps per second of the environments, beside Gymnasium's own vector of CartPole.
+
+    python python/benches/environments.py [SECONDS]
+
+Each rate is the median of five rounds; the agent follows the task's plan, so that fingers are in contact as much as in a run.
+Only steps count, resets included, not what the agent takes.
+"""
+
+from __future__ import annotations
+
+import os
+import statistics
+import sys
+import time
+from collections.abc import Callable
+
+import gymnasium
+import numpy as np
+from feeler.gym import TactileEnv, TactileVectorEnv
+
+ROUNDS = 5
+
+
+def rate(steps: Callable[[], tuple[int, float]], seconds: float) -> float:
+    """Steps per second: the median of rounds of ``seconds`` each."""
+    rates = []
+    for _ in range(ROUNDS):
+        count, elapsed = 0, 0.0
+        while elapsed < seconds:
+            more, took = steps()
+            count, elapsed = count + more, elapsed + took
+        rates.append(count / elapsed)
+    return statistics.median(rates)
+
+
+def single(experiment: str) -> Callable[[], tuple[int, float]]:
+    """A step of one environment."""
+    env = TactileEnv(experiment)
+    env.reset(seed=1)
+
+    def steps() -> tuple[int, float]:
+        action = env.guide()
+        start = time.perf_counter()
+        _, _, terminated, truncated, _ = env.step(action)
+        if terminated or truncated:
+            env.reset()
+        return 1, time.perf_counter() - start
+
+    return steps
+
+
+def vector(envs: TactileVectorEnv) -> Callable[[], tuple[int, float]]:
+    """A step of all, whose episodes are at different places."""
+    envs.reset(seed=1)
+    delays = np.random.default_rng(0).integers(0, 1800, envs.num_envs)
+    for step in range(int(delays.max())):
+        envs.step(envs.guide() * (step >= delays)[:, np.newaxis])
+
+    def steps() -> tuple[int, float]:
+        action = envs.guide()
+        start = time.perf_counter()
+        envs.step(action)
+        return envs.num_envs, time.perf_counter() - start
+
+    return steps
+
+
+def main() -> None:
+    """Prints a line for each."""
+    seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 2.0
+    print(f"load before: {os.getloadavg()[0]:.1f}")
+    print(f"single, cap-closing: {rate(single('cap-closing'), seconds):,.0f} steps/s")
+    for threads in (1, 2):
+        envs = TactileVectorEnv(256, "cap-closing", threads=threads, copy=False)
+        print(f"vector of 256 on {threads} threads: {rate(vector(envs), seconds):,.0f} steps/s")
+        envs.close()
+    cart = gymnasium.make_vec("CartPole-v1", num_envs=256, vectorization_mode="sync")
+    cart.reset(seed=1)
+    action = np.zeros(256, dtype=np.int64)
+
+    def cart_steps() -> tuple[int, float]:
+        start = time.perf_counter()
+        cart.step(action)
+        return 256, time.perf_counter() - start
+
+    print(f"Gymnasium's vector of 256 CartPole: {rate(cart_steps, seconds):,.0f} steps/s")
+    print(f"load after: {os.getloadavg()[0]:.1f}")
+
+
+if __name__ == "__main__":
+    main()
