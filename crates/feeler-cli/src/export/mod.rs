@@ -31,7 +31,7 @@ enum Format {
 #[derive(Debug, clap::Args)]
 #[cfg_attr(
     not(feature = "export"),
-    expect(dead_code, reason = "nothing reads them")
+    allow(dead_code, reason = "nothing reads them")
 )]
 struct TableArguments {
     /// The runs' folders, or recordings.
@@ -47,7 +47,7 @@ struct TableArguments {
 #[derive(Debug, clap::Args)]
 #[cfg_attr(
     not(feature = "export"),
-    expect(dead_code, reason = "nothing reads them")
+    allow(dead_code, reason = "nothing reads them")
 )]
 struct DataSetArguments {
     /// The runs' folders, or recordings: of the same fingers and elements, and as many control steps per second.
