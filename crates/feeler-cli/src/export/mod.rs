@@ -29,10 +29,6 @@ enum Format {
 }
 
 #[derive(Debug, clap::Args)]
-#[cfg_attr(
-    not(feature = "export"),
-    allow(dead_code, reason = "nothing reads them")
-)]
 struct TableArguments {
     /// The runs' folders, or recordings.
     #[arg(required = true)]
@@ -45,10 +41,6 @@ struct TableArguments {
 }
 
 #[derive(Debug, clap::Args)]
-#[cfg_attr(
-    not(feature = "export"),
-    allow(dead_code, reason = "nothing reads them")
-)]
 struct DataSetArguments {
     /// The runs' folders, or recordings: of the same fingers and elements, and as many control steps per second.
     #[arg(required = true)]
