@@ -110,7 +110,6 @@ impl Sensor {
 
     /// Fills `force` [N, E, 3], `valid` [N, E], `gray` [N, E] and `displacement` [N, E, 2] with what is sensed in
     /// `frames` [N, H, W], on up to `threads` threads.
-    #[allow(clippy::too_many_arguments, reason = "one for each array")]
     fn sense(
         &self,
         py: Python<'_>,
