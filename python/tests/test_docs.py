@@ -34,6 +34,8 @@ def test_code_runs(page: Path, closing: feeler.Run, tmp_path: Path, monkeypatch:
     if uses_ray and importlib.util.find_spec("ray") is None:
         missing("ray")
     monkeypatch.chdir(tmp_path)
+    # Not a cluster that somebody left behind.
+    monkeypatch.setenv("RAY_ADDRESS", "local")
     # The run that pages read which do not make one.
     (tmp_path / "runs").mkdir()
     (tmp_path / "runs/seven").symlink_to(closing.folder)

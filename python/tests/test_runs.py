@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import os
 import signal
-import threading
-import time
 from pathlib import Path
 
 import feeler
@@ -74,13 +71,12 @@ def test_progress_is_told(tmp_path: Path) -> None:
 
 
 def test_ctrl_c_ends_a_run_and_keeps_its_recording(tmp_path: Path) -> None:
-    def interrupt() -> None:
-        time.sleep(0.3)
-        os.kill(os.getpid(), signal.SIGINT)
+    def interrupt(simulated: float) -> None:
+        if simulated > 0.05:
+            signal.raise_signal(signal.SIGINT)
 
-    threading.Thread(target=interrupt).start()
     with pytest.raises(KeyboardInterrupt):
-        feeler.run("cap-closing", sensing="image", out=tmp_path / "run")
+        feeler.run("cap-closing", sensing="image", out=tmp_path / "run", progress=interrupt)
     recording = feeler.read(tmp_path / "run/recording.mcap")
     assert recording.state == "interrupted" and len(recording) > 0
     assert feeler.report(tmp_path / "run").report_path.exists()
