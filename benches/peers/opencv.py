@@ -35,29 +35,50 @@ def fastest_us(work):
     return min(times)
 
 
+def read_table(folder, shape):
+    """Where in the picture each pixel of the dewarped squares comes from [H, W, 2], px."""
+    return numpy.fromfile(folder / "remap.f32", "<f4").reshape(*shape, 2)
+
+
+def square_corners(shape):
+    """Row and column of the first pixel of each element's square."""
+    across = shape[1] // SIDE
+    return [(e // across * SIDE, e % across * SIDE) for e in range(ELEMENTS)]
+
+
+def natural_pipeline(table):
+    """From a picture to the moments of all elements as one writes it down with OpenCV: remap, blur, threshold, moments."""
+    coarse, fine = cv2.convertMaps(table, None, cv2.CV_16SC2)
+    corners = square_corners(table.shape)
+    flat, smooth, bright = (numpy.empty(table.shape[:2], numpy.uint8) for _ in range(3))
+
+    def work(picture):
+        cv2.remap(picture, coarse, fine, cv2.INTER_LINEAR, dst=flat)
+        cv2.GaussianBlur(flat, (5, 5), 0, dst=smooth)
+        cv2.threshold(smooth, DARK_LEVEL, 255, cv2.THRESH_TOZERO, dst=bright)
+        return [cv2.moments(bright[y : y + SIDE, x : x + SIDE]) for y, x in corners]
+
+    return work
+
+
 def main(folder):
     cv2.setNumThreads(1)
     picture = cv2.imread(str(folder / "picture.pgm"), cv2.IMREAD_GRAYSCALE)
-    height, width = picture.shape
-    table = numpy.fromfile(folder / "remap.f32", "<f4").reshape(height, width, 2)
+    table = read_table(folder, picture.shape)
     # The fixed-point tables that OpenCV recommends for speed.
     coarse, fine = cv2.convertMaps(table, None, cv2.CV_16SC2)
-    across = width // SIDE
-    corners = [(e // across * SIDE, e % across * SIDE) for e in range(ELEMENTS)]
-    rows = (ELEMENTS + across - 1) // across * SIDE
+    corners = square_corners(picture.shape)
+    rows = corners[-1][0] + SIDE
     few_coarse, few_fine = coarse[:rows].copy(), fine[:rows].copy()
-    buffers = [numpy.empty_like(picture) for _ in range(3)]
+    buffer = numpy.empty_like(picture)
     few_buffers = [numpy.empty_like(picture[:rows]) for _ in range(2)]
+    work = natural_pipeline(table)
 
     def all_moments(image):
         return [cv2.moments(image[y : y + SIDE, x : x + SIDE]) for y, x in corners]
 
     def natural():
-        flat, smooth, bright = buffers
-        cv2.remap(picture, coarse, fine, cv2.INTER_LINEAR, dst=flat)
-        cv2.GaussianBlur(flat, (5, 5), 0, dst=smooth)
-        cv2.threshold(smooth, DARK_LEVEL, 255, cv2.THRESH_TOZERO, dst=bright)
-        return all_moments(bright)
+        return work(picture)
 
     def only_squares():
         flat, bright = few_buffers
@@ -72,8 +93,8 @@ def main(folder):
         return all_moments(bright)
 
     def no_dewarp():
-        cv2.threshold(picture, DARK_LEVEL, 255, cv2.THRESH_TOZERO, dst=buffers[0])
-        return all_moments(buffers[0])
+        cv2.threshold(picture, DARK_LEVEL, 255, cv2.THRESH_TOZERO, dst=buffer)
+        return all_moments(buffer)
 
     feeler = (folder / "feeler.txt").read_text()
     own, squares = (

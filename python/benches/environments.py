@@ -1,4 +1,4 @@
-"""Control steps per second of the environments, beside Gymnasium's own vector of CartPole.
+"""Control steps per second of the environments, beside EnvPool's HalfCheetah where it is installed, and Gymnasium's CartPole.
 
     python python/benches/environments.py [SECONDS]
 
@@ -65,6 +65,41 @@ def vector(envs: TactileVectorEnv) -> Callable[[], tuple[int, float]]:
     return steps
 
 
+def python_share(envs: TactileVectorEnv, seconds: float) -> float:
+    """Part of the time of a step that is spent in Python; steps with and without it by turns."""
+    envs.reset(seed=1)
+    took = {"step": 0.0, "native": 0.0}
+    end = time.perf_counter() + 2 * seconds
+    while time.perf_counter() < end:
+        for what in took:
+            action = envs.guide()
+            start = time.perf_counter()
+            if what == "step":
+                envs.step(action)
+            else:
+                envs._environments.step(action, envs._results)
+            took[what] += time.perf_counter() - start
+    return 1.0 - took["native"] / took["step"]
+
+
+def half_cheetah(threads: int) -> Callable[[], tuple[int, float]] | None:
+    """A step of EnvPool's vector of 256."""
+    try:
+        import envpool
+    except ImportError:
+        return None
+    envs = envpool.make("HalfCheetah-v5", env_type="gymnasium", num_envs=256, num_threads=threads)
+    envs.reset()
+    actions = np.random.default_rng(0).uniform(-1.0, 1.0, (256, 6))
+
+    def steps() -> tuple[int, float]:
+        start = time.perf_counter()
+        envs.step(actions)
+        return 256, time.perf_counter() - start
+
+    return steps
+
+
 def main() -> None:
     """Prints a line for each."""
     seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 2.0
@@ -73,7 +108,10 @@ def main() -> None:
     for threads in (1, 2):
         envs = TactileVectorEnv(256, "cap-closing", threads=threads, copy=False)
         print(f"vector of 256 on {threads} threads: {rate(vector(envs), seconds):,.0f} steps/s")
+        print(f"  of it in Python: {100.0 * python_share(envs, seconds):.1f} %")
         envs.close()
+        if cheetah := half_cheetah(threads):
+            print(f"EnvPool's vector of 256 HalfCheetah on {threads} threads: {rate(cheetah, seconds):,.0f} steps/s")
     cart = gymnasium.make_vec("CartPole-v1", num_envs=256, vectorization_mode="sync")
     cart.reset(seed=1)
     action = np.zeros(256, dtype=np.int64)

@@ -295,6 +295,7 @@ impl Chunk<'_> {
     ) -> Result<(), SensingError> {
         let elements = readings.len();
         let pictures = self.frames.chunks_exact(frames.length);
+        let mut rest = self.frames;
         let outputs = self.force.chunks_exact_mut(3 * elements);
         let outputs = outputs.zip(self.valid.chunks_exact_mut(elements));
         let outputs = outputs.zip(self.gray.chunks_exact_mut(elements));
@@ -305,7 +306,8 @@ impl Chunk<'_> {
                 height: frames.height,
                 pixels,
             };
-            chain.sense(&picture, readings)?;
+            rest = rest.get(frames.length..).unwrap_or(&[]);
+            chain.sense_ahead(&picture, rest, readings)?;
             let outputs = force.chunks_exact_mut(3).zip(valid).zip(gray);
             let outputs = outputs.zip(displacement.chunks_exact_mut(2));
             for (reading, (((force, valid), gray), moved)) in readings.iter().zip(outputs) {

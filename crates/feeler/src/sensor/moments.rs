@@ -143,6 +143,20 @@ impl MomentsKernel {
         picture: &Picture<P>,
         moments: &mut [ElementMoments],
     ) -> Result<(), MomentsError> {
+        self.measure_ahead(picture, &[], moments)
+    }
+
+    /// As [`Self::measure`], while the pixels of the `next` picture come into the cache: worth it where pictures wait in memory one after
+    /// the other. Which `next` is given changes no result.
+    ///
+    /// # Errors
+    /// As [`Self::measure`].
+    pub fn measure_ahead<P: AsRef<[u8]>>(
+        &self,
+        picture: &Picture<P>,
+        next: &[u8],
+        moments: &mut [ElementMoments],
+    ) -> Result<(), MomentsError> {
         if moments.len() != self.elements.len() {
             return Err(MomentsError::ElementCount {
                 expected: self.elements.len(),
@@ -161,7 +175,7 @@ impl MomentsKernel {
                 pixels,
             });
         }
-        self.instructions.measure(self, gray, moments);
+        self.instructions.measure(self, gray, next, moments);
         Ok(())
     }
 }

@@ -222,8 +222,22 @@ impl SensingChain {
         picture: &Picture<P>,
         readings: &mut [ElementReading],
     ) -> Result<(), SensingError> {
+        self.sense_ahead(picture, &[], readings)
+    }
+
+    /// As [`Self::sense`], while the pixels of the `next` picture come into the cache: worth it where pictures wait in memory one after the
+    /// other ([`MomentsKernel::measure_ahead`]).
+    ///
+    /// # Errors
+    /// As [`Self::sense`].
+    pub fn sense_ahead<P: AsRef<[u8]>>(
+        &mut self,
+        picture: &Picture<P>,
+        next: &[u8],
+        readings: &mut [ElementReading],
+    ) -> Result<(), SensingError> {
         check_count("readings", self.element_count(), readings.len())?;
-        self.measure(picture)?;
+        self.measure(picture, next)?;
         for (element, (reading, moments)) in readings.iter_mut().zip(&self.moments).enumerate() {
             let exposure = self.exposure(picture, element, moments);
             let lit = moments.integrated_gray > 0.0;
@@ -256,7 +270,7 @@ impl SensingChain {
         if actual != expected {
             return Err(MomentsError::ElementCount { expected, actual });
         }
-        self.measure(picture)?;
+        self.measure(picture, &[])?;
         for (element, (force, moments)) in forces.iter_mut().zip(&self.moments).enumerate() {
             let exposure = self.exposure(picture, element, moments);
             *force = self.force(element, moments, exposure).unwrap_or(NO_FORCE);
@@ -296,8 +310,13 @@ impl SensingChain {
         elements.map(|(element, moments)| element.validity(moments))
     }
 
-    fn measure<P: AsRef<[u8]>>(&mut self, picture: &Picture<P>) -> Result<(), MomentsError> {
-        self.kernel.measure(picture, &mut self.moments)?;
+    fn measure<P: AsRef<[u8]>>(
+        &mut self,
+        picture: &Picture<P>,
+        next: &[u8],
+    ) -> Result<(), MomentsError> {
+        self.kernel
+            .measure_ahead(picture, next, &mut self.moments)?;
         if let Some(drift) = &mut self.drift {
             drift.correct(&mut self.moments);
         }

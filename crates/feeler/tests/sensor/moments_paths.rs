@@ -108,6 +108,12 @@ proptest! {
         for instructions in Instructions::available() {
             let moments = measure(&kernel.clone().with_instructions(instructions), &picture);
             prop_assert_eq!(&moments, &portable, "{:?}", instructions);
+            // What waits in memory behind the picture changes nothing, however much it is.
+            let (mut moments, kernel) = (moments, kernel.clone().with_instructions(instructions));
+            for next in [&picture.pixels[..], &picture.pixels[..picture.pixels.len() / 2]] {
+                kernel.measure_ahead(&picture, next, &mut moments).unwrap();
+                prop_assert_eq!(&moments, &portable, "{:?}", instructions);
+            }
         }
         for (moments, region) in portable.iter().zip(&regions) {
             let (gray, first) = plain(&picture, dark_level, region);

@@ -44,26 +44,27 @@ impl Instructions {
         }
     }
 
-    /// Takes the moments of all elements in `pixels`, as far as there is place for them; without
-    /// the instructions, in the portable way.
+    /// Takes the moments of all elements in `pixels`, as far as there is place for them, while `next` comes into the cache;
+    /// without the instructions, in the portable way.
     pub(super) fn measure(
         self,
         kernel: &MomentsKernel,
         pixels: &[u8],
+        next: &[u8],
         moments: &mut [ElementMoments],
     ) {
         match self {
             #[cfg(target_arch = "x86_64")]
             // SAFETY: the guard has found the instructions on this processor.
             Self::Avx512Vnni if self.are_available() => unsafe {
-                super::x86::avx512_vnni(kernel, pixels, moments);
+                super::x86::avx512_vnni(kernel, pixels, next, moments);
             },
             #[cfg(target_arch = "x86_64")]
             // SAFETY: the guard has found the instructions on this processor.
             Self::Avx2 if self.are_available() => unsafe {
-                super::x86::avx2(kernel, pixels, moments);
+                super::x86::avx2(kernel, pixels, next, moments);
             },
-            _ => sum::plain::<4>(kernel, pixels, moments),
+            _ => sum::plain::<4>(kernel, pixels, next, moments),
         }
     }
 }

@@ -21,16 +21,26 @@ const FACTORS: [i32; 4] = {
 
 /// Takes the moments with AVX-512: 64 pixels to an instruction.
 #[target_feature(enable = "avx512f,avx512bw,avx512vnni")]
-pub(super) fn avx512_vnni(kernel: &MomentsKernel, pixels: &[u8], moments: &mut [ElementMoments]) {
-    all_elements(kernel, pixels, moments, |rows, weights, totals| {
+pub(super) fn avx512_vnni(
+    kernel: &MomentsKernel,
+    pixels: &[u8],
+    next: &[u8],
+    moments: &mut [ElementMoments],
+) {
+    all_elements(kernel, pixels, next, moments, |rows, weights, totals| {
         avx512_add_tile(rows, weights, totals);
     });
 }
 
 /// Takes the moments with AVX2: 32 pixels to an instruction.
 #[target_feature(enable = "avx2")]
-pub(super) fn avx2(kernel: &MomentsKernel, pixels: &[u8], moments: &mut [ElementMoments]) {
-    plain::<8>(kernel, pixels, moments);
+pub(super) fn avx2(
+    kernel: &MomentsKernel,
+    pixels: &[u8],
+    next: &[u8],
+    moments: &mut [ElementMoments],
+) {
+    plain::<8>(kernel, pixels, next, moments);
 }
 
 #[inline]

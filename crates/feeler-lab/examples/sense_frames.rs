@@ -1,0 +1,52 @@
+//! How long it takes to sense a frame of a long batch in memory, one core: what `python/benches/sensing.py` holds `Fingertip.sense` against.
+//!
+//! `cargo run --release --example sense_frames -- FRAMES.raw CALIBRATION.toml`: pictures of the calibration's fingertip, 8 bit, one after the
+//! other. Prints the median of some rounds over all of them, us a frame.
+
+use feeler::sensor::{
+    calibration::Calibration,
+    exposure::DEFAULT_MAX_SATURATED,
+    frame::Picture,
+    sensing::{ElementReading, SensingChain},
+};
+use feeler_lab::sensor::SensorGeometry;
+use std::{error::Error, fs, hint::black_box, time::Instant};
+
+const ROUNDS: usize = 11;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut args = std::env::args().skip(1);
+    let (Some(frames), Some(calibration)) = (args.next(), args.next()) else {
+        return Err("usage: sense_frames FRAMES.raw CALIBRATION.toml".into());
+    };
+    let frames = fs::read(frames)?;
+    let calibration = Calibration::from_toml(&fs::read_to_string(calibration)?)?;
+    let fingertip = calibration.made_for.fingertip.as_ref();
+    let geometry =
+        SensorGeometry::of_fingertip(fingertip.ok_or("a calibration of a fingertip is needed")?)?;
+    let (kernel, regions) = (geometry.kernel, &geometry.regions);
+    let chain = SensingChain::new(geometry.size, kernel, regions, DEFAULT_MAX_SATURATED)?;
+    let mut chain = chain.with_calibration(calibration)?;
+
+    let (width, height) = geometry.size;
+    let mut readings = vec![ElementReading::default(); chain.element_count()];
+    let mut times = Vec::with_capacity(ROUNDS);
+    for _ in 0..ROUNDS {
+        let start = Instant::now();
+        let mut rest = &frames[..];
+        while let Some((pixels, next)) = rest.split_at_checked(width * height) {
+            let picture = Picture {
+                width,
+                height,
+                pixels,
+            };
+            chain.sense_ahead(&picture, next, black_box(&mut readings))?;
+            rest = next;
+        }
+        let count = frames.len() / (width * height);
+        times.push(1e6 * start.elapsed().as_secs_f64() / count as f64);
+    }
+    times.sort_by(f64::total_cmp);
+    println!("{:.2}", times[ROUNDS / 2]);
+    Ok(())
+}

@@ -1,0 +1,80 @@
+"""Time of ``Fingertip.sense`` for a frame, beside the same in Rust and OpenCV's natural pipeline, all on the same frames.
+
+    python python/benches/sensing.py [FRAMES]
+
+Needs a clone with Rust and opencv-python-headless. The frames are more than processor caches hold, as those of a recording are.
+"""
+
+from __future__ import annotations
+
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import cv2
+import feeler
+import numpy as np
+
+ROOT = Path(__file__).parents[2]
+sys.path.insert(0, str(ROOT / "benches" / "peers"))
+import opencv  # noqa: E402
+
+CALIBRATION = ROOT / "crates" / "feeler-lab" / "experiments" / "reference-fingertip.calibration.toml"
+ROUNDS = 11
+
+
+def time_us(work: Callable[[], Any], frames: int, rounds: int = ROUNDS) -> float:
+    """Median time for a frame, us."""
+    work()
+    times = []
+    for _ in range(rounds):
+        start = time.perf_counter()
+        work()
+        times.append(1e6 * (time.perf_counter() - start) / frames)
+    return statistics.median(times)
+
+
+def rust_example(name: str, *arguments: Path) -> str:
+    """What an example of the Rust crates prints."""
+    command = ["cargo", "run", "--release", "--quiet", "-p", "feeler-lab", "--example", name, "--", *map(str, arguments)]
+    return subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout
+
+
+def main(count: int) -> None:
+    """Measures and prints."""
+    pictures, _ = feeler.simulate_loads(loads=60)
+    frames = np.resize(pictures, (count, *pictures.shape[1:]))
+    tip = feeler.Fingertip.load(CALIBRATION)
+    out = feeler.Felt.empty(count, tip.element_count)
+
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        frames.tofile(folder / "frames.raw")
+        rust_example("moments_speed", folder)  # the table that dewarps
+        table = opencv.read_table(folder, frames.shape[1:])
+        rust = float(rust_example("sense_frames", folder / "frames.raw", CALIBRATION))
+
+    one = time_us(lambda: tip.sense(frames, threads=1, out=out), count)
+    two = time_us(lambda: tip.sense(frames, threads=2, out=out), count)
+    cached = frames[:4]
+    few = time_us(lambda: [tip.sense(cached, threads=1) for _ in range(100)], 100 * len(cached))
+    cv2.setNumThreads(1)
+    natural = opencv.natural_pipeline(table)
+    some = frames[: min(count, 100)]
+    peer = time_us(lambda: [natural(frame) for frame in some], len(some), rounds=5)
+
+    print(f"{count} frames of {frames.shape[2]}x{frames.shape[1]}, {frames.nbytes / 1e6:.0f} MB; OpenCV {cv2.__version__}")
+    print(f"Rust, one thread               {rust:8.1f} us a frame")
+    print(f"Fingertip.sense, one thread    {one:8.1f} us a frame, {one / rust:.2f} times Rust's")
+    print(f"Fingertip.sense, two threads   {two:8.1f} us a frame, {one / two:.2f} times as fast as one")
+    print(f"Fingertip.sense, 4 frames      {few:8.1f} us a frame, in the processor's cache, flags and new arrays included")
+    print(f"OpenCV's natural pipeline      {peer:8.1f} us a frame, {peer / one:.0f} times as long")
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]) if len(sys.argv) > 1 else 512)
