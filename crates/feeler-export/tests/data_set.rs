@@ -3,9 +3,10 @@
 mod support;
 
 use feeler_export::ExportError;
-use feeler_export::lerobot::{DataSet, Run, Watch};
+use feeler_export::lerobot::{DataSet, FileSizes, Run, Watch};
 use feeler_record::Recording;
 use parquet::file::reader::{FileReader, SerializedFileReader};
+use parquet::record::Field;
 use serde_json::{Value, json};
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
@@ -178,6 +179,53 @@ fn pictures_of_any_size_from_sixteen_are_written() {
         let video = folder.join("videos/observation.images.finger_0/chunk-000/file-000.mp4");
         assert!(fs::metadata(video).unwrap().len() > 500);
     }
+}
+
+#[test]
+fn a_full_file_is_followed_by_another() {
+    let folder = folder("full-files");
+    let made_up = MadeUp {
+        steps: 3,
+        pictures: Some((16, 16)),
+        ..MadeUp::default()
+    };
+    let file = path("full-files.mcap");
+    recording_file(&made_up, &file);
+    let recording = Recording::read(&file).unwrap();
+    // Full with the first episode in it.
+    let sizes = FileSizes { data: 0, videos: 0 };
+    let mut set = DataSet::new(&folder).with_file_sizes(sizes);
+    for name in ["first", "second", "third"] {
+        add_file(&mut set, name, &recording, &file).unwrap();
+    }
+    set.finish().unwrap();
+    let parquet =
+        |name: &str| SerializedFileReader::new(File::open(folder.join(name)).unwrap()).unwrap();
+    let episodes = parquet("meta/episodes/chunk-000/file-000.parquet");
+    for (index, row) in episodes.get_row_iter(None).unwrap().enumerate() {
+        let row = row.unwrap().into_columns();
+        let cell = |name: String| {
+            row.iter()
+                .find(|(own, _)| *own == name)
+                .map(|(_, cell)| cell)
+        };
+        for of in ["data", "videos/observation.images.finger_0"] {
+            assert_eq!(
+                cell(format!("{of}/file_index")),
+                Some(&Field::Long(index as i64))
+            );
+        }
+        // Each begins its file.
+        let from = "videos/observation.images.finger_0/from_timestamp";
+        assert_eq!(cell(from.into()), Some(&Field::Double(0.0)));
+        let data = parquet(&format!("data/chunk-000/file-{index:03}.parquet"));
+        assert_eq!(data.metadata().file_metadata().num_rows(), 3);
+        let video = format!("videos/observation.images.finger_0/chunk-000/file-{index:03}.mp4");
+        assert!(fs::metadata(folder.join(video)).unwrap().len() > 500);
+    }
+    assert_eq!(episodes.metadata().file_metadata().num_rows(), 3);
+    let info = json_of(&folder.join("meta/info.json"));
+    assert_eq!(info["data_files_size_in_mb"], json!(0));
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use super::episode::{features, frame_rate, frames};
 use super::feature::{Feature, Values};
-use super::meta::{self, DATA_FILE_MB, Episode, MEGABYTE, file_path};
+use super::meta::{self, Episode, FileSizes, file_path};
 use super::video::{Watch, cameras};
 use super::videos::{Videos, create};
 use crate::columnar::{Column, ParquetFile};
@@ -44,6 +44,7 @@ pub struct DataSet {
     folder: PathBuf,
     /// Rate, and description of the features, by the first run.
     kind: Option<(u32, Map<String, Value>)>,
+    sizes: FileSizes,
     data: Option<DataFile>,
     videos: Videos,
     tasks: Vec<String>,
@@ -62,11 +63,18 @@ impl DataSet {
         Self {
             folder: folder.to_path_buf(),
             kind: None,
+            sizes: FileSizes::default(),
             data: None,
             videos: Videos::new(folder),
             tasks: Vec::new(),
             episodes: Vec::new(),
         }
+    }
+
+    /// With files of other sizes than LeRobot's own.
+    #[must_use]
+    pub fn with_file_sizes(self, sizes: FileSizes) -> Self {
+        Self { sizes, ..self }
     }
 
     /// Adds a run as the next episode: how many frames it has.
@@ -100,7 +108,7 @@ impl DataSet {
             stats.insert(feature.key.clone(), feature.stats());
         }
         let mut videos = BTreeMap::new();
-        for video in self.videos.add(cameras, watch)? {
+        for video in self.videos.add(cameras, self.sizes, watch)? {
             stats.insert(video.key.clone(), video.stats);
             videos.insert(video.key, video.place);
         }
@@ -129,7 +137,13 @@ impl DataSet {
         }
         self.videos.finish()?;
         let (rate, features) = self.kind.unwrap_or_default();
-        let info = meta::info(rate, &features, &self.episodes, self.tasks.len());
+        let info = meta::info(
+            rate,
+            &features,
+            &self.episodes,
+            self.tasks.len(),
+            self.sizes,
+        );
         write_json(
             &self.folder.join("meta/stats.json"),
             &meta::stats(&self.episodes),
@@ -191,7 +205,8 @@ impl DataSet {
 
     /// Writes the rows of an episode: the number of the file that they are in.
     fn write_rows(&mut self, columns: &[Column]) -> Result<usize, ExportError> {
-        let is_full = |data: &mut DataFile| data.file.size() >= DATA_FILE_MB * MEGABYTE;
+        let sizes = self.sizes;
+        let is_full = |data: &mut DataFile| sizes.is_full_of_data(data.file.size());
         let mut number = 0;
         if let Some(full) = self.data.take_if(is_full) {
             number = full.number + 1;

@@ -10,12 +10,41 @@ use std::collections::BTreeMap;
 const FORMAT: &str = "v3.0";
 /// What LeRobot shall call the robot.
 const ROBOT: &str = "feeler";
-/// Most files in a folder, and how large a file of rows or pictures shall get, MB: LeRobot's own defaults.
+/// Most files in a folder: LeRobot's own default.
 const FILES_OF_A_CHUNK: usize = 1000;
-pub(crate) const DATA_FILE_MB: usize = 100;
-pub(crate) const VIDEO_FILE_MB: usize = 200;
 /// Bytes of what LeRobot calls a megabyte.
-pub(crate) const MEGABYTE: usize = 1 << 20;
+const MEGABYTE: usize = 1 << 20;
+
+/// How large a file gets before the next episode begins another one, MB of 2^20 bytes. An episode is never divided.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct FileSizes {
+    /// A file of rows.
+    pub data: usize,
+    /// A file of one camera's pictures.
+    pub videos: usize,
+}
+
+impl Default for FileSizes {
+    /// LeRobot's own.
+    fn default() -> Self {
+        Self {
+            data: 100,
+            videos: 200,
+        }
+    }
+}
+
+impl FileSizes {
+    /// Whether a file of rows of so many bytes takes no further episode.
+    pub(crate) fn is_full_of_data(self, bytes: usize) -> bool {
+        bytes >= self.data * MEGABYTE
+    }
+
+    /// Whether a file of pictures of so many bytes takes no further episode.
+    pub(crate) fn is_full_of_video(self, bytes: u64) -> bool {
+        bytes >= (self.videos * MEGABYTE) as u64
+    }
+}
 
 /// Where the file of this number is, by the folder it is in and its extension.
 pub(crate) fn file_path(folder: &str, number: usize, extension: &str) -> String {
@@ -65,6 +94,7 @@ pub(crate) fn info(
     features: &Map<String, Value>,
     episodes: &[Episode],
     tasks: usize,
+    sizes: FileSizes,
 ) -> Value {
     let has_videos = episodes.iter().any(|episode| !episode.videos.is_empty());
     let chunk = "chunk-{chunk_index:03d}/file-{file_index:03d}";
@@ -77,8 +107,8 @@ pub(crate) fn info(
         "total_frames": episodes.iter().map(|episode| episode.length).sum::<usize>(),
         "total_tasks": tasks,
         "chunks_size": FILES_OF_A_CHUNK,
-        "data_files_size_in_mb": DATA_FILE_MB,
-        "video_files_size_in_mb": VIDEO_FILE_MB,
+        "data_files_size_in_mb": sizes.data,
+        "video_files_size_in_mb": sizes.videos,
         "splits": { "train": format!("0:{}", episodes.len()) },
         "data_path": format!("data/{chunk}.parquet"),
         "video_path": has_videos.then(|| format!("videos/{{video_key}}/{chunk}.mp4")),

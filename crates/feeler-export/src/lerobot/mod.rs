@@ -10,4 +10,5 @@ mod video;
 mod videos;
 
 pub use data_set::{DataSet, Run};
+pub use meta::FileSizes;
 pub use video::Watch;

@@ -1,6 +1,6 @@
 //! The files of a data set's videos.
 
-use super::meta::{MEGABYTE, VIDEO_FILE_MB, VideoPlace, file_path};
+use super::meta::{FileSizes, VideoPlace, file_path};
 use super::mp4::Mp4;
 use super::stats::Stats;
 use super::video::{Camera, Watch};
@@ -48,11 +48,12 @@ impl Videos {
     pub fn add(
         &mut self,
         cameras: Vec<Camera<'_>>,
+        sizes: FileSizes,
         watch: Watch<'_>,
     ) -> Result<Vec<Written>, ExportError> {
         let mut work = Vec::new();
         for camera in cameras {
-            let file = self.take_file(&camera)?;
+            let file = self.take_file(&camera, sizes)?;
             work.push((camera, file));
         }
         let encode = |(camera, mut file): (Camera<'_>, VideoFile)| {
@@ -89,10 +90,14 @@ impl Videos {
     }
 
     /// The file for the pictures of a camera: the one of before, or a new one where there is none or it is full.
-    fn take_file(&mut self, camera: &Camera<'_>) -> Result<VideoFile, ExportError> {
+    fn take_file(
+        &mut self,
+        camera: &Camera<'_>,
+        sizes: FileSizes,
+    ) -> Result<VideoFile, ExportError> {
         let before = self.files.remove(&camera.key);
         let number = match before {
-            Some(file) if file.video.size() < (VIDEO_FILE_MB * MEGABYTE) as u64 => return Ok(file),
+            Some(file) if !sizes.is_full_of_video(file.video.size()) => return Ok(file),
             Some(full) => {
                 let next = full.number + 1;
                 full.finish()?;
