@@ -9,6 +9,7 @@ mod errors;
 mod flags;
 mod interrupt;
 mod layout;
+mod places;
 mod recording;
 mod run;
 mod sensing;

@@ -4,12 +4,17 @@ use crate::calibration::Calibration;
 use crate::errors::refused;
 use crate::interrupt::interruptible;
 use crate::layout::Layout;
+use crate::places::Places;
 use feeler::sensor::drift::DriftConfig;
 use feeler::sensor::exposure::Exposure;
 use feeler::sensor::frame::Picture;
 use feeler::sensor::sensing::{ElementReading, Reference, SensingChain, SensingError};
+use feeler_lab::config::Experiment;
 use feeler_lab::sensor::SensorGeometry;
-use numpy::{PyReadonlyArray3, PyReadwriteArray2, PyReadwriteArray3, PyUntypedArrayMethods as _};
+use numpy::{
+    PyArray1, PyArray2, PyArray3, PyArrayMethods as _, PyReadonlyArray3, PyReadwriteArray2,
+    PyReadwriteArray3, PyUntypedArrayMethods as _,
+};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -30,6 +35,7 @@ pub struct Sensor {
     template: SensingChain,
     /// Whether what is sensed depends on the frames before.
     in_order: bool,
+    places: Places,
 }
 
 #[pymethods]
@@ -45,7 +51,7 @@ impl Sensor {
         drift_correction: bool,
         max_saturated: f64,
     ) -> PyResult<Self> {
-        let geometry = geometry(calibration, layout, experiment, finger)?;
+        let (geometry, places) = geometry(calibration, layout, experiment, finger)?;
         let SensorGeometry {
             size,
             kernel,
@@ -69,6 +75,7 @@ impl Sensor {
             chains: Mutex::new(vec![chain.clone()]),
             template: chain,
             in_order: drift_correction,
+            places,
         })
     }
 
@@ -88,6 +95,33 @@ impl Sensor {
         self.template.is_calibrated()
     }
 
+    /// Column and row of each element's centre, px [E, 2].
+    fn centres<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let centres = self.places.centres.iter().map(|c| c.to_array().to_vec());
+        Ok(PyArray2::from_vec2(py, &centres.collect::<Vec<_>>())?)
+    }
+
+    /// Tip of each unloaded feeler, m, in `T` [E, 3]; none if the dome is not known.
+    fn tips<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
+        let Some(elements) = &self.places.on_dome else {
+            return Ok(None);
+        };
+        let tips = elements.iter().map(|e| e.tip.to_array().to_vec());
+        Ok(Some(PyArray2::from_vec2(py, &tips.collect::<Vec<_>>())?))
+    }
+
+    /// From each element's frame `E_i` to `T` [E, 3, 3]; none if the dome is not known.
+    fn rotations<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray3<f64>>>> {
+        let Some(elements) = &self.places.on_dome else {
+            return Ok(None);
+        };
+        let rows = elements
+            .iter()
+            .flat_map(|e| e.rotation.transpose().to_cols_array());
+        let flat = PyArray1::from_iter(py, rows);
+        Ok(Some(flat.reshape([elements.len(), 3, 3])?))
+    }
+
     /// The same sensor, whose displacements count from the mean centroids in `frames` [N, H, W].
     fn with_reference(&self, frames: PyReadonlyArray3<'_, u8>) -> PyResult<Self> {
         let frames = Frames::of(&frames, self.picture_size())?;
@@ -105,6 +139,7 @@ impl Sensor {
             chains: Mutex::new(vec![chain.clone()]),
             template: chain,
             in_order: self.in_order,
+            places: self.places.clone(),
         })
     }
 
@@ -202,19 +237,27 @@ fn geometry(
     layout: Option<&Layout>,
     experiment: Option<&str>,
     finger: Option<usize>,
-) -> PyResult<SensorGeometry> {
+) -> PyResult<(SensorGeometry, Places)> {
+    if let Some(Layout { layout, .. }) = layout {
+        let geometry = SensorGeometry::of_layout(layout).map_err(refused)?;
+        return Ok((geometry, Places::of_layout(layout)));
+    }
     let fingertip = calibration.and_then(|Calibration(c)| c.made_for.fingertip.as_ref());
-    let geometry = match (layout, experiment, fingertip) {
-        (Some(Layout { layout, .. }), ..) => SensorGeometry::of_layout(layout),
-        (None, Some(name), _) => SensorGeometry::of_experiment(name, finger),
-        (None, None, Some(fingertip)) => SensorGeometry::of_fingertip(fingertip),
-        (None, None, None) => {
+    let loaded = experiment
+        .map(|name| Experiment::load(name, &[]))
+        .transpose();
+    let loaded = loaded.map_err(refused)?;
+    let config = match (&loaded, fingertip) {
+        (Some(experiment), _) => experiment.fingertip(finger).map_err(refused)?,
+        (None, Some(fingertip)) => fingertip,
+        (None, None) => {
             return Err(PyValueError::new_err(
                 "the calibration was made for a layout that was located; expected that layout, as in layout=\"my.layout.toml\"",
             ));
         }
     };
-    geometry.map_err(refused)
+    let geometry = SensorGeometry::of_fingertip(config).map_err(refused)?;
+    Ok((geometry, Places::of_fingertip(config)?))
 }
 
 /// Pictures side by side in memory.

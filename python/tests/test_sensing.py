@@ -161,3 +161,33 @@ def test_calibrations_are_read_and_written(tmp_path: Path) -> None:
         feeler.Fingertip.load(tmp_path / "none.toml")
     with pytest.raises(ValueError, match="calibration, a layout or an experiment"):
         feeler.Fingertip()
+
+
+def test_a_fingertip_says_where_its_elements_are(tip: feeler.Fingertip) -> None:
+    session = feeler.Session("cap-closing", seed=7, sensing="direct")
+    finger = next(step for step in session if session.phase == "MOVE").fingers[0]
+    assert finger.touch and np.linalg.norm(finger.resultant) > 0.5
+    # What the control loop takes the resultant with, in the world.
+    np.testing.assert_allclose(tip.rotations[:, :, 2] @ finger.rotation.T, finger.normal, atol=1e-12)
+    in_world = tip.force_on_fingertip(finger.force).sum(axis=0) @ finger.rotation.T
+    np.testing.assert_allclose(in_world, finger.resultant, atol=1e-12)
+    np.testing.assert_allclose(tip.tips, 0.018 * tip.rotations[:, :, 2], atol=1e-12)
+    # The apex first, seen where the dome's axis is.
+    np.testing.assert_allclose(tip.tips[0], [0.018, 0.0, 0.0], atol=1e-12)
+    with pytest.raises(ValueError, match=r"force: expected float64 \[..., 41, 3\], got \[40, 3\]"):
+        tip.force_on_fingertip(finger.force[:40])
+
+
+def test_elements_are_where_they_are_found(tip: feeler.Fingertip, frames: Frames) -> None:
+    untouched = frames[:20]
+    found = feeler.locate(untouched, dome="cap-closing")
+    on_dome = feeler.Fingertip(layout=found)
+    np.testing.assert_array_equal(on_dome.centres, found.centres)
+    # Spots of a dozen pixels, found to a tenth of one; at the rim a pixel is 0.1 mm.
+    np.testing.assert_allclose(tip.centres, found.centres, atol=0.5)
+    np.testing.assert_allclose(tip.tips, on_dome.tips, atol=0.1e-3)
+    np.testing.assert_allclose(tip.rotations, on_dome.rotations, atol=0.1)
+    flat = feeler.Fingertip(layout=feeler.locate(untouched))
+    assert flat.centres.shape == (41, 2)
+    with pytest.raises(ValueError, match="located without a dome"):
+        _ = flat.tips

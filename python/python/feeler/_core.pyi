@@ -331,6 +331,10 @@ class Sensor:
         """
         The sensor of `calibration`, or without one of `layout` or the experiment's fingertip.
         """
+    def centres(self, /) -> Incomplete:
+        """
+        Column and row of each element's centre, px [E, 2].
+        """
     @property
     def element_count(self, /) -> int: ...
     @property
@@ -340,10 +344,18 @@ class Sensor:
         """
         Columns and rows of the pictures, px.
         """
+    def rotations(self, /) -> Incomplete | None:
+        """
+        From each element's frame `E_i` to `T` [E, 3, 3]; none if the dome is not known.
+        """
     def sense(self, /, frames: Incomplete, force: Incomplete, valid: Incomplete, gray: Incomplete, displacement: Incomplete, threads: SupportsIndex) -> None:
         """
         Fills `force` [N, E, 3], `valid` [N, E], `gray` [N, E] and `displacement` [N, E, 2] with what is sensed in
         `frames` [N, H, W], on up to `threads` threads.
+        """
+    def tips(self, /) -> Incomplete | None:
+        """
+        Tip of each unloaded feeler, m, in `T` [E, 3]; none if the dome is not known.
         """
     def with_reference(self, /, frames: Incomplete) -> Sensor:
         """

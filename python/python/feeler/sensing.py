@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from feeler import _core
-from feeler._arrays import checked, output
+from feeler._arrays import checked, describe, output
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -280,6 +280,51 @@ class Fingertip:
         """Whether there are forces."""
         return self._sensor.is_calibrated
 
+    @property
+    def centres(self) -> FloatArray:
+        """Column and row at which the camera sees each element's centre [E, 2], px."""
+        centres: FloatArray = self._sensor.centres()
+        return centres
+
+    @property
+    def tips(self) -> FloatArray:
+        """Tip of each unloaded feeler, in the fingertip's frame T [E, 3], m: x is along the dome's axis, outward.
+
+        Raises
+        ------
+        ValueError
+            When the elements were located without a ``dome``.
+        """
+        return _on_dome(self._sensor.tips())
+
+    @property
+    def rotations(self) -> FloatArray:
+        """From each element's frame E_i to T [E, 3, 3]: columns are its x, y, and z, the outward normal.
+
+        Raises
+        ------
+        ValueError
+            When the elements were located without a ``dome``.
+        """
+        return _on_dome(self._sensor.rotations())
+
+    def force_on_fingertip(self, force: FloatArray) -> FloatArray:
+        """Forces as they are sensed (in E_i, z is compression [..., E, 3], N) as vectors in T [..., E, 3], N.
+
+        They are on the fingertip by what it touches, so that their sum over elements is the resultant.
+
+        Raises
+        ------
+        ValueError
+            When the forces are not of E elements, or the elements were located without a ``dome``.
+        """
+        force = np.asarray(force, dtype=np.float64)
+        if force.shape[-2:] != (self.element_count, 3):
+            raise ValueError(f"force: expected {describe(np.float64, ('...', self.element_count, 3))}, got {list(force.shape)}")
+        # Compression is along the inward normal.
+        vectors: FloatArray = np.einsum("eij,...ej->...ei", self.rotations, force * (1.0, 1.0, -1.0))
+        return vectors
+
     def with_reference(self, frames: NDArray[np.uint8]) -> Fingertip:
         """The same fingertip, whose displacements count from the mean centroids in ``frames`` [N, H, W] without load.
 
@@ -360,6 +405,12 @@ class Fingertip:
         height, width = self.picture_shape
         forces = "calibrated" if self.is_calibrated else "without forces"
         return f"Fingertip({self.element_count} elements in {width}x{height} px, {forces})"
+
+
+def _on_dome(places: FloatArray | None) -> FloatArray:
+    if places is None:
+        raise ValueError('the elements were located without a dome; expected a layout of locate(frames, dome="EXPERIMENT")')
+    return places
 
 
 def _stamps(count: int, rate: float, stamps: FloatArray | None) -> FloatArray:
