@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import base64
+import re
 import signal
+from html import escape
 from pathlib import Path
 
 import feeler
@@ -20,9 +23,17 @@ def test_a_run_has_summary_report_and_columns(closing: feeler.Run) -> None:
     assert 0.03 < np.nanmax(closing.torque) < 0.06
     assert closing.recording.cap_angle[-1] > 0.3
     assert closing.recording.state == "done" and closing.recording.complete
-    assert "claims hold" in repr(closing) and "<svg" in closing._repr_html_()
+    assert "claims hold" in repr(closing)
     with pytest.raises(AttributeError, match="expected one of time, phase"):
         _ = closing.forse
+
+
+def test_a_notebook_shows_a_run_by_its_figures(closing: feeler.Run) -> None:
+    shown = closing._repr_html_()
+    assert escape(repr(closing)) in shown and f"href='{closing.report_path.as_posix()}'" in shown
+    pictures = re.findall("src='data:image/svg\\+xml;base64,(.*?)'", shown)
+    assert [base64.b64decode(picture) for picture in pictures] == [path.read_bytes() for path in closing.figures.values()]
+    assert len(pictures) == 7 and "<figcaption>Grasp force and torque over the run</figcaption>" in shown
 
 
 def test_columns_are_read_only_and_flat_tables_hold_the_same(closing: feeler.Run) -> None:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import base64
 import json
+import re
 from collections.abc import Callable, Mapping
 from functools import cached_property
+from html import escape
 from pathlib import Path
 from typing import Any
 
@@ -70,11 +73,21 @@ class Run:
 
     def _repr_html_(self) -> str:
         """The figures, and a link to the report, for a notebook."""
-        figures = "".join(
-            f"<figure style='display:inline-block;margin:4px;width:48%'>{path.read_text(encoding='utf-8')}</figure>"
-            for path in self.figures.values()
-        )
-        return f"<p>{self!r}: <a href='{self.report_path}'>report</a>, with the scene in 3-D</p>{figures}"
+        figures = "".join(_as_html(path) for path in self.figures.values())
+        link = f"<a href='{escape(self.report_path.as_posix())}'>report</a>"
+        return f"<p>{escape(repr(self))}: {link}, with the scene in 3-D</p>{figures}"
+
+
+def _as_html(figure: Path) -> str:
+    """A figure under its title, two in a row. As a picture it has the width that is there, and ids of its own."""
+    svg = figure.read_bytes()
+    found = re.search(rb"<title[^>]*>(.*?)</title>", svg, re.DOTALL)
+    title = found[1].decode() if found else escape(figure.stem)
+    source = f"data:image/svg+xml;base64,{base64.b64encode(svg).decode()}"
+    return (
+        "<figure style='display:inline-block;vertical-align:top;box-sizing:border-box;width:49%;margin:0;padding:4px'>"
+        f"<figcaption>{title}</figcaption><img style='width:100%' alt='' src='{source}'></figure>"
+    )
 
 
 def run(
