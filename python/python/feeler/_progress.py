@@ -3,8 +3,13 @@
 from __future__ import annotations
 
 import sys
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from tqdm import tqdm
 
 
 @contextmanager
@@ -18,7 +23,7 @@ def progress_bar(
         yield progress
     else:
         try:
-            from tqdm.auto import tqdm
+            tqdm = _tqdm()
         except ImportError:
             yield _lines(unit, total)
             return
@@ -26,9 +31,20 @@ def progress_bar(
 
             def show(done: float) -> None:
                 bar.n = round(done, 2)
-                bar.refresh()
+                # Which draws no more often than can be seen.
+                bar.update(0)
 
             yield show
+
+
+def _tqdm() -> type[tqdm[Any]]:
+    """The bar of a notebook or a terminal; text does as well in a notebook without widgets, of which tqdm warns."""
+    from tqdm import TqdmWarning
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", TqdmWarning)
+        from tqdm.auto import tqdm
+    return tqdm
 
 
 def _lines(unit: str, total: float | None) -> Callable[[float], None]:
