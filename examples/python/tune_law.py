@@ -1,0 +1,121 @@
+"""Searches the parameters of the control law `best` by CMA-ES: most torque at no more force than with its defaults.
+
+    pip install ./python cma==4.5.0
+    python examples/python/tune_law.py
+
+All candidates tighten the same caps, which differ in friction, seat, off-centre and noise as those of `feeler compare`. What
+is found is then tried on other caps, beside the defaults. Ctrl-C ends the search with the best so far.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+import feeler
+import numpy as np
+from numpy.typing import NDArray
+
+try:
+    import cma
+except ImportError as error:
+    sys.exit(f"{error}: pip install cma==4.5.0")
+
+Array = NDArray[Any]
+
+# What `feeler compare cap-closing` varies, and what it sets for that.
+CAPS = {
+    "friction": "uniform(0.4,1.2)",
+    "sim.object.cap.offset.0": "uniform(-0.001,0.001)",
+    "sim.object.cap.offset.1": "uniform(-0.001,0.001)",
+    "sim.object.cap.motion.thread.seat_angle": "relative(0.5,1.5)",
+    "direct_sensing.normal_noise": "uniform(0,0.006)",
+    "direct_sensing.shear_noise": "uniform(0,0.006)",
+}
+SETTINGS: dict[str, feeler.Value] = {"sim.variation.friction": 0.0, "sim.object.cap.offset": [0.0, 0.0, 0.0]}
+
+# Parameters of the law: default, least and greatest value.
+SEARCHED = {
+    "margin": (3.0, 1.0, 10.0),
+    "element_force": (0.47, 0.3, 0.505),
+    "slip_share": (0.6, 0.0, 1.0),
+    "gain": (0.16, 0.02, 0.31),
+    "pressing_speed": (0.008, 0.001, 0.03),
+}
+DEFAULTS = {name: default for name, (default, _, _) in SEARCHED.items()}
+
+
+def tighten(parameters: dict[str, float], caps: int, seed: int) -> tuple[Array, Array]:
+    """Final torque (mN·m) and peak force on an element (N) of each cap."""
+    settings = SETTINGS | {f"control.law.best.{name}": value for name, value in parameters.items()}
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder) / "sweep"
+        sweep = feeler.sweep("cap-closing", trials=caps, vary=CAPS, settings=settings, sensing="direct", seed=seed, out=out)
+        columns = sweep.columns()
+    peaks = [columns[f"stroke{stroke}.peak_element_force"] for stroke in (1, 2, 3, 4)]
+    return 1e3 * columns["cap_torque"], np.max(peaks, axis=0)
+
+
+def parameters_at(place: Array) -> dict[str, float]:
+    """The parameters at a place in the unit cube."""
+    ranges = [(least, most) for _, least, most in SEARCHED.values()]
+    values = [float(f"{least + share * (most - least):.4g}") for share, (least, most) in zip(place, ranges, strict=True)]
+    return dict(zip(SEARCHED, values, strict=True))
+
+
+def search(arguments: argparse.Namespace) -> dict[str, float]:
+    """The best parameters found."""
+    torque, peak = tighten(DEFAULTS, arguments.caps, arguments.seed)
+    budget = peak.mean()
+    best, most = dict(DEFAULTS), torque.mean()
+    print(f"defaults: {most:.2f} mN·m, {budget:.4f} N on {arguments.caps} caps")
+    start = [(default - least) / (most - least) for default, least, most in SEARCHED.values()]
+    options = {"bounds": [0.0, 1.0], "seed": arguments.seed + 1, "popsize": arguments.population, "verbose": -9}
+    strategy = cma.CMAEvolutionStrategy(start, 0.15, options)
+    began = time.monotonic()
+    try:
+        for generation in range(1, arguments.generations + 1):
+            places, costs = strategy.ask(), []
+            for place in places:
+                candidate = parameters_at(place)
+                torque, peak = tighten(candidate, arguments.caps, arguments.seed)
+                # Steeper than torque rises with force, so that the best are within the budget.
+                score = torque.mean() - arguments.price * max(0.0, peak.mean() - budget)
+                costs.append(-score)
+                if score > most:
+                    best, most = candidate, score
+            strategy.tell(places, costs)
+            print(f"{(time.monotonic() - began) / 60:5.1f} min, generation {generation}: {most:.2f} mN·m", flush=True)
+    except KeyboardInterrupt:
+        print("interrupted: the best so far")
+    return best
+
+
+def main() -> None:
+    """Searches, prints the table of the experiment file, and what it gains."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--seed", type=int, default=100, help="of the caps that are searched on, and of the search")
+    parser.add_argument("--caps", type=int, default=64, help="how many each candidate tightens")
+    parser.add_argument("--population", type=int, default=8, help="candidates of a generation")
+    parser.add_argument("--generations", type=int, default=12, help="how many")
+    parser.add_argument("--price", type=float, default=300.0, help="of peak force above the defaults', mN·m/N")
+    parser.add_argument("--held-out", type=int, default=500, help="how many other caps what was found is tried on")
+    arguments = parser.parse_args()
+    found = search(arguments)
+    print("\n[control.law.best]")
+    for name, value in found.items():
+        print(f"{name} = {value}")
+    (torque, peak), (own_torque, own_peak) = (tighten(p, arguments.held_out, arguments.seed + 1) for p in (DEFAULTS, found))
+    print(f"\non {arguments.held_out} other caps: {own_torque.mean():.2f} mN·m, {own_peak.mean():.4f} N; ", end="")
+    print(f"defaults {torque.mean():.2f} mN·m, {peak.mean():.4f} N")
+    for what, difference in (("mN·m", own_torque - torque), ("N", own_peak - peak)):
+        error = 1.96 * difference.std(ddof=1) / np.sqrt(len(difference))
+        print(f"cap by cap: {difference.mean():+.4f} ± {error:.4f} {what}")
+
+
+if __name__ == "__main__":
+    main()
