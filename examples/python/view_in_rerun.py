@@ -60,11 +60,17 @@ def arrows(touch_force):
 
     def each(value, kind):
         """Selects `value` of the pressed elements of each message."""
-        lists = lambda messages: pa.array([value(pressed(data)).tolist() for data in messages.to_pylist()], pa.list_(kind))
+
+        def lists(messages):
+            return pa.array([value(pressed(data)).tolist() for data in messages.to_pylist()], pa.list_(kind))
+
         return Selector(".").pipe(lists).pipe(Selector(".[]"))
 
     vector = pa.list_(pa.field("item", pa.float32(), nullable=False), 3)
-    colour = lambda taxels: np.where(taxels["slip"], SLIPS, TOUCHES)
+
+    def colour(taxels):
+        return np.where(taxels["slip"], SLIPS, TOUCHES)
+
     return (
         DeriveLens("sensor_msgs.msg.PointCloud2:data")
         .to_component(rr.Arrows3D.descriptor_origins(), each(lambda taxels: taxels["tip"], vector))

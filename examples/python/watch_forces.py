@@ -73,9 +73,7 @@ class Watcher:
         self.limit, self.sender = arguments.stop_above, arguments.sender
         self.decode_update = decoder(arguments.feeler, "TactileUpdate")
         self.decode_heartbeat = decoder(arguments.feeler, "Heartbeat")
-        self.stop = session.declare_publisher(
-            f"feeler/{arguments.rig}/stop", priority=zenoh.Priority.REAL_TIME, express=True
-        )
+        self.stop = session.declare_publisher(f"feeler/{arguments.rig}/stop", priority=zenoh.Priority.REAL_TIME, express=True)
         self.lock = threading.Lock()
         self.programs, self.above, self.printed = set(), set(), {}
 
