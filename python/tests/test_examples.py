@@ -57,7 +57,7 @@ def is_a_policy(path: Path) -> bool:
 @pytest.fixture(scope="module")
 def trained(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
     """A policy of seconds, and what was printed."""
-    needs("jax", "flax", "optax", "safetensors", "tqdm")
+    needs("jax", "flax", "optax", "safetensors")
     out = tmp_path_factory.mktemp("trained") / "my.safetensors"
     done = run("train_policy.py", "-o", out, *NO_TIME, "--generations=1")
     assert done.returncode == 0, done.stderr
@@ -82,7 +82,7 @@ def test_a_policy_that_is_there_is_kept_unless_forced(trained: tuple[Path, str])
 
 
 def test_ctrl_c_keeps_the_best_policy_so_far(tmp_path: Path) -> None:
-    needs("jax", "flax", "optax", "safetensors", "tqdm")
+    needs("jax", "flax", "optax", "safetensors")
     out = tmp_path / "my.safetensors"
     command = example("train_policy.py", "-o", out, *NO_TIME, "--generations=1000")
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as training:
@@ -98,7 +98,7 @@ def test_ctrl_c_keeps_the_best_policy_so_far(tmp_path: Path) -> None:
 
 def test_what_training_takes_for_granted_of_the_hand_is_so() -> None:
     """On a cap in the middle, without noise, one finger feels what the other does, turned by half about its axis."""
-    needs("jax", "flax", "optax", "safetensors", "tqdm")
+    needs("jax", "flax", "optax", "safetensors")
     script = load("train_policy")
     still = {"sim.variation.bottle_position": 0.0, "sim.variation.friction": 0.0, "sim.servo.encoder_resolution": 1e-9}
     quiet = {"sim.direct_sensing.normal_noise": 0.0, "sim.direct_sensing.shear_noise": 0.0}
