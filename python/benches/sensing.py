@@ -25,14 +25,13 @@ sys.path.insert(0, str(ROOT / "benches" / "peers"))
 import opencv  # noqa: E402
 
 CALIBRATION = ROOT / "crates" / "feeler-lab" / "experiments" / "reference-fingertip.calibration.toml"
-ROUNDS = 11
+ROUNDS = 7
 
 
-def time_us(work: Callable[[], Any], frames: int, rounds: int = ROUNDS) -> float:
-    """Median time for a frame, us."""
-    work()
+def time_us(work: Callable[[], Any], frames: int) -> float:
+    """Time for a frame, us: the median of three."""
     times = []
-    for _ in range(rounds):
+    for _ in range(3):
         start = time.perf_counter()
         work()
         times.append(1e6 * (time.perf_counter() - start) / frames)
@@ -46,34 +45,35 @@ def rust_example(name: str, *arguments: Path) -> str:
 
 
 def main(count: int) -> None:
-    """Measures and prints."""
+    """Measures by turns, as the machine may be faster at one time than at another, and prints medians."""
     pictures, _ = feeler.simulate_loads(loads=60)
     frames = np.resize(pictures, (count, *pictures.shape[1:]))
     tip = feeler.Fingertip.load(CALIBRATION)
     out = feeler.Felt.empty(count, tip.element_count)
+    few, some = frames[:4], frames[: min(count, 50)]
+    cv2.setNumThreads(1)
 
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         frames.tofile(folder / "frames.raw")
         rust_example("moments_speed", folder)  # the table that dewarps
-        table = opencv.read_table(folder, frames.shape[1:])
-        rust = float(rust_example("sense_frames", folder / "frames.raw", CALIBRATION))
-
-    one = time_us(lambda: tip.sense(frames, threads=1, out=out), count)
-    two = time_us(lambda: tip.sense(frames, threads=2, out=out), count)
-    cached = frames[:4]
-    few = time_us(lambda: [tip.sense(cached, threads=1) for _ in range(100)], 100 * len(cached))
-    cv2.setNumThreads(1)
-    natural = opencv.natural_pipeline(table)
-    some = frames[: min(count, 100)]
-    peer = time_us(lambda: [natural(frame) for frame in some], len(some), rounds=5)
+        natural = opencv.natural_pipeline(opencv.read_table(folder, frames.shape[1:]))
+        rows = []
+        for _ in range(ROUNDS):
+            rust = float(rust_example("sense_frames", folder / "frames.raw", CALIBRATION))
+            one = time_us(lambda: tip.sense(frames, threads=1, out=out), count)
+            two = time_us(lambda: tip.sense(frames, threads=2, out=out), count)
+            cached = time_us(lambda: [tip.sense(few, threads=1) for _ in range(100)], 100 * len(few))
+            peer = time_us(lambda: [natural(frame) for frame in some], len(some))
+            rows.append((rust, one, two, cached, peer, one / rust, one / two, peer / one))
+    rust, one, two, cached, peer, to_rust, faster, longer = (statistics.median(column) for column in zip(*rows, strict=True))
 
     print(f"{count} frames of {frames.shape[2]}x{frames.shape[1]}, {frames.nbytes / 1e6:.0f} MB; OpenCV {cv2.__version__}")
     print(f"Rust, one thread               {rust:8.1f} us a frame")
-    print(f"Fingertip.sense, one thread    {one:8.1f} us a frame, {one / rust:.2f} times Rust's")
-    print(f"Fingertip.sense, two threads   {two:8.1f} us a frame, {one / two:.2f} times as fast as one")
-    print(f"Fingertip.sense, 4 frames      {few:8.1f} us a frame, in the processor's cache, flags and new arrays included")
-    print(f"OpenCV's natural pipeline      {peer:8.1f} us a frame, {peer / one:.0f} times as long")
+    print(f"Fingertip.sense, one thread    {one:8.1f} us a frame, {to_rust:.2f} times Rust's")
+    print(f"Fingertip.sense, two threads   {two:8.1f} us a frame, {faster:.2f} times as fast as one")
+    print(f"Fingertip.sense, 4 frames      {cached:8.1f} us a frame, in the processor's cache, flags and new arrays included")
+    print(f"OpenCV's natural pipeline      {peer:8.1f} us a frame, {longer:.0f} times as long")
 
 
 if __name__ == "__main__":
