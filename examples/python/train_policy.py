@@ -17,7 +17,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-import feeler  # noqa: F401 (it registers the environments)
+import feeler
 import numpy as np
 from numpy.typing import NDArray
 
@@ -45,31 +45,23 @@ CAPS = {
 }
 SETTINGS: dict[str, Any] = {"sim.variation.friction": 0.0, "sim.object.cap.offset": [0.0, 0.0, 0.0], "time_limit": 30.0}
 
-ELEMENTS, RINGS, POLAR_DEG = 41, (1, 8, 12, 20), (0.0, 22.5, 45.0, 67.5)  # of the reference fingertip
+FINGERTIP = feeler.Fingertip(experiment="cap-closing")
+ELEMENTS, FRAMES = FINGERTIP.element_count, FINGERTIP.rotations
 # A finger's observation: forces; joint angles, velocities and directions; of them the direction towards the object; a flag.
 INPUTS, FORCES, MOTION, TOWARDS, KEEP_GRASP = 3 * ELEMENTS + 21, slice(0, 123), slice(127, 142), slice(139, 142), 143
 # What inputs are divided by: N for forces, then flags, N, rad, rad/s, m/s twice, directions, flags.
 SCALE = np.repeat(np.array([0.1, 1, 1, 0.3, 0.1, 0.01, 0.01, 0.3, 1], np.float32), [123, 3, 1, 3, 3, 3, 3, 3, 2])
+TURNED = np.array([1.0, -1.0, -1.0], np.float32)  # a vector in T after half a turn about the axis
 RESIDUAL_SPEED = 0.010  # m/s, most that the policy adds to the plan along each axis
 SATURATED = 100.0  # tanh is 1 there
 # Of `best`, as tune_law.py found them: friction, margin, least grasp force, element force, slip share, gain, pressing speed.
 TEACHER = (0.6, 2.891, 0.8, 0.4413, 0.1289, 0.2, 0.01072)
 
 
-def element_frames() -> Array:
-    """Each element's frame in the fingertip's [E, 3, 3]; columns x, y, and the outward normal z."""
-    polar, azimuth = np.array(
-        [(np.radians(p), 2 * np.pi * j / n) for p, n in zip(POLAR_DEG, RINGS, strict=True) for j in range(n)]
-    ).T
-    (sp, cp), (sa, ca) = (np.sin(polar), np.cos(polar)), (np.sin(azimuth), np.cos(azimuth))
-    normal, x = np.stack([cp, sp * ca, sp * sa], -1), np.stack([-sp, cp * ca, cp * sa], -1)
-    return np.stack([x, np.cross(normal, x), normal], -1)
-
-
 def half_turn() -> tuple[Array, Array]:
     """The other finger is this one turned by half about its axis: which of its numbers is which of this one's, and its sign."""
-    start = np.cumsum((0, *RINGS))
-    order = np.concatenate([s + (np.arange(n) + n // 2) % n for s, n in zip(start, RINGS, strict=False)])
+    turned = FINGERTIP.tips * TURNED
+    order = np.linalg.norm(turned[:, None] - FINGERTIP.tips, axis=-1).argmin(axis=1)
     index, sign = np.arange(INPUTS), np.ones(INPUTS, np.float32)
     index[FORCES] = (3 * order[:, None] + np.arange(3)).ravel()
     sign[:2] = -1.0  # shear of the element on the axis
@@ -77,7 +69,7 @@ def half_turn() -> tuple[Array, Array]:
     return index, sign
 
 
-FRAMES, (INDEX, SIGN), TURNED = element_frames(), half_turn(), np.array([1.0, -1.0, -1.0], np.float32)
+INDEX, SIGN = half_turn()
 
 
 def demonstration(observation: Array) -> Array:
