@@ -53,7 +53,7 @@ describe("a rig in the browser", { skip }, () => {
     const canvas = page.locator(".scene-canvas canvas");
     const picture = await canvas.screenshot();
     await until(async () => (await time()) > before + 0.2, "later rows are shown");
-    assert.ok(!picture.equals(await canvas.screenshot()));
+    await until(async () => !picture.equals(await canvas.screenshot()), "the scene moves");
   });
 
   test("is stopped and goes on by the page's buttons, as the hand says", async () => {
