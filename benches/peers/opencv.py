@@ -46,6 +46,11 @@ def square_corners(shape):
     return [(e // across * SIDE, e % across * SIDE) for e in range(ELEMENTS)]
 
 
+def all_moments(image, corners):
+    """The moments of each element's square."""
+    return [cv2.moments(image[y : y + SIDE, x : x + SIDE]) for y, x in corners]
+
+
 def natural_pipeline(table):
     """From a picture to the moments of all elements as one writes it down with OpenCV: remap, blur, threshold, moments."""
     coarse, fine = cv2.convertMaps(table, None, cv2.CV_16SC2)
@@ -56,7 +61,7 @@ def natural_pipeline(table):
         cv2.remap(picture, coarse, fine, cv2.INTER_LINEAR, dst=flat)
         cv2.GaussianBlur(flat, (5, 5), 0, dst=smooth)
         cv2.threshold(smooth, DARK_LEVEL, 255, cv2.THRESH_TOZERO, dst=bright)
-        return [cv2.moments(bright[y : y + SIDE, x : x + SIDE]) for y, x in corners]
+        return all_moments(bright, corners)
 
     return work
 
@@ -72,29 +77,23 @@ def main(folder):
     few_coarse, few_fine = coarse[:rows].copy(), fine[:rows].copy()
     buffer = numpy.empty_like(picture)
     few_buffers = [numpy.empty_like(picture[:rows]) for _ in range(2)]
-    work = natural_pipeline(table)
-
-    def all_moments(image):
-        return [cv2.moments(image[y : y + SIDE, x : x + SIDE]) for y, x in corners]
-
-    def natural():
-        return work(picture)
+    natural = natural_pipeline(table)
 
     def only_squares():
         flat, bright = few_buffers
         cv2.remap(picture, few_coarse, few_fine, cv2.INTER_LINEAR, dst=flat)
         cv2.threshold(flat, DARK_LEVEL, 255, cv2.THRESH_TOZERO, dst=bright)
-        return all_moments(bright)
+        return all_moments(bright, corners)
 
     def only_squares_nearest():
         flat, bright = few_buffers
         cv2.remap(picture, few_coarse, None, cv2.INTER_NEAREST, dst=flat)
         cv2.threshold(flat, DARK_LEVEL, 255, cv2.THRESH_TOZERO, dst=bright)
-        return all_moments(bright)
+        return all_moments(bright, corners)
 
     def no_dewarp():
         cv2.threshold(picture, DARK_LEVEL, 255, cv2.THRESH_TOZERO, dst=buffer)
-        return all_moments(buffer)
+        return all_moments(buffer, corners)
 
     feeler = (folder / "feeler.txt").read_text()
     own, squares = (
@@ -104,7 +103,7 @@ def main(folder):
     print(f"OpenCV {cv2.__version__}, numpy {numpy.__version__}, one thread")
     print(f"{'feeler, picture to forces':48} own sub-regions {own:8.2f} us, squares {squares:8.2f} us")
     for name, work in [
-        ("natural: remap, blur, threshold, 41 moments", natural),
+        ("natural: remap, blur, threshold, 41 moments", lambda: natural(picture)),
         ("best: remap of the squares, threshold, moments", only_squares),
         ("rougher: the same, nearest pixel", only_squares_nearest),
         ("without dewarp: threshold, moments", no_dewarp),

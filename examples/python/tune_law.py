@@ -49,9 +49,14 @@ SEARCHED = {
 DEFAULTS = {name: default for name, (default, _, _) in SEARCHED.items()}
 
 
-def tighten(parameters: dict[str, float], caps: int, seed: int) -> tuple[Array, Array]:
-    """Final torque (mN·m) and peak force on an element (N) of each cap."""
-    settings = SETTINGS | {f"control.law.best.{name}": value for name, value in parameters.items()}
+def best(parameters: dict[str, float]) -> dict[str, feeler.Value]:
+    """The settings that choose the law with these parameters."""
+    return {f"control.law.best.{name}": value for name, value in parameters.items()}
+
+
+def tighten(law: dict[str, feeler.Value], caps: int, seed: int) -> tuple[Array, Array]:
+    """Final torque (mN·m) and peak force on an element (N) of each cap under a law."""
+    settings = SETTINGS | law
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "sweep"
         sweep = feeler.sweep("cap-closing", trials=caps, vary=CAPS, settings=settings, sensing="direct", seed=seed, out=out)
@@ -69,9 +74,9 @@ def parameters_at(place: Array) -> dict[str, float]:
 
 def search(arguments: argparse.Namespace) -> dict[str, float]:
     """The best parameters found."""
-    torque, peak = tighten(DEFAULTS, arguments.caps, arguments.seed)
+    torque, peak = tighten(best(DEFAULTS), arguments.caps, arguments.seed)
     budget = peak.mean()
-    best, most = dict(DEFAULTS), torque.mean()
+    found, most = dict(DEFAULTS), torque.mean()
     print(f"defaults: {most:.2f} mN·m, {budget:.4f} N on {arguments.caps} caps")
     start = [(default - least) / (most - least) for default, least, most in SEARCHED.values()]
     options = {"bounds": [0.0, 1.0], "seed": arguments.seed + 1, "popsize": arguments.population, "verbose": -9}
@@ -82,17 +87,17 @@ def search(arguments: argparse.Namespace) -> dict[str, float]:
             places, costs = strategy.ask(), []
             for place in places:
                 candidate = parameters_at(place)
-                torque, peak = tighten(candidate, arguments.caps, arguments.seed)
+                torque, peak = tighten(best(candidate), arguments.caps, arguments.seed)
                 # Steeper than torque rises with force, so that the best are within the budget.
                 score = torque.mean() - arguments.price * max(0.0, peak.mean() - budget)
                 costs.append(-score)
                 if score > most:
-                    best, most = candidate, score
+                    found, most = candidate, score
             strategy.tell(places, costs)
             print(f"{(time.monotonic() - began) / 60:5.1f} min, generation {generation}: {most:.2f} mN·m", flush=True)
     except KeyboardInterrupt:
         print("interrupted: the best so far")
-    return best
+    return found
 
 
 def main() -> None:
@@ -109,7 +114,9 @@ def main() -> None:
     print("\n[control.law.best]")
     for name, value in found.items():
         print(f"{name} = {value}")
-    (torque, peak), (own_torque, own_peak) = (tighten(p, arguments.held_out, arguments.seed + 1) for p in (DEFAULTS, found))
+    (torque, peak), (own_torque, own_peak) = (
+        tighten(best(p), arguments.held_out, arguments.seed + 1) for p in (DEFAULTS, found)
+    )
     print(f"\non {arguments.held_out} other caps: {own_torque.mean():.2f} mN·m, {own_peak.mean():.4f} N; ", end="")
     print(f"defaults {torque.mean():.2f} mN·m, {peak.mean():.4f} N")
     for what, difference in (("mN·m", own_torque - torque), ("N", own_peak - peak)):

@@ -338,19 +338,19 @@ impl Chunk<'_> {
     ) -> Result<(), SensingError> {
         let elements = readings.len();
         let pictures = self.frames.chunks_exact(frames.length);
-        let mut rest = self.frames;
+        let following = self.frames.chunks_exact(frames.length).skip(1);
+        let pictures = pictures.zip(following.chain([&[][..]]));
         let outputs = self.force.chunks_exact_mut(3 * elements);
         let outputs = outputs.zip(self.valid.chunks_exact_mut(elements));
         let outputs = outputs.zip(self.gray.chunks_exact_mut(elements));
         let outputs = outputs.zip(self.displacement.chunks_exact_mut(2 * elements));
-        for (pixels, (((force, valid), gray), displacement)) in pictures.zip(outputs) {
+        for ((pixels, next), (((force, valid), gray), displacement)) in pictures.zip(outputs) {
             let picture = Picture {
                 width: frames.width,
                 height: frames.height,
                 pixels,
             };
-            rest = rest.get(frames.length..).unwrap_or(&[]);
-            chain.sense_ahead(&picture, rest, readings)?;
+            chain.sense_ahead(&picture, next, readings)?;
             let outputs = force.chunks_exact_mut(3).zip(valid).zip(gray);
             let outputs = outputs.zip(displacement.chunks_exact_mut(2));
             for (reading, (((force, valid), gray), moved)) in readings.iter().zip(outputs) {

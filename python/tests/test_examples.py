@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import importlib.util
 import re
 import shutil
@@ -14,9 +15,8 @@ from typing import Any
 import feeler
 import numpy as np
 import pytest
-from conftest import EXPERIMENTS, missing
+from conftest import EXPERIMENTS, missing, the_program
 from feeler.gym import TactileEnv
-from numpy.typing import NDArray
 
 EXAMPLES = Path(__file__).parents[2] / "examples/python"
 POLICY = EXAMPLES / "cap-closing.safetensors"
@@ -127,21 +127,25 @@ def test_the_law_is_tuned(tmp_path: Path) -> None:
     assert feeler.Session(own, settings={"time_limit": 0.1}, sensing="direct").phase == "SEARCH"
 
 
-def tightened(law: dict[str, feeler.Value], folder: Path) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Final torque (mN·m) and peak force (N) on caps that the policy was not trained on."""
-    script = load("tune_law")
-    vary, settings = script.CAPS, script.SETTINGS | law
-    sweep = feeler.sweep("cap-closing", trials=48, vary=vary, settings=settings, sensing="direct", seed=77, out=folder)
-    columns = sweep.columns()
-    peaks = [columns[f"stroke{stroke}.peak_element_force"] for stroke in (1, 2, 3, 4)]
-    return 1e3 * columns["cap_torque"], np.max(peaks, axis=0)
+def test_both_examples_tighten_the_caps_of_feeler_compare(tmp_path: Path) -> None:
+    needs("jax", "flax", "optax", "safetensors", "cma")
+    tuning, training = load("tune_law"), load("train_policy")
+    assert tuning.CAPS == training.CAPS and tuning.SETTINGS.items() <= training.SETTINGS.items()
+    command = [the_program(), "compare", "cap-closing", "--laws=best", "--trials=3", "--seed=5", "--out=compared"]
+    compared = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=300)
+    assert compared.returncode == 0, compared.stderr
+    with (tmp_path / "compared/best/trials.csv").open(encoding="utf-8") as table:
+        expected = [1e3 * float(row["cap_torque"]) for row in csv.DictReader(table)]
+    torque, _ = tuning.tighten({"control.law": "best"}, caps=3, seed=5)
+    np.testing.assert_allclose(torque, expected, rtol=1e-9)
 
 
-def test_the_policy_that_comes_with_it_keeps_what_its_page_says(tmp_path: Path) -> None:
+def test_the_policy_that_comes_with_it_keeps_what_its_page_says() -> None:
     """On 1,000 caps 1.9 mN·m more than `best`, and 0.003 N less on the hardest pressed element. Cap by cap the differences have
     standard deviations of 3.9 mN·m and 0.035 N, and so their means over 48 caps standard errors of 0.6 mN·m and 0.005 N."""
-    torque, peak = tightened({"control.law.policy.file": str(POLICY)}, tmp_path / "policy")
-    best_torque, best_peak = tightened({"control.law": "best"}, tmp_path / "best")
+    tighten = load("tune_law").tighten
+    torque, peak = tighten({"control.law.policy.file": str(POLICY)}, caps=48, seed=77)
+    best_torque, best_peak = tighten({"control.law": "best"}, caps=48, seed=77)
     assert POLICY.stat().st_size < 60_000
     assert (torque - best_torque).mean() > 1.9 - 3 * 0.6
     assert (peak - best_peak).mean() < -0.003 + 3 * 0.005

@@ -5,11 +5,9 @@
 
 use feeler::sensor::{
     calibration::Calibration,
-    exposure::DEFAULT_MAX_SATURATED,
     frame::Picture,
     sensing::{ElementReading, SensingChain},
 };
-use feeler_lab::sensor::SensorGeometry;
 use std::{error::Error, fs, hint::black_box, time::Instant};
 
 const ROUNDS: usize = 11;
@@ -21,14 +19,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let frames = fs::read(frames)?;
     let calibration = Calibration::from_toml(&fs::read_to_string(calibration)?)?;
-    let fingertip = calibration.made_for.fingertip.as_ref();
-    let geometry =
-        SensorGeometry::of_fingertip(fingertip.ok_or("a calibration of a fingertip is needed")?)?;
-    let (kernel, regions) = (geometry.kernel, &geometry.regions);
-    let chain = SensingChain::new(geometry.size, kernel, regions, DEFAULT_MAX_SATURATED)?;
-    let mut chain = chain.with_calibration(calibration)?;
+    let fingertip = calibration.made_for.fingertip.clone();
+    let fingertip = fingertip.ok_or("a calibration of a fingertip is needed")?;
+    let mut chain = SensingChain::of_fingertip(&fingertip)?.with_calibration(calibration)?;
 
-    let (width, height) = geometry.size;
+    let (width, height) = chain.picture_size();
     let mut readings = vec![ElementReading::default(); chain.element_count()];
     let mut times = Vec::with_capacity(ROUNDS);
     for _ in 0..ROUNDS {

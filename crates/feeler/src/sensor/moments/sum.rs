@@ -99,6 +99,10 @@ pub(super) fn all_elements(
 /// requests at once than that of the first.
 #[inline(always)]
 fn fetch(next: &[u8], tile: &Tile, width: usize) {
+    // A control loop has no next picture, and nothing to lose.
+    if next.is_empty() {
+        return;
+    }
     for row in 0..tile.rows {
         let first = tile.offset + row * width;
         // A row of 64 pixels lies in two cache lines.
