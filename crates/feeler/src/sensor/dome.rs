@@ -161,6 +161,11 @@ impl DomeProjection {
         })
     }
 
+    /// Where the camera's pinhole is, m, in the fingertip frame `T`.
+    pub fn pinhole(&self) -> DVec3 {
+        DVec3::new(-self.standoff, 0.0, 0.0)
+    }
+
     /// Columns of the picture, px.
     pub fn width(&self) -> usize {
         self.width

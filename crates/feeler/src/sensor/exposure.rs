@@ -20,7 +20,7 @@ pub enum Exposure {
     /// No pixel is above the dark level, so that there is no centroid.
     Dark,
     /// Too many pixels are saturated: its integrated gray value is less than the light that there
-    /// was.
+    /// was. Of dark elements: too many are black.
     Saturated,
 }
 
@@ -28,6 +28,8 @@ pub enum Exposure {
 #[derive(Debug, Clone, PartialEq)]
 pub struct SaturationCheck {
     elements: Vec<Region>,
+    /// Gray value of a saturated pixel.
+    limit: u8,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -59,10 +61,10 @@ impl Region {
     }
 
     /// The number of saturated pixels.
-    fn count(&self, pixels: &[u8]) -> usize {
+    fn count(&self, pixels: &[u8], limit: u8) -> usize {
         let of_span = |&(start, length): &(usize, usize)| {
             let pixels = pixels.get(start..start + length).unwrap_or(&[]);
-            pixels.iter().filter(|&&pixel| pixel == SATURATED).count()
+            pixels.iter().filter(|&&pixel| pixel == limit).count()
         };
         self.spans.iter().map(of_span).sum()
     }
@@ -71,7 +73,7 @@ impl Region {
 /// No less than the number of saturated pixels in a region of `blocks`, found faster than that, with
 /// the widest instructions that the processor has.
 #[multiversion(targets("x86_64+avx2"))]
-fn at_most(blocks: &[usize], pixels: &[u8]) -> usize {
+fn at_most(blocks: &[usize], pixels: &[u8], limit: u8) -> usize {
     let mut count = 0;
     // A lane is a byte: at most 255 blocks do not overflow it.
     for blocks in blocks.chunks(255) {
@@ -81,7 +83,7 @@ fn at_most(blocks: &[usize], pixels: &[u8]) -> usize {
                 return usize::MAX;
             };
             for lane in 0..BLOCK {
-                lanes[lane] += u8::from(block[lane] == SATURATED);
+                lanes[lane] += u8::from(block[lane] == limit);
             }
         }
         for lane in lanes {
@@ -100,7 +102,14 @@ impl SaturationCheck {
             .map(|pixels| Region::new(width, pixels, max_saturated));
         Self {
             elements: elements.collect(),
+            limit: SATURATED,
         }
+    }
+
+    /// The same for dark elements, of which black pixels say no more than "at least this dark".
+    #[must_use]
+    pub fn of_dark_elements(self) -> Self {
+        Self { limit: 0, ..self }
     }
 
     /// Whether more of the pixels of `element` are saturated than are allowed. Neither allocates nor
@@ -110,7 +119,8 @@ impl SaturationCheck {
             return false;
         };
         let pixels = picture.pixels.as_ref();
-        at_most(&region.blocks, pixels) > region.allowed && region.count(pixels) > region.allowed
+        at_most(&region.blocks, pixels, self.limit) > region.allowed
+            && region.count(pixels, self.limit) > region.allowed
     }
 }
 
@@ -171,14 +181,20 @@ mod tests {
                     .collect();
                 let region = Region::new(40, &region, 0.0);
                 let mut pixels = vec![0; 120];
-                assert_eq!(at_most(&region.blocks, &pixels), 0);
+                assert_eq!(at_most(&region.blocks, &pixels, SATURATED), 0);
                 for pixel in (0..120).step_by(7) {
                     pixels[pixel] = SATURATED;
-                    assert!(at_most(&region.blocks, &pixels) >= region.count(&pixels));
+                    assert!(
+                        at_most(&region.blocks, &pixels, SATURATED)
+                            >= region.count(&pixels, SATURATED)
+                    );
                 }
                 pixels.fill(SATURATED);
-                assert_eq!(region.count(&pixels), 3 * columns);
-                assert!(at_most(&region.blocks, &pixels[..10]) >= region.count(&pixels[..10]));
+                assert_eq!(region.count(&pixels, SATURATED), 3 * columns);
+                assert!(
+                    at_most(&region.blocks, &pixels[..10], SATURATED)
+                        >= region.count(&pixels[..10], SATURATED)
+                );
             }
         }
     }

@@ -5,6 +5,7 @@ use super::{
     layout::{ElementLayout, LayoutConfig, MAX_ELEMENTS},
     moments::MomentsKernel,
     moments_config::{MomentsConfig, MomentsError},
+    seen::SeenElement,
     subregion::{WeightedPixel, subregions},
 };
 use crate::check::Checker;
@@ -85,9 +86,28 @@ impl Fingertip {
         let (layout, projection) = Self::layout_and_projection(config)?;
         let regions = subregions(&layout, &projection, &config.moments)?;
         let size = (projection.width(), projection.height());
-        let dark_level = config.moments.dark_level;
-        let kernel = MomentsKernel::from_subregions(size, dark_level, &regions)?;
+        let kernel = MomentsKernel::of_regions(size, &config.moments, &regions)?;
         Ok((kernel, regions))
+    }
+
+    /// Where the camera sees each element.
+    ///
+    /// # Errors
+    /// When it does not see one, or a value makes no sense.
+    pub fn seen_elements(config: &FingertipConfig) -> Result<Vec<SeenElement>, FingertipError> {
+        let (layout, projection) = Self::layout_and_projection(config)?;
+        let seen = |(element, place)| {
+            let seen = SeenElement::on_dome(&projection, layout.dome_radius, place);
+            seen.ok_or_else(|| {
+                FingertipError::Moments(MomentsError::OutOfPicture {
+                    element,
+                    seen_at: "where the camera sees nothing".into(),
+                    width: config.camera.width,
+                    height: config.camera.height,
+                })
+            })
+        };
+        layout.elements.iter().enumerate().map(seen).collect()
     }
 
     /// The part of the fingertip that takes no time to build: all but the kernel.

@@ -1,20 +1,23 @@
 //! Where the sensing elements sit on the dome.
 
 use crate::check::Checker;
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
 /// Most elements on a fingertip.
 pub const MAX_ELEMENTS: usize = 512;
 
-/// The concentric arrangement of sensing elements on a hemispherical dome (paper, section II).
+/// The arrangement of sensing elements on a dome: concentric (paper, section II), or a grid.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct LayoutConfig {
     /// Radius of the sphere on which the tips of the unloaded columnar feelers lie, m.
     pub dome_radius: f64,
-    /// The rings, from the apex outward.
+    /// The rings, from the apex outward; none where there is a grid.
     pub rings: Vec<RingConfig>,
+    /// A grid in place of rings.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub grid: Option<GridConfig>,
 }
 
 impl Default for LayoutConfig {
@@ -30,16 +33,20 @@ impl Default for LayoutConfig {
                     polar_angle_deg,
                 })
                 .into(),
+            grid: None,
         }
     }
 }
 
 impl LayoutConfig {
-    /// Number of elements on all rings.
+    /// Number of elements on all rings, or in the grid.
     pub fn element_count(&self) -> usize {
-        self.rings
+        let in_rings = self
+            .rings
             .iter()
-            .fold(0, |sum, ring| sum.saturating_add(ring.elements))
+            .fold(0, |sum: usize, ring| sum.saturating_add(ring.elements));
+        let grid = self.grid.as_ref().map_or(0, GridConfig::element_count);
+        in_rings.saturating_add(grid)
     }
 
     /// Requires every value of the table `key` to be in its range.
@@ -48,9 +55,22 @@ impl LayoutConfig {
         checker.require(
             &format!("{key}.rings"),
             format!("{} rings", self.rings.len()),
-            !self.rings.is_empty(),
-            "at least one ring, as in [{ elements = 8, polar_angle_deg = 22.5 }]",
+            self.rings.is_empty() == self.grid.is_some(),
+            "at least one ring, as in [{ elements = 8, polar_angle_deg = 22.5 }], or a grid and rings = []",
         );
+        if let Some(grid) = &self.grid {
+            let key = format!("{key}.grid");
+            for (field, count) in [("columns", grid.columns), ("rows", grid.rows)] {
+                checker.require(
+                    &format!("{key}.{field}"),
+                    count.to_string(),
+                    (1..=MAX_ELEMENTS).contains(&count),
+                    &format!("1 to {MAX_ELEMENTS}"),
+                );
+            }
+            let spacing = grid.spacing;
+            checker.between(&format!("{key}.spacing"), spacing, 1e-4, self.dome_radius);
+        }
         for (index, ring) in self.rings.iter().enumerate() {
             let key = format!("{key}.rings[{index}]");
             checker.require(
@@ -75,10 +95,40 @@ pub struct RingConfig {
     pub polar_angle_deg: f64,
 }
 
+/// A square grid of sensing elements about the apex.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GridConfig {
+    /// Elements along y of the fingertip frame `T`, at least 1.
+    pub columns: usize,
+    /// Elements along z of `T`, at least 1.
+    pub rows: usize,
+    /// Distance of neighbours at the apex, along the dome, m.
+    pub spacing: f64,
+}
+
+impl GridConfig {
+    fn element_count(&self) -> usize {
+        self.columns.saturating_mul(self.rows)
+    }
+
+    /// The directions of the elements in `T`, row by row: each as far from the apex along the dome as it would be in the plane.
+    fn directions(&self, dome_radius: f64) -> impl Iterator<Item = DVec3> {
+        let off_middle = |index: usize, count: usize| index as f64 - 0.5 * (count as f64 - 1.0);
+        (0..self.element_count()).map(move |index| {
+            let (row, column) = (index / self.columns, index % self.columns);
+            let place = DVec2::new(off_middle(column, self.columns), off_middle(row, self.rows));
+            let angle = place.length() * self.spacing / dome_radius;
+            let across = angle.sin() * place.normalize_or_zero();
+            DVec3::new(angle.cos(), across.x, across.y)
+        })
+    }
+}
+
 /// One sensing element: a columnar feeler standing on eight conical feelers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SensingElement {
-    /// Ring that the element belongs to, 0 at the apex.
+    /// Ring that the element belongs to, 0 at the apex; 0 in a grid.
     pub ring: usize,
     /// Rotation of the element's frame `E_i` in the fingertip frame `T`: columns are x and y,
     /// tangent to the dome (y along its parallel, x away from the apex along its meridian), and z,
@@ -129,8 +179,10 @@ impl ElementLayout {
     /// Places the elements of `config`.
     ///
     /// Within a ring, element j of n stands at azimuth `2 pi j / n` about the dome's axis (x of
-    /// `T`), counted from y of `T` towards z of `T`.
+    /// `T`), counted from y of `T` towards z of `T`. A grid stands row by row, along z of `T`.
     pub fn new(config: &LayoutConfig) -> Self {
+        let grid = config.grid.iter();
+        let in_grid = grid.flat_map(|grid| grid.directions(config.dome_radius));
         let elements = config
             .rings
             .iter()
@@ -144,6 +196,7 @@ impl ElementLayout {
                     }
                 })
             })
+            .chain(in_grid.map(SensingElement::facing))
             .collect();
         Self {
             dome_radius: config.dome_radius,

@@ -8,12 +8,15 @@ pub use error::LayoutError;
 
 use super::{
     dome::{CameraConfig, DomeProjection},
+    exposure::DEFAULT_MAX_SATURATED,
     layout::SensingElement,
-    locate::{Located, sub_regions},
+    locate::{Located, LocatedElement, sub_regions},
     moments::MomentsKernel,
+    polarity::Polarity,
+    seen::SeenElement,
     subregion::WeightedPixel,
 };
-use glam::{DVec2, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 use rings::sort_into_rings;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
@@ -49,6 +52,9 @@ pub struct ElementPlace {
     /// Its ring, 0 innermost, if the dome is known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ring: Option<usize>,
+    /// Grey level of the ground about it, where light is uneven; see [`LocatedLayout::dark_level`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ground_level: Option<u8>,
 }
 
 /// The sensing elements of a fingertip as they were located in a picture of it.
@@ -61,8 +67,18 @@ pub struct LocatedLayout {
     pub width: usize,
     /// Rows of the picture, px.
     pub height: usize,
-    /// Grey level up to which a pixel counts as dark.
+    /// Whether the elements are bright on dark or dark on bright.
+    #[serde(default, skip_serializing_if = "Polarity::is_bright")]
+    pub polarity: Polarity,
+    /// Whether the camera's pictures are black and white only: moments then count pixels, and saturation cannot be told.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub two_level: bool,
+    /// Grey level of the ground, unless an element has its own: up to it a pixel counts as dark; of dark elements, from it on as
+    /// bright.
     pub dark_level: u8,
+    /// Diameter of a spot where each element is one, px: what a marker is tracked by.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub spot_diameter_px: Option<f64>,
     /// The dome and its camera, if they are known: moments are then taken in m, in each element's
     /// tangent plane, else in px.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -81,22 +97,24 @@ struct VersionOnly {
 impl LocatedLayout {
     /// The layout of what was located, in the picture's plane.
     pub fn new(located: &Located) -> Self {
-        let place = |centre_px, radius_px| ElementPlace {
-            centre_px,
-            radius_px,
+        let place = |element: &LocatedElement| ElementPlace {
+            centre_px: rounded(element.centre_px),
+            radius_px: round(element.radius_px),
             direction: None,
             ring: None,
+            ground_level: Some(element.ground_level).filter(|&l| l != located.dark_level),
         };
-        let elements = located.elements.iter();
         Self {
             version: LAYOUT_VERSION,
             width: located.size.0,
             height: located.size.1,
+            polarity: located.polarity,
+            two_level: located.two_level,
             dark_level: located.dark_level,
+            spot_diameter_px: (located.spots_per_element == 1)
+                .then(|| round(located.spot_area_diameter_px)),
             dome: None,
-            elements: elements
-                .map(|e| place(rounded(e.centre_px), round(e.radius_px)))
-                .collect(),
+            elements: located.elements.iter().map(place).collect(),
         }
     }
 
@@ -181,11 +199,61 @@ impl LocatedLayout {
     pub fn kernel(&self) -> Result<MomentsKernel, LayoutError> {
         self.check()?;
         let size = (self.width, self.height);
-        Ok(MomentsKernel::from_subregions(
-            size,
-            self.dark_level,
-            &self.weighted_pixels()?,
-        )?)
+        let regions = self.weighted_pixels()?;
+        let kernel = MomentsKernel::from_subregions(size, self.dark_level, &regions)?;
+        let level = |element: &ElementPlace| element.ground_level.unwrap_or(self.dark_level);
+        let levels: Vec<u8> = self.elements.iter().map(level).collect();
+        Ok(kernel.with_ground(self.polarity, &levels)?)
+    }
+
+    /// Where the camera sees each element, and how its frame lies in the picture: along the picture's axes, unless the dome is known.
+    ///
+    /// # Errors
+    /// When the dome makes no sense, or an element points to where the camera does not see it.
+    pub fn seen_elements(&self) -> Result<Vec<SeenElement>, LayoutError> {
+        let projection = match &self.dome {
+            Some(dome) => Some((DomeProjection::new(&dome.camera, dome.radius)?, dome.radius)),
+            None => None,
+        };
+        let seen = |(element, place): (usize, &ElementPlace)| {
+            let centre_px = place.centre_px;
+            let Some(((projection, radius), direction)) = projection.as_ref().zip(place.direction)
+            else {
+                let x_angle = 0.0;
+                return Ok(SeenElement { centre_px, x_angle });
+            };
+            let frame = SensingElement::facing(direction);
+            let seen = SeenElement::on_dome(projection, *radius, &frame);
+            let (column, row) = (centre_px.x, centre_px.y);
+            seen.map(|seen| SeenElement { centre_px, ..seen })
+                .ok_or(LayoutError::OffDome {
+                    element,
+                    column,
+                    row,
+                })
+        };
+        self.elements.iter().enumerate().map(seen).collect()
+    }
+
+    /// Rotation of each element's frame `E_i`: in the fingertip frame `T` where the dome is known, otherwise none, as lengths are those
+    /// of the picture (x to the right, y down, z away from the camera).
+    pub fn element_frames(&self) -> Vec<DMat3> {
+        let frame = |place: &ElementPlace| match (&self.dome, place.direction) {
+            (Some(_), Some(direction)) => SensingElement::facing(direction).rotation,
+            _ => DMat3::IDENTITY,
+        };
+        self.elements.iter().map(frame).collect()
+    }
+
+    /// Part of a sub-region's pixels that may be saturated before its moments are called wrong, unless another one is asked for.
+    pub fn max_saturated(&self) -> f64 {
+        match self.polarity {
+            // White pins are saturated in a picture of two levels. What is white all over is none.
+            Polarity::Bright if self.two_level => 0.98,
+            Polarity::Bright => DEFAULT_MAX_SATURATED,
+            // Markers may be black. What is black all over is none.
+            Polarity::Dark => 0.9,
+        }
     }
 
     /// The pixels of each element's sub-region and what they count for.

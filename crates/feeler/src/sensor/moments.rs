@@ -7,6 +7,7 @@
 //! g = max(pixel - dark_level, 0)      G = sum g w      c = sum g w p / G
 //! ```
 //!
+//! and `g = max(level - pixel, 0)` of dark elements on bright ground,
 //! with `p` the pixel in the element's tangent plane and `w` the area it covers there: the dewarp. A
 //! symmetric linear smoothing filter would change neither `G` nor `c`, which is why there is none.
 //!
@@ -32,6 +33,7 @@ use super::{
     frame::Picture,
     layout::ElementLayout,
     moments_config::{MomentsConfig, MomentsError},
+    polarity::Polarity,
     subregion::{WeightedPixel, subregions},
 };
 use glam::DVec2;
@@ -51,7 +53,9 @@ pub struct ElementMoments {
 pub struct MomentsKernel {
     width: usize,
     height: usize,
-    dark_level: u8,
+    polarity: Polarity,
+    /// Grey level of the ground of each element.
+    levels: Vec<u8>,
     tiles: Vec<Tile>,
     /// For each row of each tile, which of its pixels belong to the sub-region.
     masks: Vec<u64>,
@@ -74,7 +78,23 @@ impl MomentsKernel {
     ) -> Result<Self, MomentsError> {
         let regions = subregions(layout, projection, config)?;
         let size = (projection.width(), projection.height());
-        Self::from_subregions(size, config.dark_level, &regions)
+        Self::of_regions(size, config, &regions)
+    }
+
+    /// The kernel of sub-regions given pixel by pixel, as [`Self::from_subregions`], for elements and ground as `config` has them.
+    ///
+    /// # Errors
+    /// When a pixel lies outside of the picture.
+    pub fn of_regions(
+        size: (usize, usize),
+        config: &MomentsConfig,
+        regions: &[Vec<WeightedPixel>],
+    ) -> Result<Self, MomentsError> {
+        let kernel = Self::from_subregions(size, config.dark_level, regions)?;
+        Ok(Self {
+            polarity: config.polarity,
+            ..kernel
+        })
     }
 
     /// The kernel of sub-regions given pixel by pixel, one list for each element, for pictures of
@@ -110,13 +130,36 @@ impl MomentsKernel {
         Ok(Self {
             width,
             height,
-            dark_level,
+            polarity: Polarity::Bright,
+            levels: vec![dark_level; elements.len()],
             tiles: tiling.tiles,
             masks: tiling.masks,
             byte_masks: tiling.byte_masks,
             elements,
             instructions: Instructions::fastest(),
         })
+    }
+
+    /// The same kernel for elements of this `polarity`, on ground of a grey level for each: up to it (of dark elements: from it on) a
+    /// pixel does not count.
+    ///
+    /// # Errors
+    /// When there are more or fewer levels than elements.
+    pub fn with_ground(self, polarity: Polarity, levels: &[u8]) -> Result<Self, MomentsError> {
+        let (expected, actual) = (self.element_count(), levels.len());
+        if actual != expected {
+            return Err(MomentsError::ElementCount { expected, actual });
+        }
+        Ok(Self {
+            polarity,
+            levels: levels.to_vec(),
+            ..self
+        })
+    }
+
+    /// Whether it takes the moments of bright or of dark elements.
+    pub fn polarity(&self) -> Polarity {
+        self.polarity
     }
 
     /// The same kernel with other instructions, which give the same moments; for tests and benches.

@@ -1,5 +1,6 @@
 //! How moments are taken, and why they cannot be.
 
+use super::polarity::Polarity;
 use crate::check::Checker;
 use serde::{Deserialize, Serialize};
 
@@ -8,11 +9,14 @@ use serde::{Deserialize, Serialize};
 #[serde(deny_unknown_fields, default)]
 pub struct MomentsConfig {
     /// Grey level up to which a pixel counts as dark; a little above the background, so that its
-    /// noise does not reach the sums (assumed).
+    /// noise does not reach the sums (assumed). Of dark elements: the level from which on a pixel is ground.
     pub dark_level: u8,
     /// Radius of an element's sub-region about the element's axis, m (assumed: half the pitch of
     /// the outermost ring, so that sub-regions just do not overlap).
     pub subregion_radius: f64,
+    /// Whether elements are bright on dark ground or dark on bright ground.
+    #[serde(skip_serializing_if = "Polarity::is_bright")]
+    pub polarity: Polarity,
 }
 
 impl Default for MomentsConfig {
@@ -20,6 +24,7 @@ impl Default for MomentsConfig {
         Self {
             dark_level: 24,
             subregion_radius: 2.6e-3,
+            polarity: Polarity::Bright,
         }
     }
 }
@@ -80,12 +85,12 @@ pub enum MomentsError {
         /// Gray values in the picture.
         pixels: usize,
     },
-    /// The place for the moments is for another number of elements.
-    #[error("the kernel has {expected} elements, the moments to fill have {actual}")]
+    /// The place for the moments, or the ground's levels, are for another number of elements.
+    #[error("the kernel has {expected} elements, what is to go with them is for {actual}")]
     ElementCount {
         /// Elements of the kernel.
         expected: usize,
-        /// Elements of the moments to fill.
+        /// Elements of the moments to fill, or levels.
         actual: usize,
     },
 }

@@ -3,7 +3,7 @@
 use feeler::sensor::dome::{CameraConfig, DomeProjection};
 use feeler::sensor::frame::Picture;
 use feeler::sensor::layout::{ElementLayout, LayoutConfig, SensingElement};
-use feeler::sensor::locate::{Located, LocatedElement};
+use feeler::sensor::locate::{Located, LocatedElement, Polarity};
 use feeler::sensor::located_layout::{DomeGeometry, LayoutError, LocatedLayout};
 use feeler::sensor::moments::ElementMoments;
 use glam::{DVec2, DVec3};
@@ -16,7 +16,10 @@ fn located(size: (usize, usize), elements: Vec<LocatedElement>) -> Located {
         elements,
         spacing_px: 30.0,
         spot_diameter_px: 5.0,
+        spot_area_diameter_px: 5.0,
         spots_per_element: 1,
+        polarity: Polarity::Bright,
+        two_level: false,
         dark_level: 20,
         warnings: Vec::new(),
     }
@@ -27,6 +30,7 @@ fn element(centre_px: DVec2, radius_px: f64, spots_px: Vec<DVec2>) -> LocatedEle
         centre_px,
         radius_px,
         spots_px,
+        ground_level: 20,
     }
 }
 

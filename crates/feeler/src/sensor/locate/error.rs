@@ -1,6 +1,6 @@
 //! Why no elements can be located in a picture.
 
-use super::{MAX_SPOTS, MIN_SIZE};
+use super::{MAX_SPOTS, MIN_SIZE, Polarity, Unlike};
 
 /// Why no elements can be located.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -52,9 +52,9 @@ pub enum LocateError {
         /// Least grey value.
         darkest: f32,
     },
-    /// There is no bright spot.
+    /// There is no spot.
     #[error(
-        "no element found: no bright spot rises above the picture's noise (grey levels {darkest:.0} to {brightest:.0}, noise {noise:.1})"
+        "no element found: no spot rises above the picture's noise (grey levels {darkest:.0} to {brightest:.0}, noise {noise:.1})"
     )]
     NoElement {
         /// Least grey value.
@@ -64,10 +64,21 @@ pub enum LocateError {
         /// Standard deviation of the noise, grey levels.
         noise: f64,
     },
-    /// There are so many spots that they are no elements.
+    /// There are spots, but they are no pattern of markers.
     #[error(
-        "at most {MAX_SPOTS} bright spots expected, got {actual}: is this a picture of a sensor?"
+        "the {spots} {polarity} spots found are no pattern of markers: {}; give their diameter (--spot-diameter) if they are some all the same",
+        list(unlike)
     )]
+    NoPattern {
+        /// Whether they are bright or dark.
+        polarity: Polarity,
+        /// How many there are.
+        spots: usize,
+        /// What of a pattern they lack.
+        unlike: Vec<Unlike>,
+    },
+    /// There are so many spots that they are no elements.
+    #[error("at most {MAX_SPOTS} spots expected, got {actual}: is this a picture of a sensor?")]
     TooManySpots {
         /// How many there are.
         actual: usize,
@@ -84,4 +95,10 @@ pub enum LocateError {
         /// What it was.
         value: f64,
     },
+}
+
+/// What spots lack, one after the other.
+pub(super) fn list(unlike: &[Unlike]) -> String {
+    let named: Vec<String> = unlike.iter().map(ToString::to_string).collect();
+    named.join("; ")
 }

@@ -34,6 +34,10 @@ const NEARLY: f64 = 0.9;
 /// median. Of a lattice, cut into groups in whatever way, it is about one.
 const APART: f64 = 1.25;
 
+/// By how much a group may differ in size from those beside it, at the median: the elements of a sensor are alike, scattered spots that
+/// happen to lie together are not.
+const ALIKE: f64 = 0.12;
+
 /// Groups `spots`: into elements of `diameter` px if that is given, else into groups of one size if
 /// they lie in such, else each for itself.
 pub(super) fn group(spots: &[Spot], diameter: Option<f64>) -> Grouped {
@@ -48,7 +52,10 @@ pub(super) fn group(spots: &[Spot], diameter: Option<f64>) -> Grouped {
     let of_one_size = SIZES.filter_map(|size| {
         let groups = disjoint(&clear, size, centres.len());
         let covered = (groups.len() * size) as f64 / centres.len() as f64;
-        let good = groups.len() >= 2 && covered >= COVERED && apart(&groups, &centres) >= APART;
+        let good = groups.len() >= 2
+            && covered >= COVERED
+            && apart(&groups, &centres) >= APART
+            && unlike(&groups, &centres) <= ALIKE;
         good.then_some((covered, size, groups))
     });
     let of_one_size: Vec<_> = of_one_size.collect();
@@ -187,6 +194,24 @@ fn apart(groups: &[Vec<usize>], centres: &[DVec2]) -> f64 {
     };
     let mut ratios: Vec<f64> = groups.iter().flatten().map(ratio).collect();
     median(&mut ratios)
+}
+
+/// How much the distances of the groups' spots from their centres differ from those of the groups beside them, as `ALIKE` measures it.
+fn unlike(groups: &[Vec<usize>], centres: &[DVec2]) -> f64 {
+    let middles: Vec<DVec2> = groups.iter().map(|group| mean(group, centres)).collect();
+    let size = |(group, middle): (&Vec<usize>, &DVec2)| {
+        let squares = group
+            .iter()
+            .map(|&spot| centres[spot].distance_squared(*middle));
+        squares.sum::<f64>().sqrt()
+    };
+    let sizes: Vec<f64> = groups.iter().zip(&middles).map(size).collect();
+    let off = |(own, near): (usize, &Vec<usize>)| {
+        let mut about: Vec<f64> = near.iter().map(|&i| sizes[i]).collect();
+        (sizes[own] / median(&mut about)).ln().abs()
+    };
+    let mut off: Vec<f64> = nearest(&middles, 5).iter().enumerate().map(off).collect();
+    median(&mut off)
 }
 
 /// Adds to the groups of `size` what is left and fits into as large a place: groups that miss a

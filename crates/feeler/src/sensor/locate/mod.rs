@@ -1,29 +1,41 @@
 //! Finds the sensing elements in a picture of the untouched sensor.
 //!
-//! An element is a bright spot (the white tip of a pin) or a group of spots (the contacts of the
+//! An element is a spot, bright on dark (the white tip of a pin) or dark on bright (a marker on a gel), or a group of spots (the contacts of the
 //! conical feelers under one columnar feeler). Neither their number nor their size is given:
 //!
-//! 1. Bright blobs are the maxima, over place and scale, of the Laplacian of Gaussians (Lindeberg
+//! 1. Blobs, bright or dark, are the maxima, over place and scale, of the Laplacian of Gaussians (Lindeberg
 //!    1998); the size that most of them share is that of the spots (`spots`).
 //! 2. If the spots come in groups of one size that lie apart from each other, the groups are the
 //!    elements, else the spots are (`groups`).
-//! 3. An element's sub-region is the disc about its centre as far as no other centre is nearer.
+//! 3. Spots that are not evenly spaced, of similar size and of similar contrast are no markers (`pattern`).
+//! 4. An element's sub-region is the disc about its centre as far as no other centre is nearer.
 
+mod centroid;
 mod error;
+mod ground;
 mod groups;
+mod pattern;
 mod reference;
 mod regions;
 mod scale_space;
 mod spots;
+mod strays;
 mod tree;
 mod warning;
 
+pub use super::polarity::Polarity;
 pub use error::LocateError;
+pub use pattern::Unlike;
 pub use reference::{MeanPicture, ReferencePicture};
 pub use regions::sub_regions;
 pub use warning::LocateWarning;
 
+use self::{
+    scale_space::ScaleSpace,
+    spots::{FoundSpots, Search},
+};
 use glam::DVec2;
+use std::borrow::Cow;
 
 /// Fewest pixels to a side of a picture that elements are looked for in.
 pub const MIN_SIZE: usize = 16;
@@ -34,7 +46,9 @@ pub const MAX_SPOTS: usize = 4096;
 /// What may be said about the elements beforehand; all is found without.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LocateConfig {
-    /// Diameter of a bright spot, px; the size that most blobs share if absent.
+    /// Whether elements are bright or dark; whichever makes the better pattern if absent.
+    pub polarity: Option<Polarity>,
+    /// Diameter of a spot, px; the size that most blobs share if absent.
     pub spot_diameter_px: Option<f64>,
     /// Diameter of an element, px: spots that fit into it together are one element. If absent,
     /// spots are grouped only where they lie in groups of one size.
@@ -47,6 +61,7 @@ pub struct LocateConfig {
 impl Default for LocateConfig {
     fn default() -> Self {
         Self {
+            polarity: None,
             spot_diameter_px: None,
             element_diameter_px: None,
             // Discs of half the spacing just touch, and a neighbour that moves stays out of them for
@@ -65,23 +80,32 @@ pub struct LocatedElement {
     pub radius_px: f64,
     /// Columns and rows of its spots' centres, px.
     pub spots_px: Vec<DVec2>,
+    /// Grey level of the ground about it: up to it (of dark elements: from it on) a pixel is none of the element.
+    pub ground_level: u8,
 }
 
 /// What was found in a reference picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Located {
+    /// Whether the elements are bright or dark.
+    pub polarity: Polarity,
     /// Columns and rows of the picture, px.
     pub size: (usize, usize),
     /// The elements, in reading order: row by row, as far as there are rows.
     pub elements: Vec<LocatedElement>,
     /// Median distance of an element to its nearest neighbour, px; 0 for a single element.
     pub spacing_px: f64,
-    /// Median diameter of a spot, px.
+    /// Median diameter of the disc that is most blob-like where a spot is, px.
     pub spot_diameter_px: f64,
+    /// Median diameter of the disc that has a spot's area at its contrast, px.
+    pub spot_area_diameter_px: f64,
     /// Spots of an element: 1, or the size of the groups.
     pub spots_per_element: usize,
-    /// Grey level a little above the background about the elements, up to which a pixel is dark.
+    /// The same for all elements where light is even: a little above the background about them, up to which a pixel is dark. Of dark
+    /// elements, a little below it, from which on a pixel is bright.
     pub dark_level: u8,
+    /// Whether every pixel is black or white.
+    pub two_level: bool,
     /// What looks wrong.
     pub warnings: Vec<LocateWarning>,
 }
@@ -92,9 +116,79 @@ pub struct Located {
 /// When the picture is black, white or without bright spots, or `config` makes no sense.
 pub fn locate(reference: &ReferencePicture, config: &LocateConfig) -> Result<Located, LocateError> {
     check(reference, config)?;
-    let found = spots::find(reference, config.spot_diameter_px)?;
+    let (polarity, found) = find(reference, config)?;
+    let unlike = pattern::unlike_markers(&found.spots, found.noise);
+    // Whoever says how large spots are has seen some.
+    if unlike.len() >= 2 && config.spot_diameter_px.is_none() {
+        return Err(LocateError::NoPattern {
+            polarity,
+            spots: found.spots.len(),
+            unlike,
+        });
+    }
     let grouped = groups::group(&found.spots, config.element_diameter_px);
-    Ok(regions::assemble(reference, config, found, grouped))
+    let oriented = reference.oriented(polarity);
+    let mut located = regions::assemble(&oriented, polarity, config, found, grouped);
+    if !unlike.is_empty() {
+        located.warnings.push(LocateWarning::Unlike { unlike });
+    }
+    Ok(located)
+}
+
+/// Most pixels that are searched for spots one by one; of a larger picture the means of several are.
+const MOST_PIXELS: usize = 3_000_000;
+
+/// The spots of the polarity that makes the better pattern, unless one is given.
+fn find(
+    reference: &ReferencePicture,
+    config: &LocateConfig,
+) -> Result<(Polarity, FoundSpots), LocateError> {
+    let pixels = reference.width * reference.height;
+    let factor = (pixels as f64 / MOST_PIXELS as f64).sqrt().ceil() as usize;
+    let binned = match factor {
+        0 | 1 => Cow::Borrowed(reference),
+        factor => Cow::Owned(reference.binned(factor)),
+    };
+    let factor = factor.max(1);
+    let diameter = config
+        .spot_diameter_px
+        .map(|diameter| diameter / factor as f64);
+    let coarsest = spots::coarsest((binned.width, binned.height), diameter);
+    let mut space = ScaleSpace::new(&binned, coarsest);
+    // Of an inverted picture it is the same.
+    let noise = [reference.noise(), binned.noise()];
+    let mut best: Option<(f64, Polarity, FoundSpots)> = None;
+    let mut refused = None;
+    for polarity in [Polarity::Bright, Polarity::Dark] {
+        if config.polarity.is_some_and(|given| given != polarity) {
+            continue;
+        }
+        if polarity == Polarity::Dark {
+            space = space.negated();
+        }
+        let found = spots::find(&Search {
+            picture: &reference.oriented(polarity),
+            binned: &binned.oriented(polarity),
+            factor,
+            space: &space,
+            noise,
+            diameter: config.spot_diameter_px,
+        });
+        match found {
+            Ok(found) => {
+                let score = pattern::score(&found.spots);
+                if best.as_ref().is_none_or(|best| score > best.0) {
+                    best = Some((score, polarity, found));
+                }
+            }
+            Err(error) => refused = refused.or(Some(error)),
+        }
+    }
+    match (best, refused) {
+        (Some((_, polarity, found)), _) => Ok((polarity, found)),
+        (None, Some(error)) => Err(error),
+        (None, None) => Err(LocateError::NoPicture),
+    }
 }
 
 fn check(reference: &ReferencePicture, config: &LocateConfig) -> Result<(), LocateError> {
@@ -132,7 +226,7 @@ fn check(reference: &ReferencePicture, config: &LocateConfig) -> Result<(), Loca
 }
 
 /// The median; 0 of nothing. Reorders the values.
-fn median(values: &mut [f64]) -> f64 {
+pub(super) fn median(values: &mut [f64]) -> f64 {
     quantile(values, 0.5)
 }
 
@@ -146,7 +240,7 @@ fn quantile(values: &mut [f64], q: f64) -> f64 {
 }
 
 /// For each point, the indices of its `count` nearest others, the nearest first.
-fn nearest(points: &[DVec2], count: usize) -> Vec<Vec<usize>> {
+pub(super) fn nearest(points: &[DVec2], count: usize) -> Vec<Vec<usize>> {
     points
         .iter()
         .enumerate()

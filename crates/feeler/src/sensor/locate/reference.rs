@@ -1,7 +1,8 @@
 //! The picture that elements are looked for in: the mean of pictures of the untouched sensor.
 
-use super::LocateError;
+use super::{LocateError, Polarity};
 use crate::sensor::frame::Picture;
+use std::borrow::Cow;
 
 /// The mean of several pictures, with what is known of its noise.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,15 +32,55 @@ impl ReferencePicture {
         sum.finish()
     }
 
+    /// The same picture with bright elements: inverted if they are dark.
+    pub(super) fn oriented(&self, polarity: Polarity) -> Cow<'_, Self> {
+        match polarity {
+            Polarity::Bright => Cow::Borrowed(self),
+            Polarity::Dark => Cow::Owned(Self {
+                gray: self.gray.iter().map(|gray| 255.0 - gray).collect(),
+                ..*self
+            }),
+        }
+    }
+
+    /// The picture of the means of `factor` by `factor` pixels; those of the last columns and rows that make no whole one count twice.
+    pub(super) fn binned(&self, factor: usize) -> Self {
+        let size = (self.width.div_ceil(factor), self.height.div_ceil(factor));
+        let share = 1.0 / (factor * factor) as f32;
+        let mut gray = vec![0.0; size.0 * size.1];
+        let mut sums = vec![0.0; self.width];
+        for (row, binned) in gray.chunks_exact_mut(size.0).enumerate() {
+            sums.fill(0.0);
+            for below in 0..factor {
+                let row = (row * factor + below).min(self.height - 1);
+                let pixels = &self.gray[row * self.width..][..self.width];
+                sums.iter_mut()
+                    .zip(pixels)
+                    .for_each(|(sum, pixel)| *sum += pixel);
+            }
+            for (binned, sums) in binned.iter_mut().zip(sums.chunks(factor)) {
+                let missing = (factor - sums.len()) as f32 * sums[sums.len() - 1];
+                *binned = share * (sums.iter().sum::<f32>() + missing);
+            }
+        }
+        Self {
+            width: size.0,
+            height: size.1,
+            gray,
+            ..*self
+        }
+    }
+
     /// Standard deviation of the noise of one of the pictures, grey levels: from how far pixels
     /// are off a plane through their neighbours, in the fifth of the picture with the least detail.
     /// No less than that of rounding to grey levels.
     pub fn noise(&self) -> f64 {
         let (width, height) = (self.width, self.height);
-        let mut off = Vec::with_capacity(width * height / 4 + 1);
-        // Every other row and column is plenty.
-        for row in (1..height.saturating_sub(1)).step_by(2) {
-            for column in (1..width.saturating_sub(1)).step_by(2) {
+        // Every other row and column is plenty, and fewer of a picture of millions of pixels.
+        let step = 2 * (width * height / 1_000_000).isqrt().max(1);
+        let mut off = Vec::with_capacity(width * height / (step * step) + 1);
+        for row in (1..height.saturating_sub(1)).step_by(step) {
+            for column in (1..width.saturating_sub(1)).step_by(step) {
                 let at = |dy: usize, dx: usize| {
                     f64::from(self.gray[(row + dy - 1) * width + column + dx - 1])
                 };

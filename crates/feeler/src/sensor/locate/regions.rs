@@ -1,9 +1,10 @@
 //! From spots to elements with sub-regions, and what looks wrong about them.
 
 use super::{
-    LocateConfig, LocateWarning, Located, LocatedElement,
+    LocateConfig, LocateWarning, Located, LocatedElement, Polarity,
+    ground::Ground,
     groups::Grouped,
-    median, nearest, quantile,
+    median, nearest,
     reference::ReferencePicture,
     spots::{FoundSpots, Spot},
 };
@@ -38,7 +39,7 @@ pub fn sub_regions(size: (usize, usize), discs: &[(DVec2, f64)]) -> Vec<Vec<(usi
     regions
 }
 
-fn bounding_box(
+pub(super) fn bounding_box(
     (width, height): (usize, usize),
     centre: DVec2,
     radius: f64,
@@ -51,8 +52,11 @@ fn bounding_box(
 }
 
 /// Makes elements of grouped spots.
+///
+/// In `reference` they are bright, whatever the `polarity` of the picture that it is of.
 pub(super) fn assemble(
     reference: &ReferencePicture,
+    polarity: Polarity,
     config: &LocateConfig,
     found: FoundSpots,
     grouped: Grouped,
@@ -60,10 +64,11 @@ pub(super) fn assemble(
     let FoundSpots {
         spots,
         mut left_out,
+        cut: at_border,
         noise,
     } = found;
     left_out.extend(grouped.left_out.iter().map(|&i| spots[i].centre));
-    let mut diameters: Vec<f64> = spots.iter().map(Spot::diameter).collect();
+    let mut diameters: Vec<f64> = spots.iter().map(Spot::scale).collect();
     let spot_diameter_px = median(&mut diameters);
     let centre = |members: &Vec<usize>| {
         members.iter().map(|&i| spots[i].centre).sum::<DVec2>() / members.len().max(1) as f64
@@ -89,12 +94,13 @@ pub(super) fn assemble(
             0.0
         }
     };
-    let elements: Vec<LocatedElement> = (0..centres.len())
+    let mut elements: Vec<LocatedElement> = (0..centres.len())
         .map(|i| LocatedElement {
             centre_px: centres[i],
             radius_px: (config.region_radius * local_spacing(&gaps, &neighbours[i], i))
                 .max(room(i)),
             spots_px: members[i].iter().map(|&s| spots[s].centre).collect(),
+            ground_level: 0,
         })
         .collect();
     let spacing_px = if centres.len() > 1 {
@@ -120,15 +126,34 @@ pub(super) fn assemble(
     if !cut_off.is_empty() {
         warnings.push(LocateWarning::CutOff { elements: cut_off });
     }
+    if !at_border.is_empty() {
+        warnings.push(LocateWarning::AtBorder {
+            spots_px: at_border,
+        });
+    }
     if !left_out.is_empty() {
         warnings.push(LocateWarning::LeftOut { spots_px: left_out });
     }
+    let contrast = |members: &Vec<usize>| {
+        let contrasts = members.iter().map(|&s| spots[s].contrast);
+        contrasts.sum::<f64>() / members.len().max(1) as f64
+    };
+    let contrasts: Vec<f64> = members.iter().map(|m| contrast(m)).collect();
+    let ground = Ground::new(reference, polarity, &regions, noise);
+    for (element, level) in elements.iter_mut().zip(ground.of_elements(&contrasts)) {
+        element.ground_level = level;
+    }
     Located {
+        polarity,
         size,
-        dark_level: dark_level(reference, &regions, noise),
+        two_level: reference.two_level,
+        dark_level: ground.of_all(&contrasts),
         elements,
         spacing_px,
         spot_diameter_px,
+        spot_area_diameter_px: median(
+            &mut spots.iter().map(|spot| spot.diameter).collect::<Vec<_>>(),
+        ),
         spots_per_element: grouped.per_element,
         warnings,
     }
@@ -226,7 +251,7 @@ fn light_warning(
     let size = (reference.width, reference.height);
     let saturated = |spot: &usize| {
         let Spot { centre, .. } = spots[*spot];
-        let radius = 0.35 * spots[*spot].diameter();
+        let radius = 0.35 * spots[*spot].scale();
         let (columns, rows) = bounding_box(size, centre, radius);
         let (mut inside, mut full) = (0, 0);
         for row in rows {
@@ -244,21 +269,4 @@ fn light_warning(
         .filter(|&i| 2 * members[i].iter().filter(|s| saturated(s)).count() > members[i].len())
         .collect();
     (!elements.is_empty()).then_some(LocateWarning::Saturated { elements })
-}
-
-/// A little above the background, so that its noise does not reach the sums.
-fn dark_level(reference: &ReferencePicture, regions: &[Vec<(usize, usize)>], noise: f64) -> u8 {
-    if reference.two_level {
-        return 127;
-    }
-    let background = |region: &Vec<(usize, usize)>| {
-        let gray = |&(c, r): &(usize, usize)| f64::from(reference.gray[r * reference.width + c]);
-        // Most of a sub-region may be bright; its darkest fifth is not.
-        let mut grays: Vec<f64> = region.iter().map(gray).collect();
-        quantile(&mut grays, 0.2)
-    };
-    let mut backgrounds: Vec<f64> = regions.iter().map(background).collect();
-    (quantile(&mut backgrounds, 0.9) + 4.0 * noise)
-        .ceil()
-        .min(254.0) as u8
 }

@@ -8,73 +8,109 @@ const STEP: f64 = 1.189_207_115_002_721; // the fourth root of 2
 /// Finest scale, px: what a spot of two pixels has.
 const FINEST: f64 = 0.8;
 
+/// Scale over a layer's pixel at which layers go on with every second pixel: what is that smooth needs no more.
+const COARSEST_IN_PIXELS: f64 = 3.2;
+
 /// The picture's blob response at one scale.
 #[derive(Debug, Clone)]
 pub(super) struct Layer {
-    /// Standard deviation of the Gaussian, px.
+    /// Standard deviation of the Gaussian, pixels of the picture.
     pub sigma: f64,
+    /// Pixels of the picture from one value to the next.
+    pub step: usize,
+    /// Columns and rows of values.
+    pub size: (usize, usize),
     /// `-sigma² ∇² (G * picture)`, grey levels: positive on bright blobs.
     pub response: Vec<f32>,
+}
+
+impl Layer {
+    /// Largest of the value at a place, given in pixels of the picture, and its four neighbours.
+    fn around(&self, column: usize, row: usize) -> f32 {
+        let (width, height) = self.size;
+        // Layers end where the picture does, to a value.
+        let column = (column / self.step).clamp(1, width - 2);
+        let row = (row / self.step).clamp(1, height - 2);
+        let index = row * width + column;
+        [index - width, index - 1, index, index + 1, index + width]
+            .iter()
+            .fold(f32::NEG_INFINITY, |m, &i| m.max(self.response[i]))
+    }
 }
 
 /// Responses from fine to coarse.
 #[derive(Debug, Clone)]
 pub(super) struct ScaleSpace {
-    pub width: usize,
-    pub height: usize,
     pub layers: Vec<Layer>,
 }
 
 impl ScaleSpace {
     /// All scales of `picture` up to `coarsest`, px.
     pub fn new(picture: &ReferencePicture, coarsest: f64) -> Self {
-        let (width, height) = (picture.width, picture.height);
+        let mut size = (picture.width, picture.height);
         let mut blurred = picture.gray.clone();
-        let (mut sigma, mut have) = (FINEST, 0.0_f64);
+        let (mut sigma, mut have, mut step) = (FINEST, 0.0_f64, 1);
         let mut layers = Vec::new();
         while layers.len() < 3 || sigma <= coarsest {
-            let step = (sigma * sigma - have * have).sqrt();
-            blurred = blur(&blurred, width, height, step);
+            let more = (sigma * sigma - have * have).sqrt() / step as f64;
+            blurred = blur(&blurred, size.0, size.1, more);
             have = sigma;
+            // Below the least size a layer has no inner values left.
+            let halved = (size.0.div_ceil(2), size.1.div_ceil(2));
+            if sigma >= COARSEST_IN_PIXELS * step as f64 && halved.0.min(halved.1) >= 8 {
+                blurred = every_second(&blurred, size);
+                (size, step) = (halved, 2 * step);
+            }
             layers.push(Layer {
                 sigma,
-                response: response(&blurred, width, height, sigma),
+                step,
+                size,
+                response: response(&blurred, size.0, size.1, sigma / step as f64),
             });
             sigma *= STEP;
         }
-        Self {
-            width,
-            height,
-            layers,
+        Self { layers }
+    }
+
+    /// The responses of the inverted picture.
+    pub fn negated(mut self) -> Self {
+        for layer in &mut self.layers {
+            layer.response.iter_mut().for_each(|value| *value = -*value);
         }
+        self
     }
 
     /// Where `layer` has a value no smaller than its eight neighbours' and larger than those of the
-    /// layers beside it (one of which may be missing): indices of pixels, the rim left out.
+    /// layers beside it (one of which may be missing): indices of its values, the rim left out.
     pub fn maxima(&self, layer: usize, floor: f32) -> Vec<usize> {
-        let (width, height) = (self.width, self.height);
-        let own = &self.layers[layer].response;
+        let own = &self.layers[layer];
+        let (width, height) = own.size;
         let below = layer.checked_sub(1).and_then(|l| self.layers.get(l));
         let above = self.layers.get(layer + 1);
         let mut found = Vec::new();
         for row in 1..height - 1 {
             for column in 1..width - 1 {
                 let index = row * width + column;
-                let value = own[index];
-                if value <= floor || !largest_of_nine(own, width, index) {
+                let value = own.response[index];
+                if value <= floor || !largest_of_nine(&own.response, width, index) {
                     continue;
                 }
-                let beside = [below, above].into_iter().flatten();
-                if beside
-                    .clone()
-                    .all(|l| around(&l.response, width, index) <= value)
-                {
+                let place = (column * own.step, row * own.step);
+                let mut beside = [below, above].into_iter().flatten();
+                if beside.all(|l| l.around(place.0, place.1) <= value) {
                     found.push(index);
                 }
             }
         }
         found
     }
+}
+
+/// Every second column of every second row.
+fn every_second(values: &[f32], (width, _): (usize, usize)) -> Vec<f32> {
+    let rows = values.chunks_exact(width).step_by(2);
+    rows.flat_map(|row| row.iter().step_by(2).copied())
+        .collect()
 }
 
 /// Whether no neighbour is larger; of equal ones the first counts.
@@ -93,13 +129,6 @@ fn largest_of_nine(values: &[f32], width: usize, index: usize) -> bool {
         index + width + 1,
     ];
     before.iter().all(|&i| values[i] < value) && after.iter().all(|&i| values[i] <= value)
-}
-
-/// Largest of a pixel and its four neighbours.
-fn around(values: &[f32], width: usize, index: usize) -> f32 {
-    [index - width, index - 1, index, index + 1, index + width]
-        .iter()
-        .fold(f32::NEG_INFINITY, |m, &i| m.max(values[i]))
 }
 
 fn response(blurred: &[f32], width: usize, height: usize, sigma: f64) -> Vec<f32> {

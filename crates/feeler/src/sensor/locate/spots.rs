@@ -1,8 +1,11 @@
 //! Bright spots: blobs of the size that most blobs share.
 
 use super::{
-    LocateError, MAX_SPOTS, median, nearest, quantile, reference::ReferencePicture,
-    scale_space::ScaleSpace,
+    LocateError, MAX_SPOTS,
+    centroid::measure,
+    reference::ReferencePicture,
+    scale_space::{Layer, ScaleSpace},
+    strays::{as_strong_as_their_neighbours, without_crowding, without_overlaps, without_strays},
 };
 use glam::{DMat2, DVec2};
 use std::f64::consts::SQRT_2;
@@ -20,12 +23,29 @@ pub(super) struct Spot {
     pub sigma: f64,
     /// How strongly, grey levels.
     pub response: f64,
+    /// Diameter of the disc of its area, px; of the disc that is most blob-like until that is measured.
+    pub diameter: f64,
+    /// Grey levels that it rises above the ground about it; how blob-like it is until that is measured.
+    pub contrast: f64,
+    /// Whether the picture's border cuts it.
+    pub cut: bool,
 }
 
 impl Spot {
     /// Diameter of the disc that is most blob-like at the spot's scale, px.
-    pub fn diameter(&self) -> f64 {
+    pub fn scale(&self) -> f64 {
         2.0 * SQRT_2 * self.sigma
+    }
+
+    /// The spot in a picture of `factor` as many pixels to a side.
+    fn enlarged(self, factor: usize) -> Self {
+        let factor = factor as f64;
+        Self {
+            centre: (self.centre + 0.5) * factor - 0.5,
+            sigma: self.sigma * factor,
+            diameter: self.diameter * factor,
+            ..self
+        }
     }
 }
 
@@ -35,37 +55,65 @@ pub(super) struct FoundSpots {
     pub spots: Vec<Spot>,
     /// Spots that stand apart from all others.
     pub left_out: Vec<DVec2>,
+    /// Spots that the picture's border cuts.
+    pub cut: Vec<DVec2>,
     /// Noise of one picture, grey levels.
     pub noise: f64,
 }
 
-/// Finds the spots in `picture`, of about `diameter` if that is known, px.
-pub(super) fn find(
-    picture: &ReferencePicture,
-    diameter: Option<f64>,
-) -> Result<FoundSpots, LocateError> {
-    let shorter = picture.width.min(picture.height) as f64;
-    let coarsest = diameter.map_or(shorter / 16.0, |d| d / SQRT_2);
-    let space = ScaleSpace::new(picture, coarsest);
-    let noise = picture.noise();
-    let noise_of_mean = noise / (picture.pictures as f64).sqrt();
+/// A picture in which spots are bright, and what is looked for in it.
+pub(super) struct Search<'a> {
+    /// The picture as it is.
+    pub picture: &'a ReferencePicture,
+    /// The one that is searched: of fewer pixels, if the picture has very many.
+    pub binned: &'a ReferencePicture,
+    /// Pixels of the picture to a side of one of its pixels.
+    pub factor: usize,
+    /// Its responses.
+    pub space: &'a ScaleSpace,
+    /// Noise of one of the pictures that the picture, and the one that is searched, is the mean of, grey levels.
+    pub noise: [f64; 2],
+    /// Diameter of spots, if that is known, px of the picture.
+    pub diameter: Option<f64>,
+}
+
+/// The coarsest scale at which spots of about `diameter` px, if that is known, are looked for in a picture of `size`, px.
+pub(super) fn coarsest((width, height): (usize, usize), diameter: Option<f64>) -> f64 {
+    diameter.map_or(width.min(height) as f64 / 16.0, |diameter| {
+        diameter / SQRT_2
+    })
+}
+
+/// Finds the spots.
+pub(super) fn find(search: &Search) -> Result<FoundSpots, LocateError> {
+    let Search { picture, space, .. } = *search;
+    let [noise, noise_searched] = search.noise;
+    let octaves = Octaves::new(search.binned, space);
+    let noise_of_mean = noise_searched / (picture.pictures as f64).sqrt();
     let layers: Vec<Vec<Spot>> = (0..space.layers.len())
-        .map(|layer| blobs(picture, &space, layer, noise_of_mean))
+        .map(|layer| blobs(&octaves, space, layer, noise_of_mean))
         .collect();
+    let diameter = search
+        .diameter
+        .map(|diameter| diameter / search.factor as f64);
     let own = match diameter {
-        Some(diameter) => layer_of(&space, diameter / (2.0 * SQRT_2)),
+        Some(diameter) => layer_of(space, diameter / (2.0 * SQRT_2)),
         None => dominant_layer(&layers),
     };
     let beside = own.saturating_sub(LAYERS_BESIDE)..(own + LAYERS_BESIDE + 1).min(layers.len());
     let candidates: Vec<Spot> = layers[beside].concat();
-    let (darkest, brightest) = range(&picture.gray);
+    let (darkest, brightest) = range(&search.binned.gray);
     if candidates.len() > 4 * MAX_SPOTS {
         return Err(LocateError::TooManySpots {
             actual: candidates.len(),
         });
     }
-    let spots = as_strong_as_their_neighbours(without_overlaps(candidates));
-    let (spots, left_out) = without_strays(without_crowding(spots));
+    let blobs = without_overlaps(candidates).into_iter();
+    let blobs: Vec<Spot> = blobs.map(|blob| blob.enlarged(search.factor)).collect();
+    let spots = without_crowding(as_strong_as_their_neighbours(blobs.clone()));
+    let spots = measured(picture, spots, &blobs);
+    let (spots, left_out) = without_strays(spots);
+    let (cut, spots): (Vec<Spot>, Vec<Spot>) = spots.into_iter().partition(|spot| spot.cut);
     match spots.len() {
         0 => Err(LocateError::NoElement {
             darkest,
@@ -76,9 +124,28 @@ pub(super) fn find(
         _ => Ok(FoundSpots {
             spots,
             left_out,
+            cut: cut.iter().map(|spot| spot.centre).collect(),
             noise,
         }),
     }
+}
+
+/// The spots as their own pixels say; those of other `blobs` are not their own.
+fn measured(picture: &ReferencePicture, mut spots: Vec<Spot>, blobs: &[Spot]) -> Vec<Spot> {
+    /// What is fainter than this part of a spot takes no pixels from it.
+    const FAINT: f64 = 0.25;
+    for spot in &mut spots {
+        let others = blobs
+            .iter()
+            .filter(|blob| blob.response > FAINT * spot.response);
+        let others: Vec<DVec2> = others.map(|blob| blob.centre).collect();
+        let measured = measure(picture, spot, &others);
+        spot.centre = measured.centre;
+        spot.diameter = measured.diameter;
+        spot.contrast = measured.contrast;
+        spot.cut = measured.cut;
+    }
+    spots
 }
 
 fn range(gray: &[f32]) -> (f32, f32) {
@@ -104,31 +171,60 @@ fn dominant_layer(layers: &[Vec<Spot>]) -> usize {
         .unwrap_or(0)
 }
 
+/// The picture with the pixels of each layer of a scale space.
+struct Octaves<'a> {
+    whole: &'a ReferencePicture,
+    /// The mean of two by two pixels, of two by two of those, …
+    halved: Vec<ReferencePicture>,
+}
+
+impl<'a> Octaves<'a> {
+    fn new(whole: &'a ReferencePicture, space: &ScaleSpace) -> Self {
+        let mut octaves = Self {
+            whole,
+            halved: Vec::new(),
+        };
+        for layer in &space.layers {
+            if layer.step > 1 << octaves.halved.len() {
+                let half = octaves.of_step(layer.step / 2).binned(2);
+                octaves.halved.push(half);
+            }
+        }
+        octaves
+    }
+
+    fn of_step(&self, step: usize) -> &ReferencePicture {
+        let octave = (step.trailing_zeros() as usize).checked_sub(1);
+        octave.map_or(self.whole, |octave| &self.halved[octave])
+    }
+}
+
 /// Blobs of one scale that rise above the noise and are round.
-fn blobs(
-    picture: &ReferencePicture,
-    space: &ScaleSpace,
-    layer: usize,
-    noise_of_mean: f64,
-) -> Vec<Spot> {
-    let sigma = space.layers[layer].sigma;
+fn blobs(octaves: &Octaves, space: &ScaleSpace, layer: usize, noise_of_mean: f64) -> Vec<Spot> {
+    let Layer { sigma, step, .. } = space.layers[layer];
+    let picture = octaves.of_step(step);
     // White noise of deviation n has a response of deviation n / (sqrt(2 pi) sigma); six of them
     // are not reached by chance in a picture of a million pixels. A grey level is not a spot.
     let floor = (6.0 * noise_of_mean * 0.4 / sigma).max(1.0);
     space
         .maxima(layer, floor as f32)
         .into_iter()
-        .filter(|&index| !part_of_something_larger(picture, index, sigma))
+        .filter(|&index| !part_of_something_larger(picture, index, sigma / step as f64))
         .filter_map(|index| refined(space, layer, index))
         .collect()
 }
 
 /// Vertex and roundness of the paraboloid through a maximum and its eight neighbours.
 fn refined(space: &ScaleSpace, layer: usize, index: usize) -> Option<Spot> {
-    /// Least curvature over greatest: what is longer than this is a line, not a spot.
-    const ROUND: f64 = 0.15;
-    let values = &space.layers[layer].response;
-    let width = space.width;
+    /// Least curvature over greatest: what is longer than this is a line, not a spot. A marker that a contact squeezes to less than
+    /// half of its width is above it.
+    const ROUND: f64 = 0.08;
+    let Layer {
+        sigma,
+        step,
+        size: (width, _),
+        response: ref values,
+    } = space.layers[layer];
     let at = |dx: isize, dy: isize| {
         let index = index as isize + dy * width as isize + dx;
         f64::from(values[index as usize])
@@ -149,9 +245,12 @@ fn refined(space: &ScaleSpace, layer: usize, index: usize) -> Option<Spot> {
     let offset = offset.clamp(DVec2::splat(-0.75), DVec2::splat(0.75));
     let pixel = DVec2::new((index % width) as f64, (index / width) as f64);
     Some(Spot {
-        centre: pixel + offset,
-        sigma: space.layers[layer].sigma,
+        centre: step as f64 * (pixel + offset),
+        sigma,
         response: middle,
+        diameter: 2.0 * SQRT_2 * sigma,
+        contrast: middle,
+        cut: false,
     })
 }
 
@@ -194,107 +293,9 @@ fn part_of_something_larger(picture: &ReferencePicture, index: usize, sigma: f64
     false
 }
 
-/// Of spots that lie within each other the strongest.
-fn without_overlaps(mut spots: Vec<Spot>) -> Vec<Spot> {
-    spots.sort_by(|a, b| b.response.total_cmp(&a.response));
-    let mut kept: Vec<Spot> = Vec::new();
-    for spot in spots {
-        let overlaps = |k: &Spot| {
-            let reach = 0.5 * k.diameter().max(spot.diameter());
-            k.centre.distance_squared(spot.centre) < reach * reach
-        };
-        if !kept.iter().any(overlaps) {
-            kept.push(spot);
-        }
-    }
-    kept
-}
-
-fn centres(spots: &[Spot]) -> Vec<DVec2> {
-    spots.iter().map(|s| s.centre).collect()
-}
-
-/// Leaves out what is faint against the spots about it and against all spots.
-fn as_strong_as_their_neighbours(spots: Vec<Spot>) -> Vec<Spot> {
-    let mut all: Vec<f64> = spots.iter().map(|s| s.response).collect();
-    let floor = 0.03 * quantile(&mut all, 0.9);
-    let neighbours = nearest(&centres(&spots), 12);
-    let strong = |(spot, near): (&Spot, Vec<usize>)| {
-        let mut near: Vec<f64> = near.iter().map(|&i| spots[i].response).collect();
-        let strong = spot.response >= floor && spot.response >= 0.25 * median(&mut near);
-        strong.then_some(*spot)
-    };
-    spots.iter().zip(neighbours).filter_map(strong).collect()
-}
-
-/// Distance of each spot to the nearest other.
-fn gaps(spots: &[Spot], neighbours: &[Vec<usize>]) -> Vec<f64> {
-    let gap = |(spot, near): (&Spot, &Vec<usize>)| {
-        near.first()
-            .map_or(0.0, |&i| spots[i].centre.distance(spot.centre))
-    };
-    spots.iter().zip(neighbours).map(gap).collect()
-}
-
-/// Of two spots that are much nearer to each other than the spots about them are, the stronger: a
-/// speck beside a pin.
-fn without_crowding(spots: Vec<Spot>) -> Vec<Spot> {
-    let neighbours = nearest(&centres(&spots), 9);
-    let gaps = gaps(&spots, &neighbours);
-    let crowded = |(own, near): (usize, &Vec<usize>)| {
-        let mut about: Vec<f64> = near.iter().skip(1).map(|&i| gaps[i]).collect();
-        let beside_stronger = near
-            .first()
-            .is_some_and(|&i| spots[i].response >= spots[own].response);
-        beside_stronger && about.len() >= 8 && gaps[own] < 0.62 * median(&mut about)
-    };
-    let keep: Vec<bool> = neighbours.iter().enumerate().map(|n| !crowded(n)).collect();
-    let kept = spots
-        .iter()
-        .zip(keep)
-        .filter_map(|(s, keep)| keep.then_some(*s));
-    kept.collect()
-}
-
-/// Parts the spots from those that stand apart: much farther from all others than the spots nearest
-/// to them are from theirs, or unlike these and with hardly a neighbour where spots lie closely.
-fn without_strays(spots: Vec<Spot>) -> (Vec<Spot>, Vec<DVec2>) {
-    /// Fewer spots show no pattern that one could stand apart from.
-    const PATTERN: usize = 20;
-    if spots.len() < PATTERN {
-        return (spots, Vec::new());
-    }
-    let neighbours = nearest(&centres(&spots), 6);
-    let gaps = gaps(&spots, &neighbours);
-    let about = |own: usize, value: &dyn Fn(usize) -> f64| {
-        let mut values: Vec<f64> = neighbours[own].iter().map(|&i| value(i)).collect();
-        median(&mut values)
-    };
-    let spacing: Vec<f64> = (0..spots.len()).map(|i| about(i, &|i| gaps[i])).collect();
-    let close = |own: usize| {
-        let near = |&&i: &&usize| spots[i].centre.distance(spots[own].centre) < 1.5 * spacing[own];
-        neighbours[own].iter().filter(near).count()
-    };
-    let mut counts: Vec<f64> = (0..spots.len()).map(|i| close(i) as f64).collect();
-    let closely = median(&mut counts) >= 5.0;
-    let unlike = |own: usize| {
-        let response = spots[own].response / about(own, &|i| spots[i].response);
-        let sigma = spots[own].sigma / about(own, &|i| spots[i].sigma);
-        !(0.7..1.4).contains(&response) || !(0.85..1.18).contains(&sigma)
-    };
-    let apart =
-        |own: usize| gaps[own] > 1.42 * spacing[own] || (closely && close(own) < 3 && unlike(own));
-    let (strays, kept): (Vec<usize>, Vec<usize>) = (0..spots.len()).partition(|&i| apart(i));
-    (
-        kept.iter().map(|&i| spots[i]).collect(),
-        strays.iter().map(|&i| spots[i].centre).collect(),
-    )
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sensor::locate::scale_space::Layer;
 
     /// A paraboloid of these second derivatives, its vertex at `vertex`, as the response of one layer.
     fn paraboloid(vertex: DVec2, [xx, yy, xy]: [f64; 3]) -> ScaleSpace {
@@ -304,10 +305,10 @@ mod tests {
             (100.0 + 0.5 * (xx * x * x + yy * y * y) + xy * x * y) as f32
         };
         ScaleSpace {
-            width: 5,
-            height: 5,
             layers: vec![Layer {
                 sigma: 2.0,
+                step: 1,
+                size: (5, 5),
                 response: (0..25).map(value).collect(),
             }],
         }
@@ -338,8 +339,8 @@ mod tests {
     #[test]
     fn what_is_much_longer_than_wide_is_no_spot_whichever_way_it_lies() {
         let vertex = DVec2::splat(2.0);
-        // The ratio of the curvatures along the axes of the ellipse is 0.15 at the limit.
-        for (flat, is_spot) in [(-1.4, false), (-1.6, true)] {
+        // The ratio of the curvatures along the axes of the ellipse is 0.08 at the limit.
+        for (flat, is_spot) in [(-0.7, false), (-0.9, true)] {
             for angle in [0.0_f64, 0.4, 0.785, 2.0] {
                 let (sin, cos) = angle.sin_cos();
                 let steep = -10.0;

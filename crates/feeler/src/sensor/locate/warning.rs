@@ -1,5 +1,6 @@
 //! What a person should look at in a picture in which elements were located all the same.
 
+use super::{Unlike, error::list};
 use glam::DVec2;
 
 /// What looks wrong but need not be.
@@ -42,14 +43,29 @@ pub enum LocateWarning {
         "the pictures have only two gray levels, black and white: an integrated gray value counts pixels, and saturation cannot be told"
     )]
     TwoLevels,
-    /// Bright spots that are no elements: they stand apart, or are part of no group.
+    /// Spots that are no elements: they stand apart, or are part of no group.
     #[error(
-        "{} bright spots are left out, as they stand apart from the elements (the first at column {:.0}, row {:.0})",
+        "{} spots are left out, as they stand apart from the elements (the first at column {:.0}, row {:.0})",
         spots_px.len(), spots_px.first().map_or(0.0, |s| s.x), spots_px.first().map_or(0.0, |s| s.y)
     )]
     LeftOut {
         /// Where they are, px.
         spots_px: Vec<DVec2>,
+    },
+    /// Spots that the picture's border cuts: the centroid of what is seen would be wrong.
+    #[error(
+        "{} spots are left out, as the picture's border cuts them (the first at column {:.0}, row {:.0})",
+        spots_px.len(), spots_px.first().map_or(0.0, |s| s.x), spots_px.first().map_or(0.0, |s| s.y)
+    )]
+    AtBorder {
+        /// Where they are, px.
+        spots_px: Vec<DVec2>,
+    },
+    /// The spots lack something that a pattern of markers has.
+    #[error("do these spots look like markers? {}", list(unlike))]
+    Unlike {
+        /// What they lack.
+        unlike: Vec<Unlike>,
     },
     /// Sub-regions are cut off by the picture's rim.
     #[error(

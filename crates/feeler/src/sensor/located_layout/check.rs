@@ -23,6 +23,11 @@ impl LocatedLayout {
             let expected = format!("1 to {MAX_SIDE} px to a side and {MAX_PIXELS} px in all");
             return unusable("width, height", &expected, format!("{width}x{height} px"));
         }
+        let diameters = 1e-3..=width.max(height) as f64;
+        if let Some(diameter) = self.spot_diameter_px.filter(|d| !diameters.contains(d)) {
+            let expected = "a diameter above 0 and within the picture";
+            return unusable("spot_diameter_px", expected, diameter.to_string());
+        }
         let actual = self.elements.len();
         if !(1..=MAX_LOCATED_ELEMENTS).contains(&actual) {
             return Err(LayoutError::ElementCount { actual });

@@ -5,7 +5,7 @@
 //! gives the same moments bit for bit.
 
 use super::{
-    ElementMoments, MomentsKernel,
+    ElementMoments, MomentsKernel, Polarity,
     tile::{Row, STRIP, STRIPS, SUMS, TILE_ROWS, TILE_WIDTH, Tile, TileWeights, WEIGHTS},
 };
 use glam::DVec2;
@@ -25,8 +25,10 @@ pub(super) struct TileRows<'a> {
     byte_masks: &'a [Row],
     /// How many strips have pixels, up to the last that has.
     strips: usize,
-    /// Gray value up to which a pixel is dark.
-    pub dark_level: u8,
+    /// Grey level of the ground.
+    pub level: u8,
+    /// Whether what is darker than the ground counts, not what is brighter.
+    pub dark: bool,
 }
 
 impl TileRows<'_> {
@@ -73,7 +75,9 @@ pub(super) fn all_elements(
     moments: &mut [ElementMoments],
     mut add_tile: impl FnMut(&TileRows, &TileWeights, &mut Totals),
 ) {
-    for (moments, range) in moments.iter_mut().zip(&kernel.elements) {
+    let dark = kernel.polarity == Polarity::Dark;
+    let elements = kernel.elements.iter().zip(&kernel.levels);
+    for (moments, (range, &level)) in moments.iter_mut().zip(elements) {
         let mut totals = Totals([[0.0; STRIPS]; WEIGHTS]);
         for tile in kernel.tiles.get(range.clone()).unwrap_or(&[]) {
             let masks = tile.first_mask..tile.first_mask + tile.rows;
@@ -84,7 +88,8 @@ pub(super) fn all_elements(
                 masks: kernel.masks.get(masks.clone()).unwrap_or(&[]),
                 byte_masks: kernel.byte_masks.get(masks).unwrap_or(&[]),
                 strips: tile.strips,
-                dark_level: kernel.dark_level,
+                level,
+                dark,
             };
             fetch(next, tile, kernel.width);
             add_tile(&rows, &tile.weights, &mut totals);
@@ -176,15 +181,20 @@ pub(super) fn plain<const LANES: usize>(
     });
 }
 
-/// The pixels of a tile above the dark level, 0 where they do not belong to the sub-region.
+/// How far the pixels of a tile are off the ground, 0 where they do not belong to the sub-region.
 #[inline(always)]
 fn brighten(tile: &TileRows, bright: &mut [Row; TILE_ROWS]) {
-    let dark_level = tile.dark_level;
+    let level = tile.level;
     let mut padding = [0; TILE_WIDTH];
     for (row, (bright, mask)) in bright.iter_mut().zip(tile.byte_masks).enumerate() {
         let pixels = tile.row(row, &mut padding);
         for ((bright, &pixel), &own) in bright.0.iter_mut().zip(pixels).zip(&mask.0) {
-            *bright = pixel.saturating_sub(dark_level) & own;
+            let above = if tile.dark {
+                level.saturating_sub(pixel)
+            } else {
+                pixel.saturating_sub(level)
+            };
+            *bright = above & own;
         }
     }
 }

@@ -46,7 +46,7 @@ pub(super) fn avx2(
 #[inline]
 #[target_feature(enable = "avx512f,avx512bw,avx512vnni")]
 fn avx512_add_tile(tile: &TileRows, weights: &TileWeights, totals: &mut Totals) {
-    let dark = _mm512_set1_epi8(tile.dark_level.cast_signed());
+    let level = _mm512_set1_epi8(tile.level.cast_signed());
     let [k0, k1, k2, k3] = FACTORS;
     let k0 = _mm512_set1_epi32(k0);
     let k1 = _mm512_set1_epi32(k1);
@@ -62,7 +62,11 @@ fn avx512_add_tile(tile: &TileRows, weights: &TileWeights, totals: &mut Totals) 
         let pixels = tile.row(row, &mut padding);
         // SAFETY: `pixels` points to 64 bytes that are initialised; any alignment will do.
         let gray = unsafe { _mm512_loadu_si512(pixels.as_ptr().cast()) };
-        let bright = _mm512_maskz_subs_epu8(mask, gray, dark);
+        let bright = if tile.dark {
+            _mm512_maskz_subs_epu8(mask, level, gray)
+        } else {
+            _mm512_maskz_subs_epu8(mask, gray, level)
+        };
         a0 = _mm512_dpbusd_epi32(a0, bright, k0);
         a1 = _mm512_add_epi32(a1, a0);
         a2 = _mm512_add_epi32(a2, a1);

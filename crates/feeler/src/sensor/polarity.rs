@@ -1,0 +1,45 @@
+//! Whether elements are seen bright on dark or dark on bright.
+
+use serde::{Deserialize, Serialize};
+
+/// Which way the elements differ from the ground that they are on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Polarity {
+    /// Bright on dark: white pins, ends of fibres, contacts that light shines out of.
+    #[default]
+    Bright,
+    /// Dark on bright: markers printed on a gel.
+    Dark,
+}
+
+impl Polarity {
+    /// Whether it is [`Polarity::Bright`].
+    pub fn is_bright(&self) -> bool {
+        *self == Self::Bright
+    }
+}
+
+/// Text that names no polarity.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("bright or dark expected, got {0:?}")]
+pub struct NoPolarity(String);
+
+impl std::str::FromStr for Polarity {
+    type Err = NoPolarity;
+
+    fn from_str(text: &str) -> Result<Self, NoPolarity> {
+        let all = [Self::Bright, Self::Dark].into_iter();
+        let mut named = all.filter(|polarity| polarity.to_string() == text);
+        named.next().ok_or_else(|| NoPolarity(text.into()))
+    }
+}
+
+impl std::fmt::Display for Polarity {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Bright => "bright",
+            Self::Dark => "dark",
+        })
+    }
+}
