@@ -1,0 +1,166 @@
+//! The smooth field of displacements: what a marker's neighbours say of its own.
+
+use crate::sensor::least_squares::outer;
+use crate::sensor::locate::nearest;
+use glam::{DMat3, DVec2, DVec3};
+
+/// Fewest markers that make a field.
+pub(super) const FEWEST: usize = 6;
+/// Neighbours that foretell a marker's displacement.
+const NEIGHBOURS: usize = 10;
+/// Neighbours that must be known for that.
+const KNOWN: usize = 3;
+
+/// Which markers lie about which, and how they foretell each other's displacement: by the affine field through them, fitted by least
+/// squares with weights that fall with distance.
+#[derive(Debug, Clone)]
+pub(super) struct Field {
+    /// Indices of each marker's neighbours, the nearest first.
+    neighbours: Vec<Vec<usize>>,
+    /// Offsets of the neighbours from the marker over the spacing there, with their weights.
+    offsets: Vec<Vec<(DVec2, f64)>>,
+    /// What each neighbour's displacement counts for where all are known.
+    shares: Vec<Vec<f64>>,
+    /// Distance to the nearest neighbour, px.
+    spacing: Vec<f64>,
+    /// Indices of the markers whose neighbours lie to one side.
+    edge: Vec<usize>,
+}
+
+impl Field {
+    pub fn new(places: &[DVec2]) -> Self {
+        let neighbours = nearest(places, NEIGHBOURS);
+        let gap = |own: usize| {
+            let near = neighbours[own].first();
+            near.map_or(1.0, |&i| places[i].distance(places[own]))
+                .max(1e-3)
+        };
+        let spacing: Vec<f64> = (0..places.len()).map(gap).collect();
+        let offset = |own: usize, i: usize| {
+            let offset = (places[i] - places[own]) / spacing[own];
+            (offset, (-offset.length_squared() / 4.5).exp())
+        };
+        let offsets: Vec<Vec<(DVec2, f64)>> = neighbours
+            .iter()
+            .enumerate()
+            .map(|(own, near)| near.iter().map(|&i| offset(own, i)).collect())
+            .collect();
+        let shares = offsets.iter().map(|offsets| shares(offsets)).collect();
+        let one_sided = |offsets: &Vec<(DVec2, f64)>| {
+            let near = offsets.iter().take(6).map(|&(offset, _)| offset);
+            let sum = near.clone().sum::<DVec2>().length();
+            sum > 0.4 * near.map(DVec2::length).sum::<f64>()
+        };
+        let edge = offsets
+            .iter()
+            .enumerate()
+            .filter(|(_, offsets)| one_sided(offsets));
+        let edge = edge.map(|(own, _)| own).collect();
+        Self {
+            edge,
+            neighbours,
+            offsets,
+            shares,
+            spacing,
+        }
+    }
+
+    pub fn neighbours(&self, own: usize) -> &[usize] {
+        &self.neighbours[own]
+    }
+
+    /// Indices of the markers at the pattern's edge.
+    pub fn edge(&self) -> &[usize] {
+        &self.edge
+    }
+
+    /// Distance to the nearest neighbour in the reference, px.
+    pub fn spacing(&self, own: usize) -> f64 {
+        self.spacing[own]
+    }
+
+    /// The displacement of a marker as its known neighbours foretell it, px.
+    pub fn foretold(&self, own: usize, displacements: &[DVec2], known: &[bool]) -> Option<DVec2> {
+        let near = &self.neighbours[own];
+        let count = near.iter().filter(|&&i| known[i]).count();
+        if count == near.len() {
+            let shares = near.iter().zip(&self.shares[own]);
+            return Some(shares.map(|(&i, share)| *share * displacements[i]).sum());
+        }
+        if count < KNOWN {
+            return None;
+        }
+        let (mut normal, mut right) = (ridge(), [DVec3::ZERO; 2]);
+        for (&i, &(offset, weight)) in near.iter().zip(&self.offsets[own]) {
+            if known[i] {
+                let row = DVec3::new(1.0, offset.x, offset.y);
+                normal += weight * outer(row);
+                right[0] += weight * displacements[i].x * row;
+                right[1] += weight * displacements[i].y * row;
+            }
+        }
+        let inverse = normal.inverse();
+        let foretold = DVec2::new((inverse * right[0]).x, (inverse * right[1]).x);
+        foretold.is_finite().then_some(foretold)
+    }
+
+    /// How far a marker's displacement is off what its known neighbours foretell, over the spacing; 0 where they are too few.
+    pub fn off(&self, own: usize, displacements: &[DVec2], known: &[bool]) -> f64 {
+        let foretold = self.foretold(own, displacements, known);
+        foretold.map_or(0.0, |u| u.distance(displacements[own]) / self.spacing[own])
+    }
+
+    /// Gives the markers that are not `known` the displacement that those about them foretell, from known ones outward.
+    pub fn fill(&self, displacements: &mut [DVec2], known: &[bool]) {
+        let mut known = known.to_vec();
+        loop {
+            let next: Vec<(usize, DVec2)> = (0..known.len())
+                .filter(|&own| !known[own])
+                .filter_map(|own| Some((own, self.foretold(own, displacements, &known)?)))
+                .collect();
+            if next.is_empty() {
+                return;
+            }
+            for (own, displacement) in next {
+                displacements[own] = displacement;
+                known[own] = true;
+            }
+        }
+    }
+
+    /// Replaces each value by the mean of its own and its known neighbours', with the help of `work`.
+    pub fn smooth(&self, values: &mut [DVec2], work: &mut [DVec2], known: &[bool]) {
+        work.copy_from_slice(values);
+        for (own, value) in values.iter_mut().enumerate() {
+            let (mut sum, mut count) = (DVec2::ZERO, 0.0);
+            let near = self.neighbours[own].iter().take(6).copied();
+            for i in near.chain([own]).filter(|&i| known[i]) {
+                sum += work[i];
+                count += 1.0;
+            }
+            *value = if count > 0.0 {
+                sum / count
+            } else {
+                DVec2::ZERO
+            };
+        }
+    }
+}
+
+/// Keeps slopes finite where neighbours lie on a line.
+fn ridge() -> DMat3 {
+    DMat3::from_diagonal(DVec3::new(0.0, 0.02, 0.02))
+}
+
+/// What each neighbour's value counts for at the marker.
+fn shares(offsets: &[(DVec2, f64)]) -> Vec<f64> {
+    let row = |offset: DVec2| DVec3::new(1.0, offset.x, offset.y);
+    let normal = offsets.iter().fold(ridge(), |sum, &(offset, weight)| {
+        sum + weight * outer(row(offset))
+    });
+    let first = normal.inverse().row(0);
+    offsets
+        .iter()
+        .map(|&(offset, weight)| weight * first.dot(row(offset)))
+        .collect()
+}

@@ -1,0 +1,252 @@
+//! Which spot of a picture is which marker of the reference.
+
+use super::field::Field;
+use glam::DVec2;
+
+/// How far a spot may lie from where a marker is foretold, over the spacing.
+const NEAR: f64 = 0.45;
+/// The same for a marker that identities grow from, about where it is supposed to have moved.
+const SEED: f64 = 0.35;
+/// How far such a marker's displacement may be off the affine field of its neighbours, or off most of theirs, over the spacing.
+const ALIKE: f64 = 0.15;
+/// Of six neighbours, those that must move alike.
+const AGREE: usize = 4;
+/// How far a displacement may be off the field before it counts against a matching, over the spacing.
+const SMOOTH: f64 = 0.3;
+/// Part of the markers, or of the spots if these are fewer, from which on a matching is as good as can be.
+const ENOUGH: f64 = 0.985;
+/// Markers that are matched before what is foretold for the others is looked at again.
+const AT_ONCE: usize = 10;
+
+/// What came of a matching.
+pub(super) struct Matched {
+    /// For each marker the index of its spot, if it has one.
+    pub spots: Vec<Option<usize>>,
+    /// Part of the markers that are matched, less thrice those that are off the field about them.
+    pub quality: f64,
+}
+
+/// Matches the markers of the `reference` with the spots at `places`.
+///
+/// Identities grow from markers that moved alike, each to its nearest spot, into the others, best supported first. First from those that
+/// hardly moved; if that does not reach nearly all, also from those that moved by up to one and a half spacings in any direction. The matching
+/// that reaches most of the markers by the smoothest field counts.
+pub(super) fn matched(reference: &[DVec2], field: &Field, places: &[DVec2]) -> Matched {
+    let result = |best: Matching, score: f64| Matched {
+        spots: best.spots,
+        quality: score / reference.len() as f64,
+    };
+    let enough = ENOUGH * reference.len().min(places.len()) as f64;
+    let mut best = Matching::none(reference.len());
+    let mut score = 0.0;
+    let mut known: Vec<Vec<Option<usize>>> = Vec::new();
+    for shift in shifts(typical_spacing(field, reference.len())) {
+        for seeds in seeds(reference, field, places, shift).into_iter().take(2) {
+            // What has grown from others already would grow again.
+            let same = |spots: &Vec<Option<usize>>| {
+                seeds.iter().all(|&(own, spot)| spots[own] == Some(spot))
+            };
+            if known.iter().any(same) {
+                continue;
+            }
+            let grown = grow(reference, field, places, &seeds);
+            known.push(grown.spots.clone());
+            let reached = grown.score(field);
+            if reached > score {
+                (best, score) = (grown, reached);
+            }
+            if score >= enough {
+                return result(best, score);
+            }
+        }
+    }
+    result(best, score)
+}
+
+fn typical_spacing(field: &Field, count: usize) -> f64 {
+    let mut spacing: Vec<f64> = (0..count).map(|own| field.spacing(own)).collect();
+    crate::sensor::locate::median(&mut spacing)
+}
+
+/// Displacements that are supposed, px: none, then a half, one, one and a half spacings in twelve directions.
+fn shifts(spacing: f64) -> impl Iterator<Item = DVec2> {
+    let turned = move |step: f64| {
+        (0..12).map(move |twelfth| {
+            let angle = f64::from(twelfth) * std::f64::consts::FRAC_PI_6;
+            step * spacing * DVec2::from_angle(angle)
+        })
+    };
+    [DVec2::ZERO]
+        .into_iter()
+        .chain([0.5, 1.0, 1.5].into_iter().flat_map(turned))
+}
+
+/// Index of and distance to the nearest spot.
+fn nearest_spot(places: &[DVec2], place: DVec2) -> Option<(usize, f64)> {
+    let distances = places
+        .iter()
+        .map(|spot| spot.distance_squared(place))
+        .enumerate();
+    let nearest = distances.min_by(|a, b| a.1.total_cmp(&b.1));
+    nearest.map(|(index, squared)| (index, squared.sqrt()))
+}
+
+/// Connected markers that moved alike, by about `shift`, each with its nearest spot; the largest groups first.
+fn seeds(
+    reference: &[DVec2],
+    field: &Field,
+    places: &[DVec2],
+    shift: DVec2,
+) -> Vec<Vec<(usize, usize)>> {
+    let nearest: Vec<Option<(usize, f64)>> = reference
+        .iter()
+        .map(|place| nearest_spot(places, *place + shift))
+        .collect();
+    let near = |own: usize| nearest[own].is_some_and(|(_, far)| far < SEED * field.spacing(own));
+    let known: Vec<bool> = nearest.iter().map(Option::is_some).collect();
+    let moved: Vec<DVec2> = reference
+        .iter()
+        .zip(&nearest)
+        .map(|(place, nearest)| nearest.map_or(DVec2::ZERO, |(spot, _)| places[spot] - *place))
+        .collect();
+    let is_seed = |own: usize| {
+        let alike =
+            |other: &&usize| moved[own].distance(moved[**other]) < ALIKE * field.spacing(own);
+        // Neighbours that turn or spread with it move otherwise than it does, but by an affine field.
+        let affine = field.off(own, &moved, &known) < ALIKE;
+        let agree = || field.neighbours(own).iter().take(6).filter(alike).count() >= AGREE;
+        near(own) && known[own] && (affine || agree())
+    };
+    let mut open: Vec<bool> = (0..reference.len()).map(is_seed).collect();
+    let mut groups = Vec::new();
+    for first in 0..reference.len() {
+        if !std::mem::take(&mut open[first]) {
+            continue;
+        }
+        let (mut next, mut group) = (vec![first], Vec::new());
+        while let Some(own) = next.pop() {
+            group.extend(nearest[own].map(|(spot, _)| (own, spot)));
+            for &other in field.neighbours(own).iter().take(6) {
+                if std::mem::take(&mut open[other]) {
+                    next.push(other);
+                }
+            }
+        }
+        if group.len() >= AGREE {
+            groups.push(group);
+        }
+    }
+    groups.sort_by_key(|group| std::cmp::Reverse(group.len()));
+    groups
+}
+
+/// Which markers have which spots.
+struct Matching {
+    spots: Vec<Option<usize>>,
+    displacements: Vec<DVec2>,
+    known: Vec<bool>,
+}
+
+impl Matching {
+    fn none(count: usize) -> Self {
+        Self {
+            spots: vec![None; count],
+            displacements: vec![DVec2::ZERO; count],
+            known: vec![false; count],
+        }
+    }
+
+    fn take(&mut self, own: usize, spot: usize, displacement: DVec2) {
+        self.spots[own] = Some(spot);
+        self.displacements[own] = displacement;
+        self.known[own] = true;
+    }
+
+    /// Markers that are matched, less those that are off the field, which count thrice.
+    fn score(&self, field: &Field) -> f64 {
+        let known = (0..self.known.len()).filter(|&own| self.known[own]);
+        let worth = known.map(|own| {
+            let off = field.off(own, &self.displacements, &self.known);
+            if off > SMOOTH { -2.0 } else { 1.0 }
+        });
+        worth.sum()
+    }
+
+    /// The displacement that is foretold for a marker without a spot, and by how many of its nearest neighbours.
+    fn supported(&self, field: &Field, own: usize) -> Option<(usize, DVec2)> {
+        let near = field.neighbours(own).iter().take(8);
+        let support = near.filter(|&&other| self.known[other]).count();
+        let foretold =
+            (support >= 3).then(|| field.foretold(own, &self.displacements, &self.known));
+        Some((support, foretold??))
+    }
+}
+
+fn grow(
+    reference: &[DVec2],
+    field: &Field,
+    places: &[DVec2],
+    seeds: &[(usize, usize)],
+) -> Matching {
+    /// Times that what does not fit is given up and looked for again.
+    const ROUNDS: usize = 6;
+    let mut matching = Matching::none(reference.len());
+    let mut taken = vec![false; places.len()];
+    for &(own, spot) in seeds {
+        if !std::mem::replace(&mut taken[spot], true) {
+            matching.take(own, spot, places[spot] - reference[own]);
+        }
+    }
+    for _ in 0..ROUNDS {
+        while spread(&mut matching, &mut taken, reference, field, places) {}
+        let misfits: Vec<usize> = (0..reference.len())
+            .filter(|&own| {
+                let off = field.off(own, &matching.displacements, &matching.known);
+                matching.known[own] && off > NEAR
+            })
+            .collect();
+        if misfits.is_empty() {
+            break;
+        }
+        for own in misfits {
+            matching.known[own] = false;
+            if let Some(spot) = matching.spots[own].take() {
+                taken[spot] = false;
+            }
+        }
+    }
+    matching
+}
+
+/// Matches the markers that most neighbours foretell; whether there was one.
+fn spread(
+    matching: &mut Matching,
+    taken: &mut [bool],
+    reference: &[DVec2],
+    field: &Field,
+    places: &[DVec2],
+) -> bool {
+    let mut open: Vec<(usize, usize, DVec2)> = (0..reference.len())
+        .filter(|&own| !matching.known[own])
+        .filter_map(|own| {
+            let (support, foretold) = matching.supported(field, own)?;
+            Some((own, support, foretold))
+        })
+        .collect();
+    open.sort_by_key(|&(own, support, _)| (std::cmp::Reverse(support), own));
+    let mut count = 0;
+    for (own, _, foretold) in open {
+        let nearest = nearest_spot(places, reference[own] + foretold);
+        let free = nearest
+            .filter(|&(spot, distance)| distance < NEAR * field.spacing(own) && !taken[spot]);
+        if let Some((spot, _)) = free {
+            taken[spot] = true;
+            matching.take(own, spot, places[spot] - reference[own]);
+            count += 1;
+            if count == AT_ONCE {
+                break;
+            }
+        }
+    }
+    count > 0
+}

@@ -1,0 +1,419 @@
+//! Follows every marker by identity, however far it moves.
+//!
+//! A marker is looked for where its own motion and its neighbours' foretell it, and measured by the pixels there (`window`). It has been
+//! found if there is contrast and if its displacement agrees with the smooth field that its neighbours' displacements make (`field`): a
+//! swap of two markers is off by a spacing, and is seen. A marker that is not found keeps the place that the field foretells, and is
+//! looked for there from then on. Where many are lost at once, the pattern may have jumped by a spacing, and all are in doubt.
+//!
+//! A single picture, of which no picture before is known, is matched against the reference alone: identities grow from where markers
+//! hardly moved into where they moved far (`matching`).
+
+mod field;
+mod matching;
+mod window;
+
+use self::{
+    field::Field,
+    window::{Look, Seen, Window},
+};
+use super::{
+    frame::Picture,
+    locate::{LocateConfig, LocateError, MeanPicture, locate},
+    located_layout::LocatedLayout,
+    polarity::Polarity,
+};
+use glam::DVec2;
+
+/// Displacement off that of the field about it, over the spacing, from which on a marker is not the one that it is taken for.
+const MOST_OFF: f64 = 0.45;
+/// The same for a marker that was lost.
+const MOST_OFF_AGAIN: f64 = 0.3;
+/// Distance between two markers, over their spacing in the reference, below which they are one and the same.
+const SAME: f64 = 0.4;
+/// Contrast over that of the reference below which a marker is not seen.
+const LEAST_CONTRAST: f64 = 0.3;
+/// Part of the markers at the pattern's edge that, lost within one frame, make all others doubtful: the pattern may have jumped by a
+/// spacing, so that one side of its edge shows nothing.
+const JUMPED: f64 = 0.2;
+/// Part of all markers that were taken for others at first, which makes all doubtful, too.
+const MISTAKEN: f64 = 0.02;
+/// What is left of the confidence in a marker that may be another.
+const DOUBT: f64 = 0.3;
+/// Quality of a matching below which all markers may be others.
+const LEAST_MATCHED: f64 = 0.85;
+/// Part of the way that a marker's usual contrast goes with one that has faded, from picture to picture.
+const FADES: f64 = 0.02;
+/// Part of the markers that must be found for a picture to be one of the sensor's.
+const LEAST_FOUND: f64 = 0.3;
+
+/// Why markers cannot be tracked.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum TrackError {
+    /// There are too few markers for a field.
+    #[error("at least {expected} markers expected, got {actual}")]
+    MarkerCount {
+        /// Least number.
+        expected: usize,
+        /// How many there are.
+        actual: usize,
+    },
+    /// A picture has another size than the layout's.
+    #[error("a picture of {}x{} px expected, got {}x{} px in {pixels} values", expected.0, expected.1, actual.0, actual.1)]
+    PictureSize {
+        /// Columns and rows of the layout's picture, px.
+        expected: (usize, usize),
+        /// Columns and rows of the picture, px.
+        actual: (usize, usize),
+        /// Gray values in the picture.
+        pixels: usize,
+    },
+    /// No markers are seen in a picture.
+    #[error(transparent)]
+    Locate(#[from] LocateError),
+}
+
+/// What is known of one marker.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct TrackedMarker {
+    /// Column and row, px.
+    pub place: DVec2,
+    /// From its place in the reference, px.
+    pub displacement: DVec2,
+    /// 0 (lost: the place is foretold) to 1 (as in the reference).
+    pub confidence: f64,
+    /// Sum of the contrast of its pixels, grey levels px²; of a lost one the last that was seen.
+    pub integrated_gray: f64,
+}
+
+/// Follows the markers of a layout.
+#[derive(Debug, Clone)]
+pub struct MarkerTracker {
+    size: (usize, usize),
+    polarity: Polarity,
+    /// Places in the reference, px.
+    reference: Vec<DVec2>,
+    field: Field,
+    window: Window,
+    markers: Vec<TrackedMarker>,
+    /// Displacement since the frame before, smoothed over neighbours, px.
+    velocities: Vec<DVec2>,
+    /// Displacements that are foretold or were found in the newest picture, px.
+    work: Vec<DVec2>,
+    found: Vec<bool>,
+    /// Which were found in the picture before.
+    before: Vec<bool>,
+    /// Whether all may be mistaken for their neighbours since some frame.
+    doubtful: bool,
+    /// Contrast that each marker has when it is seen well, grey levels; 0 until it was seen.
+    contrasts: Vec<f64>,
+    /// What each marker was seen as in the newest picture, if it was.
+    seen: Vec<Seen>,
+    /// What was seen where each marker was foretold.
+    looks: Vec<Look>,
+    /// Contrasts in the newest picture, in no order, and their median, grey levels.
+    contrasts_seen: Vec<f64>,
+    typical: f64,
+}
+
+impl MarkerTracker {
+    /// Tracks the elements of `layout` as markers, which are where it says until a picture shows them elsewhere.
+    ///
+    /// # Errors
+    /// When there are too few markers.
+    pub fn new(layout: &LocatedLayout) -> Result<Self, TrackError> {
+        let reference: Vec<DVec2> = layout.elements.iter().map(|e| e.centre_px).collect();
+        let count = reference.len();
+        if count < field::FEWEST {
+            return Err(TrackError::MarkerCount {
+                expected: field::FEWEST,
+                actual: count,
+            });
+        }
+        let mut radii: Vec<f64> = layout.elements.iter().map(|e| e.radius_px).collect();
+        let region = super::locate::median(&mut radii);
+        // Half as far again as a spot reaches, so that the ground about it is seen.
+        let spot = layout
+            .spot_diameter_px
+            .map(|diameter| 0.75 * diameter + 1.5);
+        let window = Window::new(spot.unwrap_or(region).min(1.2 * region));
+        Ok(Self {
+            size: (layout.width, layout.height),
+            polarity: layout.polarity,
+            field: Field::new(&reference),
+            window,
+            markers: reference
+                .iter()
+                .map(|&place| TrackedMarker {
+                    place,
+                    ..TrackedMarker::default()
+                })
+                .collect(),
+            velocities: vec![DVec2::ZERO; count],
+            work: vec![DVec2::ZERO; count],
+            found: vec![false; count],
+            before: vec![false; count],
+            doubtful: false,
+            contrasts: vec![0.0; count],
+            seen: vec![Seen::default(); count],
+            looks: vec![Look::Nothing; count],
+            contrasts_seen: vec![0.0; count],
+            typical: 0.0,
+            reference,
+        })
+    }
+
+    /// The markers as they were in the newest picture.
+    pub fn markers(&self) -> &[TrackedMarker] {
+        &self.markers
+    }
+
+    /// How many markers were found in the newest picture.
+    pub fn found(&self) -> usize {
+        self.found.iter().filter(|&&found| found).count()
+    }
+
+    /// Whether too few markers were found to go on, or those that were may be mistaken for their neighbours, as many were lost at once.
+    /// [`match_picture`](Self::match_picture) finds them again if the picture shows them; until then, confidence is low.
+    pub fn is_lost(&self) -> bool {
+        self.doubtful || (self.found() as f64) < LEAST_FOUND * self.markers.len() as f64
+    }
+
+    /// Follows the markers into the next picture of a video. Neither allocates nor panics.
+    ///
+    /// # Errors
+    /// When the picture has another size than the layout's.
+    pub fn track<P: AsRef<[u8]>>(
+        &mut self,
+        picture: &Picture<P>,
+    ) -> Result<&[TrackedMarker], TrackError> {
+        self.check(picture)?;
+        for (work, (marker, velocity)) in self
+            .work
+            .iter_mut()
+            .zip(self.markers.iter().zip(&self.velocities))
+        {
+            *work = marker.displacement + *velocity;
+        }
+        self.before.copy_from_slice(&self.found);
+        let mistaken = self.measure(picture.pixels.as_ref());
+        let edge = self.field.edge();
+        let lost = edge
+            .iter()
+            .filter(|&&own| self.before[own] && !self.found[own])
+            .count();
+        // A few are lost by chance in a small pattern.
+        self.doubtful |= mistaken as f64 > (MISTAKEN * self.markers.len() as f64).max(2.0)
+            || lost as f64 > (JUMPED * edge.len() as f64).max(2.0);
+        self.settle();
+        Ok(&self.markers)
+    }
+
+    /// Finds the markers in a picture by the reference alone, whatever was seen before. Takes some milliseconds.
+    ///
+    /// # Errors
+    /// When the picture has another size than the layout's, or shows no markers.
+    pub fn match_picture<P: AsRef<[u8]>>(
+        &mut self,
+        picture: &Picture<P>,
+    ) -> Result<&[TrackedMarker], TrackError> {
+        self.check(picture)?;
+        let mut mean = MeanPicture::default();
+        mean.add(picture)?;
+        let seen = mean.finish()?;
+        let config = LocateConfig {
+            polarity: Some(self.polarity),
+            ..LocateConfig::default()
+        };
+        let located = locate(&seen, &config)?;
+        let places: Vec<DVec2> = located.elements.iter().map(|e| e.centre_px).collect();
+        let matched = matching::matched(&self.reference, &self.field, &places);
+        for (marker, (work, found)) in matched
+            .spots
+            .iter()
+            .zip(self.work.iter_mut().zip(&mut self.found))
+        {
+            *found = marker.is_some();
+            *work = marker.map_or(DVec2::ZERO, |spot| places[spot]);
+        }
+        for (own, reference) in self.reference.iter().enumerate() {
+            self.work[own] = match self.found[own] {
+                true => self.work[own] - *reference,
+                false => DVec2::ZERO,
+            };
+        }
+        self.field.fill(&mut self.work, &self.found);
+        self.measure(picture.pixels.as_ref());
+        self.doubtful = matched.quality < LEAST_MATCHED;
+        self.settle();
+        self.velocities.fill(DVec2::ZERO);
+        Ok(&self.markers)
+    }
+
+    /// Gives all markers up, which stay where they were last: for a picture that shows none.
+    pub fn lose(&mut self) {
+        self.found.fill(false);
+        self.velocities.fill(DVec2::ZERO);
+        self.markers
+            .iter_mut()
+            .for_each(|marker| marker.confidence = 0.0);
+    }
+
+    fn check<P: AsRef<[u8]>>(&self, picture: &Picture<P>) -> Result<(), TrackError> {
+        let (actual, pixels) = (
+            (picture.width, picture.height),
+            picture.pixels.as_ref().len(),
+        );
+        if actual == self.size && pixels == actual.0 * actual.1 {
+            return Ok(());
+        }
+        Err(TrackError::PictureSize {
+            expected: self.size,
+            actual,
+            pixels,
+        })
+    }
+
+    /// Measures every marker where `work` foretells it; afterwards `work` has where it was seen, if it was `found`. How many that
+    /// were found before saw another marker at first.
+    fn measure(&mut self, pixels: &[u8]) -> usize {
+        let mut mistaken = 0;
+        for own in 0..self.reference.len() {
+            self.looks[own] = self.look(pixels, own, self.work[own]);
+        }
+        self.typical = self.typical_contrast();
+        for own in 0..self.reference.len() {
+            let look = self.looks[own];
+            let elsewhere = matches!(look, Look::Elsewhere(contrast) if self.shows(own, contrast));
+            mistaken += usize::from(self.before[own] && elsewhere);
+            self.found[own] = self.take(own, look);
+        }
+        let known = |tracker: &Self| {
+            let both = tracker.before.iter().zip(&tracker.found);
+            both.filter(|(before, now)| **before && **now).count()
+        };
+        let seen = known(self);
+        self.one_marker_to_a_spot();
+        // What disagrees with the markers about it may be what made them disagree; the worst goes first.
+        for limit in [2.0 * MOST_OFF, MOST_OFF] {
+            for own in 0..self.reference.len() {
+                let off = self.field.off(own, &self.work, &self.found);
+                self.found[own] &= off <= limit;
+            }
+        }
+        mistaken += seen - known(self);
+        for own in 0..self.reference.len() {
+            if !self.found[own] {
+                self.look_again(pixels, own);
+            }
+        }
+        mistaken
+    }
+
+    /// Looks for a marker where its neighbours are now.
+    fn look_again(&mut self, pixels: &[u8], own: usize) {
+        let Some(foretold) = self.field.foretold(own, &self.work, &self.found) else {
+            self.work[own] = self.markers[own].displacement;
+            return;
+        };
+        let look = self.look(pixels, own, foretold);
+        self.found[own] = self.take(own, look)
+            && self.field.off(own, &self.work, &self.found) <= MOST_OFF_AGAIN
+            && !self.taken(own);
+        if !self.found[own] {
+            self.work[own] = foretold;
+        }
+    }
+
+    fn look(&self, pixels: &[u8], own: usize, displacement: DVec2) -> Look {
+        let about = self.reference[own] + displacement;
+        self.window.look(pixels, self.size, self.polarity, about)
+    }
+
+    /// The median contrast of what is seen where markers are foretold, grey levels; 0 where nothing is.
+    fn typical_contrast(&mut self) -> f64 {
+        let mut count = 0;
+        for look in &self.looks {
+            if let Look::Seen(seen) = look {
+                self.contrasts_seen[count] = seen.contrast;
+                count += 1;
+            }
+        }
+        super::locate::median(&mut self.contrasts_seen[..count])
+    }
+
+    /// Whether `contrast` is that of a marker.
+    fn shows(&self, own: usize, contrast: f64) -> bool {
+        let usual = if self.contrasts[own] > 0.0 {
+            self.contrasts[own]
+        } else {
+            self.typical
+        };
+        contrast >= (LEAST_CONTRAST * usual).max(window::LEAST_CONTRAST)
+    }
+
+    /// Whether marker `own` is what was seen; then `work` has where.
+    fn take(&mut self, own: usize, look: Look) -> bool {
+        match look {
+            Look::Seen(seen) if self.shows(own, seen.contrast) => {
+                self.work[own] = seen.place - self.reference[own];
+                self.seen[own] = seen;
+                true
+            }
+            _ => false,
+        }
+    }
+
+    /// Of two markers that saw the same spot, the one that agrees less with its neighbours did not.
+    fn one_marker_to_a_spot(&mut self) {
+        for own in 0..self.reference.len() {
+            for place in 0..self.field.neighbours(own).len() {
+                let other = self.field.neighbours(own)[place];
+                if other <= own || !(self.found[own] && self.found[other]) || !self.same(own, other)
+                {
+                    continue;
+                }
+                let off = |marker| self.field.off(marker, &self.work, &self.found);
+                let loser = if off(own) > off(other) { own } else { other };
+                self.found[loser] = false;
+            }
+        }
+    }
+
+    /// Whether another marker was seen where `own` was.
+    fn taken(&self, own: usize) -> bool {
+        let near = self.field.neighbours(own).iter();
+        near.copied()
+            .any(|other| self.found[other] && self.same(own, other))
+    }
+
+    fn same(&self, own: usize, other: usize) -> bool {
+        let before = self.reference[own] - self.reference[other];
+        let now = before + self.work[own] - self.work[other];
+        now.length_squared() < SAME * SAME * before.length_squared()
+    }
+
+    /// Takes over what `work` and `found` say.
+    fn settle(&mut self) {
+        let doubt = if self.doubtful { DOUBT } else { 1.0 };
+        for own in 0..self.reference.len() {
+            let displacement = self.work[own];
+            self.velocities[own] = displacement - self.markers[own].displacement;
+            let marker = &mut self.markers[own];
+            marker.place = self.reference[own] + displacement;
+            marker.displacement = displacement;
+            marker.confidence = 0.0;
+            if self.found[own] {
+                let Seen { contrast, sum, .. } = self.seen[own];
+                let usual = &mut self.contrasts[own];
+                // Brightens at once, fades slowly: a fading marker stays the same.
+                *usual = contrast.max(*usual + FADES * (contrast - *usual));
+                let off = self.field.off(own, &self.work, &self.found);
+                let agrees = (1.0 - off / MOST_OFF).clamp(0.0, 1.0);
+                marker.confidence = doubt * agrees * (contrast / *usual).min(1.0);
+                marker.integrated_gray = sum;
+            }
+        }
+        self.field
+            .smooth(&mut self.velocities, &mut self.work, &self.found);
+    }
+}
