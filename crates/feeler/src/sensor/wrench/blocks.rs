@@ -1,0 +1,113 @@
+//! Blocks of time that are held out, with a guard on either side.
+
+use super::fit::WrenchSample;
+
+/// One fold: rows to predict, and rows that the prediction must not have learned from.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Fold {
+    /// Rows to predict.
+    pub held: Vec<usize>,
+    /// Those, and their neighbours in time, which would tell.
+    pub hidden: Vec<usize>,
+}
+
+impl Fold {
+    /// The rows of `rows` to learn from.
+    pub fn train(&self, rows: usize) -> Vec<usize> {
+        let mut hidden = vec![false; rows];
+        for &row in &self.hidden {
+            hidden[row] = true;
+        }
+        (0..rows).filter(|&row| !hidden[row]).collect()
+    }
+}
+
+/// Cuts each recording into `count` blocks, contiguous in time: fold k holds out the k-th block of each. A tenth of a block is
+/// hidden on either side of it. `recording_of` says which recording a row is of; rows are in the order of time.
+pub(super) fn blocks(recording_of: &[usize], count: usize) -> Vec<Fold> {
+    let mut folds = vec![
+        Fold {
+            held: Vec::new(),
+            hidden: Vec::new(),
+        };
+        count
+    ];
+    for rows in by_recording(recording_of) {
+        let bound = |block: usize| block * rows.len() / count;
+        for (block, fold) in folds.iter_mut().enumerate() {
+            let (start, end) = (bound(block), bound(block + 1));
+            if start == end {
+                continue;
+            }
+            let guard = (end - start) / 10;
+            let around = start.saturating_sub(guard)..(end + guard).min(rows.len());
+            fold.held.extend(&rows[start..end]);
+            fold.hidden.extend(&rows[around]);
+        }
+    }
+    folds.retain(|fold| !fold.held.is_empty());
+    folds
+}
+
+/// The rows of each recording, in their order.
+pub(super) fn by_recording(recording_of: &[usize]) -> Vec<Vec<usize>> {
+    let count = recording_of.iter().max().map_or(0, |&last| last + 1);
+    let mut recordings = vec![Vec::new(); count];
+    for (row, &recording) in recording_of.iter().enumerate() {
+        recordings[recording].push(row);
+    }
+    recordings.retain(|rows| !rows.is_empty());
+    recordings
+}
+
+/// Leaves out whole recordings, at most `most` times: where there are more, several at once. None where there is but one.
+pub(super) fn recordings(recording_of: &[usize], most: usize) -> Vec<Fold> {
+    let recordings = by_recording(recording_of);
+    if recordings.len() < 2 {
+        return Vec::new();
+    }
+    let mut folds = vec![Vec::new(); recordings.len().min(most)];
+    let count = folds.len();
+    for (index, rows) in recordings.into_iter().enumerate() {
+        folds[index % count].extend(rows);
+    }
+    let fold = |held: Vec<usize>| Fold {
+        hidden: held.clone(),
+        held,
+    };
+    folds.into_iter().map(fold).collect()
+}
+
+/// Which recording each sample is of.
+pub(super) fn recording_of(samples: &[&WrenchSample]) -> Vec<usize> {
+    samples.iter().map(|sample| sample.recording).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// Every row is held out once, and no neighbour in time of a held-out row is learned from.
+        #[test]
+        fn neighbours_do_not_tell(lengths in proptest::collection::vec(1..60_usize, 1..5), count in 2..9_usize) {
+            let recording_of: Vec<usize> = lengths.iter().enumerate()
+                .flat_map(|(recording, &length)| vec![recording; length]).collect();
+            let mut times = vec![0; recording_of.len()];
+            for fold in blocks(&recording_of, count) {
+                let train = fold.train(recording_of.len());
+                for &row in &fold.held {
+                    times[row] += 1;
+                    let own = recording_of.iter().filter(|&&other| other == recording_of[row]).count();
+                    let guard = own / count / 10;
+                    for near in row.saturating_sub(guard)..=row + guard {
+                        let same = recording_of.get(near) == Some(&recording_of[row]);
+                        prop_assert!(!(same && train.contains(&near)), "{near} tells of {row}");
+                    }
+                }
+            }
+            prop_assert!(times.iter().all(|&times| times == 1));
+        }
+    }
+}

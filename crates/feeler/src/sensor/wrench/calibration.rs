@@ -1,0 +1,223 @@
+//! The wrench calibration of one fingertip, and its file.
+
+use super::error::WrenchError;
+use super::features::{ElementStandard, PER_ELEMENT, Terms};
+use super::novelty::{MOST_DIRECTIONS, Novelty};
+use super::quality::AxisQuality;
+use super::{AXES, WrenchAxis};
+use crate::sensor::made_for::MadeFor;
+use serde::{Deserialize, Serialize};
+
+/// Kind of the file, by which it is told from a calibration of elements.
+pub const KIND: &str = "wrench";
+/// Version of the file that this program reads and writes.
+pub const VERSION: u32 = 1;
+
+/// Largest magnitude of a number in the file: far beyond what is measured, and far below where sums overflow.
+const LARGEST: f64 = 1e15;
+
+/// The regression of one component.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AxisModel {
+    /// The component.
+    pub axis: WrenchAxis,
+    /// What it is regressed on.
+    pub terms: Terms,
+    /// Penalty on the squares of the weights; features have a variance of 1.
+    pub penalty: f64,
+    /// Value where all terms are 0, N or N m.
+    pub intercept: f64,
+    /// Weight of each term, N or N m; element by element, its features, then their squares.
+    pub weights: Vec<f64>,
+}
+
+impl AxisModel {
+    /// The component's value under standardised `features`, N or N m. Neither allocates nor panics.
+    pub fn value(&self, features: &[[f64; PER_ELEMENT]]) -> f64 {
+        let terms = self.terms.of(features).zip(&self.weights);
+        self.intercept + terms.map(|(term, weight)| term * weight).sum::<f64>()
+    }
+}
+
+/// From what a picture says of all elements to a wrench.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WrenchModel {
+    /// The components that are predicted, in the order of [`WrenchAxis::ALL`].
+    pub axes: Vec<AxisModel>,
+    /// What pictures like those of the calibration look like.
+    pub novelty: Novelty,
+    /// What is usual of each element.
+    pub elements: Vec<ElementStandard>,
+}
+
+/// The wrench calibration of one fingertip.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WrenchCalibration {
+    /// [`KIND`].
+    pub kind: String,
+    /// [`VERSION`].
+    pub version: u32,
+    /// What it was made for.
+    pub made_for: MadeFor,
+    /// How far each component is off.
+    pub quality: Vec<AxisQuality>,
+    /// How a wrench is predicted.
+    pub model: WrenchModel,
+}
+
+/// What tells the file from others.
+#[derive(Deserialize)]
+struct Header {
+    #[serde(default)]
+    kind: String,
+    #[serde(default)]
+    version: u32,
+}
+
+impl WrenchCalibration {
+    /// Whether `text` is the file of a wrench calibration, of whatever version.
+    pub fn is_kind(text: &str) -> bool {
+        toml::from_str::<Header>(text).is_ok_and(|header| header.kind == KIND)
+    }
+
+    /// Reads a calibration from the text of its file.
+    ///
+    /// # Errors
+    /// When the text is not a wrench calibration of this version, or a number in it cannot be used.
+    pub fn from_toml(text: &str) -> Result<Self, WrenchError> {
+        let Header { kind, version } = toml::from_str(text)?;
+        if kind != KIND || version != VERSION {
+            return Err(WrenchError::Version { kind, version });
+        }
+        let calibration: Self = toml::from_str(text)?;
+        calibration.check()?;
+        Ok(calibration)
+    }
+
+    /// The text of the calibration's file.
+    ///
+    /// # Errors
+    /// When a value has no form in TOML.
+    pub fn to_toml(&self) -> Result<String, WrenchError> {
+        Ok(toml::to_string(self)?)
+    }
+
+    /// Refuses a calibration that was made for anything but the sensor `here`.
+    ///
+    /// # Errors
+    /// Names what differs.
+    pub fn check_made_for(&self, here: &MadeFor) -> Result<(), WrenchError> {
+        Ok(here.check_same(&self.made_for)?)
+    }
+
+    /// The model of a component, if it is calibrated.
+    pub fn axis(&self, axis: WrenchAxis) -> Option<&AxisModel> {
+        self.model.axes.iter().find(|model| model.axis == axis)
+    }
+
+    /// Refuses numbers that cannot be used.
+    pub(super) fn check(&self) -> Result<(), WrenchError> {
+        self.made_for.check()?;
+        let elements = self.made_for.elements;
+        count("model.elements", elements, self.model.elements.len())?;
+        for (index, element) in self.model.elements.iter().enumerate() {
+            check_element(index, element)?;
+        }
+        let axes = &self.model.axes;
+        let sorted = axes.windows(2).all(|pair| pair[0].axis < pair[1].axis);
+        if axes.is_empty() || axes.len() > AXES || !sorted {
+            let names = axes.iter().map(|model| model.axis.name());
+            return Err(WrenchError::Value {
+                field: "model.axes".into(),
+                value: format!("{:?}", names.collect::<Vec<_>>()),
+                expected: "at least one of f_x, f_y, f_z, m_x, m_y, m_z, each once, in this order",
+            });
+        }
+        for model in axes {
+            let name = model.axis.name();
+            count(
+                &format!("{name}.weights"),
+                model.terms.count(elements),
+                model.weights.len(),
+            )?;
+            number(&format!("{name}.penalty"), model.penalty, 0.0..=LARGEST)?;
+            let weights = model.weights.iter().chain([&model.intercept]);
+            for &weight in weights {
+                number(&format!("{name}.weights"), weight, -LARGEST..=LARGEST)?;
+            }
+        }
+        self.check_novelty(elements)
+    }
+
+    fn check_novelty(&self, elements: usize) -> Result<(), WrenchError> {
+        let novelty = &self.model.novelty;
+        number("novelty.limit", novelty.limit, 1e-9..=LARGEST)?;
+        number("novelty.rest", novelty.rest, 1e-9..=LARGEST)?;
+        if novelty.directions.len() > MOST_DIRECTIONS || novelty.terms.squares {
+            return Err(WrenchError::Value {
+                field: "novelty".into(),
+                value: format!("{} directions", novelty.directions.len()),
+                expected: "at most 12 directions, and no squares",
+            });
+        }
+        for direction in &novelty.directions {
+            let terms = novelty.terms.count(elements);
+            count("novelty.directions.along", terms, direction.along.len())?;
+            number(
+                "novelty.directions.variance",
+                direction.variance,
+                1e-9..=LARGEST,
+            )?;
+            for &part in &direction.along {
+                number("novelty.directions.along", part, -2.0..=2.0)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+fn check_element(index: usize, element: &ElementStandard) -> Result<(), WrenchError> {
+    let field = |name: &str| format!("model.elements[{index}].{name}");
+    if element.used {
+        // A tiny one would make growth infinite.
+        number(&field("gray"), element.gray, 1e-100..=LARGEST)?;
+    }
+    for place in element.centroid.to_array() {
+        number(&field("centroid"), place, -LARGEST..=LARGEST)?;
+    }
+    for (mean, scale) in element.mean.into_iter().zip(element.scale) {
+        number(&field("mean"), mean, -LARGEST..=LARGEST)?;
+        number(&field("scale"), scale, 0.0..=LARGEST)?;
+    }
+    Ok(())
+}
+
+fn count(what: &str, expected: usize, actual: usize) -> Result<(), WrenchError> {
+    if expected == actual {
+        return Ok(());
+    }
+    let what = what.to_owned();
+    Err(WrenchError::Count {
+        what,
+        expected,
+        actual,
+    })
+}
+
+fn number(
+    field: &str,
+    value: f64,
+    range: std::ops::RangeInclusive<f64>,
+) -> Result<(), WrenchError> {
+    if range.contains(&value) {
+        return Ok(());
+    }
+    Err(WrenchError::Value {
+        field: field.to_owned(),
+        value: value.to_string(),
+        expected: "a finite number in its range",
+    })
+}

@@ -1,0 +1,178 @@
+//! Which terms and which penalty: those that predict blocks of time best that they have not seen.
+
+use super::WrenchAxis;
+use super::blocks::{Fold, blocks};
+use super::features::{Growth, LEAST_FOR_GAIN, PER_ELEMENT, Terms};
+use super::ridge::Spectrum;
+use nalgebra::DMatrix;
+
+/// Numbers of blocks that each recording is cut into: with two ways to cut, less depends on where a cut falls.
+const CUTS: [usize; 2] = [5, 8];
+/// Most rows that the choice is made on, evenly spread: more would decide the same, later. The regression takes all.
+const MOST_ROWS: usize = 400;
+/// Penalties: 10 to the power of half of these. Features have a variance of 1.
+const HALF_DECADES: std::ops::RangeInclusive<i32> = -4..=12;
+/// By how many of its standard errors the mean error must fall for terms to be taken in place of those before them, which are simpler.
+/// Of many candidates, one is better by chance.
+const WORTH: f64 = 1.0;
+/// The same for overall brightness, which drifts with the lamp; and the part of the mean square that may be left then.
+const WORTH_OF_BRIGHTNESS: f64 = 3.0;
+const LEFT_BY_BRIGHTNESS: f64 = 0.5;
+
+/// What a component is regressed on, and how.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Choice {
+    pub terms: Terms,
+    pub penalty: f64,
+    /// Squares of the errors of each row, left out with its block; the mean over the ways to cut.
+    squares: Vec<f64>,
+}
+
+impl Choice {
+    fn score(&self) -> f64 {
+        self.squares.iter().sum::<f64>() / self.squares.len() as f64
+    }
+
+    /// Whether errors are smaller than those of `other` beyond chance. By their magnitudes, as of squares a single picture decides.
+    fn is_worth_more(&self, other: &Self) -> bool {
+        let overall = self.terms.growth == Growth::Plain && other.terms.growth != Growth::Plain;
+        match overall {
+            true => {
+                let far_less = self.score() < LEFT_BY_BRIGHTNESS * other.score();
+                far_less && self.is_better(other, WORTH_OF_BRIGHTNESS)
+            }
+            false => self.is_better(other, WORTH),
+        }
+    }
+
+    /// Whether the mean magnitude of the errors is smaller than that of `other` by more than `worth` of its standard errors.
+    fn is_better(&self, other: &Self, worth: f64) -> bool {
+        let pairs = other.squares.iter().zip(&self.squares);
+        let falls: Vec<f64> = pairs
+            .map(|(other, own)| other.sqrt() - own.sqrt())
+            .collect();
+        let count = falls.len() as f64;
+        let mean = falls.iter().sum::<f64>() / count;
+        let variance = falls.iter().map(|fall| (fall - mean).powi(2)).sum::<f64>() / count;
+        let deviation = (variance / count).sqrt();
+        mean > worth * deviation
+    }
+}
+
+/// The rows on which a component was measured, and what was measured there.
+pub(super) struct Target {
+    pub axis: WrenchAxis,
+    pub rows: Vec<usize>,
+    pub measured: Vec<f64>,
+}
+
+/// Standardised features of each row.
+pub(super) type Features = [Vec<[f64; PER_ELEMENT]>];
+
+/// The best choice for each of `targets`; none where no regression has a finite solution. `used` elements are looked at.
+pub(super) fn choose(
+    features: &Features,
+    recording_of: &[usize],
+    used: usize,
+    targets: &[Target],
+) -> Vec<Option<Choice>> {
+    let mut chosen: Vec<Option<Choice>> = vec![None; targets.len()];
+    for (first, target) in targets.iter().enumerate() {
+        // Components that were measured on the same rows share what takes time.
+        let is_first = !targets[..first]
+            .iter()
+            .any(|other| other.rows == target.rows);
+        if !is_first {
+            continue;
+        }
+        let step = target.rows.len().div_ceil(MOST_ROWS).max(1);
+        let kept: Vec<_> = (0..target.rows.len()).step_by(step).collect();
+        let rows: Vec<_> = kept.iter().map(|&place| target.rows[place]).collect();
+        let recordings: Vec<_> = rows.iter().map(|&row| recording_of[row]).collect();
+        let cuts = CUTS.map(|count| blocks(&recordings, count));
+        for terms in candidates(used) {
+            let spectrum = Spectrum::new(matrix(features, &rows, terms));
+            for (target, chosen) in targets.iter().zip(&mut chosen).skip(first) {
+                if target.rows != targets[first].rows {
+                    continue;
+                }
+                let measured: Vec<_> = kept.iter().map(|&place| target.measured[place]).collect();
+                let best = best_penalty(&spectrum, &measured, terms, &cuts);
+                let better = |best: &Choice| {
+                    let before = chosen.as_ref();
+                    before.is_none_or(|before| best.is_worth_more(before))
+                };
+                if let Some(best) = best.filter(better) {
+                    *chosen = Some(best);
+                }
+            }
+        }
+    }
+    chosen
+}
+
+/// The terms of `rows`, a row each.
+pub(super) fn matrix(features: &Features, rows: &[usize], terms: Terms) -> DMatrix<f64> {
+    let elements = rows.first().map_or(0, |&row| features[row].len());
+    let values = rows.iter().flat_map(|&row| terms.of(&features[row]));
+    DMatrix::from_row_iterator(rows.len(), terms.count(elements), values)
+}
+
+/// Terms to try, those first that are to be taken if all predict alike.
+fn candidates(used: usize) -> impl Iterator<Item = Terms> {
+    let terms = |growth, displacement, squares| Terms {
+        growth,
+        displacement,
+        squares,
+    };
+    let kinds = [
+        (Growth::GainFree, false),
+        (Growth::Ignored, true),
+        (Growth::GainFree, true),
+        (Growth::Plain, false),
+        (Growth::Plain, true),
+    ];
+    let kinds = kinds
+        .into_iter()
+        .filter(move |(growth, _)| used >= LEAST_FOR_GAIN || *growth != Growth::GainFree);
+    kinds.flat_map(move |(growth, displacement)| {
+        [false, true].map(|squares| terms(growth, displacement, squares))
+    })
+}
+
+/// The penalty halfway, in decades, between the best one and the largest that predicts as well but for chance (the rule of one standard
+/// error; Hastie, Tibshirani and Friedman, The Elements of Statistical Learning, 2009, section 7.10). Weights are smaller then, and so is
+/// what drift between recordings does, of which blocks of one recording tell nothing; the whole way would give away what they do tell.
+fn best_penalty(
+    spectrum: &Spectrum,
+    measured: &[f64],
+    terms: Terms,
+    cuts: &[Vec<Fold>],
+) -> Option<Choice> {
+    let choices = HALF_DECADES.filter_map(|power| {
+        let penalty = 10_f64.powf(f64::from(power) / 2.0);
+        let mut squares = vec![0.0; measured.len()];
+        for folds in cuts {
+            let errors = spectrum.errors(measured, penalty, folds)?;
+            for (square, error) in squares.iter_mut().zip(errors) {
+                *square += error?.powi(2) / cuts.len() as f64;
+            }
+        }
+        let choice = Choice {
+            terms,
+            penalty,
+            squares,
+        };
+        choice.score().is_finite().then_some(choice)
+    });
+    let choices: Vec<_> = choices.collect();
+    let places = 0..choices.len();
+    let score = |place: usize| choices[place].score();
+    let best = places
+        .clone()
+        .min_by(|&a, &b| score(a).total_cmp(&score(b)))?;
+    let as_good = places
+        .rev()
+        .find(|&place| !choices[best].is_better(&choices[place], WORTH))?;
+    choices.into_iter().nth(best.midpoint(as_good))
+}

@@ -1,0 +1,265 @@
+//! What is regressed on: growth and displacement of every element, standardised.
+//!
+//! For each element, relative to its mean over the calibration's pictures (so that no unloaded picture is needed; the intercept takes
+//! what that changes):
+//!
+//! ```text
+//! growth         G/G_0 / m - 1      m = mean of G/G_0 over the elements: the picture's common gain
+//! plain growth   G/G_0 - 1
+//! displacement   u_x, u_y = c - c_0
+//! ```
+//!
+//! A lamp that dims changes `m` and no growth: a global gain is no force. Only plain growth sees it.
+
+use crate::sensor::exposure::Exposure;
+use crate::sensor::moments::ElementMoments;
+use crate::sensor::sensing::ElementReading;
+use glam::DVec2;
+use serde::{Deserialize, Serialize};
+
+/// Features of one element: growth, plain growth, displacement along x and along y.
+pub const PER_ELEMENT: usize = 4;
+
+/// Least number of elements over which a common gain can be told from what each feels.
+pub const LEAST_FOR_GAIN: usize = 4;
+
+/// Largest magnitude of a standardised feature: predictions stay finite whatever arrives.
+const FARTHEST: f64 = 1e6;
+/// Magnitude of a standardised feature up to which its square grows. Squares are for bends within what was calibrated; beyond, they
+/// would run away.
+const FARTHEST_SQUARED: f64 = 4.0;
+
+/// How growth is counted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Growth {
+    /// It is not looked at.
+    Ignored,
+    /// Relative to the picture's common gain: a lamp that dims changes nothing.
+    GainFree,
+    /// As it is: the overall brightness counts, and a lamp that dims looks like a force.
+    Plain,
+}
+
+/// Which features a component is regressed on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Terms {
+    /// Growth of each element.
+    pub growth: Growth,
+    /// Displacement of each element.
+    pub displacement: bool,
+    /// The square of each of these, too.
+    pub squares: bool,
+}
+
+impl Terms {
+    /// Number of terms of `elements` elements.
+    pub fn count(self, elements: usize) -> usize {
+        let kinds = self.kinds().count();
+        let orders = if self.squares { 2 } else { 1 };
+        orders * kinds * elements
+    }
+
+    /// Places of the features among the [`PER_ELEMENT`] of an element.
+    pub fn kinds(self) -> impl Iterator<Item = usize> + Clone {
+        let growth = match self.growth {
+            Growth::Ignored => None,
+            Growth::GainFree => Some(0),
+            Growth::Plain => Some(1),
+        };
+        let displacement = if self.displacement { 2..4 } else { 0..0 };
+        growth.into_iter().chain(displacement)
+    }
+
+    /// The terms of standardised `features`, in the order of the weights: for each element its features, then their squares. A
+    /// feature that there is not (NaN) has terms of 0, which say nothing. Does not allocate.
+    pub fn of(self, features: &[[f64; PER_ELEMENT]]) -> impl Iterator<Item = f64> {
+        features.iter().flat_map(move |features| {
+            let linear = self.kinds().map(move |kind| or_nothing(features[kind]));
+            let squares = self.kinds().filter(move |_| self.squares);
+            linear.chain(squares.map(move |kind| square(features[kind])))
+        })
+    }
+}
+
+fn or_nothing(feature: f64) -> f64 {
+    if feature.is_nan() { 0.0 } else { feature }
+}
+
+/// The square of a standardised feature, centred and scaled as that of a normal deviate.
+fn square(feature: f64) -> f64 {
+    if feature.is_nan() {
+        return 0.0;
+    }
+    let near = feature.clamp(-FARTHEST_SQUARED, FARTHEST_SQUARED);
+    (near * near - 1.0) * std::f64::consts::FRAC_1_SQRT_2
+}
+
+/// The moments of a reading, if they can be used.
+pub fn usable(reading: &ElementReading) -> Option<ElementMoments> {
+    let good = reading.exposure == Exposure::Good && reading.integrated_gray.is_finite();
+    let centroid = reading
+        .centroid
+        .filter(|centroid| good && centroid.is_finite())?;
+    (reading.integrated_gray > 0.0).then_some(ElementMoments {
+        integrated_gray: reading.integrated_gray,
+        centroid,
+    })
+}
+
+/// What is usual of one element over the calibration's pictures.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ElementStandard {
+    /// Whether it is looked at: it was lit, and not saturated, in at least half of the pictures.
+    pub used: bool,
+    /// Mean integrated gray value G_0, grey levels times m² (px² in a layout in the picture's plane).
+    pub gray: f64,
+    /// Mean centroid c_0, m (px) in x, y of the element's plane.
+    pub centroid: DVec2,
+    /// Mean of each feature.
+    pub mean: [f64; PER_ELEMENT],
+    /// Standard deviation of each feature; a feature that never changed has 0, and says nothing.
+    pub scale: [f64; PER_ELEMENT],
+}
+
+impl ElementStandard {
+    const UNUSED: Self = Self {
+        used: false,
+        gray: 0.0,
+        centroid: DVec2::ZERO,
+        mean: [0.0; PER_ELEMENT],
+        scale: [0.0; PER_ELEMENT],
+    };
+
+    fn standardised(&self, raw: [f64; PER_ELEMENT]) -> [f64; PER_ELEMENT] {
+        std::array::from_fn(|kind| {
+            if self.scale[kind] > 0.0 {
+                ((raw[kind] - self.mean[kind]) / self.scale[kind]).clamp(-FARTHEST, FARTHEST)
+            } else {
+                0.0
+            }
+        })
+    }
+
+    /// Features before they are standardised, for a picture of the common gain `gain`.
+    fn raw(&self, moments: &ElementMoments, gain: f64) -> [f64; PER_ELEMENT] {
+        let growth = moments.integrated_gray / self.gray;
+        let displacement = moments.centroid - self.centroid;
+        [
+            growth / gain - 1.0,
+            growth - 1.0,
+            displacement.x,
+            displacement.y,
+        ]
+    }
+}
+
+/// Moments of the elements in one picture; none of an element that is dark or saturated.
+pub type Seen = [Option<ElementMoments>];
+
+/// What is usual of `elements` elements over `pictures`.
+pub(super) fn standards<'a>(
+    elements: usize,
+    pictures: impl Iterator<Item = &'a Seen> + Clone,
+) -> Vec<ElementStandard> {
+    let total = pictures.clone().count();
+    let mut standards: Vec<_> = (0..elements)
+        .map(|element| {
+            reference(
+                pictures.clone().filter_map(|seen| *seen.get(element)?),
+                total,
+            )
+        })
+        .collect();
+    let mut sums = vec![[[0.0; 3]; PER_ELEMENT]; elements];
+    for seen in pictures {
+        let Some(gain) = common_gain(&standards, seen.iter().copied()) else {
+            continue;
+        };
+        for (element, moments) in seen.iter().enumerate() {
+            let Some(moments) = moments.filter(|_| standards[element].used) else {
+                continue;
+            };
+            let raw = standards[element].raw(&moments, gain);
+            for (sum, value) in sums[element].iter_mut().zip(raw) {
+                for (sum, power) in sum.iter_mut().zip([1.0, value, value * value]) {
+                    *sum += power;
+                }
+            }
+        }
+    }
+    for (standard, sums) in standards.iter_mut().zip(sums) {
+        for (kind, [count, first, second]) in sums.into_iter().enumerate() {
+            let mean = first / f64::max(count, 1.0);
+            let variance = (second / f64::max(count, 1.0) - mean * mean).max(0.0);
+            let scale = variance.sqrt();
+            standard.mean[kind] = mean;
+            // What is left by rounding is no scale.
+            let least = 1e-9 * (1.0 + mean.abs());
+            standard.scale[kind] = if scale > least { scale } else { 0.0 };
+        }
+    }
+    standards
+}
+
+/// The mean of an element's moments, if at least half of `total` pictures have any.
+fn reference(moments: impl Iterator<Item = ElementMoments>, total: usize) -> ElementStandard {
+    let (mut count, mut gray, mut centroid) = (0, 0.0, DVec2::ZERO);
+    for moments in moments {
+        count += 1;
+        gray += moments.integrated_gray;
+        centroid += moments.centroid;
+    }
+    if count == 0 || 2 * count < total {
+        return ElementStandard::UNUSED;
+    }
+    ElementStandard {
+        used: true,
+        gray: gray / count as f64,
+        centroid: centroid / count as f64,
+        ..ElementStandard::UNUSED
+    }
+}
+
+/// Mean of G/G_0 over the elements that are used and seen; none where there is no such element.
+fn common_gain(
+    standards: &[ElementStandard],
+    seen: impl Iterator<Item = Option<ElementMoments>>,
+) -> Option<f64> {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for (standard, moments) in standards.iter().zip(seen) {
+        if let Some(moments) = moments.filter(|_| standard.used) {
+            sum += moments.integrated_gray / standard.gray;
+            count += 1.0;
+        }
+    }
+    let gain = sum / count;
+    (gain.is_finite() && gain > 0.0).then_some(gain)
+}
+
+/// Part of the elements that are used and not seen, after filling `features` with the standardised features of what is seen; those
+/// of an element that is not seen, or not used, are not numbers. 1 where nothing is seen. Neither allocates nor panics.
+pub fn standardise(
+    standards: &[ElementStandard],
+    seen: impl Iterator<Item = Option<ElementMoments>> + Clone,
+    features: &mut [[f64; PER_ELEMENT]],
+) -> f64 {
+    features.fill([f64::NAN; PER_ELEMENT]);
+    let Some(gain) = common_gain(standards, seen.clone()) else {
+        return 1.0;
+    };
+    let (mut used, mut missing) = (0.0, 0.0);
+    for ((standard, moments), features) in standards.iter().zip(seen).zip(features) {
+        if !standard.used {
+            continue;
+        }
+        used += 1.0;
+        match moments {
+            Some(moments) => *features = standard.standardised(standard.raw(&moments, gain)),
+            None => missing += 1.0,
+        }
+    }
+    missing / used
+}

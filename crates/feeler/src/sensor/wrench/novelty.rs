@@ -1,0 +1,125 @@
+//! How far a picture is from those of the calibration.
+//!
+//! Probabilistic principal components (Tipping and Bishop, J. R. Stat. Soc. B 61, 1999): features vary along few directions, each
+//! with its variance, and by one variance in all others. The distance is Mahalanobis', a share of its root mean square:
+//!
+//! ```text
+//! d² = (sum_k t_k² / v_k + (|z|² - sum_k t_k²) / s²) / p
+//! ```
+
+use super::choice::{Features, matrix};
+use super::features::{PER_ELEMENT, Terms};
+use nalgebra::{DMatrix, SymmetricEigen};
+use serde::{Deserialize, Serialize};
+
+/// Part of the variance that the principal directions have together.
+const PART: f64 = 0.95;
+/// Most principal directions.
+pub(super) const MOST_DIRECTIONS: usize = 12;
+/// Part of the calibration's pictures whose distance from those of other blocks of time says what is near: a few are far from all others.
+pub(super) const NEAR: f64 = 0.9;
+/// How many times as far as these still counts as near.
+pub(super) const MARGIN: f64 = 1.25;
+/// Least variance, as standardised features have 1: what is left by rounding is none.
+const LEAST_VARIANCE: f64 = 1e-6;
+
+/// What pictures like those of the calibration look like.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Novelty {
+    /// The features that are looked at: those that some component follows from.
+    pub terms: Terms,
+    /// Distance up to which a picture is like those of the calibration: five quarters of that up to which nine tenths of the
+    /// calibration's pictures are from those of other blocks of time.
+    pub limit: f64,
+    /// Variance in each direction but the principal ones.
+    pub rest: f64,
+    /// The principal directions.
+    pub directions: Vec<Direction>,
+}
+
+/// One direction in which features vary.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Direction {
+    /// Variance along it.
+    pub variance: f64,
+    /// Unit vector: a number for each term.
+    pub along: Vec<f64>,
+}
+
+impl Novelty {
+    /// Of the features of `rows`, whose mean is 0; the limit is for the caller to find.
+    pub(super) fn learn(features: &Features, rows: &[usize], terms: Terms) -> Self {
+        let terms = Terms {
+            squares: false,
+            ..terms
+        };
+        let mut looked_at = matrix(features, rows, terms);
+        looked_at /= (rows.len().max(1) as f64).sqrt();
+        let (count, dimensions) = looked_at.shape();
+        let total = looked_at.norm_squared();
+        let directions = principal(&looked_at, total, (count / 3).min(dimensions / 2));
+        let principal: f64 = directions.iter().map(|direction| direction.variance).sum();
+        let others = (dimensions - directions.len()).max(1) as f64;
+        Self {
+            terms,
+            limit: f64::INFINITY,
+            rest: ((total - principal) / others).max(LEAST_VARIANCE),
+            directions,
+        }
+    }
+
+    /// Distance of standardised `features` from those of the calibration; some 1 for one of them. Neither allocates nor panics.
+    pub fn distance(&self, features: &[[f64; PER_ELEMENT]]) -> f64 {
+        let values = self.terms.of(features);
+        let (mut total, mut count) = (0.0, 0.0_f64);
+        for value in values {
+            total += value * value;
+            count += 1.0;
+        }
+        let mut sum = 0.0;
+        for direction in &self.directions {
+            let terms = self.terms.of(features).zip(&direction.along);
+            let along: f64 = terms.map(|(value, along)| value * along).sum();
+            total -= along * along;
+            sum += along * along / direction.variance;
+        }
+        ((sum + total.max(0.0) / self.rest) / count.max(1.0)).sqrt()
+    }
+}
+
+/// The directions of most variance of `rows`, a row each, that have the [`PART`] of `total` together.
+fn principal(rows: &DMatrix<f64>, total: f64, most: usize) -> Vec<Direction> {
+    let dual = rows.nrows() <= rows.ncols();
+    let gram = match dual {
+        true => rows * rows.transpose(),
+        false => rows.transpose() * rows,
+    };
+    let SymmetricEigen {
+        eigenvectors,
+        eigenvalues,
+    } = SymmetricEigen::new(gram);
+    let mut order: Vec<_> = (0..eigenvalues.len()).collect();
+    order.sort_by(|&a, &b| eigenvalues[b].total_cmp(&eigenvalues[a]));
+    let mut directions: Vec<Direction> = Vec::new();
+    let mut explained = 0.0;
+    for index in order.into_iter().take(most.min(MOST_DIRECTIONS)) {
+        let variance = eigenvalues[index];
+        let enough = explained >= PART * total;
+        if enough || variance <= LEAST_VARIANCE {
+            break;
+        }
+        let vector = eigenvectors.column(index).into_owned();
+        let along = match dual {
+            true => rows.tr_mul(&vector) / variance.sqrt(),
+            false => vector,
+        };
+        explained += variance;
+        directions.push(Direction {
+            variance,
+            along: along.iter().copied().collect(),
+        });
+    }
+    directions
+}

@@ -1,0 +1,136 @@
+//! Predictions of what was not seen, by models that are learned anew without it.
+
+use super::WrenchAxis;
+use super::blocks::{Fold, blocks, recording_of, recordings};
+use super::calibration::WrenchModel;
+use super::features::{PER_ELEMENT, standardise};
+use super::fit::{WrenchSample, learn};
+use super::novelty::NEAR;
+use super::quality::{AxisQuality, HeldOut, judge};
+use std::thread;
+
+/// Blocks of time that each recording is cut into.
+const BLOCKS: usize = 5;
+/// Most times that recordings are left out.
+const MOST_RECORDINGS: usize = 10;
+
+/// What is known of a calibration's errors.
+pub(super) struct Validated {
+    axes: Vec<(AxisQuality, Vec<HeldOut>)>,
+    /// Distance of each sample from those of other blocks.
+    distances: Vec<f64>,
+}
+
+impl Validated {
+    /// The quality of a component, and what was predicted of it, if anything was.
+    pub fn of(&self, axis: WrenchAxis) -> Option<(&AxisQuality, &[HeldOut])> {
+        let found = self.axes.iter().find(|(quality, _)| quality.axis == axis);
+        found.map(|(quality, held_out)| (quality, &held_out[..]))
+    }
+
+    /// Distance up to which a part [`NEAR`] of the samples is from those of other blocks; 1, which is usual by definition, if none
+    /// is known.
+    pub fn near(&self) -> f64 {
+        let distances = self.distances.iter().copied();
+        let mut distances: Vec<f64> = distances.filter(|d| d.is_finite() && *d > 0.0).collect();
+        distances.sort_by(f64::total_cmp);
+        let place = (NEAR * distances.len() as f64) as usize;
+        let near = distances.get(place).or(distances.last());
+        near.copied().unwrap_or(1.0)
+    }
+}
+
+/// What `model` would have predicted of each sample without its block, and without its recording.
+pub(super) fn validate(
+    samples: &[&WrenchSample],
+    model: &WrenchModel,
+    names: &[String],
+) -> Validated {
+    let recording_of = recording_of(samples);
+    let by_blocks = held_out(samples, model, &blocks(&recording_of, BLOCKS));
+    let by_recording = held_out(samples, model, &recordings(&recording_of, MOST_RECORDINGS));
+    let axes = model.axes.iter().enumerate().filter_map(|(place, axis)| {
+        let rows = samples.iter().enumerate();
+        let held_out = rows.filter_map(|(row, sample)| {
+            let of = |predicted: &[Option<Predicted>]| predicted[row].as_ref()?.values[place];
+            Some(HeldOut {
+                recording: sample.recording,
+                measured: sample.wrench[axis.axis.index()]?,
+                by_blocks: of(&by_blocks),
+                by_recording: of(&by_recording),
+            })
+        });
+        let held_out: Vec<_> = held_out.collect();
+        Some((judge(axis.axis, &held_out, names)?, held_out))
+    });
+    let distances = by_blocks.iter().flatten().map(|p| p.distance);
+    Validated {
+        axes: axes.collect(),
+        distances: distances.collect(),
+    }
+}
+
+/// What a model says of a sample that it was not learned from.
+#[derive(Clone)]
+struct Predicted {
+    /// Each component of the whole model; none where too little is known of it without the fold.
+    values: Vec<Option<f64>>,
+    distance: f64,
+}
+
+/// What is predicted of each sample by a model of the same components, learned without the fold that holds it out.
+fn held_out(
+    samples: &[&WrenchSample],
+    whole: &WrenchModel,
+    folds: &[Fold],
+) -> Vec<Option<Predicted>> {
+    let mut predicted = vec![None; samples.len()];
+    let workers = thread::available_parallelism().map_or(1, usize::from);
+    for folds in folds.chunks(workers) {
+        let found = thread::scope(|scope| {
+            let running = folds
+                .iter()
+                .map(|fold| scope.spawn(|| predict_fold(samples, whole, fold)));
+            let running: Vec<_> = running.collect();
+            // A thread that ended badly has predicted nothing.
+            let ended = running.into_iter().map(|thread| thread.join());
+            ended.map(Result::unwrap_or_default).collect::<Vec<_>>()
+        });
+        for (row, prediction) in found.into_iter().flatten() {
+            predicted[row] = Some(prediction);
+        }
+    }
+    predicted
+}
+
+fn predict_fold(
+    samples: &[&WrenchSample],
+    whole: &WrenchModel,
+    fold: &Fold,
+) -> Vec<(usize, Predicted)> {
+    let train = fold.train(samples.len());
+    let train: Vec<_> = train.into_iter().map(|row| samples[row]).collect();
+    let axes: Vec<_> = whole.axes.iter().map(|model| model.axis).collect();
+    // Nothing is predicted from too little.
+    let Ok(model) = learn(&train, &axes, Some(whole.novelty.terms)) else {
+        return Vec::new();
+    };
+    if model.elements.is_empty() {
+        return Vec::new();
+    }
+    let mut features = vec![[0.0; PER_ELEMENT]; model.elements.len()];
+    let rows = fold.held.iter().map(|&row| {
+        let seen = samples[row].seen.iter().copied();
+        standardise(&model.elements, seen, &mut features);
+        let values = axes.iter().map(|axis| {
+            let own = model.axes.iter().find(|model| model.axis == *axis);
+            own.map(|own| own.value(&features))
+        });
+        let predicted = Predicted {
+            values: values.collect(),
+            distance: model.novelty.distance(&features),
+        };
+        (row, predicted)
+    });
+    rows.collect()
+}
