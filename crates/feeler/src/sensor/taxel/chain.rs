@@ -1,0 +1,78 @@
+//! From the numbers in a row to forces.
+
+use super::zero::Zeros;
+use super::{Axes, TaxelError, TaxelLayout};
+use crate::sensor::reading::NO_FORCE;
+use glam::{DVec2, DVec3};
+
+/// Makes forces of the numbers in a taxel array's columns. Everything is allocated when it is built.
+#[derive(Debug, Clone)]
+pub struct TaxelChain {
+    axes: Axes,
+    /// Counts per newton in the columns x, y, z of each taxel; 1 where the columns are in newtons, or forces in counts.
+    scales: Vec<DVec3>,
+    /// Cosine and sine of each taxel's turn.
+    turns: Vec<DVec2>,
+    zeros: Zeros,
+}
+
+impl TaxelChain {
+    /// For `layout`.
+    ///
+    /// # Errors
+    /// When a value of it is out of range.
+    pub fn new(layout: &TaxelLayout) -> Result<Self, TaxelError> {
+        layout.check()?;
+        let scales: Vec<_> = (layout.taxels.iter())
+            .map(|taxel| layout.scale(taxel).map_or(DVec3::ONE, DVec3::from_array))
+            .collect();
+        let turns = layout.taxels.iter().map(|t| t.turn_deg.to_radians());
+        Ok(Self {
+            axes: layout.axes,
+            turns: turns.map(DVec2::from_angle).collect(),
+            zeros: Zeros::new(layout, &scales),
+            scales,
+        })
+    }
+
+    /// Number of taxels.
+    pub fn element_count(&self) -> usize {
+        self.turns.len()
+    }
+
+    /// Begins a sequence: the zeros are taken again.
+    pub fn restart(&mut self) {
+        self.zeros.restart();
+    }
+
+    /// Fills `forces` with those at `stamp` (s), when `values` stand in the columns x, y, z of each taxel, not a number
+    /// where a taxel has none. Forces are in each element's frame `E_i`, N, as in a
+    /// [`TactileFrame`](crate::sensor::reading::TactileFrame), or in counts ([`TaxelLayout::force_unit`]);
+    /// [`NO_FORCE`] where there is no value, or nothing to take it from. Neither allocates nor panics.
+    pub fn sense(&mut self, stamp: f64, values: &[DVec3], forces: &mut [DVec3]) {
+        self.zeros.take(values);
+        let mut longest = None;
+        let taxels = self.scales.iter().zip(&self.turns).zip(values);
+        for ((index, ((&scale, turn), &value)), force) in taxels.enumerate().zip(forces) {
+            let reading = self.axes.apply((value - self.zeros.of(index)) / scale);
+            if reading.is_nan() {
+                *force = NO_FORCE;
+                continue;
+            }
+            longest = Some(reading.length().max(longest.unwrap_or(0.0)));
+            *force = turn.rotate(reading.truncate()).extend(reading.z);
+        }
+        self.zeros.follow(stamp, values, longest);
+    }
+
+    /// The taxels that have no zero, once the rows without load are over.
+    pub(super) fn without_zero(&self) -> impl Iterator<Item = usize> + '_ {
+        let all = 0..self.element_count();
+        all.filter(|&taxel| self.zeros.of(taxel).is_nan())
+    }
+
+    /// Whether the rows without load are over.
+    pub(super) fn has_zeros(&self) -> bool {
+        self.zeros.are_taken()
+    }
+}

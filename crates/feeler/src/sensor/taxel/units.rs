@@ -1,0 +1,123 @@
+//! Units and axes of a taxel array's columns.
+
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+/// Unit of readings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum TaxelUnit {
+    /// Of unknown size, as the sensor counts.
+    #[serde(rename = "counts")]
+    Counts,
+    /// Newtons.
+    #[serde(rename = "N")]
+    Newton,
+}
+
+impl TaxelUnit {
+    /// As it is written: `counts` or `N`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Counts => "counts",
+            Self::Newton => "N",
+        }
+    }
+}
+
+/// Unit of a column of time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum TimeUnit {
+    /// Seconds.
+    S,
+    /// Milliseconds.
+    Ms,
+    /// Microseconds.
+    Us,
+    /// Nanoseconds.
+    Ns,
+}
+
+impl TimeUnit {
+    /// Seconds in it.
+    pub fn seconds(self) -> f64 {
+        match self {
+            Self::S => 1.0,
+            Self::Ms => 1e-3,
+            Self::Us => 1e-6,
+            Self::Ns => 1e-9,
+        }
+    }
+}
+
+/// Which column is which axis of the taxel: x and y in its plane, z compression, positive when pressed.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Axes {
+    /// The column, with its sign, that is the taxel's x.
+    pub x: SignedAxis,
+    /// The one that is its y.
+    pub y: SignedAxis,
+    /// The one that is its z.
+    pub z: SignedAxis,
+}
+
+impl Default for Axes {
+    fn default() -> Self {
+        Self {
+            x: SignedAxis::X,
+            y: SignedAxis::Y,
+            z: SignedAxis::Z,
+        }
+    }
+}
+
+impl Axes {
+    /// The vector of the columns x, y, z in the taxel's axes.
+    pub fn apply(&self, columns: DVec3) -> DVec3 {
+        let along = |axis: SignedAxis| axis.sign() * columns[axis.column()];
+        DVec3::new(along(self.x), along(self.y), along(self.z))
+    }
+}
+
+/// A column and its sign.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum SignedAxis {
+    /// Column x.
+    #[serde(rename = "x", alias = "+x")]
+    X,
+    /// Column y.
+    #[serde(rename = "y", alias = "+y")]
+    Y,
+    /// Column z.
+    #[serde(rename = "z", alias = "+z")]
+    Z,
+    /// Column x, negated.
+    #[serde(rename = "-x")]
+    MinusX,
+    /// Column y, negated.
+    #[serde(rename = "-y")]
+    MinusY,
+    /// Column z, negated.
+    #[serde(rename = "-z")]
+    MinusZ,
+}
+
+impl SignedAxis {
+    /// The column: 0 is x, 1 y, 2 z.
+    pub fn column(self) -> usize {
+        match self {
+            Self::X | Self::MinusX => 0,
+            Self::Y | Self::MinusY => 1,
+            Self::Z | Self::MinusZ => 2,
+        }
+    }
+
+    /// 1 or -1.
+    pub fn sign(self) -> f64 {
+        match self {
+            Self::X | Self::Y | Self::Z => 1.0,
+            Self::MinusX | Self::MinusY | Self::MinusZ => -1.0,
+        }
+    }
+}

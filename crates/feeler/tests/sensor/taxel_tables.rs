@@ -1,0 +1,281 @@
+//! Tables of taxel arrays, as messy as they come.
+
+use super::taxels::layout;
+use feeler::sensor::reading::{SensorError, TactileFrame, TactileSensor};
+use feeler::sensor::taxel::{
+    BuiltInTaxels, MAX_LINE, TaxelError, TaxelLayout, TaxelSensor, TimeColumn, TimeUnit, Trouble,
+};
+use proptest::prelude::*;
+use std::io::{self, BufRead, Read};
+
+const HEADER: &str = "t0_x,t0_y,t0_z,t1_x,t1_y,t1_z\n";
+
+fn newtons() -> TaxelLayout {
+    layout("unit = 'N'\nrate = 100.0", "")
+}
+
+fn timed(unit: TimeUnit) -> TaxelLayout {
+    let mut layout = newtons();
+    layout.columns.time = Some(TimeColumn {
+        column: "time".into(),
+        unit,
+    });
+    layout
+}
+
+/// What was sensed: frames, and what was counted with the line of the first.
+fn sensed(layout: &TaxelLayout, table: &[u8]) -> (Vec<TactileFrame>, Vec<(Trouble, u64, u64)>) {
+    let mut sensor = TaxelSensor::open(table, layout, None).unwrap();
+    let mut frame = TactileFrame::unloaded(sensor.element_count());
+    let mut frames = Vec::new();
+    loop {
+        match sensor.read(&mut frame) {
+            Ok(()) => frames.push(frame.clone()),
+            Err(SensorError::Ended { count }) => {
+                assert_eq!(count, frames.len() as u64);
+                break;
+            }
+            Err(error) => panic!("{error}"),
+        }
+    }
+    let seen = sensor.troubles().iter();
+    let seen = seen.map(|s| (s.trouble, s.count, s.first.line));
+    (frames, seen.collect())
+}
+
+fn refused(layout: &TaxelLayout, table: &str) -> TaxelError {
+    TaxelSensor::open(table.as_bytes(), layout, None).unwrap_err()
+}
+
+#[test]
+fn every_oddity_is_counted_and_no_row_is_lost() {
+    let mut table = format!("\u{feff}Connected to COM3\r\n# made by hand\r\n{HEADER}");
+    let long = "1,".repeat(MAX_LINE);
+    for line in [
+        "1,2,3,4,5,6",
+        "1,2,3,4,5,6",
+        ",2,3,4,5,6",
+        "1,x,3,4,5,6",
+        "1,2,inf,4,5,6",
+        "1,2,3,4,5,1e300",
+        "1,2,3",
+        "1,2,3,4,5,6,7",
+        "error: timeout, again",
+        "",
+        long.as_str(),
+        "\"7\", 2 ,3,4,5,\u{fffd}",
+    ] {
+        table += line;
+        table += "\r\n";
+    }
+    table += HEADER;
+    table += "9,2,3,4,5,6";
+    let (frames, troubles) = sensed(&newtons(), table.as_bytes());
+    assert_eq!(
+        troubles,
+        [
+            (Trouble::NotARow, 2, 1),
+            (Trouble::TooLong, 1, 14),
+            (Trouble::HeaderAgain, 1, 16),
+            (Trouble::CellCount, 2, 10),
+            (Trouble::Empty, 1, 6),
+            (Trouble::NotANumber, 2, 7),
+            (Trouble::NotFinite, 2, 8),
+            (Trouble::Repeated, 1, 5),
+        ]
+    );
+    let valid: Vec<_> = frames
+        .iter()
+        .map(|f| [f.is_valid(0), f.is_valid(1)])
+        .collect();
+    let (both, first, second, none) = ([true, true], [true, false], [false, true], [false; 2]);
+    assert_eq!(
+        valid,
+        [
+            both, both, second, second, second, first, none, none, first, both
+        ]
+    );
+    let stamps = frames.iter().map(|f| (f.sequence, f.stamp));
+    let expected = (0..10).map(|n| (n, n as f64 / 100.0));
+    assert!(stamps.eq(expected));
+    assert_eq!(frames[8].forces[0].to_array(), [7.0, 2.0, 3.0]);
+}
+
+#[test]
+fn odd_times_are_counted_and_kept() {
+    let times = [
+        "0", "10", "20", "30", "40", "50", "60", "60", "55", "65", "75", "x", "1e40", "500", "510",
+    ];
+    let mut table = format!("time,{HEADER}");
+    for (number, time) in times.iter().enumerate() {
+        table += &format!("{time},{number},0,0,0,0,0\n");
+    }
+    let (frames, troubles) = sensed(&timed(TimeUnit::Ms), table.as_bytes());
+    assert_eq!(
+        troubles,
+        [
+            (Trouble::TimeUnreadable, 2, 13),
+            (Trouble::TimeRepeated, 1, 9),
+            (Trouble::TimeBack, 1, 10),
+            (Trouble::TimeJump, 1, 15),
+        ]
+    );
+    let stamps: Vec<_> = frames.iter().map(|f| (f.stamp * 1e3).round()).collect();
+    let expected = [0, 10, 20, 30, 40, 50, 60, 60, 55, 65, 75, 75, 75, 500, 510].map(f64::from);
+    assert_eq!(stamps, expected);
+    // By a rate, the time's column is not looked at.
+    let sensor = TaxelSensor::open(table.as_bytes(), &timed(TimeUnit::Ms), Some(50.0));
+    let mut frame = TactileFrame::unloaded(2);
+    let mut sensor = sensor.unwrap();
+    while sensor.read(&mut frame).is_ok() {}
+    assert_eq!(
+        (frame.stamp, sensor.troubles().iter().count()),
+        (14.0 / 50.0, 0)
+    );
+}
+
+#[test]
+fn tables_without_a_header_are_read_by_the_layouts_columns() {
+    let layout = BuiltInTaxels::named("anyskin").unwrap().layout().unwrap();
+    let row = |time: f64, x: f64| format!("{time}{}\n", format!(",{x},2,3").repeat(5));
+    let table = row(0.5, 1.0) + &row(0.51, 5.0);
+    let (frames, troubles) = sensed(&layout, table.as_bytes());
+    assert_eq!((frames.len(), troubles.len()), (2, 0));
+    assert_eq!((frames[0].stamp, frames[1].stamp), (0.5, 0.51));
+    // Half of the way from 1 to 5, as the zero is the mean so far; the second chip is turned by -90 degrees.
+    assert!((frames[1].forces[1].y + 2.0).abs() < 1e-9, "{frames:?}");
+    let short = refused(&layout, "1,2,3\n").to_string();
+    assert!(
+        short.contains("has 16 columns; line 1 of the table has 3"),
+        "{short}"
+    );
+    let none = refused(&newtons(), "1,2,3,4,5,6\n").to_string();
+    assert!(
+        none.contains("columns.without_header of the layout"),
+        "{none}"
+    );
+}
+
+#[test]
+fn wrong_headers_are_told() {
+    let newtons = newtons();
+    for (table, words) in [
+        ("", "in 0 lines"),
+        (
+            "hello\nworld\n",
+            "no header with \"t0_x\" in 2 lines, the first of them \"hello\"",
+        ),
+        (
+            "t0_x,t0_y\n",
+            "one column \"t0_z\" expected, 0 in the header",
+        ),
+        (
+            "t0_x,t0_y,t0_z,t1_x,t1_y,t1_z,t1_z\n",
+            "one column \"t1_z\" expected, 2 in the header",
+        ),
+    ] {
+        let message = refused(&newtons, table).to_string();
+        assert!(message.contains(words), "{message}");
+    }
+    let prefixed = HEADER.replace('t', "left_t") + "1\n";
+    let message = refused(&newtons, &prefixed).to_string();
+    assert!(
+        message.contains("expected another prefix: \"left_\""),
+        "{message}"
+    );
+    let mut twice = newtons.clone();
+    twice.columns.sequence = Some("t0_x".into());
+    assert!(matches!(
+        refused(&twice, HEADER),
+        TaxelError::TwoMeanings { .. }
+    ));
+    let mut timeless = newtons.clone();
+    timeless.rate = None;
+    assert!(matches!(refused(&timeless, HEADER), TaxelError::NoTime));
+    let long = "x".repeat(MAX_LINE + 1);
+    assert!(matches!(
+        refused(&newtons, &long),
+        TaxelError::TooLong { line: 1 }
+    ));
+    assert!(matches!(
+        TaxelSensor::open(HEADER.as_bytes(), &newtons, Some(f64::NAN)),
+        Err(TaxelError::Rate { .. })
+    ));
+}
+
+/// Gives its bytes out a few at a time, and is interrupted between.
+struct Trickle<'a>(&'a [u8], usize, bool);
+
+impl Read for Trickle<'_> {
+    fn read(&mut self, _: &mut [u8]) -> io::Result<usize> {
+        unreachable!("it is read by its buffer")
+    }
+}
+
+impl BufRead for Trickle<'_> {
+    fn fill_buf(&mut self) -> io::Result<&[u8]> {
+        self.2 = !self.2;
+        match self.2 {
+            true => Err(io::ErrorKind::Interrupted.into()),
+            false => Ok(&self.0[..self.1.min(self.0.len())]),
+        }
+    }
+
+    fn consume(&mut self, amount: usize) {
+        self.0 = &self.0[amount..];
+    }
+}
+
+proptest! {
+    /// Of any bytes below a header: nothing panics, and forces are finite or none.
+    #[test]
+    fn any_bytes_are_sensed(bytes in proptest::collection::vec(
+        prop_oneof![Just(b','), Just(b'\n'), Just(b'1'), Just(b'-'), Just(b'e'), Just(b'"'), any::<u8>()], 0..600)
+    ) {
+        let table = [format!("time,{HEADER}").as_bytes(), &bytes].concat();
+        let (frames, troubles) = sensed(&timed(TimeUnit::Ns), &table);
+        let lines = bytes.split(|&b| b == b'\n').count() as u64;
+        let skipped: u64 = troubles.iter().filter(|t| t.0.is_skipped()).map(|t| t.1).sum();
+        prop_assert!(frames.len() as u64 + skipped <= lines);
+        for force in frames.iter().flat_map(|frame| &frame.forces) {
+            prop_assert!(force.is_finite() || force.is_nan());
+        }
+        prop_assert!(frames.iter().all(|frame| frame.stamp.is_finite()));
+    }
+
+    /// Broken cells cost the force of their taxel in their frame, and nothing else.
+    #[test]
+    fn broken_cells_cost_no_more_than_themselves(
+        rows in proptest::collection::vec((proptest::array::uniform6(-1e6..1e6), proptest::option::of((0usize..6, 0usize..4))), 1..40),
+        chunk in 1usize..50,
+    ) {
+        let mut table = HEADER.to_string();
+        for (values, broken) in &rows {
+            let mut cells = values.map(|value: f64| value.to_string());
+            if let Some((cell, how)) = *broken {
+                cells[cell] = ["", "NaN", "what?", "-inf"][how].into();
+            }
+            table += &(cells.join(",") + "\n");
+        }
+        let (frames, _) = sensed(&newtons(), table.as_bytes());
+        prop_assert_eq!(frames.len(), rows.len());
+        for (frame, (values, broken)) in frames.iter().zip(&rows) {
+            for taxel in 0..2 {
+                let is_broken = broken.is_some_and(|(cell, _)| cell / 3 == taxel);
+                prop_assert_eq!(frame.is_valid(taxel), !is_broken);
+                if !is_broken {
+                    prop_assert_eq!(&frame.forces[taxel].to_array()[..], &values[3 * taxel..][..3]);
+                }
+            }
+        }
+        // However the stream is cut into pieces.
+        let mut sensor = TaxelSensor::open(Trickle(table.as_bytes(), chunk, false), &newtons(), None).unwrap();
+        let mut frame = TactileFrame::unloaded(2);
+        let same = |a: &TactileFrame, b: &TactileFrame| format!("{a:?}") == format!("{b:?}");
+        for expected in &frames {
+            sensor.read(&mut frame).unwrap();
+            prop_assert!(same(&frame, expected));
+        }
+        prop_assert!(sensor.read(&mut frame).is_err());
+    }
+}
