@@ -6,16 +6,28 @@
 //! loaded; a row without an element (and without a force, or with a zero one) says so of all elements.
 //! Of an element that has no row nothing is learned from the picture. Rows are taken to be in the
 //! order in which the loads were put on.
+//!
+//! With the columns `column` and `row`, where the element is seen (px), elements are told by their places, and `element` is a
+//! name, which may be missing. `x_angle` is where x of the frame of the force points in the picture, rad
+//! ([`SeenElement::x_angle`]): forces are turned from there into the frame of the layout's element, and are taken to be in
+//! that where it is missing.
+
+mod place;
 
 use super::{
     calibration_fit::{ElementRecord, LoadSample},
     moments::ElementMoments,
+    seen::SeenElement,
 };
-use glam::DVec3;
+use glam::{DVec2, DVec3};
+use place::{NamedPlace, Places};
 use std::{collections::HashMap, io::Read};
 
 /// The columns that there must be.
 pub const COLUMNS: [&str; 5] = ["picture", "element", "f_x", "f_y", "f_z"];
+
+/// The columns that may be there beside them: where the element is seen, px, and where x of its frame points, rad.
+pub const PLACE_COLUMNS: [&str; 3] = ["column", "row", "x_angle"];
 
 /// Why loads cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -48,6 +60,40 @@ pub enum LoadsError {
         /// What should.
         expected: String,
     },
+    /// There is no element where one is said to be.
+    #[error(
+        "line {line}: element {name:?} at column {}, row {}: the nearest element of the layout, {nearest}, is {distance:.1} px \
+         away; expected less than {limit:.1} px, half the distance to its neighbour", place_px.x, place_px.y
+    )]
+    NoSuchPlace {
+        /// Line in the file, from 1.
+        line: u64,
+        /// What the file calls the element.
+        name: String,
+        /// Its place, px.
+        place_px: DVec2,
+        /// The nearest element of the layout.
+        nearest: usize,
+        /// How far that is away, px.
+        distance: f64,
+        /// How far it may be, px.
+        limit: f64,
+    },
+    /// An element of the file is two of the layout, or two of the file are one of the layout.
+    #[error(
+        "line {line}: element {name:?} is at the place of element {element} of the layout, {before}; expected one element of the \
+         layout for each"
+    )]
+    SamePlace {
+        /// Line in the file, from 1.
+        line: u64,
+        /// What the file calls the element.
+        name: String,
+        /// Number in the layout.
+        element: usize,
+        /// What an earlier row says, in words.
+        before: String,
+    },
     /// Two rows speak of the same element in the same picture.
     #[error("line {line}: {picture:?} has a force for element {element} already in line {before}")]
     Twice {
@@ -73,32 +119,26 @@ pub struct LoadedPicture {
     pub forces: Vec<Option<DVec3>>,
 }
 
-/// Reads the loads of a fingertip of `elements` elements, picture by picture.
+/// Reads the loads of a fingertip whose elements the camera sees as `seen`, picture by picture; forces in the frames of these.
 ///
 /// # Errors
 /// Names line, field, value and what was expected.
-pub fn read_loads(text: impl Read, elements: usize) -> Result<Vec<LoadedPicture>, LoadsError> {
+pub fn read_loads(text: impl Read, seen: &[SeenElement]) -> Result<Vec<LoadedPicture>, LoadsError> {
+    let elements = seen.len();
     let mut reader = csv::ReaderBuilder::new()
         .trim(csv::Trim::All)
         .comment(Some(b'#'))
         .from_reader(text);
-    let header = reader.headers()?.clone();
-    let mut columns = [0; COLUMNS.len()];
-    for (place, column) in columns.iter_mut().zip(COLUMNS) {
-        let found = header.iter().position(|name| name == column);
-        *place = found.ok_or_else(|| LoadsError::Column {
-            column,
-            header: header.iter().collect::<Vec<_>>().join(","),
-        })?;
-    }
+    let columns = Columns::of(reader.headers()?)?;
+    let mut by_place = Places::new(seen);
     let mut pictures: Vec<LoadedPicture> = Vec::new();
     let mut places = HashMap::new();
     let mut lines = HashMap::new();
     for record in reader.records() {
         let record = record?;
         let line = record.position().map_or(0, csv::Position::line);
-        let [picture, element, x, y, z] = columns.map(|column| record.get(column).unwrap_or(""));
-        let row = Row::parse(line, picture, element, [x, y, z], elements)?;
+        let row = Row::parse(line, &columns.fields(&record), &mut by_place)?;
+        let picture = row.picture;
         let place = *places.entry(picture.to_owned()).or_insert_with(|| {
             pictures.push(LoadedPicture {
                 picture: picture.to_owned(),
@@ -126,56 +166,153 @@ pub fn read_loads(text: impl Read, elements: usize) -> Result<Vec<LoadedPicture>
     Ok(pictures)
 }
 
+/// Where in a row the fields are.
+struct Columns {
+    always: [Option<usize>; COLUMNS.len()],
+    place: [Option<usize>; PLACE_COLUMNS.len()],
+}
+
+impl Columns {
+    fn of(header: &csv::StringRecord) -> Result<Self, LoadsError> {
+        let find = |column: &str| header.iter().position(|name| name == column);
+        let (always, mut place) = (COLUMNS.map(find), PLACE_COLUMNS.map(find));
+        // A place is both.
+        let has_place = place[0].is_some() && place[1].is_some();
+        if !has_place {
+            (place[0], place[1]) = (None, None);
+        }
+        let missing = always.into_iter().zip(COLUMNS);
+        let mut missing =
+            missing.filter(|&(at, column)| at.is_none() && !(has_place && column == "element"));
+        match missing.next() {
+            Some((_, column)) => Err(LoadsError::Column {
+                column,
+                header: header.iter().collect::<Vec<_>>().join(","),
+            }),
+            None => Ok(Self { always, place }),
+        }
+    }
+
+    fn fields<'a>(&self, record: &'a csv::StringRecord) -> Fields<'a> {
+        let field = |column: Option<usize>| record.get(column?);
+        let [picture, element, x, y, z] =
+            self.always.map(|column| field(column).unwrap_or_default());
+        let [column, row, x_angle] = self.place.map(field);
+        Fields {
+            picture,
+            element,
+            force: [x, y, z],
+            place: column.zip(row),
+            x_angle: x_angle.unwrap_or_default(),
+        }
+    }
+}
+
+/// The texts of one row.
+struct Fields<'a> {
+    picture: &'a str,
+    element: &'a str,
+    force: [&'a str; 3],
+    /// Column and row, where the file has them.
+    place: Option<(&'a str, &'a str)>,
+    x_angle: &'a str,
+}
+
+impl Fields<'_> {
+    /// Whether the row speaks of all elements.
+    fn names_none(&self) -> bool {
+        self.element.is_empty() && self.place.is_none_or(|place| place == ("", ""))
+    }
+}
+
 /// One row: a force on one element, or none on all of them.
-struct Row {
+struct Row<'a> {
+    picture: &'a str,
     elements: std::ops::Range<usize>,
     force: DVec3,
 }
 
-impl Row {
-    fn parse(
-        line: u64,
-        picture: &str,
-        element: &str,
-        force: [&str; 3],
-        elements: usize,
-    ) -> Result<Self, LoadsError> {
-        let wrong = |field, value: &str, expected: &str| LoadsError::Field {
-            line,
-            field,
-            value: value.to_owned(),
-            expected: expected.to_owned(),
-        };
+impl<'a> Row<'a> {
+    fn parse(line: u64, fields: &Fields<'a>, by_place: &mut Places) -> Result<Self, LoadsError> {
+        let picture = fields.picture;
         if picture.is_empty() {
-            return Err(wrong("picture", picture, "the file of a picture"));
+            return Err(wrong(line, "picture", picture, "the file of a picture"));
         }
+        let all = fields.names_none();
         let mut newtons = [0.0; 3];
-        for ((newton, text), field) in newtons.iter_mut().zip(force).zip(["f_x", "f_y", "f_z"]) {
-            let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
-            *newton = match number {
-                Some(number) if element.is_empty() && number != 0.0 => {
-                    return Err(wrong(field, text, "0 N or nothing, as no element is named"));
+        let components = fields.force.into_iter().zip(["f_x", "f_y", "f_z"]);
+        for (newton, (text, field)) in newtons.iter_mut().zip(components) {
+            *newton = match number(text) {
+                Some(number) if all && number != 0.0 => {
+                    let expected = "0 N or nothing, as no element is named";
+                    return Err(wrong(line, field, text, expected));
                 }
                 Some(number) => number,
-                None if element.is_empty() && text.is_empty() => 0.0,
-                None => return Err(wrong(field, text, "a finite number, N")),
+                None if all && text.is_empty() => 0.0,
+                None => return Err(wrong(line, field, text, "a finite number, N")),
             };
         }
-        let elements = if element.is_empty() {
-            0..elements
-        } else {
-            let index = element
-                .parse::<usize>()
-                .ok()
-                .filter(|&index| index < elements);
-            let expected = format!("an element from 0 to {}", elements.saturating_sub(1));
-            let index = index.ok_or_else(|| wrong("element", element, &expected))?;
-            index..index + 1
+        let force = DVec3::from_array(newtons);
+        if all {
+            let elements = 0..by_place.element_count();
+            return Ok(Self {
+                picture,
+                elements,
+                force,
+            });
+        }
+        let element = element_of(line, fields, by_place)?;
+        let turned = match (fields.x_angle, number(fields.x_angle)) {
+            ("", _) => force,
+            (_, Some(angle)) => by_place.turned(element, force, angle),
+            (text, None) => {
+                return Err(wrong(
+                    line,
+                    "x_angle",
+                    text,
+                    "a finite number, rad, or nothing",
+                ));
+            }
         };
         Ok(Self {
-            elements,
-            force: DVec3::from_array(newtons),
+            picture,
+            elements: element..element + 1,
+            force: turned,
         })
+    }
+}
+
+/// The layout's element that a row speaks of, by its place if the file has places.
+fn element_of(line: u64, fields: &Fields, by_place: &mut Places) -> Result<usize, LoadsError> {
+    let name = fields.element;
+    let Some((column, row)) = fields.place else {
+        let count = by_place.element_count();
+        let index = name.parse::<usize>().ok().filter(|&index| index < count);
+        let expected = format!("an element from 0 to {}", count.saturating_sub(1));
+        return index.ok_or_else(|| wrong(line, "element", name, &expected));
+    };
+    let pixels = |field, text| {
+        let expected = "a finite number, px, as there is a column for it";
+        number(text).ok_or_else(|| wrong(line, field, text, expected))
+    };
+    let place_px = DVec2::new(pixels("column", column)?, pixels("row", row)?);
+    by_place.find(NamedPlace {
+        line,
+        name,
+        place_px,
+    })
+}
+
+fn number(text: &str) -> Option<f64> {
+    text.parse::<f64>().ok().filter(|number| number.is_finite())
+}
+
+fn wrong(line: u64, field: &'static str, value: &str, expected: &str) -> LoadsError {
+    LoadsError::Field {
+        line,
+        field,
+        value: value.to_owned(),
+        expected: expected.to_owned(),
     }
 }
 
@@ -216,57 +353,4 @@ impl RecordBuilder {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn refused(text: &str) -> String {
-        read_loads(text.as_bytes(), 3).unwrap_err().to_string()
-    }
-
-    #[test]
-    fn pictures_are_gathered_from_rows() {
-        let text = "f_z,picture,element,f_x,f_y,note\n# no load\n0,a.png,,,0,\n1.5,b.png,2,0.1,-0.2,x\n0,b.png,0,0,0,\n";
-        let pictures = read_loads(text.as_bytes(), 3).unwrap();
-        assert_eq!(pictures[0].forces, [Some(DVec3::ZERO); 3]);
-        let force = DVec3::new(0.1, -0.2, 1.5);
-        assert_eq!(pictures[1].forces, [Some(DVec3::ZERO), None, Some(force)]);
-        assert_eq!((pictures.len(), pictures[1].line), (2, 4));
-    }
-
-    #[test]
-    fn what_is_wrong_is_named() {
-        let head = "picture,element,f_x,f_y,f_z\n";
-        for (text, words) in [
-            ("picture,element,f_x,f_y\n", "no column \"f_z\""),
-            (head, "no loads"),
-            ("", "no column"),
-            ("picture,element,f_x,f_y,f_z\na,0,1,2\n", "line: 2"),
-            (
-                "picture,element,f_x,f_y,f_z\na,3,1,2,3\n",
-                "line 2: element = \"3\"; expected an element from 0 to 2",
-            ),
-            (
-                "picture,element,f_x,f_y,f_z\na,-1,1,2,3\n",
-                "element = \"-1\"",
-            ),
-            (
-                "picture,element,f_x,f_y,f_z\na,0,1,NaN,3\n",
-                "line 2: f_y = \"NaN\"; expected a finite",
-            ),
-            ("picture,element,f_x,f_y,f_z\na,0,,2,3\n", "f_x = \"\""),
-            (
-                "picture,element,f_x,f_y,f_z\na,,0,0,3\n",
-                "f_z = \"3\"; expected 0 N",
-            ),
-            ("picture,element,f_x,f_y,f_z\n,0,0,0,3\n", "picture = \"\""),
-            (
-                "picture,element,f_x,f_y,f_z\na,0,1,2,3\na,0,1,2,3\n",
-                "already in line 2",
-            ),
-        ] {
-            let message = refused(text);
-            assert!(message.contains(words), "{message}");
-        }
-        let _ = read_loads(&b"\xff\xfe\n\xff,,"[..], 3).unwrap_err();
-    }
-}
+mod tests;

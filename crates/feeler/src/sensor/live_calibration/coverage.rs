@@ -1,0 +1,155 @@
+//! What is known of each element, and what is missing.
+
+use glam::DVec3;
+use std::fmt;
+
+/// Parts of the compression up to full scale that must be known.
+const STEPS: usize = 5;
+/// Samples of each kind that make it known, and that are kept of it at most.
+const ENOUGH: u32 = 4;
+const MOST: u32 = 8;
+/// Part of full scale from which a shear force is one along an axis.
+const SHEARED: f64 = 0.3;
+/// Directions of shear, in the element's frame.
+const DIRECTIONS: [&str; 4] = ["+x", "-x", "+y", "-y"];
+
+/// Samples of one element, by kind.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Coverage {
+    compressed: [u32; STEPS],
+    sheared: [u32; DIRECTIONS.len()],
+}
+
+/// How far to go: full scale, N.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Goal {
+    /// Largest compression.
+    pub normal: f64,
+    /// Largest shear force.
+    pub shear: f64,
+}
+
+impl Coverage {
+    /// Counts a force, N, in the element's frame; false where as many of its kind are there as are kept.
+    pub fn count(&mut self, force: DVec3, goal: &Goal) -> bool {
+        let step = (force.z / goal.normal * STEPS as f64).floor();
+        if !(0.0..STEPS as f64).contains(&step) {
+            return false;
+        }
+        let compressed = &mut self.compressed[step as usize];
+        let shear = force.truncate() / goal.shear;
+        let parts = [shear.x, -shear.x, shear.y, -shear.y];
+        let sheared = (0..DIRECTIONS.len()).filter(|&k| parts[k] >= SHEARED);
+        let mut wanted = *compressed < MOST;
+        for direction in sheared.clone() {
+            wanted |= self.sheared[direction] < MOST;
+        }
+        if wanted {
+            *compressed += 1;
+            sheared.for_each(|direction| self.sheared[direction] += 1);
+        }
+        wanted
+    }
+
+    /// Whether nothing is missing.
+    pub fn is_complete(&self) -> bool {
+        self.part() >= 1.0
+    }
+
+    /// How much is there of what must be, 0 to 1.
+    pub fn part(&self) -> f64 {
+        let counts = self.compressed.iter().chain(&self.sheared);
+        let there: u32 = counts.clone().map(|&count| count.min(ENOUGH)).sum();
+        f64::from(there) / f64::from(ENOUGH * counts.count() as u32)
+    }
+
+    /// What is missing, in words.
+    pub fn missing(&self, goal: &Goal) -> Missing {
+        Missing {
+            coverage: *self,
+            goal: *goal,
+        }
+    }
+}
+
+/// What is missing of an element, in words.
+#[derive(Debug, Clone, Copy)]
+pub struct Missing {
+    coverage: Coverage,
+    goal: Goal,
+}
+
+impl fmt::Display for Missing {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { coverage, goal } = self;
+        let width = goal.normal / STEPS as f64;
+        let mut separator = "";
+        // Steps in a row are one range.
+        let mut first = 0;
+        for range in coverage
+            .compressed
+            .chunk_by(|a, b| (*a < ENOUGH) == (*b < ENOUGH))
+        {
+            let (from, to) = (first as f64 * width, (first + range.len()) as f64 * width);
+            if range[0] < ENOUGH {
+                write!(f, "{separator}press with {from:.2} to {to:.2} N")?;
+                separator = ", ";
+            }
+            first += range.len();
+        }
+        let few = |&(_, count): &(&str, u32)| count < ENOUGH;
+        let directions = DIRECTIONS.into_iter().zip(coverage.sheared).filter(few);
+        let names: Vec<&str> = directions.map(|(name, _)| name).collect();
+        if !names.is_empty() {
+            let least = SHEARED * goal.shear;
+            write!(
+                f,
+                "{separator}push towards {} with over {least:.2} N",
+                names.join(", ")
+            )?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GOAL: Goal = Goal {
+        normal: 1.0,
+        shear: 0.5,
+    };
+
+    #[test]
+    fn an_element_is_complete_when_it_was_pressed_and_pushed_all_ways() {
+        let mut coverage = Coverage::default();
+        assert!(
+            !coverage.count(DVec3::new(0.0, 0.0, 1.0), &GOAL),
+            "beyond the goal"
+        );
+        assert!(!coverage.count(DVec3::new(0.0, 0.0, -0.1), &GOAL), "pulled");
+        for step in 0..5 {
+            for kept in 0..9 {
+                let force = DVec3::new(0.0, 0.0, 0.1 + 0.2 * f64::from(step));
+                assert_eq!(coverage.count(force, &GOAL), kept < 8);
+            }
+        }
+        let words = coverage.missing(&GOAL).to_string();
+        assert_eq!(words, "push towards +x, -x, +y, -y with over 0.15 N");
+        assert!((coverage.part() - 5.0 / 9.0).abs() < 1e-12);
+        for (x, y) in [(0.2, 0.2), (-0.2, -0.2)] {
+            for _ in 0..4 {
+                assert!(!coverage.is_complete());
+                assert!(coverage.count(DVec3::new(x, y, 0.5), &GOAL));
+            }
+        }
+        assert!(coverage.is_complete() && coverage.missing(&GOAL).to_string().is_empty());
+        assert!(
+            Coverage::default()
+                .missing(&GOAL)
+                .to_string()
+                .starts_with("press with 0.00 to 1.00 N, push")
+        );
+    }
+}
