@@ -219,6 +219,11 @@ impl<S: TouchSource, H: Hand> ControlLoop<S, H> {
         Ok(())
     }
 
+    /// The same sensors and controller with another hand, of as many fingers.
+    pub fn with_hand<G: Hand>(self, hand: G) -> ControlLoop<S, G> {
+        ControlLoop::new(self.sensors, hand, self.controller)
+    }
+
     /// The sensors, one per finger.
     pub fn sensors(&self) -> &[S] {
         &self.sensors

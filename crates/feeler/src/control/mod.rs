@@ -6,6 +6,7 @@ pub mod controller;
 pub mod feeler_shape;
 pub mod flags;
 mod frozen_forces;
+pub mod grasp_slip;
 mod input_check;
 mod joint_monitor;
 pub mod law;

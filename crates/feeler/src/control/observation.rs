@@ -160,6 +160,7 @@ mod tests {
                 elements: 2,
                 polar_angle_deg: 45.0,
             }],
+            grid: None,
         })
     }
 

@@ -6,6 +6,7 @@
 use assert_no_alloc::AllocDisabler;
 
 mod config;
+mod grasp_slip;
 mod hand;
 mod hostile;
 mod laws;

@@ -43,6 +43,7 @@ fn ring(elements: usize) -> ElementLayout {
             elements,
             polar_angle_deg: 45.0,
         }],
+        grid: None,
     })
 }
 
