@@ -16,6 +16,7 @@ fn layout() -> ElementLayout {
     ElementLayout::new(&LayoutConfig {
         dome_radius: 0.018,
         rings: vec![ring(0.0), ring(90.0)],
+        grid: None,
     })
 }
 

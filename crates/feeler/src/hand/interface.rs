@@ -134,3 +134,18 @@ pub trait Hand {
     /// When `command` is for another number of fingers, or the drives did not take it.
     fn command(&mut self, command: &HandCommand) -> Result<(), HandError>;
 }
+
+/// A hand of whichever kind.
+impl<H: Hand + ?Sized> Hand for Box<H> {
+    fn finger_count(&self) -> usize {
+        (**self).finger_count()
+    }
+
+    fn read(&mut self, state: &mut HandState) -> Result<(), HandError> {
+        (**self).read(state)
+    }
+
+    fn command(&mut self, command: &HandCommand) -> Result<(), HandError> {
+        (**self).command(command)
+    }
+}

@@ -6,7 +6,7 @@
 //! stands in it ([`ElementQuality`]).
 
 pub use super::calibration_error::CalibrationError;
-pub use super::calibration_quality::{ElementQuality, FullScale, HeldOutError};
+pub use super::calibration_quality::{ElementQuality, FullScale, HeldOutError, explained};
 pub use super::coupled::CoupledMap;
 pub use super::made_for::{LengthUnit, MadeFor};
 pub use super::separable::{CURVE_TERMS, ForceCurve, SeparableMap};

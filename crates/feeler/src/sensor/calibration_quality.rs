@@ -1,6 +1,7 @@
 //! How far a calibration can be trusted: errors, repeatability, hysteresis, resolution.
 
-use super::calibration::{ForceMap, Inputs};
+use super::calibration::{Calibration, ForceMap, Inputs};
+use super::calibration_fit::ElementRecord;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -83,6 +84,29 @@ pub struct ElementQuality {
     /// Three standard deviations of the reading without load, N: what can just be told from nothing.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub resolution: Option<DVec3>,
+}
+
+/// Part of the variance of the held-out loads that a calibration explains, along x, y, z of the elements' frames, all elements together: 1
+/// is all of it, 0 is no more than the mean load does. Of an axis along which no load varies, 1.
+pub fn explained(calibration: &Calibration, records: &[ElementRecord]) -> DVec3 {
+    let (mut errors, mut variance) = (DVec3::ZERO, DVec3::ZERO);
+    for (element, record) in calibration.elements.iter().zip(records) {
+        let loads = match record.held_out.is_empty() {
+            true => &record.fitted,
+            false => &record.held_out,
+        };
+        let count = loads.len() as f64;
+        let mean = loads.iter().map(|load| load.force).sum::<DVec3>() / count.max(1.0);
+        let squares = loads.iter().map(|load| (load.force - mean).powf(2.0));
+        variance += squares.sum::<DVec3>();
+        let rms = element.quality.held_out.rms;
+        errors += count * rms * rms;
+    }
+    let part = |axis: usize| match variance[axis] > 0.0 {
+        true => 1.0 - errors[axis] / variance[axis],
+        false => 1.0,
+    };
+    DVec3::new(part(0), part(1), part(2))
 }
 
 /// Three standard deviations of what `map` reads in pictures without load, N.

@@ -1,5 +1,6 @@
-//! What the fits of all models share.
+//! What fits by least squares share.
 
+use glam::{DMat3, DVec3};
 use nalgebra::{DMatrix, DVector};
 
 /// Least width of a range of inputs over which a slope makes sense.
@@ -28,6 +29,11 @@ pub(super) fn beyond(input: f64, [low, high]: [f64; 2]) -> f64 {
     } else {
         outside
     }
+}
+
+/// The product of a row of three terms with itself: its share of the normal equations.
+pub(super) fn outer(row: DVec3) -> DMat3 {
+    DMat3::from_cols(row.x * row, row.y * row, row.z * row)
 }
 
 /// The combination of `columns` that is nearest to `forces`.

@@ -3,6 +3,8 @@
 //! Picture ([`camera`], [`frame`]) → integrated gray value and centroid per element ([`moments`],
 //! through the dewarp of [`dome`]) → forces ([`calibration`]) → [`reading`]. [`sensing`] is the whole
 //! chain, which also works without a calibration; [`optical`] puts it behind a camera.
+//!
+//! Three-axis arrays of other makers have no pictures: [`taxel`] reads their tables.
 
 pub mod calibration;
 pub mod calibration_error;
@@ -20,6 +22,8 @@ mod folds;
 pub mod frame;
 pub mod layout;
 mod least_squares;
+pub mod likeness;
+pub mod live_calibration;
 pub mod loads;
 pub mod locate;
 pub mod located_layout;
@@ -28,8 +32,13 @@ pub mod mismatch;
 pub mod moments;
 pub mod moments_config;
 pub mod optical;
+pub mod polarity;
 mod radial_distortion;
 pub mod reading;
+pub mod seen;
 pub mod sensing;
 pub mod separable;
 pub mod subregion;
+pub mod taxel;
+pub mod track;
+pub mod wrench;

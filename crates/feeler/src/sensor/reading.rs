@@ -73,6 +73,12 @@ pub enum SensorError {
         /// Elements of the frame to fill.
         actual: usize,
     },
+    /// The table that readings stand in cannot be read.
+    #[error("the table of readings cannot be read: {0}")]
+    Table(std::io::Error),
+    /// The sensor cannot go on, or what it says is of no use.
+    #[error("{0}")]
+    Failed(String),
     /// There is no further reading (the end of a recording).
     #[error("no tactile frame after the {count} on record")]
     Ended {

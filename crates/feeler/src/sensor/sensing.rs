@@ -10,6 +10,7 @@ use super::{
     mismatch::{FirstPicture, Mismatch},
     moments::{ElementMoments, MomentsKernel},
     moments_config::MomentsError,
+    polarity::Polarity,
     reading::NO_FORCE,
     subregion::WeightedPixel,
 };
@@ -122,9 +123,13 @@ impl SensingChain {
         max_saturated: f64,
     ) -> Result<Self, SensingError> {
         check_count("sub-regions", kernel.element_count(), regions.len())?;
+        let saturation = SaturationCheck::new(size.0, regions, max_saturated);
         Ok(Self {
             size,
-            saturation: SaturationCheck::new(size.0, regions, max_saturated),
+            saturation: match kernel.polarity() {
+                Polarity::Bright => saturation,
+                Polarity::Dark => saturation.of_dark_elements(),
+            },
             moments: vec![ElementMoments::default(); kernel.element_count()],
             kernel,
             reference: None,

@@ -64,6 +64,7 @@ pub fn layout() -> ElementLayout {
     ElementLayout::new(&LayoutConfig {
         dome_radius: 0.018,
         rings: vec![ring(1, 0.0), ring(2, 45.0)],
+        grid: None,
     })
 }
 

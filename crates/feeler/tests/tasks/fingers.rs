@@ -39,6 +39,7 @@ fn layout() -> ElementLayout {
     ElementLayout::new(&LayoutConfig {
         dome_radius: DOME,
         rings: vec![ring(1, 0.0), ring(2, 45.0)],
+        grid: None,
     })
 }
 
