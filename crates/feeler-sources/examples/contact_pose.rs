@@ -6,7 +6,7 @@
 //! ```
 //!
 //! FOLDER holds `targets.csv` and `images/` (see `DataSet`); without it,
-//! `$FEELER_DATA/tactip-surface3d-tap`, where `FEELER_DATA` is `../shared/data` unless set.
+//! `$FEELER_DATA/tactip-surface3d-tap`, where `FEELER_DATA` is `../shared/data` unless set. A relative path counts from the repository.
 
 use feeler::sensor::{
     exposure::DEFAULT_MAX_SATURATED,
@@ -19,8 +19,13 @@ use feeler_sources::picture::read_picture;
 use nalgebra::{Cholesky, DMatrix, DVector, RowDVector};
 use std::{error::Error, fs, path::Path, path::PathBuf};
 
-/// Pictures that the regression is fitted on: the first ones. The rest are predicted.
-pub const FITTED: usize = 700;
+/// How many of so many pictures the regression is fitted on: the first ones. The rest are predicted.
+pub fn fitted(pictures: usize) -> usize {
+    pictures * 7 / 10
+}
+
+/// Fewest pictures that this is worth it for.
+const FEWEST: usize = 100;
 
 /// Depth of the tap, mm, and its tilts about two axes, degrees.
 pub const TARGETS: [&str; 3] = ["pose_3", "pose_4", "pose_5"];
@@ -42,7 +47,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         );
         return Ok(());
     }
-    let found = contact_pose(&DataSet::read(&folder)?)?;
+    let found = contact_pose(&DataSet::read(&folder, &TARGETS)?)?;
     println!("{} pins, {:.2} px apart", found.pins, found.spacing_px);
     for (told, name) in found.told.iter().zip(TARGETS) {
         println!(
@@ -55,22 +60,26 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 /// Where the pictures are.
 pub fn data_folder() -> PathBuf {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let data = std::env::var_os("FEELER_DATA")
-        .unwrap_or(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data").into());
-    root.join(data).join("tactip-surface3d-tap")
+    data_folder_of("tactip-surface3d-tap")
+}
+
+/// Where the pictures of the data set `name` are.
+pub fn data_folder_of(name: &str) -> PathBuf {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let data = std::env::var_os("FEELER_DATA").unwrap_or("../shared/data".into());
+    root.join(data).join(name)
 }
 
 /// Pictures, and the pose of the contact in each.
 pub struct DataSet {
     pub pictures: Vec<Picture>,
-    /// A row for each picture, a column for each of [`TARGETS`].
+    /// A row for each picture, a column for each target.
     pub poses: DMatrix<f64>,
 }
 
 impl DataSet {
-    /// Reads `targets.csv` and the pictures in `images/` that its column `sensor_image` names.
-    pub fn read(folder: &Path) -> Result<Self, Box<dyn Error>> {
+    /// Reads the `targets` in `targets.csv`, and the pictures in `images/` that its column `sensor_image` names.
+    pub fn read(folder: &Path, targets: &[&str]) -> Result<Self, Box<dyn Error>> {
         let text = fs::read_to_string(folder.join("targets.csv"))?;
         let mut lines = text.lines();
         let header = fields(lines.next().ok_or("targets.csv is empty")?);
@@ -79,9 +88,9 @@ impl DataSet {
             found.ok_or(format!("targets.csv: no column {name}"))
         };
         let image_column = column("sensor_image")?;
-        let pose_columns = TARGETS
-            .map(column)
-            .into_iter()
+        let pose_columns = targets
+            .iter()
+            .map(|target| column(target))
             .collect::<Result<Vec<_>, _>>()?;
         let (mut pictures, mut poses) = (Vec::new(), Vec::new());
         for line in lines {
@@ -94,7 +103,7 @@ impl DataSet {
                 poses.push(field(column)?.parse::<f64>()?);
             }
         }
-        let poses = DMatrix::from_row_slice(pictures.len(), TARGETS.len(), &poses);
+        let poses = DMatrix::from_row_slice(pictures.len(), targets.len(), &poses);
         Ok(Self { pictures, poses })
     }
 }
@@ -135,13 +144,13 @@ pub struct ContactPose {
     pub told: [Told; 3],
 }
 
-/// Finds the pins in the mean of the first [`FITTED`] pictures, fits on these, predicts the rest.
+/// Finds the pins in the mean of the [`fitted`] pictures, fits on these, predicts the rest.
 pub fn contact_pose(data: &DataSet) -> Result<ContactPose, Box<dyn Error>> {
-    if data.pictures.len() <= FITTED {
-        let pictures = data.pictures.len();
-        return Err(format!("more than {FITTED} pictures expected, got {pictures}").into());
+    let pictures = data.pictures.len();
+    if pictures < FEWEST {
+        return Err(format!("at least {FEWEST} pictures expected, got {pictures}").into());
     }
-    let reference = ReferencePicture::mean(&data.pictures[..FITTED])?;
+    let reference = ReferencePicture::mean(&data.pictures[..fitted(pictures)])?;
     let nothing = Told {
         region_radius: f64::NAN,
         ridge: f64::NAN,
@@ -178,23 +187,24 @@ pub fn contact_pose(data: &DataSet) -> Result<ContactPose, Box<dyn Error>> {
     Ok(pose)
 }
 
-/// Fits one target on the first [`FITTED`] rows and predicts the rest.
+/// Fits one target on the [`fitted`] rows and predicts the rest.
 fn tell(
     features: &DMatrix<f64>,
     target: DVector<f64>,
     region_radius: f64,
 ) -> Result<Told, Box<dyn Error>> {
-    let kept = features.nrows() - FITTED;
-    let fitted = features.rows(0, FITTED).into_owned();
-    let known = target.rows(0, FITTED).into_owned();
-    let (ridge, cross_validated) = choose_ridge(&fitted, &known);
-    let rest = features.rows(FITTED, kept).into_owned();
-    let predicted = Ridge::fit(&fitted, &known, ridge)?.predict(&rest);
+    let first = fitted(features.nrows());
+    let kept = features.nrows() - first;
+    let learnt = features.rows(0, first).into_owned();
+    let known = target.rows(0, first).into_owned();
+    let (ridge, cross_validated) = choose_ridge(&learnt, &known);
+    let rest = features.rows(first, kept).into_owned();
+    let predicted = Ridge::fit(&learnt, &known, ridge)?.predict(&rest);
     Ok(Told {
         region_radius,
         ridge,
         cross_validated,
-        error: mean_absolute(&predicted, &target.rows(FITTED, kept).into_owned()),
+        error: mean_absolute(&predicted, &target.rows(first, kept).into_owned()),
     })
 }
 
@@ -219,7 +229,8 @@ fn features(
         }
     }
     for pin in 0..pins {
-        let rows: Vec<usize> = (0..FITTED).filter(|&row| seen[(row, pin)]).collect();
+        let learnt = 0..fitted(pictures.len());
+        let rows: Vec<usize> = learnt.filter(|&row| seen[(row, pin)]).collect();
         let mean = |column: usize| {
             rows.iter().map(|&row| features[(row, column)]).sum::<f64>() / rows.len().max(1) as f64
         };
@@ -265,7 +276,7 @@ impl Ridge {
     }
 }
 
-fn centred(x: &DMatrix<f64>, means: &RowDVector<f64>) -> DMatrix<f64> {
+pub fn centred(x: &DMatrix<f64>, means: &RowDVector<f64>) -> DMatrix<f64> {
     let mut centred = x.clone();
     centred.row_iter_mut().for_each(|mut row| row -= means);
     centred
@@ -299,7 +310,7 @@ fn choose_ridge(x: &DMatrix<f64>, y: &DVector<f64>) -> (f64, f64) {
 }
 
 /// Mean absolute error on one fold when the others are fitted, from the products of all.
-fn fold_error(gram: &DMatrix<f64>, y: &DVector<f64>, fold: usize, ridge: f64) -> f64 {
+pub fn fold_error(gram: &DMatrix<f64>, y: &DVector<f64>, fold: usize, ridge: f64) -> f64 {
     let (out, kept): (Vec<usize>, Vec<usize>) = (0..y.len()).partition(|i| i % FOLDS == fold);
     let own = gram.select_rows(&kept).select_columns(&kept);
     let across = gram.select_rows(&out).select_columns(&kept);

@@ -4,6 +4,7 @@
 pub mod files;
 mod jpeg;
 mod natural_order;
+pub mod netft;
 pub mod picture;
 pub mod pump;
 pub mod raw;

@@ -2,6 +2,8 @@
 
 use feeler::sensor::camera::{Camera, CameraError};
 use feeler::sensor::frame::Frame;
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, channel, sync_channel};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -40,7 +42,16 @@ impl FramePump {
     ) -> std::io::Result<Self> {
         let (sender, captured) = sync_channel(WAITING);
         let (used, unused) = channel();
-        let run = move || pump(camera, size, &sender, &unused);
+        let run = move || {
+            let mut camera = camera;
+            let pump = || pump(&mut camera, size, &sender, &unused);
+            if let Err(panic) = catch_unwind(AssertUnwindSafe(pump)) {
+                let frame = Err(CameraError::Failed(words_of(panic.as_ref())));
+                let at = Instant::now();
+                // Whoever takes no more frames need not know.
+                let _ = sender.send(Captured { frame, at });
+            }
+        };
         thread::Builder::new().name("camera".into()).spawn(run)?;
         Ok(Self { captured, used })
     }
@@ -64,8 +75,18 @@ impl FramePump {
     }
 }
 
+/// Why a camera's thread has ended, by what it panicked with.
+fn words_of(panic: &(dyn Any + Send)) -> String {
+    let text = panic.downcast_ref::<&str>().copied();
+    let text = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
+    format!(
+        "the camera's thread has panicked: {}",
+        text.unwrap_or("it does not say why")
+    )
+}
+
 fn pump(
-    mut camera: impl Camera,
+    camera: &mut impl Camera,
     (width, height): (usize, usize),
     sender: &SyncSender<Captured>,
     unused: &Receiver<Frame>,
@@ -77,6 +98,45 @@ fn pump(
         let at = Instant::now();
         if sender.send(Captured { frame, at }).is_err() || !goes_on {
             return;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Takes two pictures, then fails as it is told to.
+    struct Failing(u64, fn() -> CameraError);
+
+    impl Camera for Failing {
+        fn capture(&mut self, frame: &mut Frame) -> Result<(), CameraError> {
+            frame.sequence = self.0;
+            self.0 += 1;
+            if self.0 > 2 { Err((self.1)()) } else { Ok(()) }
+        }
+    }
+
+    #[test]
+    fn a_camera_that_fails_halfway_says_why() {
+        let failed = || CameraError::Failed("the cable is out".into());
+        let panicked = || panic!("no such lens");
+        for (fail, words) in [
+            (failed as fn() -> CameraError, "the cable is out"),
+            (panicked, "panicked: no such lens"),
+        ] {
+            let pump = FramePump::start(Failing(0, fail), (2, 1)).unwrap();
+            let next = || {
+                pump.next(Duration::from_secs(60))
+                    .expect("a picture or an error")
+            };
+            assert_eq!(next().frame.unwrap().sequence, 0);
+            assert_eq!(next().frame.unwrap().sequence, 1);
+            let error = next().frame.unwrap_err();
+            assert!(
+                !error.may_pass() && error.to_string().contains(words),
+                "{error}"
+            );
         }
     }
 }

@@ -1,31 +1,96 @@
-//! Pictures of a real hemispherical sensor with 331 pins, where they are at hand.
+//! Pictures of a real hemispherical sensor, with pins in black and white, where they are at hand.
 
-#[path = "../examples/contact_pose.rs"]
+#[path = "../../feeler-lab/tests/support/recordings.rs"]
+mod recordings;
+#[path = "../examples/sheared_contact.rs"]
 #[allow(dead_code)]
-mod contact_pose;
+mod sheared_contact;
 
-use contact_pose::{DataSet, contact_pose, data_folder};
-use std::io::Write;
+use feeler::sensor::frame::Picture;
+use recordings::recordings;
+use sheared_contact::contact_pose::{self, DataSet, contact_pose};
+use sheared_contact::sheared_contact;
+
+/// Pins of a picture, counted by another way: components of white pixels, without those of less than half or more than twice the median
+/// area, which are reflections and noise.
+fn pins(picture: &Picture) -> usize {
+    let mut left: Vec<bool> = picture.pixels.iter().map(|&pixel| pixel > 127).collect();
+    let mut areas = Vec::new();
+    for start in 0..left.len() {
+        let mut open = Vec::from_iter(std::mem::take(&mut left[start]).then_some(start));
+        let mut area = 0;
+        while let Some(index) = open.pop() {
+            area += 1;
+            let (column, width) = (index % picture.width, picture.width);
+            let beside = [
+                (column > 0).then(|| index - 1),
+                (column + 1 < width).then(|| index + 1),
+                index.checked_sub(width),
+                Some(index + width).filter(|&next| next < left.len()),
+            ];
+            let beside = beside.into_iter().flatten();
+            open.extend(beside.filter(|&next| std::mem::take(&mut left[next])));
+        }
+        if area > 1 {
+            areas.push(area);
+        }
+    }
+    areas.sort_unstable();
+    let typical = areas[areas.len() / 2];
+    let pins = areas
+        .iter()
+        .filter(|&&area| 2 * area >= typical && area <= 2 * typical);
+    pins.count()
+}
+
+/// Checks a number of pins against that counted in a picture: within 3 %, for pins at the rim that touch what is bright about them.
+fn as_many_as(found: usize, picture: &Picture) {
+    let counted = pins(picture);
+    assert!(
+        100 * found.abs_diff(counted) <= 3 * counted,
+        "{found} pins, {counted} counted"
+    );
+}
 
 /// Bounds: what the data's README knows to be possible (0.080 mm, 0.88 and 0.76 degrees), rounded up
 /// for depth and the second tilt.
 #[test]
 fn contact_pose_is_told_from_real_pictures() {
-    let folder = data_folder();
-    if !folder.join("targets.csv").exists() {
-        // Not `eprintln!`, which the harness keeps to itself where a test passes. The data are no part of the repository,
-        // so that it is no failure where all else is required.
-        let folder = folder.display();
-        let _ = writeln!(
-            std::io::stderr(),
-            "SKIPPED contact_pose_is_told_from_real_pictures: there is no {folder}; set FEELER_DATA"
-        );
+    let name = "contact_pose_is_told_from_real_pictures";
+    let Some(folder) = recordings("tactip-surface3d-tap", name) else {
         return;
-    }
-    let found = contact_pose(&DataSet::read(&folder).unwrap()).unwrap();
-    let pins = found.pins;
-    assert!((325..=340).contains(&pins), "{pins} pins");
+    };
+    let data = DataSet::read(&folder, &contact_pose::TARGETS).unwrap();
+    let found = contact_pose(&data).unwrap();
+    as_many_as(found.pins, &data.pictures[0]);
     for (told, bound) in found.told.iter().zip([0.085, 0.88, 0.77]) {
         assert!(told.error <= bound, "{:?}", found.told);
+    }
+}
+
+/// Pins that move farther than their spacing, followed from one picture. Bounds: depth 0.15 mm, shears 1.2 mm, tilts 1.3 degrees, which is
+/// what a network and the nearest pins of well-matched pictures are known to reach; of the twist nothing is known. To save time every sixth
+/// picture is used, and tilts, for which these are too few to learn from, are not held; `FEELER_LONG_TESTS=1` uses all, for all bounds.
+#[test]
+fn sheared_contacts_are_told_from_real_pictures() {
+    let name = "sheared_contacts_are_told_from_real_pictures";
+    let Some(folder) = recordings("tactip-shear", name) else {
+        return;
+    };
+    let mut data = DataSet::read(&folder, &sheared_contact::TARGETS).unwrap();
+    // The first is the lightest contact, which stands for the untouched sensor.
+    let reference = data.pictures[0].clone();
+    let long = std::env::var_os("FEELER_LONG_TESTS").is_some_and(|value| value != "0");
+    let every = if long { 1 } else { 6 };
+    let rows: Vec<usize> = (0..data.pictures.len()).step_by(every).collect();
+    data.poses = data.poses.select_rows(&rows);
+    data.pictures = data.pictures.into_iter().step_by(every).collect();
+    let found = sheared_contact(&data, &reference).unwrap();
+    println!("{:?}: {:.3?}", found.seen, found.errors);
+    as_many_as(found.seen.pins, &reference);
+    assert!(found.seen.lost <= 0.02, "{:?}", found.seen);
+    let tilt = if long { 1.3 } else { f64::INFINITY };
+    for ([error, _], bound) in found.errors.iter().zip([0.15, tilt, tilt, 1.2, 1.2]) {
+        assert!(*error <= bound, "{:.3?}", found.errors);
     }
 }

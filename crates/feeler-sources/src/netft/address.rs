@@ -1,0 +1,127 @@
+//! Where a sensor is and what its counts mean, as one address.
+
+use super::rdt::RDT_PORT;
+use std::fmt;
+use std::str::FromStr;
+
+/// What an address looks like.
+const EXPECTED: &str = "netft://HOST[:PORT]?cpf=COUNTS&cpt=COUNTS, with the counts per newton and per newton metre that the \
+                        sensor's web page shows under Configurations";
+
+/// A sensor's address: `netft://192.168.1.1?cpf=1000000&cpt=1000000`.
+///
+/// Counts per unit belong to the sensor's calibration and are in no record, so that there is no default for them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NetFtAddress {
+    /// Host and port.
+    pub host: String,
+    /// Counts per newton.
+    pub counts_per_newton: f64,
+    /// Counts per newton metre.
+    pub counts_per_newton_metre: f64,
+}
+
+/// Why a text is no sensor's address.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{what}; expected {EXPECTED}")]
+pub struct AddressError {
+    /// What is wrong.
+    what: String,
+}
+
+impl FromStr for NetFtAddress {
+    type Err = AddressError;
+
+    fn from_str(text: &str) -> Result<Self, AddressError> {
+        let wrong = |what: String| AddressError { what };
+        let rest = text.strip_prefix("netft://");
+        let rest = rest.ok_or_else(|| wrong(format!("{text:?} is no netft:// address")))?;
+        let (host, query) = rest.split_once('?').unwrap_or((rest, ""));
+        let host = host.trim_end_matches('/');
+        if host.is_empty() || host.chars().any(|c| c.is_whitespace() || c == '/') {
+            return Err(wrong(format!("{host:?} is no host")));
+        }
+        let (mut force, mut torque) = (None, None);
+        for pair in query.split('&').filter(|pair| !pair.is_empty()) {
+            let (name, value) = pair.split_once('=').unwrap_or((pair, ""));
+            let place = match name {
+                "cpf" => &mut force,
+                "cpt" => &mut torque,
+                _ => return Err(wrong(format!("{name:?} is not known"))),
+            };
+            let number = value.parse::<f64>().ok();
+            let number = number.filter(|number| number.is_finite() && *number > 0.0);
+            *place = Some(number.ok_or_else(|| wrong(format!("{name} is {value:?}")))?);
+        }
+        let missing = |name: &str| wrong(format!("{name} is missing"));
+        Ok(Self {
+            host: with_port(host),
+            counts_per_newton: force.ok_or_else(|| missing("cpf"))?,
+            counts_per_newton_metre: torque.ok_or_else(|| missing("cpt"))?,
+        })
+    }
+}
+
+/// The host with RDT's own port, unless it names another; an IPv6 address stands in brackets.
+fn with_port(host: &str) -> String {
+    let after = host.rsplit_once(']').map_or(host, |(_, after)| after);
+    match after.contains(':') {
+        true => host.into(),
+        false => format!("{host}:{RDT_PORT}"),
+    }
+}
+
+impl fmt::Display for NetFtAddress {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (force, torque) = (self.counts_per_newton, self.counts_per_newton_metre);
+        write!(f, "netft://{}?cpf={force}&cpt={torque}", self.host)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn addresses_are_read_and_others_refused_in_words() {
+        let read = |text: &str| text.parse::<NetFtAddress>();
+        let own = read("netft://10.0.0.2?cpf=1e6&cpt=500").unwrap();
+        assert_eq!(own.host, "10.0.0.2:49152");
+        assert_eq!(
+            (own.counts_per_newton, own.counts_per_newton_metre),
+            (1e6, 500.0)
+        );
+        assert_eq!(
+            read("netft://[::1]?cpf=1&cpt=1").unwrap().host,
+            "[::1]:49152"
+        );
+        assert_eq!(
+            read("netft://[::1]:7/?cpt=1&cpf=1").unwrap().host,
+            "[::1]:7"
+        );
+        for (text, words) in [
+            ("10.0.0.2", "no netft:// address"),
+            ("netft://?cpf=1&cpt=1", "no host"),
+            ("netft://a?cpf=1", "cpt is missing"),
+            ("netft://a?cpf=-1&cpt=1", "cpf is \"-1\""),
+            ("netft://a?cpf=nan&cpt=1", "cpf is \"nan\""),
+            ("netft://a?rate=1", "\"rate\" is not known"),
+        ] {
+            let error = read(text).unwrap_err().to_string();
+            assert!(
+                error.contains(words) && error.contains("Configurations"),
+                "{error}"
+            );
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn what_is_read_is_written_alike(text in "(netft://)?.{0,40}") {
+            if let Ok(address) = text.parse::<NetFtAddress>() {
+                prop_assert_eq!(address.to_string().parse::<NetFtAddress>(), Ok(address));
+            }
+        }
+    }
+}

@@ -1,0 +1,101 @@
+//! A sensor without the device: streams what it is told.
+
+use super::rdt::{Command, Record, Request};
+use std::io;
+use std::net::{SocketAddr, UdpSocket};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+
+/// A force/torque sensor on this computer that speaks RDT to the client that asked last.
+#[derive(Debug)]
+pub struct NetFtEmulator {
+    address: SocketAddr,
+    stop: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl NetFtEmulator {
+    /// Counts per newton and per newton metre.
+    pub const COUNTS: f64 = 1e6;
+
+    /// Streams at `rate` Hz; `wrench` says forces (N) and torques (N m) now, or none where the sensor is to report a fault.
+    ///
+    /// # Errors
+    /// When the system gives no socket or thread.
+    pub fn start(
+        rate: f64,
+        mut wrench: impl FnMut() -> Option<[f64; 6]> + Send + 'static,
+    ) -> io::Result<Self> {
+        let socket = UdpSocket::bind("127.0.0.1:0")?;
+        let address = socket.local_addr()?;
+        let stop = Arc::new(AtomicBool::new(false));
+        let stopped = Arc::clone(&stop);
+        let period = Duration::from_secs_f64(1.0 / rate);
+        let thread = thread::Builder::new()
+            .name("emulated force sensor".into())
+            .spawn(move || {
+                let mut asked = None;
+                let mut record = Record::default();
+                let mut due = Instant::now();
+                while !stopped.load(Ordering::Relaxed) {
+                    due += period;
+                    listen(&socket, due, &mut asked);
+                    let (status, counts) = match wrench() {
+                        Some(wrench) => (0, wrench.map(|value| (value * Self::COUNTS) as i32)),
+                        None => (1 << 31, [0; 6]),
+                    };
+                    record.ft_sequence = record.ft_sequence.wrapping_add(1);
+                    if let Some(client) = asked {
+                        record.rdt_sequence = record.rdt_sequence.wrapping_add(1);
+                        (record.status, record.counts) = (status, counts);
+                        // A client that has gone asks no more, or asks again.
+                        let _ = socket.send_to(&record.to_bytes(), client);
+                    }
+                }
+            })?;
+        Ok(Self {
+            address,
+            stop,
+            thread: Some(thread),
+        })
+    }
+
+    /// Its address, as [`NetFtAddress`](super::NetFtAddress) reads it.
+    pub fn address(&self) -> String {
+        let counts = Self::COUNTS;
+        format!("netft://{}?cpf={counts}&cpt={counts}", self.address)
+    }
+}
+
+/// Takes requests until `due`.
+fn listen(socket: &UdpSocket, due: Instant, asked: &mut Option<SocketAddr>) {
+    loop {
+        let left = due.saturating_duration_since(Instant::now());
+        if left.is_zero() || socket.set_read_timeout(Some(left)).is_err() {
+            return;
+        }
+        let mut bytes = [0; 64];
+        let Ok((length, client)) = socket.recv_from(&mut bytes) else {
+            continue;
+        };
+        if let Ok(request) = Request::from_bytes(&bytes[..length]) {
+            match request.command {
+                Command::Stream => *asked = Some(client),
+                Command::Stop => *asked = None,
+                Command::Bias => {}
+            }
+        }
+    }
+}
+
+impl Drop for NetFtEmulator {
+    fn drop(&mut self) {
+        self.stop.store(true, Ordering::Relaxed);
+        if let Some(thread) = self.thread.take() {
+            // It ends within its period; one that panicked has ended.
+            let _ = thread.join();
+        }
+    }
+}

@@ -1,0 +1,87 @@
+//! A force sensor on the network, against the emulated one: what arrives, and what is said when something is wrong.
+
+use feeler_sources::netft::{ForceError, ForceSample, NetFt, NetFtAddress, NetFtEmulator};
+use std::net::UdpSocket;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::sleep;
+use std::time::Duration;
+
+fn connect(address: &str) -> NetFt {
+    let address: NetFtAddress = address.parse().expect("an address");
+    NetFt::connect(&address).expect("a socket")
+}
+
+/// What comes next, however long it takes.
+fn next(sensor: &NetFt) -> Result<ForceSample, ForceError> {
+    loop {
+        if let Some(sample) = sensor.next_sample()? {
+            return Ok(sample);
+        }
+        sleep(Duration::from_millis(1));
+    }
+}
+
+#[test]
+fn samples_come_in_si_units_and_in_order() {
+    let mut count = 0.0;
+    let emulator = NetFtEmulator::start(1000.0, move || {
+        count += 1.0;
+        Some([0.5, -0.25, -1e-3 * count, 0.01, 0.0, -0.02])
+    });
+    let emulator = emulator.unwrap();
+    let sensor = connect(&emulator.address());
+    let mut before = 0.0;
+    let mut at = None;
+    for _ in 0..100 {
+        let sample = next(&sensor).unwrap();
+        let [x, y, z, torques @ ..] = sample.wrench;
+        assert_eq!(([x, y], torques), ([0.5, -0.25], [0.01, 0.0, -0.02]));
+        assert!(
+            z < before && at.is_none_or(|at| sample.at >= at),
+            "{sample:?}"
+        );
+        (before, at) = (z, Some(sample.at));
+    }
+}
+
+#[test]
+fn a_sensor_that_is_away_is_silent_and_heard_when_it_comes() {
+    // A port on which nothing listens.
+    let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
+    let port = socket.local_addr().unwrap();
+    let sensor = connect(&format!("netft://{port}?cpf=1000000&cpt=1000000"));
+    let error = next(&sensor).unwrap_err();
+    assert!(matches!(error, ForceError::Silent { .. }), "{error}");
+    // It is asked again, and then answers with what is no record, and one that is.
+    let mut bytes = [0; 8];
+    let (_, client) = socket.recv_from(&mut bytes).unwrap();
+    assert_eq!(bytes, [0x12, 0x34, 0, 2, 0, 0, 0, 0]);
+    for datagram in [&[0; 35][..], &[0; 64], &[], &[0; 36]] {
+        socket.send_to(datagram, client).unwrap();
+    }
+    let heard = loop {
+        match next(&sensor) {
+            Ok(sample) => break sample,
+            Err(error) => assert!(matches!(error, ForceError::Silent { .. }), "{error}"),
+        }
+    };
+    assert_eq!(heard.wrench, [0.0; 6]);
+}
+
+#[test]
+fn a_fault_is_said_and_passes() {
+    let faulty = Arc::new(AtomicBool::new(true));
+    let shared = Arc::clone(&faulty);
+    let wrench = move || (!shared.load(Ordering::Relaxed)).then_some([1.0; 6]);
+    let emulator = NetFtEmulator::start(500.0, wrench).unwrap();
+    let sensor = connect(&emulator.address());
+    let error = next(&sensor).unwrap_err().to_string();
+    assert!(
+        error.contains("0x80000000") && error.contains("saturated"),
+        "{error}"
+    );
+    faulty.store(false, Ordering::Relaxed);
+    while next(&sensor).is_err() {}
+    assert_eq!(next(&sensor).unwrap().wrench, [1.0; 6]);
+}
