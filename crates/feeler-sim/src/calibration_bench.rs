@@ -1,6 +1,9 @@
 //! Calibrates a simulated fingertip as a laboratory would: known loads, pictures, least squares.
 
+pub use super::bench_loads::Load;
+
 use super::{
+    bench_loads::{in_patches, program},
     optics::{OpticsScratch, render},
     optics_config::{OpticsConfig, OpticsError},
     optics_model::OpticsModel,
@@ -13,11 +16,9 @@ use feeler::sensor::{
     moments::ElementMoments,
     moments_config::MomentsError,
 };
-use glam::{DVec2, DVec3};
-use rand::{RngExt, SeedableRng, seq::SliceRandom};
+use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
-use std::f64::consts::TAU;
 
 /// Which loads are put on each element.
 ///
@@ -46,6 +47,9 @@ pub struct CalibrationBenchConfig {
     /// compression and half its largest shear force, after everything else, to find repeatability
     /// and hysteresis.
     pub cycles: usize,
+    /// Loads are put on patches of about this radius, m, as objects press on many elements of a skin at once; 0: on each element, whatever
+    /// its neighbours bear.
+    pub contact_radius: f64,
     /// Which model is fitted.
     pub model: ModelChoice,
     /// What shares of full scale refer to.
@@ -64,6 +68,7 @@ impl Default for CalibrationBenchConfig {
             combined: 400,
             held_out: 200,
             cycles: 8,
+            contact_radius: 0.0,
             model: ModelChoice::Separable,
             full_scale: FullScale::default(),
         }
@@ -71,11 +76,29 @@ impl Default for CalibrationBenchConfig {
 }
 
 impl CalibrationBenchConfig {
-    /// As the default but for `combined` combined loads, and other kinds in proportion.
-    pub fn of_size(combined: usize) -> Self {
+    /// For a fingertip: `combined` combined loads and other kinds in proportion. Where there are more than 41 elements, each bears less, so
+    /// that all bear as much together; on a skin that moves as one, loads are put on patches of thrice its spread.
+    pub fn of_fingertip(
+        fingertip: &FingertipConfig,
+        optics: &OpticsConfig,
+        combined: usize,
+    ) -> Self {
+        /// Elements of the fingertip that the default is for.
+        const ELEMENTS: f64 = 41.0;
         let default = Self::default();
         let share = |count: usize| (count * combined).div_ceil(default.combined);
+        let elements = fingertip.layout.element_count().max(1) as f64;
+        let largest_normal = default.largest_normal * (ELEMENTS / elements).min(1.0);
         Self {
+            largest_normal,
+            contact_radius: optics
+                .markers
+                .as_ref()
+                .map_or(0.0, |markers| 3.0 * markers.spread),
+            full_scale: FullScale {
+                normal: largest_normal,
+                shear: 0.5 * largest_normal,
+            },
             combined,
             unloaded: share(default.unloaded).max(2),
             normal_sweep: share(default.normal_sweep),
@@ -101,6 +124,14 @@ pub enum CalibrationBenchError {
     /// The loads do not determine a calibration.
     #[error(transparent)]
     Calibration(#[from] CalibrationError),
+    /// A length makes no sense.
+    #[error("{name} must be a number of 0 or more, got {value}")]
+    Negative {
+        /// The field.
+        name: &'static str,
+        /// What it was.
+        value: f64,
+    },
     /// A load makes no sense.
     #[error("{name} must be a positive number, got {value}")]
     NotPositive {
@@ -178,7 +209,8 @@ pub fn take_pictures<E: From<CalibrationBenchError>>(
     let elements = layout.elements.len();
     let programs: Vec<_> = (0..elements).map(|_| program(bench, &mut rng)).collect();
     for step in 0..programs.first().map_or(0, Vec::len) {
-        let loads: Vec<_> = programs.iter().map(|program| program[step]).collect();
+        let own = programs.iter().map(|program| program[step]);
+        let loads = in_patches(&layout, bench.contact_radius, own.collect(), &mut rng);
         let forces: Vec<_> = loads.iter().map(|load| load.force()).collect();
         render(&model, &mut scratch, &forces, &mut rng, &mut picture)
             .map_err(CalibrationBenchError::from)?;
@@ -197,66 +229,12 @@ fn check(bench: &CalibrationBenchConfig) -> Result<(), CalibrationBenchError> {
             return Err(CalibrationBenchError::NotPositive { name, value });
         }
     }
+    let value = bench.contact_radius;
+    if !(value.is_finite() && value >= 0.0) {
+        return Err(CalibrationBenchError::Negative {
+            name: "contact_radius",
+            value,
+        });
+    }
     Ok(())
-}
-
-/// What is done with one load on one element; the force in its frame `E_i`, N.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Load {
-    /// There is none.
-    None,
-    /// It is for fitting.
-    Fitted(DVec3),
-    /// It is kept from the fit.
-    HeldOut(DVec3),
-    /// It is one of a cycle.
-    Cycled(DVec3),
-}
-
-impl Load {
-    /// The force in the element's frame `E_i`, N.
-    pub fn force(self) -> DVec3 {
-        match self {
-            Self::None => DVec3::ZERO,
-            Self::Fitted(force) | Self::HeldOut(force) | Self::Cycled(force) => force,
-        }
-    }
-}
-
-/// All loads for one element, in random order but for the cycles.
-fn program(bench: &CalibrationBenchConfig, rng: &mut Pcg64) -> Vec<Load> {
-    let mut loads = vec![Load::None; bench.unloaded];
-    for step in 1..=bench.normal_sweep {
-        let normal = bench.largest_normal * step as f64 / bench.normal_sweep as f64;
-        loads.push(Load::Fitted(normal * DVec3::Z));
-    }
-    let normal = 0.5 * bench.largest_normal;
-    for axis in [DVec3::X, DVec3::Y] {
-        for step in 0..bench.shear_sweep {
-            let along = 2.0 * (step as f64 + 0.5) / bench.shear_sweep as f64 - 1.0;
-            let shear = along * bench.largest_friction * normal;
-            loads.push(Load::Fitted(normal * DVec3::Z + shear * axis));
-        }
-    }
-    for _ in 0..bench.combined {
-        loads.push(Load::Fitted(load_in_friction_cone(bench, rng)));
-    }
-    for _ in 0..bench.held_out {
-        loads.push(Load::HeldOut(load_in_friction_cone(bench, rng)));
-    }
-    loads.shuffle(rng);
-    let peak = 0.5 * bench.largest_normal * (DVec3::Z + 0.5 * bench.largest_friction * DVec3::X);
-    for _ in 0..bench.cycles {
-        let steps = [0.5, 1.0, 0.5, 0.0];
-        loads.extend(steps.map(|share| Load::Cycled(share * peak)));
-    }
-    loads
-}
-
-/// A load with equally likely compressions, directions and shares of the largest shear force.
-fn load_in_friction_cone(bench: &CalibrationBenchConfig, rng: &mut Pcg64) -> DVec3 {
-    let normal = bench.largest_normal * rng.random::<f64>();
-    let shear = bench.largest_friction * normal * rng.random::<f64>();
-    let direction = DVec2::from_angle(TAU * rng.random::<f64>());
-    (shear * direction).extend(normal)
 }

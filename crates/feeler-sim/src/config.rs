@@ -63,6 +63,10 @@ pub struct SimConfig {
     /// Time step of the physics, s.
     #[serde(default = "millisecond")]
     pub step: f64,
+    /// Time from one picture of a fingertip, or force on its elements, to the next, s: for drives that are commanded more often than
+    /// there are pictures. Without it, there is one in every control period.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frame_period: Option<f64>,
     /// Acceleration of free bodies, m/s², in W.
     #[serde(default = "earth")]
     pub gravity: [f64; 3],
@@ -120,6 +124,9 @@ impl SimConfig {
     pub fn check(&self, fingertips: &[&FingertipConfig], period: f64, checker: &mut Checker) {
         checker.between("sim.step", self.step, 1e-6, 0.1);
         checker.vector("sim.gravity", self.gravity);
+        if let Some(frame_period) = self.frame_period {
+            checker.between("sim.frame_period", frame_period, self.step, 1.0);
+        }
         self.servo.check("sim.servo", checker);
         self.feeler.check("sim.feeler", checker);
         for (index, exception) in self.element.iter().enumerate() {

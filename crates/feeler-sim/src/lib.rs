@@ -2,6 +2,7 @@
 #![warn(missing_docs)]
 
 mod balance;
+mod bench_loads;
 pub mod calibration_bench;
 pub mod camera_noise;
 pub mod columnar_feeler;
@@ -13,8 +14,10 @@ pub mod fault;
 pub mod fault_check;
 mod feeler_config;
 pub mod free_bodies;
+pub mod gel;
 pub mod holder;
 pub mod knurled_cylinder;
+pub mod markers;
 pub mod mesh_file;
 pub mod model;
 pub mod object;

@@ -1,9 +1,9 @@
-//! The picture of a simulated fingertip: bright spots on a dim dome, as a noisy camera sees them.
+//! The picture of a simulated fingertip: spots or markers on a dome, as a noisy camera sees them.
 
 use super::{
     camera_noise::{NOISE_LANES, NoiseLanes, quantised},
     optics_config::OpticsError,
-    optics_model::{CONES, OpticsModel, Spot},
+    optics_model::{OpticsModel, Spot},
 };
 use feeler::sensor::frame::Picture;
 use glam::{DVec3, Vec3};
@@ -28,7 +28,7 @@ impl OpticsScratch {
     /// Room for drawing one picture of `model` at a time.
     pub fn new(model: &OpticsModel) -> Self {
         Self {
-            spots: Vec::with_capacity(CONES * model.layout.elements.len()),
+            spots: Vec::with_capacity(model.spot_count()),
             lit: vec![0.0; BAND * model.padded_width()],
         }
     }
@@ -67,11 +67,18 @@ pub fn render(
     // Nothing is done here unless the scratch was made for another model.
     scratch.lit.resize(BAND * model.padded_width(), 0.0);
     scratch.spots.clear();
-    for (element, &force) in forces.iter().enumerate() {
-        let spots = model.spots(force).into_iter();
-        scratch
-            .spots
-            .extend(spots.filter_map(|spot| SeenSpot::new(model, element, &spot)));
+    match &model.markers {
+        Some(markers) => {
+            let seen = |(element, spot)| SeenSpot::new(model, element, &spot);
+            scratch.spots.extend(markers.spots(forces).filter_map(seen));
+        }
+        None => {
+            for (element, &force) in forces.iter().enumerate() {
+                let seen = |spot| SeenSpot::new(model, element, &spot);
+                let spots = model.spots(force).into_iter();
+                scratch.spots.extend(spots.filter_map(seen));
+            }
+        }
     }
     let noise = NoiseLanes::new(rng);
     draw(
@@ -148,7 +155,7 @@ impl SeenSpot {
         let (width, height) = (projection.width(), projection.height());
         Some(Self {
             centre: point.as_vec3(),
-            profile: SpotProfile::new(spot.radius, blur),
+            profile: SpotProfile::new(spot.radius, blur, spot.contrast),
             rows: (first.y as usize).min(height)..(last.y as usize).min(height),
             columns: (first.x as usize).min(width)..(last.x as usize).min(width),
         })
@@ -186,15 +193,15 @@ struct SpotProfile {
 }
 
 impl SpotProfile {
-    /// For a contact of `radius` whose edge is blurred by `blur` to both sides, m.
-    fn new(radius: f64, blur: f64) -> Self {
+    /// For a spot of `radius` whose edge is blurred by `blur` to both sides, m, `contrast` times as bright as others.
+    fn new(radius: f64, blur: f64, contrast: f64) -> Self {
         // Light of the unscaled profile over pi: a cone with its top cut off, or a whole cone.
         let light = if radius >= blur {
             radius * radius + blur * blur / 3.0
         } else {
             (radius + blur).powi(3) / (6.0 * blur)
         };
-        let height = radius * radius / light;
+        let height = radius * radius * contrast / light;
         Self {
             reach: (radius + blur) as f32,
             slope: (height / (2.0 * blur)) as f32,
@@ -218,6 +225,7 @@ impl SpotProfile {
 struct Exposure {
     background: f32,
     contrast: f32,
+    most_cover: f32,
     read_variance: f32,
     shot_variance: f32,
     lost_by_row: f32,
@@ -230,6 +238,11 @@ impl Exposure {
         Self {
             background: config.background_gray as f32,
             contrast: (config.spot_gray - config.background_gray) as f32,
+            // Contacts that overlap are not brighter for it; markers differ in brightness.
+            most_cover: match model.markers {
+                Some(_) => f32::INFINITY,
+                None => 1.0,
+            },
             read_variance: config.read_noise.powi(2) as f32,
             shot_variance: config.shot_noise.powi(2) as f32,
             lost_by_row: model.light_lost_by_row[row],
@@ -246,10 +259,15 @@ impl Exposure {
     ) -> [u8; NOISE_LANES] {
         let mut grays = [0; NOISE_LANES];
         for lane in 0..NOISE_LANES {
-            let cover = if lit[lane] > 1.0 { 1.0 } else { lit[lane] };
+            let cover = if lit[lane] > self.most_cover {
+                self.most_cover
+            } else {
+                lit[lane]
+            };
             let light = 1.0 - (lost_by_column[lane] + self.lost_by_row);
             let light = if light > 0.0 { light } else { 0.0 };
             let gray = light * (self.background + self.contrast * cover);
+            let gray = if gray > 0.0 { gray } else { 0.0 };
             let deviation = (self.read_variance + self.shot_variance * gray).sqrt();
             grays[lane] = quantised(gray + deviation * noise[lane]);
         }

@@ -1,5 +1,6 @@
 //! What the simulated fingertip is made of.
 
+use super::markers::MarkerConfig;
 use serde::{Deserialize, Serialize};
 
 /// Rubber, light and camera of a simulated fingertip.
@@ -28,7 +29,7 @@ pub struct OpticsConfig {
     pub shear_stiffness: f64,
     /// Grey level of the dome where nothing touches it, at the picture's centre (assumed).
     pub background_gray: f64,
-    /// Grey level of a bright spot, at the picture's centre (assumed).
+    /// Grey level of a bright spot or of a marker, at the picture's centre; markers may be darker than the dome (assumed).
     pub spot_gray: f64,
     /// Part of the light that is lost half a picture's width off the centre, growing with the square
     /// of the distance (assumed).
@@ -40,6 +41,9 @@ pub struct OpticsConfig {
     /// Standard deviation of the shot noise of one grey level; it grows with the root of the gray
     /// value (assumed).
     pub shot_noise: f64,
+    /// A marker for each element in place of its eight cones: where they stand is not used then.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub markers: Option<MarkerConfig>,
 }
 
 impl Default for OpticsConfig {
@@ -59,6 +63,7 @@ impl Default for OpticsConfig {
             blur_px: 1.2,
             read_noise: 1.5,
             shot_noise: 0.1,
+            markers: None,
         }
     }
 }
@@ -117,7 +122,11 @@ impl OpticsConfig {
     /// Names the field, its range and its value.
     pub fn check(&self) -> Result<(), OpticsError> {
         let positive = f64::MIN_POSITIVE;
-        let ranges = [
+        let darkest = match self.markers {
+            Some(_) => 0.0,
+            None => self.background_gray,
+        };
+        in_range(&[
             ("youngs_modulus", self.youngs_modulus, positive, 1e12),
             ("poisson_ratio", self.poisson_ratio, 0.0, 0.5),
             ("cone_flank_deg", self.cone_flank_deg, 1.0, 89.0),
@@ -127,22 +136,28 @@ impl OpticsConfig {
             ("preload", self.preload, 0.0, 1e3),
             ("shear_stiffness", self.shear_stiffness, positive, 1e12),
             ("background_gray", self.background_gray, 0.0, 255.0),
-            ("spot_gray", self.spot_gray, self.background_gray, 255.0),
+            ("spot_gray", self.spot_gray, darkest, 255.0),
             ("vignetting", self.vignetting, 0.0, 0.6),
             ("blur_px", self.blur_px, 0.1, 100.0),
             ("read_noise", self.read_noise, 0.0, 255.0),
             ("shot_noise", self.shot_noise, 0.0, 255.0),
-        ];
-        for (name, value, low, high) in ranges {
-            if !(low..=high).contains(&value) {
-                return Err(OpticsError::OutOfRange {
-                    name,
-                    low,
-                    high,
-                    value,
-                });
-            }
-        }
-        Ok(())
+        ])?;
+        self.markers.as_ref().map_or(Ok(()), MarkerConfig::check)
+    }
+}
+
+/// Refuses a value, `(name, value, lowest, highest)`, that is out of its range.
+pub(super) fn in_range(values: &[(&'static str, f64, f64, f64)]) -> Result<(), OpticsError> {
+    let out = values
+        .iter()
+        .find(|(_, value, low, high)| !(low..=high).contains(&value));
+    match out {
+        None => Ok(()),
+        Some(&(name, value, low, high)) => Err(OpticsError::OutOfRange {
+            name,
+            low,
+            high,
+            value,
+        }),
     }
 }

@@ -15,9 +15,12 @@
 //!
 //! The contact of a cone is a disc with `f = 2 E* tan(a) r² / pi`, `E* = E / (1 - nu²)` (Sneddon's
 //! elastic cone), `a` between flank and dome: its area grows linearly with the load.
+//!
+//! Other fingertips have a marker for each element instead: see [`markers`](super::markers).
 
 use super::{
     camera_noise::NOISE_LANES,
+    markers::{MarkerConfig, MarkerModel},
     optics_config::{OpticsConfig, OpticsError},
 };
 use feeler::sensor::{dome::DomeProjection, layout::ElementLayout};
@@ -27,15 +30,17 @@ use std::f64::consts::{PI, TAU};
 /// Conical feelers under one columnar feeler (paper, section II).
 pub const CONES: usize = 8;
 
-/// One of an element's bright spots.
+/// One of an element's spots.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spot {
-    /// Load of the cone, N.
+    /// Load of the cone, or of the marker's element, N.
     pub load: f64,
     /// Centre in x, y of the element's frame `E_i`, m.
     pub centre: DVec2,
-    /// Radius of the contact, m.
+    /// Radius of the contact, or of the marker, m.
     pub radius: f64,
+    /// How much it differs from the dome, relative to what the configuration says.
+    pub contrast: f64,
 }
 
 /// What the camera's picture consists of and does not change.
@@ -45,6 +50,7 @@ pub struct OpticsModel {
     pub(super) layout: ElementLayout,
     pub(super) projection: DomeProjection,
     cones: [DVec2; CONES],
+    pub(super) markers: Option<MarkerModel>,
     /// Area of a contact per load, m²/N.
     area_per_load: f64,
     /// Pixels per metre of the dome at each element: in the direction in which it is largest, and as
@@ -76,9 +82,11 @@ impl OpticsModel {
         let cones = std::array::from_fn(|k| {
             config.cone_circle_radius * DVec2::from_angle(TAU * (k as f64 + 0.5) / CONES as f64)
         });
+        let markers = config.markers.as_ref();
+        let about_axis = markers.map_or(config.cone_circle_radius, MarkerConfig::reach);
         let scales = (0..layout.elements.len())
             .map(|element| {
-                pixel_scales(layout, projection, element, config.cone_circle_radius)
+                pixel_scales(layout, projection, element, about_axis)
                     .ok_or(OpticsError::Unseen { element })
             })
             .collect::<Result<_, _>>()?;
@@ -89,6 +97,7 @@ impl OpticsModel {
             layout: layout.clone(),
             projection: projection.clone(),
             cones,
+            markers: markers.map(|markers| MarkerModel::new(markers, layout, projection)),
             area_per_load: PI * PI / (2.0 * modulus * flank.tan()),
             scales,
             dome_points: dome_points(projection),
@@ -105,7 +114,7 @@ impl OpticsModel {
         })
     }
 
-    /// The spots of an element under `force`, N, in its frame `E_i`.
+    /// The spots of the cones of an element under `force`, N, in its frame `E_i`.
     pub fn spots(&self, force: DVec3) -> [Spot; CONES] {
         let config = &self.config;
         let sum_of_squares = 0.5 * CONES as f64 * config.cone_circle_radius.powi(2);
@@ -120,8 +129,16 @@ impl OpticsModel {
                 radius: (self.area_per_load * load / PI)
                     .sqrt()
                     .min(config.cone_base_radius),
+                contrast: 1.0,
             }
         })
+    }
+
+    /// Spots in a picture.
+    pub(super) fn spot_count(&self) -> usize {
+        let markers = self.config.markers.as_ref();
+        let per_element = markers.map_or(CONES, |markers| markers.per_element);
+        per_element * self.layout.elements.len()
     }
 
     /// Pixels of a row and what pads it to whole noise lanes.

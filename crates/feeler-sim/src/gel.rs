@@ -1,0 +1,232 @@
+//! A soft gel with markers on it: how far each marker moves, and sinks in, under forces on the surface.
+//!
+//! The gel is an incompressible elastic layer (Poisson's ratio 1/2, as silicone nearly is) that is bonded to a rigid base.
+//! A load of wave number q on its surface gives way in proportion (x = q h, with thickness h and shear modulus G):
+//!
+//! ```text
+//! D = cosh 2x + 2 x² + 1
+//! pressure p:  sinks in by       (sinh 2x - 2x) / (2 G q D) p
+//!              moves outward by  2 x² / (2 G q² D) times the gradient of -p
+//! shear t:     along q by        (sinh 2x + 2x) / (2 G q D) t
+//!              across q by       tanh x / (G q) t
+//! ```
+//!
+//! Of a force that is spread as a normal distribution of deviation s, these are multiplied by exp(-q² s² / 2) and summed over
+//! all q (Hankel transforms).
+
+use glam::{DVec2, DVec3};
+use std::f64::consts::{PI, TAU};
+
+/// Largest wave number that counts, in units of 1 / s: there a spread load has e^-18 of its strength.
+const LAST: f64 = 6.0;
+/// Distances in the table are so many parts of the load's deviation apart.
+const PARTS: f64 = 3.0;
+/// Beyond this, hyperbolic functions are as good as exponentials, and would overflow.
+const DEEP: f64 = 300.0;
+
+/// What the surface does at some distance from a force of 1 N, m.
+#[derive(Debug, Clone, Copy, Default)]
+struct Compliance {
+    /// Along a tangential force, straight before it.
+    along: f64,
+    /// Along a tangential force, beside it.
+    across: f64,
+    /// Outward from a pressing force.
+    outward: f64,
+    /// Inward under a pressing force.
+    sunk: f64,
+}
+
+/// A gel of given thickness and stiffness, and its response to forces that are spread over a spot.
+#[derive(Debug, Clone)]
+pub struct GelLayer {
+    thickness: f64,
+    shear_modulus: f64,
+    /// Distance between two rows of the table, m.
+    step: f64,
+    /// Of distances 0, `step`, 2 `step`, ...
+    table: Vec<Compliance>,
+}
+
+impl GelLayer {
+    /// A gel of `thickness` (m) and `shear_modulus` (Pa) under forces that are each spread with the deviation `spread` (m);
+    /// its response is known up to `reach` (m) and 0 beyond. All must be more than 0.
+    pub fn new(thickness: f64, shear_modulus: f64, spread: f64, reach: f64) -> Self {
+        let step = spread / PARTS;
+        let rows = (reach / step).ceil() as usize + 1;
+        let mut layer = Self {
+            thickness,
+            shear_modulus,
+            step,
+            table: Vec::new(),
+        };
+        let distance = |row: usize| row as f64 * step;
+        layer.table = (0..rows)
+            .map(|row| layer.response(distance(row), spread, reach))
+            .collect();
+        layer
+    }
+
+    /// Stiffness per area (N/m³) against pressing and against shear, of loads of `wave_number` (rad/m): about the inverse of a
+    /// contact's radius.
+    pub fn stiffness(&self, wave_number: f64) -> [f64; 2] {
+        let [along, across, _, sunk] = self.response_of(wave_number);
+        [1.0 / sunk, 2.0 / (along + across)]
+    }
+
+    /// How the surface moves at `at` under a `force` (N) at `from` (both m, on the surface): x and y along it, z inward, m. The
+    /// force is that on the gel: x and y along the surface, z inward.
+    pub fn displacement(&self, from: DVec2, at: DVec2, force: DVec3) -> DVec3 {
+        let apart = at - from;
+        let row = apart.length() / self.step;
+        let index = row as usize;
+        let Some([before, after]) = self.table.get(index..).and_then(|rest| rest.first_chunk())
+        else {
+            return DVec3::ZERO;
+        };
+        let between = |of: fn(&Compliance) -> f64| {
+            let (before, after) = (of(before), of(after));
+            before + (row - index as f64) * (after - before)
+        };
+        let (along, across) = (between(|c| c.along), between(|c| c.across));
+        let outward = between(|c| c.outward);
+        let direction = apart.normalize_or_zero();
+        let shear = force.truncate();
+        let ahead = direction.dot(shear);
+        let moved = across * shear + ((along - across) * ahead + outward * force.z) * direction;
+        // What is pushed ahead bulges: the reverse of pressing that moves outward (reciprocity).
+        moved.extend(between(|c| c.sunk) * force.z - outward * ahead)
+    }
+
+    /// Displacement along and across a shear load of 1 Pa, outward of a pressure's gradient of 1 Pa times q, and inward of a
+    /// pressure, m.
+    fn response_of(&self, wave_number: f64) -> [f64; 4] {
+        let x = (wave_number * self.thickness).min(DEEP);
+        let doubled = 2.0 * x;
+        let below = doubled.cosh() + 2.0 * x * x + 1.0;
+        let half_space = 1.0 / (2.0 * self.shear_modulus * wave_number);
+        [
+            half_space * (doubled.sinh() + doubled) / below,
+            half_space * 2.0 * x.tanh(),
+            half_space * 2.0 * x * x / below,
+            half_space * (doubled.sinh() - doubled) / below,
+        ]
+    }
+
+    /// The response to 1 N at `distance`, m.
+    fn response(&self, distance: f64, spread: f64, reach: f64) -> Compliance {
+        let last = LAST / spread;
+        // Several points to each turn of the Bessel functions, which are fastest at the largest distance.
+        let points = (4.0 * last * reach.max(self.thickness)).ceil();
+        let width = last / points;
+        let mut sum = Compliance::default();
+        for point in 1..=points as usize {
+            let wave_number = point as f64 * width;
+            let [along, across, outward, sunk] = self.response_of(wave_number);
+            let turn = wave_number * distance;
+            let (j0, j1) = (bessel(0, turn), bessel(1, turn));
+            let beside = match turn > 0.0 {
+                true => j1 / turn,
+                false => 0.5,
+            };
+            let strength = (-(wave_number * spread).powi(2) / 2.0).exp();
+            let weight = strength * wave_number * width / TAU;
+            sum.along += weight * (along * (j0 - beside) + across * beside);
+            sum.across += weight * (along * beside + across * (j0 - beside));
+            sum.outward += weight * outward * j1;
+            sum.sunk += weight * sunk * j0;
+        }
+        sum
+    }
+}
+
+/// The Bessel function of the first kind of `order` 0 or 1, from its integral, by the trapezoidal rule: exact to rounding with
+/// more points than half of `at`.
+fn bessel(order: i32, at: f64) -> f64 {
+    let points = (0.5 * at).ceil() as usize + 16;
+    let value = |point: usize| {
+        let angle = PI * point as f64 / points as f64;
+        (f64::from(order) * angle - at * angle.sin()).cos()
+    };
+    let ends = 0.5 * (value(0) + value(points));
+    ((1..points).map(value).sum::<f64>() + ends) / points as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Abramowitz and Stegun, table 9.1: J0 and J1 at 1 and 5.
+    #[test]
+    fn bessel_functions_are_those_of_the_tables() {
+        let known = [
+            (0, 1.0, 0.765_197_686_6),
+            (1, 1.0, 0.440_050_585_7),
+            (0, 5.0, -0.177_596_771_3),
+            (1, 5.0, -0.327_579_137_6),
+        ];
+        for (order, at, value) in known {
+            assert!((bessel(order, at) - value).abs() < 1e-10, "J{order}({at})");
+        }
+    }
+
+    /// Of a thick gel, near a force: Boussinesq's and Cerruti's solutions for an incompressible half-space,
+    /// w = P / 4 pi G r, u = T / 2 pi G r straight before the force and half of that beside it. A gel that is 60 times as thick
+    /// as far lacks about r / h of it.
+    #[test]
+    fn a_thick_gel_is_a_half_space() {
+        let (modulus, apart) = (5e4, 2e-3);
+        let gel = GelLayer::new(0.12, modulus, 2e-4, 2.2e-3);
+        let unit = 1.0 / (4.0 * PI * modulus * apart);
+        let near = |value: f64, expected: f64| {
+            assert!(
+                (value - expected).abs() < 0.03 * unit,
+                "{value}, expected {expected}"
+            );
+        };
+        let at = apart * DVec2::X;
+        let pressed = gel.displacement(DVec2::ZERO, at, DVec3::Z);
+        near(pressed.z, unit);
+        near(pressed.x, 0.0);
+        near(gel.displacement(DVec2::ZERO, at, DVec3::X).x, 2.0 * unit);
+        near(gel.displacement(DVec2::ZERO, at, DVec3::Y).y, unit);
+    }
+
+    /// Of a thin gel, all over: G / h against shear, and by lubrication h^2 / 2 G times the pressure's gradient outward.
+    #[test]
+    fn a_thin_gel_is_sheared_and_squeezed_out() {
+        let (thickness, modulus, spread) = (1e-4, 5e4, 2e-3);
+        let gel = GelLayer::new(thickness, modulus, spread, 8e-3);
+        let pressure = |r: f64| (-r * r / (2.0 * spread * spread)).exp() / (TAU * spread * spread);
+        // On a row of the table.
+        let r = spread;
+        let at = r * DVec2::Y;
+        let sheared = gel.displacement(DVec2::ZERO, at, DVec3::X).x;
+        let expected = pressure(r) * thickness / modulus;
+        assert!(
+            (sheared / expected - 1.0).abs() < 0.02,
+            "{sheared}, expected {expected}"
+        );
+        let squeezed = gel.displacement(DVec2::ZERO, at, DVec3::Z).y;
+        let gradient = pressure(r) * r / (spread * spread);
+        let expected = thickness * thickness / (2.0 * modulus) * gradient;
+        assert!(
+            (squeezed / expected - 1.0).abs() < 0.02,
+            "{squeezed}, expected {expected}"
+        );
+    }
+
+    /// Work done at one place by a force at another is the same the other way round.
+    #[test]
+    fn responses_are_reciprocal() {
+        let gel = GelLayer::new(4e-3, 5e4, 1e-3, 2e-2);
+        let (here, there) = (DVec2::new(1e-3, 2e-3), DVec2::new(-3e-3, 3.5e-3));
+        for one in DVec3::AXES {
+            for other in DVec3::AXES {
+                let there_of_here = gel.displacement(here, there, one).dot(other);
+                let here_of_there = gel.displacement(there, here, other).dot(one);
+                assert!((there_of_here - here_of_there).abs() < 1e-12);
+            }
+        }
+    }
+}

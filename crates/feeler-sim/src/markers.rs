@@ -1,0 +1,224 @@
+//! Fingertips on which the camera sees one marker for each element: pins, ends of fibres, dots on a gel.
+//!
+//! The skin between elements is elastic, and gives way about a loaded element over a length `s`, the spread: at a distance `d`,
+//! `w = exp(-d² / 2 s²)` of what it does there. A force `F_t, F_z` on element j moves the marker of element i, `D` away from it, by
+//!
+//! ```text
+//! u = w (F_t / k_t + (l / s²) D F_z / k_n)         across the skin
+//! z = w (F_z + (h / s²) D · F_t) / k_n             into it, towards the camera
+//! ```
+//!
+//! What stands behind: the skin sinks in by `w F_z / k_n`, and a pin of length `l` on its inside turns with its slope, so that pins
+//! move away from what presses. A shear force that acts at the height `h` over the skin presses it down ahead and lifts it behind.
+//! A marker that is nearer to the camera is seen larger, and brighter by `brightening z`.
+
+use super::optics_config::{OpticsError, in_range};
+use super::optics_model::Spot;
+use feeler::sensor::{dome::DomeProjection, layout::ElementLayout};
+use glam::{DMat3, DVec2, DVec3};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
+
+/// Markers farther away than this many spreads do not feel a force.
+const REACH: f64 = 3.0;
+/// Most markers of an element.
+const MAX_PER_ELEMENT: f64 = 64.0;
+
+/// The markers of a fingertip, one for each element, and the skin that they are on.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MarkerConfig {
+    /// Radius of a marker, m.
+    pub radius: f64,
+    /// Markers of each element.
+    #[serde(default = "one")]
+    pub per_element: usize,
+    /// Radius of the circle about an element's axis on which its markers are, m; not used where there is one, which is on the axis.
+    #[serde(default)]
+    pub circle_radius: f64,
+    /// Force on an element over how far its marker sinks in, N/m.
+    pub normal_stiffness: f64,
+    /// Force on an element over how far its marker follows it, N/m.
+    pub shear_stiffness: f64,
+    /// Distance at which the skin gives way by exp(-1/2) of what it does under the force, m; 0: elements do not move their neighbours.
+    #[serde(default)]
+    pub spread: f64,
+    /// Length of the pin under the skin at whose end a marker is, m; 0: it is in the skin.
+    #[serde(default)]
+    pub pin_length: f64,
+    /// Height over the skin at which a shear force acts, m.
+    #[serde(default)]
+    pub nodule_height: f64,
+    /// Relative growth of a marker's contrast, per metre that it is nearer to the camera.
+    #[serde(default)]
+    pub brightening: f64,
+    /// How much contrasts differ from marker to marker, relative, uniformly up to; the same for all fingertips of a layout.
+    #[serde(default)]
+    pub variation: f64,
+}
+
+fn one() -> usize {
+    1
+}
+
+impl MarkerConfig {
+    /// Where the markers of an element are, m, in x and y of its frame.
+    fn places(&self) -> Vec<DVec2> {
+        match self.per_element {
+            1 => vec![DVec2::ZERO],
+            count => (0..count)
+                .map(|k| {
+                    self.circle_radius * DVec2::from_angle(TAU * (k as f64 + 0.5) / count as f64)
+                })
+                .collect(),
+        }
+    }
+
+    /// Radius about an element's axis within which its markers are, m.
+    pub(super) fn reach(&self) -> f64 {
+        let ring = if self.per_element > 1 {
+            self.circle_radius
+        } else {
+            0.0
+        };
+        (ring + self.radius).max(self.spread)
+    }
+
+    /// Refuses values outside of what the model can draw.
+    pub(super) fn check(&self) -> Result<(), OpticsError> {
+        let positive = f64::MIN_POSITIVE;
+        in_range(&[
+            ("markers.radius", self.radius, positive, 0.1),
+            (
+                "markers.per_element",
+                self.per_element as f64,
+                1.0,
+                MAX_PER_ELEMENT,
+            ),
+            ("markers.circle_radius", self.circle_radius, 0.0, 0.1),
+            (
+                "markers.normal_stiffness",
+                self.normal_stiffness,
+                positive,
+                1e12,
+            ),
+            (
+                "markers.shear_stiffness",
+                self.shear_stiffness,
+                positive,
+                1e12,
+            ),
+            ("markers.spread", self.spread, 0.0, 0.1),
+            ("markers.pin_length", self.pin_length, 0.0, 0.1),
+            ("markers.nodule_height", self.nodule_height, 0.0, 0.1),
+            ("markers.brightening", self.brightening, -1e5, 1e5),
+            ("markers.variation", self.variation, 0.0, 0.99),
+        ])
+    }
+}
+
+/// What a force on one element, `(F_x, F_y, F_z)` in its frame, does to a marker: `(u_x, u_y, z)` in the frame of the marker's element, m.
+#[derive(Debug, Clone, Copy)]
+struct Influence {
+    of: usize,
+    compliance: DMat3,
+}
+
+/// One marker.
+#[derive(Debug, Clone)]
+struct Marker {
+    element: usize,
+    /// Where it is without load, x and y of its element's frame, m.
+    place: DVec2,
+    /// Contrast relative to the mean of all.
+    contrast: f64,
+    /// Distance from the camera's pinhole, m.
+    distance: f64,
+    /// All elements that move it.
+    influences: Vec<Influence>,
+}
+
+/// Where markers are under forces.
+#[derive(Debug, Clone)]
+pub(super) struct MarkerModel {
+    config: MarkerConfig,
+    markers: Vec<Marker>,
+}
+
+impl MarkerModel {
+    pub fn new(config: &MarkerConfig, layout: &ElementLayout, projection: &DomeProjection) -> Self {
+        // A seed of its own: it belongs to the fingertip, not to a run.
+        let mut rng = Pcg64::seed_from_u64(0);
+        let places = config.places();
+        let markers = (0..layout.elements.len())
+            .flat_map(|element| places.iter().map(move |&place| (element, place)))
+            .map(|(element, place)| {
+                let on_marker = (0..layout.elements.len()).filter_map(|of| {
+                    let compliance = compliance(config, layout, (element, place), of)?;
+                    Some(Influence { of, compliance })
+                });
+                Marker {
+                    element,
+                    place,
+                    contrast: 1.0 + config.variation * (2.0 * rng.random::<f64>() - 1.0),
+                    distance: layout.tip(element).distance(projection.pinhole()),
+                    influences: on_marker.collect(),
+                }
+            });
+        Self {
+            config: config.clone(),
+            markers: markers.collect(),
+        }
+    }
+
+    /// All markers under `forces` on all elements, N, each with the element in whose frame it is given.
+    pub fn spots(&self, forces: &[DVec3]) -> impl Iterator<Item = (usize, Spot)> {
+        self.markers.iter().map(|marker| {
+            let moved = marker
+                .influences
+                .iter()
+                .fold(DVec3::ZERO, |moved, influence| {
+                    moved + influence.compliance * forces[influence.of]
+                });
+            // Halfway to the camera is as near as it gets.
+            let nearer = marker.distance / (marker.distance - moved.z.min(0.5 * marker.distance));
+            let spot = Spot {
+                load: forces[marker.element].z,
+                centre: marker.place + moved.truncate(),
+                radius: self.config.radius * nearer,
+                contrast: marker.contrast * (1.0 + self.config.brightening * moved.z).max(0.0),
+            };
+            (marker.element, spot)
+        })
+    }
+}
+
+/// What a force on element `of` does to the marker at `place` of another or the same `element`; none where it does nothing.
+fn compliance(
+    config: &MarkerConfig,
+    layout: &ElementLayout,
+    (element, place): (usize, DVec2),
+    of: usize,
+) -> Option<DMat3> {
+    let to_marker = layout.elements[element].rotation.transpose();
+    let away = to_marker * (layout.tip(element) - layout.tip(of)) + place.extend(0.0);
+    if element != of && away.length() > REACH * config.spread {
+        return None;
+    }
+    let per_square = match config.spread > 0.0 {
+        true => config.spread.powi(-2),
+        false => 0.0,
+    };
+    let share = (-0.5 * away.length_squared() * per_square).exp();
+    let slope = per_square * away.truncate();
+    let turned = to_marker * layout.elements[of].rotation;
+    let shear = [DVec3::X, DVec3::Y].map(|axis| {
+        let along = (turned * axis).truncate();
+        let sinks = config.nodule_height * slope.dot(along) / config.normal_stiffness;
+        (along / config.shear_stiffness).extend(sinks)
+    });
+    let pressed = (config.pin_length * slope).extend(1.0) / config.normal_stiffness;
+    Some(share * DMat3::from_cols(shear[0], shear[1], pressed))
+}
