@@ -63,7 +63,7 @@ fn text(name: &str, data: &[u8]) -> Result<String, String> {
 }
 
 /// What stands before a message's bytes in its record: channel, sequence number and two times.
-const MESSAGE_HEAD: u64 = 2 + 4 + 8 + 8;
+pub(super) const MESSAGE_HEAD: u64 = 2 + 4 + 8 + 8;
 
 /// Takes the records in and makes a [`Recording`] of them.
 #[derive(Default)]

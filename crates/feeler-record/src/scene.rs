@@ -16,6 +16,9 @@ const BARB: f64 = 0.25;
 /// Diameter of an element's dot over the dome's radius.
 const DOT: f64 = 0.09;
 
+/// Diameter of a taxel's dot where there is no dome, m.
+const TAXEL: f64 = 0.002;
+
 /// Colours that colour-blind readers can tell (Okabe and Ito).
 const DOME: ColorRGBA = colour(0.80, 0.80, 0.80, 0.45);
 const ELEMENT: ColorRGBA = colour(0.25, 0.25, 0.25, 1.0);
@@ -52,6 +55,16 @@ fn dome(finger: usize, model: &FingerModel) -> [Marker; 2] {
     let tips = model.element_tips.iter().map(|&tip| DVec3::from_array(tip));
     elements.points = tips.map(Vector3::from).collect();
     [dome, elements]
+}
+
+/// The taxels of an array without a dome, at `tips` (m in the frame of finger 0's dome), as dots.
+pub fn element_dots(tips: impl Iterator<Item = DVec3>) -> Marker {
+    let (dome, elements) = (frame(0, "dome"), frame(0, "elements"));
+    let mut marker = Marker::new(dome, elements, MarkerType::SphereList);
+    marker.color = ELEMENT;
+    marker.scale = DVec3::splat(TAXEL).into();
+    marker.points = tips.map(Vector3::from).collect();
+    marker
 }
 
 fn marker(id: i32, solid: &Solid) -> Marker {

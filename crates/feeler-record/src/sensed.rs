@@ -5,7 +5,8 @@ use super::container::{Container, find, log_time};
 use super::error::RecordError;
 use super::memory::MessageSink;
 use super::scan::{Found, scan};
-use super::topic::{Channel, RecordedMessage, RecordedTopic};
+use super::topic::{Channel, RecordedMessage, RecordedTopic, topics};
+use crate::ros::WrenchStamped;
 use crate::wire::cdr;
 use ::mcap::WriteOptions;
 use ::mcap::records::Record;
@@ -18,28 +19,54 @@ use std::path::Path;
 pub const MOMENTS: RecordedTopic<Moments> = RecordedTopic::of_rig("moments");
 /// Tactile frames of the one fingertip.
 pub const TACTILE: RecordedTopic<Tactile> = RecordedTopic::of_rig("tactile");
+/// The wrench on the one fingertip, by all its elements together.
+pub const WRENCH: RecordedTopic<WrenchStamped> = RecordedTopic::of_rig("wrench");
 
-/// Writes [`Moments`] to [`MOMENTS`] and [`Tactile`] frames to [`TACTILE`] of a file.
+/// Writes [`Moments`] to [`MOMENTS`] and [`Tactile`] frames to [`TACTILE`], or [`WrenchStamped`] to [`WRENCH`], of a file; and
+/// the pictures, if it is to hold them, to [`topics::image`], where runs have theirs.
 ///
 /// Until it is [finished](Self::finish) the file lacks its end, and MCAP readers say so.
 pub struct SensedWriter {
     container: Container,
-    channels: [Channel; 2],
+    channels: Vec<Channel>,
+    /// Fingers whose pictures there may be.
+    fingers: usize,
     buffer: Vec<u8>,
 }
 
 impl SensedWriter {
-    /// Creates the file.
+    /// Creates the file, with the pictures of `finger`, if one is named.
     ///
     /// # Errors
     /// When it cannot be written.
-    pub fn create(path: impl AsRef<Path>) -> Result<Self, RecordError> {
-        let mut container = Container::create(path.as_ref(), WriteOptions::new())?;
-        let channels = [MOMENTS.into(), TACTILE.into()];
+    pub fn create(path: impl AsRef<Path>, finger: Option<usize>) -> Result<Self, RecordError> {
+        Self::with_channels(path.as_ref(), [MOMENTS.into(), TACTILE.into()], finger)
+    }
+
+    /// Creates the file, for wrenches in place of tactile frames; with the pictures of `finger`, if one is named.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub fn create_for_wrenches(
+        path: impl AsRef<Path>,
+        finger: Option<usize>,
+    ) -> Result<Self, RecordError> {
+        Self::with_channels(path.as_ref(), [MOMENTS.into(), WRENCH.into()], finger)
+    }
+
+    fn with_channels(
+        path: &Path,
+        channels: [Channel; 2],
+        finger: Option<usize>,
+    ) -> Result<Self, RecordError> {
+        let pictures = finger.map(|finger| Channel::from(topics::image(finger)));
+        let channels: Vec<_> = channels.into_iter().chain(pictures).collect();
+        let mut container = Container::create(path, WriteOptions::new())?;
         container.register(&channels)?;
         Ok(Self {
             container,
             channels,
+            fingers: finger.map_or(0, |finger| finger.saturating_add(1)),
             buffer: Vec::new(),
         })
     }
@@ -67,11 +94,16 @@ impl MessageSink for SensedWriter {
         topic: RecordedTopic<M>,
         message: &M,
     ) -> Result<(), RecordError> {
-        let channel = find(&self.channels, 0, topic)?;
+        let channel = find(&self.channels, self.fingers, topic)?;
         let log_time = log_time(topic, message)?;
         self.buffer.clear();
         cdr::encode(message, &mut self.buffer)?;
-        self.container.write(channel, log_time, &self.buffer)
+        match self.container.stored(channel) {
+            Some(make) => self
+                .container
+                .write(channel, log_time, &make(&self.buffer)?),
+            None => self.container.write(channel, log_time, &self.buffer),
+        }
     }
 }
 

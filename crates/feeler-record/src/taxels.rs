@@ -25,7 +25,11 @@ pub struct Elements {
 impl Elements {
     /// Those of a finger.
     pub fn of(model: &FingerModel) -> Self {
-        let elements: Vec<_> = model.elements().collect();
+        Self::new(model.elements().collect())
+    }
+
+    /// These, each with its undeformed tip, m in `T`.
+    pub fn new(elements: Vec<(SensingElement, DVec3)>) -> Self {
         Self {
             forces: vec![DVec3::ZERO; elements.len()],
             elements,

@@ -9,6 +9,7 @@ pub mod compare_page;
 mod contour_points;
 mod document;
 pub mod figures;
+pub mod grasp_slip_page;
 pub mod live_page;
 pub mod make;
 pub mod measures;
@@ -25,6 +26,7 @@ pub mod summary;
 pub mod sweep_page;
 pub mod tasks;
 pub mod text;
+pub mod wrench_page;
 
 pub use claim::{Claim, ClaimPart, Relation, Verdict};
 pub use make::{ReportError, ReportOutcome, make};

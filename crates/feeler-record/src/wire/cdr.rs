@@ -58,7 +58,9 @@ pub fn decode<M: Message>(bytes: &[u8]) -> Result<M, WireError> {
             "4 bytes of encapsulation expected, {length} found"
         )));
     };
-    if *head != ENCAPSULATION {
+    // The two bytes behind it are options, which tell at most how many bytes of padding follow: whoever reads leaves them
+    // (DDS-XTypes 1.3, 7.6.3.1.2).
+    if head[..2] != ENCAPSULATION[..2] {
         let reason = format!("encapsulation {ENCAPSULATION:?} expected, {head:?} found");
         return Err(wrong(reason));
     }

@@ -19,6 +19,7 @@ mod slip_strip;
 pub mod sweep;
 pub mod time;
 mod unrolled;
+pub mod wrench;
 
 use super::page_data::Panel;
 use drawing::Drawing;

@@ -1,5 +1,6 @@
 //! Figure of slip detectors: slips noticed against false alarms.
 
+use super::super::grasp_slip_page::{GraspDetector, GraspSlipPage};
 use super::super::page_data::panels::{Colour, Points, Series};
 use super::super::slip_page::{OperatingPoint, SlipPage};
 use super::super::text::significant;
@@ -58,4 +59,49 @@ fn operating_point(curve: usize, point: &OperatingPoint) -> Option<Series> {
     };
     let name = format!("{} above {}", point.name, significant(point.threshold));
     Some(Series::of_points(name, Colour::Finger(curve), points).dotted())
+}
+
+/// The receiver operating characteristic of each detector on recordings, with what it says with thresholds of other groups, %.
+pub fn grasp_roc_figure(page: &GraspSlipPage, number: u32) -> Figure {
+    let title = "Slips noticed against false alarms";
+    let pen = |index| Pen::solid(finger_colour(index), 2.0);
+    let drawn = |(x, y): (f64, f64)| (100.0 * x, 100.0 * y);
+    let known = page.detectors.iter().enumerate();
+    let known: Vec<_> = known.filter(|(_, d)| !d.curve.points.is_empty()).collect();
+    let lines = known.iter().map(|&(index, detector)| {
+        line(detector.curve.points.iter().copied().map(drawn), pen(index))
+    });
+    let points = known.iter().filter_map(|&(index, detector)| {
+        let at = drawn(judged(detector)?);
+        Some(dots(&[at], 1, finger_colour(index), 5.0))
+    });
+    let plots = lines.chain(points).collect();
+    let whole = (0.0, 100.0);
+    let layout = panel(whole, whole, "false alarms (%)", "slips noticed (%)");
+    let legend: Vec<_> = (known.iter())
+        .map(|&(index, detector)| (detector.name, pen(index)))
+        .collect();
+    let mut drawing = tiled((number, title), &legend, vec![(plots, layout)], 1, 360.0);
+    for panel in &mut drawing.panels {
+        // In place of the dots, which say nothing.
+        panel.series.truncate(known.len());
+        let points = known.iter().filter_map(|&(index, detector)| {
+            let points = Points::new([drawn(judged(detector)?)]);
+            let name = format!("{}, thresholds of other groups", detector.name);
+            Some(Series::of_points(name, Colour::Finger(index), points).dotted())
+        });
+        panel.series.extend(points);
+    }
+    let caption = "Over all thresholds; the dots are what is said with thresholds that were chosen on all other groups.";
+    Figure::drawn(number, title, caption, Some(drawing))
+}
+
+/// Shares of false alarms and of slips noticed, where there are any of either.
+fn judged(detector: &GraspDetector) -> Option<(f64, f64)> {
+    let [noticed, missed, alarms, quiet] = detector.confusion;
+    let share = |part: usize, rest: usize| {
+        let whole = part + rest;
+        (whole > 0).then(|| part as f64 / whole as f64)
+    };
+    Some((share(alarms, quiet)?, share(noticed, missed)?))
 }

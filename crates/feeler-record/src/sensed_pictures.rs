@@ -1,0 +1,208 @@
+//! The pictures that a sensor's file holds beside what was felt, as a camera: to be sensed anew.
+
+use super::channels::{Moments, nanoseconds};
+use super::error::RecordError;
+use super::read::MESSAGE_HEAD;
+use super::recording::PictureAt;
+use super::scan::{Found, scan};
+use super::sensed::MOMENTS;
+use super::sink::FACTS;
+use super::topic::topics;
+use crate::wire::cdr;
+use ::mcap::records::Record;
+use feeler::sensor::camera::{Camera, CameraError, check_frame_size};
+use feeler::sensor::frame::{Frame, Picture};
+use std::collections::HashSet;
+use std::fs::File;
+use std::io::BufReader;
+use std::path::{Path, PathBuf};
+
+/// One frame whose picture is on record.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct SensedFrame {
+    sequence: u64,
+    /// s.
+    stamp: f64,
+    picture: PictureAt,
+}
+
+/// Gives again, as a camera, the pictures of a file that [`SensedWriter`](super::SensedWriter) wrote, each with the sequence
+/// number and the whole stamp under which it was sensed. Pictures are read from the file as they are asked for.
+#[derive(Debug)]
+pub struct SensedPictures {
+    path: PathBuf,
+    file: File,
+    frames: Vec<SensedFrame>,
+    next: usize,
+    /// Why there may have been more.
+    problem: Option<String>,
+}
+
+/// Whether the file at `path` was written by a sensor without a run around it, so that it is no run's recording.
+pub fn is_sensed(path: &Path) -> bool {
+    let Ok(file) = File::open(path) else {
+        return false;
+    };
+    let mut sensed = None;
+    // What comes after the first record that tells is of no interest, damage before it neither.
+    let _ = scan(&mut BufReader::new(file), &mut |found| {
+        match found {
+            Found::Record(Record::Metadata(metadata), _) if metadata.name == FACTS => {
+                sensed = Some(false);
+            }
+            Found::Record(Record::Channel(channel), _) if channel.topic == MOMENTS.name() => {
+                sensed = Some(true);
+            }
+            _ => return Ok(()),
+        }
+        Err(String::new())
+    });
+    sensed.unwrap_or(false)
+}
+
+impl SensedPictures {
+    /// Finds the pictures in the file at `path`; of one that was cut short, those that are whole. Empty where it holds none.
+    ///
+    /// # Errors
+    /// When the file cannot be opened.
+    pub fn open(path: &Path) -> Result<Self, RecordError> {
+        let open = || {
+            File::open(path).map_err(|source| RecordError::File {
+                path: path.to_path_buf(),
+                source,
+            })
+        };
+        let mut index = Index::default();
+        let scanned = scan(&mut BufReader::new(open()?), &mut |found| index.take(found));
+        let problem = index.damage.take().or(scanned.err());
+        Ok(Self {
+            path: path.to_path_buf(),
+            file: open()?,
+            frames: index.frames(),
+            next: 0,
+            problem,
+        })
+    }
+
+    /// Whether there is no picture.
+    pub fn is_empty(&self) -> bool {
+        self.frames.is_empty()
+    }
+
+    /// Time of each frame, s.
+    pub fn stamps(&self) -> impl Iterator<Item = f64> + '_ {
+        self.frames.iter().map(|frame| frame.stamp)
+    }
+
+    /// The picture of the frame `index`, from 0.
+    ///
+    /// # Errors
+    /// What was expected and what was found, in words.
+    pub fn read(&mut self, index: usize) -> Result<Picture, String> {
+        let count = self.frames.len();
+        let frame = self.frames.get(index);
+        let frame = frame.ok_or_else(|| format!("picture {index} of {count} asked for"))?;
+        frame.picture.read(&mut self.file)
+    }
+}
+
+impl Camera for SensedPictures {
+    fn capture(&mut self, frame: &mut Frame) -> Result<(), CameraError> {
+        let (index, path) = (self.next, self.path.display().to_string());
+        let Some(&SensedFrame {
+            sequence, stamp, ..
+        }) = self.frames.get(index)
+        else {
+            let count = index as u64;
+            return Err(match &self.problem {
+                None => CameraError::Ended { count },
+                Some(problem) => CameraError::Failed(format!(
+                    "{path}: the recording is incomplete ({problem}); {count} pictures up to there"
+                )),
+            });
+        };
+        self.next += 1;
+        let (width, height) = (frame.picture.width, frame.picture.height);
+        check_frame_size((width, height), frame)?;
+        let name = format!("{path}: frame {sequence}");
+        let picture = match self.read(index) {
+            Ok(picture) => picture,
+            Err(reason) => return Err(CameraError::Unreadable { name, reason }),
+        };
+        if (picture.width, picture.height) != (width, height) {
+            return Err(CameraError::PictureSize {
+                name,
+                expected_width: width,
+                expected_height: height,
+                width: picture.width,
+                height: picture.height,
+            });
+        }
+        frame.picture = picture;
+        (frame.sequence, frame.stamp) = (sequence, stamp);
+        Ok(())
+    }
+}
+
+/// What is found of frames and of pictures, which need not follow each other: displacements may wait for their reference.
+#[derive(Default)]
+struct Index {
+    moments: HashSet<u16>,
+    images: HashSet<u16>,
+    /// Sequence number and stamp (s) of each frame.
+    sensed: Vec<(u64, f64)>,
+    pictures: Vec<PictureAt>,
+    damage: Option<String>,
+}
+
+impl Index {
+    fn take(&mut self, found: Found<'_>) -> Result<(), String> {
+        match found {
+            Found::Record(Record::Channel(channel), _) if channel.topic == MOMENTS.name() => {
+                self.moments.insert(channel.id);
+            }
+            Found::Record(Record::Channel(channel), _) if is_image(&channel.topic) => {
+                self.images.insert(channel.id);
+            }
+            Found::Record(Record::Message { header, data }, offset) => {
+                if self.moments.contains(&header.channel_id) {
+                    let moments: Moments = cdr::decode(&data).map_err(|e| e.to_string())?;
+                    self.sensed.push((moments.sequence, moments.stamp));
+                } else if self.images.contains(&header.channel_id) {
+                    self.pictures.push(PictureAt {
+                        log_time: header.log_time,
+                        offset: offset + MESSAGE_HEAD,
+                        length: data.len(),
+                    });
+                }
+            }
+            Found::Damage(reason) => {
+                self.damage.get_or_insert(reason);
+            }
+            Found::Record(..) => {}
+        }
+        Ok(())
+    }
+
+    /// The frames of which both are there. Both stand in the order of time.
+    fn frames(self) -> Vec<SensedFrame> {
+        let mut pictures = self.pictures.into_iter().peekable();
+        let frame = |(sequence, stamp)| {
+            let time = nanoseconds(stamp)?;
+            while pictures.next_if(|at| at.log_time < time).is_some() {}
+            let picture = pictures.next_if(|at| at.log_time == time)?;
+            Some(SensedFrame {
+                sequence,
+                stamp,
+                picture,
+            })
+        };
+        self.sensed.into_iter().filter_map(frame).collect()
+    }
+}
+
+/// Whether `topic` is that of the pictures of some finger.
+fn is_image(topic: &str) -> bool {
+    let finger = topic.split('/').nth(2).and_then(|n| n.parse().ok());
+    finger.is_some_and(|finger| topics::image(finger).name() == topic)
+}

@@ -1,0 +1,95 @@
+//! Figures of a wrench calibration: predicted over measured, and errors over time by recording.
+
+use super::super::wrench_page::{AxisPoints, PredictedPoint, WrenchPage};
+use super::Figure;
+use super::canvas::{Pen, airy, dots, finger_colour, line, panel, range};
+use super::drawing::tiled;
+
+/// An error of a picture.
+type ErrorOf = fn(&PredictedPoint) -> f64;
+
+/// Most dots of one recording: more tell no more.
+const DOTS: usize = 400;
+/// Most recordings with a colour of their own.
+const COLOURS: usize = 5;
+/// Grey of what is exact.
+const EXACT: &str = "#999999";
+
+/// Predicted over measured, blocks of time left out.
+pub fn predicted_figure(page: &WrenchPage, axis: &AxisPoints, number: u32) -> Figure {
+    let measured = range(axis.points.iter().map(|p| p.measured)).unwrap_or((0.0, 1.0));
+    let predicted = range(axis.points.iter().map(|p| p.by_blocks)).unwrap_or((0.0, 1.0));
+    let ends = [(measured.0, measured.0), (measured.1, measured.1)];
+    let mut plots = vec![line(ends, Pen::solid(EXACT, 1.4))];
+    for recording in drawn(axis) {
+        let points = axis.points.iter().filter(|p| p.recording == recording);
+        let points: Vec<_> = points.map(|p| (p.measured, p.by_blocks)).collect();
+        plots.push(dots(&points, DOTS, finger_colour(recording % COLOURS), 2.4));
+    }
+    let of = |what: &str| format!("{} {what} ({})", axis.name, axis.unit);
+    let layout = panel(
+        airy(measured),
+        airy(predicted),
+        &of("measured"),
+        &of("predicted"),
+    );
+    let title = format!("{}: predicted over measured", axis.name);
+    let drawing = tiled(
+        (number, &title),
+        &legend(page, axis),
+        vec![(plots, layout)],
+        1,
+        320.0,
+    );
+    let caption = "Each dot is a picture, predicted without its block of time; on the line, it would be exact.";
+    Figure::drawn(number, title, caption, Some(drawing))
+}
+
+/// Errors in the order of time: blocks left out, and, where there are several recordings, whole recordings.
+pub fn residuals_figure(page: &WrenchPage, axis: &AxisPoints, number: u32) -> Figure {
+    let kinds: [(&str, ErrorOf); 2] = [
+        ("blocks left out", |p| p.by_blocks - p.measured),
+        ("recording left out", |p| p.by_recording - p.measured),
+    ];
+    let panels = kinds.into_iter().filter_map(|(kind, error)| {
+        let errors = range(axis.points.iter().map(error))?;
+        let last = axis.points.len().saturating_sub(1) as f64;
+        let mut plots = vec![line([(0.0, 0.0), (last, 0.0)], Pen::solid(EXACT, 1.4))];
+        for recording in drawn(axis) {
+            let points = axis.points.iter().enumerate();
+            let own = points.filter(|(_, p)| p.recording == recording);
+            let own: Vec<_> = own.map(|(place, p)| (place as f64, error(p))).collect();
+            plots.push(dots(&own, DOTS, finger_colour(recording % COLOURS), 2.4));
+        }
+        let label = format!("error, {kind} ({})", axis.unit);
+        let layout = panel(airy((0.0, last)), airy(errors), "picture", &label);
+        Some((plots, layout))
+    });
+    let title = format!("{}: errors in the order of time", axis.name);
+    let drawing = tiled(
+        (number, &title),
+        &legend(page, axis),
+        panels.collect(),
+        1,
+        240.0,
+    );
+    let caption = "Predicted less measured, recording after recording. A recording whose errors lie all on one side has drifted.";
+    Figure::drawn(number, title, caption, Some(drawing))
+}
+
+/// The recordings in which the component was measured.
+fn drawn(axis: &AxisPoints) -> Vec<usize> {
+    let mut recordings: Vec<_> = axis.points.iter().map(|point| point.recording).collect();
+    recordings.dedup();
+    recordings
+}
+
+fn legend<'a>(page: &'a WrenchPage, axis: &AxisPoints) -> Vec<(&'a str, Pen)> {
+    let named = drawn(axis).into_iter().take(COLOURS);
+    let entry = |recording: usize| {
+        let name = page.recordings.get(recording)?;
+        let name = name.rsplit('/').next().unwrap_or(name);
+        Some((name, Pen::solid(finger_colour(recording % COLOURS), 2.0)))
+    };
+    named.filter_map(entry).collect()
+}
