@@ -1,0 +1,52 @@
+//! From the stamp of joint angles to the command on the bus, over the emulated bus at 4 Mbaud.
+//!
+//! Not a bench of divan's: what counts is when bytes arrive at another thread. Prints percentiles for two and three fingers at 100 Hz and
+//! 500 Hz.
+
+#[cfg(target_os = "linux")]
+#[path = "../tests/support/mod.rs"]
+mod support;
+
+#[cfg(not(target_os = "linux"))]
+fn main() {}
+
+#[cfg(target_os = "linux")]
+fn main() {
+    use feeler::glam::DVec3;
+    use feeler::hand::Hand;
+    use feeler::pace::Pace;
+    use feeler_drives::packet::Protocol;
+    use feeler_drives::packet::instruction::SYNC_WRITE;
+    use support::Rig;
+
+    for (fingers, rate) in [(2, 100.0), (2, 500.0), (3, 100.0), (3, 500.0)] {
+        let mut config = support::config(Protocol::Dynamixel, fingers);
+        config.reply_timeout = 0.5;
+        let mut rig = Rig::of(config).unwrap_or_else(|error| panic!("{error}"));
+        let mut pace = Pace::new(1.0 / rate).expect("a period");
+        let mut stamps = Vec::new();
+        let begin = rig.emulator.servos().log().entries().count();
+        for step in 0..(3.0 * rate) as u32 {
+            pace.wait();
+            rig.hand.read(&mut rig.state).expect("joint angles");
+            stamps.push(rig.state.stamp);
+            let velocity = if step % 2 == 0 { 0.05 } else { -0.05 };
+            rig.command.relay(&vec![DVec3::splat(velocity); fingers]);
+            rig.hand.command(&rig.command).expect("a command");
+        }
+        rig.settle();
+        let servos = rig.emulator.servos();
+        let entries = servos.log().entries().skip(begin);
+        let written = entries.filter(|entry| entry.instruction == SYNC_WRITE);
+        let mut delays: Vec<f64> = written.zip(&stamps).map(|(w, s)| w.time - s).collect();
+        delays.sort_by(f64::total_cmp);
+        let at = |share: f64| delays[((delays.len() - 1) as f64 * share) as usize] * 1e3;
+        println!(
+            "{fingers} fingers, {rate} Hz: joint angles to the command's last byte on the bus, {} periods: p50 {:.3} ms, p99 {:.3} ms, most {:.3} ms",
+            delays.len(),
+            at(0.5),
+            at(0.99),
+            at(1.0),
+        );
+    }
+}

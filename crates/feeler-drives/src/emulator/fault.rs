@@ -1,0 +1,126 @@
+//! What can go wrong on a bus.
+
+use rand::RngExt;
+use rand_pcg::Pcg64;
+use std::str::FromStr;
+
+/// A fault that is injected into an emulated bus, from then on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum BusFault {
+    /// This part of all bytes arrives changed, in both directions.
+    FlipBytes(f64),
+    /// This part of all bytes does not arrive.
+    LoseBytes(f64),
+    /// The adapter sends back what it is sent.
+    Echo,
+    /// The servo with this id says nothing any more.
+    Silent(u8),
+    /// The servo with this id restarts: it is silent for a while and then as it comes, without torque.
+    Reboot(u8),
+    /// The port is gone; the servos go on.
+    CablePulled,
+    /// Answers take so much longer, s.
+    Late(f64),
+    /// The servo with this id gets hot.
+    Overheat(u8),
+    /// The supply of the servo with this id falls.
+    Undervoltage(u8),
+    /// The servo with this id reports a fault of its hardware.
+    Hardware(u8),
+    /// The encoder of the servo with this id jumps by two turns.
+    Jump(u8),
+}
+
+/// Every kind of fault, as the command line has it.
+const KINDS: &str = "flip-bytes=SHARE, lose-bytes=SHARE, echo, silent=ID, reboot=ID, cable-pulled, late=SECONDS, overheat=ID, \
+                     undervoltage=ID, hardware=ID, jump=ID";
+
+impl FromStr for BusFault {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let expected = || format!("{text:?}: expected one of {KINDS}");
+        let (kind, value) = text.split_once('=').unwrap_or((text, ""));
+        let share = || {
+            let share = value
+                .parse::<f64>()
+                .ok()
+                .filter(|v| (0.0..=1.0).contains(v));
+            share.ok_or_else(|| format!("{text:?}: a share from 0 to 1 expected"))
+        };
+        let seconds = || {
+            let time = value
+                .parse::<f64>()
+                .ok()
+                .filter(|v| (0.0..=60.0).contains(v));
+            time.ok_or_else(|| format!("{text:?}: a time from 0 to 60 s expected"))
+        };
+        let id = || {
+            let id = value.parse::<u8>().ok();
+            id.ok_or_else(|| format!("{text:?}: the id of a servo expected, 0 to 252"))
+        };
+        match kind {
+            "flip-bytes" => share().map(Self::FlipBytes),
+            "lose-bytes" => share().map(Self::LoseBytes),
+            "late" => seconds().map(Self::Late),
+            "silent" => id().map(Self::Silent),
+            "reboot" => id().map(Self::Reboot),
+            "overheat" => id().map(Self::Overheat),
+            "undervoltage" => id().map(Self::Undervoltage),
+            "hardware" => id().map(Self::Hardware),
+            "jump" => id().map(Self::Jump),
+            "echo" if value.is_empty() => Ok(Self::Echo),
+            "cable-pulled" if value.is_empty() => Ok(Self::CablePulled),
+            _ => Err(expected()),
+        }
+    }
+}
+
+/// What the wire does to the bytes on it.
+#[derive(Debug, Clone)]
+pub(super) struct Wire {
+    pub flipped: f64,
+    pub lost: f64,
+    pub random: Pcg64,
+}
+
+impl Wire {
+    /// Changes and loses `bytes`.
+    pub fn carry(&mut self, bytes: &mut Vec<u8>) {
+        let (lost, flipped, random) = (self.lost, self.flipped, &mut self.random);
+        if lost > 0.0 {
+            bytes.retain(|_| !random.random_bool(lost));
+        }
+        if flipped > 0.0 {
+            for byte in bytes {
+                if random.random_bool(flipped) {
+                    *byte ^= 1 << random.random_range(0..8);
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn faults_have_names() {
+        assert_eq!("flip-bytes=0.01".parse(), Ok(BusFault::FlipBytes(0.01)));
+        assert_eq!("silent=3".parse(), Ok(BusFault::Silent(3)));
+        assert_eq!("cable-pulled".parse(), Ok(BusFault::CablePulled));
+        for wrong in [
+            "",
+            "silent",
+            "silent=300",
+            "echo=1",
+            "flip-bytes=2",
+            "late=-1",
+            "fire",
+        ] {
+            let said = wrong.parse::<BusFault>().unwrap_err();
+            assert!(said.contains("expected"), "{said}");
+        }
+    }
+}

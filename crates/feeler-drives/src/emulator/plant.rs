@@ -1,0 +1,59 @@
+//! What emulated servos move.
+
+/// Where a servo's horn is.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Motion {
+    /// Its angle from the servo's position 0, rad.
+    pub angle: f64,
+    /// Its angular velocity, rad/s.
+    pub velocity: f64,
+}
+
+/// The mechanism behind emulated servos, by their number.
+pub trait Plant: Send {
+    /// Goes on until the time `now`, s; motors follow these velocities of their horns, rad/s.
+    fn advance(&mut self, now: f64, goals: &[f64]);
+
+    /// How servo `servo` stands now.
+    fn motion(&self, servo: usize) -> Motion;
+}
+
+/// Servos that move nothing but themselves, with a first-order lag.
+#[derive(Debug, Clone)]
+pub struct LagPlant {
+    lag: f64,
+    time: f64,
+    motions: Vec<Motion>,
+}
+
+impl LagPlant {
+    /// Servos at rest at `angles`, rad, whose velocity follows its goal with the time constant `lag`, s, above 0.
+    pub fn new(lag: f64, angles: &[f64]) -> Self {
+        let at_rest = |&angle: &f64| Motion {
+            angle,
+            velocity: 0.0,
+        };
+        Self {
+            lag,
+            time: 0.0,
+            motions: angles.iter().map(at_rest).collect(),
+        }
+    }
+}
+
+impl Plant for LagPlant {
+    fn advance(&mut self, now: f64, goals: &[f64]) {
+        let step = (now - self.time).max(0.0);
+        self.time = self.time.max(now);
+        let remaining = (-step / self.lag).exp();
+        for (motion, goal) in self.motions.iter_mut().zip(goals) {
+            let error = motion.velocity - goal;
+            motion.angle += goal * step + self.lag * (1.0 - remaining) * error;
+            motion.velocity = goal + remaining * error;
+        }
+    }
+
+    fn motion(&self, servo: usize) -> Motion {
+        self.motions.get(servo).copied().unwrap_or_default()
+    }
+}

@@ -1,0 +1,132 @@
+//! One joint's servo: its units, its limits, and what it was last told.
+
+use crate::config::JointDriveConfig;
+use crate::error::{DriveError, JointName};
+use crate::registers::{Model, Registers};
+use feeler::hand::finger::FingerGeometry;
+
+/// A joint's servo.
+#[derive(Debug, Clone)]
+pub(crate) struct Servo {
+    pub name: JointName,
+    drive: JointDriveConfig,
+    model: &'static Model,
+    /// Limits of the joint's angle, rad, and of its speed, rad/s.
+    lower: f64,
+    upper: f64,
+    speed: f64,
+    /// Position when it was last read, counts: without the jumps from turn to turn.
+    counts: Option<i64>,
+    /// The joint's angle, rad, and velocity, rad/s, when it was last read.
+    pub angle: f64,
+    pub velocity: f64,
+    /// Goal velocity, in the model's unit.
+    pub goal: i64,
+    /// What rounding left out of the goals so far, in the model's unit.
+    left_out: f64,
+}
+
+impl Servo {
+    /// The servo of `name`, which moves a joint of the finger `geometry`.
+    pub fn new(
+        name: JointName,
+        drive: &JointDriveConfig,
+        model: &'static Model,
+        geometry: &FingerGeometry,
+    ) -> Self {
+        Self {
+            name,
+            drive: drive.clone(),
+            model,
+            lower: geometry.joint_lower()[name.joint],
+            upper: geometry.joint_upper()[name.joint],
+            speed: geometry.joint_speed_limit()[name.joint],
+            counts: None,
+            angle: 0.0,
+            velocity: 0.0,
+            goal: 0,
+            left_out: 0.0,
+        }
+    }
+
+    /// Requires a servo that allows `limit` (in its unit) to be fast enough.
+    pub fn allow(&self, limit: i64) -> Result<(), DriveError> {
+        let expected = self.speed * self.drive.gear_ratio;
+        let actual = limit as f64 * self.model.velocity_unit;
+        match actual >= expected {
+            true => Ok(()),
+            false => Err(DriveError::VelocityLimit {
+                joint: self.name,
+                expected,
+                actual,
+            }),
+        }
+    }
+
+    /// Forgets what it was told and where it was.
+    pub fn reset(&mut self) {
+        self.goal = 0;
+        self.left_out = 0.0;
+        self.counts = None;
+    }
+
+    /// Takes in what it says of its motion. Its position jumps back after so many counts, where it `wraps`.
+    pub fn read(&mut self, registers: &Registers, bytes: &[u8], wraps: Option<i64>) {
+        let read = registers.in_motion(registers.position, bytes);
+        let counts = match (wraps, self.counts) {
+            (None, _) => read,
+            (Some(turn), before) => {
+                // Of the positions that look alike, the nearest to the one before; at first, to the middle of the joint's range.
+                let middle = (self.lower + self.upper) / 2.0;
+                let near = before.unwrap_or_else(|| self.drive.counts(middle).round() as i64);
+                near + (read - near + turn / 2).rem_euclid(turn) - turn / 2
+            }
+        };
+        self.counts = Some(counts);
+        self.angle = self.drive.angle(counts as f64);
+        let units = registers.in_motion(registers.velocity, bytes) as f64;
+        self.velocity = self.drive.joint_velocity(units * self.model.velocity_unit);
+    }
+
+    /// Requires the joint to be within its limits and not faster than it can be.
+    pub fn check(&self, tolerance: f64, faster: f64) -> Result<(), DriveError> {
+        let (lower, upper) = (self.lower - tolerance, self.upper + tolerance);
+        if !(lower..=upper).contains(&self.angle) {
+            return Err(DriveError::BeyondLimits {
+                joint: self.name,
+                angle: self.angle,
+                lower: self.lower,
+                upper: self.upper,
+            });
+        }
+        let limit = faster * self.speed;
+        if self.velocity.abs() > limit {
+            return Err(DriveError::TooFast {
+                joint: self.name,
+                velocity: self.velocity,
+                limit,
+            });
+        }
+        Ok(())
+    }
+
+    /// Sets the goal for the joint's `velocity`, rad/s. A servo's unit of velocity is coarse: what rounding leaves out of one goal is
+    /// added to the next, so that the mean is right. A joint that is to stand still has the goal 0.
+    pub fn command(&mut self, velocity: f64) -> Result<(), DriveError> {
+        if velocity.is_nan() || velocity.abs() > self.speed * (1.0 + 1e-9) {
+            return Err(DriveError::Command {
+                joint: self.name,
+                velocity,
+                limit: self.speed,
+            });
+        }
+        if velocity == 0.0 {
+            (self.goal, self.left_out) = (0, 0.0);
+            return Ok(());
+        }
+        let wanted = self.drive.servo_velocity(velocity) / self.model.velocity_unit + self.left_out;
+        self.goal = wanted.round() as i64;
+        self.left_out = wanted - wanted.round();
+        Ok(())
+    }
+}

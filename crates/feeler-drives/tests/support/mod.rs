@@ -1,0 +1,152 @@
+//! A hand of emulated servos, and what was said on its bus.
+
+// Not every test program uses all of it.
+#![allow(dead_code)]
+
+use feeler::glam::DVec3;
+use feeler::hand::finger::{FingerConfig, FingerGeometry};
+use feeler::hand::{Hand, HandCommand, HandError, HandState};
+use feeler_drives::clock::RigClock;
+use feeler_drives::config::DrivesConfig;
+use feeler_drives::emulator::{Emulator, EmulatorConfig, LagPlant, Servos};
+use feeler_drives::error::DriveError;
+use feeler_drives::hand::DriveHand;
+use feeler_drives::packet::Protocol;
+use feeler_drives::packet::instruction::SYNC_WRITE;
+use feeler_drives::registers::{COUNTS_PER_TURN, Registers};
+use std::f64::consts::TAU;
+use std::time::Duration;
+
+/// Oldest joint angles that a command may be made of, s.
+pub const MOST_AGE: f64 = 0.035;
+/// Control period, s.
+pub const PERIOD: f64 = 0.01;
+
+pub fn finger() -> FingerGeometry {
+    let config = FingerConfig {
+        base_position: [-0.1655, 0.0, 0.0576],
+        phi1_deg: 0.0,
+        phi2_deg: 0.0,
+        links: [0.030, 0.060, 0.055],
+        joint_lower_deg: [-60.0, -30.0, -150.0],
+        joint_upper_deg: [60.0, 120.0, 0.0],
+        joint_speed_limit: [2.0, 2.0, 2.0],
+    };
+    FingerGeometry::new(&config).expect("a finger")
+}
+
+/// Servos that speak `protocol`, with offsets, directions and gears of their own.
+pub fn config(protocol: Protocol, fingers: usize) -> DrivesConfig {
+    let mut config = DrivesConfig::emulated(fingers);
+    config.protocol = protocol;
+    // A busy computer is late now and then, which is no fault of the servos'.
+    config.reply_timeout = 0.5;
+    if protocol == Protocol::Feetech {
+        (config.fast_sync_read, config.bus_watchdog, config.baud_rate) = (false, 0.0, 1_000_000);
+    }
+    for (index, joint) in config
+        .finger
+        .iter_mut()
+        .flat_map(|f| &mut f.joint)
+        .enumerate()
+    {
+        joint.direction = if index % 2 == 0 { 1 } else { -1 };
+        joint.homing_offset = 0.3 * index as f64;
+        joint.gear_ratio = 1.0 + index as f64;
+        joint.current_limit = Some(0.65);
+        if protocol == Protocol::Feetech {
+            (joint.model, joint.gear_ratio) = ("STS3215".into(), 1.0);
+        }
+    }
+    config
+}
+
+/// A bus of the servos of `config`, whose joints are in the middle of their ranges.
+pub fn emulator(config: &DrivesConfig, clock: RigClock) -> Emulator {
+    let geometry = finger();
+    let middle = (geometry.joint_lower() + geometry.joint_upper()) / 2.0;
+    let joints = config.joints().enumerate();
+    let angles = joints.map(|(i, joint)| joint.counts(middle[i % 3]) / COUNTS_PER_TURN * TAU);
+    let plant = LagPlant::new(0.01, &angles.collect::<Vec<_>>());
+    let bus = EmulatorConfig::of(config, 1);
+    Emulator::start(&bus, Box::new(plant), clock).expect("a pseudo-terminal")
+}
+
+/// A hand, and the bus that it is on.
+pub struct Rig {
+    pub hand: DriveHand,
+    pub state: HandState,
+    pub command: HandCommand,
+    pub emulator: Emulator,
+    pub config: DrivesConfig,
+}
+
+impl Rig {
+    pub fn new(protocol: Protocol) -> Self {
+        Self::of(config(protocol, 2)).unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    pub fn of(mut config: DrivesConfig) -> Result<Self, DriveError> {
+        let clock = RigClock::real();
+        let emulator = emulator(&config, clock);
+        config.port = emulator.path().into();
+        let fingers = vec![finger(); config.finger.len()];
+        let count = fingers.len();
+        Ok(Self {
+            hand: DriveHand::open(&config, &fingers, MOST_AGE, clock)?,
+            state: HandState::zero(count),
+            command: HandCommand::stop(count),
+            emulator,
+            config,
+        })
+    }
+
+    /// A control period: reads, and commands all joints of all fingers `velocity`, rad/s.
+    pub fn period(&mut self, velocity: f64) -> Result<(), HandError> {
+        self.hand.read(&mut self.state)?;
+        let velocities = vec![DVec3::splat(velocity); self.config.finger.len()];
+        self.command.relay(&velocities);
+        self.hand.command(&self.command)?;
+        std::thread::sleep(Duration::from_secs_f64(PERIOD));
+        Ok(())
+    }
+
+    /// The goals of all servos, rad/s.
+    pub fn goals(&self) -> Vec<f64> {
+        self.emulator
+            .servos()
+            .servos()
+            .iter()
+            .map(|servo| servo.goal())
+            .collect()
+    }
+
+    /// Waits until the bus has done what was sent.
+    pub fn settle(&self) {
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}
+
+/// Every command to move on the bus: when, and how old the newest answer was by then, s.
+pub fn ages_of_commands(servos: &Servos, protocol: Protocol) -> Vec<(f64, f64)> {
+    let goal = Registers::of(protocol).goal_velocity;
+    let mut newest = f64::NEG_INFINITY;
+    let mut ages = Vec::new();
+    for entry in servos.log().entries() {
+        let (address, stride) = match protocol {
+            Protocol::Dynamixel => (4, 5),
+            Protocol::Feetech => (2, 3),
+        };
+        if entry.instruction == 0 {
+            newest = entry.time;
+        } else if entry.instruction == SYNC_WRITE
+            && u16::from(entry.parameters[0]) == goal.address
+            && entry.parameters[address..]
+                .chunks(stride)
+                .any(|servo| goal.decode(&servo[1..]) != 0)
+        {
+            ages.push((entry.time, entry.time - newest));
+        }
+    }
+    ages
+}
