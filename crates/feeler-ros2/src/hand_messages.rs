@@ -1,0 +1,194 @@
+//! What a hand publishes: messages that are kept and filled again.
+
+use crate::message::TactileState;
+use feeler::control::flags::FingerFlags;
+use feeler_record::error::RecordError;
+use feeler_record::model::{Frame, joint_names};
+use feeler_record::ros::{
+    Header, JointState, PointCloud2, TFMessage, Text, Time, TransformStamped, WrenchStamped,
+};
+use feeler_record::taxels::{Elements, taxels};
+use feeler_record::urdf::urdf;
+use feeler_record::{NO_ELEMENT, RunFacts};
+use glam::DVec3;
+
+/// The messages of a hand.
+pub struct HandMessages {
+    /// The hand as URDF.
+    pub description: Text,
+    /// Where frames are that do not move.
+    pub still: TFMessage,
+    /// Where frames are that hang from joints.
+    pub moving: TFMessage,
+    /// The joints.
+    pub joints: JointState,
+    /// The fingers.
+    pub fingers: Vec<FingerMessages>,
+    /// The frames of `moving`, each with its finger.
+    frames: Vec<(usize, Frame)>,
+}
+
+/// The messages of one finger.
+pub struct FingerMessages {
+    /// What acts on the fingertip, about the dome's centre.
+    pub wrench: WrenchStamped,
+    /// Each element.
+    pub taxels: PointCloud2,
+    /// Flags and forces.
+    pub tactile: TactileState,
+    elements: Elements,
+}
+
+/// What one finger feels.
+#[derive(Debug, Clone, Copy)]
+pub struct Touch<'a> {
+    /// Sequence number of the picture.
+    pub sequence: u64,
+    /// TOUCH, SLIP, OVER, the largest element and the grasp force.
+    pub flags: &'a FingerFlags,
+    /// Force at each element in its own frame, N; not a number where it is not known.
+    pub forces: &'a [DVec3],
+    /// |d(F_x, F_y)/dt| of each element, N/s.
+    pub shear_rate: &'a [f64],
+    /// An element whose shear rate exceeds this slips, N/s.
+    pub slip_threshold: f64,
+}
+
+impl HandMessages {
+    /// Of a hand that is built as `facts` say.
+    ///
+    /// # Errors
+    /// When they do not say how, or make no sense.
+    pub fn new(facts: &RunFacts) -> Result<Self, RecordError> {
+        if facts.hand.is_empty() {
+            return Err(RecordError::Facts {
+                field: "hand",
+                expected: "how its fingers are built".into(),
+                actual: "nothing".into(),
+            });
+        }
+        let mut messages = Self {
+            description: Text {
+                data: urdf(&facts.experiment, &facts.hand, &facts.solids)?,
+                stamp: 0.0,
+            },
+            still: TFMessage::default(),
+            moving: TFMessage::default(),
+            joints: JointState::default(),
+            fingers: Vec::new(),
+            frames: Vec::new(),
+        };
+        for (finger, model) in facts.hand.iter().enumerate() {
+            messages.joints.name.extend(joint_names(finger));
+            for frame in model.frames(finger)? {
+                let place = transform(&frame);
+                if frame.joint.is_none() {
+                    messages.still.transforms.push(place);
+                } else {
+                    messages.moving.transforms.push(place);
+                    messages.frames.push((finger, frame));
+                }
+            }
+            let elements = Elements::of(model);
+            let taxels = taxels(finger, &elements);
+            messages.fingers.push(FingerMessages {
+                wrench: WrenchStamped {
+                    header: taxels.header.clone(),
+                    ..WrenchStamped::default()
+                },
+                tactile: TactileState {
+                    header: taxels.header.clone(),
+                    ..TactileState::default()
+                },
+                taxels,
+                elements,
+            });
+        }
+        Ok(messages)
+    }
+
+    /// Takes the joints of all fingers at `stamp`: angles, rad, and velocities, rad/s. A finger that is missing there is left.
+    pub fn set_joints(
+        &mut self,
+        stamp: Time,
+        joints: impl Iterator<Item = (DVec3, DVec3)> + Clone,
+    ) {
+        self.joints.header.stamp = stamp;
+        self.joints.position.clear();
+        self.joints.velocity.clear();
+        for (position, velocity) in joints.clone() {
+            self.joints.position.extend(position.to_array());
+            self.joints.velocity.extend(velocity.to_array());
+        }
+        for ((finger, frame), place) in self.frames.iter().zip(&mut self.moving.transforms) {
+            let Some((angles, _)) = joints.clone().nth(*finger) else {
+                continue;
+            };
+            place.header.stamp = stamp;
+            place.transform = frame
+                .in_parent(frame.joint.map_or(0.0, |joint| angles[joint]))
+                .into();
+        }
+    }
+
+    /// Marks what does not move as of `stamp`.
+    pub fn set_still(&mut self, stamp: Time) {
+        for place in &mut self.still.transforms {
+            place.header.stamp = stamp;
+        }
+    }
+}
+
+impl FingerMessages {
+    /// Takes what the finger feels in a picture of `stamp`.
+    pub fn set(&mut self, stamp: Time, touch: &Touch) {
+        for header in [
+            &mut self.wrench.header,
+            &mut self.taxels.header,
+            &mut self.tactile.header,
+        ] {
+            header.stamp = stamp;
+        }
+        self.elements.take_forces(touch.forces);
+        self.wrench.wrench = self.elements.wrench();
+        let rates = touch.shear_rate;
+        let slips = |element: usize| {
+            rates
+                .get(element)
+                .is_some_and(|rate| *rate > touch.slip_threshold)
+        };
+        self.elements.fill(&mut self.taxels, slips);
+        let Self { tactile, .. } = self;
+        let FingerFlags {
+            touch: touches,
+            slip,
+            over,
+            largest_element,
+            grasp_force,
+        } = *touch.flags;
+        (tactile.sequence, tactile.grasp_force) = (touch.sequence, grasp_force);
+        (tactile.touch, tactile.slip, tactile.over) = (touches, slip, over);
+        let largest = largest_element.and_then(|element| u32::try_from(element).ok());
+        tactile.largest_element = largest.unwrap_or(NO_ELEMENT);
+        tactile.forces.clear();
+        tactile.forces.extend(
+            touch
+                .forces
+                .iter()
+                .map(|&force| feeler_record::wire::Vector3::from(force)),
+        );
+        tactile.shear_rate.clear();
+        tactile.shear_rate.extend(rates);
+        tactile.slips.clear();
+        tactile.slips.extend((0..touch.forces.len()).map(slips));
+    }
+}
+
+/// Where `frame` is at its joint's angle 0.
+fn transform(frame: &Frame) -> TransformStamped {
+    TransformStamped {
+        header: Header::of(frame.parent.as_str()),
+        child_frame_id: frame.name.clone(),
+        transform: frame.in_parent(0.0).into(),
+    }
+}

@@ -1,0 +1,244 @@
+//! Message texts, as `.msg` files have them, read into what a type's description says of each field.
+
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// Why a message text has no description.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum DescriptionError {
+    /// A line is no field.
+    #[error("{type_name}: a field as in \"float64[3] position\" expected, found {line:?}")]
+    Field {
+        /// The type whose text it is.
+        type_name: String,
+        /// The line.
+        line: String,
+    },
+    /// A type is used and not described.
+    #[error("{type_name} uses {used}, of which there is no text")]
+    Unknown {
+        /// The type that uses it.
+        type_name: String,
+        /// What is missing.
+        used: String,
+    },
+}
+
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct IndividualType {
+    pub type_name: String,
+    pub fields: Vec<Field>,
+}
+
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Field {
+    pub name: String,
+    pub r#type: FieldType,
+}
+
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
+pub struct FieldType {
+    pub type_id: u8,
+    pub capacity: u64,
+    pub string_capacity: u64,
+    pub nested_type_name: String,
+}
+
+/// A line of this begins the text of another type.
+const RULE: &str = "====";
+
+/// The numbers of types that are not made of others, as in `type_description_interfaces/msg/FieldType`.
+const PRIMITIVES: [(&str, u8); 15] = [
+    ("int8", 2),
+    ("uint8", 3),
+    ("char", 3),
+    ("int16", 4),
+    ("uint16", 5),
+    ("int32", 6),
+    ("uint32", 7),
+    ("int64", 8),
+    ("uint64", 9),
+    ("float32", 10),
+    ("float64", 11),
+    ("bool", 15),
+    ("byte", 16),
+    ("string", STRING),
+    ("wstring", WSTRING),
+];
+const NESTED: u8 = 1;
+const STRING: u8 = 17;
+const WSTRING: u8 = 18;
+/// What is added to the number of a string that has a greatest length.
+const BOUNDED: u8 = 4;
+/// What is added for an array, a sequence that has a greatest length, and one that has none.
+const ARRAY: u8 = 48;
+const BOUNDED_SEQUENCE: u8 = 96;
+const SEQUENCE: u8 = 144;
+
+/// Adds to `types` the type called `name` and all whose texts stand after its own.
+pub fn add_text(
+    name: &str,
+    text: &str,
+    types: &mut BTreeMap<String, IndividualType>,
+) -> Result<(), DescriptionError> {
+    let mut current = IndividualType {
+        type_name: name.into(),
+        fields: Vec::new(),
+    };
+    for line in text.lines() {
+        if let Some(other) = line.strip_prefix("MSG: ") {
+            let next = IndividualType {
+                type_name: whole_name(other.trim(), name),
+                fields: Vec::new(),
+            };
+            let done = std::mem::replace(&mut current, next);
+            types.insert(done.type_name.clone(), done);
+        } else if !line.starts_with(RULE) {
+            let field = field(line, &current.type_name)?;
+            current.fields.extend(field);
+        }
+    }
+    types.insert(current.type_name.clone(), current);
+    // What has no field has this one, as a struct in C cannot be empty.
+    for empty in types.values_mut().filter(|t| t.fields.is_empty()) {
+        empty.fields.push(Field {
+            name: "structure_needs_at_least_one_member".into(),
+            r#type: FieldType {
+                type_id: 3,
+                ..FieldType::default()
+            },
+        });
+    }
+    Ok(())
+}
+
+/// The field of a line; none where it is a constant or a comment.
+fn field(line: &str, of: &str) -> Result<Option<Field>, DescriptionError> {
+    let code = line.split('#').next().unwrap_or_default().trim();
+    if code.is_empty() {
+        return Ok(None);
+    }
+    let wrong = || DescriptionError::Field {
+        type_name: of.into(),
+        line: line.into(),
+    };
+    let (kind, rest) = code.split_once(char::is_whitespace).ok_or_else(wrong)?;
+    let rest = rest.trim_start();
+    // Behind a field's name may stand its default, which the description has not.
+    let end = rest.find(|c: char| !c.is_ascii_alphanumeric() && c != '_');
+    let (name, value) = rest.split_at(end.unwrap_or(rest.len()));
+    if value.trim_start().starts_with('=') {
+        return Ok(None);
+    }
+    let r#type = field_type(kind, of).ok_or_else(wrong)?;
+    match name.starts_with(|c: char| c.is_ascii_alphabetic()) {
+        true => Ok(Some(Field {
+            name: name.into(),
+            r#type,
+        })),
+        false => Err(wrong()),
+    }
+}
+
+/// The type that `text` is in the text of the type `of`, as in `Point[<=3]`; none if it is none.
+fn field_type(text: &str, of: &str) -> Option<FieldType> {
+    let (text, array) = match text.strip_suffix(']') {
+        Some(array) => array
+            .rsplit_once('[')
+            .map(|(base, size)| (base, Some(size)))?,
+        None => (text, None),
+    };
+    let (base, string_capacity) = match text.split_once("<=") {
+        Some((base, most)) => (base, most.parse().ok()?),
+        None => (text, 0),
+    };
+    let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '/';
+    if base.is_empty() || !base.chars().all(is_part) {
+        return None;
+    }
+    let primitive = PRIMITIVES.iter().find(|(name, _)| *name == base);
+    let mut type_id = primitive.map_or(NESTED, |(_, id)| *id);
+    if string_capacity > 0 {
+        type_id = matches!(type_id, STRING | WSTRING).then_some(type_id + BOUNDED)?;
+    }
+    let (added, capacity) = match array {
+        None => (0, 0),
+        Some("") => (SEQUENCE, 0),
+        Some(size) => match size.strip_prefix("<=") {
+            Some(most) => (BOUNDED_SEQUENCE, most.parse().ok()?),
+            None => (ARRAY, size.parse().ok()?),
+        },
+    };
+    Some(FieldType {
+        type_id: type_id + added,
+        capacity,
+        string_capacity,
+        nested_type_name: match primitive {
+            Some(_) => String::new(),
+            None => whole_name(base, of),
+        },
+    })
+}
+
+/// The whole name of a type that the text of the type `of` calls `name`: `Point` or `geometry_msgs/Point`.
+fn whole_name(name: &str, of: &str) -> String {
+    match name.split('/').count() {
+        1 => format!("{}/msg/{name}", of.split('/').next().unwrap_or_default()),
+        2 => name.replace('/', "/msg/"),
+        _ => name.into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fields_are_read_and_constants_left() {
+        let read = |line: &str| {
+            let field = field(line, "a_msgs/msg/A").unwrap()?;
+            let FieldType {
+                type_id,
+                capacity,
+                string_capacity,
+                nested_type_name,
+            } = field.r#type;
+            Some((
+                field.name,
+                type_id,
+                capacity,
+                string_capacity,
+                nested_type_name,
+            ))
+        };
+        let plain =
+            |name: &str, id, capacity, most| Some((name.into(), id, capacity, most, String::new()));
+        assert_eq!(read("uint8 X=3"), None);
+        assert_eq!(read("string NAME = \"a\"  # b"), None);
+        assert_eq!(read("  # only this"), None);
+        assert_eq!(read("bool read_only false"), plain("read_only", 15, 0, 0));
+        assert_eq!(read("char[16] gid"), plain("gid", 51, 16, 0));
+        assert_eq!(
+            read("string<=10[<=3] names"),
+            plain("names", 21 + 96, 3, 10)
+        );
+        let nested = |name: &str, id, used: &str| Some((name.into(), id, 0, 0, used.into()));
+        assert_eq!(read("Point at"), nested("at", 1, "a_msgs/msg/Point"));
+        assert_eq!(read("b/Point[] at"), nested("at", 145, "b/msg/Point"));
+    }
+
+    #[test]
+    fn what_is_no_field_is_refused() {
+        for line in [
+            "float64",
+            "float64 1x",
+            "float64[x] a",
+            "float64[ a",
+            "Point<=3 a",
+            "int8 ",
+        ] {
+            let mut types = BTreeMap::new();
+            assert!(add_text("a/msg/A", line, &mut types).is_err(), "{line}");
+        }
+    }
+}

@@ -1,0 +1,54 @@
+//! Whatever arrives: an error or a value, and never a panic.
+
+use feeler_record::ros::{JointState, PointCloud2, WrenchStamped};
+use feeler_record::wire::{Message, cdr};
+use feeler_ros2::attachment::Attachment;
+use feeler_ros2::message::*;
+use feeler_ros2::qos::Qos;
+use feeler_ros2::token::Token;
+use proptest::prelude::*;
+
+/// What was read is written and read again.
+fn decode<M: Message>(bytes: &[u8]) {
+    if let Ok(message) = cdr::decode::<M>(bytes) {
+        let mut again = Vec::new();
+        cdr::encode(&message, &mut again).expect("what was read can be written");
+        cdr::decode::<M>(&again).expect("what was written can be read");
+    }
+}
+
+proptest! {
+    #[test]
+    fn messages(mut bytes in proptest::collection::vec(any::<u8>(), 0..300), is_cdr in any::<bool>()) {
+        if is_cdr && bytes.len() >= 4 {
+            bytes[..4].copy_from_slice(&[0, 1, 0, 0]);
+        }
+        decode::<JointState>(&bytes);
+        decode::<PointCloud2>(&bytes);
+        decode::<WrenchStamped>(&bytes);
+        decode::<Clock>(&bytes);
+        decode::<Float64MultiArray>(&bytes);
+        decode::<TactileState>(&bytes);
+        decode::<TriggerRequest>(&bytes);
+        decode::<ListParametersRequest>(&bytes);
+        decode::<NamesRequest<0>>(&bytes);
+        decode::<SetParametersRequest<false>>(&bytes);
+    }
+
+    #[test]
+    fn attachments(bytes in proptest::collection::vec(any::<u8>(), 0..100)) {
+        if let Ok(attachment) = Attachment::decode(&bytes) {
+            prop_assert_eq!(&attachment.encode()[..], &bytes[..]);
+        }
+    }
+
+    #[test]
+    fn texts(text in ".*", parts in "@ros2_lv(/[0-9a-f%:,]{0,4}){0,4}/(NN|MP|SS|x)(/[%a:,0-9]{0,6}){0,8}") {
+        for text in [text, parts] {
+            let _ = Qos::decode(&text);
+            if let Ok(token) = text.parse::<Token>() {
+                prop_assert_eq!(token.to_string().parse::<Token>(), Ok(token));
+            }
+        }
+    }
+}

