@@ -3,6 +3,7 @@
 use divan::{Bencher, black_box};
 use feeler::control::controller::Controller;
 use feeler::control::flags::FlagAnalyzer;
+use feeler::control::grasp_slip::{ContactLoss, ContactLossConfig, GraspDrag, GraspDragConfig};
 use feeler::control::law::LawConfig;
 use feeler::control::law::policy::{PolicyConfig, PolicyModel};
 use feeler::control::plan::Plan;
@@ -14,7 +15,7 @@ use feeler::hand::{HandCommand, HandState, JointState};
 use feeler::sensor::layout::ElementLayout;
 use feeler::sensor::reading::TactileFrame;
 use feeler_lab::config::{Experiment, ExperimentConfig};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 #[path = "../../feeler/tests/support/policy_file.rs"]
 mod policy_file;
@@ -149,5 +150,23 @@ fn analyze_flags(bencher: Bencher) {
         frame.sequence += 1;
         frame.stamp += control.period;
         analyzer.analyze(black_box(&frame))
+    });
+}
+
+/// Both detectors of slip in grasps, on the markers of one finger: loss of contact on a regular pattern, and drag.
+#[divan::bench]
+fn detect_grasp_slip(bencher: Bencher) {
+    let at = |i: usize| 36.0 * DVec2::new((i % 7) as f64, (i / 7) as f64);
+    let mut places: Vec<_> = (0..ELEMENTS).map(at).collect();
+    let config = ContactLossConfig::default();
+    let mut loss = ContactLoss::on_pattern(&places, None, config).expect("a grid");
+    let mut drag = GraspDrag::new(ELEMENTS, 36.0, GraspDragConfig::default()).expect("a scale");
+    let mut by = 1.0;
+    bencher.bench_local(|| {
+        by = -by;
+        places[20].x += by;
+        let places = black_box(&places);
+        let contact = loss.update(0.01, places.iter().copied());
+        (contact, drag.update(0.01, places.iter().copied()))
     });
 }

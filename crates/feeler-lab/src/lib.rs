@@ -4,5 +4,6 @@
 pub mod config;
 pub mod environment;
 pub mod experiment;
+pub mod grasps;
 pub mod sensor;
 pub mod sweep;

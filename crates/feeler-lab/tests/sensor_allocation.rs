@@ -10,6 +10,7 @@ use feeler::sensor::{
     optical::OpticalSensor,
     reading::{TactileFrame, TactileSensor},
     sensing::{ElementReading, SensingChain},
+    taxel::{BuiltInTaxels, TaxelSensor},
 };
 use feeler_sim::{
     calibration_bench::{CalibrationBenchConfig, calibrate_simulated},
@@ -63,4 +64,37 @@ fn a_reading_allocates_nothing() {
     let picture = &sensor.frame().picture;
     assert!(assert_no_alloc(|| sensing.sense(picture, &mut readings)).is_ok());
     assert!(readings.iter().all(|reading| reading.force.is_some()));
+}
+
+/// Nor does a row of taxels, whatever is wrong with it.
+#[test]
+fn a_row_of_taxels_allocates_nothing() {
+    let mut layout = BuiltInTaxels::named("eflesh").unwrap().layout().unwrap();
+    layout.columns.sequence = Some("sequence".into());
+    let drift = "untouched = 5.0\ntime_constant = 1.0\nmost = 50.0";
+    layout.drift = Some(toml::from_str(drift).unwrap());
+    let names = (0..5).flat_map(|n| ["x", "y", "z"].map(|axis| format!(",{n}_{axis}")));
+    let header: String = names.collect();
+    let row = |sequence: &str, last: &str| format!("{sequence}{}{last}\n", ",1.5".repeat(14));
+    let mut table = format!("sequence{header}\n");
+    for (sequence, last) in [
+        ("a", ",1"),
+        ("a", ",2"),
+        ("long name", ","),
+        ("a", ",nan"),
+        ("a", ""),
+    ] {
+        table += &row(sequence, last).repeat(20);
+        table += "no row at all\n";
+    }
+    let mut sensor = TaxelSensor::open(table.as_bytes(), &layout, None).unwrap();
+    let mut reading = TactileFrame::unloaded(5);
+    let count = assert_no_alloc(|| {
+        let mut count = 0;
+        while sensor.read(&mut reading).is_ok() {
+            count += 1;
+        }
+        count
+    });
+    assert_eq!((count, sensor.troubles().skipped()), (100, 5));
 }

@@ -73,7 +73,7 @@ pub fn square_kernel(
         .map(|(corner, element)| square(&fingertip.projection, element, corner, side))
         .collect();
     let size = (config.camera.width, config.camera.height);
-    MomentsKernel::from_subregions(size, config.moments.dark_level, &regions)
+    MomentsKernel::of_regions(size, &config.moments, &regions)
         .expect("squares are inside the picture")
 }
 

@@ -20,10 +20,13 @@ macro_rules! built_in {
 }
 
 /// The experiments that come with the program.
-pub const BUILT_IN: [BuiltIn; 9] = built_in![
+pub const BUILT_IN: [BuiltIn; 12] = built_in![
     "cap-closing",
     "cap-opening",
     "cap-until-closed",
+    "cap-closing-pins",
+    "cap-closing-fibres",
+    "cap-closing-gel",
     "three-fingers",
     "contour",
     "friction-scan",

@@ -5,16 +5,23 @@ use super::load::{Experiment, read};
 use feeler::sensor::calibration::Calibration;
 use std::collections::BTreeMap;
 
+/// The calibrations of these names, from their files.
+macro_rules! built_in {
+    ($($name:literal),* $(,)?) => {
+        [$((
+            concat!($name, ".calibration.toml"),
+            include_str!(concat!("../../experiments/", $name, ".calibration.toml")),
+        )),*]
+    };
+}
+
 /// The calibrations that the built-in experiments name.
-const BUILT_IN_CALIBRATIONS: [(&str, &str); 2] = [
-    (
-        "reference-fingertip.calibration.toml",
-        include_str!("../../experiments/reference-fingertip.calibration.toml"),
-    ),
-    (
-        "reference-fingertip.coupled.calibration.toml",
-        include_str!("../../experiments/reference-fingertip.coupled.calibration.toml"),
-    ),
+const BUILT_IN_CALIBRATIONS: [(&str, &str); 5] = built_in![
+    "reference-fingertip",
+    "reference-fingertip.coupled",
+    "cap-closing-pins",
+    "cap-closing-fibres",
+    "cap-closing-gel",
 ];
 
 /// The text of the calibration that built-in experiments call `name`.

@@ -27,6 +27,9 @@ pub(super) fn check(config: &ExperimentConfig) -> Vec<Problem> {
     config.sensor.check("sensor", &mut checker);
     check_fingers(config, &mut checker);
     config.control.check(&config.task, &mut checker);
+    if let Some(drives) = &config.drives {
+        drives.check("drives", config.hand.finger.len(), &mut checker);
+    }
     if let Some(sim) = &config.sim {
         check_within_reach(config, sim, &mut checker);
         let fingers = 0..config.hand.finger.len();
@@ -98,11 +101,16 @@ mod tests {
                 .config
                 .task
                 .takes_law();
-            let best = load("best");
-            assert_eq!(best.is_ok(), takes, "{}", built_in.name);
-            if let Err(error) = best {
+            // One that needs no number of its own, as best does of the force on an element.
+            let other = load("normal-only");
+            assert_eq!(other.is_ok(), takes, "{}", built_in.name);
+            if let Err(error) = other {
                 let error = error.to_string();
-                for word in ["control.law = \"best\"", "task.", "until = \"strokes\""] {
+                for word in [
+                    "control.law = \"normal-only\"",
+                    "task.",
+                    "until = \"strokes\"",
+                ] {
                     assert!(
                         error.contains(word),
                         "{}: no {word} in {error}",

@@ -7,6 +7,7 @@ use feeler::control::task::TaskConfig;
 use feeler::hand::finger::FingerConfig;
 use feeler::sensor::drift::DriftConfig;
 use feeler::sensor::fingertip::FingertipConfig;
+use feeler_drives::config::DrivesConfig;
 use feeler_sim::config::SimConfig;
 use feeler_sim::object::ObjectConfig;
 use feeler_sim::thread::ThreadConfig;
@@ -40,6 +41,9 @@ pub struct ExperimentConfig {
     pub control: ControlConfig,
     /// What the hand does.
     pub task: TaskConfig,
+    /// The servos that move the hand, where feeler speaks to them itself.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub drives: Option<DrivesConfig>,
     /// The simulated world that it does it in; none of a real rig.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sim: Option<SimConfig>,

@@ -117,7 +117,10 @@ mod tests {
             assert_eq!(short.sha256(), whole.sha256());
             assert!(text.starts_with("# Heading\nname ="), "{text}");
             let lines = |text: &str| text.lines().count();
-            assert!(3 * lines(&text) < 2 * lines(built_in.toml), "{text}");
+            // Those that say everything, the hand as well, lose a third; those that leave out what is as by default, their comments.
+            let says_all = built_in.toml.contains("[[hand.finger]]");
+            let of_three = if says_all { 2 } else { 3 };
+            assert!(3 * lines(&text) < of_three * lines(built_in.toml), "{text}");
         }
         let text = load("cap-closing").in_short("");
         for word in [

@@ -25,7 +25,7 @@ pub struct Instruments {
     /// Where the object is that is carried, in truth, in W: the first free object, if there is one.
     pub object: Option<Pose>,
     /// Of each finger's feelers, in truth, the longest way that an anchor slid since the instruments were read
-    /// at another time before, m.
+    /// at another time before, m; with `sim.frame_period`, from one picture to the next.
     pub slipped: [f64; MAX_FINGERS],
 }
 

@@ -1,6 +1,9 @@
 //! One run in one process: the simulated rig, its sensors, the control loop and the recorder, wired up.
 
+#[cfg(target_os = "linux")]
+pub mod driven;
 mod facts;
+mod held_touch;
 mod instruments;
 pub mod linked;
 pub mod played_rig;
@@ -28,6 +31,7 @@ use feeler::control::phase::Phase;
 use feeler::control::stop_reason::StopReason;
 use feeler::control::task::Task;
 use feeler::control::touch::TouchSource;
+use feeler::hand::Hand;
 use feeler::hand::finger::{FingerError, FingerGeometry};
 use feeler::hand::inverse_kinematics::{KinematicsError, inverse_kinematics};
 use feeler::pace::{Schedule, Tick};
@@ -40,6 +44,7 @@ use feeler_sim::optics_config::OpticsError;
 use feeler_sim::rig::{SimHand, SimRig};
 use feeler_sim::world::World;
 use glam::DVec3;
+use held_touch::FramesTaken;
 use specimen::{SpecimenError, check_specimen};
 use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
@@ -116,8 +121,11 @@ pub enum ExperimentError {
 /// A fingertip's sensor, of whichever kind.
 pub type Sensor = Box<dyn TouchSource + Send>;
 
+/// What moves the fingers: the simulated hand, or drives with the simulated world behind them.
+pub type AnyHand = Box<dyn Hand + Send>;
+
 /// The control loop of a simulated rig.
-pub type SimulatedLoop = ControlLoop<Sensor, SimHand>;
+pub type SimulatedLoop = ControlLoop<Sensor, AnyHand>;
 
 /// A run under way.
 pub struct Session {
@@ -128,6 +136,12 @@ pub struct Session {
     cap: Option<usize>,
     slip: SlipMeter,
     time_limit: f64,
+    /// Periods that may be missed in a row.
+    most_missed: u64,
+    /// Pictures of finger 0 that were taken, where there is not one in every control period.
+    taken: FramesTaken,
+    /// The world goes on by itself, whether steps are made or not.
+    is_driven: bool,
 }
 
 impl Session {
@@ -155,9 +169,11 @@ impl Session {
         let controller = Controller::with_task(control(experiment)?, task, &fingers, &layouts)?;
         let (rig, cap) = rig(experiment, &joints)?;
         check_specimen(config, &fingers, &rig.world())?;
-        let sensors = sensors::sensors(experiment, &rig, &layouts)?;
-        let slip = SlipMeter::new(rig.world().state());
+        let taken = FramesTaken::default();
+        let sensors = sensors::sensors(experiment, &rig, &layouts, &taken)?;
+        let slip = SlipMeter::new(rig.world().state(), config.simulation()?.frame_period);
         let hand = SimHand::new(rig.clone(), steps_per_command(config)?);
+        let hand: AnyHand = Box::new(hand);
         Ok(Self {
             rig,
             control_loop: ControlLoop::new(sensors, hand, controller),
@@ -165,7 +181,24 @@ impl Session {
             cap,
             slip,
             time_limit: config.time_limit,
+            // Simulated time waits for its steps: none that is missed does harm.
+            most_missed: u64::MAX,
+            taken,
+            is_driven: false,
         })
+    }
+
+    /// The same with a hand that keeps its own time in place of the simulated one; more than `most_missed` periods that are missed in
+    /// a row stop it.
+    #[cfg(target_os = "linux")]
+    fn with_hand(self, hand: AnyHand, most_missed: u64) -> Self {
+        Self {
+            control_loop: self.control_loop.with_hand(hand),
+            slip: self.slip.by_count(self.taken.clone()),
+            most_missed,
+            is_driven: true,
+            ..self
+        }
     }
 
     /// Goes round the control loop once; what the instruments said when it began.
@@ -251,13 +284,17 @@ impl Session {
             rig: &self.rig,
             cap: self.cap,
             slip: &mut self.slip,
+            is_driven: self.is_driven,
             time_limit: self.time_limit,
             each_step,
         };
-        // Simulated time waits for its steps: none that is missed does harm.
-        let broke =
-            self.control_loop
-                .run_supervised(schedule, u64::MAX, interrupted, &mut supervisor)?;
+        let most_missed = self.most_missed;
+        let broke = self.control_loop.run_supervised(
+            schedule,
+            most_missed,
+            interrupted,
+            &mut supervisor,
+        )?;
         Ok(broke.flatten())
     }
 

@@ -3,7 +3,7 @@
 use super::sensors::{RigSensor, rig_sensors};
 use super::truth::SlipMeter;
 use super::{ExperimentError, Instruments, fingers_at_home, layouts, rig, steps_per_command};
-use crate::config::Experiment;
+use crate::config::{ConfigError, Experiment, Problem};
 use feeler::hand::{Hand, HandCommand, HandError, HandState};
 use feeler::sensor::camera::Camera;
 use feeler::sensor::frame::Frame;
@@ -36,6 +36,15 @@ impl PlayedRig {
     /// When a part of the experiment makes no sense.
     pub fn new(experiment: &Experiment) -> Result<Self, ExperimentError> {
         let config = &experiment.config;
+        if let Some(period) = config.simulation()?.frame_period {
+            let problem = Problem {
+                field: "sim.frame_period".into(),
+                value: period.to_string(),
+                expected: "none of a rig for programs elsewhere, whose pictures come with the joint angles".into(),
+            };
+            let (origin, problems) = (config.name.clone(), vec![problem]);
+            return Err(ConfigError::OutOfRange { origin, problems }.into());
+        }
         let layouts = layouts(config)?;
         let (_, joints) = fingers_at_home(config)?;
         let (rig, cap) = rig(experiment, &joints)?;
@@ -53,7 +62,7 @@ impl PlayedRig {
             }
         });
         let steps_per_period = steps_per_command(config)?;
-        let slip = SlipMeter::new(rig.world().state());
+        let slip = SlipMeter::new(rig.world().state(), None);
         Ok(Self {
             sensors: sensors.collect(),
             hand: SimHand::new(rig.clone(), steps_per_period),

@@ -1,5 +1,6 @@
 //! The fingertips' sensors of one run.
 
+use super::held_touch::{FramesTaken, HeldTouch};
 use super::{ExperimentError, Sensor};
 use crate::config::{Experiment, Sensing};
 use feeler::control::touch::AnalyzedSensor;
@@ -21,11 +22,12 @@ pub(super) enum RigSensor {
     Direct(DirectSensor),
 }
 
-/// One sensor per finger, with its flag analyzer.
+/// One sensor per finger, with its flag analyzer. Where their frames are counted, `taken` has those of finger 0.
 pub(super) fn sensors(
     experiment: &Experiment,
     rig: &SimRig,
     layouts: &[ElementLayout],
+    taken: &FramesTaken,
 ) -> Result<Vec<Sensor>, ExperimentError> {
     let config = &experiment.config;
     let thresholds = config.control.thresholds();
@@ -33,13 +35,20 @@ pub(super) fn sensors(
     let fingers = rig_sensors.into_iter().enumerate();
     fingers
         .map(|(finger, sensor)| -> Result<Sensor, ExperimentError> {
-            let camera = match sensor {
-                RigSensor::Direct(sensor) => {
-                    return Ok(Box::new(AnalyzedSensor::new(sensor, thresholds)));
-                }
-                RigSensor::Camera(camera) => *camera,
+            let sensor: Sensor = match sensor {
+                RigSensor::Direct(sensor) => Box::new(AnalyzedSensor::new(sensor, thresholds)),
+                RigSensor::Camera(camera) => optical_sensor(experiment, finger, *camera)?,
             };
-            optical_sensor(experiment, finger, camera)
+            Ok(match config.simulation()?.frame_period {
+                Some(period) => {
+                    let taken = match finger {
+                        0 => taken.clone(),
+                        _ => FramesTaken::default(),
+                    };
+                    Box::new(HeldTouch::new(sensor, rig.clone(), period, taken))
+                }
+                None => sensor,
+            })
         })
         .collect()
 }

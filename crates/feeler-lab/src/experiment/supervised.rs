@@ -1,24 +1,26 @@
 //! What a simulated run does around each control step.
 
 use super::truth::SlipMeter;
-use super::{Instruments, Sensor, SimulatedLoop, is_finished};
+use super::{AnyHand, Instruments, Sensor, SimulatedLoop, is_finished};
 use feeler::control::control_loop::Supervisor;
 use feeler::pace::Tick;
-use feeler_sim::rig::{SimHand, SimRig};
+use feeler_sim::rig::SimRig;
 use std::ops::ControlFlow;
 
-/// Reads the instruments before every step and hands them on after it, until the run is finished.
+/// Reads the instruments before every step (of a world that goes on by itself, after it) and hands them on after it, until the run is finished.
 pub(super) struct InstrumentedRun<'a, F> {
     pub rig: &'a SimRig,
     pub cap: Option<usize>,
     pub slip: &'a mut SlipMeter,
+    /// The world goes on by itself: what the instruments read is of the time of the forces only right after these were felt.
+    pub is_driven: bool,
     /// What the instruments read before the step under way.
     pub instruments: Option<Instruments>,
     pub time_limit: f64,
     pub each_step: F,
 }
 
-impl<B, F> Supervisor<Sensor, SimHand> for InstrumentedRun<'_, F>
+impl<B, F> Supervisor<Sensor, AnyHand> for InstrumentedRun<'_, F>
 where
     F: FnMut(&mut SimulatedLoop, &Instruments, &Tick) -> ControlFlow<B>,
 {
@@ -26,7 +28,9 @@ where
     type Break = Option<B>;
 
     fn before_step(&mut self, _: &mut SimulatedLoop, _: &Tick) {
-        self.instruments = Some(Instruments::read(self.rig, self.cap, self.slip));
+        if !self.is_driven {
+            self.instruments = Some(Instruments::read(self.rig, self.cap, self.slip));
+        }
     }
 
     fn after_step(
@@ -34,6 +38,9 @@ where
         control_loop: &mut SimulatedLoop,
         tick: &Tick,
     ) -> ControlFlow<Self::Break> {
+        if self.is_driven {
+            self.instruments = Some(Instruments::read(self.rig, self.cap, self.slip));
+        }
         if let Some(instruments) = self.instruments.take() {
             (self.each_step)(control_loop, &instruments, tick).map_break(Some)?;
         }

@@ -1,10 +1,12 @@
 //! What only the simulator knows of a run: for whoever judges it, never for the hand.
 
 use super::Session;
+use super::held_touch::{FrameTimes, FramesTaken};
 use feeler::hand::MAX_FINGERS;
 use feeler_sim::object::Motion;
 use feeler_sim::state::{FingerState, State};
 use feeler_sim::world::World;
+use std::sync::atomic::Ordering;
 
 /// What came of a run so far, in truth.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,25 +51,54 @@ pub(super) struct SlipMeter {
     ways: Vec<Vec<f64>>,
     /// Steps of the world by then, and what it said.
     newest: Option<(u64, [f64; MAX_FINGERS])>,
+    /// When there are pictures, where there is not one in every control period.
+    frames: Option<FrameTimes>,
+    /// Where time does not wait for steps, pictures are counted instead: as many as when it was last looked, and the count.
+    taken: Option<(u64, FramesTaken)>,
 }
 
 impl SlipMeter {
-    /// For the fingers of `state`, as far as they have slipped by then.
-    pub fn new(state: &State) -> Self {
+    /// For the fingers of `state`, as far as they have slipped by then; with a `frame_period` (s), from one picture to the next.
+    pub fn new(state: &State, frame_period: Option<f64>) -> Self {
         let ways =
             |finger: &FingerState| finger.slipped.iter().map(|slipped| slipped.way).collect();
         Self {
             ways: state.fingers.iter().map(ways).collect(),
             newest: None,
+            frames: frame_period.map(FrameTimes::new),
+            taken: None,
+        }
+    }
+
+    /// The same, from one picture that is `taken` to the next, where there is not one in every control period.
+    #[cfg(target_os = "linux")]
+    pub fn by_count(self, taken: FramesTaken) -> Self {
+        let taken = self.frames.is_some().then_some((0, taken));
+        Self { taken, ..self }
+    }
+
+    /// Whether there is a new picture at `time`, s.
+    fn is_due(&mut self, time: f64) -> bool {
+        match (&mut self.taken, &mut self.frames) {
+            (Some((seen, taken)), _) => {
+                let now = taken.load(Ordering::Relaxed);
+                std::mem::replace(seen, now) != now
+            }
+            (None, Some(frames)) => frames.is_due(time),
+            (None, None) => true,
         }
     }
 
     /// Of each finger's feelers, the longest way that one slipped since the time before, m. At the same time it
-    /// says the same again.
+    /// says the same again; and until the next picture, so that it is of the time that the newest flags are of.
     pub fn read(&mut self, state: &State) -> [f64; MAX_FINGERS] {
         match self.newest {
             Some((steps, slipped)) if steps == state.steps => return slipped,
             _ => {}
+        }
+        let due = self.is_due(state.time);
+        if let (false, Some((_, slipped))) = (due, self.newest) {
+            return slipped;
         }
         let mut slipped = [0.0; MAX_FINGERS];
         let fingers = state.fingers.iter().zip(&mut self.ways);

@@ -2,11 +2,15 @@
 
 use crate::config::{ConfigError, Experiment};
 use feeler::sensor::calibration::{Calibration, CalibrationError, LengthUnit, MadeFor};
+use feeler::sensor::exposure::DEFAULT_MAX_SATURATED;
 use feeler::sensor::fingertip::{Fingertip, FingertipConfig, FingertipError};
 use feeler::sensor::located_layout::{LayoutError, LocatedLayout};
 use feeler::sensor::moments::MomentsKernel;
 use feeler::sensor::moments_config::MomentsError;
+use feeler::sensor::seen::SeenElement;
 use feeler::sensor::subregion::WeightedPixel;
+use feeler::sensor::wrench::WrenchError;
+use glam::DMat3;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -32,6 +36,9 @@ pub enum GeometryError {
     /// The calibration makes no sense, or was made for another sensor.
     #[error(transparent)]
     Calibration(#[from] CalibrationError),
+    /// The wrench calibration makes no sense, or was made for another sensor.
+    #[error(transparent)]
+    Wrench(#[from] WrenchError),
     /// The experiment cannot be used.
     #[error(transparent)]
     Config(#[from] ConfigError),
@@ -46,6 +53,12 @@ pub struct SensorGeometry {
     pub kernel: MomentsKernel,
     /// The pixels of each element.
     pub regions: Vec<Vec<WeightedPixel>>,
+    /// Where the camera sees each element.
+    pub seen: Vec<SeenElement>,
+    /// Rotation of each element's frame in the fingertip's; none where lengths are px.
+    pub frames: Vec<DMat3>,
+    /// Part of an element's pixels that may be saturated, unless another one is asked for.
+    pub max_saturated: f64,
     /// What a calibration of it says that it was made for.
     pub made_for: MadeFor,
 }
@@ -64,7 +77,7 @@ impl SensorGeometry {
     /// # Errors
     /// When it cannot be read or makes no sense.
     pub fn read_layout(path: &Path) -> Result<Self, GeometryError> {
-        Self::of_layout(&LocatedLayout::from_toml(&read_text(path)?)?)
+        Self::of_layout(&read_layout(path)?)
     }
 
     /// The elements of `layout`; without a dome in it, lengths are px.
@@ -80,6 +93,9 @@ impl SensorGeometry {
             size: (layout.width, layout.height),
             kernel: layout.kernel()?,
             regions: layout.weighted_pixels()?,
+            seen: layout.seen_elements()?,
+            frames: layout.element_frames(),
+            max_saturated: layout.max_saturated(),
             made_for: MadeFor::layout(&layout.to_toml()?, layout.elements.len(), unit),
         })
     }
@@ -89,11 +105,15 @@ impl SensorGeometry {
     /// # Errors
     /// When it makes no sense.
     pub fn of_fingertip(config: &FingertipConfig) -> Result<Self, GeometryError> {
+        let (layout, _) = Fingertip::layout_and_projection(config)?;
         let (kernel, regions) = Fingertip::kernel_and_subregions(config)?;
         Ok(Self {
             size: (config.camera.width, config.camera.height),
             kernel,
             regions,
+            seen: Fingertip::seen_elements(config)?,
+            frames: layout.elements.iter().map(|e| e.rotation).collect(),
+            max_saturated: DEFAULT_MAX_SATURATED,
             made_for: MadeFor::fingertip(config)?,
         })
     }
@@ -109,8 +129,16 @@ impl SensorGeometry {
     }
 }
 
+/// The layout in the file at `path`, as `feeler locate` writes it.
+///
+/// # Errors
+/// When it cannot be read or makes no sense.
+pub fn read_layout(path: &Path) -> Result<LocatedLayout, GeometryError> {
+    Ok(LocatedLayout::from_toml(&read_text(path)?)?)
+}
+
 /// The text of a layout's or a calibration's file.
-fn read_text(path: &Path) -> Result<String, std::io::Error> {
+pub(super) fn read_text(path: &Path) -> Result<String, std::io::Error> {
     let mut text = String::new();
     File::open(path)?.take(MAX_TEXT).read_to_string(&mut text)?;
     Ok(text)

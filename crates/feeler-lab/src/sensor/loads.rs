@@ -2,14 +2,12 @@
 //! elements in each.
 
 use super::SensorGeometry;
+use super::recorded::{NamedFrame, NamedFrames, files_of};
 use feeler::sensor::calibration_fit::ElementRecord;
 use feeler::sensor::loads::{COLUMNS, LoadedPicture, LoadsError, RecordBuilder, read_loads};
 use feeler::sensor::moments::ElementMoments;
-use feeler_record::{Moments, read_moments};
-use feeler_sources::picture::read_picture;
-use glam::DVec2;
-use std::collections::hash_map::Entry;
-use std::collections::{HashMap, HashSet};
+use feeler::sensor::seen::SeenElement;
+use glam::DVec3;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
@@ -53,17 +51,17 @@ pub struct LoadsFile {
 }
 
 impl LoadsFile {
-    /// Reads the file of loads at `csv`, on a sensor of `elements` elements.
+    /// Reads the file of loads at `csv`, on a sensor whose elements are `seen` so.
     ///
     /// # Errors
     /// When it cannot be read, or is no such file.
-    pub fn read(csv: &Path, elements: usize) -> Result<Self, LoadsFileError> {
+    pub fn read(csv: &Path, seen: &[SeenElement]) -> Result<Self, LoadsFileError> {
         let csv = csv.to_path_buf();
         let file = match File::open(&csv) {
             Ok(file) => file,
             Err(source) => return Err(LoadsFileError::File { csv, source }),
         };
-        match read_loads(file, elements) {
+        match read_loads(file, seen) {
             Ok(pictures) => Ok(Self { csv, pictures }),
             Err(source) => Err(LoadsFileError::Loads { csv, source }),
         }
@@ -76,22 +74,24 @@ impl LoadsFile {
 
     /// All files that are read: the file of loads, and the pictures and recordings that it names.
     pub fn files(&self) -> Vec<PathBuf> {
-        let named = self.pictures.iter().map(|loaded| {
-            let recorded = recorded(&loaded.picture);
-            let file = recorded.map_or(loaded.picture.as_str(), |(file, _)| file);
-            self.folder().join(file)
-        });
-        let files: HashSet<_> = named.chain([self.csv.clone()]).collect();
-        files.into_iter().collect()
-    }
-
-    fn folder(&self) -> &Path {
-        self.csv.parent().unwrap_or(Path::new(""))
+        let names = self.pictures.iter().map(|loaded| loaded.picture.as_str());
+        files_of(&self.csv, names)
     }
 
     /// Number of pictures.
     pub fn picture_count(&self) -> usize {
         self.pictures.len()
+    }
+
+    /// Calls `loaded` with each element that was loaded, and the force on it in its frame, N.
+    pub fn each_force(&self, mut loaded: impl FnMut(usize, DVec3)) {
+        for picture in &self.pictures {
+            for (element, force) in picture.forces.iter().enumerate() {
+                if let Some(force) = force.filter(|&force| force != DVec3::ZERO) {
+                    loaded(element, force);
+                }
+            }
+        }
     }
 
     /// Takes the moments of all pictures, and of the recordings at their times, with `sensor`; calls `measured` after each. One
@@ -107,14 +107,17 @@ impl LoadsFile {
         let elements = sensor.kernel.element_count();
         let mut builder = RecordBuilder::new(elements);
         let mut moments = vec![ElementMoments::default(); elements];
-        let mut recordings = HashMap::new();
+        let mut frames = NamedFrames::new(&self.csv, sensor.size);
         for loaded in &self.pictures {
-            let read = match recorded(&loaded.picture) {
-                Some((file, time)) => recorded_frames(&mut recordings, self.folder().join(file))
-                    .and_then(|frames| take_recorded(frames, time, &mut moments)),
-                None => measure(&self.folder().join(&loaded.picture), sensor, &mut moments),
-            };
-            read.map_err(|what| LoadsFileError::Picture {
+            let frame = frames.get(&loaded.picture, &mut moments);
+            let taken = frame.and_then(|frame| match frame {
+                NamedFrame::Sensed => Ok(()),
+                NamedFrame::Picture(picture) => {
+                    let taken = sensor.kernel.measure(&picture, &mut moments);
+                    taken.map_err(|e| e.to_string())
+                }
+            });
+            taken.map_err(|what| LoadsFileError::Picture {
                 csv: self.csv.clone(),
                 line: loaded.line,
                 picture: loaded.picture.clone(),
@@ -125,86 +128,4 @@ impl LoadsFile {
         }
         Ok(builder.finish())
     }
-}
-
-/// The frames of the recording at `path`, which is read once.
-fn recorded_frames(
-    recordings: &mut HashMap<PathBuf, Vec<Moments>>,
-    path: PathBuf,
-) -> Result<&[Moments], String> {
-    match recordings.entry(path) {
-        Entry::Occupied(entry) => Ok(entry.into_mut()),
-        Entry::Vacant(entry) => {
-            let read = read_moments(entry.key()).map_err(|e| e.to_string())?;
-            Ok(entry.insert(read))
-        }
-    }
-}
-
-/// Takes the moments of a picture.
-fn measure(
-    path: &Path,
-    sensor: &SensorGeometry,
-    moments: &mut [ElementMoments],
-) -> Result<(), String> {
-    let (width, height) = sensor.size;
-    let expected = format!("expected a picture of {width}x{height} px");
-    let picture = read_picture(path).map_err(|e| format!("{e}; {expected}"))?;
-    if (picture.width, picture.height) != (width, height) {
-        let (width, height) = (picture.width, picture.height);
-        return Err(format!("it has {width}x{height} px; {expected}"));
-    }
-    let measured = sensor.kernel.measure(&picture, moments);
-    measured.map_err(|e| e.to_string())
-}
-
-/// The recording and the time (s) that `FILE.mcap@TIME` names.
-fn recorded(picture: &str) -> Option<(&str, f64)> {
-    let (file, time) = picture.rsplit_once('@')?;
-    let is_recording = Path::new(file).extension()?.eq_ignore_ascii_case("mcap");
-    let time = time.parse().ok().filter(|time: &f64| time.is_finite())?;
-    is_recording.then_some((file, time))
-}
-
-/// The moments of the recorded frame nearest to `time`, s, which must be within half of the time
-/// between frames.
-fn take_recorded(
-    frames: &[Moments],
-    time: f64,
-    moments: &mut [ElementMoments],
-) -> Result<(), String> {
-    let off = |frame: &Moments| (frame.stamp - time).abs();
-    let nearest = frames.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
-    let frame = nearest.ok_or("the recording is empty")?;
-    let (first, last) = (frames[0].stamp, frames[frames.len() - 1].stamp);
-    let spacing = (last - first) / (frames.len() - 1).max(1) as f64;
-    // A hair more than half of it, for times that were rounded.
-    if off(frame) > 0.501 * spacing + 1e-6 {
-        return Err(format!(
-            "the nearest frame is at {} s; expected a time from {first} to {last} s",
-            frame.stamp
-        ));
-    }
-    if frame.integrated_gray.len() != moments.len()
-        || frame.centroid_x.len() != moments.len()
-        || frame.centroid_y.len() != moments.len()
-    {
-        return Err(format!(
-            "it was recorded of {} elements; expected {}",
-            frame.integrated_gray.len(),
-            moments.len()
-        ));
-    }
-    for (element, moments) in moments.iter_mut().enumerate() {
-        let centroid = DVec2::new(frame.centroid_x[element], frame.centroid_y[element]);
-        *moments = ElementMoments {
-            integrated_gray: frame.integrated_gray[element],
-            centroid: if centroid.is_finite() {
-                centroid
-            } else {
-                DVec2::ZERO
-            },
-        };
-    }
-    Ok(())
 }

@@ -2,6 +2,9 @@
 
 mod geometry;
 mod loads;
+mod recorded;
+mod wrench;
 
-pub use geometry::{GeometryError, SensorGeometry};
+pub use geometry::{GeometryError, SensorGeometry, read_layout};
 pub use loads::{LoadsFile, LoadsFileError};
+pub use wrench::{ForcesFile, ForcesFileError, MeasuredSamples};

@@ -3,5 +3,6 @@
 mod accuracy;
 mod calibration;
 mod locate;
+mod markers;
 mod optics;
 mod reference_calibration;

@@ -24,7 +24,8 @@ fn model(fingertip: &Fingertip, config: &OpticsConfig) -> OpticsModel {
     OpticsModel::new(config, &fingertip.layout, &fingertip.projection).unwrap()
 }
 
-fn picture(model: &OpticsModel, forces: &[DVec3], seed: u64) -> Picture {
+/// A picture of 640x480 px with these `forces`, N, on the elements.
+pub fn picture(model: &OpticsModel, forces: &[DVec3], seed: u64) -> Picture {
     let mut picture = Picture::black(640, 480);
     let mut rng = Pcg64::seed_from_u64(seed);
     render(

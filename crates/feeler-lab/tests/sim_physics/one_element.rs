@@ -38,6 +38,7 @@ fn one_element() -> World {
             elements: 1,
             polar_angle_deg: 0.0,
         }],
+        grid: None,
     });
     // theta2 = 60 deg, theta3 = -60 deg: the last link is horizontal.
     let theta = DVec3::new(0.0, 60.0, -60.0) * 1_f64.to_radians();

@@ -41,6 +41,7 @@ impl OneFeeler {
                 elements: 1,
                 polar_angle_deg: 0.0,
             }],
+            grid: None,
         });
         let finger = FingerGeometry::new(&config.hand.finger[0]).expect("a finger");
         let joints = [DVec3::new(0.0, 1.0, -1.0)];

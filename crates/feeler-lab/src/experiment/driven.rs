@@ -1,0 +1,144 @@
+//! A simulated run whose hand is servos on an emulated bus: in real time, with the simulated world behind the servos.
+
+use super::{AnyHand, ExperimentError, Session, fingers_at_home};
+use crate::config::Experiment;
+use feeler_drives::clock::RigClock;
+use feeler_drives::config::{DrivesConfig, JointDriveConfig};
+use feeler_drives::emulator::{Emulator, EmulatorConfig, EmulatorError, Motion, Plant};
+use feeler_drives::error::DriveError;
+use feeler_drives::hand::DriveHand;
+use feeler_drives::registers::COUNTS_PER_TURN;
+use feeler_sim::rig::SimRig;
+use feeler_sim::world::World;
+use glam::DVec3;
+use std::f64::consts::TAU;
+
+/// Part of a step of the world that time may lack for it: stamps are no exact multiples.
+const EARLY: f64 = 1e-6;
+
+/// Why there is no such run.
+#[derive(Debug, thiserror::Error)]
+pub enum DrivenError {
+    /// The experiment cannot be set up.
+    #[error(transparent)]
+    Experiment(#[from] ExperimentError),
+    /// The servos cannot be used.
+    #[error("drives: {0}")]
+    Drives(#[from] DriveError),
+    /// There is no bus.
+    #[error("drives: {0}")]
+    Emulator(#[from] EmulatorError),
+}
+
+/// The fingers of a simulated world as what servos move.
+struct WorldPlant {
+    rig: SimRig,
+    joints: Vec<JointDriveConfig>,
+    motions: Vec<Motion>,
+    /// The world can be simulated no further.
+    failed: bool,
+}
+
+impl WorldPlant {
+    fn new(rig: SimRig, config: &DrivesConfig) -> Self {
+        let joints: Vec<_> = config.joints().cloned().collect();
+        let mut plant = Self {
+            rig: rig.clone(),
+            motions: vec![Motion::default(); joints.len()],
+            joints,
+            failed: false,
+        };
+        plant.measure(&rig.world());
+        plant
+    }
+
+    fn measure(&mut self, world: &World) {
+        for (index, (motion, joint)) in self.motions.iter_mut().zip(&self.joints).enumerate() {
+            let (finger, theta) = (index / 3, index % 3);
+            let Some(state) = world.state().fingers.get(finger) else {
+                continue;
+            };
+            motion.angle = joint.counts(world.encoded(finger)[theta]) * TAU / COUNTS_PER_TURN;
+            motion.velocity = joint.servo_velocity(state.joints.velocity[theta]);
+        }
+    }
+}
+
+impl Plant for WorldPlant {
+    fn advance(&mut self, now: f64, goals: &[f64]) {
+        let rig = self.rig.clone();
+        let mut world = rig.world();
+        let step = world.model().step;
+        if self.failed || world.state().time + step * (1.0 - EARLY) > now {
+            return;
+        }
+        for (finger, servos) in self.joints.chunks(3).enumerate() {
+            let goal = |theta: usize| match (servos.get(theta), goals.get(3 * finger + theta)) {
+                (Some(joint), Some(&goal)) => joint.joint_velocity(goal),
+                _ => 0.0,
+            };
+            world.command(finger, DVec3::new(goal(0), goal(1), goal(2)));
+        }
+        while world.state().time + step * (1.0 - EARLY) <= now {
+            if world.step().is_err() {
+                // It stands still from here on, which the hand's monitors see.
+                self.failed = true;
+                break;
+            }
+        }
+        self.measure(&world);
+    }
+
+    fn motion(&self, servo: usize) -> Motion {
+        self.motions.get(servo).copied().unwrap_or_default()
+    }
+}
+
+/// The servos of `experiment`: those of its table `[drives]`, or, where it has none, some that suit its hand.
+pub fn drives(experiment: &Experiment) -> DrivesConfig {
+    let config = &experiment.config;
+    let fingers = config.hand.finger.len();
+    let own = config.drives.clone();
+    own.unwrap_or_else(|| DrivesConfig::emulated(fingers))
+}
+
+/// A bus of the servos of `experiment`, with its simulated world behind them, in the time of `clock`; that world.
+///
+/// # Errors
+/// When a part of the experiment makes no sense, or the system has no pseudo-terminal.
+pub fn emulated_bus(
+    experiment: &Experiment,
+    rig: &SimRig,
+    clock: RigClock,
+) -> Result<Emulator, EmulatorError> {
+    let config = drives(experiment);
+    let bus = EmulatorConfig::of(&config, experiment.config.seed);
+    let plant = WorldPlant::new(rig.clone(), &config);
+    Emulator::start(&bus, Box::new(plant), clock)
+}
+
+/// A run of `experiment` over an emulated bus, whose time goes `speed` times as fast as real time; and the bus, for as long as the run
+/// lasts.
+///
+/// # Errors
+/// When a part of the experiment makes no sense, or its servos cannot be used.
+pub fn session(experiment: &Experiment, speed: f64) -> Result<(Session, Emulator), DrivenError> {
+    let config = &experiment.config;
+    let (fingers, _) = fingers_at_home(config)?;
+    let session = Session::new(experiment)?;
+    let clock = RigClock::at_speed(speed);
+    let emulator = emulated_bus(experiment, session.rig(), clock)?;
+    let drives = DrivesConfig {
+        port: emulator.path().into(),
+        ..drives(experiment)
+    };
+    let control = &config.control;
+    let most_age = control.stale_periods * control.period;
+    let hand = DriveHand::open(&drives, &fingers, most_age, clock)?;
+    // What was left of its own hand moves nothing: only the servos advance the world.
+    let hand: AnyHand = Box::new(hand);
+    Ok((
+        session.with_hand(hand, control.stale_periods as u64),
+        emulator,
+    ))
+}
