@@ -6,9 +6,15 @@ mod arrivals;
 mod calibrate;
 mod check;
 mod compare;
+mod drives;
+#[cfg_attr(
+    not(all(feature = "drives", target_os = "linux")),
+    path = "no_emulated.rs"
+)]
+mod emulated;
 mod export;
 mod flush;
-#[cfg(any(feature = "top", feature = "view"))]
+#[cfg(any(feature = "top", feature = "view", feature = "ros2"))]
 mod history;
 mod init;
 mod interrupt;
@@ -22,15 +28,18 @@ mod progress;
 mod replay;
 mod report;
 mod robustness;
+mod ros2;
 mod run;
 mod schema;
 mod score_slip;
 #[cfg_attr(not(feature = "top"), path = "no_screen.rs")]
 mod screen;
 mod sense;
-#[cfg(any(feature = "top", feature = "view"))]
+mod simulate_grasps;
+#[cfg(any(feature = "top", feature = "view", feature = "ros2"))]
 pub mod snapshot;
 mod sweep;
+mod table_file;
 mod throttle;
 #[cfg(feature = "top")]
 pub mod top;
@@ -68,6 +77,7 @@ Examples:
   feeler robustness cap-closing -o robustness how much of it is luck of parameters
   feeler locate untouched.png -o layout.toml --preview found.png
   feeler sense pictures/ --calibration my.calibration.toml -o forces.csv
+  feeler sense xela_sensor1.csv --taxels uskin-4x4 -o forces.csv
   ffmpeg -i video.mkv -f rawvideo -pix_fmt gray - | feeler sense - --raw 640x480
 
 The book, in docs/ of the repository (`mdbook serve` shows it):
@@ -99,8 +109,10 @@ enum Command {
     Robustness(robustness::Arguments),
     /// Score slip detectors against the simulator's truth; a page with their characteristics.
     ScoreSlip(score_slip::Arguments),
-    /// List the built-in experiments.
-    List,
+    /// Simulate grasps that hold or slip, as recordings with labels, for training slip detectors.
+    SimulateGrasps(simulate_grasps::Arguments),
+    /// List the built-in experiments and taxel arrays.
+    List(list::Arguments),
     /// Write an experiment file of your own, with its calibration beside it, to start from.
     Init(init::Arguments),
     /// Check an experiment file without running it.
@@ -109,6 +121,8 @@ enum Command {
     Report(report::Arguments),
     /// Replay a recording through the sensor stage, the control stage or both, and compare bit for bit.
     Replay(replay::Arguments),
+    /// Look for servos on a bus, check and home them, turn one; or emulate a bus of them.
+    Drives(drives::Arguments),
     /// Export recordings as tables or data sets for other programs.
     Export(export::Arguments),
     /// Calibrate a fingertip: load its elements, take pictures, fit.
@@ -123,6 +137,8 @@ enum Command {
     Top(link::top::Arguments),
     /// Show a recording, or a running rig of several programs, in the browser.
     View(view::Arguments),
+    /// Make a running rig, or a recording, appear as a node in a ROS 2 graph over Zenoh.
+    Ros2(ros2::Arguments),
     /// Stop the hand of a rig, from anywhere.
     Stop(link::orders::StopArguments),
     /// Resume a hand that was stopped.
@@ -136,7 +152,7 @@ enum Command {
     /// Print the hand of an experiment as URDF, for viewers and planners.
     Urdf(urdf::Arguments),
     /// Sense forces: from pictures, a camera or a recorded run to a table of the force on each element.
-    Sense(sense::Arguments),
+    Sense(Box<sense::Arguments>),
 }
 
 /// What a subcommand ends with when its input was good.
@@ -192,11 +208,13 @@ fn run_command(command: Command, out: &mut dyn Write) -> Result<Outcome, Command
         Command::Compare(arguments) => compare::compare(&arguments, out),
         Command::Robustness(arguments) => robustness::robustness(&arguments, out),
         Command::ScoreSlip(arguments) => score_slip::score_slip(&arguments, out),
-        Command::List => list::list(out),
+        Command::SimulateGrasps(arguments) => simulate_grasps::simulate_grasps(&arguments, out),
+        Command::List(arguments) => list::list(&arguments, out),
         Command::Init(arguments) => init::init(&arguments, out),
         Command::Check(arguments) => check::check(&arguments, out),
         Command::Report(arguments) => report::report(&arguments, out),
         Command::Replay(arguments) => replay::replay(&arguments, out),
+        Command::Drives(arguments) => drives::drives(&arguments, out),
         Command::Export(arguments) => export::export(&arguments, out),
         Command::Calibrate(arguments) => calibrate::calibrate(&arguments, out),
         Command::Locate(arguments) => locate::locate(&arguments, out),
@@ -205,6 +223,7 @@ fn run_command(command: Command, out: &mut dyn Write) -> Result<Outcome, Command
         Command::Hand(arguments) => link::hand::hand(&arguments, out),
         Command::Top(arguments) => link::top::top(&arguments, out),
         Command::View(arguments) => view::view(&arguments, out),
+        Command::Ros2(arguments) => ros2::ros2(&arguments, out),
         Command::Stop(arguments) => link::orders::stop(&arguments, out),
         Command::Resume(arguments) => link::orders::resume(&arguments, out),
         Command::Certificates(arguments) => link::certificates::certificates(&arguments, out),

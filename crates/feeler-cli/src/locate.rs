@@ -6,7 +6,7 @@ use super::progress::{Steps, Working};
 use super::{CommandError, Outcome};
 use feeler::sensor::{
     dome::CameraConfig,
-    locate::{self, LocateConfig, LocateWarning, MeanPicture, ReferencePicture},
+    locate::{self, LocateConfig, LocateWarning, MeanPicture, Polarity, ReferencePicture},
     located_layout::{DomeGeometry, LocatedLayout},
 };
 use feeler_lab::config::Experiment;
@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Pictures (PNG) of the untouched sensor; elements are detected in their mean.
+    /// Pictures (PNG) of the untouched sensor; elements are detected in their mean, bright on dark or dark on bright.
     #[arg(required = true, value_name = "REFERENCE.png")]
     references: Vec<PathBuf>,
     /// Output file of the layout.
@@ -27,7 +27,10 @@ pub struct Arguments {
     preview: Option<PathBuf>,
     #[command(flatten)]
     overwrite: Overwrite,
-    /// Diameter of a bright spot, px [default: estimated from the picture]
+    /// Whether the elements are bright on dark or dark on bright [default: whichever makes the better pattern]
+    #[arg(long, value_name = "bright|dark")]
+    polarity: Option<Polarity>,
+    /// Diameter of a spot, px [default: estimated from the picture]
     #[arg(long, value_name = "PX")]
     spot_diameter: Option<f64>,
     /// Diameter of an element, px: spots within it are grouped into one element [default: groups of equal
@@ -78,6 +81,7 @@ pub fn locate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Com
     };
     let reference = mean_of_files(&arguments.references)?;
     let config = LocateConfig {
+        polarity: arguments.polarity,
         spot_diameter_px: arguments.spot_diameter,
         element_diameter_px: arguments.element_diameter,
         region_radius: arguments.region_radius,
@@ -89,25 +93,32 @@ pub fn locate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Com
         Some(dome) => LocatedLayout::on_dome(&located, dome)?,
         None => LocatedLayout::new(&located),
     };
-    // What the layout is for has to work before it is written.
-    layout.kernel()?;
-    layout_file.finish(layout.to_toml()?.as_bytes())?;
+    let text = layout.to_toml()?;
+    // What is written can be read.
+    LocatedLayout::from_toml(&text)?;
+    layout_file.finish(text.as_bytes())?;
     if let Some(file) = preview_file {
         let mut png = std::io::Cursor::new(Vec::new());
         preview(&reference, &layout).write_to(&mut png, image::ImageFormat::Png)?;
         file.finish(png.get_ref())?;
     }
+    let polarity = located.polarity;
     let spots = match located.spots_per_element {
-        1 => "spots".into(),
-        count => format!("groups of {count} spots"),
+        1 => format!("{polarity} spots"),
+        count => format!("groups of {count} {polarity} spots"),
     };
     writeln!(
         out,
-        "{} elements ({spots} of {:.1} px), {:.1} px apart, in {} px; dark up to gray level {}",
+        "{} elements ({spots} of {:.1} px), {:.1} px apart, in {} px; ground {} gray level {}",
         located.elements.len(),
         located.spot_diameter_px,
         located.spacing_px,
         format_args!("{}x{}", layout.width, layout.height),
+        if polarity.is_bright() {
+            "up to"
+        } else {
+            "from"
+        },
         layout.dark_level,
     )?;
     if let Some(rings) = layout.elements.iter().filter_map(|e| e.ring).max() {
@@ -142,7 +153,10 @@ fn in_layout_order(located: &locate::Located, layout: &LocatedLayout) -> Vec<Loc
                     .for_each(|element| *element = index(*element));
                 elements.sort_unstable();
             }
-            LocateWarning::TwoLevels | LocateWarning::LeftOut { .. } => {}
+            LocateWarning::TwoLevels
+            | LocateWarning::LeftOut { .. }
+            | LocateWarning::AtBorder { .. }
+            | LocateWarning::Unlike { .. } => {}
         }
     }
     warnings

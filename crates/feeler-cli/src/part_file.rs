@@ -158,7 +158,8 @@ fn part_of(path: &Path) -> PathBuf {
     part.into()
 }
 
-fn cut_torn_line(path: &Path) -> io::Result<()> {
+/// Cuts off the last line of the table at `path` if it has no end.
+pub fn cut_torn_line(path: &Path) -> io::Result<()> {
     let mut file = File::options().read(true).write(true).open(path)?;
     let length = file.metadata()?.len();
     let start = length.saturating_sub(MAX_ROW);

@@ -5,10 +5,11 @@ use super::interrupt::watch_for_interrupt;
 use super::report::print_outcome;
 use super::screen::Screen;
 use super::sweep::one_trial;
-use super::throttle::{Throttle, parse_speed};
+use super::throttle::{Throttle, Timing, parse_speed};
 use super::view::{LiveRun, ServerArguments};
 use super::watcher::Watcher;
-use super::{CommandError, Outcome};
+use super::{CommandError, Outcome, emulated};
+use feeler::pace::Pace;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::recorded_run::{RecordedRun, RunError, record_options};
 use feeler_lab::experiment::{Session, run_folder};
@@ -42,7 +43,11 @@ pub struct Arguments {
     record_frames: bool,
     #[command(flatten)]
     flush: FlushArguments,
-    /// Simulated seconds per second, or `max` [default: max; with --top or --view: 1]
+    /// Move the fingers by servos on an emulated bus, with the simulated world behind them, in real time: `emulated`. The servos are those
+    /// of the experiment's [drives], or some that suit its hand.
+    #[arg(long, value_name = "SERVOS", value_parser = ["emulated"])]
+    drives: Option<String>,
+    /// Simulated seconds per second, or `max` [default: max; with --top, --view or --drives: 1]
     #[arg(long, value_name = "FACTOR", value_parser = parse_speed)]
     speed: Option<f64>,
     /// Watch the run full-screen in the terminal: flags, forces, torque, phase, programs.
@@ -58,7 +63,7 @@ pub struct Arguments {
 impl Arguments {
     /// Simulated seconds in a real second; infinite for as many as possible.
     fn speed(&self) -> f64 {
-        let unasked = if self.top || self.view {
+        let unasked = if self.top || self.view || self.drives.is_some() {
             1.0
         } else {
             f64::INFINITY
@@ -82,7 +87,13 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comman
     })?;
     options.flush_interval = arguments.flush.flush_interval;
     // Before there is a folder: an experiment that cannot be set up leaves none.
-    let session = Session::new(&experiment)?;
+    let (session, _bus) = match arguments.drives {
+        Some(_) => {
+            let (session, bus) = emulated::session(&experiment, arguments.speed())?;
+            (session, Some(bus))
+        }
+        None => (Session::new(&experiment)?, None),
+    };
     let page = arguments
         .view
         .then(|| LiveRun::open(&experiment, &arguments.server, out));
@@ -113,15 +124,19 @@ fn watched_run(
     let run = RecordedRun::of_session(session, experiment, options, &folder)?;
 
     let interrupted = watch_for_interrupt()?;
-    let mut throttle = Throttle::new(experiment.config.control.period, arguments.speed());
+    let (period, speed) = (experiment.config.control.period, arguments.speed());
+    let mut timing = match arguments.drives {
+        Some(_) => Timing::Kept(Pace::new(period / speed)?),
+        None => Timing::Held(Throttle::new(period, speed)),
+    };
     let mut watcher = Watcher::new(
         arguments.top,
         experiment,
-        throttle.is_paced(),
+        timing.is_paced(),
         &interrupted,
         page,
     )?;
-    let ran = run.run(&mut throttle, &interrupted, |control_loop, at, tick| {
+    let ran = run.run(&mut timing, &interrupted, |control_loop, at, tick| {
         watcher.step(control_loop, at, tick);
     });
     watcher.run_ended();

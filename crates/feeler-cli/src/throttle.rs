@@ -1,6 +1,6 @@
 //! Simulated time at a speed that one can watch.
 
-use feeler::pace::{Schedule, Tick};
+use feeler::pace::{Pace, Schedule, Tick};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -23,6 +23,33 @@ pub fn parse_speed(text: &str) -> Result<f64, String> {
     speed
         .filter(|speed| (1e-3..=1e6).contains(speed))
         .ok_or_else(|| format!("a number from 0.001 to 1000000 expected, or {FASTEST}"))
+}
+
+/// When the steps of a run begin.
+pub enum Timing {
+    /// Simulated time waits for its steps.
+    Held(Throttle),
+    /// Time goes on, and who misses a step has missed it.
+    Kept(Pace),
+}
+
+impl Timing {
+    /// Whether steps have real times.
+    pub fn is_paced(&self) -> bool {
+        match self {
+            Self::Held(throttle) => throttle.is_paced(),
+            Self::Kept(_) => true,
+        }
+    }
+}
+
+impl Schedule for Timing {
+    fn next_tick(&mut self, interrupted: &AtomicBool) -> Option<Tick> {
+        match self {
+            Self::Held(throttle) => throttle.next_tick(interrupted),
+            Self::Kept(pace) => pace.next_tick(interrupted),
+        }
+    }
 }
 
 /// Holds steps back until they are due.

@@ -6,7 +6,9 @@ use super::sweep::Bar;
 use feeler_lab::sweep::store::Store;
 use feeler_lab::sweep::trial::Trials;
 use feeler_lab::sweep::{Ended, engine};
+use std::num::NonZero;
 use std::path::Path;
+use std::thread;
 
 /// Options of every command that runs trials.
 #[derive(Debug, clap::Args)]
@@ -28,8 +30,7 @@ pub struct TrialArguments {
 impl TrialArguments {
     /// Number of trials at a time.
     pub fn jobs(&self) -> usize {
-        let cores = || std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-        self.jobs.map_or_else(cores, |jobs| jobs as usize)
+        jobs(self.jobs)
     }
 
     /// The folder of `trials`: as it was left with --resume, otherwise a new one.
@@ -50,6 +51,12 @@ impl TrialArguments {
         bar.clear();
         Ok(ended?)
     }
+}
+
+/// How many are done at a time: as many as were asked for, otherwise one for each core.
+pub fn jobs(asked: Option<u64>) -> usize {
+    let cores = || thread::available_parallelism().map_or(1, NonZero::get);
+    asked.map_or_else(cores, |jobs| jobs as usize)
 }
 
 /// A random seed: what TOML can hold of the whole numbers from 0.

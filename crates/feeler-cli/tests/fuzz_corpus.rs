@@ -31,13 +31,56 @@ fn feed(target: &str, body: fn(&[u8]) -> bool) {
 }
 
 #[test]
+fn messages_of_ros_2() {
+    feed("ros2", bodies::ros2);
+}
+
+#[test]
 fn layouts() {
     feed("layout", bodies::layout);
 }
 
 #[test]
+fn buses_of_servos() {
+    feed("drives_bus", bodies::drives_bus);
+}
+
+#[test]
+fn taxels() {
+    feed("taxels", bodies::taxels);
+}
+
+#[test]
 fn calibrations() {
     feed("calibration", bodies::calibration);
+}
+
+#[test]
+fn wrench_calibrations() {
+    feed("wrench", bodies::wrench);
+}
+
+#[test]
+fn forces() {
+    feed("forces", bodies::forces);
+}
+
+#[test]
+fn force_sensors() {
+    feed("netft", bodies::netft);
+}
+
+/// Ten million hostile bytes in a release (`FEELER_FUZZ=10000000`), in datagrams of about the right length.
+#[test]
+fn force_sensors_survive_hostile_bytes() {
+    let mut random = Pcg64::seed_from_u64(1);
+    let mut left = how_many("FEELER_FUZZ", 20_000);
+    while left > 0 {
+        let length = random.random_range(0..64_usize);
+        let datagram: Vec<u8> = (0..length).map(|_| random.random()).collect();
+        bodies::netft(&datagram);
+        left = left.saturating_sub(1 + length);
+    }
 }
 
 #[test]

@@ -2,19 +2,23 @@
 
 use super::CommandError;
 use crate::part_file::{Outputs, Overwrite};
-use feeler::sensor::fingertip::FingertipConfig;
-use feeler::sensor::loads::COLUMNS;
+use feeler::sensor::fingertip::{Fingertip, FingertipConfig};
+use feeler::sensor::frame::Picture;
+use feeler::sensor::loads::{COLUMNS, PLACE_COLUMNS};
 use feeler_sim::calibration_bench::{CalibrationBenchConfig, take_pictures};
 use feeler_sim::optics_config::OpticsConfig;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use image::{ExtendedColorType, ImageFormat};
 use std::fs;
 use std::path::Path;
 
 /// Name of the file of loads in the folder that simulated loads are written to.
 const LOADS: &str = "LOADS.csv";
+/// Name of a picture of the untouched fingertip there, for `feeler locate`.
+const UNTOUCHED: &str = "untouched.png";
 
-/// Writes pictures of the simulated fingertip under load, and the file of loads.
+/// Writes pictures of the simulated fingertip under load, and the file of loads; one without any load twice, under a name that
+/// says so.
 pub fn write_simulated(
     folder: &Path,
     fingertip: &FingertipConfig,
@@ -30,29 +34,33 @@ pub fn write_simulated(
     let keep = Overwrite { force: false };
     let file = Outputs::new(keep, []).create(&folder.join(LOADS), "--write-loads")?;
     let mut rows = csv::Writer::from_writer(Vec::new());
-    rows.write_record(COLUMNS).map_err(|e| failed(&e))?;
+    rows.write_record(COLUMNS.iter().chain(&PLACE_COLUMNS))
+        .map_err(|e| failed(&e))?;
+    let seen = Fingertip::seen_elements(fingertip)?;
+    let save = |name: &str, picture: &Picture| {
+        let path = folder.join(name);
+        if path.exists() {
+            return Err(failed(&format!("there is a {name} already")));
+        }
+        let (width, height) = (picture.width as u32, picture.height as u32);
+        let (gray, png) = (ExtendedColorType::L8, ImageFormat::Png);
+        let saved = image::save_buffer_with_format(path, &picture.pixels, width, height, gray, png);
+        saved.map_err(|e| failed(&e))
+    };
+    let mut untouched = false;
     let mut number = 0;
     take_pictures(fingertip, optics, bench, |picture, loads| {
         let name = format!("{number:05}.png");
         number += 1;
-        let path = folder.join(&name);
-        if path.exists() {
-            return Err(failed(&format!("there is a {name} already")).into());
+        save(&name, picture)?;
+        if !untouched && loads.iter().all(|load| load.force() == DVec3::ZERO) {
+            save(UNTOUCHED, picture)?;
+            untouched = true;
         }
-        let (width, height) = (picture.width as u32, picture.height as u32);
-        let gray = ExtendedColorType::L8;
-        let saved = image::save_buffer_with_format(
-            path,
-            &picture.pixels,
-            width,
-            height,
-            gray,
-            ImageFormat::Png,
-        );
-        saved.map_err(|e| failed(&e))?;
-        for (element, load) in loads.iter().enumerate() {
+        for (element, (load, seen)) in loads.iter().zip(&seen).enumerate() {
             let DVec3 { x, y, z } = load.force();
-            rows.serialize((&name, element, x, y, z))
+            let DVec2 { x: column, y: row } = seen.centre_px;
+            rows.serialize((&name, element, x, y, z, column, row, seen.x_angle))
                 .map_err(|e| failed(&e))?;
         }
         Ok::<_, CommandError>(())

@@ -1,13 +1,15 @@
 //! `feeler calibrate`
 
+mod live;
 mod loads;
 mod page;
+mod wrench;
 
 use super::part_file::{Outputs, Overwrite};
 use super::progress::{Steps, Working};
 use super::sense::sensor::named_sensor;
 use super::{CommandError, Outcome};
-use feeler::sensor::calibration::{Calibration, FullScale};
+use feeler::sensor::calibration::{Calibration, FullScale, explained};
 use feeler::sensor::calibration_fit::{ElementRecord, ModelChoice, fit};
 use feeler::sensor::calibration_report::CalibrationReport;
 use feeler_lab::config::Experiment;
@@ -24,16 +26,26 @@ const MAX_LOADS: i64 = 20_000;
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// The file of loads: CSV with the columns picture (relative to the file), element, f_x, f_y, f_z
-    /// (N, in the element's frame); a row of zero force, or without an element, is an unloaded picture.
-    /// With --simulated, the experiment.
+    /// (N, in the element's frame); a row of zero force, or without an element, is an unloaded picture. Columns column and
+    /// row (px) tell elements by their places; x_angle (rad) is where x of the force's frame points in the picture.
+    /// With --simulated, the experiment. With --wrench, the file of measured forces: picture, f_x, f_y, f_z (N) and, if
+    /// they were measured, m_x, m_y, m_z (N m), on the whole fingertip.
     #[arg(value_name = "LOADS.csv", required_unless_present = "simulated")]
     input: Option<String>,
     /// Put the loads on the simulated fingertip of the experiment instead.
     #[arg(long)]
     simulated: bool,
+    /// Calibrate the total force on the fingertip, where no single element can be loaded: by all elements together.
+    #[arg(long, conflicts_with_all = ["simulated", "full_scale_normal", "full_scale_shear", "verbose", "loads", "model"])]
+    wrench: bool,
+    /// Keep what the pictures explain nothing of.
+    #[arg(long)]
+    force_fit: bool,
     /// The experiment whose fingertip it is: a file, or the name of a built-in one [default: cap-closing]
     #[arg(long, value_name = "EXPERIMENT")]
     experiment: Option<String>,
+    #[command(flatten)]
+    live: live::LiveArguments,
     /// The finger of the experiment whose fingertip it is, from 0 [default: what fingers have without
     /// one of their own]
     #[arg(long, value_name = "NUMBER", conflicts_with = "layout")]
@@ -50,10 +62,10 @@ pub struct Arguments {
     /// predicts held-out loads better (auto).
     #[arg(long, value_parser = model, default_value = "auto", value_name = "MODEL")]
     model: ModelChoice,
-    /// Compression that shares of full scale refer to, N [default: the largest load; simulated: 2]
+    /// Compression that shares of full scale refer to, N [default: the largest load; simulated: 2, less with more than 41 elements]
     #[arg(long, value_parser = positive, value_name = "N")]
     full_scale_normal: Option<f64>,
-    /// Shear force that shares of full scale refer to, N [default: the largest load; simulated: 1]
+    /// Shear force that shares of full scale refer to, N [default: the largest load; simulated: half of that]
     #[arg(long, value_parser = positive, value_name = "N")]
     full_scale_shear: Option<f64>,
     /// Print the errors of each element, not only of each ring.
@@ -88,21 +100,25 @@ fn positive(text: &str) -> Result<f64, String> {
 }
 
 pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
-    let output = &arguments.output;
-    let page_path = output.with_extension("html");
-    if page_path == *output {
-        return Err(format!(
-            "--output {}: the page beside it would have the same name; expected a name that ends in .toml",
-            output.display()
-        )
-        .into());
+    if arguments.wrench {
+        return wrench::calibrate(arguments, out);
     }
+    let output = &arguments.output;
+    let page_path = page_path(output)?;
     let experiment_name = experiment_name(arguments);
     let layout = arguments.layout.as_deref();
     let sensor = named_sensor(experiment_name, arguments.finger, layout)?;
+    if let Some(folder) = live::folder(arguments) {
+        // Before an hour's work, not after it.
+        refuse_existing(arguments, [output, &page_path])?;
+        live::guide(arguments, folder, &sensor)?;
+    }
     let csv = arguments.input.as_ref().filter(|_| !arguments.simulated);
-    let elements = sensor.kernel.element_count();
-    let loads = csv.map(|csv| LoadsFile::read(Path::new(csv), elements));
+    let csv = csv.map(|input| match live::folder(arguments) {
+        Some(folder) => folder.join(live::LOADS),
+        None => PathBuf::from(input),
+    });
+    let loads = csv.map(|csv| LoadsFile::read(&csv, &sensor.seen));
     let loads = loads.transpose()?;
     let files = loads.as_ref().map_or_else(Vec::new, LoadsFile::files);
     let inputs = files.iter().map(|path| Some(path.as_path()));
@@ -111,22 +127,74 @@ pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, 
     // Opened first, for calibrating takes its time.
     let file = outputs.create(output, "--output")?;
     let page_file = outputs.create(&page_path, "--output")?;
-    let (records, source) = match &loads {
+    let (records, source, full_scale) = match &loads {
         Some(loads) => {
             let progress = Steps::new(loads.picture_count());
-            (loads.measure(&sensor, || progress.advance())?, loads.name())
+            let records = loads.measure(&sensor, || progress.advance())?;
+            let full_scale = FullScale::of_loads(&records);
+            (records, loads.name(), full_scale)
         }
         None => simulated(arguments)?,
     };
-    let full_scale = full_scale(arguments, &records);
+    let full_scale = FullScale {
+        normal: arguments.full_scale_normal.unwrap_or(full_scale.normal),
+        shear: arguments.full_scale_shear.unwrap_or(full_scale.shear),
+    };
     let fitting = Working::on("fitting");
     let calibration = fit(sensor.made_for, &records, arguments.model, full_scale)?;
     drop(fitting);
+    if !arguments.force_fit {
+        refuse_noise(&calibration, &records)?;
+    }
     page_file.finish(page::page(&calibration, &records, &source).as_bytes())?;
     file.finish(calibration.to_toml()?.as_bytes())?;
     print(arguments, &calibration, out)?;
     writeln!(out, "{}\n{}", output.display(), page_path.display())?;
     Ok(Outcome::Done)
+}
+
+/// Refuses a calibration that is fitted to noise.
+fn refuse_noise(calibration: &Calibration, records: &[ElementRecord]) -> Result<(), CommandError> {
+    /// Part of the variance of loads that must be explained.
+    const LEAST: f64 = 0.2;
+    let explained = explained(calibration, records);
+    let axes = ["f_x", "f_y", "f_z"].into_iter().zip(explained.to_array());
+    let unexplained: Vec<String> = axes
+        .filter(|(_, part)| *part < LEAST)
+        .map(|(axis, part)| format!("{axis} (held-out R² {part:.2})"))
+        .collect();
+    if unexplained.is_empty() {
+        return Ok(());
+    }
+    Err(format!(
+        "the pictures explain nothing of {}, at least {LEAST} expected: are the elements numbered as in the layout, \
+         where `feeler locate --preview` draws the numbers, or named by their places (columns column, row)? --force-fit keeps \
+         it all the same",
+        unexplained.join(", ")
+    )
+    .into())
+}
+
+/// Refuses outputs that would be refused when they are made.
+fn refuse_existing(arguments: &Arguments, outputs: [&Path; 2]) -> Result<(), CommandError> {
+    let mut made = Outputs::new(arguments.overwrite, []);
+    for path in outputs {
+        made.create(path, "--output")?.discard();
+    }
+    Ok(())
+}
+
+/// The page beside `output`.
+fn page_path(output: &Path) -> Result<PathBuf, CommandError> {
+    let page_path = output.with_extension("html");
+    if page_path == *output {
+        return Err(format!(
+            "--output {}: the page beside it would have the same name; expected a name that ends in .toml",
+            output.display()
+        )
+        .into());
+    }
+    Ok(page_path)
 }
 
 fn print(arguments: &Arguments, calibration: &Calibration, out: &mut dyn Write) -> io::Result<()> {
@@ -144,32 +212,23 @@ fn experiment_name(arguments: &Arguments) -> &str {
     name.unwrap_or(EXPERIMENT)
 }
 
-/// What is known of each element of a simulated fingertip, and where it comes from.
-fn simulated(arguments: &Arguments) -> Result<(Vec<ElementRecord>, String), CommandError> {
+/// What is known of each element of a simulated fingertip, where it comes from, and what shares of full scale refer to.
+fn simulated(
+    arguments: &Arguments,
+) -> Result<(Vec<ElementRecord>, String, FullScale), CommandError> {
     let experiment = Experiment::load(experiment_name(arguments), &[])?;
     let fingertip = experiment.fingertip(arguments.finger)?;
     let config = &experiment.config;
     let optics = &config.simulation()?.optics;
     let bench = CalibrationBenchConfig {
         seed: arguments.seed,
-        ..CalibrationBenchConfig::of_size(arguments.loads as usize)
+        ..CalibrationBenchConfig::of_fingertip(fingertip, optics, arguments.loads as usize)
     };
     let _working = Working::on("loading the simulated fingertip");
     if let Some(folder) = &arguments.write_loads {
         loads::write_simulated(folder, fingertip, optics, &bench)?;
     }
     let records = load_simulated(fingertip, optics, &bench)?;
-    Ok((records, format!("{}, simulated", config.name)))
-}
-
-/// What shares of full scale refer to: as asked for, or as large as the loads.
-fn full_scale(arguments: &Arguments, records: &[ElementRecord]) -> FullScale {
-    let default = match arguments.simulated {
-        true => FullScale::default(),
-        false => FullScale::of_loads(records),
-    };
-    FullScale {
-        normal: arguments.full_scale_normal.unwrap_or(default.normal),
-        shear: arguments.full_scale_shear.unwrap_or(default.shear),
-    }
+    let source = format!("{}, simulated", config.name);
+    Ok((records, source, bench.full_scale))
 }

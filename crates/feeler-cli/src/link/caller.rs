@@ -30,7 +30,11 @@ pub struct Caller {
 impl Caller {
     /// Begins to look for the hand of the rig `name`.
     pub fn new(link: &LinkArguments, name: &str) -> Result<Self, CommandError> {
-        let network = link.connect(name)?;
+        Self::over(link.connect(name)?)
+    }
+
+    /// The same of the rig that `network` is of.
+    pub fn over(network: Arc<dyn Network>) -> Result<Self, CommandError> {
         let heartbeat = Heartbeat {
             instance: draw_instance(),
             program: ProgramKind::Order,

@@ -1,7 +1,7 @@
 //! Programs of one rig: what their command lines have in common.
 
 pub mod bench;
-mod caller;
+pub mod caller;
 pub mod certificates;
 mod door;
 pub mod hand;
@@ -72,7 +72,7 @@ fn given_or_default(endpoints: &[String]) -> Vec<String> {
 
 impl LinkArguments {
     /// Where the hand is.
-    fn endpoints(&self) -> Vec<String> {
+    pub fn endpoints(&self) -> Vec<String> {
         given_or_default(&self.connect)
     }
 

@@ -1,13 +1,18 @@
 //! `feeler top`: a running rig of several programs on the terminal.
 
-#[cfg(any(feature = "top", feature = "view"))]
+#[cfg(any(feature = "top", feature = "view", feature = "ros2"))]
 mod heard;
-#[cfg(any(feature = "top", feature = "view"))]
+#[cfg(any(feature = "top", feature = "view", feature = "ros2"))]
 mod programs;
 #[cfg(feature = "top")]
 mod show;
-#[cfg(any(feature = "top", feature = "view"))]
+#[cfg(any(feature = "top", feature = "view", feature = "ros2"))]
+// The node of ROS 2 gives its orders in a way of its own.
+#[cfg_attr(not(any(feature = "top", feature = "view")), allow(dead_code))]
 pub mod watched;
+
+#[cfg(feature = "ros2")]
+pub use heard::Heard;
 
 use super::{ExperimentArguments, LinkArguments};
 use crate::{CommandError, Outcome};

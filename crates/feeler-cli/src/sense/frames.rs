@@ -1,9 +1,11 @@
 //! Pictures in, readings out.
 
+use super::assumed::AssumedFingertip;
 use super::output::{FrameReadings, Output};
-use super::sensor::sensor;
+use super::sensor::{asked_sensor, sensing_of};
 use super::source::Source;
 use super::tally::Tally;
+use super::wrench::OfWrench;
 use super::{Arguments, CommandError, close, is_raised};
 use feeler::sensor::camera::CameraError;
 use feeler::sensor::frame::Frame;
@@ -13,7 +15,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 /// How long to wait for a frame before looking whether to stop.
-const WAIT: Duration = Duration::from_millis(50);
+pub const WAIT: Duration = Duration::from_millis(50);
 
 /// Senses all frames of `source`, or those until `interrupted`.
 pub fn sense(
@@ -22,15 +24,26 @@ pub fn sense(
     tally: &mut Tally,
     interrupted: &AtomicBool,
 ) -> Result<(), CommandError> {
-    let sensing = sensor(arguments)?;
+    let geometry = asked_sensor(arguments)?;
+    let assumed = AssumedFingertip::of(arguments, &geometry)?;
+    let (sensing, estimator) = sensing_of(geometry, arguments)?;
     let size = sensing.picture_size();
     let camera = source.camera(arguments, size)?;
-    let output = arguments.open_output(sensing.is_calibrated())?;
+    let pictures = arguments.recorded_finger();
+    let output = match estimator {
+        Some(estimator) => arguments.open_output_as(&OfWrench {
+            estimator,
+            pictures,
+        })?,
+        None => arguments.open_output(sensing.is_calibrated())?,
+    };
+    let output = arguments.beside_the_sensor(output, source, tally)?;
     let mut stage = Stage {
         readings: vec![ElementReading::default(); sensing.element_count()],
         sensing,
         unloaded: arguments.unloaded.unwrap_or(1) as usize,
         waiting: Vec::new(),
+        assumed,
         output,
         tally,
     };
@@ -59,7 +72,10 @@ fn sense_all(
                 stage.sense(&frame, captured.at)?;
                 pump.give_back(frame);
             }
-            Err(error @ CameraError::Unreadable { .. }) => stage.tally.skip(&error.to_string()),
+            Err(error) if error.may_pass() => {
+                stage.check_size(&error)?;
+                stage.tally.skip(&error.to_string());
+            }
             Err(CameraError::Ended { .. }) => return Ok(()),
             Err(error) => return Err(error.into()),
         }
@@ -75,6 +91,8 @@ struct Stage<'a> {
     unloaded: usize,
     /// Such frames: number, stamp (s), readings.
     waiting: Vec<(u64, f64, Vec<ElementReading>)>,
+    /// The fingertip that the first picture must be of, where nobody has named one.
+    assumed: Option<AssumedFingertip>,
     output: Box<dyn Output>,
     tally: &'a mut Tally,
 }
@@ -82,7 +100,14 @@ struct Stage<'a> {
 impl Stage<'_> {
     /// Senses a frame that came in at `at`.
     fn sense(&mut self, frame: &Frame, at: Instant) -> Result<(), CommandError> {
-        self.sensing.sense(&frame.picture, &mut self.readings)?;
+        let failed = |e: &dyn std::fmt::Display| format!("frame {}: {e}", frame.sequence);
+        let sensed = self.sensing.sense(&frame.picture, &mut self.readings);
+        sensed.map_err(|e| failed(&e))?;
+        if let Some(assumed) = self.assumed.take() {
+            let note = assumed.check(&frame.picture, self.sensing.moments());
+            self.tally.note(&note.map_err(|e| failed(&e))?);
+        }
+        self.output.write_picture(frame)?;
         let (sequence, stamp) = (frame.sequence, frame.stamp);
         if self.sensing.reference().is_none() {
             let readings = self.readings.clone();
@@ -95,10 +120,27 @@ impl Stage<'_> {
                 sequence,
                 stamp,
                 readings: &self.readings,
+                markers: &[],
             })?;
         }
-        self.tally.frame(sequence, at, &self.readings);
+        self.tally.picture(sequence, at, &self.readings);
         Ok(())
+    }
+
+    /// Refuses a first picture of another size than those of the fingertip that is assumed.
+    fn check_size(&self, error: &CameraError) -> Result<(), CommandError> {
+        match (&self.assumed, error) {
+            (
+                Some(assumed),
+                CameraError::PictureSize {
+                    name,
+                    width,
+                    height,
+                    ..
+                },
+            ) => Err(assumed.refuse_size(name, (*width, *height)).into()),
+            _ => Ok(()),
+        }
     }
 
     /// Makes the reference of the frames that wait for it, and writes them.
@@ -119,6 +161,7 @@ impl Stage<'_> {
                 sequence,
                 stamp,
                 readings: &readings,
+                markers: &[],
             })?;
         }
         let unknown = reference.centroids.iter().filter(|c| c.is_none()).count();

@@ -2,6 +2,7 @@
 
 use super::CommandError;
 use super::output::{FrameReadings, Output};
+use feeler::sensor::frame::Frame;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -32,8 +33,20 @@ impl Output for Prompt {
         self.output.settle()
     }
 
+    fn write_picture(&mut self, frame: &Frame) -> Result<(), CommandError> {
+        self.output.write_picture(frame)
+    }
+
+    fn begin_sequence(&mut self, name: &str) -> Result<(), CommandError> {
+        self.output.begin_sequence(name)
+    }
+
     fn flush(&mut self) -> Result<(), CommandError> {
         self.output.flush()
+    }
+
+    fn warning(&self) -> Option<String> {
+        self.output.warning()
     }
 
     fn finish(self: Box<Self>, whole: bool) -> Result<Option<PathBuf>, CommandError> {

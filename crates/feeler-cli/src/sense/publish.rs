@@ -1,14 +1,14 @@
 //! `feeler sense --publish`: what one finger feels, for the hand program.
 
 use super::output::{FrameReadings, Output};
-use super::queued::Queued;
+use super::queued::{Full, Queued};
 use super::sensor::{self, SensorOf};
 use super::source::Source;
 use super::tally::Tally;
 use super::{Arguments, close, is_raised};
 use crate::CommandError;
 use feeler::sensor::camera::CameraError;
-use feeler::sensor::frame::Picture;
+use feeler::sensor::frame::{Frame, Picture};
 use feeler::sensor::sensing::{ElementReading, SensingChain};
 use feeler_lab::config::{Experiment, Sensing};
 use feeler_lab::experiment::linked::expected;
@@ -41,7 +41,7 @@ pub fn publish(
     stop: &AtomicBool,
 ) -> Result<(), CommandError> {
     let settings = arguments.values.settings();
-    let experiment = Experiment::load(&arguments.experiment, &settings)?;
+    let experiment = Experiment::load(arguments.experiment(), &settings)?;
     let finger = arguments.finger.unwrap_or(0);
     experiment.fingertip(Some(finger))?;
     let mut publisher = Publisher::new(arguments, &experiment, finger, tally)?;
@@ -79,7 +79,13 @@ impl<'a> Publisher<'a> {
         let output: Option<Box<dyn Output>> = match arguments.output {
             Some(_) => {
                 let output = arguments.open_output(true)?;
-                Some(Box::new(Queued::start(output, tally.warner())?))
+                let queued = Queued::start(
+                    output,
+                    Full::DropForAHand,
+                    arguments.record_frames,
+                    tally.warner(),
+                )?;
+                Some(Box::new(queued))
             }
             None => None,
         };
@@ -119,6 +125,12 @@ impl<'a> Publisher<'a> {
                     };
                     self.sensing.sense(&picture, &mut self.readings)?;
                     self.check_first(&picture);
+                    let (header, sequence) = taken;
+                    self.write_picture(&Frame {
+                        sequence,
+                        stamp: header.stamp,
+                        picture,
+                    })?;
                 }
                 Exposed::Forces(forces) if !pictures => {
                     for (reading, &force) in self.readings.iter_mut().zip(&forces.forces) {
@@ -153,6 +165,7 @@ impl<'a> Publisher<'a> {
                 Ok(frame) => {
                     self.sensing.sense(&frame.picture, &mut self.readings)?;
                     self.check_first(&frame.picture);
+                    self.write_picture(&frame)?;
                     let forces = self.readings.iter().map(|reading| reading.force);
                     let taken = (frame.sequence, frame.stamp, at);
                     self.program.publish(taken, forces)?;
@@ -180,6 +193,13 @@ impl<'a> Publisher<'a> {
         }
     }
 
+    fn write_picture(&mut self, frame: &Frame) -> Result<(), CommandError> {
+        match &mut self.output {
+            Some(output) => output.write_picture(frame),
+            None => Ok(()),
+        }
+    }
+
     /// Writes and counts the newest readings: those of picture `number`, the `sequence`-th that came, at `at`.
     fn write(
         &mut self,
@@ -193,6 +213,7 @@ impl<'a> Publisher<'a> {
                 sequence: number,
                 stamp,
                 readings: &self.readings,
+                markers: &[],
             })?;
         }
         self.tally.frame(sequence, at, &self.readings);

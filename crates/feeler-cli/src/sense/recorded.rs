@@ -68,6 +68,7 @@ fn give_out(
             sequence: frame.sequence,
             stamp: frame.stamp,
             readings: &readings,
+            markers: &[],
         })?;
         tally.frame(frame.sequence, at, &readings);
     }

@@ -4,28 +4,50 @@ use super::{Arguments, CommandError};
 use feeler::sensor::calibration::Calibration;
 use feeler::sensor::drift::DriftConfig;
 use feeler::sensor::sensing::{ElementReading, Reference, SensingChain};
+use feeler::sensor::wrench::WrenchEstimator;
 use feeler_lab::config::Experiment;
 use feeler_lab::sensor::SensorGeometry;
 use feeler_sources::picture::read_picture;
+use std::fmt::Display;
 use std::path::Path;
 
-/// The sensing of the experiment's fingertip or of the located layout, with calibration or reference
-/// if there is one.
-pub fn sensor(arguments: &Arguments) -> Result<SensingChain, CommandError> {
+/// The experiment's fingertip, or the located layout.
+pub fn asked_sensor(arguments: &Arguments) -> Result<SensorGeometry, CommandError> {
     let layout = arguments.layout.as_deref();
-    let geometry = named_sensor(&arguments.experiment, arguments.finger, layout)?;
+    named_sensor(arguments.experiment(), arguments.finger, layout)
+}
+
+/// The sensing of a sensor, with calibration or reference if there is one; and what predicts the wrench, if it is that which is
+/// calibrated.
+pub fn sensing_of(
+    geometry: SensorGeometry,
+    arguments: &Arguments,
+) -> Result<(SensingChain, Option<WrenchEstimator>), CommandError> {
     let calibration = arguments.calibration.as_deref();
+    let estimator = calibration.map(|path| named_estimator(&geometry, path));
+    let estimator = estimator.transpose()?.flatten();
+    let calibration = calibration.filter(|_| estimator.is_none());
     let calibration = calibration.map(|path| named_calibration(&geometry, path));
     let calibration = calibration.transpose()?;
     let SensorGeometry {
         size,
         kernel,
         regions,
+        max_saturated,
         ..
     } = geometry;
-    let mut sensing = SensingChain::new(size, kernel, &regions, arguments.max_saturated)?;
+    let max_saturated = arguments.max_saturated.unwrap_or(max_saturated);
+    let mut sensing = SensingChain::new(size, kernel, &regions, max_saturated)?;
     if let Some(calibration) = calibration {
         sensing = sensing.with_calibration(calibration)?;
+    }
+    if let Some(estimator) = &estimator {
+        if arguments.drift_correction {
+            let message = "--drift-correction: changes nothing with the calibration of a wrench, which a common gain does not \
+                           change; expected the calibration of elements";
+            return Err(message.into());
+        }
+        sensing.set_reference(estimator.reference())?;
     }
     if arguments.drift_correction {
         sensing = sensing.with_drift_correction(DriftConfig::default());
@@ -35,7 +57,7 @@ pub fn sensor(arguments: &Arguments) -> Result<SensingChain, CommandError> {
         let reference = reference(path, &mut sensing).map_err(failed)?;
         sensing.set_reference(reference)?;
     }
-    Ok(sensing)
+    Ok((sensing, estimator))
 }
 
 /// The sensor of one finger for the hand program.
@@ -53,7 +75,7 @@ pub fn for_the_hand(
     finger: usize,
 ) -> Result<SensorOf, CommandError> {
     let geometry = match &arguments.layout {
-        layout @ Some(_) => named_sensor(&arguments.experiment, None, layout.as_deref())?,
+        layout @ Some(_) => named_sensor(arguments.experiment(), None, layout.as_deref())?,
         None => SensorGeometry::of_fingertip(experiment.fingertip(Some(finger))?)?,
     };
     let calibration = match &arguments.calibration {
@@ -65,7 +87,7 @@ pub fn for_the_hand(
         }
     };
     let (size, sha256) = (geometry.size, geometry.made_for.sha256);
-    let max_saturated = arguments.max_saturated;
+    let max_saturated = arguments.max_saturated.unwrap_or(geometry.max_saturated);
     let sensing = SensingChain::new(size, geometry.kernel, &geometry.regions, max_saturated)?;
     let sensing = sensing.with_calibration(calibration)?;
     let asked = arguments.drift_correction.then(DriftConfig::default);
@@ -91,8 +113,27 @@ pub fn named_sensor(
 
 /// The calibration at `path`, which --calibration names, if it was made for the sensor.
 fn named_calibration(geometry: &SensorGeometry, path: &Path) -> Result<Calibration, CommandError> {
+    if named_estimator(geometry, path)?.is_some() {
+        let path = path.display();
+        return Err(format!(
+            "--calibration {path}: it is the calibration of a wrench; expected that of elements"
+        )
+        .into());
+    }
     let read = geometry.read_calibration(path);
     read.map_err(|e| format!("--calibration {}: {e}", path.display()).into())
+}
+
+/// What predicts the wrench by the calibration at `path`; none where that is of elements.
+fn named_estimator(
+    geometry: &SensorGeometry,
+    path: &Path,
+) -> Result<Option<WrenchEstimator>, CommandError> {
+    let named = |e: &dyn Display| format!("--calibration {}: {e}", path.display());
+    let read = geometry.read_wrench_calibration(path);
+    let calibration = read.map_err(|e| named(&e))?;
+    let estimator = calibration.map(WrenchEstimator::new).transpose();
+    Ok(estimator.map_err(|e| named(&e))?)
 }
 
 /// Where the centroids are in the picture at `path`.

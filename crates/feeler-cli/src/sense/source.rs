@@ -2,6 +2,8 @@
 
 use super::{Arguments, CommandError};
 use feeler::sensor::camera::Camera;
+use feeler_record::SensedPictures;
+use feeler_record::sensed_pictures::is_sensed;
 use feeler_report::make::RECORDING;
 use feeler_sources::files::PictureFiles;
 use feeler_sources::raw::RawFrames;
@@ -19,6 +21,8 @@ pub enum Source {
     Video(PathBuf),
     /// A run's recording.
     Recording(PathBuf),
+    /// Pictures that were sensed before and kept.
+    Sensed(PathBuf),
     /// The rig that another program plays.
     Rig,
 }
@@ -37,6 +41,11 @@ impl Source {
                 "raw frames on standard input (-)",
             ),
             ("--size", arguments.size.is_some() && !video, "a camera"),
+            (
+                "--record-frames",
+                arguments.record_frames && recording,
+                "pictures",
+            ),
             (
                 "--exposure",
                 arguments.exposure.is_some() && !video,
@@ -102,7 +111,10 @@ impl Source {
             .extension()
             .is_some_and(|extension| extension == "mcap")
         {
-            return Ok(Self::Recording(path.clone()));
+            return Ok(match is_sensed(path) {
+                true => Self::Sensed(path.clone()),
+                false => Self::Recording(path.clone()),
+            });
         }
         if is_video_device(path) {
             return Ok(Self::Video(path.clone()));
@@ -117,14 +129,17 @@ impl Source {
         size: (usize, usize),
     ) -> Result<Box<dyn Camera + Send>, CommandError> {
         match self {
-            Self::Pictures(paths) => Ok(Box::new(PictureFiles::new(paths, size, arguments.rate)?)),
+            Self::Pictures(paths) => {
+                Ok(Box::new(PictureFiles::new(paths, size, arguments.rate())?))
+            }
+            Self::Sensed(path) => sensed_pictures(path),
             Self::Raw(raw) => {
                 check_size("--raw", *raw, size)?;
-                Ok(Box::new(RawFrames::new(stdin(), size, arguments.rate)))
+                Ok(Box::new(RawFrames::new(stdin(), size, arguments.rate())))
             }
             Self::Video(device) => {
                 check_size("--size", arguments.size.unwrap_or(size), size)?;
-                open_video(device, size, arguments)
+                open_video(device, size, arguments.rate(), arguments.exposure)
             }
             Self::Rig => Err("rig: its pictures come over the link".into()),
             Self::Recording(path) => {
@@ -135,8 +150,21 @@ impl Source {
     }
 }
 
+/// The pictures in the recording of a sensor at `path`.
+fn sensed_pictures(path: &Path) -> Result<Box<dyn Camera + Send>, CommandError> {
+    let pictures = SensedPictures::open(path)?;
+    if pictures.is_empty() {
+        return Err(format!(
+            "{}: there are no pictures in it; expected a recording made by `feeler sense --record-frames`",
+            path.display()
+        )
+        .into());
+    }
+    Ok(Box::new(pictures))
+}
+
 /// Whether `path` is named as Video4Linux devices are; `/dev/shm` holds files.
-fn is_video_device(path: &Path) -> bool {
+pub fn is_video_device(path: &Path) -> bool {
     let name = path.to_string_lossy();
     name.starts_with("/dev/video") || name.starts_with("/dev/v4l/")
 }
@@ -152,33 +180,36 @@ fn check_size(
     }
     Err(format!(
         "{flag} {width}x{height}: the fingertip's pictures are of {}x{} px; expected these, or another \
-         fingertip",
+         fingertip (--layout, as `feeler locate` writes it, or --experiment)",
         expected.0, expected.1
     )
     .into())
 }
 
+/// The Video4Linux camera `device`, asked for `rate` Hz and an exposure time (s).
 #[cfg(all(feature = "camera", target_os = "linux"))]
-fn open_video(
+pub fn open_video(
     device: &Path,
     size: (usize, usize),
-    arguments: &Arguments,
+    rate: f64,
+    exposure: Option<f64>,
 ) -> Result<Box<dyn Camera + Send>, CommandError> {
     use feeler_sources::video::{VideoCamera, VideoConfig};
     let camera = VideoCamera::open(&VideoConfig {
         device: device.to_path_buf(),
         size,
-        rate: arguments.rate,
-        exposure: arguments.exposure,
+        rate,
+        exposure,
     })?;
     Ok(Box::new(camera))
 }
 
 #[cfg(not(all(feature = "camera", target_os = "linux")))]
-fn open_video(
+pub fn open_video(
     device: &Path,
     _: (usize, usize),
-    _: &Arguments,
+    _: f64,
+    _: Option<f64>,
 ) -> Result<Box<dyn Camera + Send>, CommandError> {
     Err(format!(
         "{}: this program was built without cameras; build it on Linux with --features camera",

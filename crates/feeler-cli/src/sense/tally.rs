@@ -16,6 +16,8 @@ pub struct Tally {
     start: Instant,
     frames: u64,
     skipped: u64,
+    /// Why the first picture was skipped.
+    first_skipped: Option<String>,
     dropped: u64,
     /// The number that the next frame should have.
     expected: Option<u64>,
@@ -23,11 +25,14 @@ pub struct Tally {
     age: Duration,
     black: Uniform,
     white: Uniform,
+    same: Uniform,
+    /// What the newest picture showed.
+    seen: Vec<ElementReading>,
     dark: BTreeMap<usize, u64>,
     saturated: BTreeMap<usize, u64>,
 }
 
-/// Frames that are the same all over.
+/// Frames of one kind: the same all over, or as the one before.
 #[derive(Default)]
 struct Uniform {
     count: u64,
@@ -53,11 +58,14 @@ impl Tally {
             start: now,
             frames: 0,
             skipped: 0,
+            first_skipped: None,
             dropped: 0,
             expected: None,
             age: Duration::ZERO,
             black: Uniform::default(),
             white: Uniform::default(),
+            same: Uniform::default(),
+            seen: Vec::new(),
             dark: BTreeMap::new(),
             saturated: BTreeMap::new(),
         }
@@ -68,9 +76,13 @@ impl Tally {
         self.frames
     }
 
-    /// Pictures that were skipped.
-    pub fn skipped(&self) -> u64 {
-        self.skipped
+    /// That there was nothing to sense, and why the first picture was not.
+    pub fn nothing(&self) -> String {
+        let skipped = match (self.skipped, &self.first_skipped) {
+            (count, Some(first)) => format!("{count} skipped, the first: {first}"),
+            (count, None) => format!("{count} skipped"),
+        };
+        format!("there was no frame to sense ({skipped}); expected at least 1")
     }
 
     /// Counts a frame that came in at `at`.
@@ -84,6 +96,23 @@ impl Tally {
             self.shown = Instant::now();
             self.beside.progress(self.line());
         }
+    }
+
+    /// The same for a picture, of which no two are alike unless one is a copy.
+    pub fn picture(&mut self, sequence: u64, at: Instant, readings: &[ElementReading]) {
+        let alike = |(a, b): (&ElementReading, &ElementReading)| {
+            a.integrated_gray == b.integrated_gray && a.centroid == b.centroid
+        };
+        let lit = readings
+            .iter()
+            .any(|reading| reading.exposure == Exposure::Good);
+        let all = self.seen.len() == readings.len() && self.seen.iter().zip(readings).all(alike);
+        if lit && all {
+            self.same.add(sequence);
+        }
+        self.seen.clear();
+        self.seen.extend_from_slice(readings);
+        self.frame(sequence, at, readings);
     }
 
     fn look_at(&mut self, sequence: u64, readings: &[ElementReading]) {
@@ -107,13 +136,24 @@ impl Tally {
     /// Counts and names a picture that is skipped. Its number is not called dropped.
     pub fn skip(&mut self, reason: &str) {
         self.skipped += 1;
+        self.first_skipped.get_or_insert_with(|| reason.to_owned());
         self.expected = self.expected.map(|expected| expected.saturating_add(1));
         self.warn(&format!("skipped: {reason}"));
+    }
+
+    /// Counts lines of a table that are no frames.
+    pub fn skip_lines(&mut self, count: u64) {
+        self.skipped += count;
     }
 
     /// Says something that is not as it should be.
     pub fn warn(&self, warning: &str) {
         self.beside.say(&format!("warning: {warning}"));
+    }
+
+    /// Says something that the user may want to know.
+    pub fn note(&self, note: &str) {
+        self.beside.say(note);
     }
 
     /// The same as [`warn`](Self::warn), for somebody else to call.
@@ -131,6 +171,12 @@ impl Tally {
             let frames = frames(uniform.count);
             self.warn(&format!(
                 "{frames} all {colour}, the first of them frame {first}; no forces"
+            ));
+        }
+        if self.same.count > 0 {
+            let (same, first) = (frames(self.same.count), self.same.first);
+            self.warn(&format!(
+                "{same} whose readings are those of the one before: kept; the first of them frame {first}"
             ));
         }
         let lit = [(&self.dark, "dark"), (&self.saturated, "saturated")];

@@ -30,6 +30,7 @@ mod own_rig;
 mod restarts;
 mod rig;
 mod soak;
+mod taxels;
 mod together;
 #[cfg(all(feature = "top", target_os = "linux"))]
 mod watched;

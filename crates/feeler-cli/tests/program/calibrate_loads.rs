@@ -100,6 +100,148 @@ fn a_recording_of_what_was_sensed_makes_the_same_calibration_as_its_pictures() {
     refused("none.mcap@1,0,0,0,1", &["line 2", "none.mcap"]);
 }
 
+/// The root mean squares of the held-out errors of all elements, N, in the file of a calibration.
+fn held_out(folder: &Path, name: &str) -> Vec<glam::DVec3> {
+    let text = fs::read_to_string(folder.join(name)).unwrap();
+    let calibration = feeler::sensor::calibration::Calibration::from_toml(&text).unwrap();
+    let elements = calibration.elements.iter();
+    elements.map(|e| e.quality.held_out.rms).collect()
+}
+
+/// The way of the README: what `locate` finds is numbered from the picture's top, what is loaded ring by ring.
+#[test]
+fn a_located_layout_is_calibrated_as_well_as_the_experiments_own() {
+    let (folder, _) = simulated("located-loads", "40");
+    let locate = ["locate", "loads/untouched.png", "-o"];
+    run(&folder, &[&locate[..], &["flat.toml"]].concat()).done();
+    let on_dome = ["dome.toml", "--dome", "cap-closing"];
+    run(&folder, &[&locate[..], &on_dome].concat()).done();
+    let own = ["calibrate", "loads/LOADS.csv", "-o", "own.toml"];
+    run(&folder, &own).done();
+    let mean = |errors: &[glam::DVec3]| errors.iter().sum::<glam::DVec3>() / errors.len() as f64;
+    let expected = mean(&held_out(&folder, "own.toml"));
+    for layout in ["flat.toml", "dome.toml"] {
+        let calibrate = [
+            "calibrate",
+            "loads/LOADS.csv",
+            "--force",
+            "-o",
+            "located.toml",
+        ];
+        run(&folder, &[&calibrate[..], &["--layout", layout]].concat()).done();
+        let found = mean(&held_out(&folder, "located.toml"));
+        println!("{layout}: {found} N, of the experiment's own {expected} N");
+        // Sub-regions that were located are discs in the picture, wider than the fingertip's own and, without the dome, not
+        // foreshortened at its rim: 2.8 times the error at most, 0.4 % of the largest shear of 1.8 N. Of elements or axes
+        // mixed up it would be a hundred times.
+        assert!(found.cmple(4.0 * expected).all(), "{found} {expected}");
+        assert!(found.max_element() < 0.01 * 1.8, "{found}");
+    }
+    // Without places, numbers mean the wrong elements.
+    let loads = fs::read_to_string(folder.join("loads/LOADS.csv")).unwrap();
+    let numbered = |row: &str| row.splitn(6, ',').take(5).collect::<Vec<_>>().join(",") + "\n";
+    fs::write(
+        folder.join("loads/N.csv"),
+        loads.lines().map(numbered).collect::<String>(),
+    )
+    .unwrap();
+    let calibrate = [
+        "calibrate",
+        "loads/N.csv",
+        "--layout",
+        "flat.toml",
+        "-o",
+        "n.toml",
+    ];
+    run(&folder, &calibrate).refused(&["the pictures explain nothing", "column, row"]);
+    // A layout that lacks an element does not take its loads for another's.
+    let layout = fs::read_to_string(folder.join("flat.toml")).unwrap();
+    let last = layout.rfind("[[element]]").unwrap();
+    fs::write(folder.join("less.toml"), &layout[..last]).unwrap();
+    let less = [
+        "calibrate",
+        "loads/LOADS.csv",
+        "--layout",
+        "less.toml",
+        "-o",
+        "n.toml",
+    ];
+    run(&folder, &less).refused(&["LOADS.csv: line", "the nearest element of the layout"]);
+    assert!(!folder.join("n.toml").exists());
+}
+
+/// With its pictures, a recording is as good as these for another layout than that with which it was sensed.
+#[test]
+fn a_recording_with_pictures_is_sensed_anew() {
+    let (folder, _) = simulated("recorded-pictures", "30");
+    run(&folder, &["locate", "loads/untouched.png", "-o", "l.toml"]).done();
+    let sense = [
+        "sense",
+        "loads",
+        "--rate",
+        "10",
+        "--record-frames",
+        "-o",
+        "loads/s.mcap",
+    ];
+    assert_eq!(run(&folder, &sense).status, Some(0));
+    let plain = ["sense", "loads", "--rate", "10", "-o", "loads/plain.mcap"];
+    assert_eq!(run(&folder, &plain).status, Some(0));
+    let loads = fs::read_to_string(folder.join("loads/LOADS.csv")).unwrap();
+    let rows_of = |recording: &str| {
+        let row = |row: &str| match row.split_once(".png") {
+            Some((number, rest)) => {
+                let time = 0.1 * number.parse::<f64>().unwrap();
+                format!("{recording}@{time:.1}{rest}\n")
+            }
+            None => format!("{row}\n"),
+        };
+        loads.lines().map(row).collect::<String>()
+    };
+    fs::write(folder.join("loads/S.csv"), rows_of("s.mcap")).unwrap();
+    fs::write(folder.join("loads/P.csv"), rows_of("plain.mcap")).unwrap();
+    let calibrate = |loads: &str, layout: &[&str]| {
+        let start = ["calibrate", loads, "--force", "-o", "c.toml"];
+        run(&folder, &[&start[..], layout].concat()).done();
+        fs::read_to_string(folder.join("c.toml")).unwrap()
+    };
+    for layout in [&["--layout", "l.toml"][..], &[]] {
+        let expected = calibrate("loads/LOADS.csv", layout);
+        assert!(calibrate("loads/S.csv", layout) == expected, "{layout:?}");
+    }
+    // The total force on the fingertip, likewise.
+    let forces = |source: &dyn Fn(usize) -> String| {
+        let row = |i: usize| format!("{},{},{}\n", source(i), i % 13, 7 * i % 17);
+        "picture,f_x,f_z\n".to_owned() + &(0..60).map(row).collect::<String>()
+    };
+    fs::write(
+        folder.join("loads/WP.csv"),
+        forces(&|i| format!("{i:05}.png")),
+    )
+    .unwrap();
+    let recorded = |i| format!("s.mcap@{:.1}", 0.1 * i as f64);
+    fs::write(folder.join("loads/WS.csv"), forces(&recorded)).unwrap();
+    let wrench = |csv: &str| {
+        let start = [
+            "calibrate",
+            csv,
+            "--wrench",
+            "--force-fit",
+            "--layout",
+            "l.toml",
+        ];
+        let ended = run(
+            &folder,
+            &[&start[..], &["--force", "-o", "w.toml"]].concat(),
+        );
+        assert_eq!(ended.status, Some(0), "{ended:?}");
+        let text = fs::read_to_string(folder.join("w.toml")).unwrap();
+        let text: toml::Table = text.parse().unwrap();
+        text["model"].clone()
+    };
+    assert_eq!(wrench("loads/WS.csv"), wrench("loads/WP.csv"));
+}
+
 #[test]
 fn loads_that_cannot_be_used_are_named() {
     let (folder, _) = simulated("bad-loads", "10");
@@ -122,14 +264,14 @@ fn loads_that_cannot_be_used_are_named() {
             good.replacen("f_z", "force", 1),
             &["no column \"f_z\"", "picture,element,f_x,f_y,force"],
         ),
-        (good.replacen(row, "00000.png,", 1), &["line: 2", "5"]),
+        (good.replacen(row, "00000.png,", 1), &["line: 2", "8"]),
         (good.replacen(row, "00000.png,0,nan,1,", 1), &["line: 2"]),
         (
             format!("{head}00000.png,0,1,nan,1\n"),
             &["line 2", "f_y = \"nan\"", "finite number"],
         ),
         (
-            good.replacen(row, "00000.png,41,", 1),
+            format!("{head}00000.png,41,0,0,1\n"),
             &["line 2", "element = \"41\"", "0 to 40"],
         ),
         (

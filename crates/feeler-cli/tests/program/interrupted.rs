@@ -72,3 +72,32 @@ fn a_killed_run_is_readable_up_to_its_last_chunk() {
     let page = fs::read_to_string(folder.join("run/report.html")).unwrap();
     assert!(page.contains("INCOMPLETE: readable up to"));
 }
+
+/// Ctrl-C keeps every grasp that is done, with its label, and says that there are fewer.
+#[test]
+fn interrupted_grasps_keep_their_labels() {
+    let folder = folder("simulate-grasps-interrupted");
+    let arguments = ["simulate-grasps", "--count=100000", "--out=grasps"];
+    let mut command = feeler(&folder, &arguments);
+    let mut child = command.stdout(Stdio::piped()).spawn().expect("the program");
+    let second = folder.join("grasps/recordings/00001.toml");
+    while !second.exists() {
+        let ended = child.try_wait().expect("its state");
+        assert!(ended.is_none(), "it ended by itself: {ended:?}");
+        yield_now();
+    }
+    send("-INT", &child);
+    let ended = Ended::of(child.wait_with_output().unwrap());
+    assert_eq!(ended.status, Some(1), "{ended:?}");
+    assert!(ended.stdout.contains("interrupted after"), "{ended:?}");
+    assert!(!folder.join("grasps/labels.csv").exists());
+    let labels = fs::read_to_string(folder.join("grasps/labels.csv.part")).expect("labels");
+    let labelled: Vec<_> = labels.lines().skip(1).map(|l| &l[..5]).collect();
+    let recorded = fs::read_dir(folder.join("grasps/recordings")).expect("recordings");
+    let layouts = recorded.filter(|entry| {
+        let path = entry.as_ref().expect("an entry").path();
+        path.extension().is_some_and(|end| end == "toml")
+    });
+    assert_eq!(layouts.count(), labelled.len());
+    assert!(labelled.contains(&"00000"), "{labelled:?}");
+}

@@ -1,13 +1,16 @@
 //! The program end to end: what a user gives it, what it prints, writes and exits with.
 
 mod bad_input;
+mod calibrate_live;
 mod calibrate_loads;
+mod calibrate_wrench;
 mod cap;
 mod carry;
 mod check_objects;
 mod cli;
 mod compare;
 mod contour;
+mod fingertips;
 mod friction_scan;
 #[cfg(unix)]
 mod gap;
@@ -22,9 +25,15 @@ mod policy_file;
 #[path = "../support/program.rs"]
 mod program;
 mod real_rig;
+#[path = "../../../feeler-lab/tests/support/recordings.rs"]
+mod recordings;
 mod replay;
 mod robustness;
 mod schema;
 mod score_slip;
+mod score_slip_recorded;
+mod simulated_grasps;
+#[path = "../../../feeler-lab/tests/support/skip.rs"]
+mod skip;
 mod sweep;
 mod urdf;

@@ -261,7 +261,7 @@ fn what_cannot_be_replayed_is_refused() {
         replay(&folder, "run", &setting).refused(&[words]);
     }
     // Recordings of something else, and no recordings.
-    let mut sensed = SensedWriter::create(folder.join("sensed.mcap")).unwrap();
+    let mut sensed = SensedWriter::create(folder.join("sensed.mcap"), None).unwrap();
     sensed.write(TACTILE, &Tactile::default()).unwrap();
     sensed.finish().unwrap();
     fs::write(folder.join("words.mcap"), "hello").unwrap();

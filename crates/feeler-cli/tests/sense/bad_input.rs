@@ -38,21 +38,81 @@ fn a_damaged_file_is_skipped_and_the_rest_goes_on() {
     let frames: Vec<_> = rows.chunks(41).map(|rows| rows[0].frame).collect();
     assert_eq!(frames, [0, 1, 5]);
     // A folder of nothing else is refused.
-    run(&folder, &["sense", "pictures/frame4.png"]).refused(&["no frame", "1 skipped"]);
+    run(&folder, &["sense", "pictures/frame4.png"]).refused(&[
+        "no frame",
+        "1 skipped, the first: pictures/frame4.png: ",
+        "a picture (PNG",
+    ]);
+}
+
+/// One is gone before it is its turn, as of a disk that is taken out.
+#[cfg(unix)]
+#[test]
+fn a_folder_whose_reading_fails_halfway_is_named_with_the_cause() {
+    let folder = folder("sense-halfway");
+    let files = folder.join("pictures");
+    save(&pictures(4), &files);
+    for frame in [2, 3] {
+        let file = files.join(format!("frame{frame}.png"));
+        fs::remove_file(&file).unwrap();
+        std::os::unix::fs::symlink("gone.png", file).unwrap();
+    }
+    let ended = run(&folder, &["sense", "pictures", "-o", "out.csv"]);
+    assert_eq!(ended.status, Some(0), "{ended:?}");
+    for frame in [2, 3] {
+        let named = format!("skipped: pictures/frame{frame}.png: No such file or directory");
+        assert!(ended.stderr.contains(&named), "{ended:?}");
+    }
+    let table = fs::read_to_string(folder.join("out.csv")).unwrap();
+    assert_eq!(rows(&table, WITHOUT_FORCES).len(), 2 * 41);
 }
 
 #[test]
-fn a_picture_of_another_size_ends_it_and_what_was_sensed_stays() {
+fn a_picture_of_another_size_is_skipped_and_the_rest_goes_on() {
     let folder = folder("sense-size");
-    save(&pictures(2), &folder.join("pictures"));
+    save(&pictures(3), &folder.join("pictures"));
     let small = image::GrayImage::new(320, 240);
-    small.save(folder.join("pictures/frame2.png")).unwrap();
+    small.save(folder.join("pictures/frame1.png")).unwrap();
     let ended = run(&folder, &["sense", "pictures"]);
+    assert_eq!(ended.status, Some(0), "{ended:?}");
     assert_eq!(rows(&ended.stdout, WITHOUT_FORCES).len(), 2 * 41);
-    ended.refused(&["frame2.png", "640x480 px expected", "320x240"]);
+    for said in [
+        "skipped: pictures/frame1.png",
+        "640x480 px expected",
+        "320x240",
+        "1 skipped, 0 dropped",
+    ] {
+        assert!(ended.stderr.contains(said), "{ended:?}");
+    }
+    // A folder of nothing else is refused.
+    small.save(folder.join("frame2.png")).unwrap();
+    let named = ["sense", "frame2.png", "--experiment=cap-closing"];
+    run(&folder, &named).refused(&["no frame", "1 skipped", "frame2.png"]);
+    run(&folder, &["sense", "frame2.png"]).refused(&["frame2.png", "320x240", "feeler locate"]);
+    fs::rename(
+        folder.join("frame2.png"),
+        folder.join("pictures/frame2.png"),
+    )
+    .unwrap();
     let reference = ["sense", "pictures", "--reference", "pictures/frame2.png"];
     run(&folder, &reference).refused(&["--reference pictures/frame2.png", "320x240"]);
     run(&folder, &["sense", "-", "--raw=320x240"]).refused(&["--raw 320x240", "640x480"]);
+}
+
+#[test]
+fn a_picture_that_comes_twice_is_kept_and_said() {
+    let folder = folder("sense-twice");
+    let files = folder.join("pictures");
+    save(&pictures(4), &files);
+    let different = run(&folder, &["sense", "pictures"]);
+    assert!(!different.stderr.contains("one before"), "{different:?}");
+    fs::copy(files.join("frame1.png"), files.join("frame2.png")).unwrap();
+    let ended = run(&folder, &["sense", "pictures"]);
+    assert_eq!(ended.status, Some(0), "{ended:?}");
+    let said =
+        "1 frame whose readings are those of the one before: kept; the first of them frame 2";
+    assert!(ended.stderr.contains(said), "{ended:?}");
+    assert_eq!(rows(&ended.stdout, WITHOUT_FORCES).len(), 4 * 41);
 }
 
 #[test]
@@ -170,7 +230,7 @@ fn options_that_would_change_nothing_are_refused() {
 }
 
 #[test]
-fn what_fails_or_is_cut_leaves_a_good_table_and_is_called_partial() {
+fn what_fails_leaves_a_good_table() {
     let folder = folder("sense-keeps");
     save(&pictures(3), &folder.join("pictures"));
     let sense = ["sense", "pictures", "-o", "out.csv"];
@@ -190,18 +250,9 @@ fn what_fails_or_is_cut_leaves_a_good_table_and_is_called_partial() {
     run(&folder, &none).refused(&["no frame"]);
     unchanged();
     assert!(!folder.join("out.csv.part").exists());
-    // A picture is of another size.
-    image::GrayImage::new(320, 240)
-        .save(folder.join("pictures/frame2.png"))
-        .unwrap();
-    let failed = run(&folder, &[&sense[..], &["--force"]].concat());
-    failed.refused(&["320x240", "out.csv.part is partial"]);
-    unchanged();
-    let part = fs::read_to_string(folder.join("out.csv.part")).unwrap();
-    assert_eq!(part.lines().count(), 1 + 2 * 41);
-    // What is left of it is no less safe than a table.
+    // What a program that was killed has left is no less safe than a table.
     let another = ["sense", "pictures/frame0.png", "-o", "new.csv"];
-    fs::rename(folder.join("out.csv.part"), folder.join("new.csv.part")).unwrap();
+    fs::write(folder.join("new.csv.part"), &good[..good.len() / 2]).unwrap();
     run(&folder, &another).refused(&["new.csv.part: exists already"]);
 }
 
@@ -251,6 +302,9 @@ fn a_full_disk_is_no_success_and_tears_no_row() {
         let mut command = std::process::Command::new("sh");
         command.args(["-c", limited, "sh", env!("CARGO_BIN_EXE_feeler")]);
         command.args(["sense", "pictures", "-o", name]);
+        if name.ends_with("mcap") {
+            command.arg("--record-frames");
+        }
         let ended = Ended::of(command.current_dir(&folder).output().unwrap());
         ended.refused(&[name, "File too large", &format!("{name}.part is partial")]);
         assert!(!folder.join(name).exists());

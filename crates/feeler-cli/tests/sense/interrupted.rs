@@ -10,7 +10,9 @@ use std::thread::{JoinHandle, spawn, yield_now};
 
 /// Starts sensing frames that do not end.
 fn start(folder: &Path, arguments: &[&str]) -> (Child, JoinHandle<()>) {
-    let all = [&["sense", "-", "--raw=640x480"], arguments].concat();
+    // The frames are of no fingertip.
+    let source = ["sense", "-", "--raw=640x480", "--experiment=cap-closing"];
+    let all = [&source, arguments].concat();
     let mut command = feeler(folder, &all);
     command.stdin(Stdio::piped());
     let command = command.stdout(Stdio::piped()).stderr(Stdio::piped());
@@ -29,7 +31,8 @@ fn wait_for(path: &Path, bytes: u64, child: &mut Child) {
     }
 }
 
-fn interrupt(child: Child) -> Ended {
+/// Sends what Ctrl-C sends, and waits for the end.
+pub fn interrupt(child: Child) -> Ended {
     let id = child.id().to_string();
     let sent = Command::new("kill").args(["-INT", &id]).status();
     assert!(sent.expect("the kill command").success());

@@ -1,5 +1,6 @@
 //! `feeler sense`, through the program: forces from pictures of known loads, and bad input.
 
+mod assumed;
 mod bad_input;
 mod decoding;
 mod forces;
@@ -7,5 +8,11 @@ mod forces;
 mod interrupted;
 #[path = "../support/program.rs"]
 mod program;
+mod recorded_pictures;
+#[path = "../../../feeler-lab/tests/support/recordings.rs"]
+mod recordings;
 mod rendered;
 mod table;
+mod taxel_recordings;
+mod taxels;
+mod track;

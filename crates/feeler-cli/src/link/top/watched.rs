@@ -19,6 +19,7 @@ use feeler_link::message::InstrumentsMessage;
 use feeler_link::network::Network;
 use feeler_link::outlet::{TimeSource, monotonic};
 use feeler_link::shared::Shared;
+use feeler_link::topic::Topic;
 use feeler_link::watch_inbox::WatchInbox;
 use glam::DVec3;
 use std::sync::Arc;
@@ -64,6 +65,9 @@ impl Watched {
             let heard = move |topic, bytes: &[u8]| {
                 // What is refused is counted there.
                 let _ = inbox.lock().take(topic, bytes, clock());
+                if topic == Topic::State {
+                    inbox.changed();
+                }
             };
             network.listen(topic, Arc::new(heard))?;
         }
@@ -134,6 +138,23 @@ impl Watched {
     pub fn hears_somebody(&self) -> bool {
         let inbox = self.inbox.lock();
         inbox.peers().all().iter().any(|peer| peer.works())
+    }
+
+    /// Waits for a state of the joints of another number or program than `last`, for at most `longest`; whether it came.
+    #[cfg(feature = "ros2")]
+    pub fn wait_for_state(&self, last: Option<(u64, u64)>, longest: Duration) -> bool {
+        let is_new = |inbox: &mut WatchInbox| {
+            let state = inbox.state().map(|state| state.header);
+            state.is_some_and(|header| Some((header.instance, header.sequence)) != last)
+        };
+        self.inbox.wait_for(longest, is_new)
+    }
+
+    /// Looks at what was heard of programs that are still there.
+    #[cfg(feature = "ros2")]
+    pub fn heard<T>(&self, look: impl FnOnce(&Heard) -> T) -> T {
+        let inbox = self.inbox.lock();
+        look(&Heard::new(&inbox, (self.clock)()))
     }
 
     /// Takes in the newest torque and whether something is wrong.

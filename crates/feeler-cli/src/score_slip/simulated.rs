@@ -1,45 +1,20 @@
-//! `feeler score-slip`
+//! `feeler score-slip [EXPERIMENT]`: against the simulator's truth.
 
-use super::part_file::{Outputs, Overwrite};
-use super::progress::Steps;
-use super::{CommandError, Outcome};
+use super::super::part_file::Outputs;
+use super::super::progress::Steps;
+use super::{Arguments, CommandError, Outcome, PAGE, make_folder};
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::slip_bench::{DETECTORS, Sample, trial};
 use feeler_lab::sweep::slip_score::{operating_point, roc, tune};
 use feeler_report::slip_page::{COLUMNS, SlipPage, slip_page};
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-/// Name of the page.
-const PAGE: &str = "slip.html";
-
-#[derive(Debug, clap::Args)]
-pub struct Arguments {
-    /// An experiment file, or the name of a built-in experiment: its fingertip of finger 0, noise and thresholds.
-    #[arg(default_value = "cap-closing")]
-    experiment: String,
-    /// Number of trials to score; as many others choose the thresholds.
-    #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u64).range(1..=100_000))]
-    trials: u64,
-    /// Set any value of the experiment, as in sim.direct_sensing.shear_noise=0.005.
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    settings: Vec<String>,
-    /// Random seed.
-    #[arg(long, default_value_t = 0, value_parser = crate::trials::parse_seed)]
-    seed: u64,
-    /// The page's folder.
-    #[arg(short, long, value_name = "DIR", default_value = "slip")]
-    out: PathBuf,
-    #[command(flatten)]
-    overwrite: Overwrite,
-}
-
-pub fn score_slip(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
-    let experiment = Experiment::load(&arguments.experiment, &arguments.settings)?;
-    std::fs::create_dir_all(&arguments.out)
-        .map_err(|e| format!("--out {}: {e}; expected a folder", arguments.out.display()))?;
+pub fn score(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
+    let experiment = Experiment::load(&arguments.source, &arguments.settings)?;
+    make_folder(arguments)?;
     let path = arguments.out.join(PAGE);
-    let inputs = [Some(Path::new(&arguments.experiment))];
+    let inputs = [Some(Path::new(&arguments.source))];
     // Opened first: scoring takes its time.
     let file = Outputs::new(arguments.overwrite, inputs).create(&path, "--out")?;
     let bar = Steps::new(2 * arguments.trials as usize);
@@ -61,7 +36,7 @@ pub fn score_slip(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome,
     let points = [(0, paper)].into_iter().chain(tuned);
     let samples = scored.iter().flatten();
     let page = SlipPage {
-        name: arguments.experiment.clone(),
+        name: arguments.source.clone(),
         seed: arguments.seed,
         trials: arguments.trials,
         touch_force: experiment.config.control.touch_force,

@@ -1,0 +1,107 @@
+//! `feeler calibrate FORCES.csv --wrench`
+
+mod page;
+mod table;
+
+use super::{Arguments, CommandError, Outcome, experiment_name, page_path};
+use crate::part_file::Outputs;
+use crate::progress::{Steps, Working};
+use crate::sense::sensor::named_sensor;
+use feeler::sensor::wrench::{WrenchFit, fit};
+use feeler_lab::sensor::{ForcesFile, MeasuredSamples};
+use std::io::{Write, stderr};
+use std::path::Path;
+
+/// Pictures that are named in warnings at most.
+const NAMED: usize = 5;
+
+/// Calibrates by what was measured of the whole fingertip.
+pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
+    let output = &arguments.output;
+    let page_path = page_path(output)?;
+    let experiment_name = experiment_name(arguments);
+    let layout = arguments.layout.as_deref();
+    let sensor = named_sensor(experiment_name, arguments.finger, layout)?;
+    let csv = arguments.input.as_deref();
+    let csv = csv.ok_or("--wrench: expected FORCES.csv, the file of measured forces")?;
+    let forces = ForcesFile::read(Path::new(csv))?;
+    let files = forces.files();
+    let inputs = files.iter().map(|path| Some(path.as_path()));
+    let named = [Some(Path::new(experiment_name)), layout];
+    let mut outputs = Outputs::new(arguments.overwrite, inputs.chain(named));
+    // Opened first, for calibrating takes its time.
+    let file = outputs.create(output, "--output")?;
+    let page_file = outputs.create(&page_path, "--output")?;
+    let progress = Steps::new(forces.picture_count());
+    let measured = forces.sense(&sensor, || progress.advance())?;
+    drop(progress);
+    warn_of_skipped(&measured.skipped);
+    let fitting = Working::on("fitting");
+    let fitted = fit(
+        sensor.made_for,
+        forces.recordings(),
+        &measured.samples,
+        arguments.force_fit,
+    );
+    drop(fitting);
+    let fitted = fitted.map_err(|e| format!("{csv}: {e}{}", way_out(&e)))?;
+    warn(&fitted, &measured);
+    let source = forces.name();
+    page_file.finish(page::page(&fitted, forces.recordings(), &source).as_bytes())?;
+    file.finish(fitted.calibration.to_toml()?.as_bytes())?;
+    write!(out, "{}", table::table(&fitted.calibration))?;
+    writeln!(out, "{}\n{}", output.display(), page_path.display())?;
+    Ok(Outcome::Done)
+}
+
+/// What can be done about an error.
+fn way_out(error: &feeler::sensor::wrench::WrenchError) -> &'static str {
+    use feeler::sensor::wrench::WrenchError;
+    match error {
+        WrenchError::ExplainsNothing { .. } => "; --force-fit keeps it all the same",
+        _ => "",
+    }
+}
+
+fn warn_of_skipped(skipped: &[String]) {
+    for reason in skipped.iter().take(NAMED) {
+        say(&format!("skipped: {reason}"));
+    }
+    if skipped.len() > NAMED {
+        say(&format!("skipped {} more pictures", skipped.len() - NAMED));
+    }
+}
+
+/// Says what was not used, and what is not in the calibration.
+fn warn(fitted: &WrenchFit, measured: &MeasuredSamples) {
+    if fitted.unusable > 0 {
+        let (unusable, all) = (fitted.unusable, measured.samples.len());
+        say(&format!(
+            "in {unusable} of {all} pictures, over a tenth of the elements are dark or saturated; nothing is learned from them"
+        ));
+    }
+    for (axis, r2) in &fitted.left_out {
+        let name = axis.name();
+        match r2 {
+            Some(r2) => say(&format!(
+                "{name} is left out: the pictures explain nothing of it (held-out R² {r2:.2}, above 0 expected); --force-fit keeps it"
+            )),
+            None => say(&format!(
+                "{name} is left out: at least 10 different values in pictures expected"
+            )),
+        }
+    }
+    for quality in &fitted.calibration.quality {
+        if !quality.explains() {
+            let (name, r2) = (quality.axis.name(), quality.r2);
+            say(&format!(
+                "{name} is kept by --force-fit, though the pictures explain nothing of it (held-out R² {r2:.2})"
+            ));
+        }
+    }
+}
+
+fn say(warning: &str) {
+    // Standard error that is closed is no reason to stop.
+    let _ = writeln!(stderr(), "warning: {warning}");
+}

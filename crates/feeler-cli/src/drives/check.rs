@@ -1,0 +1,139 @@
+//! `feeler drives check`
+
+use super::RigArguments;
+use crate::{CommandError, Outcome};
+use feeler::hand::finger::FingerGeometry;
+use feeler_drives::bus::Bus;
+use feeler_drives::clock::RigClock;
+use feeler_drives::config::{DrivesConfig, JointDriveConfig};
+use feeler_drives::error::{DriveError, JointName};
+use feeler_drives::setup::{Change, changes, named_joints, read_angle, read_health};
+use feeler_lab::config::Experiment;
+use feeler_lab::experiment::fingers_at_home;
+use std::io::Write;
+
+/// An experiment, its servos, and its fingers.
+pub struct Rig {
+    pub experiment: Experiment,
+    pub config: DrivesConfig,
+    pub fingers: Vec<FingerGeometry>,
+}
+
+impl Rig {
+    /// The rig that the command line names.
+    pub fn load(arguments: &RigArguments) -> Result<Self, CommandError> {
+        let experiment = Experiment::load(&arguments.experiment, &arguments.settings)?;
+        let (fingers, _) = fingers_at_home(&experiment.config)?;
+        let Some(mut config) = experiment.config.drives.clone() else {
+            let name = &arguments.experiment;
+            return Err(format!(
+                "{name}: the experiment has no [drives]; expected its servos there (docs/drives.md)"
+            )
+            .into());
+        };
+        if let Some(port) = &arguments.port {
+            config.port.clone_from(port);
+        }
+        Ok(Self {
+            experiment,
+            config,
+            fingers,
+        })
+    }
+
+    /// The bus.
+    pub fn open(&self) -> Result<Bus, CommandError> {
+        let config = &self.config;
+        let how = (config.protocol, config.baud_rate);
+        Ok(Bus::open(
+            &config.port,
+            how,
+            config.reply_timeout,
+            RigClock::real(),
+        )?)
+    }
+}
+
+pub fn check(arguments: &RigArguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
+    let rig = Rig::load(arguments)?;
+    let config = &rig.config;
+    writeln!(
+        out,
+        "{} at {} Bd, {:?}",
+        config.port, config.baud_rate, config.protocol
+    )?;
+    if arguments.dry_run {
+        for (joint, drive) in named_joints(config) {
+            writeln!(
+                out,
+                "would read model, settings, health and position of {joint}, a {}; writes nothing",
+                drive.model
+            )?;
+        }
+        return Ok(Outcome::Done);
+    }
+    let mut bus = rig.open()?;
+    let (mut problems, mut planned) = (0, Vec::new());
+    for (joint, drive) in named_joints(config) {
+        match check_servo(&mut bus, config, &rig.fingers, (joint, drive)) {
+            Ok((angle, changes)) => {
+                writeln!(
+                    out,
+                    "{joint}: {}, well, at {:.2} deg",
+                    drive.model,
+                    angle.to_degrees()
+                )?;
+                planned.extend(changes);
+            }
+            Err(error @ DriveError::Bus(_)) => return Err(error.into()),
+            Err(error) => {
+                problems += 1;
+                writeln!(out, "{error}")?;
+            }
+        }
+    }
+    write_changes(&planned, out)?;
+    if problems > 0 {
+        writeln!(out, "{problems} servos are not as they should be")?;
+        return Ok(Outcome::GivenUp);
+    }
+    writeln!(out, "all servos are as they should be")?;
+    Ok(Outcome::Done)
+}
+
+/// Angle of a joint, rad, and what has to be changed in its servo.
+fn check_servo(
+    bus: &mut Bus,
+    config: &DrivesConfig,
+    fingers: &[FingerGeometry],
+    (joint, drive): (JointName, &JointDriveConfig),
+) -> Result<(f64, Vec<Change>), DriveError> {
+    let changes = changes(bus, joint, drive)?;
+    read_health(bus, joint)?.check(config.protocol, joint, &config.health_limits())?;
+    let finger = &fingers[joint.finger];
+    let limits = (
+        finger.joint_lower()[joint.joint],
+        finger.joint_upper()[joint.joint],
+    );
+    let angle = read_angle(bus, joint, drive, limits)?;
+    Ok((angle, changes))
+}
+
+/// Says what a program that moves the hand writes to servos before it gives them torque.
+pub fn write_changes(changes: &[Change], out: &mut dyn Write) -> Result<(), CommandError> {
+    for change in changes {
+        let Change {
+            joint,
+            name,
+            register,
+            from,
+            to,
+        } = change;
+        let address = register.address;
+        writeln!(
+            out,
+            "{joint}: a run will set {name} (address {address}) from {from} to {to}"
+        )?;
+    }
+    Ok(())
+}

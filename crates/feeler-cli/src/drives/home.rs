@@ -1,0 +1,75 @@
+//! `feeler drives home`
+
+use super::HomeArguments;
+use super::check::Rig;
+use crate::part_file::Outputs;
+use crate::{CommandError, Outcome};
+use feeler_drives::setup::{check_model, named_joints, read_counts};
+use feeler_lab::experiment::fingers_at_home;
+use std::io::Write;
+use std::path::Path;
+
+pub fn home(arguments: &HomeArguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
+    let rig = Rig::load(&arguments.rig)?;
+    let angles = posture(&rig, &arguments.at)?;
+    let mut outputs = Outputs::new(
+        arguments.overwrite,
+        [Some(Path::new(&arguments.rig.experiment))],
+    );
+    let file = arguments.output.as_deref();
+    let file = file.filter(|_| !arguments.rig.dry_run);
+    let file = file
+        .map(|path| outputs.create(path, "--output"))
+        .transpose()?;
+    if arguments.rig.dry_run {
+        for ((joint, _), angle) in named_joints(&rig.config).zip(&angles) {
+            let degrees = angle.to_degrees();
+            writeln!(
+                out,
+                "would read the position of {joint} as {degrees:.3} deg; writes nothing to it"
+            )?;
+        }
+        return Ok(Outcome::Done);
+    }
+    let mut bus = rig.open()?;
+    let mut settings = Vec::new();
+    for ((joint, drive), &angle) in named_joints(&rig.config).zip(&angles) {
+        check_model(&mut bus, joint, drive)?;
+        let counts = read_counts(&mut bus, joint)?;
+        let offset = angle - drive.turn(counts as f64);
+        let key = format!(
+            "drives.finger.{}.joint.{}.homing_offset",
+            joint.finger, joint.joint
+        );
+        writeln!(
+            out,
+            "{joint}: {counts} counts are {:.3} deg: homing_offset = {offset:.6}",
+            angle.to_degrees()
+        )?;
+        settings.push(format!("{key}={offset}"));
+    }
+    if let (Some(file), Some(path)) = (file, &arguments.output) {
+        let homed = rig.experiment.with_settings(&settings)?;
+        file.finish(homed.toml.as_bytes())?;
+        writeln!(out, "{}", path.display())?;
+    } else {
+        writeln!(
+            out,
+            "put these into [drives], or write them with --output FILE"
+        )?;
+    }
+    Ok(Outcome::Done)
+}
+
+/// The joint angles that the hand stands at, rad: those said, or those of the task's home.
+fn posture(rig: &Rig, said: &[f64]) -> Result<Vec<f64>, CommandError> {
+    let joints = 3 * rig.fingers.len();
+    if said.is_empty() {
+        let (_, home) = fingers_at_home(&rig.experiment.config)?;
+        return Ok(home.iter().flat_map(|angles| angles.to_array()).collect());
+    }
+    if said.len() != joints || !said.iter().all(|angle| angle.abs() <= 360.0) {
+        return Err(format!("--at: {joints} angles from -360 to 360 deg expected, three for each finger, separated by commas").into());
+    }
+    Ok(said.iter().map(|angle| angle.to_radians()).collect())
+}

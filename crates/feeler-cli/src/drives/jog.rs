@@ -1,0 +1,115 @@
+//! `feeler drives jog`
+
+use super::JogArguments;
+use super::check::{Rig, write_changes};
+use crate::interrupt::watch_for_interrupt;
+use crate::{CommandError, Outcome};
+use feeler::hand::{Hand, HandState};
+use feeler::pace::{Pace, Schedule};
+use feeler_drives::clock::RigClock;
+use feeler_drives::error::DriveError;
+use feeler_drives::hand::{DriveHand, JOG_SPEED};
+use feeler_drives::setup::{changes, named_joints};
+use std::io::Write;
+
+/// Most that a joint is turned, degrees.
+const MOST: f64 = 10.0;
+/// Time that a joint may take beyond what its speed says, s.
+const GRACE: f64 = 1.0;
+
+pub fn jog(arguments: &JogArguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
+    let rig = Rig::load(&arguments.rig)?;
+    let (finger, joint) = (arguments.finger, usize::from(arguments.joint) - 1);
+    if arguments.by.is_nan() || arguments.by.abs() > MOST {
+        return Err(format!(
+            "--by {}: at most {MOST} deg in either direction expected",
+            arguments.by
+        )
+        .into());
+    }
+    let most = JOG_SPEED.to_degrees();
+    if !(arguments.speed > 0.0 && arguments.speed <= most) {
+        return Err(format!(
+            "--speed {}: above 0 and at most {most:.1} deg/s expected",
+            arguments.speed
+        )
+        .into());
+    }
+    if finger >= rig.fingers.len() {
+        let joint = joint + 1;
+        return Err(DriveError::NoJoint { finger, joint }.into());
+    }
+    if arguments.rig.dry_run {
+        return plan(&rig, arguments, out);
+    }
+    turn(&rig, arguments, (finger, joint), out)
+}
+
+/// Says what would be written.
+fn plan(rig: &Rig, arguments: &JogArguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
+    let mut bus = rig.open()?;
+    let mut planned = Vec::new();
+    for (joint, drive) in named_joints(&rig.config) {
+        planned.extend(changes(&mut bus, joint, drive)?);
+    }
+    write_changes(&planned, out)?;
+    let JogArguments { by, speed, .. } = arguments;
+    let (finger, joint) = (arguments.finger, arguments.joint);
+    writeln!(
+        out,
+        "would give all servos torque, turn theta{joint} of finger {finger} by {by} deg at {speed} deg/s, and take the torque away; nothing was written"
+    )?;
+    Ok(Outcome::Done)
+}
+
+/// Turns the joint, and says where it got.
+fn turn(
+    rig: &Rig,
+    arguments: &JogArguments,
+    (finger, joint): (usize, usize),
+    out: &mut dyn Write,
+) -> Result<Outcome, CommandError> {
+    let control = &rig.experiment.config.control;
+    let (period, most_age) = (control.period, control.stale_periods * control.period);
+    let interrupted = watch_for_interrupt()?;
+    let mut hand = DriveHand::open(&rig.config, &rig.fingers, most_age, RigClock::real())?;
+    let mut state = HandState::zero(rig.fingers.len());
+    hand.read(&mut state)?;
+    let begin = state.joints[finger].position[joint];
+    let (by, speed) = (arguments.by.to_radians(), arguments.speed.to_radians());
+    let geometry = &rig.fingers[finger];
+    let limits = geometry.joint_lower()[joint]..=geometry.joint_upper()[joint];
+    if !limits.contains(&(begin + by)) {
+        let (from, to) = (begin.to_degrees(), (begin + by).to_degrees());
+        let (lower, upper) = (limits.start().to_degrees(), limits.end().to_degrees());
+        return Err(format!(
+            "--by {}: from {from:.1} to {to:.1} deg; {lower:.1} to {upper:.1} deg expected",
+            arguments.by
+        )
+        .into());
+    }
+    let mut pace = Pace::new(period)?;
+    let mut left = by.abs() / speed + GRACE;
+    while let Some(tick) = pace.next_tick(&interrupted) {
+        left -= period * (tick.missed + 1) as f64;
+        hand.read(&mut state)?;
+        let rest = begin + by - state.joints[finger].position[joint];
+        if rest * by <= 0.0 || left <= 0.0 {
+            break;
+        }
+        hand.jog(finger, joint, speed * by.signum())?;
+    }
+    hand.jog(finger, joint, 0.0)?;
+    hand.read(&mut state)?;
+    let end = state.joints[finger].position[joint];
+    let (from, to) = (begin.to_degrees(), end.to_degrees());
+    writeln!(
+        out,
+        "theta{} of finger {finger}: from {from:.2} to {to:.2} deg",
+        joint + 1
+    )?;
+    Ok(match left > 0.0 && end != begin {
+        true => Outcome::Done,
+        false => Outcome::GivenUp,
+    })
+}

@@ -1,0 +1,83 @@
+//! `feeler drives scan`
+
+use super::ScanArguments;
+use crate::{CommandError, Outcome};
+use feeler_drives::bus::{Bus, BusError};
+use feeler_drives::clock::RigClock;
+use feeler_drives::packet::Protocol;
+use feeler_drives::registers::{Model, Registers};
+use std::io::Write;
+
+/// Bits a second that servos are usually set to.
+const USUAL: [u32; 5] = [1_000_000, 57_600, 4_000_000, 2_000_000, 115_200];
+/// How long to wait for a servo that may not be there, s: two turns of a USB adapter's usual 16 ms.
+const PATIENCE: f64 = 0.035;
+
+pub fn scan(arguments: &ScanArguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
+    let protocols = match arguments.protocol.as_deref() {
+        Some("feetech") => vec![Protocol::Feetech],
+        Some(_) => vec![Protocol::Dynamixel],
+        None => vec![Protocol::Dynamixel, Protocol::Feetech],
+    };
+    let rates = arguments
+        .baud_rate
+        .map_or(USUAL.to_vec(), |rate| vec![rate]);
+    let mut found = 0;
+    for &rate in &rates {
+        for &protocol in &protocols {
+            if arguments.dry_run {
+                let (port, most) = (&arguments.port, arguments.largest_id);
+                writeln!(
+                    out,
+                    "would ask {protocol:?} servos 0 to {most} on {port} at {rate} Bd who they are; writes nothing"
+                )?;
+                continue;
+            }
+            found += scan_at(arguments, (protocol, rate), out)?;
+        }
+    }
+    if arguments.dry_run {
+        return Ok(Outcome::Done);
+    }
+    if found == 0 {
+        let advice = "are they supplied, is the cable in, is it the right port?";
+        writeln!(out, "no servo answers; {advice}")?;
+        return Ok(Outcome::GivenUp);
+    }
+    Ok(Outcome::Done)
+}
+
+/// Asks all ids; how many answer.
+fn scan_at(
+    arguments: &ScanArguments,
+    (protocol, rate): (Protocol, u32),
+    out: &mut dyn Write,
+) -> Result<usize, CommandError> {
+    let how = (protocol, rate);
+    let mut bus = Bus::open(&arguments.port, how, PATIENCE, RigClock::real())?;
+    let registers = Registers::of(protocol);
+    let mut found = 0;
+    for id in 0..=arguments.largest_id.min(protocol.largest_id()) {
+        match bus.ping(id) {
+            Err(BusError::NoReply { .. }) => continue,
+            Err(error @ (BusError::Port(_) | BusError::Echo)) => return Err(error.into()),
+            // Two servos with one id, or another baud rate: something is there.
+            Err(error) => {
+                writeln!(out, "{rate} Bd, {protocol:?}: {error}")?;
+                continue;
+            }
+            Ok(()) => found += 1,
+        }
+        let number = bus.read(id, registers.model)?;
+        let model = Model::numbered(protocol, number);
+        let name = model.map_or("a model that is not known here", |model| model.name);
+        let volts = bus.read(id, registers.voltage)? as f64 / 10.0;
+        let degrees = bus.read(id, registers.temperature)?;
+        let position = bus.read(id, registers.position)?;
+        writeln!(
+            out,
+            "{rate} Bd, {protocol:?}: servo {id}, {name} (model {number}), {volts:.1} V, {degrees} degrees Celsius, at {position} counts"
+        )?;
+    }
+    Ok(found)
+}

@@ -1,0 +1,105 @@
+//! The node that the command line asks for.
+
+use super::GraphArguments;
+use crate::CommandError;
+use feeler_lab::config::ExperimentConfig;
+use feeler_ros2::name::NodeName;
+use feeler_ros2::node::{NODE_ENDPOINT, Node, NodeConfig, ROUTER_ENDPOINT};
+use feeler_ros2::parameter::Parameters;
+use feeler_ros2::parameter_server::serve_parameters;
+use serde_json::json;
+
+/// Where a program learns in which domain it is.
+const DOMAIN_VARIABLE: &str = "ROS_DOMAIN_ID";
+
+/// Why no parameter can be set.
+const FIXED: &str = "an experiment's values are checked together when its programs start, and stay as they are; start them with --set";
+
+/// How the node takes part in its graph.
+pub fn config(arguments: &GraphArguments) -> Result<NodeConfig, CommandError> {
+    let domain = match arguments.domain_id {
+        Some(domain) => domain,
+        None => match std::env::var(DOMAIN_VARIABLE) {
+            Ok(text) if !text.is_empty() => text.parse().map_err(|_| {
+                format!("{DOMAIN_VARIABLE}: a number from 0 to 232 expected, found {text:?}")
+            })?,
+            _ => 0,
+        },
+    };
+    let given = |places: &[String], usual: &str| match places {
+        [] => vec![usual.to_string()],
+        places => places.to_vec(),
+    };
+    Ok(NodeConfig {
+        name: NodeName::new(domain, &arguments.namespace, &arguments.node_name)?,
+        connect: given(&arguments.ros_connect, ROUTER_ENDPOINT),
+        listen: given(&arguments.ros_listen, NODE_ENDPOINT),
+    })
+}
+
+/// Refuses a router of the graph where the hand of a rig is, at one of `hands`: both have the same port unless told otherwise, and whoever
+/// takes the one for the other hears nothing.
+pub fn check_ports(graph: &NodeConfig, hands: &[String]) -> Result<(), CommandError> {
+    let place = |endpoint: &str| {
+        let (protocol, address) = endpoint.split_once('/')?;
+        let (host, port) = address.rsplit_once(':')?;
+        let host = match host {
+            "localhost" | "127.0.0.1" | "[::1]" | "[::]" | "0.0.0.0" => "localhost",
+            other => other,
+        };
+        // The link's TLS is over TCP, too.
+        let protocol = protocol.replace("tls", "tcp");
+        Some((
+            protocol,
+            host.to_string(),
+            port.split('#').next()?.to_string(),
+        ))
+    };
+    let is_hand = |router: &&String| {
+        hands
+            .iter()
+            .any(|hand| place(hand).is_some_and(|at| place(router) == Some(at)))
+    };
+    match graph.connect.iter().find(is_hand) {
+        None => Ok(()),
+        Some(endpoint) => Err(format!(
+            "the hand of the rig and the router of ROS 2 cannot both be at {endpoint}; leave that port to ROS 2, start the hand with --listen tcp/127.0.0.1:7557, and its other programs and this one with --connect tcp/127.0.0.1:7557"
+        )
+        .into()),
+    }
+}
+
+/// Serves law, thresholds and all other values of control and task as parameters.
+pub fn serve_settings(
+    node: &mut Node,
+    experiment: &ExperimentConfig,
+    use_sim_time: bool,
+) -> Result<(), CommandError> {
+    let mut parameters = Parameters::new(FIXED);
+    parameters.add("experiment", &json!(experiment.name));
+    parameters.add("control", &serde_json::to_value(&experiment.control)?);
+    parameters.add("task", &serde_json::to_value(&experiment.task)?);
+    parameters.add("use_sim_time", &json!(use_sim_time));
+    Ok(serve_parameters(node, parameters)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_hand_and_the_router_are_told_apart() {
+        let check = |router: &str, hand: &str| {
+            let graph = NodeConfig {
+                name: NodeName::new(0, "/", "a").expect("a name"),
+                connect: vec![router.into()],
+                listen: Vec::new(),
+            };
+            check_ports(&graph, &[hand.into()]).is_ok()
+        };
+        assert!(!check("tcp/localhost:7447", "tcp/127.0.0.1:7447"));
+        assert!(!check("tcp/10.0.0.5:7447", "tls/10.0.0.5:7447"));
+        assert!(check("tcp/localhost:7447", "tcp/127.0.0.1:7557"));
+        assert!(check("tcp/10.0.0.5:7447", "tcp/10.0.0.6:7447"));
+    }
+}

@@ -1,0 +1,283 @@
+//! Labelled recordings, and what the detectors say of them.
+
+use super::CommandError;
+use super::labels::{Label, Labels, read_frames};
+use super::notes::Notes;
+use super::recorded::RecordedArguments;
+use super::scores::Scored;
+use super::sources::{Kind, Source, find};
+use super::taxels::TaxelTables;
+use super::tracks::TrackTables;
+use super::videos::Videos;
+use crate::progress::Steps;
+use feeler_lab::grasps::{DETECTORS, Detector, DetectorTrace, GraspRecording, Labelled, Untouched};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// A recording that was read.
+pub struct Read {
+    /// Names by which labels may call it; the first is its own.
+    pub names: Vec<String>,
+    pub recording: GraspRecording,
+}
+
+/// What reads recordings.
+struct Reader {
+    taxels: Option<TaxelTables>,
+    tracks: TrackTables,
+    /// Where there are any.
+    videos: Option<Videos>,
+}
+
+impl Reader {
+    fn new(arguments: &RecordedArguments, sources: &[Source]) -> Result<Self, CommandError> {
+        let taxels = arguments.taxels.as_deref();
+        let taxels = taxels
+            .map(|name| TaxelTables::new(name, arguments))
+            .transpose()?;
+        let video = |source: &Source| source.kind() == Kind::Video;
+        let videos = sources.iter().any(video).then(|| Videos::new(arguments));
+        Ok(Self {
+            taxels,
+            tracks: TrackTables::new(arguments),
+            videos: videos.transpose()?,
+        })
+    }
+
+    fn read(&self, source: &Source, notes: &mut Notes) -> Result<Vec<Read>, CommandError> {
+        match (source.kind(), &self.videos, &self.taxels) {
+            (Kind::Video, Some(videos), _) => videos.read(source, notes),
+            (_, _, Some(tables)) => tables.read(source, notes),
+            _ => self.tracks.read(source, notes),
+        }
+    }
+
+    /// Unit of the vectors.
+    fn unit(&self) -> &'static str {
+        let taxels = self.taxels.as_ref();
+        taxels.map_or("units of the table", TaxelTables::unit)
+    }
+}
+
+/// Recordings and their labels, found and not read yet.
+pub struct Found<'a> {
+    path: &'a Path,
+    sources: Vec<Source>,
+    labels: Option<Labels>,
+    reader: Reader,
+    arguments: &'a RecordedArguments,
+    /// Whether frames are labelled.
+    pub of_frames: bool,
+}
+
+impl<'a> Found<'a> {
+    /// Those at `path`, with `labels` or labels of frames.
+    ///
+    /// # Errors
+    /// When there are none, or the labels cannot be read.
+    pub fn new(
+        path: &'a Path,
+        labels: Option<&Path>,
+        arguments: &'a RecordedArguments,
+        notes: &mut Notes,
+    ) -> Result<Self, CommandError> {
+        let group = arguments.group.as_deref();
+        let known = labels.map(|labels| Labels::read(labels, group, notes));
+        let known = known.transpose()?;
+        let others: Vec<_> = labels.into_iter().collect();
+        let sources = find(path, &arguments.tables, &others, notes)?;
+        Ok(Self {
+            reader: Reader::new(arguments, &sources)?,
+            of_frames: arguments.frame_labels.is_some()
+                || known.as_ref().is_some_and(|k| k.of_frames),
+            labels: known,
+            path,
+            sources,
+            arguments,
+        })
+    }
+
+    /// The files that are read.
+    pub fn inputs(&self) -> impl Iterator<Item = &Path> {
+        let tables = self.sources.iter().flat_map(|source| &source.tables);
+        tables.map(PathBuf::as_path)
+    }
+
+    /// Unit of the vectors.
+    pub fn unit(&self) -> &'static str {
+        self.reader.unit()
+    }
+
+    /// Runs the detectors over all of them.
+    ///
+    /// # Errors
+    /// When none has a label.
+    pub fn collect(mut self, notes: &mut Notes) -> Result<Collected, CommandError> {
+        let mut collected = Collected {
+            scored: Vec::new(),
+            groups: BTreeMap::new(),
+            noise: Vec::new(),
+            in_spacings: true,
+        };
+        let bar = Steps::new(self.sources.len());
+        for source in &self.sources {
+            match self.reader.read(source, notes) {
+                Ok(recordings) => {
+                    for read in &recordings {
+                        let labels = self.labels.as_mut();
+                        collected.add(read, source, self.arguments, labels, notes)?;
+                    }
+                }
+                Err(error) => notes.add("unreadable", || {
+                    format!("{error}; the recording is left out")
+                }),
+            }
+            bar.advance();
+        }
+        drop(bar);
+        for name in self.labels.iter().flat_map(Labels::unused) {
+            notes.add("unused", || {
+                format!("{name} is labelled, and there is no such recording")
+            });
+        }
+        if collected.scored.is_empty() {
+            return Err(format!("{}: no recording with a label; expected LABELS to name them as their files, folders or sequences are", self.path.display()).into());
+        }
+        Ok(collected)
+    }
+}
+
+/// What detectors say of labelled recordings.
+pub struct Collected {
+    pub scored: Vec<Scored>,
+    /// Numbers of groups by name.
+    pub groups: BTreeMap<String, usize>,
+    /// Noise of each recording.
+    noise: Vec<f64>,
+    /// Whether loads are in spacings of a pattern, and not in a sensor's own unit.
+    pub in_spacings: bool,
+}
+
+impl Collected {
+    /// Runs the detectors over a recording, if it has a label.
+    fn add(
+        &mut self,
+        read: &Read,
+        source: &Source,
+        arguments: &RecordedArguments,
+        labels: Option<&mut Labels>,
+        notes: &mut Notes,
+    ) -> Result<(), CommandError> {
+        let names: Vec<_> = read.names.iter().map(String::as_str).collect();
+        let Some(&name) = names.first() else {
+            return Ok(());
+        };
+        let known = labels.map(|labels| labels.of(&names));
+        let is_listed = known.as_ref().is_none_or(Option::is_some);
+        let (group, mut label) = known.flatten().unwrap_or_else(|| (name.to_owned(), None));
+        if let Some(file) = &arguments.frame_labels {
+            label = match source.folder.as_ref().map(|folder| folder.join(file)) {
+                Some(path) if path.is_file() => Some(read_frames(&path, notes)?),
+                Some(path) => {
+                    notes.add("no frame labels", || {
+                        format!("{}: there is none; {name} is left out", path.display())
+                    });
+                    return Ok(());
+                }
+                None => {
+                    let message =
+                        "--frame-labels: recordings have no folders of their own; expected --table";
+                    return Err(message.into());
+                }
+            };
+        }
+        let Some(label) = label.filter(|_| is_listed) else {
+            notes.add("unlabelled", || {
+                format!("{name} has no label and is left out")
+            });
+            return Ok(());
+        };
+        let trace = DetectorTrace::of(&read.recording)?;
+        if let Some(why) = &trace.no_pattern {
+            let known = trace.sums().iter().any(Option::is_some);
+            let what = match read.recording.untouched {
+                Untouched::Afresh(_) if known => {
+                    "a frame is no pattern, and nothing is known of contact in it"
+                }
+                _ => "nothing is known of its contact",
+            };
+            notes.add("pattern", || format!("{name}: {why}; {what}"));
+        }
+        self.noise.extend(trace.noise);
+        self.in_spacings &= matches!(
+            read.recording.untouched,
+            Untouched::Pattern(_) | Untouched::Afresh(_)
+        );
+        let next = self.groups.len();
+        let group = *self.groups.entry(group).or_insert(next);
+        let own_noise = trace.noise;
+        let mut scored = |frame: Option<usize>, slip, scores| {
+            let recording = name.to_owned();
+            self.scored.push(Scored {
+                recording,
+                frame,
+                group,
+                slip,
+                scores,
+                own_noise,
+                verdicts: Default::default(),
+                verdicts_by_others: Default::default(),
+            });
+        };
+        match label {
+            Label::Whole(slip) => scored(None, slip, trace.sums()),
+            Label::Frames(frames) => {
+                let count = trace.frames.len();
+                if frames.len() != count {
+                    let labelled = frames.len();
+                    notes.add("frames", || format!("{name}: {count} frames, {labelled} of them labelled; those with both count"));
+                }
+                for (frame, slip) in frames {
+                    if let Some(scores) = trace.frames.get(frame) {
+                        scored(Some(frame), slip, *scores);
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Gives drag in standard deviations of the noise: of the median recording, as all are of one sensor.
+    pub fn normalize(&mut self) {
+        self.noise.sort_by(f64::total_cmp);
+        let noise = self.noise.get(self.noise.len() / 2).copied();
+        self.divide_drag(|_| noise);
+    }
+
+    /// As [`Self::normalize`], each by its own noise, as each may be of another sensor.
+    pub fn normalize_each(&mut self) {
+        self.divide_drag(|scored| scored.own_noise);
+    }
+
+    fn divide_drag(&mut self, noise: impl Fn(&Scored) -> Option<f64>) {
+        let drag = DETECTORS.iter().position(|d| *d == Detector::Drag);
+        for scored in &mut self.scored {
+            let noise = noise(scored);
+            if let (Some(drag), Some(noise)) = (drag, noise)
+                && let Some(score) = &mut scored.scores[drag]
+            {
+                *score /= noise;
+            }
+        }
+    }
+
+    /// Labels and scores of a detector, by its number.
+    pub fn labelled(&self, detector: usize) -> Vec<Labelled> {
+        let labelled = self.scored.iter().map(|s| Labelled {
+            group: s.group,
+            slip: s.slip,
+            score: s.scores[detector],
+        });
+        labelled.collect()
+    }
+}

@@ -1,0 +1,303 @@
+//! `feeler score-slip RECORDINGS LABELS`: against the labels of recordings.
+
+use super::super::part_file::Outputs;
+use super::collected::{Collected, Found};
+use super::notes::Notes;
+use super::scores::{SCORES, Scored, scores_csv};
+use super::{Arguments, CommandError, Outcome, PAGE, make_folder};
+use feeler_lab::grasps::{Confusion, DETECTORS, Detector, transfer};
+use feeler_lab::sweep::interval::Estimate;
+use feeler_report::grasp_slip_page::{
+    GRASP_COLUMNS, GraspDetector, GraspSlipPage, GraspTransfer, TRANSFER_COLUMNS, base_rate,
+    grasp_slip_page,
+};
+use feeler_report::slip_page::Roc;
+use std::collections::BTreeMap;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Recordings that are named as wrong on standard output, for each detector.
+const NAMED: usize = 12;
+
+/// What is said of recordings.
+#[derive(Debug, Default, clap::Args)]
+pub struct RecordedArguments {
+    /// The tables are of a three-axis taxel array, of this layout: a file, or a built-in one (`feeler list`).
+    #[arg(long, value_name = "LAYOUT", conflicts_with = "layout")]
+    pub taxels: Option<String>,
+    /// What the columns of an array begin with, where a table has several, as in left; again for each array.
+    #[arg(long = "prefix", value_name = "PREFIX", requires = "taxels")]
+    pub prefixes: Vec<String>,
+    /// Column whose value changes where another recording begins in the same table.
+    #[arg(long, value_name = "COLUMN", requires = "taxels")]
+    pub sequence: Option<String>,
+    /// Each recording is a folder with a table of this name; again for each array that felt the same grasp.
+    #[arg(long = "table", value_name = "FILE")]
+    pub tables: Vec<String>,
+    /// Layout of `feeler locate` of all recordings that have none beside them (NAME.toml beside NAME.csv).
+    #[arg(long, value_name = "FILE")]
+    pub layout: Option<PathBuf>,
+    /// Rows (frames) per second, before any column of the time.
+    #[arg(long, value_name = "HZ", value_parser = parse_rate)]
+    pub rate: Option<f64>,
+    /// Where vectors are 0, nothing touches: recordings begin untouched. Only then is contact known of taxels.
+    #[arg(long)]
+    pub untouched: bool,
+    /// Column of LABELS that groups recordings, as by their object; without it, each is a group.
+    #[arg(long, value_name = "COLUMN", requires = "labels")]
+    pub group: Option<String>,
+    /// Frames are labelled: in each recording's folder, a table of this name has a column `slip`, a row for each frame.
+    #[arg(long, value_name = "FILE")]
+    pub frame_labels: Option<String>,
+    /// Judge with thresholds of other recordings, too, as those of `feeler simulate-grasps`: tables of `feeler sense` or videos,
+    /// and their labels.
+    #[arg(long, num_args = 2, value_names = ["RECORDINGS", "LABELS"])]
+    pub thresholds_from: Vec<PathBuf>,
+}
+
+fn parse_rate(text: &str) -> Result<f64, String> {
+    let rate = text
+        .parse::<f64>()
+        .ok()
+        .filter(|rate| (1e-3..=1e5).contains(rate));
+    rate.ok_or_else(|| "expected 0.001 to 100000 Hz".into())
+}
+
+impl RecordedArguments {
+    /// An option that was given, if any was.
+    pub fn given(&self) -> Option<&'static str> {
+        let given = [
+            ("--taxels", self.taxels.is_some()),
+            ("--table", !self.tables.is_empty()),
+            ("--layout", self.layout.is_some()),
+            ("--rate", self.rate.is_some()),
+            ("--untouched", self.untouched),
+            ("--thresholds-from", !self.thresholds_from.is_empty()),
+        ];
+        given
+            .iter()
+            .find_map(|(option, given)| given.then_some(*option))
+    }
+}
+
+/// The other recordings, from which thresholds are taken, and their name.
+struct Others {
+    name: String,
+    collected: Collected,
+}
+
+pub fn score(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
+    let recorded = &arguments.recorded;
+    let mut notes = Notes::default();
+    let labels = arguments.labels.as_deref();
+    let found = Found::new(Path::new(&arguments.source), labels, recorded, &mut notes)?;
+    // Read as they are: what is said of the recordings to be scored is not true of them.
+    let plain = RecordedArguments::default();
+    let [other_path, other_labels] = match recorded.thresholds_from.as_slice() {
+        [path, labels] => [Some(path.as_path()), Some(labels.as_path())],
+        _ => [None; 2],
+    };
+    let others = other_path.map(|path| Found::new(path, other_labels, &plain, &mut notes));
+    let others = others.transpose()?;
+    if others
+        .as_ref()
+        .is_some_and(|others| others.of_frames != found.of_frames)
+    {
+        let message = "--thresholds-from: labels of recordings on one side, of frames on the other; expected the same of both";
+        return Err(message.into());
+    }
+    make_folder(arguments)?;
+    let inputs = found.inputs().chain(others.iter().flat_map(Found::inputs));
+    let inputs = inputs
+        .chain(labels)
+        .chain(other_labels)
+        .chain(recorded.layout.as_deref());
+    let mut outputs = Outputs::new(arguments.overwrite, inputs.map(Some));
+    let (page_path, scores_path) = (arguments.out.join(PAGE), arguments.out.join(SCORES));
+    // Opened first: scoring takes its time.
+    let page_file = outputs.create(&page_path, "--out")?;
+    let scores_file = outputs.create(&scores_path, "--out")?;
+
+    let (unit, of_frames) = (found.unit(), found.of_frames);
+    let told = |result: Result<Collected, CommandError>, notes: &Notes| {
+        result.inspect_err(|_| notes.tell())
+    };
+    let collected = found.collect(&mut notes);
+    let mut collected = told(collected, &notes)?;
+    collected.normalize();
+    let others = match (others, other_path) {
+        (Some(found), Some(path)) => {
+            let found = found.collect(&mut notes);
+            let mut collected = told(found, &notes)?;
+            collected.normalize_each();
+            let name = path.display().to_string();
+            Some(Others { name, collected })
+        }
+        _ => None,
+    };
+    let page = judge(
+        &mut collected,
+        others.as_ref(),
+        unit,
+        of_frames,
+        arguments,
+        &mut notes,
+    );
+    notes.tell();
+    let scores = scores_csv(&collected.scored, of_frames, others.is_some());
+    scores_file.finish(scores.as_bytes())?;
+    page_file.finish(grasp_slip_page(&page).as_bytes())?;
+    say(&page, out)?;
+    writeln!(out, "{}\n{}", page_path.display(), scores_path.display())?;
+    Ok(Outcome::Done)
+}
+
+/// Scores all detectors.
+fn judge(
+    collected: &mut Collected,
+    others: Option<&Others>,
+    unit: &str,
+    of_frames: bool,
+    arguments: &Arguments,
+    notes: &mut Notes,
+) -> GraspSlipPage {
+    let groups = collected.groups.len();
+    let ends = |estimate: Option<Estimate>| estimate.map(|e| e.with_ends(groups));
+    let mut detectors = Vec::new();
+    for (index, detector) in DETECTORS.into_iter().enumerate() {
+        let labelled = collected.labelled(index);
+        let outcome = feeler_lab::grasps::score(&labelled);
+        let transfer = others.and_then(|others| {
+            let compared = is_comparable(detector, collected, &others.collected);
+            compared.then(|| transfer(&others.collected.labelled(index), &labelled))?
+        });
+        for (number, scored) in collected.scored.iter_mut().enumerate() {
+            scored.verdicts[index] = outcome.verdicts[number];
+            scored.verdicts_by_others[index] =
+                transfer.as_ref().and_then(|t| t.alone.verdicts[number]);
+        }
+        let says_nothing = outcome.unknown == labelled.len();
+        if says_nothing {
+            notes.add(detector.key(), || {
+                format!("{} says nothing of any recording", detector.name())
+            });
+        }
+        detectors.push(GraspDetector {
+            name: detector.name(),
+            meaning: match of_frames {
+                true => detector.meaning(unit),
+                false => format!("{}: {}", detector.meaning(unit), detector.of_a_recording()),
+            },
+            auc: ends(outcome.auc),
+            accuracy: ends(outcome.accuracy),
+            threshold: (!says_nothing).then_some(outcome.threshold),
+            confusion: counts(outcome.confusion),
+            unknown: outcome.unknown,
+            curve: Roc {
+                name: detector.name(),
+                points: outcome.curve,
+            },
+            wrong: wrong(&collected.scored, index),
+            transfer: transfer.map(|transfer| GraspTransfer {
+                threshold: transfer.threshold,
+                alone: ends(transfer.alone.accuracy),
+                confusion: counts(transfer.alone.confusion),
+                added: ends(transfer.added.accuracy),
+            }),
+        });
+    }
+    let slips = collected.scored.iter().filter(|s| s.slip).count();
+    let name = Path::new(&arguments.source).file_name();
+    let grouped_by = arguments.recorded.group.clone();
+    GraspSlipPage {
+        name: name.map_or_else(
+            || arguments.source.clone(),
+            |n| n.to_string_lossy().into_owned(),
+        ),
+        of: if of_frames { "frames" } else { "recordings" },
+        grouped_by: grouped_by.unwrap_or_else(|| "recording".into()),
+        counts: (collected.scored.len(), slips, groups),
+        detectors,
+        others: others.map(|others| {
+            let scored = &others.collected.scored;
+            let slips = scored.iter().filter(|s| s.slip).count();
+            (others.name.clone(), scored.len(), slips)
+        }),
+        notes: notes.sentences(),
+    }
+}
+
+/// Whether a detector's numbers mean the same on both: drag is in deviations of the noise, and the load in spacings, where both
+/// are of patterns. All others are in a sensor's own unit.
+fn is_comparable(detector: Detector, one: &Collected, other: &Collected) -> bool {
+    match detector {
+        Detector::Drag => true,
+        Detector::ContactLoss => one.in_spacings && other.in_spacings,
+        _ => false,
+    }
+}
+
+fn counts(confusion: Confusion) -> [usize; 4] {
+    let Confusion {
+        noticed,
+        missed,
+        false_alarms,
+        quiet,
+    } = confusion;
+    [noticed, missed, false_alarms, quiet]
+}
+
+/// The recordings that a detector called wrongly, or how many of their frames.
+fn wrong(scored: &[Scored], detector: usize) -> Vec<String> {
+    let mut wrong: BTreeMap<&str, (usize, bool, bool)> = BTreeMap::new();
+    let all = scored
+        .iter()
+        .filter(|s| s.verdicts[detector].is_some_and(|v| v.says_slip != s.slip));
+    for one in all {
+        let (count, slip, _) = wrong.entry(&one.recording).or_insert((0, one.slip, false));
+        *count += 1;
+        *slip = one.slip;
+    }
+    let frames = scored.iter().any(|s| s.frame.is_some());
+    let words = |(name, (count, slip, _)): (&str, (usize, bool, bool))| match (frames, slip) {
+        (true, _) => format!("{name}: {count} frames"),
+        (false, true) => format!("{name}: a slip that was missed"),
+        (false, false) => format!("{name}: a false alarm"),
+    };
+    wrong.into_iter().map(words).collect()
+}
+
+/// The page as text.
+fn say(page: &GraspSlipPage, out: &mut dyn Write) -> std::io::Result<()> {
+    let (all, slips, groups) = page.counts;
+    let base = 100.0 * base_rate(all, slips);
+    writeln!(
+        out,
+        "{all} {} in {groups} groups, {slips} slips; who always says the same is right in {base:.1} %",
+        page.of
+    )?;
+    if let Some((name, all, slips)) = &page.others {
+        writeln!(
+            out,
+            "thresholds of {name}: {all} {}, {slips} slips",
+            page.of
+        )?;
+    }
+    for detector in &page.detectors {
+        writeln!(out, "{}", detector.name)?;
+        for (column, field) in GRASP_COLUMNS.iter().zip(detector.fields()) {
+            writeln!(out, "  {column:<22} {field}")?;
+        }
+        let transferred = detector.transfer.iter().flat_map(GraspTransfer::fields);
+        for (column, field) in TRANSFER_COLUMNS.iter().zip(transferred) {
+            writeln!(out, "  {column:<22} {field}")?;
+        }
+        for wrong in detector.wrong.iter().take(NAMED) {
+            writeln!(out, "  {:<22} {wrong}", "wrong")?;
+        }
+        if let Some(more) = detector.wrong.len().checked_sub(NAMED + 1) {
+            writeln!(out, "  {:<22} and {} more, on the page", "wrong", more + 1)?;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,74 @@
+//! `scores.csv`: what each detector says of each recording, or frame.
+
+use feeler_lab::grasps::{DETECTORS, Verdict};
+
+/// Name of the table.
+pub const SCORES: &str = "scores.csv";
+
+/// A recording, or a frame of it, with its label and what the detectors say.
+pub struct Scored {
+    pub recording: String,
+    pub frame: Option<usize>,
+    pub group: usize,
+    pub slip: bool,
+    /// In the order of [`DETECTORS`].
+    pub scores: [Option<f64>; DETECTORS.len()],
+    /// Noise of its recording, in the unit of the vectors.
+    pub own_noise: Option<f64>,
+    /// With the thresholds of other groups.
+    pub verdicts: [Option<Verdict>; DETECTORS.len()],
+    /// With the thresholds of `--thresholds-from` alone.
+    pub verdicts_by_others: [Option<Verdict>; DETECTORS.len()],
+}
+
+/// The table, a row for each recording (frame) and detector; with thresholds `by_others` too, if there are any.
+pub fn scores_csv(scored: &[Scored], of_frames: bool, by_others: bool) -> String {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let header = [
+        "recording",
+        "frame",
+        "group",
+        "slip",
+        "detector",
+        "score",
+        "threshold",
+        "says_slip",
+        "other_threshold",
+        "says_slip_by_other",
+    ];
+    let used = |column: &usize| match column {
+        1 => of_frames,
+        8.. => by_others,
+        _ => true,
+    };
+    let mut write = |row: [String; 10]| {
+        let cells = row.iter().enumerate().filter(|(column, _)| used(column));
+        // Writing to memory does not fail.
+        let _ = writer.write_record(cells.map(|(_, cell)| cell));
+    };
+    write(header.map(String::from));
+    for one in scored {
+        for (index, detector) in DETECTORS.into_iter().enumerate() {
+            let number = |number: Option<f64>| number.map_or(String::new(), |n| n.to_string());
+            let threshold = |verdict: Option<Verdict>| number(verdict.map(|v| v.threshold));
+            let says = |verdict: Option<Verdict>| {
+                verdict.map_or(String::new(), |v| u8::from(v.says_slip).to_string())
+            };
+            let (verdict, by_others) = (one.verdicts[index], one.verdicts_by_others[index]);
+            write([
+                one.recording.clone(),
+                one.frame.map_or(String::new(), |frame| frame.to_string()),
+                one.group.to_string(),
+                u8::from(one.slip).to_string(),
+                detector.key().into(),
+                number(one.scores[index]),
+                threshold(verdict),
+                says(verdict),
+                threshold(by_others),
+                says(by_others),
+            ]);
+        }
+    }
+    let bytes = writer.into_inner().unwrap_or_default();
+    String::from_utf8_lossy(&bytes).into_owned()
+}

@@ -1,0 +1,138 @@
+//! Where recordings are.
+
+use super::CommandError;
+use super::notes::Notes;
+use std::ffi::OsStr;
+use std::fs;
+
+use std::path::{Path, PathBuf};
+
+/// What a recording is in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// A table, packed or not.
+    Table,
+    /// A video.
+    Video,
+}
+
+/// What files end with, in lower case.
+const TABLES: [&str; 2] = [".csv", ".csv.gz"];
+const VIDEOS: [&str; 6] = [".avi", ".mp4", ".mkv", ".mov", ".webm", ".m4v"];
+
+/// A place of one recording, or of several in one table.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Source {
+    /// What it is called: the name of its folder, or of its file.
+    pub name: String,
+    /// Its folder, if it has one of its own.
+    pub folder: Option<PathBuf>,
+    /// Its tables.
+    pub tables: Vec<PathBuf>,
+}
+
+impl Source {
+    fn file(path: &Path) -> Self {
+        let name = path.file_name().unwrap_or(OsStr::new(""));
+        Self {
+            name: name.to_string_lossy().into_owned(),
+            folder: None,
+            tables: vec![path.to_owned()],
+        }
+    }
+
+    /// What it is in: a table, unless its file is called as a video is.
+    pub fn kind(&self) -> Kind {
+        match self.folder {
+            None if ends_with(&self.name, &VIDEOS) => Kind::Video,
+            _ => Kind::Table,
+        }
+    }
+
+    /// The name without what it ends with, as in `.csv` or `.csv.gz`.
+    pub fn stem(&self) -> &str {
+        if self.folder.is_some() {
+            return &self.name;
+        }
+        let name = self.name.strip_suffix(".gz").unwrap_or(&self.name);
+        name.rsplit_once('.').map_or(name, |(stem, _)| stem)
+    }
+}
+
+/// The recordings at `path`: itself, if it is a file; in a folder, each table and video; where `tables` are named, each folder in it
+/// that has any of them. Files of `others` are none.
+///
+/// # Errors
+/// When there are none, or they cannot be looked for.
+pub fn find(
+    path: &Path,
+    tables: &[String],
+    others: &[&Path],
+    notes: &mut Notes,
+) -> Result<Vec<Source>, CommandError> {
+    let refused = |what: &str| -> CommandError { format!("{}: {what}", path.display()).into() };
+    let there = fs::metadata(path);
+    let there =
+        there.map_err(|e| refused(&format!("{e}; expected recordings, a file or a folder")))?;
+    if !there.is_dir() {
+        return match tables {
+            [] => Ok(vec![Source::file(path)]),
+            _ => Err(refused(
+                "it is a file; --table expects a folder with a folder for each recording",
+            )),
+        };
+    }
+    let entries = fs::read_dir(path).map_err(|e| refused(&e.to_string()))?;
+    let mut entries: Vec<_> = (entries.filter_map(Result::ok)).map(|e| e.path()).collect();
+    entries.sort();
+    let others: Vec<_> = others
+        .iter()
+        .filter_map(|other| other.canonicalize().ok())
+        .collect();
+    let is_other = |path: &Path| path.canonicalize().is_ok_and(|path| others.contains(&path));
+    let found: Vec<_> = match tables {
+        [] => (entries.iter())
+            .filter(|path| path.is_file() && is_recording(path) && !is_other(path))
+            .map(|path| Source::file(path))
+            .collect(),
+        _ => (entries.iter())
+            .filter_map(|folder| in_folder(folder, tables, notes))
+            .collect(),
+    };
+    if found.is_empty() {
+        return Err(refused(&match tables {
+            [] => "no recording in it; expected files ending in .csv, .csv.gz, .avi, .mp4, .mkv, .mov, .webm or .m4v, or --table for recordings in folders of their own".into(),
+            _ => format!("no folder in it has {}", tables.join(" or ")),
+        }));
+    }
+    Ok(found)
+}
+
+fn in_folder(folder: &Path, tables: &[String], notes: &mut Notes) -> Option<Source> {
+    let paths: Vec<_> = tables.iter().map(|table| folder.join(table)).collect();
+    let name = folder.file_name()?.to_string_lossy().into_owned();
+    if !paths.iter().any(|path| path.is_file()) {
+        return None;
+    }
+    if let Some(missing) = paths.iter().find(|path| !path.is_file()) {
+        notes.add("table", || {
+            format!("{}: there is none; {name} is left out", missing.display())
+        });
+        return None;
+    }
+    Some(Source {
+        name,
+        folder: Some(folder.to_owned()),
+        tables: paths,
+    })
+}
+
+fn is_recording(path: &Path) -> bool {
+    let name = path.file_name().unwrap_or(OsStr::new("")).to_string_lossy();
+    ends_with(&name, &TABLES) || ends_with(&name, &VIDEOS)
+}
+
+fn ends_with(name: &str, endings: &[&str]) -> bool {
+    let name = name.to_ascii_lowercase();
+    endings.iter().any(|ending| name.ends_with(ending))
+}

@@ -1,0 +1,202 @@
+//! Recordings of three-axis taxel arrays.
+
+use super::notes::Notes;
+use super::recorded::RecordedArguments;
+use super::sources::Source;
+use super::{CommandError, collected::Read};
+use crate::sense::taxels::text_of;
+use crate::table_file::open;
+use feeler::sensor::reading::{SensorError, TactileFrame, TactileSensor};
+use feeler::sensor::taxel::{TaxelLayout, TaxelSensor};
+use feeler_lab::grasps::{GraspFrame, GraspRecording, Untouched};
+use glam::DVec2;
+use std::path::Path;
+
+/// Reads the tables of an array, or of several that felt the same grasp.
+pub struct TaxelTables {
+    /// A layout for each array in a table: they differ in their prefix.
+    layouts: Vec<TaxelLayout>,
+    rate: Option<f64>,
+    untouched: bool,
+}
+
+/// Frames of one array under the name of their sequence, empty where there are no sequences.
+type Sequences = Vec<(String, Vec<GraspFrame>)>;
+
+impl TaxelTables {
+    /// For the layout called `name`, with what the arguments say of it.
+    ///
+    /// # Errors
+    /// When there is no such layout, or it cannot be used.
+    pub fn new(name: &str, arguments: &RecordedArguments) -> Result<Self, CommandError> {
+        let refused = |e| format!("--taxels {name}: {e}");
+        let layout = TaxelLayout::from_toml(&text_of(name)?).map_err(refused)?;
+        let prefixes = match arguments.prefixes.as_slice() {
+            [] => vec![layout.columns.prefix.clone()],
+            prefixes => prefixes.to_vec(),
+        };
+        let with_prefix = |prefix: String| {
+            let mut layout = layout.clone();
+            layout.columns.prefix = prefix;
+            if arguments.sequence.is_some() {
+                layout.columns.sequence.clone_from(&arguments.sequence);
+            }
+            layout.check().map_err(refused).map(|()| layout)
+        };
+        let layouts: Vec<_> = prefixes
+            .into_iter()
+            .map(with_prefix)
+            .collect::<Result<_, _>>()?;
+        // What a layout gives as zero was taken without load; the first rows of a grasp may be in contact already.
+        let given = |layout: &TaxelLayout| layout.taxels.iter().all(|taxel| taxel.zero.is_some());
+        let untouched = arguments.untouched || layouts.iter().all(given);
+        Ok(Self {
+            layouts,
+            rate: arguments.rate,
+            untouched,
+        })
+    }
+
+    /// Unit of the shear.
+    pub fn unit(&self) -> &'static str {
+        self.layouts
+            .first()
+            .map_or("counts", |layout| layout.force_unit().name())
+    }
+
+    /// The recordings in the tables of `source`.
+    ///
+    /// # Errors
+    /// When one cannot be read.
+    pub fn read(&self, source: &Source, notes: &mut Notes) -> Result<Vec<Read>, CommandError> {
+        let mut arrays: Vec<(usize, Sequences)> = Vec::new();
+        for table in &source.tables {
+            for layout in &self.layouts {
+                arrays.push((layout.taxels.len(), self.read_array(table, layout, notes)?));
+            }
+        }
+        let Some((_, first)) = arrays.first() else {
+            return Ok(Vec::new());
+        };
+        let names: Vec<_> = first.iter().map(|(name, _)| name.clone()).collect();
+        let together = |name: String| {
+            let own = arrays.iter().map(|(taxels, sequences)| {
+                let same = sequences.iter().find(|(other, _)| *other == name);
+                (*taxels, same.map_or(&[][..], |(_, frames)| frames))
+            });
+            let own: Vec<_> = own.collect();
+            let recording = if name.is_empty() {
+                source.stem()
+            } else {
+                &name
+            };
+            Read {
+                names: match name.is_empty() {
+                    true => vec![source.stem().to_owned(), source.name.clone()],
+                    false => vec![name.clone()],
+                },
+                recording: GraspRecording {
+                    untouched: match self.untouched {
+                        true => Untouched::Zero,
+                        false => Untouched::Unknown,
+                    },
+                    origins: Vec::new(),
+                    frames: side_by_side(&own, recording, notes),
+                },
+            }
+        };
+        Ok(names.into_iter().map(together).collect())
+    }
+
+    fn read_array(
+        &self,
+        table: &Path,
+        layout: &TaxelLayout,
+        notes: &mut Notes,
+    ) -> Result<Sequences, CommandError> {
+        let refused = |error: &dyn std::fmt::Display| format!("{}: {error}", table.display());
+        let stream = open(table).map_err(|e| refused(&e))?;
+        let mut sensor = TaxelSensor::open(stream, layout, self.rate).map_err(|e| refused(&e))?;
+        let mut frame = TactileFrame::unloaded(sensor.element_count());
+        let mut sequences = Sequences::new();
+        let mut own = 0;
+        let ended = loop {
+            match sensor.read(&mut frame) {
+                Ok(()) => {}
+                Err(SensorError::Ended { .. }) => break Ok(()),
+                Err(error) => break Err(error),
+            }
+            if sensor.starts_sequence() || sequences.is_empty() {
+                let name = String::from_utf8_lossy(sensor.sequence()).into_owned();
+                let known = sequences.iter().position(|(other, _)| *other == name);
+                if known.is_some() {
+                    notes.add("again", || {
+                        refused(&format_args!(
+                            "sequence {name:?} goes on after another; both parts count as one"
+                        ))
+                    });
+                }
+                own = known.unwrap_or_else(|| {
+                    sequences.push((name, Vec::new()));
+                    sequences.len() - 1
+                });
+            }
+            if let Some((_, frames)) = sequences.get_mut(own) {
+                let shear = frame.forces.iter().map(|force| force.truncate());
+                frames.push(GraspFrame {
+                    stamp: frame.stamp,
+                    shear: shear.collect(),
+                });
+            }
+        };
+        for seen in sensor.troubles().iter() {
+            let column = seen.first.column.and_then(|c| sensor.columns().get(c));
+            let words = seen.in_words(column.map(String::as_str));
+            notes.add(&format!("{:?}", seen.trouble), || refused(&words));
+        }
+        if let Err(error) = ended {
+            if sequences.is_empty() {
+                return Err(refused(&error).into());
+            }
+            notes.add("torn", || {
+                refused(&format_args!("{error}; what was read before counts"))
+            });
+        }
+        Ok(sequences)
+    }
+}
+
+/// The frames of several arrays as those of one; where an array has no more, its elements have no shear.
+fn side_by_side(
+    arrays: &[(usize, &[GraspFrame])],
+    name: &str,
+    notes: &mut Notes,
+) -> Vec<GraspFrame> {
+    let lengths = arrays.iter().map(|(_, frames)| frames.len());
+    let (least, most) = (
+        lengths.clone().min().unwrap_or(0),
+        lengths.max().unwrap_or(0),
+    );
+    if least < most {
+        notes.add("length", || {
+            format!(
+                "{name}: one array has {least} rows, another {most}; what is missing has no shear"
+            )
+        });
+    }
+    let frame = |number: usize| {
+        let there = arrays.iter().find_map(|(_, frames)| frames.get(number));
+        let shear = arrays.iter().flat_map(|(taxels, frames)| {
+            let own = frames.get(number).map_or(&[][..], |frame| &frame.shear);
+            let missing = taxels - own.len().min(*taxels);
+            own.iter()
+                .copied()
+                .chain(std::iter::repeat_n(DVec2::NAN, missing))
+        });
+        GraspFrame {
+            stamp: there.map_or(f64::NAN, |frame| frame.stamp),
+            shear: shear.collect(),
+        }
+    };
+    (0..most).map(frame).collect()
+}

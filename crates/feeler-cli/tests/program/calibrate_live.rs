@@ -1,0 +1,234 @@
+//! `feeler calibrate FOLDER --live`: a played person loads two elements on an emulated force sensor, under a camera that is late.
+
+use crate::program::{Ended, feeler, folder, run};
+use feeler::sensor::calibration::Calibration;
+use feeler::sensor::moments::ElementMoments;
+use feeler_sources::netft::NetFtEmulator;
+use glam::{DVec2, DVec3};
+use std::fs;
+use std::io::Write;
+use std::path::Path;
+use std::process::{Child, Stdio};
+use std::sync::{Arc, Mutex};
+use std::thread::{JoinHandle, sleep, spawn};
+use std::time::Duration;
+
+/// Columns and rows of the pictures, px, and between them.
+const SIZE: (usize, usize) = (64, 40);
+const FRAME: Duration = Duration::from_millis(20);
+/// Pictures that the camera is late, so that it is late by at least as many times the time between them.
+const LATE: usize = 3;
+/// Centres of the elements, px.
+const CENTRES: [DVec2; 2] = [DVec2::new(16.0, 20.0), DVec2::new(48.0, 20.0)];
+/// Pictures that each load is held for.
+const HELD: usize = 14;
+
+const LAYOUT: &str = "version = 1\nwidth = 64\nheight = 40\ndark_level = 10\n\
+    [[element]]\ncentre_px = [16.0, 20.0]\nradius_px = 13.0\n[[element]]\ncentre_px = [48.0, 20.0]\nradius_px = 13.0\n";
+
+/// Which element is loaded with which force in its frame, N, picture by picture: three presses, then loads all ways, each held.
+fn loads(elements: &[usize]) -> Vec<(usize, DVec3)> {
+    let mut loads = vec![(0, DVec3::ZERO); 60];
+    for _ in 0..3 {
+        // Slow enough for a computer that is busy.
+        let press =
+            (0..60).map(|k| 0.7 * (std::f64::consts::PI * f64::from(k) / 60.0).sin().powi(2));
+        loads.extend(press.map(|normal| (0, DVec3::Z * normal)));
+        loads.extend([(0, DVec3::ZERO); 15]);
+    }
+    for &element in elements {
+        let step = |x, y, z| [(element, DVec3::new(x, y, z)); HELD];
+        for normal in [0.1, 0.3, 0.5, 0.7, 0.9] {
+            loads.extend(step(0.0, 0.0, normal));
+            for (x, y) in [(0.3, 0.1), (-0.3, -0.1), (0.1, 0.3), (-0.1, -0.3)] {
+                loads.extend(step(x * normal / 0.5, y * normal / 0.5, normal));
+            }
+        }
+        loads.extend(step(0.0, 0.0, 0.0));
+    }
+    loads
+}
+
+/// Spots that brighten by 60 % for a newton of compression, and move by 2 px for one of shear.
+fn picture((loaded, force): (usize, DVec3), number: usize) -> Vec<u8> {
+    let level = |column: usize, row: usize| {
+        let place = DVec2::new(column as f64, row as f64);
+        let spots = CENTRES.iter().enumerate().map(|(element, &centre)| {
+            let own = if element == loaded {
+                force
+            } else {
+                DVec3::ZERO
+            };
+            let off = place - centre - 2.0 * own.truncate();
+            120.0 * (1.0 + 0.6 * own.z) * (-off.length_squared() / 18.0).exp()
+        });
+        // Half a gray value of noise that no two pictures share.
+        let noise =
+            (12.9898 * place.x + 78.233 * place.y + 37.719 * number as f64).sin() * 43758.5453;
+        (spots.sum::<f64>() + 4.0 + noise.fract()).clamp(0.0, 255.0) as u8
+    };
+    let rows = (0..SIZE.1).flat_map(|row| (0..SIZE.0).map(move |column| (column, row)));
+    rows.map(|(column, row)| level(column, row)).collect()
+}
+
+/// Starts the program and plays `loads` to it, the camera late; the emulator must live as long.
+fn start(folder: &Path, loads: Vec<(usize, DVec3)>) -> (Child, JoinHandle<()>, NetFtEmulator) {
+    let now = Arc::new(Mutex::new(DVec3::ZERO));
+    let felt = Arc::clone(&now);
+    let sensor = NetFtEmulator::start(500.0, move || {
+        // The fingertip's weight; x of the layout's frame is the sensor's y, and z is against its z.
+        let DVec3 { x, y, z } = *felt.lock().unwrap();
+        Some([y + 1.0, x, z - 3.0, 0.0, 0.0, 0.0])
+    });
+    let sensor = sensor.expect("a socket");
+    let address = sensor.address();
+    let arguments = [
+        &[
+            "calibrate",
+            "bench",
+            "--live=-",
+            "--rate=50",
+            "--layout=layout.toml",
+            "--force-sensor",
+        ][..],
+        &[
+            &address,
+            "--force-axes=y,x,-z",
+            "--full-scale-normal=1",
+            "--full-scale-shear=0.6",
+            "-o=live.toml",
+        ],
+    ];
+    let mut command = feeler(folder, &arguments.concat());
+    command
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped());
+    let mut child = command.spawn().expect("the program");
+    let mut camera = child.stdin.take().expect("its input");
+    let player = spawn(move || {
+        for number in 0..loads.len() {
+            *now.lock().unwrap() = loads[number].1;
+            let seen = loads[number.saturating_sub(LATE)];
+            // The program may have all that it needs.
+            if camera.write_all(&picture(seen, number)).is_err() {
+                return;
+            }
+            sleep(FRAME);
+        }
+    });
+    (child, player, sensor)
+}
+
+fn end((child, player, sensor): (Child, JoinHandle<()>, NetFtEmulator)) -> Ended {
+    player.join().unwrap();
+    let ended = Ended::of(child.wait_with_output().expect("its end"));
+    drop(sensor);
+    ended
+}
+
+#[test]
+fn loads_that_are_put_on_live_make_a_calibration() {
+    let folder = folder("calibrate-live");
+    fs::write(folder.join("layout.toml"), LAYOUT).unwrap();
+    // Ended by its camera when one element is done; what was taken is kept.
+    let ended = end(start(&folder, loads(&[0])));
+    assert_eq!(ended.status, Some(2), "{ended:?}");
+    for words in [
+        "the camera has ended",
+        "1 of 2 elements need more",
+        "bench/LOADS.csv",
+    ] {
+        assert!(ended.stderr.contains(words), "no {words:?} in {ended:?}");
+    }
+    assert!(!folder.join("live.toml").exists());
+    // A row that was torn by the system is taken again.
+    let csv = folder.join("bench/LOADS.csv");
+    let table = fs::read_to_string(&csv).unwrap();
+    fs::write(&csv, format!("{table}00999.png,1,0.2")).unwrap();
+
+    // The same command goes on with the other element, and ends by itself.
+    let ended = end(start(&folder, loads(&[1])));
+    assert_eq!(ended.status, Some(0), "{ended:?}");
+    let resumed = fs::read_to_string(&csv).unwrap();
+    assert!(resumed.starts_with(&table) && resumed.len() > table.len());
+    let late = ended
+        .stderr
+        .lines()
+        .find_map(|line| line.strip_prefix("the camera is "));
+    let late = late
+        .and_then(|rest| rest.split_once(' '))
+        .expect("a delay")
+        .0;
+    // At least what was played; a busy computer adds to it.
+    assert!(late.parse::<f64>().unwrap() > 50.0, "{late} ms");
+
+    // What it makes is what the loads make, and tells the forces that the pictures were made of.
+    let again = [
+        "calibrate",
+        "bench/LOADS.csv",
+        "--layout=layout.toml",
+        "-o=again.toml",
+    ];
+    let scales = ["--full-scale-normal=1", "--full-scale-shear=0.6"];
+    run(&folder, &[&again[..], &scales].concat()).done();
+    let text = fs::read_to_string(folder.join("live.toml")).unwrap();
+    assert_eq!(text, fs::read_to_string(folder.join("again.toml")).unwrap());
+    assert!(folder.join("live.html").exists());
+    let calibration = Calibration::from_toml(&text).unwrap();
+    for element in 0..2 {
+        let truth = DVec3::new(0.2, -0.1, 0.5);
+        let error = (told(&folder, &calibration, element, truth) - truth).abs();
+        // Gray values are whole numbers: some 0.2 % of G, and hundredths of a pixel, each of 0.5 N. A picture that came in
+        // a period late is of another load only next to a change, one of 14.
+        assert!(error.max_element() < 0.05, "element {element}: {error}");
+    }
+}
+
+/// The force that `calibration` tells of a new picture, N.
+fn told(folder: &Path, calibration: &Calibration, element: usize, force: DVec3) -> DVec3 {
+    let layout = feeler_lab::sensor::SensorGeometry::read_layout(&folder.join("layout.toml"));
+    let geometry = layout.expect("the layout");
+    let picture = feeler::sensor::frame::Picture {
+        width: SIZE.0,
+        height: SIZE.1,
+        pixels: picture((element, force), 77),
+    };
+    let mut moments = [ElementMoments::default(); 2];
+    geometry.kernel.measure(&picture, &mut moments).unwrap();
+    calibration.elements[element].force(&moments[element])
+}
+
+#[test]
+fn bad_input_is_refused_in_words() {
+    let folder = folder("calibrate-live-refused");
+    fs::write(folder.join("layout.toml"), LAYOUT).unwrap();
+    let refused = |arguments: &[&str], words: &[&str]| {
+        let common = ["calibrate", "bench", "--layout=layout.toml", "-o=live.toml"];
+        run(&folder, &[&common[..], arguments].concat()).refused(words);
+    };
+    let sensor = "--force-sensor=netft://127.0.0.1:9?cpf=1&cpt=1";
+    refused(&["--live=-"], &["--force-sensor"]);
+    refused(
+        &["--live=-", "--force-sensor=netft://a"],
+        &["cpf is missing", "Configurations"],
+    );
+    refused(
+        &["--live=-", "--force-sensor=/dev/ttyUSB0"],
+        &["no netft:// address"],
+    );
+    refused(&["--live=-", sensor, "--force-axes=x,y"], &["fewer axes"]);
+    refused(
+        &["--live=picture.png", sensor],
+        &["picture.png", "/dev/videoN"],
+    );
+    refused(&[sensor], &["--live"]);
+    // A folder with something else in it.
+    fs::create_dir_all(folder.join("bench")).unwrap();
+    fs::remove_file(folder.join("bench/LOADS.csv")).unwrap_or_default();
+    fs::write(folder.join("bench/thesis.tex"), "").unwrap();
+    refused(&["--live=-", sensor], &["bench", "not empty", "LOADS.csv"]);
+    // Results that are there already, before any work.
+    fs::write(folder.join("live.toml"), "").unwrap();
+    refused(&["--live=-", sensor], &["live.toml", "exists already"]);
+}

@@ -1,0 +1,13 @@
+//! What docs/real-data.md says of recordings of real sensors that others made, where they are at hand (`FEELER_DATA`). Counts and names
+//! are taken from the recordings, so that others of the same kind serve as well.
+
+mod blobs;
+mod fibres;
+mod fit;
+mod gelsight;
+#[path = "../support/program.rs"]
+mod program;
+#[path = "../../../feeler-lab/tests/support/recordings.rs"]
+mod recordings;
+mod slip;
+mod video;

@@ -1,0 +1,18 @@
+//! `feeler ros2` and the crate `feeler-ros2` with peers that are not ours.
+//!
+//! Needs `pip install pyzeros==0.1.0` in the Python named by `FEELER_PYTHON` (default `python3`), and `pip install ros-jazzy-rclpy==7.1.6` with
+//! its message packages in that named by `FEELER_ROS_PYTHON` (3.12); without them the tests say that they are skipped, or fail where
+//! `FEELER_REQUIRE_ALL` is set.
+
+#[path = "../../../feeler-link/tests/support/ports.rs"]
+mod ports;
+#[path = "../support/program.rs"]
+mod program;
+#[path = "../../../feeler-lab/tests/support/skip.rs"]
+mod skip;
+
+mod client;
+mod node;
+mod peers;
+mod rig;
+mod values;
