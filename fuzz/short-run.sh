@@ -5,7 +5,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 seconds=${1:-60}
 # Stable Rust has no address sanitizer; feeler has no unsafe code but that of its processor-specific sums.
-for target in layout calibration policy loads picture experiment recording link inboxes stop_wire; do
+for target in layout taxels calibration wrench policy loads forces netft picture experiment recording link inboxes stop_wire drives_bus ros2; do
     scratch=fuzz/target/found/$target
     mkdir -p "$scratch"
     cargo fuzz run --sanitizer none "$target" "$scratch" "fuzz/corpus/$target" -- \

@@ -17,6 +17,13 @@ use feeler::sensor::loads::read_loads;
 use feeler::sensor::located_layout::LocatedLayout;
 use feeler::sensor::moments::ElementMoments;
 use feeler::sensor::reading::{SensorError, TactileFrame, TactileSensor};
+use feeler::sensor::seen::SeenElement;
+use feeler::sensor::taxel::{TaxelLayout, TaxelSensor};
+use feeler::sensor::wrench::forces::read_forces;
+use feeler::sensor::wrench::{WrenchCalibration, WrenchEstimator};
+use feeler_drives::packet::{
+    Decoder, LONGEST, Protocol, Sender, complete_blocks, encode, fast_blocks,
+};
 use feeler_lab::config::Experiment;
 use feeler_link::freshness::Echo;
 use feeler_link::hand_inbox::HandInbox;
@@ -34,6 +41,11 @@ use feeler_link::stop_wire;
 use feeler_link::topic::{Place, Topic};
 use feeler_record::wire::{Message, Vector3, cdr};
 use feeler_record::{RecordedCamera, RecordedHand, RecordedSensor, Recording};
+use feeler_ros2::attachment::Attachment;
+use feeler_ros2::joint_reader::JointReader;
+use feeler_ros2::message::{ListParametersRequest, SetParametersRequest};
+use feeler_ros2::parameter::Parameters;
+use feeler_ros2::token::Token;
 use feeler_sources::picture::decode_picture;
 use glam::{DVec2, DVec3};
 use std::io::Cursor;
@@ -56,6 +68,65 @@ pub fn layout(bytes: &[u8]) -> bool {
     if layout.width * layout.height <= MAX_PIXELS && layout.elements.len() <= 64 {
         let _ = layout.kernel();
     }
+    true
+}
+
+/// A sound wrench calibration reads back as it was written and gives finite components for finite moments.
+pub fn wrench(bytes: &[u8]) -> bool {
+    let calibration = text(bytes).and_then(|text| WrenchCalibration::from_toml(text).ok());
+    let Some(calibration) = calibration else {
+        return false;
+    };
+    let written = calibration
+        .to_toml()
+        .expect("a calibration that was read can be written");
+    let again = WrenchCalibration::from_toml(&written).expect("what was written can be read");
+    assert_eq!(calibration, again);
+    let elements = calibration.model.elements.clone();
+    let mut estimator = WrenchEstimator::new(calibration).expect("a sound calibration");
+    for factor in [0.0, 0.5, 1.0, 10.0, 1e300] {
+        let seen = elements.iter().map(|element| {
+            Some(ElementMoments {
+                integrated_gray: element.gray * factor,
+                centroid: element.centroid + DVec2::splat(factor),
+            })
+        });
+        let estimate = estimator.of_seen(seen);
+        let mut components = estimate.components.iter().flatten();
+        assert!(components.all(|c| c.is_finite()), "{estimate:?}");
+    }
+    true
+}
+
+/// A datagram of a force sensor, a request to one, or its address; all that is read is written alike.
+pub fn netft(bytes: &[u8]) -> bool {
+    use feeler_sources::netft::{NetFtAddress, Record, Request};
+    let record = Record::from_bytes(bytes);
+    if let Ok(record) = record {
+        assert_eq!(record.to_bytes(), bytes);
+    }
+    if let Ok(request) = Request::from_bytes(bytes) {
+        assert_eq!(request.to_bytes(), bytes);
+    }
+    let text = str::from_utf8(bytes).unwrap_or_default();
+    if let Ok(address) = text.parse::<NetFtAddress>() {
+        assert_eq!(address.to_string().parse(), Ok(address));
+    }
+    record.is_ok()
+}
+
+/// Measured wrenches are in the order of their recordings.
+pub fn forces(bytes: &[u8]) -> bool {
+    let Ok(forces) = read_forces(bytes) else {
+        return false;
+    };
+    let count = forces.recordings.len();
+    assert!(
+        forces
+            .pictures
+            .iter()
+            .all(|picture| picture.recording < count)
+    );
     true
 }
 
@@ -83,6 +154,43 @@ pub fn calibration(bytes: &[u8]) -> bool {
         }
     }
     true
+}
+
+/// A sound taxel layout reads back as it was written, and the table below it, behind a line of `---`, is sensed to its end:
+/// forces are finite or none, and rows are counted.
+pub fn taxels(bytes: &[u8]) -> bool {
+    const LINE: &[u8] = b"\n---\n";
+    let place = bytes.windows(LINE.len()).position(|window| window == LINE);
+    let (text_of, table) = match place {
+        Some(place) => (&bytes[..place], &bytes[place + LINE.len()..]),
+        None => (bytes, &[][..]),
+    };
+    let Some(layout) = text(text_of).and_then(|text| TaxelLayout::from_toml(text).ok()) else {
+        return false;
+    };
+    let written = layout
+        .to_toml()
+        .expect("a layout that was read can be written");
+    let again = TaxelLayout::from_toml(&written).expect("what was written can be read");
+    assert_eq!(layout, again);
+    let Ok(mut sensor) = TaxelSensor::open(table, &layout, None) else {
+        return false;
+    };
+    let mut frame = TactileFrame::unloaded(sensor.element_count());
+    let mut frames = 0;
+    loop {
+        match sensor.read(&mut frame) {
+            Ok(()) => frames += 1,
+            Err(SensorError::Ended { count }) => {
+                assert_eq!(count, frames);
+                return true;
+            }
+            Err(error) => panic!("bytes can be read: {error}"),
+        }
+        assert!(frame.stamp.is_finite());
+        let mut forces = frame.forces.iter();
+        assert!(forces.all(|force| force.is_finite() || force.is_nan()));
+    }
 }
 
 /// A sound policy keeps its finger's velocity finite, whatever is felt.
@@ -120,7 +228,11 @@ pub fn policy(bytes: &[u8]) -> bool {
 /// Sound loads are finite, on as many elements as there are.
 pub fn loads(bytes: &[u8]) -> bool {
     const ELEMENTS: usize = 3;
-    let Ok(pictures) = read_loads(bytes, ELEMENTS) else {
+    let seen = [0.0, 10.0, 20.0].map(|column| SeenElement {
+        centre_px: DVec2::new(column, 0.0),
+        x_angle: column,
+    });
+    let Ok(pictures) = read_loads(bytes, &seen) else {
         return false;
     };
     for picture in &pictures {
@@ -329,6 +441,36 @@ pub fn stop_wire(bytes: &[u8]) -> bool {
     true
 }
 
+/// Whatever arrives of a ROS 2 graph is read or refused. The first byte says as what.
+pub fn ros2(bytes: &[u8]) -> bool {
+    let Some((kind, bytes)) = bytes.split_first() else {
+        return false;
+    };
+    let parameters = Parameters::new("they are fixed");
+    match kind {
+        b'j' => cdr::decode(bytes).is_ok_and(|message| {
+            let names = ["a", "b", "c"].map(String::from);
+            let mut reader = JointReader::new(vec![names]).expect("a finger");
+            reader.read(&message, &mut HandState::zero(1)).is_ok()
+        }),
+        b'c' => cdr::decode(bytes).is_ok_and(|cloud| {
+            feeler_ros2::cloud::read_forces(&cloud, &mut [DVec3::ZERO; 2]).is_ok()
+        }),
+        b'a' => Attachment::decode(bytes).is_ok(),
+        b't' => from_utf8(bytes).is_ok_and(|text| {
+            let token = text.parse::<Token>();
+            token.is_ok_and(|token| token.to_string().parse() == Ok(token))
+        }),
+        b'l' => cdr::decode::<ListParametersRequest>(bytes)
+            .is_ok_and(|request| parameters.list(&request).result.names.is_empty()),
+        b's' => cdr::decode::<SetParametersRequest<false>>(bytes).is_ok_and(|request| {
+            let results = parameters.set(&request.parameters).results;
+            results.iter().all(|result| !result.successful)
+        }),
+        _ => false,
+    }
+}
+
 /// Whatever programs that know each other say, in whatever order and with whatever numbers, a hand's time never goes
 /// back, and it stays stopped until each stop has been resumed. The bytes are steps of eight: what happens, to which of
 /// its numbers something is added, and what.
@@ -462,4 +604,51 @@ fn update_of(header: MessageHeader) -> TactileUpdate {
 
 fn text(bytes: &[u8]) -> Option<&str> {
     from_utf8(bytes).ok()
+}
+
+/// Packets on a bus of servos: what is read can be written, and reads back the same. The first byte says who speaks which protocol.
+pub fn drives_bus(bytes: &[u8]) -> bool {
+    let [how, bytes @ ..] = bytes else {
+        return false;
+    };
+    let protocol = if how & 1 == 0 {
+        Protocol::Dynamixel
+    } else {
+        Protocol::Feetech
+    };
+    let sender = if how & 2 == 0 {
+        Sender::Master
+    } else {
+        Sender::Servo
+    };
+    let (mut decoder, mut again) = (
+        Decoder::new(protocol, sender),
+        Decoder::new(protocol, Sender::Master),
+    );
+    let (mut written, mut sound) = (Vec::new(), false);
+    let mut rest = bytes;
+    while !rest.is_empty() {
+        let taken = decoder.feed(rest);
+        assert!(taken > 0, "there is room once all packets are read");
+        rest = &rest[taken..];
+        while let Some(packet) = decoder.next() {
+            let Ok(packet) = packet else { continue };
+            sound = true;
+            assert!(fast_blocks(packet.parameters, 8).all(|block| block.data.len() == 8));
+            if encode(
+                protocol,
+                (packet.id, packet.code),
+                packet.parameters,
+                &mut written,
+            )
+            .is_ok()
+            {
+                again.clear();
+                again.feed(&written);
+                assert_eq!(again.next(), Some(Ok(packet)));
+            }
+        }
+        assert!(complete_blocks(decoder.pending(), 8) <= LONGEST);
+    }
+    sound
 }
