@@ -117,7 +117,7 @@ impl Fit<'_> {
 #[pyfunction]
 pub fn calibrate_file(py: Python<'_>, path: PathBuf, how: Fit<'_>) -> PyResult<Calibration> {
     let geometry = how.geometry()?;
-    let loads = LoadsFile::read(&path, geometry.kernel.element_count()).map_err(refused)?;
+    let loads = LoadsFile::read(&path, &geometry.seen).map_err(refused)?;
     let measure = |_: &_| loads.measure(&geometry, || {});
     let records = interruptible(py, measure, |_| Ok(()))?.map_err(refused)?;
     how.fit(py, geometry, &records)
@@ -187,7 +187,7 @@ pub fn simulate_loads<'py>(
     let optics = &experiment.config.simulation().map_err(refused)?.optics;
     let bench = CalibrationBenchConfig {
         seed,
-        ..CalibrationBenchConfig::of_size(combined)
+        ..CalibrationBenchConfig::of_fingertip(fingertip, optics, combined)
     };
     let (mut pixels, mut forces, mut count) = (Vec::new(), Vec::new(), 0);
     let take = |stop: &AtomicBool| {

@@ -3,7 +3,7 @@
 use crate::errors::{failed, refused};
 use crate::interrupt::interruptible;
 use feeler::sensor::frame::Picture;
-use feeler::sensor::locate::{LocateConfig, MeanPicture, locate};
+use feeler::sensor::locate::{LocateConfig, MeanPicture, Polarity, locate};
 use feeler::sensor::located_layout::{DomeGeometry, LocatedLayout};
 use feeler_lab::config::Experiment;
 use numpy::{PyArray1, PyArray2, PyReadonlyArray3, PyUntypedArrayMethods as _};
@@ -47,6 +47,12 @@ impl Layout {
         self.layout.dark_level
     }
 
+    /// Whether the elements are bright or dark.
+    #[getter]
+    fn polarity(&self) -> String {
+        self.layout.polarity.to_string()
+    }
+
     #[getter]
     fn has_dome(&self) -> bool {
         self.layout.dome.is_some()
@@ -73,10 +79,11 @@ impl Layout {
 
 /// Finds the elements in the mean of `frames` [N, H, W] of the untouched sensor.
 #[pyfunction]
-#[pyo3(name = "locate", signature = (frames, spot_diameter, element_diameter, region_radius, dome))]
+#[pyo3(name = "locate", signature = (frames, polarity, spot_diameter, element_diameter, region_radius, dome))]
 pub fn locate_elements(
     py: Python<'_>,
     frames: PyReadonlyArray3<'_, u8>,
+    polarity: Option<&str>,
     spot_diameter: Option<f64>,
     element_diameter: Option<f64>,
     region_radius: f64,
@@ -93,7 +100,10 @@ pub fn locate_elements(
         mean.add(&picture).map_err(refused)?;
     }
     let reference = mean.finish().map_err(refused)?;
+    let polarity = polarity.map(str::parse::<Polarity>).transpose();
+    let polarity = polarity.map_err(refused)?;
     let config = LocateConfig {
+        polarity,
         spot_diameter_px: spot_diameter,
         element_diameter_px: element_diameter,
         region_radius,

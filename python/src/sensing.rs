@@ -49,15 +49,18 @@ impl Sensor {
         experiment: Option<&str>,
         finger: Option<usize>,
         drift_correction: bool,
-        max_saturated: f64,
+        max_saturated: Option<f64>,
     ) -> PyResult<Self> {
         let (geometry, places) = geometry(calibration, layout, experiment, finger)?;
         let SensorGeometry {
             size,
             kernel,
             regions,
+            max_saturated: usual,
             made_for,
+            ..
         } = geometry;
+        let max_saturated = max_saturated.unwrap_or(usual);
         let chain = SensingChain::new(size, kernel, &regions, max_saturated);
         let mut chain = chain.map_err(refused)?;
         if let Some(Calibration(calibration)) = calibration {

@@ -180,6 +180,11 @@ class Layout:
         """
         Columns and rows of the pictures, px.
         """
+    @property
+    def polarity(self, /) -> str:
+        """
+        Whether the elements are bright or dark.
+        """
     def radii(self, /) -> Incomplete:
         """
         Radius of each element's sub-region, px [E].
@@ -327,7 +332,7 @@ class Sensor:
     """
     The sensing of one fingertip.
     """
-    def __new__(cls, /, calibration: Calibration | None, layout: Layout | None, experiment: str | None, finger: SupportsIndex | None, drift_correction: bool, max_saturated: SupportsFloat | SupportsIndex) -> Sensor:
+    def __new__(cls, /, calibration: Calibration | None, layout: Layout | None, experiment: str | None, finger: SupportsIndex | None, drift_correction: bool, max_saturated: SupportsFloat | SupportsIndex | None) -> Sensor:
         """
         The sensor of `calibration`, or without one of `layout` or the experiment's fingertip.
         """
@@ -513,7 +518,7 @@ def calibrate_frames(frames: Incomplete, forces: Incomplete, how: Incomplete) ->
     Fits a calibration to `frames` [N, H, W] under `forces` [N, E, 3], N; not a number where a force is not known.
     """
 
-def locate(frames: Incomplete, spot_diameter: SupportsFloat | SupportsIndex | None, element_diameter: SupportsFloat | SupportsIndex | None, region_radius: SupportsFloat | SupportsIndex, dome: str | None) -> Layout:
+def locate(frames: Incomplete, polarity: str | None, spot_diameter: SupportsFloat | SupportsIndex | None, element_diameter: SupportsFloat | SupportsIndex | None, region_radius: SupportsFloat | SupportsIndex, dome: str | None) -> Layout:
     """
     Finds the elements in the mean of `frames` [N, H, W] of the untouched sensor.
     """

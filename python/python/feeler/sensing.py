@@ -131,6 +131,11 @@ class Layout:
         _write_new(path, self._layout.to_toml())
 
     @property
+    def polarity(self) -> str:
+        """Whether the elements are bright ("bright") or dark ("dark")."""
+        return self._layout.polarity
+
+    @property
     def centres(self) -> FloatArray:
         """Column and row of each element's centre [E, 2], px."""
         centres: FloatArray = self._layout.centres()
@@ -210,7 +215,7 @@ class Fingertip:
         experiment: str | None = None,
         finger: int | None = None,
         drift_correction: bool = False,
-        max_saturated: float = 0.01,
+        max_saturated: float | None = None,
         thresholds: Thresholds | None = None,
     ) -> None:
         """A fingertip by its calibration, or without forces by its layout or the experiment that has it.
@@ -228,7 +233,8 @@ class Fingertip:
         drift_correction
             Correct for a lamp that dims or brightens, from frame to frame.
         max_saturated
-            Part (0 to 1) of a sub-region's pixels that may be saturated before its force is left out.
+            Part (0 to 1) of a sub-region's pixels that may be saturated (of dark markers: black) before its force is left out;
+            by default 0.01, of dark markers 0.9, in pictures of two grey levels 0.98.
         thresholds
             Of the flags.
 
@@ -428,6 +434,7 @@ def _stamps(count: int, rate: float, stamps: FloatArray | None) -> FloatArray:
 def locate(
     frames: NDArray[np.uint8],
     *,
+    polarity: Literal["bright", "dark"] | None = None,
     spot_diameter: float | None = None,
     element_diameter: float | None = None,
     region_radius: float = 0.5,
@@ -439,8 +446,10 @@ def locate(
     ----------
     frames
         uint8 [N, H, W], or [H, W] for one.
+    polarity
+        Whether the elements are bright on dark or dark on bright; whichever makes the better pattern if left out.
     spot_diameter
-        Diameter of a bright spot, px; estimated from the picture if left out.
+        Diameter of a spot, px; estimated from the picture if left out.
     element_diameter
         Diameter of an element, px: spots within it are one element. Without it, groups of equal numbers of spots are,
         if there are any.
@@ -457,7 +466,7 @@ def locate(
     if isinstance(frames, np.ndarray) and frames.ndim == 2:
         frames = frames[np.newaxis]
     frames = checked("frames", frames, np.uint8, ("N", "H", "W"))
-    return Layout(_core.locate(frames, spot_diameter, element_diameter, region_radius, dome))
+    return Layout(_core.locate(frames, polarity, spot_diameter, element_diameter, region_radius, dome))
 
 
 def calibrate(
