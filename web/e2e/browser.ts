@@ -1,4 +1,5 @@
 /** A browser for the tests, and what its pages said. */
+import assert from "node:assert/strict";
 import { execSync } from "node:child_process";
 import { type Browser, type BrowserContextOptions, chromium, type Page } from "playwright-core";
 
@@ -52,6 +53,15 @@ export async function open(
   await prepare(page);
   await page.goto(url);
   return { page, errors, requests };
+}
+
+/** How soon a live page must show a flag, ms. */
+const FLAG_LATENCY = 100;
+
+/** Tells a latency, ms, and holds it where asked to (`LATENCY=1`), as a busy computer has no say in what is right. */
+export function holdLatency(told: string, latency: number): void {
+  console.log(told);
+  if (process.env["LATENCY"]) assert.ok(latency < FLAG_LATENCY, told);
 }
 
 /** Waits until `what` is so; `message` says what that is. */
