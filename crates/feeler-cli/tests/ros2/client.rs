@@ -13,8 +13,8 @@ use std::process::Stdio;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-/// Longer than the robot ever needs.
-const PATIENCE: Duration = Duration::from_secs(20);
+/// After this a robot is taken to hang: far longer than any needs on a busy machine.
+const PATIENCE: Duration = Duration::from_secs(400);
 /// Joint states are refused when they are older, s: a busy computer holds the robot up.
 const MOST_AGE: f64 = 2.0;
 
@@ -71,8 +71,9 @@ fn a_robot_of_ros2_control_is_a_hand() {
     let mut command = HandCommand::stop(1);
     command.relay(&[velocity]);
     until("the joints move", || {
-        hand.command(&command).expect("a command");
-        hand.read(&mut state).expect("joint states");
+        // A busy computer makes joint states stale at times.
+        hand.command(&command).ok()?;
+        hand.read(&mut state).ok()?;
         (state.joints[0].velocity == velocity && state.joints[0].position.z > 0.1).then_some(())
     });
     let ratio = state.joints[0].position / velocity;

@@ -71,6 +71,6 @@ async def watch(opened, calls):
 
 opened = session(sys.argv[1])
 try:
-    asyncio.run(asyncio.wait_for(watch(opened, sys.argv[2:]), 40))
+    asyncio.run(asyncio.wait_for(watch(opened, sys.argv[2:]), 400))
 finally:
     opened.close()
