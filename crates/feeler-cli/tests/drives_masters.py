@@ -14,18 +14,24 @@ def signed(value, bits):
     return value - (1 << bits) if value & (1 << (bits - 1)) else value
 
 
-def dynamixel(path, baud_rate):
-    import dynamixel_sdk as sdk
-
-    port, packets = sdk.PortHandler(path), sdk.PacketHandler(2.0)
-    assert port.openPort() and port.setBaudRate(baud_rate)
-    said = {}
+def checked(sdk, packets):
+    """What an answer to `packets` holds, which must have come and name no error."""
 
     def good(answer):
         *values, result, error = answer
         assert result == sdk.COMM_SUCCESS, packets.getTxRxResult(result)
         assert error == 0, packets.getRxPacketError(error)
         return values[0] if values else None
+
+    return good
+
+
+def dynamixel(path, baud_rate):
+    import dynamixel_sdk as sdk
+
+    port, packets = sdk.PortHandler(path), sdk.PacketHandler(2.0)
+    assert port.openPort() and port.setBaudRate(baud_rate)
+    good, said = checked(sdk, packets), {}
 
     said["model"] = good(packets.ping(port, 2))
     found, result = packets.broadcastPing(port)
@@ -78,13 +84,7 @@ def feetech(path, baud_rate):
 
     port, packets = sdk.PortHandler(path), sdk.PacketHandler(0)
     assert port.openPort() and port.setBaudRate(baud_rate)
-    said = {}
-
-    def good(answer):
-        *values, result, error = answer
-        assert result == sdk.COMM_SUCCESS, packets.getTxRxResult(result)
-        assert error == 0, packets.getRxPacketError(error)
-        return values[0] if values else None
+    good, said = checked(sdk, packets), {}
 
     said["model"] = good(packets.ping(port, 2))
     said["missing"] = packets.ping(port, 9)[1] == sdk.COMM_RX_TIMEOUT
