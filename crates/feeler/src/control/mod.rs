@@ -11,6 +11,7 @@ mod input_check;
 mod joint_monitor;
 pub mod law;
 pub mod limits;
+pub mod live_touch;
 mod monitor;
 pub mod monitor_config;
 pub mod observation;

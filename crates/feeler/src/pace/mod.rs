@@ -21,6 +21,7 @@
 
 mod clock;
 mod error;
+mod following;
 mod punctuality;
 pub mod real_time;
 mod schedule;
@@ -28,6 +29,7 @@ mod timer;
 
 pub use clock::{Clock, Monotonic};
 pub use error::PaceError;
+pub use following::{Arrivals, Following};
 pub use punctuality::{Punctuality, PunctualitySummary};
 pub use schedule::{Schedule, Unpaced};
 pub use timer::{Pace, Tick};

@@ -16,6 +16,12 @@ impl<C: Clock> Schedule for Pace<C> {
     }
 }
 
+impl<S: Schedule + ?Sized> Schedule for Box<S> {
+    fn next_tick(&mut self, interrupted: &AtomicBool) -> Option<Tick> {
+        (**self).next_tick(interrupted)
+    }
+}
+
 /// Steps one after the other without waiting, as a simulation makes them.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Unpaced {

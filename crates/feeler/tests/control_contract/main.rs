@@ -10,6 +10,7 @@ mod grasp_slip;
 mod hand;
 mod hostile;
 mod laws;
+mod live;
 mod loop_faults;
 mod missing_shear;
 mod policy;

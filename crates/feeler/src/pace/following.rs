@@ -1,0 +1,242 @@
+//! Steps that follow what arrives, as pictures do: no sooner, and no later than if nothing did.
+
+use super::clock::{Clock, Monotonic};
+use super::error::PaceError;
+use super::schedule::Schedule;
+use super::timer::{NAP, Tick};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+/// How far something may be behind its period before a step is made without it, in periods: twice what cameras and networks jitter.
+const GRACE: f64 = 0.25;
+/// Shortest time from one step to the next, in periods.
+const SHORTEST: f64 = 0.5;
+
+/// Where what steps are made of arrives.
+pub trait Arrivals {
+    /// Waits until each source has something that no step was made of yet, for at most `longest`; when the last of it arrived, on the
+    /// clock of the schedule. A step is made of all that is there when it begins.
+    fn wait_for(&mut self, longest: Duration) -> Option<Duration>;
+}
+
+/// A step as soon as something new has arrived from each source, so that a step need not wait for a clock that runs beside theirs. Where
+/// one is behind by more than a quarter of a period, steps are made without it, once a period: what is missing goes stale, and stops the
+/// hand as it does under any schedule. Steps are at least half a period apart.
+#[derive(Clone, Debug)]
+pub struct Following<A, C = Monotonic> {
+    arrivals: A,
+    clock: C,
+    period: Duration,
+    /// Number of the newest step, and when it began.
+    steps: u64,
+    newest: Duration,
+    /// When the next step is made without what has not arrived.
+    latest: Duration,
+}
+
+impl<A: Arrivals> Following<A> {
+    /// Follows `arrivals`, expected once each `period` (s), from now on, on the system's monotonic clock.
+    ///
+    /// # Errors
+    /// When the period is not between 1e-6 and 3600 s.
+    pub fn new(arrivals: A, period: f64) -> Result<Self, PaceError> {
+        Self::with_clock(arrivals, period, Monotonic::new())
+    }
+}
+
+impl<A: Arrivals, C: Clock> Following<A, C> {
+    /// The same on `clock`.
+    ///
+    /// # Errors
+    /// When the period is not between 1e-6 and 3600 s.
+    pub fn with_clock(arrivals: A, period: f64, clock: C) -> Result<Self, PaceError> {
+        if !(1e-6..=3600.0).contains(&period) {
+            return Err(PaceError::Period { period });
+        }
+        let (now, period) = (clock.now(), Duration::from_secs_f64(period));
+        Ok(Self {
+            arrivals,
+            clock,
+            period,
+            steps: 0,
+            newest: now,
+            latest: now + period.mul_f64(1.0 + GRACE),
+        })
+    }
+
+    /// When the last of what the next step is made of arrived, once that is there; none until the step is due without it.
+    fn wait(&mut self, interrupted: &AtomicBool) -> Option<Option<Duration>> {
+        let earliest = self.newest + self.period.mul_f64(SHORTEST);
+        while !interrupted.load(Ordering::Relaxed) {
+            let now = self.clock.now();
+            if now < earliest {
+                self.clock.sleep_until(earliest.min(now + NAP));
+                continue;
+            }
+            let left = self.latest.saturating_sub(now);
+            if let Some(arrived) = self.arrivals.wait_for(left.min(NAP)) {
+                return Some(Some(arrived.max(earliest)));
+            }
+            if self.clock.now() >= self.latest {
+                return Some(None);
+            }
+        }
+        None
+    }
+}
+
+impl<A: Arrivals, C: Clock> Schedule for Following<A, C> {
+    fn next_tick(&mut self, interrupted: &AtomicBool) -> Option<Tick> {
+        let asked = self.clock.now();
+        let arrived = self.wait(interrupted)?;
+        let now = self.clock.now();
+        let due = arrived.unwrap_or(self.latest);
+        // The nearest number of periods, as arrivals jitter.
+        let periods = (now.saturating_sub(self.newest)).div_duration_f64(self.period);
+        let gone = (periods.round() as u64).max(1);
+        self.steps += gone;
+        self.latest = match arrived {
+            Some(_) => now + self.period.mul_f64(1.0 + GRACE),
+            // Once a period from here on, unless that is missed, too.
+            None => (self.latest + self.period).max(now + self.period.mul_f64(SHORTEST)),
+        };
+        self.newest = now;
+        Some(Tick {
+            number: self.steps,
+            lateness: now.saturating_sub(due).as_secs_f64(),
+            missed: gone - 1,
+            overran: asked > due,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::cell::Cell;
+    use std::rc::Rc;
+
+    static GO_ON: AtomicBool = AtomicBool::new(false);
+
+    /// Time that goes on where somebody sleeps.
+    #[derive(Clone, Default)]
+    struct Slept(Rc<Cell<Duration>>);
+
+    impl Clock for Slept {
+        fn now(&self) -> Duration {
+            self.0.get()
+        }
+
+        fn sleep_until(&self, time: Duration) {
+            self.0.set(self.0.get().max(time));
+        }
+    }
+
+    /// What arrives at these times, ms, by each source; and when the newest step was made.
+    struct Planned {
+        clock: Slept,
+        times: Vec<Vec<f64>>,
+        stepped: Slept,
+    }
+
+    fn ms(time: f64) -> Duration {
+        Duration::from_secs_f64(time * 1e-3)
+    }
+
+    impl Arrivals for Planned {
+        fn wait_for(&mut self, longest: Duration) -> Option<Duration> {
+            let stepped = self.stepped.now();
+            let first = |times: &Vec<f64>| times.iter().map(|&t| ms(t)).find(|&t| t > stepped);
+            let firsts: Option<Vec<Duration>> = self.times.iter().map(first).collect();
+            let until = self.clock.now() + longest;
+            let whole = firsts.and_then(|firsts| firsts.into_iter().max());
+            let whole = whole.filter(|&whole| whole <= until);
+            self.clock.sleep_until(whole.unwrap_or(until));
+            whole
+        }
+    }
+
+    /// The times, ms, and ticks of the first steps of 10 ms where this arrives; each step takes `busy` ms.
+    fn steps(times: &[&[f64]], count: usize, busy: f64) -> Vec<(f64, Tick)> {
+        let (clock, stepped) = (Slept::default(), Slept::default());
+        let arrivals = Planned {
+            clock: clock.clone(),
+            times: times.iter().map(|times| times.to_vec()).collect(),
+            stepped: stepped.clone(),
+        };
+        let mut following = Following::with_clock(arrivals, 0.01, clock.clone()).unwrap();
+        let step = |_| {
+            let tick = following.next_tick(&GO_ON).expect("a step");
+            let now = clock.now();
+            stepped.sleep_until(now);
+            clock.sleep_until(now + ms(busy));
+            (now.as_secs_f64() * 1e3, tick)
+        };
+        (0..count).map(step).collect()
+    }
+
+    fn times(steps: &[(f64, Tick)]) -> Vec<f64> {
+        let rounded = steps.iter().map(|(time, _)| (time * 1e3).round() / 1e3);
+        rounded.collect()
+    }
+
+    #[test]
+    fn a_step_begins_when_the_last_finger_s_picture_has_arrived() {
+        let made = steps(
+            &[&[6.0, 16.5, 26.0, 36.0], &[7.0, 16.0, 27.5, 37.0]],
+            4,
+            1.0,
+        );
+        assert_eq!(times(&made), [7.0, 16.5, 27.5, 37.0]);
+        let numbers: Vec<_> = made
+            .iter()
+            .map(|(_, tick)| (tick.number, tick.missed))
+            .collect();
+        assert_eq!(numbers, [(1, 0), (2, 0), (3, 0), (4, 0)]);
+        assert!(
+            made.iter()
+                .all(|(_, tick)| tick.lateness < 1e-9 && !tick.overran)
+        );
+    }
+
+    /// Once a period, and of the other's pictures; and as before, once the camera is back.
+    #[test]
+    fn a_camera_that_stalls_does_not_stall_the_steps() {
+        let other: Vec<f64> = (0..12).map(|n| 8.0 + 10.0 * f64::from(n)).collect();
+        let made = steps(&[&[8.0, 18.0, 78.0, 88.0], &other], 9, 1.0);
+        let expected = [8.0, 18.0, 30.5, 40.5, 50.5, 60.5, 70.5, 78.0, 88.0];
+        assert_eq!(times(&made), expected);
+        assert_eq!(made[8].1.number, 9);
+        assert!(made.iter().all(|(_, tick)| tick.missed == 0));
+    }
+
+    #[test]
+    fn pictures_that_come_in_bursts_make_no_burst_of_steps() {
+        let made = steps(&[&[10.0, 10.1, 10.2, 20.0, 30.0]], 3, 0.1);
+        // Those that came meanwhile are seen together.
+        assert_eq!(times(&made), [10.0, 15.0, 20.0]);
+    }
+
+    #[test]
+    fn a_step_that_takes_too_long_misses_periods_and_begins_at_once() {
+        let every: Vec<f64> = (1..20).map(|n| 10.0 * f64::from(n)).collect();
+        let made = steps(&[&every], 3, 34.0);
+        assert_eq!(times(&made), [10.0, 44.0, 78.0]);
+        let (_, late) = made[1];
+        assert_eq!((late.number, late.missed, late.overran), (4, 2, true));
+        // The first of what it is made of came at 20 ms.
+        assert!((late.lateness - 0.024).abs() < 1e-9, "{late:?}");
+    }
+
+    #[test]
+    fn an_interrupt_ends_the_wait() {
+        let clock = Slept::default();
+        let arrivals = Planned {
+            clock: clock.clone(),
+            times: vec![vec![1.0]],
+            stepped: Slept::default(),
+        };
+        let mut following = Following::with_clock(arrivals, 0.01, clock).unwrap();
+        assert_eq!(following.next_tick(&AtomicBool::new(true)), None);
+    }
+}
