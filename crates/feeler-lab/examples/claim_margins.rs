@@ -1,8 +1,8 @@
-//! How safely the claims of the reference experiment hold: each claim's margin over many seeds.
+//! How safely the claims of an experiment hold: each claim's margin over many seeds.
 //!
 //! ```sh
-//! cargo run --release --example claim_margins -- direct 0 99
-//! cargo run --release --example claim_margins -- image 0 99 sensor.calibration='"reference-fingertip.calibration.toml"'
+//! cargo run --release --example claim_margins -- cap-closing direct 0 99
+//! cargo run --release --example claim_margins -- cap-closing image 0 99 sensor.calibration='"reference-fingertip.calibration.toml"'
 //! ```
 
 use feeler_lab::config::Experiment;
@@ -18,8 +18,8 @@ type AnyError = Box<dyn Error + Send + Sync>;
 
 fn main() -> Result<(), AnyError> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [sensing, first, last, settings @ ..] = &arguments[..] else {
-        return Err("expected: direct|image FIRST_SEED LAST_SEED [KEY=VALUE…]".into());
+    let [name, sensing, first, last, settings @ ..] = &arguments[..] else {
+        return Err("expected: EXPERIMENT direct|image FIRST_SEED LAST_SEED [KEY=VALUE…]".into());
     };
     let (next, last) = (AtomicU64::new(first.parse()?), last.parse::<u64>()?);
     let runs = Mutex::new(BTreeMap::new());
@@ -31,7 +31,7 @@ fn main() -> Result<(), AnyError> {
             }
             let mut settings = settings.to_vec();
             settings.extend([format!("sensing={sensing}"), format!("seed={seed}")]);
-            let claims = claims(&settings)?;
+            let claims = claims(name, &settings)?;
             runs.lock().expect("no thread panics").insert(seed, claims);
         }
     };
@@ -47,9 +47,9 @@ fn main() -> Result<(), AnyError> {
     Ok(())
 }
 
-/// The claims of a run with `settings`.
-fn claims(settings: &[String]) -> Result<Vec<Claim>, AnyError> {
-    let experiment = Experiment::load("cap-closing", settings)?;
+/// The claims of a run of the experiment `name` with `settings`.
+fn claims(name: &str, settings: &[String]) -> Result<Vec<Claim>, AnyError> {
+    let experiment = Experiment::load(name, settings)?;
     let mut session = Session::new(&experiment)?;
     let facts = session.facts(&experiment.config);
     let mut log = RunLog::new(MemoryRecorder::new(&facts)?, &facts)?;
