@@ -14,29 +14,40 @@ fn main() {}
 fn main() {
     use feeler::glam::DVec3;
     use feeler::hand::Hand;
+    use feeler::hand::{HandCommand, HandState};
     use feeler::pace::Pace;
+    use feeler_drives::clock::RigClock;
+    use feeler_drives::emulator::{Emulator, EmulatorConfig};
+    use feeler_drives::hand::DriveHand;
     use feeler_drives::packet::Protocol;
     use feeler_drives::packet::instruction::SYNC_WRITE;
-    use support::Rig;
 
     for (fingers, rate) in [(2, 100.0), (2, 500.0), (3, 100.0), (3, 500.0)] {
         let mut config = support::config(Protocol::Dynamixel, fingers);
         config.reply_timeout = 0.5;
-        let mut rig = Rig::of(config).unwrap_or_else(|error| panic!("{error}"));
+        let clock = RigClock::real();
+        let bus = EmulatorConfig::of(&config, 1);
+        let emulator =
+            Emulator::start(&bus, support::plant(&config), clock.clone()).expect("a terminal");
+        config.port = emulator.path().into();
+        let geometry = vec![support::finger(); fingers];
+        let hand = DriveHand::open(&config, &geometry, support::MOST_AGE, clock);
+        let mut hand = hand.unwrap_or_else(|error| panic!("{error}"));
+        let (mut state, mut command) = (HandState::zero(fingers), HandCommand::stop(fingers));
         let mut pace = Pace::new(1.0 / rate).expect("a period");
         let mut stamps = Vec::new();
-        let begin = rig.emulator.servos().log().entries().count();
+        let begin = emulator.bus().log().entries().count();
         for step in 0..(3.0 * rate) as u32 {
             pace.wait();
-            rig.hand.read(&mut rig.state).expect("joint angles");
-            stamps.push(rig.state.stamp);
+            hand.read(&mut state).expect("joint angles");
+            stamps.push(state.stamp);
             let velocity = if step % 2 == 0 { 0.05 } else { -0.05 };
-            rig.command.relay(&vec![DVec3::splat(velocity); fingers]);
-            rig.hand.command(&rig.command).expect("a command");
+            command.relay(&vec![DVec3::splat(velocity); fingers]);
+            hand.command(&command).expect("a command");
         }
-        rig.settle();
-        let servos = rig.emulator.servos();
-        let entries = servos.log().entries().skip(begin);
+        std::thread::sleep(std::time::Duration::from_millis(20));
+        let bus = emulator.bus();
+        let entries = bus.log().entries().skip(begin);
         let written = entries.filter(|entry| entry.instruction == SYNC_WRITE);
         let mut delays: Vec<f64> = written.zip(&stamps).map(|(w, s)| w.time - s).collect();
         delays.sort_by(f64::total_cmp);

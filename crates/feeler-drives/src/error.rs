@@ -51,6 +51,18 @@ pub enum DriveError {
         /// Model number by the servo.
         actual: i64,
     },
+    /// A servo's firmware is too old for what the file asks for.
+    #[error(
+        "{joint} has firmware {actual}: expected {expected} or newer for fast_sync_read = true; renew it with the vendor's program, or set fast_sync_read = false"
+    )]
+    Firmware {
+        /// The joint.
+        joint: JointName,
+        /// The first firmware that will do.
+        expected: i64,
+        /// What it has.
+        actual: i64,
+    },
     /// A servo allows less speed than the joint is to have.
     #[error(
         "{joint} turns at most at {actual:.2} rad/s as it is set: expected {expected:.2} rad/s, joint_speed_limit times gear_ratio"

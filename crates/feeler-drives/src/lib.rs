@@ -15,8 +15,10 @@ pub mod hand;
 pub mod health;
 pub mod packet;
 #[cfg(target_os = "linux")]
-mod port;
+pub mod port;
 pub mod registers;
+#[cfg(target_os = "linux")]
+pub mod serial;
 #[cfg(target_os = "linux")]
 mod servo;
 #[cfg(target_os = "linux")]

@@ -1,116 +1,25 @@
-//! A serial port: bytes out, bytes in, and never for longer than was said.
+//! What a bus is reached through.
 
-use rustix::event::{PollFd, PollFlags, Timespec, poll};
-use rustix::fs::{Mode, OFlags};
-use rustix::termios::{
-    ControlModes, OptionalActions, QueueSelector, SpecialCodeIndex, tcflush, tcgetattr, tcsetattr,
-};
-use std::fs::File;
-use std::io::{self, Read, Write};
-use std::time::{Duration, Instant};
+use std::io;
 
-/// Longest time that the system may take to accept bytes: a port that does not is broken.
-const SEND_TIMEOUT: Duration = Duration::from_millis(20);
-
-/// A serial port that is this program's alone.
-#[derive(Debug)]
-pub struct SerialPort {
-    file: File,
-}
-
-impl SerialPort {
-    /// Opens the port at `path` with `baud_rate`, 8 data bits, no parity, 1 stop bit.
-    ///
-    /// # Errors
-    /// When it cannot be opened or set so, or another program has it.
-    pub fn open(path: &str, baud_rate: u32) -> io::Result<Self> {
-        let flags = OFlags::RDWR | OFlags::NOCTTY | OFlags::NONBLOCK | OFlags::CLOEXEC;
-        let file = File::from(rustix::fs::open(path, flags, Mode::empty())?);
-        file.try_lock()?;
-        let mut settings = tcgetattr(&file)?;
-        settings.make_raw();
-        settings.control_modes |= ControlModes::CLOCAL | ControlModes::CREAD;
-        settings.control_modes -= ControlModes::CSTOPB | ControlModes::CRTSCTS;
-        settings.special_codes[SpecialCodeIndex::VMIN] = 0;
-        settings.special_codes[SpecialCodeIndex::VTIME] = 0;
-        settings.set_speed(baud_rate)?;
-        tcsetattr(&file, OptionalActions::Now, &settings)?;
-        let set = tcgetattr(&file)?.output_speed();
-        if set != baud_rate {
-            let reason = format!("{baud_rate} Bd expected, the port gives {set} Bd");
-            return Err(io::Error::new(io::ErrorKind::InvalidInput, reason));
-        }
-        tcflush(&file, QueueSelector::IOFlush)?;
-        Ok(Self { file })
-    }
-
+/// Bytes out, bytes in, and never for longer than was said: a [`SerialPort`](crate::serial::SerialPort), or that of an emulated bus in
+/// [`Lockstep`](crate::emulator::Lockstep).
+pub trait Port: Send {
     /// Forgets what arrived and was not read.
     ///
     /// # Errors
     /// When the port is gone.
-    pub fn discard_input(&self) -> io::Result<()> {
-        Ok(tcflush(&self.file, QueueSelector::IFlush)?)
-    }
+    fn discard_input(&mut self) -> io::Result<()>;
 
     /// Sends all of `bytes`.
     ///
     /// # Errors
-    /// When the port is gone, or takes no bytes for 20 ms.
-    pub fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
-        let deadline = Instant::now() + SEND_TIMEOUT;
-        let mut rest = bytes;
-        while !rest.is_empty() {
-            match self.file.write(rest) {
-                Ok(count) => rest = &rest[count..],
-                Err(error) if error.kind() == io::ErrorKind::WouldBlock => {
-                    if !self.wait(PollFlags::OUT, deadline)? {
-                        let reason = "the port takes no bytes";
-                        return Err(io::Error::new(io::ErrorKind::TimedOut, reason));
-                    }
-                }
-                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-                Err(error) => return Err(error),
-            }
-        }
-        Ok(())
-    }
+    /// When the port is gone, or takes no bytes.
+    fn send(&mut self, bytes: &[u8]) -> io::Result<()>;
 
-    /// Reads what has arrived into `bytes`; waits for the first of it until `deadline`. How many bytes that were.
+    /// Reads what has arrived into `bytes`; waits for the first of it until `deadline`, s of the rig's time. How many bytes that were.
     ///
     /// # Errors
     /// When the port is gone.
-    pub fn receive(&mut self, bytes: &mut [u8], deadline: Instant) -> io::Result<usize> {
-        loop {
-            if !self.wait(PollFlags::IN, deadline)? {
-                return Ok(0);
-            }
-            match self.file.read(bytes) {
-                Ok(0) => return Err(io::ErrorKind::UnexpectedEof.into()),
-                Ok(count) => return Ok(count),
-                Err(error) if error.kind() == io::ErrorKind::WouldBlock => {}
-                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-                Err(error) => return Err(error),
-            }
-        }
-    }
-
-    /// Waits until the port is ready for `what`; false once the deadline has passed.
-    fn wait(&self, what: PollFlags, deadline: Instant) -> io::Result<bool> {
-        loop {
-            let left = deadline.saturating_duration_since(Instant::now());
-            let timeout = Timespec {
-                tv_sec: left.as_secs() as i64,
-                tv_nsec: left.subsec_nanos().into(),
-            };
-            let mut ports = [PollFd::new(&self.file, what)];
-            match poll(&mut ports, Some(&timeout)) {
-                Ok(0) => return Ok(false),
-                Ok(_) if ports[0].revents().contains(what) => return Ok(true),
-                // Gone: no more bytes will come.
-                Ok(_) => return Err(io::ErrorKind::BrokenPipe.into()),
-                Err(rustix::io::Errno::INTR) => {}
-                Err(error) => return Err(error.into()),
-            }
-        }
-    }
+    fn receive(&mut self, bytes: &mut [u8], deadline: f64) -> io::Result<usize>;
 }

@@ -64,6 +64,31 @@ pub fn check_model(
     }
 }
 
+/// Requires the firmware of the servo of `joint`, a `model`, to know fast sync reads.
+///
+/// # Errors
+/// When it does not answer, or its firmware is too old.
+pub fn check_fast_sync_read(
+    bus: &mut Bus,
+    joint: JointName,
+    model: &Model,
+) -> Result<(), DriveError> {
+    let register = Registers::of(bus.protocol()).firmware;
+    // Where there is none, the file is refused before it comes to this.
+    let (Some(register), Some(expected)) = (register, model.fast_sync_firmware) else {
+        return Ok(());
+    };
+    let actual = bus.read(joint.id, register).map_err(blame(joint))?;
+    match actual >= expected {
+        true => Ok(()),
+        false => Err(DriveError::Firmware {
+            joint,
+            expected,
+            actual,
+        }),
+    }
+}
+
 /// What has to be changed in the memory of the servo of `joint`, which keeps that without power. Writes nothing.
 ///
 /// # Errors

@@ -13,8 +13,8 @@ use proptest::prelude::*;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-/// Examples of the ROBOTIS e-Manual, "DYNAMIXEL Protocol 2.0", by the headings of its page: sender, id, instruction,
-/// parameters, and the packet.
+/// Examples of the ROBOTIS e-Manual, "DYNAMIXEL Protocol 2.0" (<https://emanual.robotis.com/docs/en/dxl/protocol2/>), by the headings
+/// of its page: sender, id, instruction, parameters, and the packet. Their last two bytes are the CRC examples.
 const VENDORS: &[(Sender, u8, u8, &[u8], &str)] = &[
     // Ping, example 1 and 2.
     (Sender::Master, 1, PING, &[], "FFFFFD00 01 0300 01 194E"),
@@ -121,9 +121,20 @@ fn the_vendors_examples_are_written_and_read() {
     }
 }
 
-/// The e-Manual's example of a fast sync read: servos 3, 7 and 4 say where they are.
+/// The e-Manual's example of a fast sync read (<https://emanual.robotis.com/docs/en/dxl/protocol2/#fast-sync-read-0x8a>): servos 3, 7
+/// and 4 say where they are.
 #[test]
 fn the_vendors_fast_sync_read_is_written_and_read() {
+    let mut asked = Vec::new();
+    let parameters = [0x84, 0, 4, 0, 3, 7, 4];
+    encode(
+        Protocol::Dynamixel,
+        (BROADCAST, FAST_SYNC_READ),
+        &parameters,
+        &mut asked,
+    )
+    .unwrap();
+    assert_eq!(asked, bytes("FFFFFD00 FE 0A00 8A 84000400 030704 20F2"));
     let example =
         bytes("FFFFFD00 FE 1900 55 00 03 A6000000 8408 00 07 1F080000 16CA 00 04 FF030000 D19E");
     let said: [(u8, [u8; 4]); 3] = [
@@ -150,22 +161,69 @@ fn the_vendors_fast_sync_read_is_written_and_read() {
     assert!(fast_blocks(packet.parameters, 4).eq(blocks));
 }
 
-/// From Feetech's description of its protocol: ping of servo 1 and its answer, and a write of servo 1's id.
+/// Examples of Feetech's "Communication Protocol User Manual" (serial bus servos), by its sections: sender, id, instruction or status,
+/// parameters, and the packet. The magnetic encoder series, which STS is of, has the low byte first.
+const FEETECHS: &[(Sender, u8, u8, &[u8], &str)] = &[
+    // 1.3.1 Ping.
+    (Sender::Master, 1, PING, &[], "FFFF 01 02 01 FB"),
+    (Sender::Servo, 1, 0, &[], "FFFF 01 02 00 FC"),
+    // 1.3.2 Read data: present position of servo 1, which is at 0x0518.
+    (Sender::Master, 1, READ, &[0x38, 2], "FFFF 01 04 02 3802 BE"),
+    (Sender::Servo, 1, 0, &[0x18, 5], "FFFF 01 04 00 1805 DD"),
+    // 1.3.3 Write data: any servo's id; goal position, time and speed of servo 1.
+    (
+        Sender::Master,
+        BROADCAST,
+        WRITE,
+        &[5, 1],
+        "FFFF FE 04 03 0501 F4",
+    ),
+    (
+        Sender::Master,
+        1,
+        WRITE,
+        &[0x2A, 0, 8, 0, 0, 0xE8, 3],
+        "FFFF 01 09 03 2A 0008 0000 E803 D5",
+    ),
+    // 1.3.6 Sync write: the same of servos 1 to 4.
+    (
+        Sender::Master,
+        BROADCAST,
+        SYNC_WRITE,
+        &[
+            0x2A, 6, 1, 0, 8, 0, 0, 0xE8, 3, 2, 0, 8, 0, 0, 0xE8, 3, 3, 0, 8, 0, 0, 0xE8, 3, 4, 0,
+            8, 0, 0, 0xE8, 3,
+        ],
+        "FFFF FE 20 83 2A 06 01 00080000E803 02 00080000E803 03 00080000E803 04 00080000E803 58",
+    ),
+    // 1.3.7 Sync read: 8 bytes from the present position on of servos 1 and 2.
+    (
+        Sender::Master,
+        BROADCAST,
+        SYNC_READ,
+        &[0x38, 8, 1, 2],
+        "FFFF FE 06 82 38 08 01 02 36",
+    ),
+    (
+        Sender::Servo,
+        1,
+        0,
+        &[0, 8, 0, 0, 0, 0, 0x79, 0x1E],
+        "FFFF 01 0A 00 0008 0000 0000 791E 55",
+    ),
+    (
+        Sender::Servo,
+        2,
+        0,
+        &[0xFF, 7, 0, 0, 0, 0, 0x77, 0x23],
+        "FFFF 02 0A 00 FF07 0000 0000 7723 53",
+    ),
+];
+
 #[test]
 fn feetechs_examples_are_written_and_read() {
-    let examples: [(Sender, u8, u8, &[u8], &str); 3] = [
-        (Sender::Master, 1, PING, &[], "FFFF 01 02 01 FB"),
-        (Sender::Servo, 1, 0, &[], "FFFF 01 02 00 FC"),
-        (
-            Sender::Master,
-            BROADCAST,
-            WRITE,
-            &[5, 1],
-            "FFFF FE 04 03 0501 F4",
-        ),
-    ];
     let mut written = Vec::new();
-    for (sender, id, code, parameters, example) in examples {
+    for &(sender, id, code, parameters, example) in FEETECHS {
         let example = bytes(example);
         encode(Protocol::Feetech, (id, code), parameters, &mut written).unwrap();
         assert_eq!(written, example);

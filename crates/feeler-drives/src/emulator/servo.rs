@@ -85,6 +85,13 @@ impl EmulatedServo {
         Registers::of(self.model.protocol)
     }
 
+    /// The same with another firmware.
+    pub fn set_firmware(&mut self, firmware: u8) {
+        if let Some(register) = self.registers().firmware {
+            self.put(register, firmware.into());
+        }
+    }
+
     /// What `register` has.
     pub fn get(&self, register: Register) -> i64 {
         register.decode(&self.table[usize::from(register.address)..])

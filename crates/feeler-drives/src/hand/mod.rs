@@ -1,14 +1,15 @@
 //! The servos of a bus as feeler's hand.
 
-use crate::bus::{ALERT, Bus, BusError};
+mod arm;
+mod readings;
+
+use crate::bus::{Bus, BusError};
 use crate::clock::RigClock;
 use crate::config::DrivesConfig;
 use crate::error::{DriveError, JointName};
-use crate::health::{Health, fault_names};
-use crate::packet::Protocol;
-use crate::registers::{COUNTS_PER_TURN, Registers};
+use crate::registers::Registers;
 use crate::servo::Servo;
-use crate::setup::{apply, blame, changes, check_model, named_joints, set};
+use crate::setup::blame;
 use feeler::check::Checker;
 use feeler::hand::finger::FingerGeometry;
 use feeler::hand::{Hand, HandCommand, HandError, HandState, check_finger_count};
@@ -16,11 +17,6 @@ use glam::DVec3;
 
 /// Greatest speed of a jogged joint, rad/s.
 pub const JOG_SPEED: f64 = 0.2;
-/// How many times a joint's greatest speed one may seem to turn: overshoot, and the unit of velocity.
-const SPEED_TOLERANCE: f64 = 2.0;
-/// Bytes of a Dynamixel's table from its torque to its bus watchdog, and from its voltage to its temperature.
-const TORQUE_TO_WATCHDOG: (u16, usize) = (64, 35);
-const VOLTAGE_TO_TEMPERATURE: (u16, usize) = (144, 3);
 
 /// A hand whose joints are moved by servos in velocity mode. While there is one, the motors have power; what is wrong with one
 /// servo, or the bus, stops all, and they stay stopped until [`restart`](Self::restart).
@@ -53,17 +49,26 @@ impl DriveHand {
         most_age: f64,
         clock: RigClock,
     ) -> Result<Self, DriveError> {
-        let mut checker = Checker::default();
-        config.check("drives", fingers.len(), &mut checker);
-        let problems = checker.problems();
-        if !problems.is_empty() {
-            return Err(DriveError::Config(problems));
-        }
+        check(config, fingers)?;
         let how = (config.protocol, config.baud_rate);
         let bus = Bus::open(&config.port, how, config.reply_timeout, clock)?;
+        Self::on(bus, config, fingers, most_age)
+    }
+
+    /// The same on a `bus` that is open already, whatever port `config` names. States are stamped by the clock of the bus.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open).
+    pub fn on(
+        bus: Bus,
+        config: &DrivesConfig,
+        fingers: &[FingerGeometry],
+        most_age: f64,
+    ) -> Result<Self, DriveError> {
+        check(config, fingers)?;
         let mut hand = Self {
+            clock: bus.clock().clone(),
             bus,
-            clock,
             most_age,
             fingers: fingers.len(),
             servos: Vec::new(),
@@ -76,64 +81,6 @@ impl DriveHand {
         hand.set_up(fingers)?;
         hand.arm()?;
         Ok(hand)
-    }
-
-    /// Sets the servos, whose motors have no power meanwhile.
-    fn set_up(&mut self, fingers: &[FingerGeometry]) -> Result<(), DriveError> {
-        let registers = Registers::of(self.config.protocol);
-        for (joint, drive) in named_joints(&self.config) {
-            let model = check_model(&mut self.bus, joint, drive)?;
-            let Some(geometry) = fingers.get(joint.finger) else {
-                continue;
-            };
-            let servo = Servo::new(joint, drive, model, geometry);
-            if let Some(limit) = registers.velocity_limit {
-                let actual = self.bus.read(joint.id, limit).map_err(blame(joint))?;
-                servo.allow(actual)?;
-            }
-            self.bus
-                .write(joint.id, registers.torque, 0)
-                .map_err(blame(joint))?;
-            let changes = changes(&mut self.bus, joint, drive)?;
-            apply(&mut self.bus, &changes)?;
-            self.servos.push(servo);
-        }
-        Ok(())
-    }
-
-    /// Gives the motors power, each after its watchdog is set.
-    fn arm(&mut self) -> Result<(), DriveError> {
-        let registers = Registers::of(self.config.protocol);
-        let watchdog = self.config.watchdog_counts();
-        for servo in &mut self.servos {
-            servo.reset();
-            let joint = servo.name;
-            if let Some(register) = registers.watchdog {
-                // One that has fired takes no goal before it is cleared.
-                self.bus
-                    .write(joint.id, register, 0)
-                    .map_err(blame(joint))?;
-            }
-            set(
-                &mut self.bus,
-                joint,
-                ("Goal Velocity", registers.goal_velocity),
-                0,
-            )?;
-        }
-        self.read_motion()?;
-        for index in 0..self.servos.len() {
-            self.check_health(index, false)?;
-        }
-        for servo in &self.servos {
-            let joint = servo.name;
-            if let Some(register) = registers.watchdog {
-                set(&mut self.bus, joint, ("Bus Watchdog", register), watchdog)?;
-            }
-            set(&mut self.bus, joint, ("Torque Enable", registers.torque), 1)?;
-        }
-        self.health = (self.clock.now(), 0);
-        Ok(())
     }
 
     /// Lets a hand that was stopped by a fault move again: sets the watchdogs and gives the motors power, after somebody has looked why
@@ -177,114 +124,6 @@ impl DriveHand {
             });
         }
         self.send(|other| if other == index { velocity } else { 0.0 })
-    }
-
-    /// Reads all joints.
-    fn read_motion(&mut self) -> Result<(), DriveError> {
-        let registers = Registers::of(self.config.protocol);
-        let (ids, fast) = (&self.ids, self.config.fast_sync_read);
-        let servos = &mut self.servos;
-        let mut first_bad = None;
-        let limits = self.config.health_limits();
-        let protocol = self.config.protocol;
-        let read = self
-            .bus
-            .sync_read(registers.motion, ids, fast, |index, error, bytes| {
-                let Some(servo) = servos.get_mut(index) else {
-                    return;
-                };
-                let wraps = protocol == Protocol::Feetech;
-                servo.read(registers, bytes, wraps.then_some(COUNTS_PER_TURN as i64));
-                let health = Health::in_motion(registers, bytes);
-                let ill = registers.motion_has_health
-                    && health.check(protocol, servo.name, &limits).is_err();
-                if first_bad.is_none() && (error != 0 || ill) {
-                    first_bad = Some((index, error, health));
-                }
-            });
-        read.map_err(|source| self.blame_by_id(source))?;
-        self.stamp = self.clock.now();
-        if let Some((index, error, health)) = first_bad {
-            self.explain(index, error, health)?;
-        }
-        let tolerance = self.config.limit_tolerance;
-        self.servos
-            .iter()
-            .try_for_each(|servo| servo.check(tolerance, SPEED_TOLERANCE))
-    }
-
-    /// Says what is wrong with a servo that flagged a fault in its answer.
-    fn explain(&mut self, index: usize, error: u8, health: Health) -> Result<(), DriveError> {
-        let joint = self.servos[index].name;
-        let protocol = self.config.protocol;
-        let limits = self.config.health_limits();
-        if protocol == Protocol::Feetech {
-            let fault = error | health.fault;
-            return Health { fault, ..health }.check(protocol, joint, &limits);
-        }
-        let registers = Registers::of(protocol);
-        if error & ALERT == 0 {
-            let (id, what) = (joint.id, "a reading");
-            return Err(blame(joint)(BusError::Refused { id, what, error }));
-        }
-        let bits = self
-            .bus
-            .read(joint.id, registers.fault)
-            .map_err(blame(joint))? as u8;
-        Err(DriveError::Fault {
-            joint,
-            faults: fault_names(protocol, bits),
-            bits,
-        })
-    }
-
-    /// Asks a servo whether it is well, and, where it should be `armed`, whether it has its torque and its watchdog.
-    fn check_health(&mut self, index: usize, armed: bool) -> Result<(), DriveError> {
-        let Some(servo) = self.servos.get(index) else {
-            return Ok(());
-        };
-        let (joint, protocol) = (servo.name, self.config.protocol);
-        let registers = Registers::of(protocol);
-        if protocol == Protocol::Feetech {
-            // The rest is read in every period.
-            let torque = self
-                .bus
-                .read(joint.id, registers.torque)
-                .map_err(blame(joint))?;
-            return match armed && torque == 0 {
-                true => Err(DriveError::TorqueOff { joint }),
-                false => Ok(()),
-            };
-        }
-        let part = TORQUE_TO_WATCHDOG;
-        let bytes = self.bus.read_bytes(joint.id, part).map_err(blame(joint))?;
-        let at = |address: u16| {
-            bytes
-                .get(usize::from(address - part.0))
-                .copied()
-                .unwrap_or(0)
-        };
-        let (torque, fault) = (at(registers.torque.address), at(registers.fault.address));
-        let watchdog = registers.watchdog.map(|r| r.decode(&[at(r.address)]));
-        let part = VOLTAGE_TO_TEMPERATURE;
-        let bytes = self.bus.read_bytes(joint.id, part).map_err(blame(joint))?;
-        let health = Health {
-            fault,
-            voltage: registers.voltage.decode(&bytes[..2]) as f64 / 10.0,
-            temperature: registers.temperature.decode(&bytes[2..]) as f64,
-        };
-        health.check(protocol, joint, &self.config.health_limits())?;
-        let expected = self.config.watchdog_counts();
-        match watchdog {
-            _ if !armed => Ok(()),
-            _ if torque == 0 => Err(DriveError::TorqueOff { joint }),
-            Some(actual) if actual != expected => Err(DriveError::Watchdog {
-                joint,
-                expected,
-                actual,
-            }),
-            _ => Ok(()),
-        }
     }
 
     /// Sends each joint its `velocity`, rad/s, by its number, unless the joint angles that it was made of are too old.
@@ -352,6 +191,17 @@ impl DriveHand {
             Some(servo) => blame(servo.name)(source),
             None => source.into(),
         }
+    }
+}
+
+/// Requires the values of `config` to be in their ranges, for a hand of these `fingers`.
+fn check(config: &DrivesConfig, fingers: &[FingerGeometry]) -> Result<(), DriveError> {
+    let mut checker = Checker::default();
+    config.check("drives", fingers.len(), &mut checker);
+    let problems = checker.problems();
+    match problems.is_empty() {
+        true => Ok(()),
+        false => Err(DriveError::Config(problems)),
     }
 }
 

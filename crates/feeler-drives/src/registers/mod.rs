@@ -3,8 +3,11 @@
 //! Dynamixel X series: control tables of the e-Manual, e.g. <https://emanual.robotis.com/docs/en/dxl/x/xl330-m288/>.
 //! Feetech: memory table of the STS and SMS series.
 
+mod models;
+
+pub use models::{MODELS, Model};
+
 use crate::packet::Protocol;
-use std::f64::consts::TAU;
 
 /// A value in a servo's control table, least significant byte first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -67,6 +70,8 @@ impl Register {
 pub struct Registers {
     /// Model number.
     pub model: Register,
+    /// Firmware, by which fast sync reads are possible (Dynamixel).
+    pub firmware: Option<Register>,
     /// How long a servo waits before it answers, in 2 us.
     pub return_delay: Register,
     /// What its motor follows: 1 is a velocity.
@@ -101,6 +106,7 @@ pub struct Registers {
 
 const DYNAMIXEL: Registers = Registers {
     model: register(0, 2, Sign::Unsigned),
+    firmware: Some(register(6, 1, Sign::Unsigned)),
     return_delay: register(9, 1, Sign::Unsigned),
     mode: register(11, 1, Sign::Unsigned),
     lock: None,
@@ -120,6 +126,7 @@ const DYNAMIXEL: Registers = Registers {
 
 const FEETECH: Registers = Registers {
     model: register(3, 2, Sign::Unsigned),
+    firmware: None,
     return_delay: register(7, 1, Sign::Unsigned),
     mode: register(33, 1, Sign::Unsigned),
     lock: Some(register(55, 1, Sign::Unsigned)),
@@ -160,71 +167,6 @@ pub const WATCHDOG_UNIT: f64 = 0.02;
 /// Counts of a turn, of all models known here.
 pub const COUNTS_PER_TURN: f64 = 4096.0;
 
-/// A kind of servo.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Model {
-    /// Its name, as in an experiment file.
-    pub name: &'static str,
-    /// What it says that it is.
-    pub number: i64,
-    /// What it speaks.
-    pub protocol: Protocol,
-    /// Its unit of velocity, rad/s.
-    pub velocity_unit: f64,
-    /// Its unit of current, A.
-    pub current_unit: f64,
-    /// Its greatest velocity as it comes, in its unit: for the emulator.
-    pub velocity_limit: i64,
-}
-
-/// 0.229 revolutions a minute.
-const X_SERIES: f64 = 0.229 * TAU / 60.0;
-
-const fn dynamixel(name: &'static str, number: i64, current_unit: f64, limit: i64) -> Model {
-    Model {
-        name,
-        number,
-        protocol: Protocol::Dynamixel,
-        velocity_unit: X_SERIES,
-        current_unit,
-        velocity_limit: limit,
-    }
-}
-
-/// The models that are known.
-pub const MODELS: &[Model] = &[
-    dynamixel("XL330-M077", 1190, 0.001, 1620),
-    dynamixel("XL330-M288", 1200, 0.001, 445),
-    dynamixel("XC330-T181", 1210, 0.001, 400),
-    dynamixel("XC330-T288", 1220, 0.001, 280),
-    dynamixel("XC330-M181", 1230, 0.001, 400),
-    dynamixel("XC330-M288", 1240, 0.001, 280),
-    dynamixel("XM430-W350", 1020, 0.00269, 200),
-    dynamixel("XM430-W210", 1030, 0.00269, 330),
-    Model {
-        name: "STS3215",
-        number: 777,
-        protocol: Protocol::Feetech,
-        // A count a second.
-        velocity_unit: TAU / COUNTS_PER_TURN,
-        current_unit: 0.0065,
-        velocity_limit: 3400,
-    },
-];
-
-impl Model {
-    /// The model called `name`.
-    pub fn named(name: &str) -> Option<&'static Self> {
-        MODELS.iter().find(|model| model.name == name)
-    }
-
-    /// The model that says it is `number` and speaks `protocol`.
-    pub fn numbered(protocol: Protocol, number: i64) -> Option<&'static Self> {
-        let known = |model: &&Self| model.protocol == protocol && model.number == number;
-        MODELS.iter().find(known)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -243,13 +185,5 @@ mod tests {
         there_and_back(DYNAMIXEL.position, 166, &[0xA6, 0, 0, 0]);
         there_and_back(FEETECH.goal_velocity, -2, &[0x02, 0x80]);
         there_and_back(FEETECH.goal_velocity, 1000, &[0xE8, 0x03]);
-    }
-
-    /// Velocities of the e-Manual and of Feetech's table: 0.229 rpm, and 50 counts a second = 0.732 rpm.
-    #[test]
-    fn units_are_the_vendors() {
-        let rpm = |name: &str| Model::named(name).expect(name).velocity_unit * 60.0 / TAU;
-        assert!((rpm("XL330-M288") - 0.229).abs() < 1e-12);
-        assert!((50.0 * rpm("STS3215") - 0.732).abs() < 1e-3);
     }
 }

@@ -1,4 +1,4 @@
-//! A hand of emulated servos, and what was said on its bus.
+//! A hand of emulated servos in lockstep, and what was said on its bus.
 
 // Not every test program uses all of it.
 #![allow(dead_code)]
@@ -6,16 +6,15 @@
 use feeler::glam::DVec3;
 use feeler::hand::finger::{FingerConfig, FingerGeometry};
 use feeler::hand::{Hand, HandCommand, HandError, HandState};
-use feeler_drives::clock::RigClock;
+use feeler_drives::bus::Bus;
 use feeler_drives::config::DrivesConfig;
-use feeler_drives::emulator::{Emulator, EmulatorConfig, LagPlant, Servos};
+use feeler_drives::emulator::{EmulatedBus, EmulatorConfig, LagPlant, Lockstep};
 use feeler_drives::error::DriveError;
 use feeler_drives::hand::DriveHand;
 use feeler_drives::packet::Protocol;
 use feeler_drives::packet::instruction::SYNC_WRITE;
 use feeler_drives::registers::{COUNTS_PER_TURN, Registers};
 use std::f64::consts::TAU;
-use std::time::Duration;
 
 /// Oldest joint angles that a command may be made of, s.
 pub const MOST_AGE: f64 = 0.035;
@@ -39,8 +38,7 @@ pub fn finger() -> FingerGeometry {
 pub fn config(protocol: Protocol, fingers: usize) -> DrivesConfig {
     let mut config = DrivesConfig::emulated(fingers);
     config.protocol = protocol;
-    // A busy computer is late now and then, which is no fault of the servos'.
-    config.reply_timeout = 0.5;
+    config.reply_timeout = 0.004;
     if protocol == Protocol::Feetech {
         (config.fast_sync_read, config.bus_watchdog, config.baud_rate) = (false, 0.0, 1_000_000);
     }
@@ -61,15 +59,31 @@ pub fn config(protocol: Protocol, fingers: usize) -> DrivesConfig {
     config
 }
 
-/// A bus of the servos of `config`, whose joints are in the middle of their ranges.
-pub fn emulator(config: &DrivesConfig, clock: RigClock) -> Emulator {
+/// What the servos of `config` move: joints in the middle of their ranges.
+pub fn plant(config: &DrivesConfig) -> Box<LagPlant> {
     let geometry = finger();
     let middle = (geometry.joint_lower() + geometry.joint_upper()) / 2.0;
     let joints = config.joints().enumerate();
     let angles = joints.map(|(i, joint)| joint.counts(middle[i % 3]) / COUNTS_PER_TURN * TAU);
-    let plant = LagPlant::new(0.01, &angles.collect::<Vec<_>>());
-    let bus = EmulatorConfig::of(config, 1);
-    Emulator::start(&bus, Box::new(plant), clock).expect("a pseudo-terminal")
+    Box::new(LagPlant::new(0.01, &angles.collect::<Vec<_>>()))
+}
+
+/// A bus of the servos of `config`.
+pub fn bus(config: &DrivesConfig) -> Lockstep {
+    Lockstep::new(&EmulatorConfig::of(config, 1), plant(config))
+}
+
+/// The hand of `config` on `bus`.
+pub fn hand_on(bus: &Lockstep, config: &DrivesConfig) -> Result<DriveHand, DriveError> {
+    let how = (config.protocol, config.baud_rate);
+    let master = Bus::on(
+        Box::new(bus.clone()),
+        how,
+        config.reply_timeout,
+        bus.clock(),
+    );
+    let fingers = vec![finger(); config.finger.len()];
+    DriveHand::on(master, config, &fingers, MOST_AGE)
 }
 
 /// A hand, and the bus that it is on.
@@ -77,7 +91,7 @@ pub struct Rig {
     pub hand: DriveHand,
     pub state: HandState,
     pub command: HandCommand,
-    pub emulator: Emulator,
+    pub emulator: Lockstep,
     pub config: DrivesConfig,
 }
 
@@ -86,14 +100,11 @@ impl Rig {
         Self::of(config(protocol, 2)).unwrap_or_else(|error| panic!("{error}"))
     }
 
-    pub fn of(mut config: DrivesConfig) -> Result<Self, DriveError> {
-        let clock = RigClock::real();
-        let emulator = emulator(&config, clock);
-        config.port = emulator.path().into();
-        let fingers = vec![finger(); config.finger.len()];
-        let count = fingers.len();
+    pub fn of(config: DrivesConfig) -> Result<Self, DriveError> {
+        let emulator = bus(&config);
+        let count = config.finger.len();
         Ok(Self {
-            hand: DriveHand::open(&config, &fingers, MOST_AGE, clock)?,
+            hand: hand_on(&emulator, &config)?,
             state: HandState::zero(count),
             command: HandCommand::stop(count),
             emulator,
@@ -104,35 +115,41 @@ impl Rig {
     /// A control period: reads, and commands all joints of all fingers `velocity`, rad/s.
     pub fn period(&mut self, velocity: f64) -> Result<(), HandError> {
         self.hand.read(&mut self.state)?;
+        self.command(velocity)?;
+        self.emulator.wait(PERIOD);
+        Ok(())
+    }
+
+    /// The second half of it.
+    pub fn command(&mut self, velocity: f64) -> Result<(), HandError> {
         let velocities = vec![DVec3::splat(velocity); self.config.finger.len()];
         self.command.relay(&velocities);
-        self.hand.command(&self.command)?;
-        std::thread::sleep(Duration::from_secs_f64(PERIOD));
-        Ok(())
+        self.hand.command(&self.command)
+    }
+
+    /// The time of the rig, s.
+    pub fn now(&self) -> f64 {
+        self.emulator.clock().now()
     }
 
     /// The goals of all servos, rad/s.
     pub fn goals(&self) -> Vec<f64> {
-        self.emulator
-            .servos()
-            .servos()
-            .iter()
-            .map(|servo| servo.goal())
-            .collect()
+        let bus = self.emulator.bus();
+        bus.servos().iter().map(|servo| servo.goal()).collect()
     }
 
     /// Waits until the bus has done what was sent.
     pub fn settle(&self) {
-        std::thread::sleep(Duration::from_millis(20));
+        self.emulator.wait(0.02);
     }
 }
 
 /// Every command to move on the bus: when, and how old the newest answer was by then, s.
-pub fn ages_of_commands(servos: &Servos, protocol: Protocol) -> Vec<(f64, f64)> {
+pub fn ages_of_commands(bus: &EmulatedBus, protocol: Protocol) -> Vec<(f64, f64)> {
     let goal = Registers::of(protocol).goal_velocity;
     let mut newest = f64::NEG_INFINITY;
     let mut ages = Vec::new();
-    for entry in servos.log().entries() {
+    for entry in bus.log().entries() {
         let (address, stride) = match protocol {
             Protocol::Dynamixel => (4, 5),
             Protocol::Feetech => (2, 3),

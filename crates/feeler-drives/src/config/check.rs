@@ -1,0 +1,124 @@
+//! The ranges of the table `[drives]`.
+
+use super::{DrivesConfig, JointDriveConfig};
+use crate::packet::Protocol;
+use crate::registers::{MODELS, WATCHDOG_UNIT};
+use feeler::check::Checker;
+
+/// Longest bus watchdog of a Dynamixel, s.
+const LONGEST_WATCHDOG: f64 = 127.0 * WATCHDOG_UNIT;
+
+impl DrivesConfig {
+    /// Requires every value of the table `key` to be in its range, for a hand of so many `fingers`.
+    pub fn check(&self, key: &str, fingers: usize, checker: &mut Checker) {
+        let field = |field: &str| format!("{key}.{field}");
+        let port = &self.port;
+        checker.require(
+            &field("port"),
+            format!("{port:?}"),
+            !port.is_empty(),
+            "the name of a serial port",
+        );
+        checker.between(&field("baud_rate"), self.baud_rate.into(), 9600.0, 1e7);
+        self.check_protocol(key, checker);
+        checker.between(&field("reply_timeout"), self.reply_timeout, 1e-4, 1.0);
+        checker.between(&field("health_interval"), self.health_interval, 1e-3, 10.0);
+        checker.between(
+            &field("temperature_limit_celsius"),
+            self.temperature_limit_celsius,
+            30.0,
+            100.0,
+        );
+        let [low, high] = self.voltage_range;
+        checker.require(
+            &field("voltage_range"),
+            format!("[{low}, {high}]"),
+            0.0 < low && low < high && high <= 60.0,
+            "[lowest, highest] in V, above 0 and at most 60",
+        );
+        checker.between(&field("limit_tolerance"), self.limit_tolerance, 0.0, 1.0);
+        let actual = self.finger.len();
+        checker.require(
+            &field("finger"),
+            format!("{actual} fingers"),
+            actual == fingers,
+            &format!("as many fingers as hand.finger has, {fingers}"),
+        );
+        self.check_joints(key, checker);
+    }
+
+    fn check_protocol(&self, key: &str, checker: &mut Checker) {
+        let (field, value) = (format!("{key}.bus_watchdog"), self.bus_watchdog);
+        match self.protocol {
+            Protocol::Dynamixel => {
+                checker.between(&field, value, WATCHDOG_UNIT, LONGEST_WATCHDOG);
+            }
+            Protocol::Feetech => {
+                let expected = "0: Feetech servos have no watchdog, and their motors go on when the computer dies";
+                checker.require(&field, value.to_string(), value == 0.0, expected);
+                checker.require(
+                    &format!("{key}.fast_sync_read"),
+                    self.fast_sync_read.to_string(),
+                    !self.fast_sync_read,
+                    "false: Feetech servos do not answer in one packet",
+                );
+            }
+        }
+    }
+
+    fn check_joints(&self, key: &str, checker: &mut Checker) {
+        let mut seen = Vec::new();
+        for (finger, drives) in self.finger.iter().enumerate() {
+            let key = format!("{key}.finger[{finger}].joint");
+            let actual = drives.joint.len();
+            checker.require(
+                &key,
+                format!("{actual} joints"),
+                actual == 3,
+                "3 joints, theta1 to theta3",
+            );
+            for (index, joint) in drives.joint.iter().enumerate() {
+                let key = format!("{key}[{index}]");
+                joint.check(&key, self.protocol, checker);
+                checker.require(
+                    &format!("{key}.id"),
+                    joint.id.to_string(),
+                    !seen.contains(&joint.id),
+                    "an id that no other joint has",
+                );
+                seen.push(joint.id);
+            }
+        }
+    }
+}
+
+impl JointDriveConfig {
+    fn check(&self, key: &str, protocol: Protocol, checker: &mut Checker) {
+        let field = |field: &str| format!("{key}.{field}");
+        checker.between(
+            &field("id"),
+            self.id.into(),
+            0.0,
+            protocol.largest_id().into(),
+        );
+        let known = MODELS.iter().filter(|model| model.protocol == protocol);
+        let names: Vec<_> = known.map(|model| model.name).collect();
+        checker.require(
+            &field("model"),
+            format!("{:?}", self.model),
+            names.contains(&self.model.as_str()),
+            &format!("one of {}", names.join(", ")),
+        );
+        checker.between(&field("homing_offset"), self.homing_offset, -1e4, 1e4);
+        checker.require(
+            &field("direction"),
+            self.direction.to_string(),
+            self.direction.abs() == 1,
+            "1 or -1",
+        );
+        checker.between(&field("gear_ratio"), self.gear_ratio, 0.01, 1000.0);
+        if let Some(limit) = self.current_limit {
+            checker.between(&field("current_limit"), limit, 0.01, 10.0);
+        }
+    }
+}

@@ -1,0 +1,215 @@
+//! The wire of an emulated bus: when bytes have arrived at the servos, and when their answers at the master.
+
+use super::fault::{BusFault, Wire};
+use super::log::PacketLog;
+use super::plant::Plant;
+use super::servo::EmulatedServo;
+use super::servos::{EmulatorConfig, Servos};
+use crate::bus::BITS_PER_BYTE;
+use crate::packet::{BROADCAST, Decoder, Packet, Sender};
+use rand::SeedableRng;
+use rand_pcg::Pcg64;
+use std::collections::VecDeque;
+
+/// The mechanism and the servos' own programs go on at least this often, s.
+const STEP: f64 = 0.0005;
+/// A servo forgets the begin of an instruction whose rest does not come, s.
+const FORGETS: f64 = 0.02;
+
+/// Servos on a bus. It reads no clock: whoever serves it says how late it is.
+pub struct EmulatedBus {
+    servos: Servos,
+    decoder: Decoder,
+    /// Time of a byte on the wire, s.
+    byte: f64,
+    time: f64,
+    /// When the last byte of the master, and of the servos, is over, s.
+    sent: f64,
+    answered: f64,
+    /// When bytes last came from the master, s.
+    received: f64,
+    arriving: VecDeque<Instruction>,
+    leaving: VecDeque<Leaving>,
+    /// What has left the servos and is not taken by the master yet.
+    output: Vec<u8>,
+    wire: Wire,
+    late: f64,
+    echo: bool,
+    connected: bool,
+}
+
+/// An instruction, as it will have arrived at a time.
+struct Instruction {
+    due: f64,
+    id: u8,
+    code: u8,
+    parameters: Vec<u8>,
+}
+
+/// Bytes that will have left at a time, and who answered with them.
+struct Leaving {
+    due: f64,
+    bytes: Vec<u8>,
+    id: u8,
+}
+
+impl EmulatedBus {
+    /// The bus of `config` at time 0, whose servos move `plant`.
+    pub(super) fn new(config: &EmulatorConfig, plant: Box<dyn Plant>) -> Self {
+        Self {
+            servos: Servos::new(config, plant),
+            decoder: Decoder::new(config.protocol, Sender::Master),
+            byte: BITS_PER_BYTE / f64::from(config.baud_rate),
+            time: 0.0,
+            sent: 0.0,
+            answered: 0.0,
+            received: 0.0,
+            arriving: VecDeque::new(),
+            leaving: VecDeque::new(),
+            output: Vec::new(),
+            wire: Wire {
+                flipped: 0.0,
+                lost: 0.0,
+                random: Pcg64::seed_from_u64(config.seed ^ 0xB05),
+            },
+            late: 0.0,
+            echo: false,
+            connected: true,
+        }
+    }
+
+    /// The servos, as of the newest time.
+    pub fn servos(&self) -> &[EmulatedServo] {
+        self.servos.servos()
+    }
+
+    /// What was said.
+    pub fn log(&self) -> &PacketLog {
+        self.servos.log()
+    }
+
+    /// Injects a fault from now on.
+    pub(super) fn inject(&mut self, fault: BusFault) {
+        match fault {
+            BusFault::FlipBytes(share) => self.wire.flipped = share,
+            BusFault::LoseBytes(share) => self.wire.lost = share,
+            BusFault::Late(late) => self.late = late,
+            BusFault::Echo => self.echo = true,
+            BusFault::CablePulled => self.connected = false,
+            of_a_servo => self.servos.inject(of_a_servo, self.time),
+        }
+    }
+
+    /// Whether the master's cable is plugged in.
+    pub(super) fn is_connected(&self) -> bool {
+        self.connected
+    }
+
+    /// What has left the servos by now, which the master takes out.
+    pub(super) fn output(&mut self) -> &mut Vec<u8> {
+        &mut self.output
+    }
+
+    /// When something happens on the wire next, s, if something is on it.
+    pub(super) fn next_due(&self) -> Option<f64> {
+        let arriving = self.arriving.front().map(|arriving| arriving.due);
+        let leaving = self.leaving.front().map(|leaving| leaving.due);
+        arriving.into_iter().chain(leaving).reduce(f64::min)
+    }
+
+    /// Bytes of the master, the first of which is on the wire from `now` on, s.
+    pub(super) fn hear(&mut self, bytes: &[u8], now: f64) {
+        if now - self.received > FORGETS {
+            self.decoder.clear();
+        }
+        self.received = now;
+        let end = self.sent.max(now) + bytes.len() as f64 * self.byte;
+        self.sent = end;
+        let mut bytes = bytes.to_vec();
+        if self.echo {
+            self.leaving.push_back(Leaving {
+                due: end,
+                bytes: bytes.clone(),
+                id: BROADCAST,
+            });
+        }
+        self.wire.carry(&mut bytes);
+        let mut rest = &bytes[..];
+        while !rest.is_empty() {
+            let taken = self.decoder.feed(rest);
+            rest = &rest[taken..];
+            while let Some(found) = self.decoder.next() {
+                // A servo passes over what is no packet.
+                let Ok(packet) = found else { continue };
+                self.arriving.push_back(Instruction {
+                    due: end,
+                    id: packet.id,
+                    code: packet.code,
+                    parameters: packet.parameters.to_vec(),
+                });
+            }
+        }
+    }
+
+    /// Goes on until `now`, s: all that happens until then happens in its order.
+    pub(super) fn advance(&mut self, now: f64) {
+        while let Some(due) = self.next_due().filter(|&due| due <= now) {
+            self.go_on(due);
+            // What arrives comes first where both are due: an answer that it causes is due later.
+            match take_due(&mut self.arriving, |next| next.due <= due) {
+                Some(instruction) => self.obey(&instruction),
+                None => self.leave(due),
+            }
+        }
+        self.go_on(now);
+    }
+
+    /// Lets the mechanism go on until `now`, s, in which nothing happens on the wire.
+    fn go_on(&mut self, now: f64) {
+        while self.time + STEP < now {
+            self.time += STEP;
+            self.servos.advance(self.time);
+        }
+        if self.time < now {
+            self.time = now;
+            self.servos.advance(now);
+        }
+    }
+
+    /// Has the servos obey what has arrived.
+    fn obey(&mut self, instruction: &Instruction) {
+        let due = instruction.due;
+        let packet = Packet {
+            id: instruction.id,
+            code: instruction.code,
+            parameters: &instruction.parameters,
+        };
+        for answer in self.servos.obey(packet, due) {
+            let begin = self.answered.max(due) + answer.delay + self.late;
+            self.answered = begin + answer.bytes.len() as f64 * self.byte;
+            self.leaving.push_back(Leaving {
+                due: self.answered,
+                bytes: answer.bytes,
+                id: answer.id,
+            });
+        }
+    }
+
+    /// Puts out what has left the servos by `now`, s.
+    fn leave(&mut self, now: f64) {
+        let Some(mut next) = take_due(&mut self.leaving, |next| next.due <= now) else {
+            return;
+        };
+        self.servos.log.answer(next.due, next.id, &next.bytes);
+        self.wire.carry(&mut next.bytes);
+        self.output.append(&mut next.bytes);
+    }
+}
+
+/// The first of `queue`, if it is due.
+fn take_due<T>(queue: &mut VecDeque<T>, is_due: impl Fn(&T) -> bool) -> Option<T> {
+    queue
+        .front()
+        .is_some_and(is_due)
+        .then(|| queue.pop_front())?
+}

@@ -1,0 +1,110 @@
+//! An emulated bus whose time goes on only while somebody waits: the same each time, and as fast as it goes.
+
+use super::bus::EmulatedBus;
+use super::fault::BusFault;
+use super::plant::Plant;
+use super::servos::EmulatorConfig;
+use super::terminal::lock;
+use crate::clock::RigClock;
+use crate::port::Port;
+use feeler::pace::Clock;
+use std::io;
+use std::sync::{Arc, Mutex, MutexGuard};
+use std::time::Duration;
+
+/// An emulated bus without a terminal or a thread. What its master calculates takes no time: time goes on where the master waits for
+/// an answer, or its schedule (a [`Pace`](feeler::pace::Pace) on this as its clock) for the next step. All clones are the same bus.
+#[derive(Clone)]
+pub struct Lockstep {
+    bus: Arc<Mutex<EmulatedBus>>,
+    clock: RigClock,
+}
+
+impl Lockstep {
+    /// The bus of `config` at time 0, whose servos move `plant`.
+    pub fn new(config: &EmulatorConfig, plant: Box<dyn Plant>) -> Self {
+        Self {
+            bus: Arc::new(Mutex::new(EmulatedBus::new(config, plant))),
+            clock: RigClock::lockstep(),
+        }
+    }
+
+    /// The bus, which waits while the guard lives.
+    pub fn bus(&self) -> MutexGuard<'_, EmulatedBus> {
+        lock(&self.bus)
+    }
+
+    /// Injects a fault from now on.
+    pub fn inject(&self, fault: BusFault) {
+        self.bus().inject(fault);
+    }
+
+    /// Its time.
+    pub fn clock(&self) -> RigClock {
+        self.clock.clone()
+    }
+
+    /// Lets time go on by `time`, s.
+    pub fn wait(&self, time: f64) {
+        self.advance(&mut self.bus(), self.clock.now() + time);
+    }
+
+    /// Lets time go on until `now`, s.
+    fn advance(&self, bus: &mut EmulatedBus, now: f64) {
+        bus.advance(now);
+        self.clock.set(now);
+    }
+}
+
+impl Clock for Lockstep {
+    fn now(&self) -> Duration {
+        Duration::try_from_secs_f64(self.clock.now()).unwrap_or_default()
+    }
+
+    fn sleep_until(&self, time: Duration) {
+        // Half a nanosecond more, as the seconds of a time may be less than the time.
+        let until = time.as_secs_f64() + 5e-10;
+        if until > self.clock.now() {
+            self.advance(&mut self.bus(), until);
+        }
+    }
+}
+
+/// The master's port to it.
+impl Port for Lockstep {
+    fn discard_input(&mut self) -> io::Result<()> {
+        self.bus().output().clear();
+        Ok(())
+    }
+
+    fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
+        let mut bus = self.bus();
+        if !bus.is_connected() {
+            return Err(io::ErrorKind::BrokenPipe.into());
+        }
+        bus.hear(bytes, self.clock.now());
+        Ok(())
+    }
+
+    fn receive(&mut self, bytes: &mut [u8], deadline: f64) -> io::Result<usize> {
+        let mut bus = lock(&self.bus);
+        loop {
+            if !bus.is_connected() {
+                return Err(io::ErrorKind::BrokenPipe.into());
+            }
+            let arrived = bus.output();
+            if !arrived.is_empty() {
+                let count = arrived.len().min(bytes.len());
+                bytes[..count].copy_from_slice(&arrived[..count]);
+                arrived.drain(..count);
+                return Ok(count);
+            }
+            let now = self.clock.now();
+            if now >= deadline {
+                return Ok(0);
+            }
+            let next = bus.next_due().unwrap_or(deadline).min(deadline);
+            self.advance(&mut bus, next.max(now));
+        }
+    }
+}

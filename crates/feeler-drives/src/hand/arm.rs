@@ -1,0 +1,71 @@
+//! How a hand of servos is made ready to move.
+
+use super::DriveHand;
+use crate::error::DriveError;
+use crate::registers::Registers;
+use crate::servo::Servo;
+use crate::setup::{apply, blame, changes, check_fast_sync_read, check_model, named_joints, set};
+use feeler::hand::finger::FingerGeometry;
+
+impl DriveHand {
+    /// Sets the servos, whose motors have no power meanwhile.
+    pub(super) fn set_up(&mut self, fingers: &[FingerGeometry]) -> Result<(), DriveError> {
+        let registers = Registers::of(self.config.protocol);
+        for (joint, drive) in named_joints(&self.config) {
+            let model = check_model(&mut self.bus, joint, drive)?;
+            if self.config.fast_sync_read {
+                check_fast_sync_read(&mut self.bus, joint, model)?;
+            }
+            let Some(geometry) = fingers.get(joint.finger) else {
+                continue;
+            };
+            let servo = Servo::new(joint, drive, model, geometry);
+            if let Some(limit) = registers.velocity_limit {
+                let actual = self.bus.read(joint.id, limit).map_err(blame(joint))?;
+                servo.allow(actual)?;
+            }
+            self.bus
+                .write(joint.id, registers.torque, 0)
+                .map_err(blame(joint))?;
+            let changes = changes(&mut self.bus, joint, drive)?;
+            apply(&mut self.bus, &changes)?;
+            self.servos.push(servo);
+        }
+        Ok(())
+    }
+
+    /// Gives the motors power, each after its watchdog is set.
+    pub(super) fn arm(&mut self) -> Result<(), DriveError> {
+        let registers = Registers::of(self.config.protocol);
+        let watchdog = self.config.watchdog_counts();
+        for servo in &mut self.servos {
+            servo.reset();
+            let joint = servo.name;
+            if let Some(register) = registers.watchdog {
+                // One that has fired takes no goal before it is cleared.
+                self.bus
+                    .write(joint.id, register, 0)
+                    .map_err(blame(joint))?;
+            }
+            set(
+                &mut self.bus,
+                joint,
+                ("Goal Velocity", registers.goal_velocity),
+                0,
+            )?;
+        }
+        self.read_motion()?;
+        for index in 0..self.servos.len() {
+            self.check_health(index, false)?;
+        }
+        for servo in &self.servos {
+            let joint = servo.name;
+            if let Some(register) = registers.watchdog {
+                set(&mut self.bus, joint, ("Bus Watchdog", register), watchdog)?;
+            }
+            set(&mut self.bus, joint, ("Torque Enable", registers.torque), 1)?;
+        }
+        self.health = (self.clock.now(), 0);
+        Ok(())
+    }
+}

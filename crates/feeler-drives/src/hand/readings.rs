@@ -1,0 +1,127 @@
+//! What servos say in each period, and whether they are well.
+
+use super::DriveHand;
+use crate::bus::{ALERT, BusError};
+use crate::error::{DriveError, JointName};
+use crate::health::{Health, fault_names};
+use crate::packet::Protocol;
+use crate::registers::{COUNTS_PER_TURN, Register, Registers};
+use crate::setup::blame;
+
+/// How many times a joint's greatest speed one may seem to turn: overshoot, and the unit of velocity.
+const SPEED_TOLERANCE: f64 = 2.0;
+/// Bytes of a Dynamixel's table from its torque to its bus watchdog, and from its voltage to its temperature.
+const TORQUE_TO_WATCHDOG: (u16, usize) = (64, 35);
+const VOLTAGE_TO_TEMPERATURE: (u16, usize) = (144, 3);
+
+impl DriveHand {
+    /// Reads all joints.
+    pub(super) fn read_motion(&mut self) -> Result<(), DriveError> {
+        let registers = Registers::of(self.config.protocol);
+        let (ids, fast) = (&self.ids, self.config.fast_sync_read);
+        let servos = &mut self.servos;
+        let mut first_bad = None;
+        let limits = self.config.health_limits();
+        let protocol = self.config.protocol;
+        let read = self
+            .bus
+            .sync_read(registers.motion, ids, fast, |index, error, bytes| {
+                let Some(servo) = servos.get_mut(index) else {
+                    return;
+                };
+                let wraps = protocol == Protocol::Feetech;
+                servo.read(registers, bytes, wraps.then_some(COUNTS_PER_TURN as i64));
+                let health = Health::in_motion(registers, bytes);
+                let ill = registers.motion_has_health
+                    && health.check(protocol, servo.name, &limits).is_err();
+                if first_bad.is_none() && (error != 0 || ill) {
+                    first_bad = Some((index, error, health));
+                }
+            });
+        read.map_err(|source| self.blame_by_id(source))?;
+        self.stamp = self.clock.now();
+        if let Some((index, error, health)) = first_bad {
+            self.explain(index, error, health)?;
+        }
+        let tolerance = self.config.limit_tolerance;
+        self.servos
+            .iter()
+            .try_for_each(|servo| servo.check(tolerance, SPEED_TOLERANCE))
+    }
+
+    /// Says what is wrong with a servo that flagged a fault in its answer.
+    fn explain(&mut self, index: usize, error: u8, health: Health) -> Result<(), DriveError> {
+        let joint = self.servos[index].name;
+        let protocol = self.config.protocol;
+        let limits = self.config.health_limits();
+        if protocol == Protocol::Feetech {
+            let fault = error | health.fault;
+            return Health { fault, ..health }.check(protocol, joint, &limits);
+        }
+        let registers = Registers::of(protocol);
+        if error & ALERT == 0 {
+            let (id, what) = (joint.id, "a reading");
+            return Err(blame(joint)(BusError::Refused { id, what, error }));
+        }
+        let bits = self
+            .bus
+            .read(joint.id, registers.fault)
+            .map_err(blame(joint))? as u8;
+        Err(DriveError::Fault {
+            joint,
+            faults: fault_names(protocol, bits),
+            bits,
+        })
+    }
+
+    /// Asks a servo whether it is well, and, where it should be `armed`, whether it has its torque and its watchdog.
+    pub(super) fn check_health(&mut self, index: usize, armed: bool) -> Result<(), DriveError> {
+        let Some(servo) = self.servos.get(index) else {
+            return Ok(());
+        };
+        let joint = servo.name;
+        let (torque, watchdog) = match self.config.protocol {
+            Protocol::Dynamixel => self.ask_dynamixel(joint)?,
+            // The rest is read in every period.
+            Protocol::Feetech => {
+                let torque = Registers::of(Protocol::Feetech).torque;
+                let torque = self.bus.read(joint.id, torque).map_err(blame(joint))?;
+                (torque, None)
+            }
+        };
+        let expected = self.config.watchdog_counts();
+        match watchdog {
+            _ if !armed => Ok(()),
+            _ if torque == 0 => Err(DriveError::TorqueOff { joint }),
+            Some(actual) if actual != expected => Err(DriveError::Watchdog {
+                joint,
+                expected,
+                actual,
+            }),
+            _ => Ok(()),
+        }
+    }
+
+    /// Torque and watchdog of a Dynamixel that is well.
+    fn ask_dynamixel(&mut self, joint: JointName) -> Result<(i64, Option<i64>), DriveError> {
+        let registers = Registers::of(Protocol::Dynamixel);
+        let part = TORQUE_TO_WATCHDOG;
+        let bytes = self.bus.read_bytes(joint.id, part).map_err(blame(joint))?;
+        let at = |register: Register| {
+            let begin = usize::from(register.address - part.0);
+            register.decode(bytes.get(begin..).unwrap_or_default())
+        };
+        let (torque, fault) = (at(registers.torque), at(registers.fault));
+        let watchdog = registers.watchdog.map(at);
+        let part = VOLTAGE_TO_TEMPERATURE;
+        let bytes = self.bus.read_bytes(joint.id, part).map_err(blame(joint))?;
+        let (voltage, temperature) = bytes.split_at_checked(2).unwrap_or_default();
+        let health = Health {
+            fault: fault as u8,
+            voltage: registers.voltage.decode(voltage) as f64 / 10.0,
+            temperature: registers.temperature.decode(temperature) as f64,
+        };
+        health.check(Protocol::Dynamixel, joint, &self.config.health_limits())?;
+        Ok((torque, watchdog))
+    }
+}
