@@ -1,5 +1,6 @@
 //! `feeler run`
 
+use super::emulated::DrivenBus;
 use super::flush::FlushArguments;
 use super::interrupt::watch_for_interrupt;
 use super::report::print_outcome;
@@ -9,7 +10,6 @@ use super::throttle::{Throttle, Timing, parse_speed};
 use super::view::{LiveRun, ServerArguments};
 use super::watcher::Watcher;
 use super::{CommandError, Outcome, emulated};
-use feeler::pace::Pace;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::recorded_run::{RecordedRun, RunError, record_options};
 use feeler_lab::experiment::{Session, run_folder};
@@ -43,8 +43,8 @@ pub struct Arguments {
     record_frames: bool,
     #[command(flatten)]
     flush: FlushArguments,
-    /// Move the fingers by servos on an emulated bus, with the simulated world behind them, in real time: `emulated`. The servos are those
-    /// of the experiment's [drives], or some that suit its hand.
+    /// Move the fingers by servos on an emulated bus, with the simulated world behind them: `emulated`. The servos are those of the
+    /// experiment's [drives], or some that suit its hand. In real time, unless with `--speed max`.
     #[arg(long, value_name = "SERVOS", value_parser = ["emulated"])]
     drives: Option<String>,
     /// Simulated seconds per second, or `max` [default: max; with --top, --view or --drives: 1]
@@ -87,7 +87,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comman
     })?;
     options.flush_interval = arguments.flush.flush_interval;
     // Before there is a folder: an experiment that cannot be set up leaves none.
-    let (session, _bus) = match arguments.drives {
+    let set_up = match arguments.drives {
         Some(_) => {
             let (session, bus) = emulated::session(&experiment, arguments.speed())?;
             (session, Some(bus))
@@ -100,7 +100,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comman
     let mut page = page.transpose()?;
     let ran = watched_run(
         arguments,
-        (&experiment, session),
+        (&experiment, set_up),
         &options,
         page.as_mut(),
         out,
@@ -111,10 +111,10 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comman
     ran
 }
 
-/// Makes the run that is set up as `session`, records and reports it.
+/// Makes the run that is set up, over a bus or without one, records and reports it.
 fn watched_run(
     arguments: &Arguments,
-    (experiment, session): (&Experiment, Session),
+    (experiment, (session, bus)): (&Experiment, (Session, Option<DrivenBus>)),
     options: &RecordOptions,
     page: Option<&mut LiveRun>,
     out: &mut dyn Write,
@@ -125,8 +125,8 @@ fn watched_run(
 
     let interrupted = watch_for_interrupt()?;
     let (period, speed) = (experiment.config.control.period, arguments.speed());
-    let mut timing = match arguments.drives {
-        Some(_) => Timing::Kept(Pace::new(period / speed)?),
+    let mut timing = match &bus {
+        Some(bus) => Timing::Kept(bus.schedule(period)?, bus.is_paced()),
         None => Timing::Held(Throttle::new(period, speed)),
     };
     let mut watcher = Watcher::new(

@@ -1,6 +1,6 @@
 //! Simulated time at a speed that one can watch.
 
-use feeler::pace::{Pace, Schedule, Tick};
+use feeler::pace::{Schedule, Tick};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -29,8 +29,8 @@ pub fn parse_speed(text: &str) -> Result<f64, String> {
 pub enum Timing {
     /// Simulated time waits for its steps.
     Held(Throttle),
-    /// Time goes on, and who misses a step has missed it.
-    Kept(Pace),
+    /// Time goes on, and who misses a step has missed it; whether it is real time.
+    Kept(Box<dyn Schedule>, bool),
 }
 
 impl Timing {
@@ -38,7 +38,7 @@ impl Timing {
     pub fn is_paced(&self) -> bool {
         match self {
             Self::Held(throttle) => throttle.is_paced(),
-            Self::Kept(_) => true,
+            Self::Kept(_, is_paced) => *is_paced,
         }
     }
 }
@@ -47,7 +47,7 @@ impl Schedule for Timing {
     fn next_tick(&mut self, interrupted: &AtomicBool) -> Option<Tick> {
         match self {
             Self::Held(throttle) => throttle.next_tick(interrupted),
-            Self::Kept(pace) => pace.next_tick(interrupted),
+            Self::Kept(schedule, _) => schedule.next_tick(interrupted),
         }
     }
 }

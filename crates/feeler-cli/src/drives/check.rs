@@ -7,7 +7,9 @@ use feeler_drives::bus::Bus;
 use feeler_drives::clock::RigClock;
 use feeler_drives::config::{DrivesConfig, JointDriveConfig};
 use feeler_drives::error::{DriveError, JointName};
-use feeler_drives::setup::{Change, changes, named_joints, read_angle, read_health};
+use feeler_drives::setup::{
+    Change, changes, check_fast_sync_read, check_model, named_joints, read_angle, read_health,
+};
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::fingers_at_home;
 use std::io::Write;
@@ -109,6 +111,10 @@ fn check_servo(
     (joint, drive): (JointName, &JointDriveConfig),
 ) -> Result<(f64, Vec<Change>), DriveError> {
     let changes = changes(bus, joint, drive)?;
+    if config.fast_sync_read {
+        let model = check_model(bus, joint, drive)?;
+        check_fast_sync_read(bus, joint, model)?;
+    }
     read_health(bus, joint)?.check(config.protocol, joint, &config.health_limits())?;
     let finger = &fingers[joint.finger];
     let limits = (

@@ -1,10 +1,13 @@
-//! A simulated run whose hand is servos on an emulated bus: in real time, with the simulated world behind the servos.
+//! A simulated run whose hand is servos on an emulated bus, with the simulated world behind the servos: in real time, or in lockstep with
+//! the run.
 
-use super::{AnyHand, ExperimentError, Session, fingers_at_home};
+use super::{ExperimentError, Session, fingers_at_home};
 use crate::config::Experiment;
+use feeler::pace::{Pace, PaceError, Schedule};
+use feeler_drives::bus::Bus;
 use feeler_drives::clock::RigClock;
 use feeler_drives::config::{DrivesConfig, JointDriveConfig};
-use feeler_drives::emulator::{Emulator, EmulatorConfig, EmulatorError, Motion, Plant};
+use feeler_drives::emulator::{Emulator, EmulatorConfig, EmulatorError, Lockstep, Motion, Plant};
 use feeler_drives::error::DriveError;
 use feeler_drives::hand::DriveHand;
 use feeler_drives::registers::COUNTS_PER_TURN;
@@ -111,34 +114,71 @@ pub fn emulated_bus(
     rig: &SimRig,
     clock: RigClock,
 ) -> Result<Emulator, EmulatorError> {
-    let config = drives(experiment);
-    let bus = EmulatorConfig::of(&config, experiment.config.seed);
-    let plant = WorldPlant::new(rig.clone(), &config);
-    Emulator::start(&bus, Box::new(plant), clock)
+    let (bus, plant) = servos(experiment, rig);
+    Emulator::start(&bus, plant, clock)
 }
 
-/// A run of `experiment` over an emulated bus, whose time goes `speed` times as fast as real time; and the bus, for as long as the run
-/// lasts.
+/// The servos of `experiment`, and the simulated world that they move.
+fn servos(experiment: &Experiment, rig: &SimRig) -> (EmulatorConfig, Box<dyn Plant>) {
+    let config = drives(experiment);
+    let bus = EmulatorConfig::of(&config, experiment.config.seed);
+    (bus, Box::new(WorldPlant::new(rig.clone(), &config)))
+}
+
+/// The bus that a run goes over, for as long as the run lasts.
+pub enum DrivenBus {
+    /// On a pseudo-terminal, whose time goes so many times as fast as real time.
+    Terminal(Emulator, f64),
+    /// In the run's own time.
+    Lockstep(Lockstep),
+}
+
+impl DrivenBus {
+    /// Steps every `period`, s of the bus's time, from now on.
+    ///
+    /// # Errors
+    /// When the period is none.
+    pub fn schedule(&self, period: f64) -> Result<Box<dyn Schedule>, PaceError> {
+        Ok(match self {
+            Self::Terminal(_, speed) => Box::new(Pace::new(period / speed)?),
+            Self::Lockstep(bus) => Box::new(Pace::with_clock(period, bus.clone())?),
+        })
+    }
+
+    /// Whether its time is real.
+    pub fn is_paced(&self) -> bool {
+        matches!(self, Self::Terminal(..))
+    }
+}
+
+/// A run of `experiment` over an emulated bus, and the bus. Its time goes `speed` times as fast as real time; where that is infinite, as fast
+/// as the run goes, which then is the same each time.
 ///
 /// # Errors
 /// When a part of the experiment makes no sense, or its servos cannot be used.
-pub fn session(experiment: &Experiment, speed: f64) -> Result<(Session, Emulator), DrivenError> {
+pub fn session(experiment: &Experiment, speed: f64) -> Result<(Session, DrivenBus), DrivenError> {
     let config = &experiment.config;
     let (fingers, _) = fingers_at_home(config)?;
     let session = Session::new(experiment)?;
-    let clock = RigClock::at_speed(speed);
-    let emulator = emulated_bus(experiment, session.rig(), clock)?;
-    let drives = DrivesConfig {
-        port: emulator.path().into(),
-        ..drives(experiment)
+    let drives = drives(experiment);
+    let how = (drives.protocol, drives.baud_rate);
+    let (bus, master) = if speed.is_finite() {
+        let clock = RigClock::at_speed(speed);
+        let emulator = emulated_bus(experiment, session.rig(), clock.clone())?;
+        let master = Bus::open(emulator.path(), how, drives.reply_timeout, clock);
+        let master = master.map_err(DriveError::from)?;
+        (DrivenBus::Terminal(emulator, speed), master)
+    } else {
+        let (bus, plant) = servos(experiment, session.rig());
+        let bus = Lockstep::new(&bus, plant);
+        let port = Box::new(bus.clone());
+        let master = Bus::on(port, how, drives.reply_timeout, bus.clock());
+        (DrivenBus::Lockstep(bus), master)
     };
     let control = &config.control;
     let most_age = control.stale_periods * control.period;
-    let hand = DriveHand::open(&drives, &fingers, most_age, clock)?;
+    let hand = DriveHand::on(master, &drives, &fingers, most_age)?;
     // What was left of its own hand moves nothing: only the servos advance the world.
-    let hand: AnyHand = Box::new(hand);
-    Ok((
-        session.with_hand(hand, control.stale_periods as u64),
-        emulator,
-    ))
+    let session = session.with_hand(Box::new(hand), control.stale_periods as u64);
+    Ok((session, bus))
 }
