@@ -10,6 +10,7 @@ use super::throttle::{Throttle, Timing, parse_speed};
 use super::view::{LiveRun, ServerArguments};
 use super::watcher::Watcher;
 use super::{CommandError, Outcome, emulated};
+use feeler::pace::Punctuality;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::recorded_run::{RecordedRun, RunError, record_options};
 use feeler_lab::experiment::{Session, run_folder};
@@ -136,7 +137,9 @@ fn watched_run(
         &interrupted,
         page,
     )?;
+    let mut punctuality = Punctuality::new()?;
     let ran = run.run(&mut timing, &interrupted, |control_loop, at, tick| {
+        punctuality.record(tick);
         watcher.step(control_loop, at, tick);
     });
     watcher.run_ended();
@@ -150,6 +153,9 @@ fn watched_run(
         out,
         "{sim_time:.2} s simulated in {wall_time:.2} s, {factor:.0} x real time"
     )?;
+    if bus.as_ref().is_some_and(DrivenBus::is_paced) {
+        writeln!(out, "{}", punctuality.summary())?;
+    }
     print_outcome(&ran.report, out)?;
     Ok(Outcome::from(&ran.end))
 }

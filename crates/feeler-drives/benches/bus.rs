@@ -36,7 +36,7 @@ fn main() {
         let (mut state, mut command) = (HandState::zero(fingers), HandCommand::stop(fingers));
         let mut pace = Pace::new(1.0 / rate).expect("a period");
         let mut stamps = Vec::new();
-        let begin = emulator.bus().log().entries().count();
+        let begin = emulator.servos().log().entries().count();
         for step in 0..(3.0 * rate) as u32 {
             pace.wait();
             hand.read(&mut state).expect("joint angles");
@@ -46,7 +46,7 @@ fn main() {
             hand.command(&command).expect("a command");
         }
         std::thread::sleep(std::time::Duration::from_millis(20));
-        let bus = emulator.bus();
+        let bus = emulator.servos();
         let entries = bus.log().entries().skip(begin);
         let written = entries.filter(|entry| entry.instruction == SYNC_WRITE);
         let mut delays: Vec<f64> = written.zip(&stamps).map(|(w, s)| w.time - s).collect();

@@ -53,7 +53,7 @@ fn a_period_allocates_nothing() {
             let (mut state, mut command) = (HandState::zero(2), HandCommand::stop(2));
             command.relay(&[DVec3::splat(0.05); 2]);
             let asked = || {
-                let bus = bus.bus();
+                let bus = bus.servos();
                 let reads = bus.log().entries().filter(|e| e.instruction == READ);
                 reads.count()
             };

@@ -62,7 +62,7 @@ fn servos_are_set_before_they_get_torque_and_lose_it_at_the_end() {
         let rig = Rig::new(protocol);
         let registers = Registers::of(protocol);
         let counts = |rig: &Rig, register| -> Vec<i64> {
-            let bus = rig.emulator.bus();
+            let bus = rig.emulator.servos();
             bus.servos()
                 .iter()
                 .map(|servo| servo.get(register))
@@ -80,7 +80,7 @@ fn servos_are_set_before_they_get_torque_and_lose_it_at_the_end() {
         if let Some(watchdog) = registers.watchdog {
             assert_eq!(counts(&rig, watchdog), [5; 6]);
             // It was set before the torque.
-            let bus = rig.emulator.bus();
+            let bus = rig.emulator.servos();
             let writes = bus
                 .log()
                 .entries()
@@ -93,7 +93,7 @@ fn servos_are_set_before_they_get_torque_and_lose_it_at_the_end() {
         drop(hand);
         emulator.wait(0.05);
         let torque: Vec<_> = emulator
-            .bus()
+            .servos()
             .servos()
             .iter()
             .map(|s| s.get(registers.torque))
@@ -130,12 +130,12 @@ fn stops(protocol: Protocol, fault: BusFault, words: &[&str]) {
     rig.emulator.wait(if through { 0.002 } else { 0.1 + 0.02 });
     let silent = |id: u8| matches!(fault, BusFault::Silent(silent) if silent == id);
     if through || protocol == Protocol::Dynamixel {
-        let bus = rig.emulator.bus();
+        let bus = rig.emulator.servos();
         for servo in bus.servos().iter().filter(|servo| !silent(servo.id)) {
             assert_eq!(servo.goal(), 0.0, "{fault:?}: servo {}", servo.id);
         }
     }
-    let stopped = ages_of_commands(&rig.emulator.bus(), protocol);
+    let stopped = ages_of_commands(&rig.emulator.servos(), protocol);
     for (time, age) in &stopped {
         assert!(
             *age <= MOST_AGE + 1e-3,
@@ -145,7 +145,7 @@ fn stops(protocol: Protocol, fault: BusFault, words: &[&str]) {
     // It stays so, whatever it is told.
     assert!(rig.period(0.02).is_err());
     rig.settle();
-    let told = ages_of_commands(&rig.emulator.bus(), protocol).len();
+    let told = ages_of_commands(&rig.emulator.servos(), protocol).len();
     assert_eq!(told, stopped.len(), "{fault:?}: it was told to move again");
     assert_eq!(rig.hand.fault(), Some(error.as_str()));
 }
@@ -364,7 +364,7 @@ fn a_bus_in_lockstep_is_the_same_each_time() {
         }
         rig.emulator.inject(BusFault::FlipBytes(0.01));
         while rig.period(0.02).is_ok() {}
-        let bus = rig.emulator.bus();
+        let bus = rig.emulator.servos();
         bus.log().entries().cloned().collect::<Vec<_>>()
     };
     assert_eq!(said(), said());

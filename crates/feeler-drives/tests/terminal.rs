@@ -58,7 +58,7 @@ fn a_hand_moves_over_a_pseudo_terminal_and_a_pulled_cable_stops_it() {
         assert!(error.contains("port fails"), "{error}");
         drop(hand);
         let torque = Registers::of(protocol).torque;
-        let servos = emulator.bus().servos().to_vec();
+        let servos = emulator.servos().servos().to_vec();
         assert!(servos.iter().all(|servo| servo.get(torque) == 1));
     }
 }

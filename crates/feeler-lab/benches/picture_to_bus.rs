@@ -136,7 +136,7 @@ mod rig {
             false => Box::new(Pace::new(period)?),
         };
         let (mut punctuality, mut used) = (Punctuality::new()?, Vec::new());
-        let begin = goals(&emulator.bus()).len();
+        let begin = goals(&emulator.servos()).len();
         let end = clock.now() + seconds;
         let go_on = AtomicBool::new(false);
         control_loop.run(&mut schedule, stale as u64, &go_on, |control_loop, tick| {
@@ -179,7 +179,7 @@ mod rig {
     /// Prints how long it took, from the oldest of the pictures that each command was made of.
     fn report(emulator: &Emulator, begin: usize, used: &[Vec<(f64, u64)>], pictures: &[Pictures]) {
         std::thread::sleep(std::time::Duration::from_millis(20));
-        let written = goals(&emulator.bus());
+        let written = goals(&emulator.servos());
         let steps = written[begin..].iter().zip(used);
         let mut complete = Vec::new();
         let mut exposed = Vec::new();

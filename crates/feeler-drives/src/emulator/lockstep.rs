@@ -30,13 +30,13 @@ impl Lockstep {
     }
 
     /// The bus, which waits while the guard lives.
-    pub fn bus(&self) -> MutexGuard<'_, EmulatedBus> {
+    pub fn servos(&self) -> MutexGuard<'_, EmulatedBus> {
         lock(&self.bus)
     }
 
     /// Injects a fault from now on.
     pub fn inject(&self, fault: BusFault) {
-        self.bus().inject(fault);
+        self.servos().inject(fault);
     }
 
     /// Its time.
@@ -46,7 +46,7 @@ impl Lockstep {
 
     /// Lets time go on by `time`, s.
     pub fn wait(&self, time: f64) {
-        self.advance(&mut self.bus(), self.clock.now() + time);
+        self.advance(&mut self.servos(), self.clock.now() + time);
     }
 
     /// Lets time go on until `now`, s.
@@ -65,7 +65,7 @@ impl Clock for Lockstep {
         // Half a nanosecond more, as the seconds of a time may be less than the time.
         let until = time.as_secs_f64() + 5e-10;
         if until > self.clock.now() {
-            self.advance(&mut self.bus(), until);
+            self.advance(&mut self.servos(), until);
         }
     }
 }
@@ -73,12 +73,12 @@ impl Clock for Lockstep {
 /// The master's port to it.
 impl Port for Lockstep {
     fn discard_input(&mut self) -> io::Result<()> {
-        self.bus().output().clear();
+        self.servos().output().clear();
         Ok(())
     }
 
     fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
-        let mut bus = self.bus();
+        let mut bus = self.servos();
         if !bus.is_connected() {
             return Err(io::ErrorKind::BrokenPipe.into());
         }

@@ -77,13 +77,13 @@ impl Emulator {
     }
 
     /// The bus, which waits while the guard lives.
-    pub fn bus(&self) -> MutexGuard<'_, EmulatedBus> {
+    pub fn servos(&self) -> MutexGuard<'_, EmulatedBus> {
         lock(&self.bus)
     }
 
     /// Injects a fault from now on.
     pub fn inject(&self, fault: BusFault) {
-        self.bus().inject(fault);
+        self.servos().inject(fault);
     }
 }
 

@@ -134,7 +134,7 @@ impl Rig {
 
     /// The goals of all servos, rad/s.
     pub fn goals(&self) -> Vec<f64> {
-        let bus = self.emulator.bus();
+        let bus = self.emulator.servos();
         bus.servos().iter().map(|servo| servo.goal()).collect()
     }
 
