@@ -13,19 +13,44 @@ fn main() {}
 #[cfg(target_os = "linux")]
 fn main() {
     let seconds = std::env::args().skip(1).find_map(|word| word.parse().ok());
-    let seconds = seconds.unwrap_or(18.0);
+    let seconds = seconds.unwrap_or(12.0);
     for experiment in ["cap-closing", "three-fingers"] {
-        for follows in [true, false] {
-            rig::measure(experiment, follows, seconds).unwrap_or_else(|error| panic!("{error}"));
+        for cameras in [Cameras::Triggered, Cameras::Free] {
+            for steps in [Steps::Follow, Steps::OwnClock] {
+                let measured = rig::measure(experiment, (cameras, steps), seconds);
+                measured.unwrap_or_else(|error| panic!("{error}"));
+            }
         }
     }
 }
 
+/// When cameras take their pictures.
+#[cfg(target_os = "linux")]
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Cameras {
+    /// All at once, as by a common trigger.
+    Triggered,
+    /// One after the other, evenly over the period.
+    Free,
+}
+
+/// When control steps begin.
+#[cfg(target_os = "linux")]
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Steps {
+    /// When all pictures have arrived.
+    Follow,
+    /// By a clock of their own.
+    OwnClock,
+}
+
 #[cfg(target_os = "linux")]
 mod rig {
+    use super::{Cameras, Steps};
     use feeler::control::control_loop::ControlLoop;
     use feeler::control::live_touch::{LiveArrivals, LiveTouch, live};
     use feeler::control::phase::Phase;
+    use feeler::pace::real_time::fine_timer;
     use feeler::pace::{Following, Pace, Punctuality, Schedule};
     use feeler::sensor::camera::{Camera, CameraError};
     use feeler::sensor::fingertip::Fingertip;
@@ -46,63 +71,72 @@ mod rig {
     use std::ops::ControlFlow;
     use std::sync::atomic::AtomicBool;
     use std::sync::{Arc, Mutex, PoisonError};
+    use std::time::Duration;
 
-    /// Which picture it was, when its exposure began and when it was complete, s.
-    #[derive(Clone, Copy, Default)]
-    struct Taken {
-        exposed: f64,
-        complete: f64,
-    }
+    /// When the exposure of each picture of a camera began, s.
+    type Pictures = Arc<Mutex<Vec<f64>>>;
 
     /// A fingertip's camera: a picture each period.
     struct LiveCamera {
         camera: SimCamera,
         pace: Pace,
+        /// How much later than the pace it is.
+        offset: Duration,
         clock: RigClock,
         pictures: u64,
-        /// All pictures so far.
-        taken: Arc<Mutex<Vec<Taken>>>,
+        exposures: Pictures,
     }
 
     impl Camera for LiveCamera {
         fn capture(&mut self, frame: &mut Frame) -> Result<(), CameraError> {
             self.pace.wait();
+            std::thread::sleep(self.offset);
             let exposed = self.clock.now();
             self.camera.capture(frame)?;
             let complete = self.clock.now();
             (frame.sequence, frame.stamp) = (self.pictures, complete);
             self.pictures += 1;
-            let mut taken = self.taken.lock().unwrap_or_else(PoisonError::into_inner);
-            taken.push(Taken { exposed, complete });
+            let exposures = self.exposures.lock();
+            exposures
+                .unwrap_or_else(PoisonError::into_inner)
+                .push(exposed);
             Ok(())
         }
     }
-
-    type Pictures = Arc<Mutex<Vec<Taken>>>;
 
     /// The sensors of all fingers on their threads, and what each camera takes.
     fn sensors(
         experiment: &Experiment,
         rig: &SimRig,
         clock: &RigClock,
+        cameras: Cameras,
     ) -> Result<(Vec<LiveTouch>, LiveArrivals, Vec<Pictures>), Box<dyn Error>> {
         let config = &experiment.config;
         let sim = config.simulation()?;
         let (mut sensors, mut pictures) = (Vec::new(), Vec::new());
-        for finger in 0..config.hand.finger.len() {
+        let fingers = config.hand.finger.len();
+        // The same deadlines for all.
+        let pace = Pace::new(config.control.period)?;
+        for finger in 0..fingers {
             let fingertip = config.sensor.fingertip(finger);
             let made = Fingertip::new(fingertip)?;
             let (period, seed) = (config.control.period, config.seed);
             let faults = SensorFaults::new(&[], finger, made.layout.elements.len(), period, seed);
             let camera = SimCamera::new(rig.clone(), finger, &made, &sim.optics, faults, seed)?;
-            let taken = Pictures::default();
-            pictures.push(taken.clone());
+            let exposures = Pictures::default();
+            pictures.push(exposures.clone());
             let camera = LiveCamera {
                 camera,
-                pace: Pace::new(period)?,
+                pace: pace.clone(),
+                offset: match cameras {
+                    Cameras::Triggered => Duration::ZERO,
+                    Cameras::Free => {
+                        Duration::from_secs_f64(period * finger as f64 / fingers as f64)
+                    }
+                },
                 clock: clock.clone(),
                 pictures: 0,
-                taken,
+                exposures,
             };
             sensors.push(OpticalSensor::new(
                 camera,
@@ -115,7 +149,11 @@ mod rig {
     }
 
     /// Closes the cap for so many `seconds`, by steps that follow the pictures or have a clock of their own.
-    pub fn measure(name: &str, follows: bool, seconds: f64) -> Result<(), Box<dyn Error>> {
+    pub fn measure(
+        name: &str,
+        (cameras, steps): (Cameras, Steps),
+        seconds: f64,
+    ) -> Result<(), Box<dyn Error>> {
         let experiment = Experiment::load(name, &[])?;
         let config = &experiment.config;
         let rig = SimRig::new(world(&experiment)?);
@@ -127,14 +165,17 @@ mod rig {
         };
         let (fingers, _) = fingers_at_home(config)?;
         let (period, stale) = (config.control.period, config.control.stale_periods);
-        let hand = DriveHand::open(&drives, &fingers, stale * period, clock.clone())?;
         let controller = controller(&experiment, &fingers, &layouts(config)?)?;
-        let (touches, arrivals, pictures) = sensors(&experiment, &rig, &clock)?;
+        let (touches, arrivals, pictures) = sensors(&experiment, &rig, &clock, cameras)?;
+        // Last, as the servos' watchdogs run from then on.
+        let hand = DriveHand::open(&drives, &fingers, stale * period, clock.clone())?;
         let mut control_loop = ControlLoop::new(touches, hand, controller);
-        let mut schedule: Box<dyn Schedule> = match follows {
-            true => Box::new(Following::new(arrivals, period)?),
-            false => Box::new(Pace::new(period)?),
+        let mut schedule: Box<dyn Schedule> = match steps {
+            Steps::Follow => Box::new(Following::new(arrivals, period)?),
+            Steps::OwnClock => Box::new(Pace::new(period)?),
         };
+        // After the other threads are there, which would inherit it.
+        let _ = fine_timer();
         let (mut punctuality, mut used) = (Punctuality::new()?, Vec::new());
         let begin = goals(&emulator.servos()).len();
         let end = clock.now() + seconds;
@@ -151,11 +192,10 @@ mod rig {
             }
         })?;
         let ended = control_loop.controller();
-        let how = match follows {
-            true => "steps that follow the pictures",
-            false => "steps with a clock of their own",
-        };
-        println!("{name}, {how}: {}", punctuality.summary());
+        println!(
+            "{name}, cameras {cameras:?}, steps {steps:?}: {}",
+            punctuality.summary()
+        );
         if let Some(reason) = ended.stop_reason() {
             println!("  the hand stopped: {reason}");
         }
@@ -176,48 +216,47 @@ mod rig {
         written.map(|entry| entry.time).collect()
     }
 
-    /// Prints how long it took, from the oldest of the pictures that each command was made of.
+    /// Prints how long it took from the pictures that each command was made of.
     fn report(emulator: &Emulator, begin: usize, used: &[Vec<(f64, u64)>], pictures: &[Pictures]) {
-        std::thread::sleep(std::time::Duration::from_millis(20));
+        std::thread::sleep(Duration::from_millis(20));
         let written = goals(&emulator.servos());
         let steps = written[begin..].iter().zip(used);
-        let mut complete = Vec::new();
-        let mut exposed = Vec::new();
-        for (written, used) in steps {
-            let oldest = used
-                .iter()
-                .map(|(stamp, _)| *stamp)
-                .fold(f64::INFINITY, f64::min);
-            // Before the first pictures there is nothing to tell.
-            if used.iter().any(|(stamp, _)| stamp.is_nan()) {
-                continue;
-            }
-            complete.push(written - oldest);
-            let first = used.iter().zip(pictures).map(|((_, sequence), pictures)| {
-                let pictures = pictures.lock().unwrap_or_else(PoisonError::into_inner);
-                let taken = pictures
-                    .get(*sequence as usize)
-                    .copied()
-                    .unwrap_or_default();
-                debug_assert!(taken.complete >= taken.exposed);
-                taken.exposed
-            });
-            exposed.push(written - first.fold(f64::INFINITY, f64::min));
-        }
-        for (from, mut delays) in [("complete", complete), ("exposed", exposed)] {
-            delays.sort_by(f64::total_cmp);
-            let Some(last) = delays.len().checked_sub(1) else {
-                println!("  nothing was measured");
-                return;
-            };
-            let at = |share: f64| delays[(last as f64 * share) as usize] * 1e3;
-            println!(
-                "  picture {from} to the command's last byte on the bus, the oldest finger's, {} steps: p50 {:.3} ms, p99 {:.3} ms, most {:.3} ms",
-                delays.len(),
-                at(0.5),
-                at(0.99),
-                at(1.0),
-            );
-        }
+        // Before the first pictures there is nothing to tell.
+        let steps = steps.filter(|(_, used)| used.iter().all(|(stamp, _)| stamp.is_finite()));
+        let steps: Vec<_> = steps.collect();
+        let exposed = |finger: usize, sequence: u64| {
+            let pictures = pictures[finger].lock();
+            let pictures = pictures.unwrap_or_else(PoisonError::into_inner);
+            pictures[sequence as usize]
+        };
+        let oldest = |used: &[(f64, u64)]| used.iter().map(|u| u.0).fold(f64::INFINITY, f64::min);
+        let newest = |used: &[(f64, u64)]| used.iter().map(|u| u.0).fold(0.0, f64::max);
+        let first = |used: &[(f64, u64)]| {
+            let exposed = used.iter().enumerate().map(|(f, u)| exposed(f, u.1));
+            exposed.fold(f64::INFINITY, f64::min)
+        };
+        let from = |begin: &dyn Fn(&[(f64, u64)]) -> f64| -> Vec<f64> {
+            let delays = steps.iter().map(|(written, used)| *written - begin(used));
+            delays.collect()
+        };
+        print("the oldest picture complete", from(&oldest));
+        print("the newest picture complete", from(&newest));
+        print("the oldest picture exposed", from(&first));
+    }
+
+    fn print(from: &str, mut delays: Vec<f64>) {
+        delays.sort_by(f64::total_cmp);
+        let Some(last) = delays.len().checked_sub(1) else {
+            println!("  nothing was measured");
+            return;
+        };
+        let at = |share: f64| delays[(last as f64 * share) as usize] * 1e3;
+        println!(
+            "  {from} to the command's last byte on the bus, {} steps: p50 {:.3} ms, p99 {:.3} ms, most {:.3} ms",
+            delays.len(),
+            at(0.5),
+            at(0.99),
+            at(1.0),
+        );
     }
 }
