@@ -1,11 +1,13 @@
 //! What turns gives way: an object on a thread or hinge, and the bottle under it in its holder.
 
-use super::columnar_feeler::{FeelerConfig, Friction, Overload, Tip, within_cone};
+use super::columnar_feeler::{Anchor, FeelerConfig, Friction, Overload, Tip, tip_of, within_cone};
+use super::contacts::{BLOCK, Column};
 use super::holder::PlaySpring;
 use super::model::WorldModel;
 use super::pose::Pose;
-use super::state::{Contact, FingerState, ObjectState, State};
-use super::step::{friction, settle, undeformed};
+use super::settle::{friction, settle};
+use super::state::{FingerState, ObjectState, State};
+use super::step::undeformed;
 use super::thread::{FingerLoad, Hinge};
 use glam::DVec3;
 use multiversion::multiversion;
@@ -69,6 +71,7 @@ fn shift_and_turn(
 }
 
 /// Shifts what an object stands on until the forces along W's x and y balance; whether it had to.
+#[multiversion(targets("x86_64+avx2"))]
 fn shift(
     model: &WorldModel,
     state: &mut State,
@@ -97,7 +100,7 @@ fn shift(
     }
     let way = turn.shift.distance(own.turn.shift);
     own.turn = turn;
-    own.pose = hinge.pose(&turn, &object.start);
+    own.move_to(hinge.pose(&turn, &object.start));
     way > SHIFT_TOLERANCE
 }
 
@@ -108,7 +111,7 @@ fn turn(model: &WorldModel, state: &mut State, index: usize, hinge: &Hinge) {
         fingers, objects, ..
     } = state;
     let (object, own) = (&model.objects[index], &mut objects[index]);
-    let touches = |finger: &FingerState| finger.contacts.iter().any(|c| c.object == index);
+    let touches = |finger: &FingerState| !finger.contacts.on(index).is_empty();
     let touched = fingers.iter().any(touches);
     let mut turn = own.turn;
     hinge.turn(&mut turn, &model.shaft, |turn| {
@@ -122,12 +125,13 @@ fn turn(model: &WorldModel, state: &mut State, index: usize, hinge: &Hinge) {
     });
     if turn != own.turn {
         own.turn = turn;
-        own.pose = hinge.pose(&turn, &object.start);
+        own.move_to(hinge.pose(&turn, &object.start));
     }
 }
 
 /// What the feelers on an object would do at `pose` along one of its freedoms, holding on: `way` is the
 /// velocity of a point of the object per rate of that freedom, in the object's frame.
+#[inline(always)]
 fn grip(
     model: &WorldModel,
     fingers: &[FingerState],
@@ -139,40 +143,62 @@ fn grip(
     let object = &model.objects[index];
     let mut sum = FingerLoad::default();
     for (finger, state) in model.fingers.iter().zip(fingers) {
-        if state.contacts.is_empty() {
+        let contacts = state.contacts.on(index);
+        if contacts.is_empty() {
             continue;
         }
         let seen = state.tip.seen_from(pose);
         let turned = seen.turn_since(&state.rolled[index]);
-        for contact in state.contacts.iter().filter(|c| c.object == index) {
-            let feeler = &finger.feelers[contact.element];
-            let anchor = feeler.rolled(&contact.anchor, turned);
-            let contact = Contact { anchor, ..*contact };
-            let tip = undeformed(finger, &state.sets, &seen, contact.element);
-            let friction = friction(finger, object, own, contact.element);
-            let grip = contact_grip(feeler, friction, &tip, &contact, model.step, &way);
-            sum.load += grip.load;
-            sum.stiffness += grip.stiffness;
+        for (share, block) in contacts.blocks() {
+            let (mut load, mut stiffness): (Column, Column) = ([0.0; BLOCK], [0.0; BLOCK]);
+            if let Some(spring) = &finger.springs {
+                let spring = spring.as_spring();
+                let friction = friction(&spring, object, own);
+                for lane in 0..share.lanes.min(BLOCK) {
+                    let anchor = spring.rolled(&block.anchor(lane), turned);
+                    let axis = block.axis(lane);
+                    let tip = tip_of(finger.dome_radius, &seen, axis, DVec3::ZERO);
+                    let still = (DVec3::ZERO, model.step);
+                    let grip = contact_grip(&spring, friction, &tip, &anchor, still, &way);
+                    (load[lane], stiffness[lane]) = (grip.load, grip.stiffness);
+                }
+            } else {
+                for lane in 0..share.count {
+                    let element = block.element(lane);
+                    let feeler = &finger.feelers[element];
+                    let anchor = feeler.rolled(&block.anchor(lane), turned);
+                    let tip = undeformed(finger, &state.sets, &seen, element);
+                    let moved = (tip.position - block.tip_before(lane), model.step);
+                    let friction = friction(feeler, object, own);
+                    let grip = contact_grip(feeler, friction, &tip, &anchor, moved, &way);
+                    (load[lane], stiffness[lane]) = (grip.load, grip.stiffness);
+                }
+            }
+            for (load, stiffness) in load.iter().zip(&stiffness).take(share.count) {
+                sum.load += load;
+                sum.stiffness += stiffness;
+            }
         }
     }
     sum
 }
 
-/// What one feeler does to an object along one of its freedoms, holding on.
+/// What one feeler does to an object along one of its freedoms, holding on. `moved` is by how much its tip has moved, m, and in which
+/// time, s.
+#[inline(always)]
 fn contact_grip(
     feeler: &FeelerConfig,
     friction: Friction,
     tip: &Tip,
-    contact: &Contact,
-    duration: f64,
+    anchor: &Anchor,
+    (moved, duration): (DVec3, f64),
     way: impl Fn(DVec3) -> DVec3,
 ) -> FingerLoad {
-    let anchor = &contact.anchor;
     let mut force = feeler.holding_force(friction, tip, anchor);
     let way = way(feeler.contact_point(anchor));
     let mut stiffness = way.dot(feeler.stiffness_times(tip.axis, way));
     if feeler.is_damped() {
-        let velocity = (tip.position - contact.tip_before) / duration;
+        let velocity = moved / duration;
         force += feeler.damping_times(tip.axis, velocity);
         force = within_cone(force, anchor.normal, friction);
         stiffness += way.dot(feeler.damping_times(tip.axis, way)) / duration;

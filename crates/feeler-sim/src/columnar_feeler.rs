@@ -4,6 +4,7 @@
 pub use super::feeler_config::{FeelerConfig, Friction};
 
 use super::object::Object;
+use super::pose::Pose;
 use super::shape::SurfacePoint;
 use glam::DVec3;
 
@@ -42,6 +43,25 @@ impl Tip {
     }
 }
 
+/// The undeformed feeler along `axis` in the fingertip frame `T`, with its `set` (m) in the object's, on a dome of `dome_radius` (m)
+/// that is at `seen` as seen from the object.
+#[inline(always)]
+pub(super) fn tip_of(dome_radius: f64, seen: &Pose, axis: DVec3, set: DVec3) -> Tip {
+    let axis = seen.rotation * axis;
+    Tip {
+        position: seen.position + dome_radius * axis,
+        axis,
+        set,
+    }
+}
+
+/// Whether a tip that presses with `normal_force` sticks under a `shear` force, both N.
+#[inline(always)]
+pub(super) fn sticks(normal_force: f64, shear: f64, friction: Friction) -> bool {
+    let excess = shear - friction.static_friction * normal_force;
+    excess <= SLIP_TOLERANCE * normal_force
+}
+
 /// How an overload of a feeler came about.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Overload {
@@ -54,6 +74,7 @@ pub enum Overload {
 
 impl FeelerConfig {
     /// Friction of this feeler on an object that brings none of its own.
+    #[inline(always)]
     pub fn friction(&self) -> Friction {
         Friction {
             static_friction: self.static_friction,
@@ -63,6 +84,7 @@ impl FeelerConfig {
     }
 
     /// Whether the feeler is damped at all.
+    #[inline(always)]
     pub fn is_damped(&self) -> bool {
         self.normal_damping > 0.0 || self.shear_damping > 0.0
     }
@@ -73,6 +95,7 @@ impl FeelerConfig {
     /// across it, it is the gradient of `k_n d_n² / 2 + k_t (1 + c d_n) d_t² / 2`, and beyond the
     /// length limit L of `(10 - 1) k_n (d_n - L)² / 2` more. A set is taken off the displacement for
     /// the linear part of the force, `K d`, and for no other.
+    #[inline(always)]
     pub fn elastic_force(&self, tip: &Tip, anchor: DVec3) -> DVec3 {
         let displacement = tip.position - anchor;
         let force = self.stiffness_times(tip.axis, displacement - tip.set);
@@ -94,12 +117,14 @@ impl FeelerConfig {
 
     /// The stiffness matrix `K = k_t I + (k_n - k_t) n n^T` of a feeler along `axis`, times
     /// `displacement` (m); N.
+    #[inline(always)]
     pub fn stiffness_times(&self, axis: DVec3, displacement: DVec3) -> DVec3 {
         self.shear_stiffness * displacement
             + (self.normal_stiffness - self.shear_stiffness) * axis.dot(displacement) * axis
     }
 
     /// The damping matrix, made like the stiffness matrix, times `velocity` (m/s); N.
+    #[inline(always)]
     pub fn damping_times(&self, axis: DVec3, velocity: DVec3) -> DVec3 {
         self.shear_damping * velocity
             + (self.normal_damping - self.shear_damping) * axis.dot(velocity) * axis
@@ -118,6 +143,7 @@ impl FeelerConfig {
     ///
     /// The tip's sphere turns with the fingertip and not with the object: what turns under it makes
     /// it roll, and the contact point stays on the same spot of neither.
+    #[inline(always)]
     pub fn rolled(&self, anchor: &Anchor, turn: DVec3) -> Anchor {
         Anchor {
             position: anchor.position + self.tip_radius * turn.cross(anchor.normal),
@@ -126,12 +152,14 @@ impl FeelerConfig {
     }
 
     /// Where a tip held at `anchor` touches the surface, m, in the object's frame.
+    #[inline(always)]
     pub fn contact_point(&self, anchor: &Anchor) -> DVec3 {
         anchor.position - self.tip_radius * anchor.normal
     }
 
     /// The force that an anchored feeler can pass on without slipping, N, in the object's frame:
     /// the elastic force, its shear cut at the static friction limit; zero where it would pull.
+    #[inline(always)]
     pub fn holding_force(&self, friction: Friction, tip: &Tip, anchor: &Anchor) -> DVec3 {
         within_cone(
             self.elastic_force(tip, anchor.position),
@@ -160,10 +188,10 @@ impl FeelerConfig {
         if normal_force <= 0.0 {
             return None;
         }
-        let excess = shear.length() - friction.static_friction * normal_force;
-        if excess <= SLIP_TOLERANCE * normal_force {
+        if sticks(normal_force, shear.length(), friction) {
             return Some((anchor, force));
         }
+        let excess = shear.length() - friction.static_friction * normal_force;
         let rebuilt = match overload {
             Overload::Steady => excess,
             Overload::Sudden => 0.0,
@@ -211,6 +239,7 @@ impl FeelerConfig {
 }
 
 /// `force` (N, on the object), its shear cut at the static friction limit; zero where it pulls.
+#[inline(always)]
 pub fn within_cone(force: DVec3, normal: DVec3, friction: Friction) -> DVec3 {
     let (normal_force, shear) = split(force, normal);
     if normal_force <= 0.0 {
@@ -220,7 +249,8 @@ pub fn within_cone(force: DVec3, normal: DVec3, friction: Friction) -> DVec3 {
 }
 
 /// Splits a force on the object into its normal force (positive when it presses) and its shear.
-fn split(force: DVec3, normal: DVec3) -> (f64, DVec3) {
+#[inline(always)]
+pub(super) fn split(force: DVec3, normal: DVec3) -> (f64, DVec3) {
     let normal_force = -force.dot(normal);
     (normal_force, force + normal_force * normal)
 }

@@ -106,6 +106,29 @@ impl Friction {
 }
 
 impl FeelerConfig {
+    /// Whether it is a spring and nothing else, without damping or relaxation.
+    pub(super) fn is_spring(&self) -> bool {
+        *self == self.as_spring()
+    }
+
+    /// The feeler as the spring that it is beside everything else. The compiler sees that the rest is nothing.
+    #[inline(always)]
+    pub(super) fn as_spring(&self) -> Self {
+        Self {
+            normal_stiffness: self.normal_stiffness,
+            shear_stiffness: self.shear_stiffness,
+            tip_radius: self.tip_radius,
+            static_friction: self.static_friction,
+            kinetic_friction: self.kinetic_friction,
+            stribeck_speed: self.stribeck_speed,
+            normal_damping: 0.0,
+            shear_damping: 0.0,
+            normal_shear_coupling: 0.0,
+            length_limit: None,
+            relaxation: None,
+        }
+    }
+
     /// Requires every value of the table `key` to be in its range.
     pub fn check(&self, key: &str, checker: &mut Checker) {
         let positive = [

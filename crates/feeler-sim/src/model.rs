@@ -56,6 +56,10 @@ pub struct Finger {
     pub feelers: Vec<FeelerConfig>,
     /// What its encoders show above its joint angles, rad.
     pub encoder_offset: DVec3,
+    /// One for all feelers, where they are alike and springs without anything else.
+    pub(super) springs: Option<FeelerConfig>,
+    /// How far any point of its dome can be from the axis of each joint, m.
+    pub(super) reach: DVec3,
 }
 
 impl WorldModel {
@@ -88,6 +92,11 @@ impl WorldModel {
         for exception in &config.element {
             exception.apply(&mut fingers)?;
         }
+        for finger in &mut fingers {
+            let first = finger.feelers.first().filter(|first| first.is_spring());
+            let alike = first.filter(|first| finger.feelers.iter().all(|other| other == *first));
+            finger.springs = alike.cloned();
+        }
         let feelers = || fingers.iter().flat_map(|finger| &finger.feelers);
         let damped = feelers().any(FeelerConfig::is_damped);
         let frictions = feelers().map(FeelerConfig::friction);
@@ -118,9 +127,19 @@ impl WorldModel {
 }
 
 impl Finger {
+    /// The feeler of `element`. Where all are alike, it is the same one in memory.
+    #[inline(always)]
+    pub(super) fn feeler(&self, element: usize) -> &FeelerConfig {
+        self.springs.as_ref().unwrap_or(&self.feelers[element])
+    }
+
     fn new(geometry: &FingerGeometry, layout: &ElementLayout, feeler: &FeelerConfig) -> Self {
         let elements = &layout.elements;
+        let [l2, l3, l4] = geometry.links();
+        let last = l4 + layout.dome_radius;
         Self {
+            springs: None,
+            reach: DVec3::new(l2 + l3 + last, l3 + last, last),
             geometry: geometry.clone(),
             dome_radius: layout.dome_radius,
             normals: elements.iter().map(|e| e.normal()).collect(),

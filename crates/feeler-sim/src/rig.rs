@@ -76,9 +76,8 @@ impl SimHand {
         for (finger, &velocity) in command.joint_velocity().iter().enumerate() {
             world.command(finger, velocity);
         }
-        let mut steps = 0..steps;
-        let stepped = steps.try_for_each(|_| world.step());
-        stepped.map_err(|e| HandError::Failed(e.to_string()))
+        let advanced = world.advance(steps);
+        advanced.map_err(|e| HandError::Failed(e.to_string()))
     }
 }
 

@@ -1,6 +1,7 @@
 //! What changes in a run.
 
 use super::columnar_feeler::Anchor;
+pub use super::contacts::Contacts;
 use super::model::WorldModel;
 use super::object::Motion;
 use super::pose::Pose;
@@ -41,6 +42,8 @@ pub struct ObjectState {
     pub mass: f64,
     /// Factor on the friction of feelers on it.
     pub friction_factor: f64,
+    /// How often it has moved by its hinge or thread, or with what it stands on.
+    pub(super) moves: u64,
 }
 
 /// The true state of one finger.
@@ -52,8 +55,8 @@ pub struct FingerState {
     pub tip: Pose,
     /// Where the fingertip is held from outside, if it does not follow its joints.
     pub held_at: Option<Pose>,
-    /// The feelers that touch, in no particular order.
-    pub contacts: Vec<Contact>,
+    /// The feelers that touch.
+    pub contacts: Contacts,
     /// Rotation of the fingertip as seen from each object up to which its tips have rolled on it.
     pub(super) rolled: Vec<DMat3>,
     /// Set of each feeler that relaxes, m, in the fingertip frame `T`.
@@ -111,6 +114,10 @@ pub(super) struct Watch {
     pub due: Vec<f64>,
     /// Nothing is due before this, m.
     pub soonest: f64,
+    /// Upper bound of the way that any tip has gone since the fingertip was last looked at, m.
+    pub unseen: f64,
+    /// How often objects had moved by then.
+    pub moves: u64,
 }
 
 impl State {
@@ -126,7 +133,7 @@ impl State {
                 joints: model.servo.joints(theta),
                 tip,
                 held_at: None,
-                contacts: Vec::with_capacity(elements),
+                contacts: Contacts::none(objects.len(), elements),
                 rolled: vec![DMat3::IDENTITY; objects.len()],
                 sets: vec![DVec3::ZERO; elements],
                 forces: vec![DVec3::ZERO; elements],
@@ -136,6 +143,8 @@ impl State {
                     travelled: 0.0,
                     due: vec![0.0; elements],
                     soonest: 0.0,
+                    unseen: 0.0,
+                    moves: 0,
                 },
             }
         });
@@ -175,6 +184,13 @@ impl ObjectState {
             outside: (DVec3::ZERO, DVec3::ZERO),
             mass: object.mass().unwrap_or(0.0),
             friction_factor: 1.0,
+            moves: 0,
         }
+    }
+
+    /// Moves it to `pose`, by its hinge or thread, or with what it stands on.
+    pub(super) fn move_to(&mut self, pose: Pose) {
+        self.moves += u64::from(pose != self.pose);
+        self.pose = pose;
     }
 }

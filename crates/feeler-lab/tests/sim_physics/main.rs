@@ -11,3 +11,4 @@ mod one_feeler;
 mod reference;
 mod relaxation;
 mod rim;
+mod side_by_side;

@@ -85,7 +85,7 @@ impl ContourGoal {
     fn touched(&self, world: &World) -> Option<(usize, f64)> {
         let finger = world.state().fingers.first()?;
         let (mut force, mut weight, mut middle) = (DVec3::ZERO, 0.0, DVec2::ZERO);
-        for contact in &finger.contacts {
+        for contact in finger.contacts.iter() {
             let object = world.state().objects.get(contact.object)?;
             let pushed = finger.forces[contact.element];
             let point = object.pose.to_world(contact.anchor.position).truncate();

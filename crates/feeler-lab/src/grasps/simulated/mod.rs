@@ -96,7 +96,7 @@ impl SimulatedGrasp {
             }
             world.element_forces(0, &mut forces);
             let fingers = world.state().fingers.iter();
-            let mut contacts = fingers.flat_map(|finger| &finger.contacts);
+            let mut contacts = fingers.flat_map(|finger| finger.contacts.iter());
             frames.push(SimulatedFrame {
                 stamp: frame as f64 * INTERVAL,
                 displaced: markers.displaced(&forces, INTERVAL, &mut random),

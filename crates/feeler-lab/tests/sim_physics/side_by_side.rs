@@ -1,0 +1,136 @@
+//! Contacts that are worked on side by side against contacts one by one, and steps that nobody looks at against steps that are seen.
+
+use super::reference::{Commands, commands, experiment, replay, world};
+use feeler_lab::config::Experiment;
+use feeler_sim::element::ElementConfig;
+use feeler_sim::world::World;
+
+/// All that there is to see of a world, to the bit: numbers are written so that they can be read back.
+fn seen(world: &World) -> String {
+    let state = world.state();
+    let fingers = state.fingers.iter().map(|finger| {
+        let contacts: Vec<_> = finger.contacts.iter().collect();
+        let (forces, slipped) = (&finger.forces, &finger.slipped);
+        format!(
+            "{:?} {:?} {contacts:?} {forces:?} {slipped:?} {:?}",
+            finger.joints, finger.tip, finger.sets
+        )
+    });
+    let fingers: Vec<_> = fingers.collect();
+    let objects = state.objects.iter().map(|o| (o.pose, o.turn));
+    let objects: Vec<_> = objects.collect();
+    let torque = state.filtered_torque;
+    format!("{} {fingers:?} {objects:?} {torque:?}", state.steps)
+}
+
+/// An element of each finger that touches nothing in the run, and the most contacts that a finger has at once.
+fn idle_elements(experiment: &Experiment, commands: &Commands) -> (Vec<usize>, usize) {
+    let mut world = world(experiment, &commands.start);
+    let fingers = world.model().fingers.iter();
+    let mut touched: Vec<_> = fingers.map(|f| vec![false; f.normals.len()]).collect();
+    let mut most = 0;
+    replay(&mut world, commands, |world, _| {
+        for (finger, touched) in world.state().fingers.iter().zip(&mut touched) {
+            most = most.max(finger.contacts.len());
+            for contact in finger.contacts.iter() {
+                touched[contact.element] = true;
+            }
+        }
+    });
+    let idle = |touched: &Vec<bool>| touched.iter().position(|touched| !touched);
+    let idle: Option<Vec<_>> = touched.iter().map(idle).collect();
+    (idle.expect("an element that touches nothing"), most)
+}
+
+/// Where one feeler differs from the others, contacts are worked on one by one. A feeler that touches nothing changes nothing else.
+fn compare_with_one_by_one(experiment: &Experiment) -> usize {
+    let commands = commands(experiment);
+    let (idle, most) = idle_elements(experiment, &commands);
+    let mut differing = experiment.clone();
+    let sim = differing.config.sim.as_mut().expect("a simulated world");
+    for (finger, element) in idle.into_iter().enumerate() {
+        sim.element.push(ElementConfig {
+            finger,
+            elements: vec![element],
+            normal_stiffness: Some(1.5 * sim.feeler.normal_stiffness),
+            ..ElementConfig::default()
+        });
+    }
+    let mut one_by_one = world(&differing, &commands.start);
+    let mut side_by_side = world(experiment, &commands.start);
+    let mut steps = 0_u64;
+    replay(&mut side_by_side, &commands, |world, row| {
+        for (finger, &velocity) in commands.rows[row].iter().enumerate() {
+            one_by_one.command(finger, velocity);
+        }
+        one_by_one.step().expect("a step");
+        steps += 1;
+        // Of what both have been through, nothing is forgotten.
+        if steps.is_multiple_of(7) {
+            assert_eq!(seen(world), seen(&one_by_one));
+        }
+    });
+    assert_eq!(seen(&side_by_side), seen(&one_by_one));
+    most
+}
+
+fn built_in(name: &str, settings: &[&str]) -> Experiment {
+    let settings: Vec<_> = std::iter::once(&"sensing=direct")
+        .chain(settings)
+        .map(ToString::to_string)
+        .collect();
+    Experiment::load(name, &settings).expect("a built-in experiment")
+}
+
+#[test]
+fn contacts_side_by_side_are_those_one_by_one_to_the_bit() {
+    for seed in [3, 4, 5] {
+        compare_with_one_by_one(&experiment(&[&format!("seed={seed}")]));
+    }
+    // Soft feelers: more contacts than are worked on at once, and than a block has.
+    let soft = ["sim.feeler.normal_stiffness=60.0", "time_limit=6.0"];
+    let most = compare_with_one_by_one(&built_in("cap-closing", &soft));
+    assert!(most > 8, "{most}");
+}
+
+#[test]
+fn contacts_of_one_finger_and_of_three_are_those_one_by_one_to_the_bit() {
+    for name in ["friction-scan", "three-fingers"] {
+        compare_with_one_by_one(&built_in(name, &["time_limit=6.0"]));
+    }
+}
+
+#[test]
+fn contacts_side_by_side_shift_a_bottle_as_those_one_by_one() {
+    let holder = "sim.holder={lateral={stiffness=[2e4,2e4]},turn_play=0.01}";
+    compare_with_one_by_one(&experiment(&[holder]));
+}
+
+#[test]
+fn steps_that_nobody_looks_at_leave_the_world_as_steps_that_are_seen() {
+    for settings in [
+        vec!["seed=6"],
+        vec!["sim.feeler.relaxation={share=0.2,time=0.5}"],
+        vec![
+            "sim.feeler.normal_damping=0.5",
+            "sim.feeler.shear_damping=0.3",
+        ],
+    ] {
+        let experiment = experiment(&settings);
+        let commands = commands(&experiment);
+        let mut stepped = world(&experiment, &commands.start);
+        let mut advanced = world(&experiment, &commands.start);
+        let steps = (commands.period / stepped.model().step).round() as usize;
+        for command in &commands.rows {
+            for (finger, &velocity) in command.iter().enumerate() {
+                stepped.command(finger, velocity);
+                advanced.command(finger, velocity);
+            }
+            for _ in 0..steps {
+                stepped.step().expect("a step");
+            }
+            advanced.advance(steps).expect("steps");
+            assert_eq!(seen(&advanced), seen(&stepped));
+        }
+    }
+}

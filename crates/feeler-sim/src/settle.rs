@@ -1,0 +1,210 @@
+//! Feelers on an object slip or let go, and their forces are known.
+
+use super::columnar_feeler::{
+    Anchor, FeelerConfig, Friction, Overload, Tip, sticks, tip_of, within_cone,
+};
+use super::contacts::{BLOCK, Block, Column, Share, Vectors};
+use super::model::{Finger, WorldModel};
+use super::object::Object;
+use super::pose::Pose;
+use super::state::{FingerState, ObjectState, Slipped, State};
+use super::step::undeformed;
+use glam::DVec3;
+use multiversion::multiversion;
+
+/// Friction of a feeler on an object as it is now.
+#[inline(always)]
+pub(super) fn friction(feeler: &FeelerConfig, object: &Object, state: &ObjectState) -> Friction {
+    let friction = object.friction.unwrap_or_else(|| feeler.friction());
+    friction.scaled(state.friction_factor)
+}
+
+/// How the feelers of one finger meet an object.
+struct Meeting<'a> {
+    finger: &'a Finger,
+    object: &'a Object,
+    state: &'a ObjectState,
+    /// The fingertip as seen from the object.
+    seen: Pose,
+    /// By how much it has turned since tips last rolled, rad, in the object's frame.
+    turned: DVec3,
+    overload: Overload,
+    /// Time since tips were remembered, s.
+    duration: f64,
+}
+
+/// Forces of a block's contacts that hold on.
+struct Held {
+    /// On the object, N, in W.
+    force: Vectors,
+    /// What is pressed and does not slip is held.
+    is_held: [bool; BLOCK],
+}
+
+/// Feelers on the object slip or let go, and their forces are known; how many slipped. `duration`
+/// (s) is the time since their tips were remembered.
+#[multiversion(targets("x86_64+avx2"))]
+pub(super) fn settle(
+    model: &WorldModel,
+    state: &mut State,
+    index: usize,
+    overload: Overload,
+    duration: f64,
+) -> usize {
+    let mut slips = 0;
+    let (object, own) = (&model.objects[index], &state.objects[index]);
+    for (finger, state) in model.fingers.iter().zip(&mut state.fingers) {
+        if state.contacts.is_empty() {
+            continue;
+        }
+        let seen = state.tip.seen_from(&own.pose);
+        let turned = seen.turn_since(&state.rolled[index]);
+        state.rolled[index] = seen.rotation;
+        let meeting = Meeting {
+            finger,
+            object,
+            state: own,
+            seen,
+            turned,
+            overload,
+            duration,
+        };
+        let mut gone = false;
+        let contacts = state.contacts.on_mut(index);
+        for (share, block) in contacts.blocks_mut() {
+            let held = meeting.hold(share, block);
+            for lane in 0..share.count {
+                let element = block.element(lane);
+                if held.is_held[lane] {
+                    state.forces[element] = held.force.get(lane);
+                    continue;
+                }
+                let settled = meeting.settle(block, lane, &state.sets);
+                gone |= settled.is_none();
+                let Some((force, slipped)) = settled else {
+                    slips += 1;
+                    state.forces[element] = DVec3::ZERO;
+                    state.watch.due[element] = state.watch.travelled;
+                    state.watch.soonest = state.watch.travelled;
+                    continue;
+                };
+                if let Some(slipped) = slipped {
+                    slips += 1;
+                    state.slipped[element] += slipped;
+                }
+                state.forces[element] = force;
+            }
+        }
+        if gone {
+            // A contact's feeler is looked at again once it has let go, and not before.
+            let due = &state.watch.due;
+            contacts.retain(|element| due[element] == f64::INFINITY);
+        }
+    }
+    slips
+}
+
+impl Meeting<'_> {
+    /// Rolls a block's tips, and finds the forces of those that hold on.
+    #[inline(always)]
+    fn hold(&self, share: Share, block: &mut Block) -> Held {
+        let mut held = Held {
+            force: Vectors::default(),
+            is_held: [false; BLOCK],
+        };
+        let Some(spring) = &self.finger.springs else {
+            for lane in 0..share.count {
+                self.roll(block, lane, &self.finger.feelers[block.element(lane)]);
+            }
+            return held;
+        };
+        let spring = spring.as_spring();
+        let friction = friction(&spring, self.object, self.state);
+        let (mut pressed, mut shear): (Column, Column) = ([0.0; BLOCK], [0.0; BLOCK]);
+        for lane in 0..share.lanes.min(BLOCK) {
+            self.roll(block, lane, &spring);
+            let anchor = block.anchor(lane);
+            let tip = tip_of(
+                self.finger.dome_radius,
+                &self.seen,
+                block.axis(lane),
+                DVec3::ZERO,
+            );
+            let force = spring.elastic_force(&tip, anchor.position);
+            let split = super::columnar_feeler::split(force, anchor.normal);
+            (pressed[lane], shear[lane]) = (split.0, split.1.length());
+            held.force.set(lane, self.state.pose.rotation * force);
+        }
+        for lane in 0..share.count {
+            held.is_held[lane] =
+                pressed[lane] > 0.0 && sticks(pressed[lane], shear[lane], friction);
+        }
+        held
+    }
+
+    #[inline(always)]
+    fn roll(&self, block: &mut Block, lane: usize, feeler: &FeelerConfig) {
+        let anchor = feeler.rolled(&block.anchor(lane), self.turned);
+        block.move_anchor(lane, anchor.position);
+        let rolled = block.rolled(lane) + feeler.tip_radius * self.turned.length();
+        block.set_rolled(lane, rolled);
+    }
+
+    /// What becomes of one contact, whose tip has rolled: the force on the object, N, in W, and how it slipped, if it
+    /// did. `None` where it lets go.
+    fn settle(
+        &self,
+        block: &mut Block,
+        lane: usize,
+        sets: &[DVec3],
+    ) -> Option<(DVec3, Option<Slipped>)> {
+        let element = block.element(lane);
+        let feeler = self.finger.feeler(element);
+        let before = block.anchor(lane);
+        let tip = undeformed(self.finger, sets, &self.seen, element);
+        let mut friction = friction(feeler, self.object, self.state);
+        let velocity = (tip.position - block.tip_before(lane)) / self.duration;
+        if friction.stribeck_speed > 0.0 {
+            friction = friction.at_speed(velocity.reject_from(before.normal).length());
+        }
+        let (anchor, mut force) =
+            feeler.settle(self.object, friction, &tip, before, self.overload)?;
+        let slipped = (anchor != before).then(|| slip(feeler, &tip, &before, &anchor));
+        block.set_anchor(lane, &anchor);
+        if feeler.is_damped() {
+            force += feeler.damping_times(tip.axis, velocity);
+            force = within_cone(force, anchor.normal, friction);
+        }
+        Some((self.state.pose.rotation * force, slipped))
+    }
+}
+
+/// What a slip from one anchor to another takes. The feeler has no mass and its force falls in proportion,
+/// so that friction takes the mean of both forces times the way: all that the spring loses.
+fn slip(feeler: &FeelerConfig, tip: &Tip, from: &Anchor, to: &Anchor) -> Slipped {
+    let way = to.position - from.position;
+    let before = feeler.elastic_force(tip, from.position);
+    let after = feeler.elastic_force(tip, to.position);
+    Slipped {
+        way: way.length(),
+        work: 0.5 * (before + after).dot(way),
+    }
+}
+
+/// Notes where the tips on an object are, for what depends on speed.
+pub(super) fn remember_tips(model: &WorldModel, state: &mut State, index: usize) {
+    if !model.depends_on_speed {
+        return;
+    }
+    let pose = &state.objects[index].pose;
+    for (finger, state) in model.fingers.iter().zip(&mut state.fingers) {
+        let seen = state.tip.seen_from(pose);
+        let FingerState { contacts, sets, .. } = state;
+        for (share, block) in contacts.on_mut(index).blocks_mut() {
+            for lane in 0..share.count {
+                let tip = undeformed(finger, sets, &seen, block.element(lane));
+                block.set_tip_before(lane, tip.position);
+            }
+        }
+    }
+}
