@@ -1,7 +1,7 @@
 //! Feelers on an object slip or let go, and their forces are known.
 
 use super::columnar_feeler::{
-    Anchor, FeelerConfig, Friction, Overload, Tip, sticks, tip_of, within_cone,
+    Anchor, FeelerConfig, Friction, Overload, Tip, split, sticks, tip_of, within_cone,
 };
 use super::contacts::{BLOCK, Block, Column, Share, Vectors};
 use super::model::{Finger, WorldModel};
@@ -131,8 +131,8 @@ impl Meeting<'_> {
                 DVec3::ZERO,
             );
             let force = spring.elastic_force(&tip, anchor.position);
-            let split = super::columnar_feeler::split(force, anchor.normal);
-            (pressed[lane], shear[lane]) = (split.0, split.1.length());
+            let (normal_force, across) = split(force, anchor.normal);
+            (pressed[lane], shear[lane]) = (normal_force, across.length());
             held.force.set(lane, self.state.pose.rotation * force);
         }
         for lane in 0..share.count {

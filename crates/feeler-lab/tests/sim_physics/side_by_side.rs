@@ -65,7 +65,7 @@ fn compare_with_one_by_one(experiment: &Experiment) -> usize {
         }
         one_by_one.step().expect("a step");
         steps += 1;
-        // Of what both have been through, nothing is forgotten.
+        // Not in every step, as writing takes long: what differs goes on to differ.
         if steps.is_multiple_of(7) {
             assert_eq!(seen(world), seen(&one_by_one));
         }
@@ -96,7 +96,8 @@ fn contacts_side_by_side_are_those_one_by_one_to_the_bit() {
 #[test]
 fn contacts_of_one_finger_and_of_three_are_those_one_by_one_to_the_bit() {
     for name in ["friction-scan", "three-fingers"] {
-        compare_with_one_by_one(&built_in(name, &["time_limit=6.0"]));
+        let most = compare_with_one_by_one(&built_in(name, &["time_limit=6.0"]));
+        assert!(most > 0, "{name}");
     }
 }
 
