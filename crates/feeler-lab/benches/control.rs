@@ -167,6 +167,9 @@ fn detect_grasp_slip(bencher: Bencher) {
         places[20].x += by;
         let places = black_box(&places);
         let contact = loss.update(0.01, places.iter().copied());
-        (contact, drag.update(0.01, places.iter().copied()))
+        (
+            contact,
+            drag.update(0.01, places.iter().map(|place| place.extend(0.0))),
+        )
     });
 }

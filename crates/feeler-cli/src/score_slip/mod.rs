@@ -4,6 +4,7 @@ mod collected;
 mod labels;
 mod notes;
 mod recorded;
+mod said;
 mod scores;
 mod simulated;
 mod sources;

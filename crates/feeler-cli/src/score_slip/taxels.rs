@@ -142,10 +142,10 @@ impl TaxelTables {
                 });
             }
             if let Some((_, frames)) = sequences.get_mut(own) {
-                let shear = frame.forces.iter().map(|force| force.truncate());
                 frames.push(GraspFrame {
                     stamp: frame.stamp,
-                    shear: shear.collect(),
+                    shear: frame.forces.iter().map(|force| force.truncate()).collect(),
+                    normal: frame.forces.iter().map(|force| force.z).collect(),
                 });
             }
         };
@@ -186,17 +186,28 @@ fn side_by_side(
     }
     let frame = |number: usize| {
         let there = arrays.iter().find_map(|(_, frames)| frames.get(number));
-        let shear = arrays.iter().flat_map(|(taxels, frames)| {
-            let own = frames.get(number).map_or(&[][..], |frame| &frame.shear);
-            let missing = taxels - own.len().min(*taxels);
-            own.iter()
-                .copied()
-                .chain(std::iter::repeat_n(DVec2::NAN, missing))
-        });
         GraspFrame {
             stamp: there.map_or(f64::NAN, |frame| frame.stamp),
-            shear: shear.collect(),
+            shear: joined(arrays, number, |frame| &frame.shear, DVec2::NAN),
+            normal: joined(arrays, number, |frame| &frame.normal, f64::NAN),
         }
     };
     (0..most).map(frame).collect()
+}
+
+/// The `part` of all arrays' frames of this number, `missing` for each taxel that has none.
+fn joined<T: Copy>(
+    arrays: &[(usize, &[GraspFrame])],
+    number: usize,
+    part: impl Fn(&GraspFrame) -> &[T],
+    missing: T,
+) -> Vec<T> {
+    let own = arrays.iter().flat_map(|(taxels, frames)| {
+        let own = frames.get(number).map_or(&[][..], &part);
+        let lacking = taxels - own.len().min(*taxels);
+        own.iter()
+            .copied()
+            .chain(std::iter::repeat_n(missing, lacking))
+    });
+    own.collect()
 }

@@ -126,6 +126,7 @@ impl TrackTables {
         }) else {
             return Err(refused(&"no columns u_x and u_y, nor f_x and f_y").into());
         };
+        let normal = find("f_z").filter(|_| VECTORS[kind] == ["f_x", "f_y"]);
         let stamp = find("stamp").filter(|_| self.rate.is_none());
         if stamp.is_none() && self.rate.is_none() {
             return Err(refused(&"no column stamp; expected one, or --rate").into());
@@ -182,6 +183,7 @@ impl TrackTables {
                     GraspFrame {
                         stamp,
                         shear: Vec::new(),
+                        normal: Vec::new(),
                     },
                 ));
             }
@@ -205,6 +207,10 @@ impl TrackTables {
                     });
                 }
                 frame.shear[element] = vector.map_or(DVec2::NAN, |(x, y)| DVec2::new(x, y));
+                if let Some(normal) = normal {
+                    frame.normal.resize(frame.shear.len(), f64::NAN);
+                    frame.normal[element] = number(normal).unwrap_or(f64::NAN);
+                }
             }
         }
         Ok((

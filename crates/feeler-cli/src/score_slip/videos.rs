@@ -86,6 +86,7 @@ impl Videos {
                 frames.push(GraspFrame {
                     stamp: number as f64 / rate,
                     shear: found,
+                    normal: Vec::new(),
                 });
             }
             number += 1;

@@ -355,8 +355,8 @@ fn what_makes_no_sense_is_refused_for_recordings() {
     .refused(&["an input"]);
 }
 
-/// Known to be possible: largest shear over a sequence 0.970 (area and share), a regression 0.982. Bounds: 0.97 of the
-/// sequences, each left out in turn, and an area of 0.96.
+/// Known to be possible: largest shear over a sequence 0.970 (area and share), a regression 0.982. Bounds: 0.98 of the
+/// sequences, each left out in turn, and an area of 0.97.
 #[test]
 fn displaced_grasps_are_told_from_held_ones_on_real_magnetometers() {
     let Some(data) = real(
@@ -377,8 +377,8 @@ fn displaced_grasps_are_told_from_held_ones_on_real_magnetometers() {
     let ended = run(&folder, &[&["score-slip"][..], &paths, &arguments].concat());
     assert_eq!(ended.status, Some(0), "{ended:?}");
     let text = ended.stdout;
-    assert!(number(&text, "drag", "AUC") >= 0.96, "{text}");
-    assert!(number(&text, "drag", "right (%)") >= 97.0, "{text}");
+    assert!(number(&text, "drag", "AUC") >= 0.97, "{text}");
+    assert!(number(&text, "drag", "right (%)") >= 98.0, "{text}");
     // The paper's rule is far behind, and of contact nothing is known, as the grip is closed at the first sample.
     assert!(
         number(&text, "shear rate (the paper's rule)", "AUC") < 0.8,

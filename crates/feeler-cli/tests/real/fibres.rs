@@ -38,7 +38,7 @@ fn strength(rows: &[Row], axis: &str) -> f64 {
 }
 
 /// The recordings' folder, and a folder with a layout of the elements in the picture of least compression, if they are at hand.
-fn located(test: &str) -> Option<(PathBuf, PathBuf)> {
+pub fn located(test: &str) -> Option<(PathBuf, PathBuf)> {
     let data = recordings("optofiber-force", test)?;
     let folder = folder(test);
     let forces = rows(&data.join("FORCES.csv"));

@@ -5,6 +5,7 @@ mod blobs;
 mod fibres;
 mod fit;
 mod gelsight;
+mod kinds_of_load;
 #[path = "../support/program.rs"]
 mod program;
 #[path = "../../../feeler-lab/tests/support/recordings.rs"]

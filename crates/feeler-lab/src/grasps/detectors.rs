@@ -6,7 +6,7 @@ use feeler::control::grasp_slip::{
 };
 use feeler::sensor::reading::TactileFrame;
 use feeler_report::series::percentile;
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
 /// Share of a recording's frames in which drag must be as high as its score: a slip lasts, a jolt does not.
 const SUSTAINED: f64 = 0.9;
@@ -118,6 +118,17 @@ pub struct GraspFrame {
     pub stamp: f64,
     /// Shear, or displacement in the plane, of each element; not a number where it has none.
     pub shear: Vec<DVec2>,
+    /// Load of each element along its normal, in the same unit; empty where only the plane is seen.
+    pub normal: Vec<f64>,
+}
+
+impl GraspFrame {
+    /// Load of each element, 0 along the normal where only the plane is seen; not a number where it has none.
+    fn loads(&self) -> impl Iterator<Item = DVec3> + '_ {
+        let normal = |element| self.normal.get(element).copied().unwrap_or(0.0);
+        let shear = self.shear.iter().enumerate();
+        shear.map(move |(element, shear)| shear.extend(normal(element)))
+    }
 }
 
 /// A recording of a grasp, from any sensor.
@@ -170,7 +181,7 @@ impl GraspRecording {
         }
     }
 
-    /// Standard deviation of the noise of a component, in the unit of the vectors; none where nothing changes, or less than two
+    /// Standard deviation of the noise of a component of shear, in the unit of the vectors; none where nothing changes, or less than two
     /// frames have vectors.
     fn noise(&self) -> Option<f64> {
         let pairs = self.frames.windows(2);
@@ -239,7 +250,7 @@ impl DetectorTrace {
                 largest(rate.take(interval, &frame.shear)),
                 largest(shear),
                 loss.score(),
-                drag.update(interval, frame.shear.iter().copied()),
+                drag.update(interval, frame.loads()),
             ]);
         }
         Ok(Self {

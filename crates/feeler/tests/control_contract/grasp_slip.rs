@@ -5,7 +5,7 @@ use feeler::control::grasp_slip::{
     Contact, ContactLoss, ContactLossConfig, GraspDrag, GraspDragConfig, GraspSlipError, Picture,
     RegularPattern, noise_of,
 };
-use glam::{DMat2, DVec2};
+use glam::{DMat2, DVec2, DVec3};
 use proptest::prelude::*;
 
 /// Columns, rows and spacing (px) of the pattern, and the picture around it.
@@ -161,7 +161,7 @@ proptest! {
             let vectors = [DVec2::new(x, y), DVec2::new(y, 0.1), DVec2::splat(0.1)];
             assert_no_alloc(|| {
                 loss.update(interval, vectors);
-                drag.update(interval, vectors);
+                drag.update(interval, vectors.map(|vector| vector.extend(y)));
                 pattern.update(interval, grid_like(DVec2::new(x, y)));
             });
             for number in [loss.load(), pattern.load(), drag.drag()].into_iter().flatten() {
@@ -171,9 +171,9 @@ proptest! {
         for _ in 0..1000 {
             loss.update(0.02, [DVec2::X; 3]);
             pattern.update(0.02, grid_like(DVec2::ZERO));
-            drag.update(0.02, [DVec2::X; 3]);
+            drag.update(0.02, [DVec3::X; 3]);
         }
-        // exp(-20 / 0.5) of at most 1e6 for the load, exp(-20 / 1.33) of it for drag.
+        // exp(-20 / 0.5) of at most 1e6 for the load, exp(-20 / 1) of it for drag.
         prop_assert!((loss.load().unwrap() - 1.0).abs() < 1e-9);
         prop_assert!(pattern.load().unwrap() < 1e-9);
         prop_assert!(drag.drag().unwrap() < 1.0, "{:?}", drag.drag());
@@ -330,12 +330,14 @@ fn contact_is_held_until_the_load_is_gone_and_unknown_without_a_reference() {
 fn drag_follows_a_step_as_the_two_filters_do() {
     let GraspDragConfig { fast, slow } = GraspDragConfig::default();
     let mut drag = GraspDrag::new(4, 0.5, GraspDragConfig::default()).unwrap();
-    drag.update(0.0, [DVec2::ZERO; 4]);
+    drag.update(0.0, [DVec3::ZERO; 4]);
     for frame in 1..=3000 {
         let t = f64::from(frame) * 1e-3;
         // One element says nothing, and is not counted.
-        let step = DVec2::new(0.3, 0.4);
-        let found = drag.update(1e-3, [step, step, DVec2::NAN, step]).unwrap();
+        let (shear, press) = (DVec3::new(0.3, 0.4, 0.0), DVec3::new(0.0, 0.0, 0.5));
+        let found = drag
+            .update(1e-3, [shear, press, DVec3::NAN, shear])
+            .unwrap();
         let expected = slow / (slow - fast) * ((-t / slow).exp() - (-t / fast).exp());
         assert!(
             (found - expected).abs() < 0.02,
@@ -350,18 +352,18 @@ fn an_element_that_comes_back_goes_on_where_time_would_have_it() {
         let mut drag = GraspDrag::new(2, 1.0, GraspDragConfig::default()).unwrap();
         for frame in 0..400 {
             // At rest in another place while it is gone.
-            let second = if frame < 100 { DVec2::ZERO } else { DVec2::X };
+            let second = if frame < 100 { DVec3::ZERO } else { DVec3::X };
             let seen = if missing && (100..300).contains(&frame) {
-                DVec2::NAN
+                DVec3::NAN
             } else {
                 second
             };
-            drag.update(0.01, [DVec2::ZERO, seen]);
+            drag.update(0.01, [DVec3::ZERO, seen]);
         }
         drag.drag().unwrap()
     };
     let (seen, missed) = (run(false), run(true));
-    // After three seconds, a tenth of the step is left in the slow mean of what was seen all the time.
+    // After three seconds, a twentieth of the step is left in the slow mean of what was seen all the time.
     assert!(seen < 0.1 && missed < 0.25, "{seen} {missed}");
 }
 

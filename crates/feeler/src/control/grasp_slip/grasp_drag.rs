@@ -1,8 +1,8 @@
-//! Drag: how far the shear of a grasp is from its own slow mean.
+//! Drag: how far the load of a grasp is from its own slow mean.
 
-use super::{GraspSlipError, part, passed, scaled};
+use super::{GraspSlipError, LARGEST, part, passed};
 use crate::check::Checker;
-use glam::DVec2;
+use glam::DVec3;
 
 /// Median of |x| of a normal distribution of standard deviation 1, times the square root of 2 for the difference of two samples.
 const MEDIAN_OF_CHANGES: f64 = 0.953_87;
@@ -12,16 +12,16 @@ const MEDIAN_OF_CHANGES: f64 = 0.953_87;
 pub struct GraspDragConfig {
     /// Time constant of the filter that takes out noise, s.
     pub fast: f64,
-    /// Time constant of the slow mean that shear is held against, s: what creeps slower is no slip.
+    /// Time constant of the slow mean that loads are held against, s: what creeps slower is no slip.
     pub slow: f64,
 }
 
 impl Default for GraspDragConfig {
-    /// 0.05 s and 1.33 s: on recordings of two sensors, 0.7 to 5 s do as well within 0.02 of area under the curve.
+    /// 0.05 s and 1 s: on recordings of two sensors, 0.3 to 3 s do as well within 0.05 of area under the curve.
     fn default() -> Self {
         Self {
             fast: 0.05,
-            slow: 1.33,
+            slow: 1.0,
         }
     }
 }
@@ -43,26 +43,29 @@ impl GraspDragConfig {
 #[derive(Debug, Clone, Copy)]
 struct Filtered {
     /// The filtered vector, in units of the scale; not a number before the first.
-    fast: DVec2,
+    fast: DVec3,
     /// Its slow mean.
-    slow: DVec2,
+    slow: DVec3,
     /// Time since the element's newest vector, s, where frames without one came since.
     missing: f64,
 }
 
 const NOTHING: Filtered = Filtered {
-    fast: DVec2::NAN,
-    slow: DVec2::NAN,
+    fast: DVec3::NAN,
+    slow: DVec3::NAN,
     missing: 0.0,
 };
 
 /// Tells whether what is grasped is displaced in the grip.
 ///
-/// Of each element's vector u_i (shear force, or displacement in its plane) in units of `scale`, with a = 1 - exp(-dt / tau):
+/// Of each element's vector u_i (force, or displacement; 0 along the normal where only its plane is seen) in units of `scale`, with
+/// a = 1 - exp(-dt / tau):
 ///
 /// ```text
 /// f_i += a_fast (u_i - f_i)        m_i += a_slow (f_i - m_i)        D = sqrt(mean over i of |f_i - m_i|^2)
 /// ```
+///
+/// The normal counts, as an object that is dragged tilts in the grip and shifts its load from element to element.
 ///
 /// D has no unit. With the sensor's noise as scale ([`noise_of`]) it counts standard deviations; which D is a slip differs
 /// from sensor to sensor. A load that is put on, let go or shaken is an excursion, too: D tells a grasp that is at rest from
@@ -107,7 +110,7 @@ impl GraspDrag {
     pub fn update(
         &mut self,
         interval: f64,
-        vectors: impl IntoIterator<Item = DVec2>,
+        vectors: impl IntoIterator<Item = DVec3>,
     ) -> Option<f64> {
         let interval = passed(interval);
         let parts = (
@@ -117,7 +120,8 @@ impl GraspDrag {
         let (mut sum, mut count) = (0.0, 0_u32);
         let mut vectors = vectors.into_iter();
         for element in &mut self.elements {
-            let vector = vectors.next().and_then(|v| scaled(v, self.scale));
+            let vector = vectors.next().map(|vector| vector / self.scale);
+            let vector = vector.filter(|v| v.abs().cmple(DVec3::splat(LARGEST)).all());
             let Some(vector) = vector else {
                 element.missing += interval;
                 continue;

@@ -7,19 +7,19 @@
 //!
 //! - [`ContactLoss`]: *is the object still held?* The load on the elements, as their departure from what they are
 //!   untouched; where nobody knows that, from a [`RegularPattern`] as a lens shows it.
-//! - [`GraspDrag`]: *is it displaced in the grip?* The excursion of every element's shear from its own slow mean.
+//! - [`GraspDrag`]: *is it displaced in the grip?* The excursion of every element's load from its own slow mean.
 //!
 //! These are two events, and each detector is blind to the other: an object that is gone drags nothing, and one that is
 //! dragged still loads the elements. Both take one vector per element, from any sensor: displacements of markers or feelers,
-//! or shear forces of taxels. A vector that is not a number stands for an element that has none in that frame. Updating
+//! or forces of taxels; [`GraspDrag`] takes loads along the normal, too, where there are any. A vector that is not a number stands for an element that has none in that frame. Updating
 //! them neither allocates nor panics; the same frames give the same numbers.
 //!
 //! Neither warns ahead: a loss is known when the elements are unloaded, and on purpose it looks as by accident; drag is known
-//! when shear has changed. `docs/slip.md` has their scores on recordings.
+//! when loads have changed. `docs/slip.md` has their scores on recordings.
 //!
 //! ```
 //! use feeler::control::grasp_slip::{Contact, ContactLoss, ContactLossConfig, GraspDrag, GraspDragConfig};
-//! use glam::DVec2;
+//! use glam::{DVec2, DVec3};
 //!
 //! // Three elements of 1 N full scale, whose shear is known from an untouched reference, at 100 Hz.
 //! let mut loss = ContactLoss::from_untouched(3, 1.0, ContactLossConfig::default())?;
@@ -27,7 +27,7 @@
 //! for frame in 0..300 {
 //!     let shear = if frame < 100 { 0.2 } else { 0.0 };
 //!     loss.update(0.01, [DVec2::new(shear, 0.0); 3]);
-//!     drag.update(0.01, [DVec2::new(shear, 0.0); 3]);
+//!     drag.update(0.01, [DVec3::new(shear, 0.0, 0.5); 3]);
 //! }
 //! assert_eq!(loss.contact(), Contact::Lost);
 //! # Ok::<_, feeler::control::grasp_slip::GraspSlipError>(())

@@ -8,9 +8,13 @@
 //! A single picture, of which no picture before is known, is matched against the reference alone: identities grow from where markers
 //! hardly moved into where they moved far (`matching`).
 
+mod error;
 mod field;
 mod matching;
+mod measuring;
 mod window;
+
+pub use error::TrackError;
 
 use self::{
     field::Field,
@@ -18,7 +22,7 @@ use self::{
 };
 use super::{
     frame::Picture,
-    locate::{LocateConfig, LocateError, MeanPicture, locate},
+    locate::{LocateConfig, MeanPicture, locate},
     located_layout::LocatedLayout,
     polarity::Polarity,
 };
@@ -26,12 +30,6 @@ use glam::DVec2;
 
 /// Displacement off that of the field about it, over the spacing, from which on a marker is not the one that it is taken for.
 const MOST_OFF: f64 = 0.45;
-/// The same for a marker that was lost.
-const MOST_OFF_AGAIN: f64 = 0.3;
-/// Distance between two markers, over their spacing in the reference, below which they are one and the same.
-const SAME: f64 = 0.4;
-/// Contrast over that of the reference below which a marker is not seen.
-const LEAST_CONTRAST: f64 = 0.3;
 /// Part of the markers at the pattern's edge that, lost within one frame, make all others doubtful: the pattern may have jumped by a
 /// spacing, so that one side of its edge shows nothing.
 const JUMPED: f64 = 0.2;
@@ -45,32 +43,6 @@ const LEAST_MATCHED: f64 = 0.85;
 const FADES: f64 = 0.02;
 /// Part of the markers that must be found for a picture to be one of the sensor's.
 const LEAST_FOUND: f64 = 0.3;
-
-/// Why markers cannot be tracked.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum TrackError {
-    /// There are too few markers for a field.
-    #[error("at least {expected} markers expected, got {actual}")]
-    MarkerCount {
-        /// Least number.
-        expected: usize,
-        /// How many there are.
-        actual: usize,
-    },
-    /// A picture has another size than the layout's.
-    #[error("a picture of {}x{} px expected, got {}x{} px in {pixels} values", expected.0, expected.1, actual.0, actual.1)]
-    PictureSize {
-        /// Columns and rows of the layout's picture, px.
-        expected: (usize, usize),
-        /// Columns and rows of the picture, px.
-        actual: (usize, usize),
-        /// Gray values in the picture.
-        pixels: usize,
-    },
-    /// No markers are seen in a picture.
-    #[error(transparent)]
-    Locate(#[from] LocateError),
-}
 
 /// What is known of one marker.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -271,125 +243,6 @@ impl MarkerTracker {
             actual,
             pixels,
         })
-    }
-
-    /// Measures every marker where `work` foretells it; afterwards `work` has where it was seen, if it was `found`. How many that
-    /// were found before saw another marker at first.
-    fn measure(&mut self, pixels: &[u8]) -> usize {
-        let mut mistaken = 0;
-        for own in 0..self.reference.len() {
-            self.looks[own] = self.look(pixels, own, self.work[own]);
-        }
-        self.typical = self.typical_contrast();
-        for own in 0..self.reference.len() {
-            let look = self.looks[own];
-            let elsewhere = matches!(look, Look::Elsewhere(contrast) if self.shows(own, contrast));
-            mistaken += usize::from(self.before[own] && elsewhere);
-            self.found[own] = self.take(own, look);
-        }
-        let known = |tracker: &Self| {
-            let both = tracker.before.iter().zip(&tracker.found);
-            both.filter(|(before, now)| **before && **now).count()
-        };
-        let seen = known(self);
-        self.one_marker_to_a_spot();
-        // What disagrees with the markers about it may be what made them disagree; the worst goes first.
-        for limit in [2.0 * MOST_OFF, MOST_OFF] {
-            for own in 0..self.reference.len() {
-                let off = self.field.off(own, &self.work, &self.found);
-                self.found[own] &= off <= limit;
-            }
-        }
-        mistaken += seen - known(self);
-        for own in 0..self.reference.len() {
-            if !self.found[own] {
-                self.look_again(pixels, own);
-            }
-        }
-        mistaken
-    }
-
-    /// Looks for a marker where its neighbours are now.
-    fn look_again(&mut self, pixels: &[u8], own: usize) {
-        let Some(foretold) = self.field.foretold(own, &self.work, &self.found) else {
-            self.work[own] = self.markers[own].displacement;
-            return;
-        };
-        let look = self.look(pixels, own, foretold);
-        self.found[own] = self.take(own, look)
-            && self.field.off(own, &self.work, &self.found) <= MOST_OFF_AGAIN
-            && !self.taken(own);
-        if !self.found[own] {
-            self.work[own] = foretold;
-        }
-    }
-
-    fn look(&self, pixels: &[u8], own: usize, displacement: DVec2) -> Look {
-        let about = self.reference[own] + displacement;
-        self.window.look(pixels, self.size, self.polarity, about)
-    }
-
-    /// The median contrast of what is seen where markers are foretold, grey levels; 0 where nothing is.
-    fn typical_contrast(&mut self) -> f64 {
-        let mut count = 0;
-        for look in &self.looks {
-            if let Look::Seen(seen) = look {
-                self.contrasts_seen[count] = seen.contrast;
-                count += 1;
-            }
-        }
-        super::locate::median(&mut self.contrasts_seen[..count])
-    }
-
-    /// Whether `contrast` is that of a marker.
-    fn shows(&self, own: usize, contrast: f64) -> bool {
-        let usual = if self.contrasts[own] > 0.0 {
-            self.contrasts[own]
-        } else {
-            self.typical
-        };
-        contrast >= (LEAST_CONTRAST * usual).max(window::LEAST_CONTRAST)
-    }
-
-    /// Whether marker `own` is what was seen; then `work` has where.
-    fn take(&mut self, own: usize, look: Look) -> bool {
-        match look {
-            Look::Seen(seen) if self.shows(own, seen.contrast) => {
-                self.work[own] = seen.place - self.reference[own];
-                self.seen[own] = seen;
-                true
-            }
-            _ => false,
-        }
-    }
-
-    /// Of two markers that saw the same spot, the one that agrees less with its neighbours did not.
-    fn one_marker_to_a_spot(&mut self) {
-        for own in 0..self.reference.len() {
-            for place in 0..self.field.neighbours(own).len() {
-                let other = self.field.neighbours(own)[place];
-                if other <= own || !(self.found[own] && self.found[other]) || !self.same(own, other)
-                {
-                    continue;
-                }
-                let off = |marker| self.field.off(marker, &self.work, &self.found);
-                let loser = if off(own) > off(other) { own } else { other };
-                self.found[loser] = false;
-            }
-        }
-    }
-
-    /// Whether another marker was seen where `own` was.
-    fn taken(&self, own: usize) -> bool {
-        let near = self.field.neighbours(own).iter();
-        near.copied()
-            .any(|other| self.found[other] && self.same(own, other))
-    }
-
-    fn same(&self, own: usize, other: usize) -> bool {
-        let before = self.reference[own] - self.reference[other];
-        let now = before + self.work[own] - self.work[other];
-        now.length_squared() < SAME * SAME * before.length_squared()
     }
 
     /// Takes over what `work` and `found` say.

@@ -4,7 +4,7 @@ use super::blocks::recording_of;
 use super::calibration::{AxisModel, KIND, VERSION, WrenchCalibration, WrenchModel};
 use super::choice::{Target, choose, matrix};
 use super::error::WrenchError;
-use super::features::{Growth, PER_ELEMENT, Terms, standardise, standards};
+use super::features::{Growth, LEAST_FOR_GAIN, PER_ELEMENT, Terms, standardise, standards};
 use super::novelty::{MARGIN, Novelty};
 use super::quality::{AxisQuality, HeldOut};
 use super::ridge::regress;
@@ -189,7 +189,7 @@ fn target(samples: &[&WrenchSample], axis: WrenchAxis) -> Target {
 }
 
 /// Learns `axes` from `samples`, terms and penalties included; those that were measured too seldom in them are not in the model.
-/// Novelty is learned of the features `watched`, or else of those that the components follow from; its limit is left open.
+/// Novelty is learned of the features `watched`, or else of growth and displacement of all elements; its limit is left open.
 pub(super) fn learn(
     samples: &[&WrenchSample],
     axes: &[WrenchAxis],
@@ -226,7 +226,7 @@ pub(super) fn learn(
         });
     }
     let all: Vec<_> = (0..features.len()).collect();
-    let watched = watched.unwrap_or_else(|| union(&models));
+    let watched = watched.unwrap_or_else(|| watched_of(&models, used));
     Ok(WrenchModel {
         novelty: Novelty::learn(&features, &all, watched),
         axes: models,
@@ -234,19 +234,19 @@ pub(super) fn learn(
     })
 }
 
-/// The features that any component follows from.
-fn union(models: &[AxisModel]) -> Terms {
-    let any = |has: fn(&Terms) -> bool| models.iter().any(|model| has(&model.terms));
-    let growth = if any(|terms| terms.growth == Growth::Plain) {
-        Growth::Plain
-    } else if any(|terms| terms.growth == Growth::GainFree) {
-        Growth::GainFree
-    } else {
-        Growth::Ignored
-    };
+/// What is looked at to tell another kind of load: growth and displacement of each of the `used` elements, whatever the components follow
+/// from. Under a load of another kind, spots may brighten as usual and move as they never did. Overall brightness is looked at where a
+/// component follows from it, or where there are too few elements to tell it from growth.
+fn watched_of(models: &[AxisModel], used: usize) -> Terms {
+    let plain = models
+        .iter()
+        .any(|model| model.terms.growth == Growth::Plain);
     Terms {
-        growth,
-        displacement: any(|terms| terms.displacement),
+        growth: match plain || used < LEAST_FOR_GAIN {
+            true => Growth::Plain,
+            false => Growth::GainFree,
+        },
+        displacement: true,
         squares: false,
     }
 }

@@ -27,7 +27,7 @@ const LEAST_VARIANCE: f64 = 1e-6;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Novelty {
-    /// The features that are looked at: those that some component follows from.
+    /// The features that are looked at: growth and displacement of each element, whatever the components follow from.
     pub terms: Terms,
     /// Distance up to which a picture is like those of the calibration: five quarters of that up to which nine tenths of the
     /// calibration's pictures are from those of other blocks of time.

@@ -1,0 +1,66 @@
+//! Scores as text.
+
+use super::scores::Scored;
+use feeler_report::grasp_slip_page::{
+    GRASP_COLUMNS, GraspSlipPage, GraspTransfer, TRANSFER_COLUMNS, base_rate,
+};
+use std::collections::BTreeMap;
+use std::io::Write;
+
+/// Recordings that are named as wrong on standard output, for each detector.
+const NAMED: usize = 12;
+
+/// The recordings that a detector called wrongly, or how many of their frames.
+pub fn wrong(scored: &[Scored], detector: usize) -> Vec<String> {
+    let mut wrong: BTreeMap<&str, (usize, bool, bool)> = BTreeMap::new();
+    let all = scored
+        .iter()
+        .filter(|s| s.verdicts[detector].is_some_and(|v| v.says_slip != s.slip));
+    for one in all {
+        let (count, slip, _) = wrong.entry(&one.recording).or_insert((0, one.slip, false));
+        *count += 1;
+        *slip = one.slip;
+    }
+    let frames = scored.iter().any(|s| s.frame.is_some());
+    let words = |(name, (count, slip, _)): (&str, (usize, bool, bool))| match (frames, slip) {
+        (true, _) => format!("{name}: {count} frames"),
+        (false, true) => format!("{name}: a slip that was missed"),
+        (false, false) => format!("{name}: a false alarm"),
+    };
+    wrong.into_iter().map(words).collect()
+}
+
+/// The page as text.
+pub fn say(page: &GraspSlipPage, out: &mut dyn Write) -> std::io::Result<()> {
+    let (all, slips, groups) = page.counts;
+    let base = 100.0 * base_rate(all, slips);
+    writeln!(
+        out,
+        "{all} {} in {groups} groups, {slips} slips; who always says the same is right in {base:.1} %",
+        page.of
+    )?;
+    if let Some((name, all, slips)) = &page.others {
+        writeln!(
+            out,
+            "thresholds of {name}: {all} {}, {slips} slips",
+            page.of
+        )?;
+    }
+    for detector in &page.detectors {
+        writeln!(out, "{}", detector.name)?;
+        for (column, field) in GRASP_COLUMNS.iter().zip(detector.fields()) {
+            writeln!(out, "  {column:<22} {field}")?;
+        }
+        let transferred = detector.transfer.iter().flat_map(GraspTransfer::fields);
+        for (column, field) in TRANSFER_COLUMNS.iter().zip(transferred) {
+            writeln!(out, "  {column:<22} {field}")?;
+        }
+        for wrong in detector.wrong.iter().take(NAMED) {
+            writeln!(out, "  {:<22} {wrong}", "wrong")?;
+        }
+        if let Some(more) = detector.wrong.len().checked_sub(NAMED + 1) {
+            writeln!(out, "  {:<22} and {} more, on the page", "wrong", more + 1)?;
+        }
+    }
+    Ok(())
+}

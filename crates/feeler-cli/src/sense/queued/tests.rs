@@ -1,0 +1,127 @@
+//! Outputs that are slow, full or stuck.
+
+use super::*;
+use std::sync::mpsc::Sender;
+use std::sync::{Arc, Mutex};
+
+/// An output that takes a frame for each permit, and all once nobody gives one any more.
+struct Gated {
+    permits: Receiver<()>,
+    taken: Arc<Mutex<Vec<u64>>>,
+    /// Frames after which the disk is full.
+    room: usize,
+}
+
+impl Output for Gated {
+    fn write(&mut self, frame: &FrameReadings) -> Result<(), CommandError> {
+        let _ = self.permits.recv();
+        let mut taken = self.taken.lock().unwrap();
+        if taken.len() == self.room {
+            return Err("no space".into());
+        }
+        taken.push(frame.sequence);
+        Ok(())
+    }
+
+    fn flush(&mut self) -> Result<(), CommandError> {
+        Ok(())
+    }
+
+    fn finish(self: Box<Self>, whole: bool) -> Result<Option<PathBuf>, CommandError> {
+        Ok((!whole).then(|| "out.csv.part".into()))
+    }
+}
+
+type Shared<T> = Arc<Mutex<Vec<T>>>;
+
+fn queued(room: usize) -> (Box<Queued>, Sender<()>, Shared<u64>, Shared<String>) {
+    queued_as(Full::DropForAHand, room)
+}
+
+fn queued_as(full: Full, room: usize) -> (Box<Queued>, Sender<()>, Shared<u64>, Shared<String>) {
+    let (permit, permits) = channel();
+    let (taken, said) = (Shared::default(), Shared::<String>::default());
+    let gated = Gated {
+        permits,
+        taken: Arc::clone(&taken),
+        room,
+    };
+    let heard = Arc::clone(&said);
+    let say = Box::new(move |line: &str| heard.lock().unwrap().push(line.into()));
+    let queued = Queued::start(Box::new(gated), full, false, say).unwrap();
+    (Box::new(queued), permit, taken, said)
+}
+
+fn write(queued: &mut Queued, sequence: u64) {
+    let frame = FrameReadings {
+        sequence,
+        stamp: 0.0,
+        readings: &[],
+        markers: &[],
+    };
+    queued.write(&frame).unwrap();
+}
+
+#[test]
+fn a_disk_that_hangs_holds_no_sensor_up_and_the_file_is_partial() {
+    let (mut queued, permit, taken, said) = queued(usize::MAX);
+    let frames = 2 * WAITING as u64;
+    for sequence in 0..frames {
+        write(&mut queued, sequence);
+    }
+    assert!(said.lock().unwrap()[0].contains("the disk takes nothing"));
+    drop(permit);
+    let mut sequence = frames;
+    while queued.is_dropping {
+        write(&mut queued, sequence);
+        sequence += 1;
+        thread::yield_now();
+    }
+    let dropped = queued.dropped;
+    let left = queued.finish(true).unwrap();
+    assert_eq!(left, Some("out.csv.part".into()));
+    let taken = taken.lock().unwrap();
+    assert_eq!(taken.len() as u64 + dropped, sequence);
+    assert!(taken.is_sorted());
+    // It may hang again, on a machine that is slow.
+    let said = said.lock().unwrap();
+    let missing = said.iter().filter_map(|line| {
+        let (_, rest) = line.split_once("goes on; ")?;
+        rest.split(' ').next()?.parse::<u64>().ok()
+    });
+    assert_eq!(missing.sum::<u64>(), dropped, "{said:?}");
+}
+
+#[test]
+fn a_whole_file_is_closed_as_such() {
+    let (mut queued, permit, taken, said) = queued(usize::MAX);
+    drop(permit);
+    for sequence in 0..10 {
+        write(&mut queued, sequence);
+    }
+    assert_eq!(queued.finish(true).unwrap(), None);
+    assert_eq!(*taken.lock().unwrap(), (0..10).collect::<Vec<_>>());
+    assert!(said.lock().unwrap().is_empty());
+}
+
+#[test]
+fn a_full_disk_ends_the_file_and_not_the_sensor() {
+    let (mut queued, permit, taken, said) = queued(3);
+    drop(permit);
+    let mut sequence = 0;
+    while queued.works.is_some() {
+        write(&mut queued, sequence);
+        sequence += 1;
+        thread::yield_now();
+    }
+    write(&mut queued, sequence);
+    let error = queued.finish(true).unwrap_err().to_string();
+    assert!(error.contains("not written to its end"), "{error}");
+    assert_eq!(taken.lock().unwrap().len(), 3);
+    let said = said.lock().unwrap();
+    let last = said.last().unwrap();
+    assert!(
+        last.contains("no space; out.csv.part is partial"),
+        "{said:?}"
+    );
+}
