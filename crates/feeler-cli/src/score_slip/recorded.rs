@@ -4,7 +4,7 @@ use super::super::part_file::Outputs;
 use super::collected::{Collected, Found};
 use super::notes::Notes;
 use super::said::{say, wrong};
-use super::scores::{SCORES, Scored, scores_csv};
+use super::scores::{SCORES, scores_csv};
 use super::{Arguments, CommandError, Outcome, PAGE, make_folder};
 use feeler_lab::grasps::{Confusion, DETECTORS, Detector, transfer};
 use feeler_lab::sweep::interval::Estimate;
