@@ -98,9 +98,9 @@ pub fn wrench(bytes: &[u8]) -> bool {
     true
 }
 
-/// A datagram of a force sensor, a request to one, or its address; all that is read is written alike.
+/// A datagram of a force sensor, a request to one, its address, or its web page; all that is read is written alike.
 pub fn netft(bytes: &[u8]) -> bool {
-    use feeler_sources::netft::{NetFtAddress, Record, Request};
+    use feeler_sources::netft::{NetFtAddress, Record, Request, parse_counts};
     let record = Record::from_bytes(bytes);
     if let Ok(record) = record {
         assert_eq!(record.to_bytes(), bytes);
@@ -111,6 +111,9 @@ pub fn netft(bytes: &[u8]) -> bool {
     let text = str::from_utf8(bytes).unwrap_or_default();
     if let Ok(address) = text.parse::<NetFtAddress>() {
         assert_eq!(address.to_string().parse(), Ok(address));
+    }
+    if let Ok(counts) = parse_counts(text) {
+        assert!(counts.per_newton > 0.0 && counts.per_newton_metre > 0.0);
     }
     record.is_ok()
 }

@@ -4,6 +4,8 @@
 #[cfg(feature = "top")]
 mod arrivals;
 mod calibrate;
+mod camera;
+mod cameras;
 mod check;
 mod compare;
 mod drives;
@@ -125,6 +127,8 @@ enum Command {
     Drives(drives::Arguments),
     /// Export recordings as tables or data sets for other programs.
     Export(export::Arguments),
+    /// List the cameras that are there, and what they can do.
+    Cameras(cameras::Arguments),
     /// Calibrate a fingertip: load its elements, take pictures, fit.
     Calibrate(calibrate::Arguments),
     /// Find the sensing elements in pictures of an untouched sensor.
@@ -216,6 +220,7 @@ fn run_command(command: Command, out: &mut dyn Write) -> Result<Outcome, Command
         Command::Replay(arguments) => replay::replay(&arguments, out),
         Command::Drives(arguments) => drives::drives(&arguments, out),
         Command::Export(arguments) => export::export(&arguments, out),
+        Command::Cameras(arguments) => cameras::cameras(&arguments, out),
         Command::Calibrate(arguments) => calibrate::calibrate(&arguments, out),
         Command::Locate(arguments) => locate::locate(&arguments, out),
         Command::Bench(arguments) => link::bench::bench(&arguments, out),

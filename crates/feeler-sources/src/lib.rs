@@ -2,11 +2,14 @@
 #![warn(missing_docs)]
 
 pub mod files;
+#[cfg(all(feature = "genicam", target_os = "linux"))]
+pub mod genicam;
 mod jpeg;
 mod natural_order;
 pub mod netft;
 pub mod picture;
 pub mod pump;
 pub mod raw;
+pub mod settings;
 #[cfg(all(feature = "camera", target_os = "linux"))]
 pub mod video;

@@ -12,6 +12,9 @@ use std::time::{Duration, Instant};
 /// stream waits.
 const WAITING: usize = 4;
 
+/// A camera is given so long to stop when its pump is dropped: one that runs has its next picture by then, and is free for others.
+const STOP: Duration = Duration::from_millis(500);
+
 /// What came of taking one picture.
 #[derive(Debug)]
 pub struct Captured {
@@ -23,12 +26,14 @@ pub struct Captured {
 
 /// A camera on a thread of its own.
 ///
-/// The thread ends with the camera, or at its next picture after the pump is dropped. One that waits
-/// for a picture that never comes is left waiting.
+/// The thread ends with the camera, or at its next picture after the pump is dropped, which waits half a second for it. One that
+/// waits for a picture that never comes is left waiting.
 #[derive(Debug)]
 pub struct FramePump {
     captured: Receiver<Captured>,
     used: Sender<Frame>,
+    /// Closed when the thread has ended.
+    ended: Receiver<()>,
 }
 
 impl FramePump {
@@ -42,7 +47,10 @@ impl FramePump {
     ) -> std::io::Result<Self> {
         let (sender, captured) = sync_channel(WAITING);
         let (used, unused) = channel();
+        let (running, ended) = channel::<()>();
         let run = move || {
+            // Dropped after the camera.
+            let _running = running;
             let mut camera = camera;
             let pump = || pump(&mut camera, size, &sender, &unused);
             if let Err(panic) = catch_unwind(AssertUnwindSafe(pump)) {
@@ -53,7 +61,11 @@ impl FramePump {
             }
         };
         thread::Builder::new().name("camera".into()).spawn(run)?;
-        Ok(Self { captured, used })
+        Ok(Self {
+            captured,
+            used,
+            ended,
+        })
     }
 
     /// The next picture: none if there is none within `timeout`.
@@ -72,6 +84,14 @@ impl FramePump {
     pub fn give_back(&self, frame: Frame) {
         // Where the camera has ended, nobody needs it.
         let _ = self.used.send(frame);
+    }
+}
+
+impl Drop for FramePump {
+    fn drop(&mut self) {
+        // Nobody takes another picture.
+        self.captured = sync_channel(0).1;
+        let _ = self.ended.recv_timeout(STOP);
     }
 }
 

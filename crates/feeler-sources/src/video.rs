@@ -5,14 +5,17 @@
 
 mod clock;
 mod coding;
+mod controls;
 mod error;
-mod exposure;
+mod list;
 
 pub use error::VideoError;
+pub use list::{VideoControl, VideoFormat, VideoInfo, VideoListed, VideoSize, list};
 
+use crate::settings::{CameraSettings, Trigger};
 use clock::FrameClock;
 use coding::{Coding, unpack};
-use exposure::set_exposure;
+use controls::set_controls;
 use feeler::sensor::camera::{Camera, CameraError, check_frame_size};
 use feeler::sensor::frame::Frame;
 use linuxvideo::format::PixFormat;
@@ -30,12 +33,8 @@ const NO_SUCH_DEVICE: i32 = 19;
 pub struct VideoConfig {
     /// The device, as in `/dev/video0`.
     pub device: PathBuf,
-    /// Columns and rows of the pictures, px.
-    pub size: (usize, usize),
-    /// Frames per second, Hz, that are asked for; the camera takes the nearest that it can.
-    pub rate: f64,
-    /// Exposure time, s; as the camera is set if none.
-    pub exposure: Option<f64>,
+    /// How it is set. The library has neither the selection of a region nor triggers: a camera that is asked for these is refused.
+    pub settings: CameraSettings,
 }
 
 /// A camera that takes pictures all the time.
@@ -67,11 +66,11 @@ impl VideoCamera {
                 source,
             }
         };
-        if let Some(exposure) = config.exposure {
-            set_exposure(config, exposure)?;
-        }
+        refuse_unsupported(config)?;
+        set_controls(config)?;
         let (capture, coding) = negotiate(config)?;
-        let asked = Fract::new(1000, (config.rate * 1000.0).round().max(1.0) as u32);
+        let rate = config.settings.rate;
+        let asked = Fract::new(1000, (rate * 1000.0).round().max(1.0) as u32);
         let taken = capture.set_frame_interval(asked).unwrap_or(asked);
         let interval = f64::from(taken.numerator()) / f64::from(taken.denominator().max(1));
         let stride = capture.format().bytes_per_line() as usize;
@@ -80,7 +79,7 @@ impl VideoCamera {
             stream,
             name: config.device.display().to_string(),
             coding,
-            size: config.size,
+            size: config.settings.size,
             stride,
             clock: FrameClock::new(interval),
             opened: Instant::now(),
@@ -88,9 +87,33 @@ impl VideoCamera {
     }
 }
 
+/// Refuses what the library cannot ask a camera for.
+fn refuse_unsupported(config: &VideoConfig) -> Result<(), VideoError> {
+    let refused = |what: String, reason: &str| {
+        Err(VideoError::Setting {
+            device: config.device.clone(),
+            what,
+            reason: reason.into(),
+        })
+    };
+    if let Some((x, y)) = config.settings.offset {
+        return refused(
+            format!("a region from column {x}, row {y}"),
+            "expected a GenICam camera; regions of Video4Linux cameras cannot be moved from here",
+        );
+    }
+    match &config.settings.trigger {
+        Trigger::Free => Ok(()),
+        trigger => refused(
+            format!("trigger {trigger}"),
+            "expected a GenICam camera; Video4Linux cameras run freely",
+        ),
+    }
+}
+
 /// The first coding that the camera has in the size that is asked for.
 fn negotiate(config: &VideoConfig) -> Result<(VideoCaptureDevice, Coding), VideoError> {
-    let (width, height) = config.size;
+    let (width, height) = config.settings.size;
     let mut offered = Vec::new();
     for (coding, format) in Coding::ALL {
         let device = Device::open(&config.device).map_err(|source| VideoError::Device {
@@ -104,7 +127,7 @@ fn negotiate(config: &VideoConfig) -> Result<(VideoCaptureDevice, Coding), Video
                 let got = capture.format();
                 let (columns, rows) = (got.width() as usize, got.height() as usize);
                 let fourcc = got.pixel_format().as_fourcc();
-                if (columns, rows) == config.size && fourcc == format.as_fourcc() {
+                if (columns, rows) == (width, height) && fourcc == format.as_fourcc() {
                     return Ok((capture, coding));
                 }
                 let name = String::from_utf8_lossy(&fourcc).into_owned();
@@ -163,11 +186,22 @@ mod tests {
     fn what_is_no_camera_is_refused() {
         let config = VideoConfig {
             device: "/dev/null".into(),
-            size: (640, 480),
-            rate: 30.0,
-            exposure: None,
+            settings: CameraSettings::new((640, 480), 30.0),
         };
-        let error = VideoCamera::open(&config).err().expect("no camera");
-        assert!(error.to_string().contains("/dev/null"), "{error}");
+        let refused = |config: &VideoConfig, words: &str| {
+            let error = VideoCamera::open(config).err().expect("no camera");
+            let error = error.to_string();
+            assert!(
+                error.contains("/dev/null") && error.contains(words),
+                "{error}"
+            );
+        };
+        refused(&config, "expected a Video4Linux camera");
+        let mut moved = config.clone();
+        moved.settings.offset = Some((8, 16));
+        refused(&moved, "a region from column 8, row 16");
+        let mut triggered = config;
+        triggered.settings.trigger = Trigger::Software;
+        refused(&triggered, "trigger software: expected a GenICam camera");
     }
 }

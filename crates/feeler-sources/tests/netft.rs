@@ -1,10 +1,11 @@
 //! A force sensor on the network, against the emulated one: what arrives, and what is said when something is wrong.
 
 use feeler_sources::netft::{ForceError, ForceSample, NetFt, NetFtAddress, NetFtEmulator};
-use std::net::UdpSocket;
+use std::io::{Read, Write};
+use std::net::{TcpListener, UdpSocket};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::thread::sleep;
+use std::thread::{sleep, spawn};
 use std::time::Duration;
 
 fn connect(address: &str) -> NetFt {
@@ -43,6 +44,59 @@ fn samples_come_in_si_units_and_in_order() {
         );
         (before, at) = (z, Some(sample.at));
     }
+}
+
+#[test]
+fn what_counts_mean_is_read_from_the_web_page() {
+    let emulator = NetFtEmulator::start(500.0, || Some([2.0; 6])).unwrap();
+    let sensor = connect(&emulator.bare_address());
+    assert_eq!(next(&sensor).unwrap().wrench, [2.0; 6]);
+}
+
+/// A web page that answers with these bytes, once; how its connection is refused.
+fn refused_by(answer: &'static [u8]) -> String {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let port = listener.local_addr().unwrap().port();
+    let page = spawn(move || {
+        let (mut client, _) = listener.accept().unwrap();
+        let mut request = [0; 256];
+        let length = client.read(&mut request).unwrap();
+        assert!(request[..length].starts_with(b"GET /netftapi2.xml HTTP/1.0\r\n"));
+        // It may have seen enough.
+        let _ = client.write_all(answer);
+    });
+    let address = format!("netft://127.0.0.1?web={port}");
+    let error = NetFt::connect(&address.parse().unwrap()).unwrap_err();
+    page.join().unwrap();
+    error.to_string()
+}
+
+#[test]
+fn a_web_page_that_says_something_else_is_refused_in_words() {
+    static LONG: [u8; 300_000] = [b'x'; 300_000];
+    for (answer, words) in [
+        (&b""[..], "expected status 200"),
+        (b"\xff\xfe\0", "expected status 200"),
+        (b"HTTP/1.0 404 Not Found\r\n\r\n", "404 Not Found"),
+        (b"HTTP/1.0 200 OK\r\n\r\n<html>", "no XML"),
+        (b"HTTP/1.0 200 OK\r\n\r\n<netft></netft>", "cfgcpf"),
+        (&LONG, "over 262144 bytes"),
+    ] {
+        let error = refused_by(answer);
+        assert!(error.contains(words), "{error}");
+    }
+    // Nobody listens there.
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let port = listener.local_addr().unwrap().port();
+    drop(listener);
+    let address = format!("netft://127.0.0.1?web={port}");
+    let error = NetFt::connect(&address.parse().unwrap())
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("netftapi2.xml") && error.contains("cpf=COUNTS"),
+        "{error}"
+    );
 }
 
 #[test]

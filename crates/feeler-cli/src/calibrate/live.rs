@@ -1,14 +1,18 @@
 //! `feeler calibrate FOLDER --live CAMERA --force-sensor ADDRESS`: guides a person through loading a fingertip.
 
+mod elements;
 mod folder;
 mod guide;
+mod screen;
+mod whole;
 
 use super::{Arguments, CommandError};
+use crate::camera::{CameraArguments, CameraName, NAMES, OpenCamera};
 use crate::interrupt::watch_for_interrupt;
-use crate::sense::source::{is_video_device, open_video};
-use feeler::sensor::calibration::FullScale;
-use feeler::sensor::camera::{Camera, CameraError};
-use feeler::sensor::live_calibration::{ForceAxes, Goal, LiveCalibration, Seen};
+use elements::Elements;
+use feeler::sensor::camera::CameraError;
+use feeler::sensor::frame::{Frame, Picture};
+use feeler::sensor::live_calibration::{ForceAxes, Goal, Wrench};
 use feeler::sensor::moments::ElementMoments;
 use feeler_lab::sensor::SensorGeometry;
 use feeler_sources::netft::{ForceSample, NetFt, NetFtAddress};
@@ -16,53 +20,73 @@ use feeler_sources::pump::{Captured, FramePump};
 use feeler_sources::raw::RawFrames;
 use folder::Folder;
 use glam::DVec3;
-use guide::Guide;
+use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
+use whole::Whole;
 
-pub use folder::LOADS;
+/// Names of the tables of what was taken: of single elements, and of the whole fingertip.
+pub const LOADS: &str = "LOADS.csv";
+pub const FORCES: &str = "FORCES.csv";
 
+/// Pictures that wait for their forces at most: half a second's of a fast camera.
+const WAITING: usize = 32;
 /// How long to wait for a picture before looking at forces and Ctrl-C.
 const WAIT: Duration = Duration::from_millis(20);
 
 #[derive(Debug, clap::Args)]
 pub struct LiveArguments {
-    /// Guide through loading the fingertip, which stands on a force sensor, under this camera: /dev/videoN, or - for raw gray frames
-    /// of the fingertip's size on standard input. LOADS.csv is then the folder that pictures and their LOADS.csv are
-    /// kept in, and found again after Ctrl-C.
-    #[arg(long, value_name = "CAMERA", requires_all = ["force_sensor", "input"], conflicts_with_all = ["simulated", "wrench"])]
+    /// Guide through loading the fingertip, which stands on a force sensor, under this camera: /dev/videoN, genicam:ID as `feeler
+    /// cameras` lists it, or - for raw gray frames of the fingertip's size on standard input. LOADS.csv is then the folder that
+    /// pictures and their LOADS.csv (with --wrench, FORCES.csv) are kept in, and found again after Ctrl-C.
+    #[arg(long, value_name = "CAMERA", requires_all = ["force_sensor", "input"], conflicts_with = "simulated")]
     pub live: Option<PathBuf>,
-    /// The force sensor under the fingertip: netft://HOST?cpf=COUNTS&cpt=COUNTS (ATI Net F/T, RDT over UDP), with the counts per
-    /// newton and newton metre that its web page shows.
+    /// The force sensor under the fingertip: netft://HOST (ATI Net F/T, RDT over UDP), whose web page says what its counts mean, or
+    /// netft://HOST?cpf=COUNTS&cpt=COUNTS, with the counts per newton and newton metre.
     #[arg(long, value_name = "ADDRESS", requires = "live")]
     force_sensor: Option<NetFtAddress>,
     /// The force sensor's axes that are x, y and z of the fingertip, as in z,x,y: of a fingertip of known dome x is its axis,
-    /// outward; of a layout without one, x is to the right in the picture, y down and z away from the camera.
+    /// outward; of a layout without one, x is to the right in the picture, y down and z away from the camera. With --wrench, z is
+    /// the fingertip's axis, outward, so that pressing makes f_z negative.
     #[arg(long, value_name = "AXES", default_value = "x,y,z", requires = "live")]
     force_axes: ForceAxes,
     /// Frames per second that the camera is asked for.
     #[arg(long, value_name = "HZ", default_value_t = 30.0, requires = "live", value_parser = crate::sense::parse_rate)]
     rate: f64,
-    /// Exposure time of the camera, s [default: as the camera is set]
-    #[arg(long, value_name = "SECONDS", requires = "live", value_parser = crate::sense::parse_exposure)]
-    exposure: Option<f64>,
+    #[command(flatten)]
+    camera: CameraArguments,
 }
 
 impl LiveArguments {
-    fn camera(
-        &self,
-        camera: &Path,
-        size: (usize, usize),
-    ) -> Result<Box<dyn Camera + Send>, CommandError> {
+    /// Refuses what would change nothing.
+    pub fn refuse_without_effect(&self) -> Result<(), CommandError> {
+        let Some(option) = self.camera.given() else {
+            return Ok(());
+        };
+        match &self.live {
+            None => {
+                Err(format!("{option} is for a camera; expected --live CAMERA beside it").into())
+            }
+            Some(live) if live == Path::new("-") => {
+                Err(format!("{option} is for a camera; - is something else").into())
+            }
+            Some(_) => Ok(()),
+        }
+    }
+
+    fn open(&self, camera: &Path, size: (usize, usize)) -> Result<OpenCamera, CommandError> {
         if camera == Path::new("-") {
-            return Ok(Box::new(RawFrames::new(std::io::stdin(), size, self.rate)));
+            return Ok(OpenCamera {
+                camera: Box::new(RawFrames::new(std::io::stdin(), size, self.rate)),
+                exposed_since: None,
+            });
         }
-        if !is_video_device(camera) {
+        let Some(name) = CameraName::of(camera) else {
             let camera = camera.display();
-            return Err(format!("--live {camera}: expected a camera, /dev/videoN, or -").into());
-        }
-        open_video(camera, size, self.rate, self.exposure)
+            return Err(format!("--live {camera}: expected a camera, {NAMES}, or -").into());
+        };
+        name.open(self.camera.settings(size, self.rate))
     }
 }
 
@@ -77,6 +101,31 @@ fn goal(arguments: &Arguments) -> Goal {
     let normal = arguments.full_scale_normal.unwrap_or(1.0);
     let shear = arguments.full_scale_shear.unwrap_or(0.5 * normal);
     Goal { normal, shear }
+}
+
+/// What a person does: which loads are wanted, and what is kept of them.
+trait Work {
+    /// Takes a load on the fingertip, in its frame, at a time, s.
+    fn load(&mut self, at: f64, load: Wrench);
+    /// Whether loads are known for as long as a picture of that time needs.
+    fn is_ready(&self, at: f64) -> bool;
+    /// Takes a picture of that time, and its moments.
+    fn picture(
+        &mut self,
+        at: f64,
+        picture: &Picture,
+        moments: &[ElementMoments],
+    ) -> Result<(), CommandError>;
+    /// Shows how far it is.
+    fn show(&mut self);
+    /// Says that something is wrong which may pass.
+    fn warn(&mut self, what: &str);
+    /// Takes it off the screen.
+    fn end(&self);
+    /// What is kept.
+    fn kept(&self) -> &Folder;
+    /// What is missing, in words; none if nothing is.
+    fn missing(&self) -> Option<String>;
 }
 
 /// Guides through the loads until the folder has all that is needed, or Ctrl-C.
@@ -95,43 +144,46 @@ pub fn guide(
         .ok_or("--live: expected --force-sensor, too")?;
     let camera = live.live.as_deref().unwrap_or(Path::new("-"));
     let goal = goal(arguments);
-    let mut kept = Folder::open(folder, sensor, &goal)?;
-    let forces = NetFt::connect(address)?;
-    let pump = FramePump::start(live.camera(camera, sensor.size)?, sensor.size)?;
-    let interrupted = watch_for_interrupt()?;
-    let calibration = LiveCalibration::new(sensor.frames.clone(), goal, kept.coverage());
-    let full_scale = FullScale {
-        normal: goal.normal,
-        shear: goal.shear,
+    let work: Box<dyn Work + '_> = match arguments.wrench {
+        true => Box::new(Whole::open(folder, sensor, goal)?),
+        false => Box::new(Elements::open(folder, sensor, goal, arguments.model)?),
     };
+    let began = Instant::now();
+    let forces = NetFt::connect(address)?;
+    let OpenCamera {
+        camera,
+        exposed_since,
+    } = live.open(camera, sensor.size)?;
+    let pump = FramePump::start(camera, sensor.size)?;
+    let interrupted = watch_for_interrupt()?;
     let mut guided = Guided {
         sensor,
         axes: live.force_axes,
-        began: Instant::now(),
+        began,
+        exposed_since,
+        waiting: VecDeque::new(),
         moments: vec![ElementMoments::default(); sensor.kernel.element_count()],
-        calibration,
-        guide: Guide::new(sensor, full_scale, arguments.model),
+        work,
     };
-    let ended = guided.run(&forces, &pump, &mut kept, &interrupted);
-    let left = guided.left();
-    guided.guide.end();
-    match (ended, left) {
-        (Ok(()), 0) => Ok(()),
-        (ended, left) => {
-            let (place, all) = (folder.display(), sensor.kernel.element_count());
-            let why = ended
-                .err()
-                .map_or_else(|| "interrupted".to_string(), |e| e.to_string());
-            let loads = folder.join(LOADS);
-            Err(format!(
-                "{why}: {} pictures are kept in {place}, and {left} of {all} elements need more; the same command goes on from there, and \
-                 `feeler calibrate {}` calibrates by what there is",
-                kept.pictures(),
-                loads.display()
-            )
-            .into())
-        }
+    let ended = guided.run(&forces, &pump, &interrupted);
+    guided.work.end();
+    let missing = guided.work.missing();
+    if ended.is_ok() && missing.is_none() {
+        return Ok(());
     }
+    let why = ended
+        .err()
+        .map_or_else(|| "interrupted".to_string(), |e| e.to_string());
+    let missing = missing.unwrap_or_else(|| "nothing is missing".into());
+    let (kept, place) = (guided.work.kept(), folder.display());
+    let wrench = if arguments.wrench { " --wrench" } else { "" };
+    Err(format!(
+        "{why}: {} pictures are kept in {place}, and {missing}; the same command goes on from there, and `feeler calibrate {}{wrench}` \
+         calibrates by what there is",
+        kept.pictures(),
+        kept.table().display()
+    )
+    .into())
 }
 
 /// A person at work.
@@ -139,78 +191,77 @@ struct Guided<'a> {
     sensor: &'a SensorGeometry,
     axes: ForceAxes,
     began: Instant,
+    /// When the camera's stamps were 0, if they are times of exposure.
+    exposed_since: Option<Instant>,
+    /// Pictures that wait for the forces of their time.
+    waiting: VecDeque<(f64, Frame)>,
     moments: Vec<ElementMoments>,
-    calibration: LiveCalibration,
-    guide: Guide<'a>,
+    work: Box<dyn Work + 'a>,
 }
 
 impl Guided<'_> {
-    /// Elements of which something is missing.
-    fn left(&self) -> usize {
-        let elements = self.calibration.coverage().iter();
-        elements.filter(|element| !element.is_complete()).count()
-    }
-
     fn run(
         &mut self,
         forces: &NetFt,
         pump: &FramePump,
-        kept: &mut Folder,
         interrupted: &AtomicBool,
     ) -> Result<(), CommandError> {
-        while self.left() > 0 && !interrupted.load(Ordering::Relaxed) {
+        while self.work.missing().is_some() && !interrupted.load(Ordering::Relaxed) {
             let captured = pump.next(WAIT);
             loop {
                 match forces.next_sample() {
                     Ok(Some(sample)) => self.force(&sample),
                     Ok(None) => break,
-                    Err(error) => self.guide.warn(&error.to_string()),
+                    Err(error) => self.work.warn(&error.to_string()),
                 }
             }
             if let Some(Captured { frame, at }) = captured {
                 match frame {
-                    Ok(frame) => {
-                        self.picture(&frame.picture, at, kept)?;
-                        pump.give_back(frame);
-                    }
-                    Err(error) if error.may_pass() => self.guide.warn(&error.to_string()),
+                    Ok(frame) => self.waiting.push_back((self.time_of(&frame, at), frame)),
+                    Err(error) if error.may_pass() => self.work.warn(&error.to_string()),
                     Err(CameraError::Ended { .. }) => return Err("the camera has ended".into()),
                     Err(error) => return Err(error.into()),
                 }
             }
-            self.guide.show(&self.calibration);
+            self.pictures(pump)?;
+            self.work.show();
         }
         Ok(())
     }
 
-    /// Seconds on the clock of arrivals.
+    /// Takes the pictures whose forces are known, and the oldest where too many wait.
+    fn pictures(&mut self, pump: &FramePump) -> Result<(), CommandError> {
+        while let Some(&(at, _)) = self.waiting.front()
+            && (self.work.is_ready(at) || self.waiting.len() > WAITING)
+            && let Some((at, frame)) = self.waiting.pop_front()
+        {
+            let picture = &frame.picture;
+            self.sensor.kernel.measure(picture, &mut self.moments)?;
+            self.work.picture(at, picture, &self.moments)?;
+            pump.give_back(frame);
+        }
+        Ok(())
+    }
+
+    /// Seconds on the clock of forces and pictures.
     fn time(&self, at: Instant) -> f64 {
         at.saturating_duration_since(self.began).as_secs_f64()
     }
 
     fn force(&mut self, sample: &ForceSample) {
-        let [x, y, z, ..] = sample.wrench;
-        let force = self.axes.to_fingertip(DVec3::new(x, y, z));
-        self.calibration.force(self.time(sample.at), force);
+        let [x, y, z, a, b, c] = sample.wrench;
+        let load = Wrench {
+            force: self.axes.to_fingertip(DVec3::new(x, y, z)),
+            torque: self.axes.to_fingertip(DVec3::new(a, b, c)),
+        };
+        self.work.load(self.time(sample.at), load);
     }
 
-    fn picture(
-        &mut self,
-        picture: &feeler::sensor::frame::Picture,
-        at: Instant,
-        kept: &mut Folder,
-    ) -> Result<(), CommandError> {
-        self.sensor.kernel.measure(picture, &mut self.moments)?;
-        let seen = self.calibration.picture(self.time(at), &self.moments);
-        match seen {
-            Seen::Untouched => kept.untouched(picture)?,
-            Seen::Sample { element, force } => {
-                kept.sample(picture, element, force)?;
-                self.guide.sample(element, force, &self.moments);
-            }
-            Seen::Nothing | Seen::Unclear | Seen::Enough { .. } => {}
+    /// The time that a picture is of: its stamp, if that tells, or when it came in.
+    fn time_of(&self, frame: &Frame, at: Instant) -> f64 {
+        match self.exposed_since {
+            Some(since) => self.time(since) + frame.stamp,
+            None => self.time(at),
         }
-        self.guide.seen(&seen);
-        Ok(())
     }
 }

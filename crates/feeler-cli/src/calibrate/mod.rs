@@ -36,7 +36,7 @@ pub struct Arguments {
     #[arg(long)]
     simulated: bool,
     /// Calibrate the total force on the fingertip, where no single element can be loaded: by all elements together.
-    #[arg(long, conflicts_with_all = ["simulated", "full_scale_normal", "full_scale_shear", "verbose", "loads", "model"])]
+    #[arg(long, conflicts_with_all = ["simulated", "verbose", "loads", "model"])]
     wrench: bool,
     /// Keep what the pictures explain nothing of.
     #[arg(long)]
@@ -62,10 +62,12 @@ pub struct Arguments {
     /// predicts held-out loads better (auto).
     #[arg(long, value_parser = model, default_value = "auto", value_name = "MODEL")]
     model: ModelChoice,
-    /// Compression that shares of full scale refer to, N [default: the largest load; simulated: 2, less with more than 41 elements]
+    /// Compression that shares of full scale refer to, and that --live guides up to, N [default: the largest load; simulated: 2, less
+    /// with more than 41 elements; live: 1]
     #[arg(long, value_parser = positive, value_name = "N")]
     full_scale_normal: Option<f64>,
-    /// Shear force that shares of full scale refer to, N [default: the largest load; simulated: half of that]
+    /// Shear force that shares of full scale refer to, and that --live guides up to, N [default: the largest load; simulated and live:
+    /// half of the compression]
     #[arg(long, value_parser = positive, value_name = "N")]
     full_scale_shear: Option<f64>,
     /// Print the errors of each element, not only of each ring.
@@ -100,6 +102,7 @@ fn positive(text: &str) -> Result<f64, String> {
 }
 
 pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
+    arguments.live.refuse_without_effect()?;
     if arguments.wrench {
         return wrench::calibrate(arguments, out);
     }

@@ -3,14 +3,14 @@
 mod page;
 mod table;
 
-use super::{Arguments, CommandError, Outcome, experiment_name, page_path};
+use super::{Arguments, CommandError, Outcome, experiment_name, live, page_path, refuse_existing};
 use crate::part_file::Outputs;
 use crate::progress::{Steps, Working};
 use crate::sense::sensor::named_sensor;
 use feeler::sensor::wrench::{WrenchFit, fit};
 use feeler_lab::sensor::{ForcesFile, MeasuredSamples};
 use std::io::{Write, stderr};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Pictures that are named in warnings at most.
 const NAMED: usize = 5;
@@ -22,9 +22,16 @@ pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, 
     let experiment_name = experiment_name(arguments);
     let layout = arguments.layout.as_deref();
     let sensor = named_sensor(experiment_name, arguments.finger, layout)?;
-    let csv = arguments.input.as_deref();
-    let csv = csv.ok_or("--wrench: expected FORCES.csv, the file of measured forces")?;
-    let forces = ForcesFile::read(Path::new(csv))?;
+    let csv = match live::folder(arguments) {
+        Some(folder) => {
+            // Before an hour's work, not after it.
+            refuse_existing(arguments, [output, &page_path])?;
+            live::guide(arguments, folder, &sensor)?;
+            folder.join(live::FORCES)
+        }
+        None => measured(arguments)?,
+    };
+    let forces = ForcesFile::read(&csv)?;
     let files = forces.files();
     let inputs = files.iter().map(|path| Some(path.as_path()));
     let named = [Some(Path::new(experiment_name)), layout];
@@ -44,7 +51,7 @@ pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, 
         arguments.force_fit,
     );
     drop(fitting);
-    let fitted = fitted.map_err(|e| format!("{csv}: {e}{}", way_out(&e)))?;
+    let fitted = fitted.map_err(|e| format!("{}: {e}{}", csv.display(), way_out(&e)))?;
     warn(&fitted, &measured);
     let source = forces.name();
     page_file.finish(page::page(&fitted, forces.recordings(), &source).as_bytes())?;
@@ -52,6 +59,17 @@ pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, 
     write!(out, "{}", table::table(&fitted.calibration))?;
     writeln!(out, "{}\n{}", output.display(), page_path.display())?;
     Ok(Outcome::Done)
+}
+
+/// The file of measured forces.
+fn measured(arguments: &Arguments) -> Result<PathBuf, CommandError> {
+    if arguments.full_scale_normal.is_some() || arguments.full_scale_shear.is_some() {
+        let message = "--full-scale-normal, --full-scale-shear: expected --live beside --wrench, which has no full scale itself";
+        return Err(message.into());
+    }
+    let csv = arguments.input.as_deref();
+    let csv = csv.ok_or("--wrench: expected FORCES.csv, the file of measured forces")?;
+    Ok(PathBuf::from(csv))
 }
 
 /// What can be done about an error.

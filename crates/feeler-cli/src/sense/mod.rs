@@ -17,6 +17,7 @@ mod track;
 mod whole_rows;
 mod wrench;
 
+use super::camera::CameraArguments;
 use super::interrupt::watch_for_interrupt;
 use super::link::{ExperimentArguments, LinkArguments};
 use super::part_file::{Outputs, Overwrite};
@@ -53,7 +54,7 @@ u counts from where the centroids are without load: as the calibration says; wit
 #[command(after_long_help = DETAILS)]
 pub struct Arguments {
     /// Folder or files of pictures (in the natural order of names), a recorded run, a recording made by `feeler sense
-    /// --record-frames`, a camera (/dev/video0), rig: for what `feeler world` plays, or - for raw grey frames on standard input.
+    /// --record-frames`, a camera (/dev/video0, genicam:ID as `feeler cameras` lists it, genicam: for the first), rig: for what `feeler world` plays, or - for raw grey frames on standard input.
     #[arg(required = true, value_name = "SOURCE")]
     sources: Vec<PathBuf>,
     /// The sensing elements as `feeler locate` found them, instead of an experiment's; without the
@@ -92,9 +93,8 @@ pub struct Arguments {
     /// of taxels [default: by their column of time, or as their layout says]
     #[arg(long, value_name = "HZ", value_parser = parse_rate)]
     rate: Option<f64>,
-    /// Exposure time of the camera, s [default: as the camera is set]
-    #[arg(long, value_name = "SECONDS", value_parser = parse_exposure)]
-    exposure: Option<f64>,
+    #[command(flatten)]
+    camera: CameraArguments,
     /// Follow every marker of the layout by identity, beyond its neighbours' places: through a video, or in single
     /// pictures, each matched against the layout alone. u counts from the layout's places, px, with a confidence from
     /// 0 (lost: the place is foretold by the neighbours) to 1.
@@ -208,7 +208,7 @@ impl Arguments {
             return Ok(output);
         }
         let full = match source {
-            Source::Video(_) => Full::Drop,
+            Source::Camera(_) => Full::Drop,
             _ => Full::Wait,
         };
         Ok(Box::new(Queued::start(output, full, true, tally.warner())?))
@@ -332,10 +332,6 @@ fn parse_size(text: &str) -> Result<(usize, usize), String> {
 
 pub fn parse_rate(text: &str) -> Result<f64, String> {
     parse_between(text, 1e-3, 1e5, "Hz")
-}
-
-pub fn parse_exposure(text: &str) -> Result<f64, String> {
-    parse_between(text, 1e-6, 1e3, "s")
 }
 
 fn parse_part(text: &str) -> Result<f64, String> {

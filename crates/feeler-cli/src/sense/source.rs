@@ -1,6 +1,7 @@
 //! Which source is meant, and its camera.
 
 use super::{Arguments, CommandError};
+use crate::camera::CameraName;
 use feeler::sensor::camera::Camera;
 use feeler_record::SensedPictures;
 use feeler_record::sensed_pictures::is_sensed;
@@ -17,8 +18,8 @@ pub enum Source {
     Pictures(Vec<PathBuf>),
     /// Raw grey frames of this size (columns, rows) on standard input, px.
     Raw((usize, usize)),
-    /// A Video4Linux device.
-    Video(PathBuf),
+    /// A camera.
+    Camera(CameraName),
     /// A run's recording.
     Recording(PathBuf),
     /// Pictures that were sensed before and kept.
@@ -32,7 +33,7 @@ impl Source {
     pub fn of(arguments: &Arguments) -> Result<Self, CommandError> {
         let source = Self::named(&arguments.sources, arguments.raw)?;
         let raw = matches!(source, Self::Raw(_));
-        let video = matches!(source, Self::Video(_));
+        let camera = matches!(source, Self::Camera(_));
         let recording = matches!(source, Self::Recording(_));
         let of_no_use = [
             (
@@ -40,15 +41,15 @@ impl Source {
                 arguments.raw.is_some() && !raw,
                 "raw frames on standard input (-)",
             ),
-            ("--size", arguments.size.is_some() && !video, "a camera"),
+            ("--size", arguments.size.is_some() && !camera, "a camera"),
             (
                 "--record-frames",
                 arguments.record_frames && recording,
                 "pictures",
             ),
             (
-                "--exposure",
-                arguments.exposure.is_some() && !video,
+                arguments.camera.given().unwrap_or_default(),
+                arguments.camera.given().is_some() && !camera,
                 "a camera",
             ),
             (
@@ -89,7 +90,7 @@ impl Source {
 
     /// Whether it ends only when somebody ends it: what was sensed until then is whole.
     pub fn is_stream(&self) -> bool {
-        matches!(self, Self::Raw(_) | Self::Video(_) | Self::Rig)
+        matches!(self, Self::Raw(_) | Self::Camera(_) | Self::Rig)
     }
 
     fn named(paths: &[PathBuf], raw: Option<(usize, usize)>) -> Result<Self, CommandError> {
@@ -98,6 +99,9 @@ impl Source {
         };
         if path == Path::new("rig:") {
             return Ok(Self::Rig);
+        }
+        if let Some(name) = CameraName::of(path) {
+            return Ok(Self::Camera(name));
         }
         if path == Path::new("-") {
             let size = raw.ok_or("-: expected --raw WIDTHxHEIGHT, the size of the frames")?;
@@ -115,9 +119,6 @@ impl Source {
                 true => Self::Sensed(path.clone()),
                 false => Self::Recording(path.clone()),
             });
-        }
-        if is_video_device(path) {
-            return Ok(Self::Video(path.clone()));
         }
         Ok(Self::Pictures(vec![path.clone()]))
     }
@@ -137,9 +138,10 @@ impl Source {
                 check_size("--raw", *raw, size)?;
                 Ok(Box::new(RawFrames::new(stdin(), size, arguments.rate())))
             }
-            Self::Video(device) => {
+            Self::Camera(name) => {
                 check_size("--size", arguments.size.unwrap_or(size), size)?;
-                open_video(device, size, arguments.rate(), arguments.exposure)
+                let settings = arguments.camera.settings(size, arguments.rate());
+                Ok(name.open(settings)?.camera)
             }
             Self::Rig => Err("rig: its pictures come over the link".into()),
             Self::Recording(path) => {
@@ -163,12 +165,6 @@ fn sensed_pictures(path: &Path) -> Result<Box<dyn Camera + Send>, CommandError> 
     Ok(Box::new(pictures))
 }
 
-/// Whether `path` is named as Video4Linux devices are; `/dev/shm` holds files.
-pub fn is_video_device(path: &Path) -> bool {
-    let name = path.to_string_lossy();
-    name.starts_with("/dev/video") || name.starts_with("/dev/v4l/")
-}
-
 /// Refuses frames of another size than the fingertip's.
 fn check_size(
     flag: &str,
@@ -182,38 +178,6 @@ fn check_size(
         "{flag} {width}x{height}: the fingertip's pictures are of {}x{} px; expected these, or another \
          fingertip (--layout, as `feeler locate` writes it, or --experiment)",
         expected.0, expected.1
-    )
-    .into())
-}
-
-/// The Video4Linux camera `device`, asked for `rate` Hz and an exposure time (s).
-#[cfg(all(feature = "camera", target_os = "linux"))]
-pub fn open_video(
-    device: &Path,
-    size: (usize, usize),
-    rate: f64,
-    exposure: Option<f64>,
-) -> Result<Box<dyn Camera + Send>, CommandError> {
-    use feeler_sources::video::{VideoCamera, VideoConfig};
-    let camera = VideoCamera::open(&VideoConfig {
-        device: device.to_path_buf(),
-        size,
-        rate,
-        exposure,
-    })?;
-    Ok(Box::new(camera))
-}
-
-#[cfg(not(all(feature = "camera", target_os = "linux")))]
-pub fn open_video(
-    device: &Path,
-    _: (usize, usize),
-    _: f64,
-    _: Option<f64>,
-) -> Result<Box<dyn Camera + Send>, CommandError> {
-    Err(format!(
-        "{}: this program was built without cameras; build it on Linux with --features camera",
-        device.display()
     )
     .into())
 }

@@ -211,9 +211,15 @@ fn bad_input_is_refused_in_words() {
     let sensor = "--force-sensor=netft://127.0.0.1:9?cpf=1&cpt=1";
     refused(&["--live=-"], &["--force-sensor"]);
     refused(
-        &["--live=-", "--force-sensor=netft://a"],
+        &["--live=-", "--force-sensor=netft://a?cpt=1"],
         &["cpf is missing", "Configurations"],
     );
+    refused(&["--exposure=0.01"], &["--exposure", "--live"]);
+    refused(
+        &["--live=-", sensor, "--trigger=software"],
+        &["--trigger is for a camera"],
+    );
+    refused(&["--wrench", "--full-scale-normal=1"], &["--live"]);
     refused(
         &["--live=-", "--force-sensor=/dev/ttyUSB0"],
         &["no netft:// address"],

@@ -2,8 +2,10 @@
 
 mod bad_input;
 mod calibrate_live;
+mod calibrate_live_wrench;
 mod calibrate_loads;
 mod calibrate_wrench;
+mod cameras;
 mod cap;
 mod carry;
 mod check_objects;

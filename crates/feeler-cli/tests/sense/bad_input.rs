@@ -122,7 +122,7 @@ fn sources_that_are_none() {
     fs::write(folder.join("notes.txt"), "text").unwrap();
     fs::write(folder.join("empty/notes.txt"), "text").unwrap();
     fs::write(folder.join("bad.mcap"), "text").unwrap();
-    let cases: [(&[&str], &[&str]); 13] = [
+    let cases: [(&[&str], &[&str]); 20] = [
         (&["missing"], &["missing: ", "expected a folder or a file"]),
         (&["missing.png"], &["missing.png: ", "No such file"]),
         (
@@ -146,6 +146,19 @@ fn sources_that_are_none() {
             &["empty", "--exposure=0.01"],
             &["--exposure is for a camera"],
         ),
+        (&["empty", "--gain=6"], &["--gain is for a camera"]),
+        (
+            &["empty", "--roi-offset=8,16"],
+            &["--roi-offset is for a camera"],
+        ),
+        (
+            &["empty", "--trigger=software"],
+            &["--trigger is for a camera"],
+        ),
+        (&["genicam:", "--roi-offset=8"], &["COLUMN,ROW"]),
+        (&["genicam:", "--exposure=0"], &["0.000001 to 1000 s"]),
+        (&["genicam:", "--gain=nan"], &["expected a number"]),
+        (&["genicam:", "--trigger=a b"], &["free, software"]),
         (&["empty", "--rate=nan"], &["expected 0.001 to 100000 Hz"]),
         (&["/dev/video99"], &["/dev/video99"]),
     ];

@@ -9,6 +9,7 @@ use feeler::sensor::sensing::{ElementReading, SensingChain, SensingError};
 use feeler::sensor::wrench::features::usable;
 use feeler::sensor::wrench::forces::{ForcesError, MeasuredForces, MeasuredPicture, read_forces};
 use feeler::sensor::wrench::{WrenchCalibration, WrenchSample};
+use glam::DVec3;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
@@ -83,6 +84,15 @@ impl ForcesFile {
     /// Name of each recording.
     pub fn recordings(&self) -> &[String] {
         &self.forces.recordings
+    }
+
+    /// Calls `measured` with each force of which all components were measured, N.
+    pub fn each_force(&self, mut measured: impl FnMut(DVec3)) {
+        for picture in &self.forces.pictures {
+            if let [Some(x), Some(y), Some(z), ..] = picture.wrench {
+                measured(DVec3::new(x, y, z));
+            }
+        }
     }
 
     /// Number of pictures.

@@ -5,20 +5,30 @@ use std::fmt;
 use std::str::FromStr;
 
 /// What an address looks like.
-const EXPECTED: &str = "netft://HOST[:PORT]?cpf=COUNTS&cpt=COUNTS, with the counts per newton and per newton metre that the \
-                        sensor's web page shows under Configurations";
+const EXPECTED: &str = "netft://HOST[:PORT], or netft://HOST[:PORT]?cpf=COUNTS&cpt=COUNTS, with the counts per newton and per newton \
+                        metre that the sensor's web page shows under Configurations";
 
-/// A sensor's address: `netft://192.168.1.1?cpf=1000000&cpt=1000000`.
+/// A sensor's address: `netft://192.168.1.1`, whose web page says what its counts mean, or
+/// `netft://192.168.1.1?cpf=1000000&cpt=1000000`, which says it itself.
 ///
 /// Counts per unit belong to the sensor's calibration and are in no record, so that there is no default for them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NetFtAddress {
     /// Host and port.
     pub host: String,
+    /// What its counts mean; as its web page says if none.
+    pub counts: Option<Counts>,
+    /// Port of its web page (`web=PORT`); 80 if none.
+    pub web_port: Option<u16>,
+}
+
+/// What a sensor's counts mean.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Counts {
     /// Counts per newton.
-    pub counts_per_newton: f64,
+    pub per_newton: f64,
     /// Counts per newton metre.
-    pub counts_per_newton_metre: f64,
+    pub per_newton_metre: f64,
 }
 
 /// Why a text is no sensor's address.
@@ -41,12 +51,17 @@ impl FromStr for NetFtAddress {
         if host.is_empty() || host.chars().any(|c| c.is_whitespace() || c == '/') {
             return Err(wrong(format!("{host:?} is no host")));
         }
-        let (mut force, mut torque) = (None, None);
+        let (mut force, mut torque, mut web_port) = (None, None, None);
         for pair in query.split('&').filter(|pair| !pair.is_empty()) {
             let (name, value) = pair.split_once('=').unwrap_or((pair, ""));
             let place = match name {
                 "cpf" => &mut force,
                 "cpt" => &mut torque,
+                "web" => {
+                    let port = value.parse().ok().filter(|port| *port > 0);
+                    web_port = Some(port.ok_or_else(|| wrong(format!("web is {value:?}")))?);
+                    continue;
+                }
                 _ => return Err(wrong(format!("{name:?} is not known"))),
             };
             let number = value.parse::<f64>().ok();
@@ -54,11 +69,26 @@ impl FromStr for NetFtAddress {
             *place = Some(number.ok_or_else(|| wrong(format!("{name} is {value:?}")))?);
         }
         let missing = |name: &str| wrong(format!("{name} is missing"));
+        let counts = match (force, torque) {
+            (None, None) => None,
+            (force, torque) => Some(Counts {
+                per_newton: force.ok_or_else(|| missing("cpf"))?,
+                per_newton_metre: torque.ok_or_else(|| missing("cpt"))?,
+            }),
+        };
         Ok(Self {
             host: with_port(host),
-            counts_per_newton: force.ok_or_else(|| missing("cpf"))?,
-            counts_per_newton_metre: torque.ok_or_else(|| missing("cpt"))?,
+            counts,
+            web_port,
         })
+    }
+}
+
+impl NetFtAddress {
+    /// Host and port of its web page.
+    pub(super) fn web_host(&self) -> String {
+        let host = self.host.rsplit_once(':').map_or("", |(host, _)| host);
+        format!("{host}:{}", self.web_port.unwrap_or(80))
     }
 }
 
@@ -73,8 +103,17 @@ fn with_port(host: &str) -> String {
 
 impl fmt::Display for NetFtAddress {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (force, torque) = (self.counts_per_newton, self.counts_per_newton_metre);
-        write!(f, "netft://{}?cpf={force}&cpt={torque}", self.host)
+        write!(f, "netft://{}", self.host)?;
+        let mut separator = '?';
+        if let Some(counts) = &self.counts {
+            let (force, torque) = (counts.per_newton, counts.per_newton_metre);
+            write!(f, "?cpf={force}&cpt={torque}")?;
+            separator = '&';
+        }
+        match self.web_port {
+            Some(port) => write!(f, "{separator}web={port}"),
+            None => Ok(()),
+        }
     }
 }
 
@@ -88,9 +127,13 @@ mod tests {
         let read = |text: &str| text.parse::<NetFtAddress>();
         let own = read("netft://10.0.0.2?cpf=1e6&cpt=500").unwrap();
         assert_eq!(own.host, "10.0.0.2:49152");
+        let counts = own.counts.unwrap();
+        assert_eq!((counts.per_newton, counts.per_newton_metre), (1e6, 500.0));
+        assert_eq!(own.web_host(), "10.0.0.2:80");
+        let asked = read("netft://[::1]:7?web=8080").unwrap();
         assert_eq!(
-            (own.counts_per_newton, own.counts_per_newton_metre),
-            (1e6, 500.0)
+            (asked.counts, asked.web_host()),
+            (None, "[::1]:8080".into())
         );
         assert_eq!(
             read("netft://[::1]?cpf=1&cpt=1").unwrap().host,
@@ -107,6 +150,7 @@ mod tests {
             ("netft://a?cpf=-1&cpt=1", "cpf is \"-1\""),
             ("netft://a?cpf=nan&cpt=1", "cpf is \"nan\""),
             ("netft://a?rate=1", "\"rate\" is not known"),
+            ("netft://a?web=0", "web is \"0\""),
         ] {
             let error = read(text).unwrap_err().to_string();
             assert!(

@@ -1,6 +1,7 @@
 //! Takes a sensor's records on a thread of its own.
 
-use super::address::NetFtAddress;
+use super::address::{Counts, NetFtAddress};
+use super::counts::{CountsError, read_counts};
 use super::rdt::{Command, Record, Request};
 use std::io::{self, ErrorKind};
 use std::net::UdpSocket;
@@ -39,6 +40,9 @@ pub enum ForceError {
         /// What the system said.
         reason: String,
     },
+    /// What its counts mean is not known.
+    #[error(transparent)]
+    Counts(#[from] CountsError),
     /// Nothing came for a time.
     #[error("{address}: no record for {} ms; expected one every few", SILENCE.as_millis())]
     Silent {
@@ -65,12 +69,16 @@ pub struct NetFt {
 }
 
 impl NetFt {
-    /// Asks the sensor at `address` to stream.
+    /// Asks the sensor at `address` to stream; before that its web page, where the address does not say what its counts mean.
     ///
     /// # Errors
-    /// When it cannot be asked. One that does not answer is found by [`Self::next_sample`].
+    /// When it cannot be asked, or its page does not answer. A sensor that sends nothing is found by [`Self::next_sample`].
     pub fn connect(address: &NetFtAddress) -> Result<Self, ForceError> {
-        let stream = Stream::open(address).map_err(|e| ForceError::Unreachable {
+        let counts = match address.counts {
+            Some(counts) => counts,
+            None => read_counts(address)?,
+        };
+        let stream = Stream::open(address, counts).map_err(|e| ForceError::Unreachable {
             address: address.to_string(),
             reason: e.to_string(),
         })?;
@@ -108,12 +116,13 @@ impl Drop for NetFt {
 struct Stream {
     socket: UdpSocket,
     address: NetFtAddress,
+    counts: Counts,
     /// Number of the newest record.
     newest: Option<u32>,
 }
 
 impl Stream {
-    fn open(address: &NetFtAddress) -> io::Result<Self> {
+    fn open(address: &NetFtAddress, counts: Counts) -> io::Result<Self> {
         // Of the family that the sensor's address has.
         let socket = match UdpSocket::bind("0.0.0.0:0").and_then(|socket| {
             socket.connect(&address.host)?;
@@ -130,6 +139,7 @@ impl Stream {
         let stream = Self {
             socket,
             address: address.clone(),
+            counts,
             newest: None,
         };
         stream.ask(Command::Stream)?;
@@ -197,10 +207,7 @@ impl Stream {
                 status: record.status,
             }));
         }
-        let (force, torque) = (
-            self.address.counts_per_newton,
-            self.address.counts_per_newton_metre,
-        );
+        let (force, torque) = (self.counts.per_newton, self.counts.per_newton_metre);
         let scales = [force, force, force, torque, torque, torque];
         let mut wrench = record.counts.map(f64::from);
         wrench

@@ -1,19 +1,21 @@
 //! A sensor without the device: streams what it is told.
 
 use super::rdt::{Command, Record, Request};
-use std::io;
-use std::net::{SocketAddr, UdpSocket};
+use std::io::{self, Read, Write};
+use std::net::{SocketAddr, TcpListener, TcpStream, UdpSocket};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-/// A force/torque sensor on this computer that speaks RDT to the client that asked last.
+/// A force/torque sensor on this computer that speaks RDT to the client that asked last, and has the part of a sensor's web page
+/// that says what its counts mean.
 #[derive(Debug)]
 pub struct NetFtEmulator {
     address: SocketAddr,
+    web: SocketAddr,
     stop: Arc<AtomicBool>,
-    thread: Option<JoinHandle<()>>,
+    threads: Vec<JoinHandle<()>>,
 }
 
 impl NetFtEmulator {
@@ -30,6 +32,7 @@ impl NetFtEmulator {
     ) -> io::Result<Self> {
         let socket = UdpSocket::bind("127.0.0.1:0")?;
         let address = socket.local_addr()?;
+        let listener = TcpListener::bind("127.0.0.1:0")?;
         let stop = Arc::new(AtomicBool::new(false));
         let stopped = Arc::clone(&stop);
         let period = Duration::from_secs_f64(1.0 / rate);
@@ -55,18 +58,58 @@ impl NetFtEmulator {
                     }
                 }
             })?;
-        Ok(Self {
+        let mut emulator = Self {
             address,
-            stop,
-            thread: Some(thread),
-        })
+            web: listener.local_addr()?,
+            stop: Arc::clone(&stop),
+            threads: vec![thread],
+        };
+        let web = thread::Builder::new()
+            .name("emulated web page".into())
+            .spawn(move || {
+                for client in listener.incoming().map_while(Result::ok) {
+                    if stop.load(Ordering::Relaxed) {
+                        break;
+                    }
+                    // A client that has gone does not need it.
+                    let _ = answer(client);
+                }
+            })?;
+        emulator.threads.push(web);
+        Ok(emulator)
     }
 
-    /// Its address, as [`NetFtAddress`](super::NetFtAddress) reads it.
+    /// Its address with its counts, as [`NetFtAddress`](super::NetFtAddress) reads it.
     pub fn address(&self) -> String {
         let counts = Self::COUNTS;
         format!("netft://{}?cpf={counts}&cpt={counts}", self.address)
     }
+
+    /// Its address without its counts, which its web page says.
+    pub fn bare_address(&self) -> String {
+        format!("netft://{}?web={}", self.address, self.web.port())
+    }
+}
+
+/// Answers any request with the page.
+fn answer(mut client: TcpStream) -> io::Result<()> {
+    let wait = Some(Duration::from_secs(1));
+    client.set_read_timeout(wait)?;
+    client.set_write_timeout(wait)?;
+    let mut request = [0; 1024];
+    let mut length = 0;
+    while length < request.len() && !request[..length].ends_with(b"\r\n\r\n") {
+        match client.read(&mut request[length..])? {
+            0 => break,
+            count => length += count,
+        }
+    }
+    let counts = NetFtEmulator::COUNTS;
+    write!(
+        client,
+        "HTTP/1.0 200 OK\r\nContent-Type: text/xml\r\n\r\n<?xml version=\"1.0\"?>\n<netft><cfgcpf>{counts}</cfgcpf>\
+         <cfgcpt>{counts}</cfgcpt><scfgfu>N</scfgfu><scfgtu>Nm</scfgtu></netft>\n"
+    )
 }
 
 /// Takes requests until `due`.
@@ -93,7 +136,9 @@ fn listen(socket: &UdpSocket, due: Instant, asked: &mut Option<SocketAddr>) {
 impl Drop for NetFtEmulator {
     fn drop(&mut self) {
         self.stop.store(true, Ordering::Relaxed);
-        if let Some(thread) = self.thread.take() {
+        // Wakes the page's thread.
+        let _ = TcpStream::connect(self.web);
+        for thread in self.threads.drain(..) {
             // It ends within its period; one that panicked has ended.
             let _ = thread.join();
         }

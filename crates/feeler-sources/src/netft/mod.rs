@@ -4,10 +4,12 @@
 
 mod address;
 mod client;
+mod counts;
 mod emulator;
 mod rdt;
 
-pub use address::{AddressError, NetFtAddress};
+pub use address::{AddressError, Counts, NetFtAddress};
 pub use client::{ForceError, ForceSample, NetFt};
+pub use counts::{CountsError, parse_counts, read_counts};
 pub use emulator::NetFtEmulator;
 pub use rdt::{Command, RDT_PORT, RdtError, Record, Request};

@@ -31,13 +31,13 @@ pub enum VideoError {
         /// What it would do instead.
         offered: String,
     },
-    /// The exposure time cannot be set.
-    #[error("{}: the exposure time cannot be set to {exposure} s: {reason}", device.display())]
-    Exposure {
+    /// The camera cannot be set as is asked for.
+    #[error("{}: {what}: {reason}", device.display())]
+    Setting {
         /// The device.
         device: PathBuf,
-        /// What was asked for, s.
-        exposure: f64,
+        /// What was to be set.
+        what: String,
         /// What is missing or out of range.
         reason: String,
     },

@@ -1,18 +1,14 @@
-//! What a person who loads a fingertip is told.
+//! What a person who loads one element after the other is told.
 
+use super::screen::{Screen, missing_before_loads};
 use feeler::sensor::calibration::{FullScale, MadeFor};
 use feeler::sensor::calibration_fit::{ElementRecord, LoadSample, ModelChoice, fit};
 use feeler::sensor::live_calibration::{LiveCalibration, Seen, Stage};
 use feeler::sensor::moments::ElementMoments;
 use feeler_lab::sensor::SensorGeometry;
 use glam::DVec3;
-use indicatif::{ProgressBar, ProgressStyle};
 use std::fmt::Write as _;
-use std::io::{IsTerminal, Write as _, stderr};
-use std::time::{Duration, Instant};
 
-/// Redrawn this often at most.
-const INTERVAL: Duration = Duration::from_millis(100);
 /// New samples of an element after which its error is found anew.
 const SAMPLES: usize = 8;
 /// A probe does not pull: where a force does by so much of full scale, the force sensor's axes are others than said.
@@ -20,18 +16,13 @@ const PULLED: f64 = 0.1;
 /// Elements that are named as missing at most.
 const NAMED: usize = 8;
 
-/// The screen: a few lines on a terminal; elsewhere a line for each step that is done.
 pub struct Guide<'a> {
     sensor: &'a SensorGeometry,
     full_scale: FullScale,
     model: ModelChoice,
-    bar: ProgressBar,
-    on_terminal: bool,
-    drawn: Instant,
-    stage: Option<&'static str>,
+    screen: Screen,
     complete: usize,
     seen: Seen,
-    warning: Option<(String, Instant)>,
     /// What was taken of each element since the start, to tell how well it can be fitted.
     records: Vec<ElementRecord>,
     /// The element whose error was found last, and its root mean square along x, y, z, N.
@@ -40,20 +31,13 @@ pub struct Guide<'a> {
 
 impl<'a> Guide<'a> {
     pub fn new(sensor: &'a SensorGeometry, full_scale: FullScale, model: ModelChoice) -> Self {
-        let bar = ProgressBar::new_spinner();
-        let style = ProgressStyle::with_template("{msg}");
-        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
         Self {
             sensor,
             full_scale,
             model,
-            bar,
-            on_terminal: stderr().is_terminal(),
-            drawn: Instant::now(),
-            stage: None,
+            screen: Screen::new(),
             complete: 0,
             seen: Seen::Nothing,
-            warning: None,
             records: vec![ElementRecord::default(); sensor.kernel.element_count()],
             error: None,
         }
@@ -99,11 +83,7 @@ impl<'a> Guide<'a> {
 
     /// Says that something is wrong which may pass.
     pub fn warn(&mut self, what: &str) {
-        let is_new = self.warning.as_ref().is_none_or(|(said, _)| said != what);
-        if is_new && !self.on_terminal {
-            say(&format!("warning: {what}"));
-        }
-        self.warning = Some((what.to_string(), Instant::now()));
+        self.screen.warn(what);
     }
 
     /// Shows how far it is.
@@ -120,57 +100,33 @@ impl<'a> Guide<'a> {
             .iter()
             .filter(|element| element.is_complete())
             .count();
-        if !self.on_terminal {
-            if self.stage != Some(stage) {
-                say(stage);
-                if let (Stage::Loads, Some(delay)) = (calibration.stage(), calibration.delay()) {
-                    say(&format!("the camera is {:.0} ms late", 1e3 * delay.seconds));
-                }
+        self.screen
+            .stage(calibration.stage(), stage, calibration.delay());
+        if complete > self.complete {
+            let all = coverage.len();
+            self.screen
+                .step(&format!("{complete} of {all} elements complete"));
+            if let Some(error) = &self.error {
+                self.screen.step(&in_words(error));
             }
-            if complete > self.complete {
-                say(&format!(
-                    "{complete} of {} elements complete",
-                    coverage.len()
-                ));
-            }
-            (self.stage, self.complete) = (Some(stage), complete);
-            return;
         }
-        if self.drawn.elapsed() < INTERVAL {
-            return;
+        self.complete = complete;
+        if self.screen.is_due() {
+            self.screen.draw(self.lines(stage, calibration));
         }
-        self.drawn = Instant::now();
-        self.bar
-            .set_message(self.lines(stage, complete, calibration));
     }
 
     /// Takes it off the screen.
     pub fn end(&self) {
-        self.bar.finish_and_clear();
+        self.screen.end();
     }
 
-    fn lines(&self, stage: &str, complete: usize, calibration: &LiveCalibration) -> String {
+    fn lines(&self, stage: &str, calibration: &LiveCalibration) -> String {
         let coverage = calibration.coverage();
-        let mut text = format!(
-            "{complete} of {} elements complete: {stage}\n",
-            coverage.len()
-        );
-        // Writing to a string does not fail.
-        let _ = match calibration.stage() {
-            Stage::Untouched { missing } => writeln!(text, "{missing} more pictures"),
-            Stage::Presses { missing, found } => match found {
-                Some(delay) => writeln!(
-                    text,
-                    "pictures and forces do not go together well (correlation {:.2}, 0.9 expected): press slower",
-                    delay.correlation
-                ),
-                None => writeln!(text, "{missing} more presses"),
-            },
-            Stage::Loads => {
-                let words = self.now(calibration);
-                writeln!(text, "{words}")
-            }
-        };
+        let (complete, all) = (self.complete, coverage.len());
+        let now = missing_before_loads(calibration.stage());
+        let now = now.unwrap_or_else(|| self.now(calibration));
+        let mut text = format!("{complete} of {all} elements complete: {stage}\n{now}\n");
         let missing = coverage
             .iter()
             .enumerate()
@@ -186,21 +142,10 @@ impl<'a> Guide<'a> {
                 )
             })
             .collect();
+        // Writing to a string does not fail.
         let _ = writeln!(text, "next: {}", names.join("; "));
-        if let Some((element, rms)) = self.error {
-            let mn = 1e3 * rms;
-            let _ = writeln!(
-                text,
-                "element {element}, held-out errors (rms): {:.0}, {:.0} mN shear, {:.0} mN compression",
-                mn.x, mn.y, mn.z
-            );
-        }
-        if let Some((warning, _)) = self
-            .warning
-            .as_ref()
-            .filter(|(_, at)| at.elapsed().as_secs() < 3)
-        {
-            let _ = writeln!(text, "warning: {warning}");
+        if let Some(error) = &self.error {
+            let _ = writeln!(text, "{}", in_words(error));
         }
         text
     }
@@ -226,7 +171,11 @@ impl<'a> Guide<'a> {
     }
 }
 
-fn say(words: &str) {
-    // Standard error that is closed is no reason to stop.
-    let _ = writeln!(stderr(), "{words}");
+/// How far an element's calibration is off so far.
+fn in_words((element, rms): &(usize, DVec3)) -> String {
+    let mn = 1e3 * *rms;
+    format!(
+        "element {element}, held-out errors (rms): {:.0}, {:.0} mN shear, {:.0} mN compression",
+        mn.x, mn.y, mn.z
+    )
 }

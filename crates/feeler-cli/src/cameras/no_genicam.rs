@@ -1,0 +1,11 @@
+//! A program without GenICam cameras.
+
+use super::{Kind, NO_GENICAM};
+
+pub fn list(_: bool) -> Kind {
+    Kind {
+        name: "GenICam",
+        cameras: Vec::new(),
+        missing: vec![NO_GENICAM.into()],
+    }
+}

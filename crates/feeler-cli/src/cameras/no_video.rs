@@ -1,0 +1,11 @@
+//! A program without Video4Linux cameras.
+
+use super::{Kind, NO_VIDEO};
+
+pub fn list() -> Kind {
+    Kind {
+        name: "Video4Linux",
+        cameras: Vec::new(),
+        missing: vec![NO_VIDEO.into()],
+    }
+}

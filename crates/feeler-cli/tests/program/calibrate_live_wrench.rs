@@ -1,0 +1,205 @@
+//! `feeler calibrate FOLDER --live --wrench`: a played person loads a fingertip as a whole, on an emulated force sensor.
+
+use crate::program::{Ended, feeler, folder, run};
+use feeler::sensor::wrench::{WrenchAxis, WrenchCalibration};
+use feeler_sources::netft::NetFtEmulator;
+use glam::{DVec2, DVec3};
+use std::fs;
+use std::io::{BufRead, BufReader, Write};
+use std::path::Path;
+use std::process::Stdio;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
+use std::thread::{sleep, spawn};
+use std::time::Duration;
+
+/// Columns and rows of the pictures, px, and the time between them.
+const SIZE: (usize, usize) = (64, 40);
+const FRAME: Duration = Duration::from_millis(20);
+/// Pictures that each load is held for.
+const HELD: usize = 10;
+/// Arm of the force about the sensor's origin, m.
+const ARM: DVec3 = DVec3::new(0.0, 0.0, 0.02);
+
+const LAYOUT: &str = "version = 1\nwidth = 64\nheight = 40\ndark_level = 10\n\
+    [[element]]\ncentre_px = [16.0, 20.0]\nradius_px = 13.0\n[[element]]\ncentre_px = [48.0, 20.0]\nradius_px = 13.0\n";
+
+/// A press and a while without, as forces on the fingertip, N, z outward, picture by picture.
+fn press() -> impl Iterator<Item = DVec3> {
+    let press = (0..60).map(|k| 0.7 * (std::f64::consts::PI * f64::from(k) / 60.0).sin().powi(2));
+    let still = std::iter::repeat_n(0.0, 15);
+    press
+        .chain(still)
+        .map(|normal| DVec3::new(0.0, 0.0, -normal))
+}
+
+/// Compressions in steps and pushes all ways, each held; a little different for each number.
+fn loads(number: u32) -> impl Iterator<Item = DVec3> {
+    let wander = 0.08 * f64::from(number).sin();
+    let presses =
+        (0..5).map(move |step| DVec3::new(0.0, 0.0, -0.1 - 0.2 * f64::from(step) + wander));
+    let ways = [DVec2::X, -DVec2::X, DVec2::Y, -DVec2::Y];
+    let pushes = ways.into_iter().flat_map(move |way| {
+        [0.28, 0.5].map(|shear| ((shear + 0.5 * wander) * way).extend(-0.5 - 2.0 * wander))
+    });
+    let free = std::iter::once(DVec3::ZERO);
+    let all = presses.chain(pushes).chain(free);
+    all.flat_map(|load| std::iter::repeat_n(load, HELD))
+}
+
+/// Two spots that brighten where they are pressed, one more than the other, and both move with shear.
+fn picture(force: DVec3, number: usize) -> Vec<u8> {
+    let spots = [(DVec2::new(16.0, 20.0), 0.6), (DVec2::new(48.0, 20.0), 0.4)];
+    let level = |column: usize, row: usize| {
+        let place = DVec2::new(column as f64, row as f64);
+        let spots = spots.iter().map(|&(centre, growth)| {
+            let off = place - centre - 2.0 * force.truncate();
+            110.0 * (1.0 - growth * force.z) * (-off.length_squared() / 18.0).exp()
+        });
+        // Half a gray value of noise that no two pictures share.
+        let noise =
+            (12.9898 * place.x + 78.233 * place.y + 37.719 * number as f64).sin() * 43758.5453;
+        (spots.sum::<f64>() + 4.0 + noise.fract()).clamp(0.0, 255.0) as u8
+    };
+    let rows = (0..SIZE.1).flat_map(|row| (0..SIZE.0).map(move |column| (column, row)));
+    rows.map(|(column, row)| level(column, row)).collect()
+}
+
+/// Runs the program and plays to it: a while without load, presses until it knows how late the camera is, and so many times all
+/// loads, or until it ends by itself.
+fn play(folder: &Path, times: u32) -> Ended {
+    let now = Arc::new(Mutex::new(DVec3::ZERO));
+    let felt = Arc::clone(&now);
+    let sensor = NetFtEmulator::start(500.0, move || {
+        let force = *felt.lock().unwrap();
+        // The fingertip's weight, and z of the fingertip against z of the sensor: x of one is y of the other.
+        let to_sensor = |v: DVec3| [v.y, v.x, -v.z];
+        let ([x, y, z], [a, b, c]) = (to_sensor(force), to_sensor(ARM.cross(force)));
+        Some([x, y, z - 3.0, a, b, c])
+    });
+    let sensor = sensor.expect("a socket");
+    let address = sensor.bare_address();
+    let arguments = [
+        "calibrate",
+        "bench",
+        "--live=-",
+        "--wrench",
+        "--rate=50",
+        "--layout=layout.toml",
+        "--force-sensor",
+        &address,
+        "--force-axes=y,x,-z",
+        "--full-scale-normal=1",
+        "--full-scale-shear=0.6",
+        "-o=live.toml",
+    ];
+    let mut child = feeler(folder, &arguments)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program");
+    let mut camera = child.stdin.take().expect("its input");
+    let (knows, told) = (Arc::new(AtomicBool::new(false)), Arc::default());
+    let stderr = BufReader::new(child.stderr.take().expect("its errors"));
+    let listener = spawn({
+        let (knows, told) = (Arc::clone(&knows), Arc::<Mutex<String>>::clone(&told));
+        move || {
+            for line in stderr.lines().map_while(Result::ok) {
+                knows.fetch_or(line.contains("the camera is"), Ordering::Relaxed);
+                *told.lock().unwrap() += &(line + "\n");
+            }
+        }
+    });
+    let player = spawn(move || {
+        let still = std::iter::repeat_n(DVec3::ZERO, 60);
+        let pressed = move |_: &u32| !knows.load(Ordering::Relaxed);
+        let presses = (0..100).take_while(pressed).flat_map(|_| press());
+        let forces = still.chain(presses).chain((0..times).flat_map(loads));
+        for (number, force) in forces.enumerate() {
+            *now.lock().unwrap() = force;
+            // The program may have all that it needs.
+            if camera.write_all(&picture(force, number)).is_err() {
+                return;
+            }
+            sleep(FRAME);
+        }
+    });
+    let mut ended = Ended::of(child.wait_with_output().expect("its end"));
+    player.join().unwrap();
+    listener.join().unwrap();
+    ended.stderr = told.lock().unwrap().clone();
+    ended
+}
+
+#[test]
+fn a_fingertip_that_is_loaded_live_makes_the_calibration_that_its_table_makes() {
+    let folder = folder("calibrate-live-wrench");
+    fs::write(folder.join("layout.toml"), LAYOUT).unwrap();
+    // Its camera ends in the first rounds; what was taken is kept.
+    let ended = play(&folder, 1);
+    assert_eq!(ended.status, Some(2), "{ended:?}");
+    for words in [
+        "the camera has ended",
+        "of 5 rounds are done",
+        "bench/FORCES.csv --wrench",
+    ] {
+        assert!(ended.stderr.contains(words), "no {words:?} in {ended:?}");
+    }
+    let csv = folder.join("bench/FORCES.csv");
+    let table = fs::read_to_string(&csv).unwrap();
+    // The header and the untouched fingertip, at least.
+    assert!(table.lines().count() >= 17, "{table}");
+
+    // The same command goes on, and ends by itself: some ten times all loads are enough.
+    let ended = play(&folder, 100);
+    assert_eq!(ended.status, Some(0), "{ended:?}");
+    let resumed = fs::read_to_string(&csv).unwrap();
+    assert!(
+        resumed.starts_with(&table) && resumed.contains(",live_2,"),
+        "{resumed}"
+    );
+    for words in [
+        "the camera is",
+        "round 5 of 5 done; held-out errors (RMSE): f_x",
+    ] {
+        assert!(ended.stderr.contains(words), "no {words:?} in {ended:?}");
+    }
+
+    // What it makes is what the table makes.
+    let again = [
+        "calibrate",
+        "bench/FORCES.csv",
+        "--wrench",
+        "--layout=layout.toml",
+        "-o=again.toml",
+    ];
+    let again = run(&folder, &again);
+    assert_eq!(again.status, Some(0), "{again:?}");
+    let text = fs::read_to_string(folder.join("live.toml")).unwrap();
+    assert_eq!(text, fs::read_to_string(folder.join("again.toml")).unwrap());
+    assert!(folder.join("live.html").exists());
+    let calibration = WrenchCalibration::from_toml(&text).unwrap();
+    for axis in [WrenchAxis::ForceX, WrenchAxis::ForceY, WrenchAxis::ForceZ] {
+        assert!(
+            calibration.axis(axis).is_some(),
+            "{axis:?} is not explained"
+        );
+    }
+    // The torque is that of the force, at its arm: of what was measured, row by row.
+    let mut rows = csv::Reader::from_path(&csv).unwrap();
+    let mut loaded = 0;
+    for row in rows.records() {
+        let row = row.unwrap();
+        let values: Vec<f64> = (1..7).map(|k| row[k].parse().unwrap()).collect();
+        let (force, torque) = (
+            DVec3::from_slice(&values[..3]),
+            DVec3::from_slice(&values[3..]),
+        );
+        let error = torque - ARM.cross(force);
+        // The sensor's counts are millionths.
+        assert!(error.length() < 1e-5, "{row:?}: {error}");
+        loaded += usize::from(force.z < -0.05);
+    }
+    assert!(loaded > 200, "{loaded} rows");
+}

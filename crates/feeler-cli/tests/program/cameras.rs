@@ -1,0 +1,99 @@
+//! `feeler cameras`, and the camera that Aravis simulates as a source. Without Aravis, what is said then.
+
+use crate::program::{folder, rows, run};
+use crate::skip;
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+
+/// Whether Aravis is there; a word of it if not.
+fn has_aravis(folder: &Path) -> bool {
+    let listed = run(folder, &["cameras", "--json"]).done();
+    let listed: Value = serde_json::from_str(&listed).expect("JSON");
+    let missing = listed["genicam"]["missing"].as_array().expect("a list");
+    match missing.first().and_then(Value::as_str) {
+        None => true,
+        Some(reason) => {
+            assert!(reason.contains("libaravis-0.8-0") || reason.contains("--features genicam"));
+            skip::skipped(reason);
+            false
+        }
+    }
+}
+
+#[test]
+fn cameras_are_listed_in_words_and_in_json() {
+    let folder = folder("cameras");
+    if !has_aravis(&folder) {
+        return;
+    }
+    let words = run(&folder, &["cameras", "--simulated"]).done();
+    for expected in [
+        "genicam:Fake_1",
+        "Aravis Fake, serial number 1 (Fake",
+        "sensor 2048x2048 px, now 512x512 px from 0,0",
+        "exposure 0.00001 to 10 s, gain 0 to 10, rate 0.1 to 1000 Hz",
+        "trigger free, Line0, software",
+    ] {
+        assert!(words.contains(expected), "no {expected:?} in {words}");
+    }
+    let listed = run(&folder, &["cameras", "--simulated", "--json"]).done();
+    let listed: Value = serde_json::from_str(&listed).expect("JSON");
+    let cameras = listed["genicam"]["cameras"].as_array().expect("a list");
+    let fake = cameras
+        .iter()
+        .find(|camera| camera["source"] == "genicam:Fake_1");
+    assert_eq!(
+        fake.expect("the simulated one")["sensor_size"],
+        serde_json::json!([2048, 2048])
+    );
+    assert!(listed["video4linux"]["missing"].is_array());
+}
+
+/// Two elements on the ramp that the simulated camera's pictures are.
+const LAYOUT: &str = "version = 1\nwidth = 512\nheight = 512\ndark_level = 10\n\
+    [[element]]\ncentre_px = [160.0, 200.0]\nradius_px = 20.0\n[[element]]\ncentre_px = [320.0, 200.0]\nradius_px = 20.0\n";
+
+#[test]
+fn a_genicam_camera_is_sensed() {
+    let folder = folder("sense-genicam");
+    fs::write(folder.join("layout.toml"), LAYOUT).unwrap();
+    if !has_aravis(&folder) {
+        return;
+    }
+    let refused = |arguments: &[&str], words: &[&str]| {
+        let common = ["sense", "--layout=layout.toml"];
+        run(&folder, &[&common[..], arguments].concat()).refused(words);
+    };
+    refused(
+        &["genicam:none"],
+        &["genicam:none", "no such camera", "feeler cameras"],
+    );
+    refused(
+        &["genicam:Fake_1", "--gain=11"],
+        &["a gain of 11", "0 to 10"],
+    );
+    refused(
+        &["genicam:Fake_1", "--size=64x64"],
+        &["--size 64x64", "512x512"],
+    );
+    refused(
+        &["genicam:Fake_1", "--trigger=Line5"],
+        &["trigger Line5", "Line0, Software"],
+    );
+    // It has no end: the reader has had enough after some rows, and closes the pipe.
+    let script = "\"$FEELER\" sense genicam:Fake_1 --layout layout.toml --rate 60 --exposure 0.01 --roi-offset 16,32 \
+                  | head -n 41 > sensed.csv";
+    let shell = std::process::Command::new("sh")
+        .args(["-c", script])
+        .env("FEELER", env!("CARGO_BIN_EXE_feeler"))
+        .current_dir(&folder)
+        .status();
+    assert!(shell.expect("a shell").success());
+    let sensed = rows(&folder.join("sensed.csv"));
+    assert_eq!(sensed.len(), 40);
+    let stamp = |row: usize| sensed[row]["stamp"].parse::<f64>().expect("a time");
+    // Both elements of a frame have its stamp, which goes on from frame to frame.
+    assert!((0..20).all(|frame| stamp(2 * frame) == stamp(2 * frame + 1)));
+    assert!((1..20).all(|frame| stamp(2 * frame) > stamp(2 * frame - 2)));
+}

@@ -1,0 +1,297 @@
+//! An open camera: what it can do, and how it is set.
+
+use super::{Aravis, Failure, Functions, Object, text};
+use std::ffi::{CString, c_char, c_int, c_uint, c_void};
+use std::ptr::NonNull;
+
+/// `ARV_AUTO_OFF`, `ARV_ACQUISITION_MODE_CONTINUOUS`.
+const AUTO_OFF: c_int = 0;
+const CONTINUOUS: c_int = 0;
+
+/// A number that a camera can be set to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in super::super) enum Quantity {
+    /// Exposure time, µs.
+    Exposure,
+    /// Gain, in the camera's unit.
+    Gain,
+    /// Frames per second, Hz.
+    FrameRate,
+}
+
+/// The functions of a quantity.
+struct OfQuantity {
+    is_available: unsafe extern "C" fn(Object, Failure) -> c_int,
+    bounds: unsafe extern "C" fn(Object, *mut f64, *mut f64, Failure),
+    set: unsafe extern "C" fn(Object, f64, Failure),
+    /// Whether the camera can set it by itself, and how to keep it from that.
+    automatic: Option<(
+        unsafe extern "C" fn(Object, Failure) -> c_int,
+        unsafe extern "C" fn(Object, c_int, Failure),
+    )>,
+}
+
+/// An open camera.
+pub(in super::super) struct Device {
+    pub(super) aravis: &'static Aravis,
+    pub(super) camera: NonNull<c_void>,
+}
+
+// SAFETY: Aravis' objects belong to no thread; `&mut` and the absence of `Sync` let one thread at a time call them.
+unsafe impl Send for Device {}
+
+impl Drop for Device {
+    fn drop(&mut self) {
+        // SAFETY: the reference that opening gave, given back once.
+        unsafe { (self.functions().g_object_unref)(self.camera.as_ptr()) }
+    }
+}
+
+impl Device {
+    pub(super) fn functions(&self) -> &'static Functions {
+        &self.aravis.functions
+    }
+
+    /// What `call` does to the camera.
+    pub(super) fn call<T>(
+        &self,
+        call: impl FnOnce(&Functions, Object, Failure) -> T,
+    ) -> Result<T, String> {
+        (self.aravis).checked(|failure| call(self.functions(), self.camera.as_ptr(), failure))
+    }
+
+    /// Whether it does what this program says: a GigE Vision camera obeys the first that has opened it.
+    pub(in super::super) fn obeys(&self) -> bool {
+        let functions = self.functions();
+        let camera = self.camera.as_ptr();
+        // SAFETY: the camera is open; its device is its own, and a GigE Vision one where it is asked whom it obeys.
+        unsafe {
+            (functions.arv_camera_is_gv_device)(camera) == 0
+                || (functions.arv_gv_device_is_controller)((functions.arv_camera_get_device)(
+                    camera,
+                )) != 0
+        }
+    }
+
+    /// Vendor, model and id.
+    pub(in super::super) fn names(&self) -> Result<[String; 3], String> {
+        let functions = self.functions();
+        let of = |get: unsafe extern "C" fn(Object, Failure) -> *const c_char| {
+            // SAFETY: the camera is open; the text is its own, and copied.
+            self.call(|_, camera, failure| unsafe { text(get(camera, failure)) })
+        };
+        Ok([
+            of(functions.arv_camera_get_vendor_name)?,
+            of(functions.arv_camera_get_model_name)?,
+            of(functions.arv_camera_get_device_id)?,
+        ])
+    }
+
+    /// Columns and rows of its sensor.
+    pub(in super::super) fn sensor_size(&self) -> Result<[i32; 2], String> {
+        self.pair(self.functions().arv_camera_get_sensor_size)
+    }
+
+    /// Least and largest number of columns, and of rows.
+    pub(in super::super) fn size_bounds(&self) -> Result<[[i32; 2]; 2], String> {
+        Ok([
+            self.pair(self.functions().arv_camera_get_width_bounds)?,
+            self.pair(self.functions().arv_camera_get_height_bounds)?,
+        ])
+    }
+
+    fn pair(
+        &self,
+        get: unsafe extern "C" fn(Object, *mut c_int, *mut c_int, Failure),
+    ) -> Result<[i32; 2], String> {
+        let [mut a, mut b] = [0; 2];
+        // SAFETY: the camera is open; both numbers outlive the call.
+        self.call(|_, camera, failure| unsafe { get(camera, &raw mut a, &raw mut b, failure) })?;
+        Ok([a, b])
+    }
+
+    /// Column, row, columns and rows of the region that is read from the sensor.
+    pub(in super::super) fn region(&self) -> Result<[i32; 4], String> {
+        let [mut x, mut y, mut width, mut height] = [0; 4];
+        // SAFETY: the camera is open; the numbers outlive the call.
+        self.call(|functions, camera, failure| unsafe {
+            let (x, y) = (&raw mut x, &raw mut y);
+            let (width, height) = (&raw mut width, &raw mut height);
+            (functions.arv_camera_get_region)(camera, x, y, width, height, failure);
+        })?;
+        Ok([x, y, width, height])
+    }
+
+    /// Sets the region; a column or row below zero stays as it is.
+    pub(in super::super) fn set_region(
+        &self,
+        [x, y, width, height]: [i32; 4],
+    ) -> Result<(), String> {
+        // SAFETY: the camera is open.
+        self.call(|functions, camera, failure| unsafe {
+            (functions.arv_camera_set_region)(camera, x, y, width, height, failure);
+        })
+    }
+
+    /// Whether the region can be moved.
+    pub(in super::super) fn has_offset(&self) -> bool {
+        // SAFETY: the camera is open.
+        let has = self.call(|functions, camera, failure| unsafe {
+            (functions.arv_camera_is_region_offset_available)(camera, failure)
+        });
+        has.is_ok_and(|has| has != 0)
+    }
+
+    /// Names of the pixel formats that it has.
+    pub(in super::super) fn pixel_formats(&self) -> Result<Vec<String>, String> {
+        self.names_of(
+            self.functions()
+                .arv_camera_dup_available_pixel_formats_as_strings,
+        )
+    }
+
+    /// Names of what can trigger it.
+    pub(in super::super) fn trigger_sources(&self) -> Result<Vec<String>, String> {
+        self.names_of(self.functions().arv_camera_dup_available_trigger_sources)
+    }
+
+    fn names_of(
+        &self,
+        get: unsafe extern "C" fn(Object, *mut c_uint, Failure) -> *mut *const c_char,
+    ) -> Result<Vec<String>, String> {
+        let mut count = 0;
+        // SAFETY: the camera is open; the count outlives the call.
+        let names =
+            self.call(|_, camera, failure| unsafe { get(camera, &raw mut count, failure) })?;
+        if names.is_null() {
+            return Ok(Vec::new());
+        }
+        // SAFETY: Aravis gives so many texts of its own, which are copied, in a list that is the caller's to free.
+        unsafe {
+            let all = std::slice::from_raw_parts(names, count as usize);
+            let all = all.iter().map(|&name| text(name)).collect();
+            (self.functions().g_free)(names.cast());
+            Ok(all)
+        }
+    }
+
+    /// Takes the pixel format of this name.
+    pub(in super::super) fn set_pixel_format(&self, name: &str) -> Result<(), String> {
+        let set = self.functions().arv_camera_set_pixel_format_from_string;
+        self.set_text(set, name)
+    }
+
+    /// Lets it take a picture when this source says so.
+    pub(in super::super) fn set_trigger(&self, source: &str) -> Result<(), String> {
+        self.set_text(self.functions().arv_camera_set_trigger, source)
+    }
+
+    fn set_text(
+        &self,
+        set: unsafe extern "C" fn(Object, *const c_char, Failure),
+        value: &str,
+    ) -> Result<(), String> {
+        let value = CString::new(value).map_err(|e| e.to_string())?;
+        // SAFETY: the camera is open; the text ends with a zero and outlives the call.
+        self.call(|_, camera, failure| unsafe { set(camera, value.as_ptr(), failure) })
+    }
+
+    /// Lets it run freely.
+    pub(in super::super) fn clear_triggers(&self) -> Result<(), String> {
+        self.command(self.functions().arv_camera_clear_triggers)
+    }
+
+    /// Triggers one picture.
+    pub(in super::super) fn trigger(&self) -> Result<(), String> {
+        self.command(self.functions().arv_camera_software_trigger)
+    }
+
+    /// Starts taking pictures without an end.
+    pub(in super::super) fn start(&self) -> Result<(), String> {
+        // SAFETY: the camera is open.
+        self.call(|functions, camera, failure| unsafe {
+            (functions.arv_camera_set_acquisition_mode)(camera, CONTINUOUS, failure);
+        })?;
+        self.command(self.functions().arv_camera_start_acquisition)
+    }
+
+    /// Ends it.
+    pub(in super::super) fn stop(&self) -> Result<(), String> {
+        self.command(self.functions().arv_camera_stop_acquisition)
+    }
+
+    fn command(&self, of: unsafe extern "C" fn(Object, Failure)) -> Result<(), String> {
+        // SAFETY: the camera is open.
+        self.call(|_, camera, failure| unsafe { of(camera, failure) })
+    }
+
+    /// Asks it for something that every camera has: whether it still answers.
+    pub(in super::super) fn answers(&self) -> Result<(), String> {
+        // SAFETY: the camera is open; the text ends with a zero.
+        let asked = self.call(|functions, camera, failure| unsafe {
+            (functions.arv_camera_get_integer)(camera, c"Width".as_ptr(), failure)
+        });
+        asked.map(drop)
+    }
+
+    fn of(&self, quantity: Quantity) -> OfQuantity {
+        let functions = self.functions();
+        match quantity {
+            Quantity::Exposure => OfQuantity {
+                is_available: functions.arv_camera_is_exposure_time_available,
+                bounds: functions.arv_camera_get_exposure_time_bounds,
+                set: functions.arv_camera_set_exposure_time,
+                automatic: Some((
+                    functions.arv_camera_is_exposure_auto_available,
+                    functions.arv_camera_set_exposure_time_auto,
+                )),
+            },
+            Quantity::Gain => OfQuantity {
+                is_available: functions.arv_camera_is_gain_available,
+                bounds: functions.arv_camera_get_gain_bounds,
+                set: functions.arv_camera_set_gain,
+                automatic: Some((
+                    functions.arv_camera_is_gain_auto_available,
+                    functions.arv_camera_set_gain_auto,
+                )),
+            },
+            Quantity::FrameRate => OfQuantity {
+                is_available: functions.arv_camera_is_frame_rate_available,
+                bounds: functions.arv_camera_get_frame_rate_bounds,
+                set: functions.arv_camera_set_frame_rate,
+                automatic: None,
+            },
+        }
+    }
+
+    /// Least and largest value; none where the camera cannot be set so.
+    pub(in super::super) fn bounds(&self, quantity: Quantity) -> Result<Option<[f64; 2]>, String> {
+        let of = self.of(quantity);
+        // SAFETY: the camera is open.
+        let has = self.call(|_, camera, failure| unsafe { (of.is_available)(camera, failure) })?;
+        if has == 0 {
+            return Ok(None);
+        }
+        let [mut low, mut high] = [0.0; 2];
+        // SAFETY: the camera is open; both numbers outlive the call.
+        self.call(|_, camera, failure| unsafe {
+            (of.bounds)(camera, &raw mut low, &raw mut high, failure);
+        })?;
+        Ok(Some([low, high]))
+    }
+
+    /// Sets the value, and keeps the camera from changing it by itself.
+    pub(in super::super) fn set(&self, quantity: Quantity, value: f64) -> Result<(), String> {
+        let of = self.of(quantity);
+        if let Some((can, set)) = of.automatic {
+            // SAFETY: the camera is open.
+            let can = self.call(|_, camera, failure| unsafe { can(camera, failure) });
+            if can.is_ok_and(|can| can != 0) {
+                // SAFETY: the camera is open.
+                self.call(|_, camera, failure| unsafe { set(camera, AUTO_OFF, failure) })?;
+            }
+        }
+        // SAFETY: the camera is open.
+        self.call(|_, camera, failure| unsafe { (of.set)(camera, value, failure) })
+    }
+}

@@ -1,0 +1,176 @@
+//! Which Video4Linux cameras are there, and what they can do.
+
+use linuxvideo::format::{FrameIntervals, FrameSizes, PixelFormat};
+use linuxvideo::{BufType, CapabilityFlags, Device, Fract};
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// A device named as cameras are.
+#[derive(Debug)]
+pub struct VideoListed {
+    /// The device, as in `/dev/video0`.
+    pub device: PathBuf,
+    /// Its name below `/dev/v4l/by-id`, which stays when cables are plugged elsewhere.
+    pub by_id: Option<PathBuf>,
+    /// What it is; why that is not known.
+    pub info: io::Result<VideoInfo>,
+}
+
+/// A camera.
+#[derive(Debug, Clone, PartialEq)]
+pub struct VideoInfo {
+    /// Its name.
+    pub name: String,
+    /// Its driver.
+    pub driver: String,
+    /// Where it is plugged in.
+    pub bus: String,
+    /// Its pixel formats.
+    pub formats: Vec<VideoFormat>,
+    /// Its controls that have a range.
+    pub controls: Vec<VideoControl>,
+}
+
+/// A pixel format of a camera.
+#[derive(Debug, Clone, PartialEq)]
+pub struct VideoFormat {
+    /// Four letters, as in `GREY`.
+    pub fourcc: String,
+    /// The driver's words for it.
+    pub description: String,
+    /// Its sizes.
+    pub sizes: Vec<VideoSize>,
+}
+
+/// A size, or a range of sizes, of a camera's pictures.
+#[derive(Debug, Clone, PartialEq)]
+pub struct VideoSize {
+    /// Least and largest number of columns, px.
+    pub columns: [u32; 2],
+    /// Least and largest number of rows, px.
+    pub rows: [u32; 2],
+    /// Frame rates at the largest size, Hz, from the lowest: all of them, or the ends of their range.
+    pub rates: Vec<f64>,
+}
+
+/// A control of a camera.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct VideoControl {
+    /// Its name.
+    pub name: String,
+    /// Least and largest value.
+    pub range: [i32; 2],
+    /// Between values.
+    pub step: i32,
+    /// What it is unless somebody sets it.
+    pub default: i32,
+}
+
+/// All devices named as cameras are, without those that are no cameras (another stream of one, such as its metadata).
+///
+/// # Errors
+/// When `/dev` cannot be read.
+pub fn list() -> io::Result<Vec<VideoListed>> {
+    let mut devices = Vec::new();
+    for entry in fs::read_dir("/dev")? {
+        let path = entry?.path();
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let number = name.strip_prefix("video").unwrap_or_default();
+        if let Ok(number) = number.parse::<u32>() {
+            devices.push((number, path));
+        }
+    }
+    devices.sort();
+    let listed = devices.into_iter().filter_map(|(_, device)| {
+        let info = info(&device).transpose()?;
+        let by_id = by_id(&device);
+        Some(VideoListed {
+            device,
+            by_id,
+            info,
+        })
+    });
+    Ok(listed.collect())
+}
+
+/// The link to `device` that is named by what the camera is.
+fn by_id(device: &Path) -> Option<PathBuf> {
+    let links = fs::read_dir("/dev/v4l/by-id").ok()?;
+    let links = links.filter_map(Result::ok).map(|link| link.path());
+    links
+        .into_iter()
+        .find(|link| fs::canonicalize(link).is_ok_and(|to| to == device))
+}
+
+/// What `device` is; none if it takes no pictures.
+fn info(path: &Path) -> io::Result<Option<VideoInfo>> {
+    let device = Device::open(path)?;
+    let capabilities = device.capabilities()?;
+    let takes = CapabilityFlags::VIDEO_CAPTURE;
+    if !capabilities.device_capabilities().contains(takes) {
+        return Ok(None);
+    }
+    let formats = device.formats(BufType::VIDEO_CAPTURE);
+    let formats = formats.filter_map(Result::ok).map(|format| {
+        let pixels = format.pixel_format();
+        VideoFormat {
+            fourcc: String::from_utf8_lossy(&pixels.as_fourcc()).into_owned(),
+            description: format.description().into(),
+            sizes: sizes(&device, pixels),
+        }
+    });
+    let controls = device.controls().filter_map(Result::ok);
+    let controls = controls.filter(|control| control.minimum() < control.maximum());
+    let controls = controls.map(|control| VideoControl {
+        name: control.name().into(),
+        range: [control.minimum(), control.maximum()],
+        step: control.step(),
+        default: control.default_value(),
+    });
+    Ok(Some(VideoInfo {
+        name: capabilities.card().into(),
+        driver: capabilities.driver().into(),
+        bus: capabilities.bus_info().into(),
+        formats: formats.collect(),
+        controls: controls.collect(),
+    }))
+}
+
+fn sizes(device: &Device, pixels: PixelFormat) -> Vec<VideoSize> {
+    let sizes: Vec<[[u32; 2]; 2]> = match device.frame_sizes(pixels) {
+        Ok(FrameSizes::Discrete(sizes)) => sizes
+            .iter()
+            .map(|size| [[size.width(); 2], [size.height(); 2]])
+            .collect(),
+        Ok(FrameSizes::Stepwise(range) | FrameSizes::Continuous(range)) => vec![[
+            [range.min_width(), range.max_width()],
+            [range.min_height(), range.max_height()],
+        ]],
+        // A driver need not say it.
+        Err(_) => Vec::new(),
+    };
+    let size = |[columns, rows]: [[u32; 2]; 2]| {
+        let intervals = device.frame_intervals(pixels, columns[1], rows[1]);
+        VideoSize {
+            columns,
+            rows,
+            rates: intervals.map_or_else(|_| Vec::new(), |intervals| rates(&intervals)),
+        }
+    };
+    sizes.into_iter().map(size).collect()
+}
+
+fn rates(intervals: &FrameIntervals) -> Vec<f64> {
+    let rate = |interval: &Fract| {
+        f64::from(interval.denominator()) / f64::from(interval.numerator().max(1))
+    };
+    let mut rates: Vec<f64> = match intervals {
+        FrameIntervals::Discrete(all) => all.iter().map(|one| rate(one.fract())).collect(),
+        FrameIntervals::Stepwise(range) | FrameIntervals::Continuous(range) => {
+            vec![rate(range.max()), rate(range.min())]
+        }
+    };
+    rates.sort_by(f64::total_cmp);
+    rates
+}

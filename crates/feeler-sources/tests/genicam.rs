@@ -1,0 +1,351 @@
+//! GenICam cameras: the one that Aravis simulates, and its program that is one on the network.
+#![cfg(all(feature = "genicam", target_os = "linux"))]
+
+#[path = "../../feeler-lab/tests/support/skip.rs"]
+mod skip;
+
+use feeler::sensor::camera::{Camera, CameraError};
+use feeler::sensor::frame::Frame;
+use feeler_sources::genicam::{GenicamCamera, GenicamConfig, GenicamError, list};
+use feeler_sources::settings::{CameraSettings, Trigger};
+use std::process::{Child, Command, Stdio};
+use std::thread::sleep;
+use std::time::Duration;
+
+const SIZE: (usize, usize) = (512, 512);
+/// The network camera's program, and the Debian package that has it.
+const PEER: (&str, &str) = ("arv-fake-gv-camera-0.8", "aravis-tools");
+
+/// The camera, set so; none, and a word of it, where Aravis is not there.
+fn open(
+    id: &str,
+    rate: f64,
+    set: impl FnOnce(&mut CameraSettings),
+) -> Option<Result<GenicamCamera, GenicamError>> {
+    let mut settings = CameraSettings::new(SIZE, rate);
+    set(&mut settings);
+    let id = Some(id.into());
+    match GenicamCamera::open(&GenicamConfig { id, settings }) {
+        Err(error @ GenicamError::Library { .. }) => {
+            skip::skipped(&error.to_string());
+            None
+        }
+        opened => Some(opened),
+    }
+}
+
+fn frame() -> Frame {
+    Frame::black(SIZE.0, SIZE.1)
+}
+
+/// Its pixel at the top left is the frame's number modulo 255, times 1 + the gain + lg(exposure time / 10 ms).
+fn number(frame: &Frame) -> u64 {
+    u64::from(frame.picture.pixels[0])
+}
+
+#[test]
+fn sixty_frames_come_with_stamps_of_the_device_and_the_number_that_is_in_the_picture() {
+    let set = |settings: &mut CameraSettings| {
+        (settings.exposure, settings.gain) = (Some(0.01), Some(0.0));
+    };
+    let Some(camera) = open("Fake_1", 60.0, set) else {
+        return;
+    };
+    let mut camera = camera.expect("a camera");
+    let mut frame = frame();
+    let mut first = None;
+    let mut before = (None, f64::NEG_INFINITY);
+    for _ in 0..60 {
+        camera.capture(&mut frame).expect("a picture");
+        let arrived = camera.opened().elapsed().as_secs_f64();
+        let (sequence, stamp) = before;
+        assert!(sequence.is_none_or(|sequence| frame.sequence > sequence));
+        assert!(frame.stamp > stamp && frame.stamp <= arrived);
+        before = (Some(frame.sequence), frame.stamp);
+        // The camera's counter is in its picture: none is taken for another.
+        let first = *first.get_or_insert(number(&frame));
+        assert_eq!(number(&frame), (first + frame.sequence) % 255);
+        // Its picture is a ramp that wraps.
+        let pixel =
+            |column: usize, row: usize| u64::from(frame.picture.pixels[row * SIZE.0 + column]);
+        assert_eq!(pixel(511, 511), (number(&frame) + 511 + 511) % 255);
+    }
+}
+
+/// Pictures that have waited come in all at once: stamps of arrival would be equal. With 8 buffers at 60 Hz they were taken over more
+/// than 0.1 s; half of it is held, as a stamp may lag where the fastest way is not known yet. A computer that is busy may spoil
+/// one look, not a hundred.
+#[test]
+fn stamps_are_when_pictures_were_taken_not_when_they_came_in() {
+    let Some(camera) = open("Fake_1", 60.0, |_| {}) else {
+        return;
+    };
+    let mut camera = camera.expect("a camera");
+    let mut frame = frame();
+    let mut spread = 0.0_f64;
+    for _ in 0..100 {
+        sleep(Duration::from_millis(250));
+        let waiting = [(); 8].map(|()| {
+            camera.capture(&mut frame).expect("a picture");
+            (frame.stamp, camera.opened().elapsed().as_secs_f64())
+        });
+        let [(first, came), .., (last, finished)] = waiting;
+        // All were there, and only had to be copied.
+        if finished - came < 0.02 {
+            spread = spread.max(last - first);
+        }
+        if spread > 0.05 {
+            return;
+        }
+    }
+    panic!("pictures that had waited were {spread} s apart at most");
+}
+
+/// At 500 frames a second the counter of 16 bits, which begins near its end, wraps in the first second.
+#[test]
+fn the_counter_goes_on_where_the_devices_wraps() {
+    let set = |settings: &mut CameraSettings| {
+        (settings.exposure, settings.gain) = (Some(0.01), Some(0.0));
+    };
+    let Some(camera) = open("Fake_1", 500.0, set) else {
+        return;
+    };
+    let mut camera = camera.expect("a camera");
+    let mut frame = frame();
+    camera.capture(&mut frame).expect("a picture");
+    let first = number(&frame);
+    while frame.sequence < 300 {
+        camera.capture(&mut frame).expect("a picture");
+        // 65535 is a multiple of 255.
+        assert_eq!(
+            number(&frame),
+            (first + frame.sequence) % 255,
+            "{}",
+            frame.sequence
+        );
+    }
+}
+
+#[test]
+fn the_gain_and_the_exposure_that_are_set_are_in_the_picture() {
+    for (exposure, gain, scale) in [(0.01, 0.0, 1.0), (0.01, 2.0, 3.0), (0.1, 0.0, 2.0)] {
+        let set = |settings: &mut CameraSettings| {
+            (settings.exposure, settings.gain) = (Some(exposure), Some(gain));
+        };
+        let Some(camera) = open("Fake_1", 60.0, set) else {
+            return;
+        };
+        let mut frame = frame();
+        camera
+            .expect("a camera")
+            .capture(&mut frame)
+            .expect("a picture");
+        // A ramp of 255 steps, brightened and cut at 255: the steps that are left of it, with or without one that is 255.
+        let distinct: std::collections::BTreeSet<u8> =
+            frame.picture.pixels.iter().copied().collect();
+        let steps = (255.0 / scale) as usize + 1;
+        assert!(
+            distinct.len().abs_diff(steps) <= 1,
+            "{} of {steps}",
+            distinct.len()
+        );
+    }
+}
+
+#[test]
+fn pictures_are_triggered_by_software() {
+    let software = |settings: &mut CameraSettings| settings.trigger = Trigger::Software;
+    let Some(camera) = open("Fake_1", 100.0, software) else {
+        return;
+    };
+    let mut camera = camera.expect("a camera");
+    let mut frame = frame();
+    for sequence in 0..5 {
+        camera.capture(&mut frame).expect("a picture");
+        // One for each trigger, and none in between.
+        assert_eq!(frame.sequence, sequence);
+    }
+}
+
+#[test]
+fn what_a_camera_cannot_do_is_refused_in_words() {
+    let refused = |set: fn(&mut CameraSettings), words: &[&str]| {
+        let Some(opened) = open("Fake_1", 60.0, set) else {
+            return;
+        };
+        let error = opened.err().expect("a refusal").to_string();
+        for word in words {
+            assert!(error.contains(word), "no {word:?} in {error}");
+        }
+    };
+    refused(|s| s.size = (4096, 512), &["4096x512 px", "2048x2048"]);
+    refused(
+        |s| s.offset = Some((1600, 0)),
+        &["from column 1600, row 0", "2048x2048"],
+    );
+    refused(|s| s.exposure = Some(60.0), &["60 s", "0.00001 to 10 s"]);
+    refused(|s| s.gain = Some(-3.0), &["gain of -3", "0 to 10"]);
+    refused(
+        |s| s.trigger = Trigger::Line("Line7".into()),
+        &["trigger Line7", "Line0, Software"],
+    );
+    let Some(opened) = open("no-such-camera", 60.0, |_| {}) else {
+        return;
+    };
+    let error = opened.err().expect("a refusal").to_string();
+    assert!(
+        error.contains("genicam:no-such-camera: no such camera"),
+        "{error}"
+    );
+    assert!(error.contains("feeler cameras"), "{error}");
+}
+
+#[test]
+fn what_is_there_is_listed_with_what_it_can_do() {
+    let listed = match list(true) {
+        Ok(listed) => listed,
+        Err(error) => return skip::skipped(&error.to_string()),
+    };
+    let fake = listed.iter().find(|camera| camera.id == "Fake_1");
+    let fake = fake.expect("the simulated camera");
+    assert_eq!((&*fake.vendor, &*fake.model), ("Aravis", "Fake"));
+    let abilities = fake.abilities.as_ref().expect("abilities");
+    assert_eq!(abilities.sensor_size, [2048, 2048]);
+    assert_eq!(abilities.exposure, Some([1e-5, 10.0]));
+    assert!(abilities.pixel_formats.iter().any(|name| name == "Mono8"));
+    // Nobody takes it for a camera who has not asked for it.
+    assert!(
+        list(false)
+            .unwrap()
+            .iter()
+            .all(|camera| camera.id != "Fake_1")
+    );
+}
+
+/// A camera on the network of this computer: another process, which speaks GigE Vision.
+struct Peer(Child);
+
+impl Peer {
+    /// Starts it; `lost` thousandths of its packets do not arrive. None, and a word of it, where it is not there.
+    fn start(lost: &str) -> Option<Self> {
+        let (program, package) = PEER;
+        let started = Command::new(program)
+            .args(["-i", "127.0.0.1", "-s", "FEELER", "-r", lost])
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn();
+        match started {
+            Ok(child) => Some(Self(child)),
+            Err(error) => {
+                skip::skipped(&format!("{program}: {error} (package {package})"));
+                None
+            }
+        }
+    }
+
+    fn kill(&mut self) {
+        // It may have ended.
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+impl Drop for Peer {
+    fn drop(&mut self) {
+        self.kill();
+    }
+}
+
+/// The network camera, once it is there: how soon its process answers is the computer's business.
+fn open_peer(set: impl Fn(&mut CameraSettings)) -> Option<GenicamCamera> {
+    for _ in 0..100 {
+        match open("127.0.0.1", 60.0, &set)? {
+            Ok(camera) => return Some(camera),
+            Err(GenicamError::NotFound { .. } | GenicamError::Device { .. }) => {
+                sleep(Duration::from_millis(100));
+            }
+            Err(error) => panic!("{error}"),
+        }
+    }
+    panic!("no camera at 127.0.0.1");
+}
+
+/// One test, as all of them would listen on the one port of GigE Vision.
+#[test]
+fn a_network_camera_is_set_loses_packets_and_is_lost() {
+    let Some(mut peer) = Peer::start("0") else {
+        return;
+    };
+    let set = |settings: &mut CameraSettings| {
+        (settings.exposure, settings.gain) = (Some(0.01), Some(0.0));
+        settings.size = (256, 128);
+        settings.offset = Some((16, 32));
+    };
+    let Some(mut camera) = open_peer(set) else {
+        return;
+    };
+    let mut small = Frame::black(256, 128);
+    let mut pictures = 0;
+    let mut first = None;
+    while pictures < 20 {
+        match camera.capture(&mut small) {
+            Ok(()) => {
+                let first = *first.get_or_insert((number(&small), small.sequence));
+                let steps = small.sequence - first.1;
+                assert_eq!(number(&small), (first.0 + steps) % 255);
+                assert!(small.stamp <= camera.opened().elapsed().as_secs_f64());
+                pictures += 1;
+            }
+            // A busy computer loses packets, too.
+            Err(error) => assert!(error.may_pass(), "{error}"),
+        }
+    }
+    // It obeys nobody else.
+    if let Some(second) = open("127.0.0.1", 60.0, set) {
+        let error = second.err().expect("a refusal").to_string();
+        assert!(error.contains("another program has it"), "{error}");
+    }
+    drop(camera);
+    // It stays as it was set.
+    let listed = list(false).expect("cameras");
+    let listed = listed.iter().find(|camera| camera.serial == "FEELER");
+    let abilities = listed.expect("the camera").abilities.as_ref();
+    assert_eq!(abilities.expect("abilities").region, [16, 32, 256, 128]);
+
+    // The process dies, as a cable that is pulled.
+    let Some(mut camera) = open_peer(set) else {
+        return;
+    };
+    while camera.capture(&mut small).is_err() {}
+    peer.kill();
+    let error = loop {
+        if let Err(error) = camera.capture(&mut small)
+            && !error.may_pass()
+        {
+            break error;
+        }
+    };
+    assert!(matches!(error, CameraError::Failed(_)), "{error}");
+    assert!(error.to_string().contains("does not answer"), "{error}");
+    drop(camera);
+
+    // Some packets of some pictures are lost: those are said to be, and others come.
+    let Some(_peer) = Peer::start("10") else {
+        return;
+    };
+    let Some(mut camera) = open_peer(|_| {}) else {
+        return;
+    };
+    let mut frame = frame();
+    let (mut good, mut bad) = (0, 0);
+    while good < 3 || bad < 3 {
+        match camera.capture(&mut frame) {
+            Ok(()) => good += 1,
+            Err(CameraError::Unreadable { name, reason }) => {
+                assert!(name.contains("127.0.0.1, frame"), "{name}: {reason}");
+                bad += 1;
+            }
+            Err(error) => panic!("{error}"),
+        }
+    }
+}
