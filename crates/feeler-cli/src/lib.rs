@@ -135,6 +135,8 @@ enum Command {
     Locate(locate::Arguments),
     /// Simulate an experiment's rig (cameras, encoders, drives) for separate sensor and hand programs.
     World(link::world::Arguments),
+    /// Serve servos on a bus, real or emulated, as the rig of separate sensor and hand programs.
+    Rig(link::rig::Arguments),
     /// Control a hand whose sensors and drives are in other programs.
     Hand(link::hand::Arguments),
     /// Show a running rig of several programs on the terminal.
@@ -225,6 +227,7 @@ fn run_command(command: Command, out: &mut dyn Write) -> Result<Outcome, Command
         Command::Locate(arguments) => locate::locate(&arguments, out),
         Command::Bench(arguments) => link::bench::bench(&arguments, out),
         Command::World(arguments) => link::world::world(&arguments, out),
+        Command::Rig(arguments) => link::rig::rig(&arguments, out),
         Command::Hand(arguments) => link::hand::hand(&arguments, out),
         Command::Top(arguments) => link::top::top(&arguments, out),
         Command::View(arguments) => view::view(&arguments, out),

@@ -5,7 +5,7 @@ use super::printable::printable;
 use feeler::control::stop_reason::StopReason;
 
 /// Stops that are told apart. Of more, the newest stands for all that came after the others.
-const MOST: usize = 16;
+pub(crate) const MOST: usize = 16;
 
 /// Orders that are remembered after they were resumed: a late copy of one does not stop the hand again.
 const REMEMBERED: usize = 64;

@@ -24,6 +24,7 @@ pub mod network;
 pub mod outlet;
 #[cfg(feature = "zenoh")]
 pub mod own_certificate;
+mod own_stop;
 pub mod peers;
 mod plausible;
 pub mod printable;

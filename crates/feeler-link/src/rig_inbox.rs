@@ -3,6 +3,7 @@
 use super::freshness::Echo;
 use super::inbox::{Inbox, read};
 use super::message::{CommandMessage, HandMode, MessageHeader, NO_FINGER, ProgramKind};
+use super::own_stop::OwnStop;
 use super::peers::{Expected, Peers};
 use super::plausible::{check_protocol, check_velocities};
 use super::rejection::{Rejection, Rejections};
@@ -26,6 +27,8 @@ pub struct RigInbox {
     /// The hand's newest step, to be echoed.
     pub echo: Echo,
     peers: Peers,
+    /// The stop that the rig has ordered, where its drives failed.
+    pub(crate) own_stop: Option<OwnStop>,
     /// What was not taken.
     pub rejected: Rejections,
     /// Commands to move that were made from data older than the limit. They are not obeyed.
@@ -51,7 +54,11 @@ impl Inbox for RigInbox {
             Topic::Mode => {
                 let mode: HandMode = read(bytes)?;
                 self.check_hand(mode.header)?;
-                self.take_step(mode.header, mode.token, now)
+                self.take_step(mode.header, mode.token, now)?;
+                if let Some(own) = &mut self.own_stop {
+                    own.hear(mode.header.instance, &mode.stops);
+                }
+                Ok(())
             }
             Topic::Command => read(bytes).and_then(|command| self.take_command(command, now)),
             _ => Err(Rejection::Stranger),
@@ -81,6 +88,7 @@ impl RigInbox {
             steps: Sequence::default(),
             echo: Echo::default(),
             peers: Peers::new(expected),
+            own_stop: None,
             rejected: Rejections::default(),
             stale_commands: 0,
             watchdog_stops: 0,

@@ -103,6 +103,8 @@ fn keys(right: Right) -> Keys {
                 "finger/*/picture",
                 "finger/*/forces",
                 "heartbeat/world",
+                // It stops the hand where its drives fail.
+                "stop",
             ],
             &["hand/command", "hand/mode", "heartbeat/**"],
         ),
@@ -205,7 +207,7 @@ mod tests {
             let rights = Right::all().into_iter().filter(of);
             rights.map(|right| right.to_string()).collect()
         };
-        assert_eq!(may("feeler/bench/stop"), ["order", "stop"]);
+        assert_eq!(may("feeler/bench/stop"), ["rig", "order", "stop"]);
         assert_eq!(may("feeler/bench/resume"), ["order"]);
         assert_eq!(may("feeler/bench/hand/state"), ["rig"]);
         assert_eq!(may("feeler/bench/**"), ["hand"]);

@@ -284,6 +284,7 @@ fn rig(config: &Config, network: Arc<dyn Network>) -> RigProgram<Toy> {
         period: config.control.period,
         stale_periods: config.control.stale_periods,
         speed: RigSpeed::Lockstep,
+        survives_faults: false,
     };
     RigProgram::new(Toy::new(config), &rig, network).unwrap()
 }
@@ -539,6 +540,7 @@ fn a_hand_waits_for_what_is_missing_and_refuses_what_does_not_agree() {
         period: 0.01,
         stale_periods: 3.5,
         speed: RigSpeed::Lockstep,
+        survives_faults: false,
     };
     let _rig = RigProgram::new(Toy::new(&config), &other, hub.port(1)).unwrap();
     interrupted.store(false, Ordering::Relaxed);

@@ -25,16 +25,21 @@ impl Rig {
     /// The rig that the command line names.
     pub fn load(arguments: &RigArguments) -> Result<Self, CommandError> {
         let experiment = Experiment::load(&arguments.experiment, &arguments.settings)?;
+        Self::of(experiment, arguments.port.as_deref())
+    }
+
+    /// That of `experiment`, at `port` where that is said.
+    pub fn of(experiment: Experiment, port: Option<&str>) -> Result<Self, CommandError> {
         let (fingers, _) = fingers_at_home(&experiment.config)?;
         let Some(mut config) = experiment.config.drives.clone() else {
-            let name = &arguments.experiment;
+            let name = &experiment.config.name;
             return Err(format!(
                 "{name}: the experiment has no [drives]; expected its servos there (docs/drives.md)"
             )
             .into());
         };
-        if let Some(port) = &arguments.port {
-            config.port.clone_from(port);
+        if let Some(port) = port {
+            config.port = port.into();
         }
         Ok(Self {
             experiment,
@@ -123,6 +128,15 @@ fn check_servo(
     );
     let angle = read_angle(bus, joint, drive, limits)?;
     Ok((angle, changes))
+}
+
+/// What a program that moves the hand writes to the servos of `config` on `bus` before it gives them torque.
+pub fn all_changes(bus: &mut Bus, config: &DrivesConfig) -> Result<Vec<Change>, DriveError> {
+    let mut planned = Vec::new();
+    for (joint, drive) in named_joints(config) {
+        planned.extend(changes(bus, joint, drive)?);
+    }
+    Ok(planned)
 }
 
 /// Says what a program that moves the hand writes to servos before it gives them torque.

@@ -1,50 +1,100 @@
 //! `feeler drives emulate`
 
 use super::EmulateArguments;
+use super::bus_log::BusLog;
 use crate::interrupt::watch_for_interrupt;
+use crate::part_file::Outputs;
 use crate::{CommandError, Outcome};
 use feeler_drives::clock::RigClock;
-use feeler_drives::emulator::{BusFault, EmulatedServo, Emulator, EmulatorConfig, LagPlant};
+use feeler_drives::emulator::{
+    BusFault, EmulatedServo, Emulator, EmulatorConfig, LagPlant, LogEntry,
+};
 use feeler_drives::packet::Protocol;
 use feeler_drives::registers::MODELS;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::{driven, world};
 use feeler_sim::rig::SimRig;
-use std::io::Write;
+use std::io::{BufRead, Write, stderr, stdin};
+use std::path::Path;
 use std::sync::atomic::Ordering;
+use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 
 /// How often it is looked whether to end.
 const NAP: Duration = Duration::from_millis(50);
 /// Time constant of servos that move nothing else, s; assumed.
 const LAG: f64 = 0.015;
+/// The fault that stands for those that are typed.
+const TYPED: &str = "-";
 
 pub fn emulate(arguments: &EmulateArguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
-    let faults = arguments.faults.iter().map(|fault| fault.parse());
+    let faults = arguments.faults.iter().filter(|fault| *fault != TYPED);
+    let faults = faults.map(|fault| fault.parse());
     let faults = faults.collect::<Result<Vec<BusFault>, _>>();
     let faults = faults.map_err(|error| format!("--fault {error}"))?;
+    let experiment = arguments.experiment.as_deref();
+    let mut outputs = Outputs::new(arguments.overwrite, [experiment.map(Path::new)]);
+    let log = arguments.log.as_deref();
+    let log = log.map(|path| outputs.create(path, "--log")).transpose()?;
+    let mut log = log.map(BusLog::new).transpose()?;
     let interrupted = watch_for_interrupt()?;
-    let emulator = match &arguments.experiment {
+    let clock = RigClock::at_speed(arguments.speed);
+    let emulator = match experiment {
         Some(name) => {
             let experiment = Experiment::load(name, &arguments.settings)?;
             let rig = SimRig::new(world(&experiment)?);
-            driven::emulated_bus(&experiment, &rig, RigClock::real())?
+            driven::emulated_bus(&experiment, &rig, clock)?
         }
-        None => alone(arguments)?,
+        None => alone(arguments, clock)?,
     };
     for fault in faults {
         emulator.inject(fault);
     }
+    let typed = arguments.faults.iter().any(|fault| fault == TYPED);
+    let typed = typed.then(typed_faults);
     writeln!(out, "{}", emulator.path())?;
     out.flush()?;
     while !interrupted.load(Ordering::Relaxed) {
         std::thread::sleep(NAP);
+        for fault in typed.iter().flat_map(Receiver::try_iter) {
+            emulator.inject(fault);
+        }
+        if let Some(log) = &mut log {
+            log.write(&said(&emulator))?;
+        }
+    }
+    if let Some(mut log) = log {
+        log.write(&said(&emulator))?;
+        log.finish()?;
     }
     Ok(Outcome::Done)
 }
 
+/// What was said on the bus since the last look.
+fn said(emulator: &Emulator) -> Vec<LogEntry> {
+    emulator.servos().take_log()
+}
+
+/// Faults that arrive on standard input, a line each, read by a thread of their own. What is none is said.
+fn typed_faults() -> Receiver<BusFault> {
+    let (sender, faults) = channel();
+    std::thread::spawn(move || {
+        for line in stdin().lock().lines().map_while(Result::ok) {
+            match line.trim().parse() {
+                Ok(fault) if sender.send(fault).is_ok() => {}
+                Ok(_) => return,
+                // Where nobody listens, nothing is injected all the same.
+                Err(error) => {
+                    let _ = writeln!(stderr(), "no fault: {error}");
+                }
+            }
+        }
+    });
+    faults
+}
+
 /// Servos that move nothing but themselves, in the middle of their first turn.
-fn alone(arguments: &EmulateArguments) -> Result<Emulator, CommandError> {
+fn alone(arguments: &EmulateArguments, clock: RigClock) -> Result<Emulator, CommandError> {
     let (protocol, name) = match arguments.protocol.as_str() {
         "feetech" => (Protocol::Feetech, "STS3215"),
         _ => (Protocol::Dynamixel, "XL330-M288"),
@@ -61,5 +111,5 @@ fn alone(arguments: &EmulateArguments) -> Result<Emulator, CommandError> {
         seed: 0,
     };
     let plant = LagPlant::new(LAG, &vec![std::f64::consts::PI; arguments.servos.into()]);
-    Ok(Emulator::start(&config, Box::new(plant), RigClock::real())?)
+    Ok(Emulator::start(&config, Box::new(plant), clock)?)
 }

@@ -1,7 +1,7 @@
 //! `feeler drives jog`
 
 use super::JogArguments;
-use super::check::{Rig, write_changes};
+use super::check::{Rig, all_changes, write_changes};
 use crate::interrupt::watch_for_interrupt;
 use crate::{CommandError, Outcome};
 use feeler::hand::{Hand, HandState};
@@ -9,7 +9,6 @@ use feeler::pace::{Pace, Schedule};
 use feeler_drives::clock::RigClock;
 use feeler_drives::error::DriveError;
 use feeler_drives::hand::{DriveHand, JOG_SPEED};
-use feeler_drives::setup::{changes, named_joints};
 use std::io::Write;
 
 /// Most that a joint is turned, degrees.
@@ -47,11 +46,7 @@ pub fn jog(arguments: &JogArguments, out: &mut dyn Write) -> Result<Outcome, Com
 
 /// Says what would be written.
 fn plan(rig: &Rig, arguments: &JogArguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
-    let mut bus = rig.open()?;
-    let mut planned = Vec::new();
-    for (joint, drive) in named_joints(&rig.config) {
-        planned.extend(changes(&mut bus, joint, drive)?);
-    }
+    let planned = all_changes(&mut rig.open()?, &rig.config)?;
     write_changes(&planned, out)?;
     let JogArguments { by, speed, .. } = arguments;
     let (finger, joint) = (arguments.finger, arguments.joint);

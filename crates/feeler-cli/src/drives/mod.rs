@@ -1,7 +1,9 @@
 //! `feeler drives`
 
 #[cfg(all(feature = "drives", target_os = "linux"))]
-mod check;
+mod bus_log;
+#[cfg(all(feature = "drives", target_os = "linux"))]
+pub mod check;
 #[cfg(all(feature = "drives", target_os = "linux"))]
 mod emulate;
 #[cfg(all(feature = "drives", target_os = "linux"))]
@@ -56,9 +58,19 @@ struct EmulateArguments {
     /// Without an experiment: bits a second, for the time that bytes take.
     #[arg(long, value_name = "BITS", conflicts_with = "experiment", default_value = "1000000", value_parser = clap::value_parser!(u32).range(9600..=10_000_000))]
     baud_rate: u32,
-    /// What goes wrong from the start, as in silent=3, flip-bytes=0.01, echo; several are allowed.
+    /// What goes wrong from the start, as in silent=3, flip-bytes=0.01, echo; several are allowed. `-`: what is typed later on, a line
+    /// each.
     #[arg(long = "fault", value_name = "FAULT")]
     faults: Vec<String>,
+    /// Seconds of the servos' time in a second, 0.01 to 1: a master on a busy computer has more time for its answers.
+    #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = parse_speed)]
+    speed: f64,
+    /// Write what is said on the bus to this table, a row for each packet: time (s), who sends it, id, instruction, bytes in hexadecimal
+    /// (parameters of an instruction, the whole of an answer).
+    #[arg(long, value_name = "FILE.csv")]
+    log: Option<PathBuf>,
+    #[command(flatten)]
+    overwrite: Overwrite,
 }
 
 #[derive(Debug, clap::Args)]
@@ -88,7 +100,7 @@ struct ScanArguments {
     not(all(feature = "drives", target_os = "linux")),
     allow(dead_code, reason = "this program has no servos")
 )]
-struct RigArguments {
+pub(super) struct RigArguments {
     /// An experiment file with a table [drives].
     experiment: String,
     /// Set any value of the experiment, as in drives.port=/dev/ttyUSB1.
@@ -145,6 +157,12 @@ struct JogArguments {
     /// How fast, degrees a second: at most 10.
     #[arg(long, value_name = "DEG_PER_S", default_value = "3")]
     speed: f64,
+}
+
+/// How fast the time of emulated servos goes.
+fn parse_speed(text: &str) -> Result<f64, String> {
+    let speed = text.parse().ok().filter(|s| (0.01..=1.0).contains(s));
+    speed.ok_or_else(|| "expected 0.01 to 1".into())
 }
 
 #[cfg(all(feature = "drives", target_os = "linux"))]

@@ -93,7 +93,7 @@ pub fn hand(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comma
 }
 
 /// Asks for what keeps steps on time, and says what is refused: the hand goes on without.
-fn ask_for_real_time() {
+pub(super) fn ask_for_real_time() {
     let asked: [(&str, Result<(), Refusal>); 2] = [
         ("real-time priority", real_time::raise_priority(MODERATE)),
         ("locked memory", real_time::lock_memory()),

@@ -7,6 +7,9 @@ mod door;
 pub mod hand;
 pub mod orders;
 mod record;
+pub mod rig;
+#[cfg(all(feature = "drives", target_os = "linux"))]
+mod served_drives;
 pub mod top;
 pub mod world;
 

@@ -54,7 +54,8 @@ u counts from where the centroids are without load: as the calibration says; wit
 #[command(after_long_help = DETAILS)]
 pub struct Arguments {
     /// Folder or files of pictures (in the natural order of names), a recorded run, a recording made by `feeler sense
-    /// --record-frames`, a camera (/dev/video0, genicam:ID as `feeler cameras` lists it, genicam: for the first), rig: for what `feeler world` plays, or - for raw grey frames on standard input.
+    /// --record-frames`, a camera (/dev/video0, genicam:ID as `feeler cameras` lists it, genicam: for the first), rig: for what `feeler
+    /// world` or `feeler rig --drives emulated` plays, or - for raw grey frames on standard input.
     #[arg(required = true, value_name = "SOURCE")]
     sources: Vec<PathBuf>,
     /// The sensing elements as `feeler locate` found them, instead of an experiment's; without the

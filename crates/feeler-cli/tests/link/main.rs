@@ -5,6 +5,10 @@
 #[path = "../support/program.rs"]
 mod program;
 
+#[cfg(all(feature = "drives", target_os = "linux"))]
+#[path = "../support/printed.rs"]
+mod printed;
+
 #[path = "../../../feeler-link/tests/support/ports.rs"]
 mod ports;
 
@@ -22,6 +26,8 @@ mod cable;
 mod certificates;
 #[cfg(target_os = "linux")]
 mod disk;
+#[cfg(all(feature = "drives", target_os = "linux"))]
+mod drives;
 mod faults;
 mod floods;
 mod hostile;

@@ -92,11 +92,12 @@ fn unloaded(finger: usize) -> Picture {
 const CAMERA_RATE: u64 = 5;
 
 /// A camera of the test's own: writes pictures of an unloaded fingertip to a sensor program, until that ends.
-fn film(rig: &Rig, finger: usize) -> Running {
+pub fn film(rig: &Rig, finger: usize) -> Running {
     let (picture, number) = (unloaded(finger), finger.to_string());
     let size = format!("--raw={}x{}", picture.width, picture.height);
     let rate = format!("--rate={CAMERA_RATE}");
-    let arguments = ["sense", "-", &size, &rate, "--publish", "--finger", &number];
+    let raw = ["sense", "-", &size, &rate, "--publish", "--finger", &number];
+    let arguments = [&raw[..], &["--experiment", rig.setup.experiment]].concat();
     let mut sense = rig
         .setup
         .join_with_input(&format!("sense{finger}"), &arguments);

@@ -45,7 +45,8 @@ impl Running {
         Self::start_with(folder, name, command, Stdio::null())
     }
 
-    fn start_with(folder: &Path, name: &str, mut command: Command, input: Stdio) -> Self {
+    /// The same with an `input`.
+    pub fn start_with(folder: &Path, name: &str, mut command: Command, input: Stdio) -> Self {
         let log = folder.join(format!("{name}.log"));
         let file = File::create(&log).expect("a log");
         command.stdout(file.try_clone().expect("the log"));
@@ -144,6 +145,8 @@ pub struct Setup {
     pub endpoint: String,
     /// Of the rig's time, as hand and world are told.
     pub speed: &'static str,
+    /// The program that is the rig, with arguments of its own.
+    pub rig_program: Vec<String>,
     /// Of all programs that work by the experiment.
     pub settings: Vec<String>,
     /// How the hand takes part in the link, and how the others do.
@@ -161,6 +164,7 @@ impl Setup {
             experiment: "cap-closing",
             endpoint: unused_endpoint(),
             speed: SLOW,
+            rig_program: vec!["world".into()],
             settings: vec!["--sensing=direct".into()],
             hand_link: Vec::new(),
             link: Vec::new(),
@@ -215,8 +219,19 @@ impl Setup {
         }
     }
 
+    /// The same with servos as its rig: `more` arguments of `feeler rig`.
+    pub fn driven(mut self, more: &[&str]) -> Self {
+        self.rig_program = ["rig"]
+            .iter()
+            .chain(more)
+            .map(ToString::to_string)
+            .collect();
+        self
+    }
+
     fn world(&self) -> Running {
-        let arguments = ["world", self.experiment, "--speed", self.speed];
+        let mut arguments: Vec<&str> = self.rig_program.iter().map(String::as_str).collect();
+        arguments.extend([self.experiment, "--speed", self.speed]);
         self.join("world", &arguments)
     }
 
@@ -286,7 +301,8 @@ impl Setup {
         Ended::of(command.output().expect("the program"))
     }
 
-    fn command(&self, namespace: usize, arguments: &[&str]) -> Command {
+    /// The program with these arguments, in one of the namespaces.
+    pub fn command(&self, namespace: usize, arguments: &[&str]) -> Command {
         let program = feeler(&self.folder, arguments);
         let Some(namespaces) = &self.namespaces else {
             return program;

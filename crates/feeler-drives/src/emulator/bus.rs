@@ -1,7 +1,7 @@
 //! The wire of an emulated bus: when bytes have arrived at the servos, and when their answers at the master.
 
 use super::fault::{BusFault, Wire};
-use super::log::PacketLog;
+use super::log::{LogEntry, PacketLog};
 use super::plant::Plant;
 use super::servo::EmulatedServo;
 use super::servos::{EmulatorConfig, Servos};
@@ -86,6 +86,11 @@ impl EmulatedBus {
     /// What was said.
     pub fn log(&self) -> &PacketLog {
         self.servos.log()
+    }
+
+    /// Takes out of the log what was said since it was last taken, oldest first.
+    pub fn take_log(&mut self) -> Vec<LogEntry> {
+        self.servos.take_log()
     }
 
     /// Injects a fault from now on.

@@ -33,6 +33,11 @@ impl PacketLog {
         self.entries.iter()
     }
 
+    /// Takes out what was said since it was last taken, oldest first.
+    pub(super) fn take(&mut self) -> Vec<LogEntry> {
+        self.entries.drain(..).collect()
+    }
+
     /// Adds an instruction.
     pub(super) fn instruction(&mut self, time: f64, packet: Packet<'_>) {
         self.push(LogEntry {

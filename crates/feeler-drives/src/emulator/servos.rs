@@ -1,7 +1,7 @@
 //! All servos of an emulated bus, and what they move.
 
 use super::fault::BusFault;
-use super::log::PacketLog;
+use super::log::{LogEntry, PacketLog};
 use super::plant::Plant;
 use super::servo::EmulatedServo;
 use crate::config::DrivesConfig;
@@ -75,6 +75,11 @@ impl Servos {
     /// What was said.
     pub fn log(&self) -> &PacketLog {
         &self.log
+    }
+
+    /// Takes out of the log what was said since it was last taken, oldest first.
+    pub(super) fn take_log(&mut self) -> Vec<LogEntry> {
+        self.log.take()
     }
 
     /// Goes on until `now`, s.

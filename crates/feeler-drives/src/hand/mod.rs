@@ -100,6 +100,11 @@ impl DriveHand {
         self.fault.as_deref()
     }
 
+    /// Age of the newest joint angles, s.
+    pub fn age(&self) -> f64 {
+        self.clock.now() - self.stamp
+    }
+
     /// The joint angles of each finger as of the newest reading, rad.
     pub fn angles(&self) -> impl Iterator<Item = (JointName, f64)> {
         self.servos.iter().map(|servo| (servo.name, servo.angle))
@@ -130,7 +135,7 @@ impl DriveHand {
     fn send(&mut self, velocity: impl Fn(usize) -> f64) -> Result<(), DriveError> {
         let joints = 0..self.servos.len();
         let moving = joints.into_iter().any(|index| velocity(index) != 0.0);
-        let age = self.clock.now() - self.stamp;
+        let age = self.age();
         if moving && age > self.most_age {
             let limit = self.most_age;
             return Err(DriveError::Stale { age, limit });

@@ -82,4 +82,19 @@ pub mod instruction {
     pub const SYNC_WRITE: u8 = 0x83;
     /// As a sync read, but all servos answer in one packet (Dynamixel).
     pub const FAST_SYNC_READ: u8 = 0x8A;
+
+    /// The name of an instruction; none of one that is not known here.
+    pub fn name(instruction: u8) -> Option<&'static str> {
+        Some(match instruction {
+            PING => "ping",
+            READ => "read",
+            WRITE => "write",
+            REBOOT => "reboot",
+            STATUS => "status",
+            SYNC_READ => "sync_read",
+            SYNC_WRITE => "sync_write",
+            FAST_SYNC_READ => "fast_sync_read",
+            _ => return None,
+        })
+    }
 }

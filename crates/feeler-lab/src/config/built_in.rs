@@ -20,7 +20,7 @@ macro_rules! built_in {
 }
 
 /// The experiments that come with the program.
-pub const BUILT_IN: [BuiltIn; 12] = built_in![
+pub const BUILT_IN: [BuiltIn; 13] = built_in![
     "cap-closing",
     "cap-opening",
     "cap-until-closed",
@@ -33,4 +33,5 @@ pub const BUILT_IN: [BuiltIn; 12] = built_in![
     "slide-box",
     "slide-box-two",
     "lift",
+    "bench-rig",
 ];

@@ -16,6 +16,8 @@ use feeler_sim::world::World;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
+/// Least time for an answer of emulated servos, s: what plays them is a thread of a computer that may be busy.
+const EMULATED_REPLY_TIMEOUT: f64 = 0.1;
 /// Part of a step of the world that time may lack for it: stamps are no exact multiples.
 const EARLY: f64 = 1e-6;
 
@@ -97,12 +99,16 @@ impl Plant for WorldPlant {
     }
 }
 
-/// The servos of `experiment`: those of its table `[drives]`, or, where it has none, some that suit its hand.
+/// The servos of `experiment`, to be emulated: those of its table `[drives]`, or, where it has none, some that suit its hand.
 pub fn drives(experiment: &Experiment) -> DrivesConfig {
     let config = &experiment.config;
     let fingers = config.hand.finger.len();
     let own = config.drives.clone();
-    own.unwrap_or_else(|| DrivesConfig::emulated(fingers))
+    let own = own.unwrap_or_else(|| DrivesConfig::emulated(fingers));
+    DrivesConfig {
+        reply_timeout: own.reply_timeout.max(EMULATED_REPLY_TIMEOUT),
+        ..own
+    }
 }
 
 /// A bus of the servos of `experiment`, with its simulated world behind them, in the time of `clock`; that world.

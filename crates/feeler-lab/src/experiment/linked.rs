@@ -77,5 +77,6 @@ pub fn rig_config(experiment: &Experiment, speed: RigSpeed) -> Result<RigConfig,
         period: control.period,
         stale_periods: control.stale_periods,
         speed,
+        survives_faults: false,
     })
 }

@@ -2,6 +2,8 @@
 
 #[cfg(target_os = "linux")]
 pub mod driven;
+#[cfg(target_os = "linux")]
+pub mod driven_rig;
 mod facts;
 mod held_touch;
 mod instruments;

@@ -18,10 +18,16 @@ use feeler_sim::sim_camera::SimCamera;
 pub struct PlayedRig {
     rig: SimRig,
     hand: SimHand,
+    sensing: PlayedSensing,
+    steps_per_period: usize,
+}
+
+/// The sensors and instruments of a simulated world.
+pub(super) struct PlayedSensing {
+    rig: SimRig,
     sensors: Vec<PlayedSensor>,
     cap: Option<usize>,
     slip: SlipMeter,
-    steps_per_period: usize,
 }
 
 enum PlayedSensor {
@@ -29,12 +35,13 @@ enum PlayedSensor {
     Direct(DirectSensor, TactileFrame),
 }
 
-impl PlayedRig {
-    /// The rig of `experiment`: fingers at home, cap open.
-    ///
-    /// # Errors
-    /// When a part of the experiment makes no sense.
-    pub fn new(experiment: &Experiment) -> Result<Self, ExperimentError> {
+impl PlayedSensing {
+    /// Those of `experiment` in the world of `rig`, whose object `cap` is on a thread.
+    pub fn new(
+        experiment: &Experiment,
+        rig: &SimRig,
+        cap: Option<usize>,
+    ) -> Result<Self, ExperimentError> {
         let config = &experiment.config;
         if let Some(period) = config.simulation()?.frame_period {
             let problem = Problem {
@@ -45,10 +52,7 @@ impl PlayedRig {
             let (origin, problems) = (config.name.clone(), vec![problem]);
             return Err(ConfigError::OutOfRange { origin, problems }.into());
         }
-        let layouts = layouts(config)?;
-        let (_, joints) = fingers_at_home(config)?;
-        let (rig, cap) = rig(experiment, &joints)?;
-        let sensors = rig_sensors(experiment, &rig, &layouts)?;
+        let sensors = rig_sensors(experiment, rig, &layouts(config)?)?;
         let sensors = sensors.into_iter().enumerate().map(|(finger, sensor)| {
             let size = &config.sensor.fingertip(finger).camera;
             match sensor {
@@ -61,35 +65,22 @@ impl PlayedRig {
                 }
             }
         });
-        let steps_per_period = steps_per_command(config)?;
         let slip = SlipMeter::new(rig.world().state(), None);
         Ok(Self {
             sensors: sensors.collect(),
-            hand: SimHand::new(rig.clone(), steps_per_period),
-            slip,
-            rig,
+            rig: rig.clone(),
             cap,
-            steps_per_period,
+            slip,
         })
     }
-}
 
-impl Rig for PlayedRig {
-    fn finger_count(&self) -> usize {
-        self.sensors.len()
+    /// What the instruments read now.
+    pub fn instruments(&mut self) -> InstrumentsMessage {
+        (&Instruments::read(&self.rig, self.cap, &mut self.slip)).into()
     }
 
-    fn time(&self) -> f64 {
-        self.rig.world().state().time
-    }
-
-    fn read(&mut self, state: &mut HandState) -> Result<Option<InstrumentsMessage>, HandError> {
-        let instruments = Instruments::read(&self.rig, self.cap, &mut self.slip);
-        self.hand.read(state)?;
-        Ok(Some((&instruments).into()))
-    }
-
-    fn expose(&mut self, finger: usize) -> Result<Option<SensorOutput<'_>>, SensorError> {
+    /// What the sensor of `finger` delivers now.
+    pub fn expose(&mut self, finger: usize) -> Result<Option<SensorOutput<'_>>, SensorError> {
         let Some(sensor) = self.sensors.get_mut(finger) else {
             return Ok(None);
         };
@@ -103,6 +94,45 @@ impl Rig for PlayedRig {
                 SensorOutput::Forces(frame)
             }
         }))
+    }
+}
+
+impl PlayedRig {
+    /// The rig of `experiment`: fingers at home, cap open.
+    ///
+    /// # Errors
+    /// When a part of the experiment makes no sense.
+    pub fn new(experiment: &Experiment) -> Result<Self, ExperimentError> {
+        let config = &experiment.config;
+        let (_, joints) = fingers_at_home(config)?;
+        let (rig, cap) = rig(experiment, &joints)?;
+        let steps_per_period = steps_per_command(config)?;
+        Ok(Self {
+            sensing: PlayedSensing::new(experiment, &rig, cap)?,
+            hand: SimHand::new(rig.clone(), steps_per_period),
+            rig,
+            steps_per_period,
+        })
+    }
+}
+
+impl Rig for PlayedRig {
+    fn finger_count(&self) -> usize {
+        self.sensing.sensors.len()
+    }
+
+    fn time(&self) -> f64 {
+        self.rig.world().state().time
+    }
+
+    fn read(&mut self, state: &mut HandState) -> Result<Option<InstrumentsMessage>, HandError> {
+        let instruments = self.sensing.instruments();
+        self.hand.read(state)?;
+        Ok(Some(instruments))
+    }
+
+    fn expose(&mut self, finger: usize) -> Result<Option<SensorOutput<'_>>, SensorError> {
+        self.sensing.expose(finger)
     }
 
     fn steps_per_period(&self) -> usize {

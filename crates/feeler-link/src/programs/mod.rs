@@ -14,6 +14,7 @@ mod node;
 mod refusals;
 mod rig;
 mod rig_config;
+mod rig_fault;
 mod rig_publish;
 mod sensor;
 

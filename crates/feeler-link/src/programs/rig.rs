@@ -33,6 +33,8 @@ pub struct RigProgram<R> {
     pub(super) exposed: Vec<Option<Exposed>>,
     pub(super) missed: u64,
     pub(super) warning: String,
+    /// How often the drives failed, and when the stop for it was last ordered, s.
+    pub(super) faults: (u64, f64),
     /// The newest readings, to be published again, where the hand is waited for.
     pub(super) published: Vec<Reading>,
     /// Sequence number and time (s) of the last report.
@@ -58,6 +60,8 @@ pub struct RigReport {
     pub stale_commands: u64,
     /// How often the watchdog stopped drives that moved.
     pub watchdog_stops: u64,
+    /// How often drives or encoders failed.
+    pub faults: u64,
     /// Messages that were refused.
     pub rejected: Rejections,
 }
@@ -93,6 +97,7 @@ impl<R: Rig> RigProgram<R> {
             exposed: vec![None; fingers],
             missed: 0,
             warning: String::new(),
+            faults: (0, 0.0),
             published: Vec::new(),
             reported: (0, 0.0),
         })
@@ -114,7 +119,7 @@ impl<R: Rig> RigProgram<R> {
         };
         self.command.set_to_stop();
         let stopped = self.rig.advance(&self.command);
-        ended.and(stopped.map_err(ProgramError::from))
+        ended.and(self.survive(stopped))
     }
 
     /// Goes on in time, whatever comes of the hand. The rig's time begins with the hand's first command.
@@ -123,7 +128,7 @@ impl<R: Rig> RigProgram<R> {
         let steps = self.rig.steps_per_period();
         let mut pace = Pace::new(self.config.period / steps as f64 / speed)?;
         while !interrupted.load(Ordering::Relaxed) {
-            self.publish()?;
+            self.publish_or_fail()?;
             self.rig.begin_period();
             for _ in 0..steps {
                 let Some(tick) = pace.wait_unless(interrupted) else {
@@ -131,20 +136,28 @@ impl<R: Rig> RigProgram<R> {
                 };
                 // No step is left out: the rig is late then, and says how much.
                 self.missed += tick.missed;
-                let now = self.node.now();
-                let mut inbox = self.node.inbox.lock();
-                if !inbox.is_commanded() {
-                    continue;
-                }
-                match inbox.drive(now, watchdog) {
-                    Some(velocities) => self.command.relay(velocities),
-                    None => self.command.set_to_stop(),
-                }
-                drop(inbox);
-                self.rig.advance(&self.command)?;
-                self.update_time();
+                self.drive(watchdog)?;
             }
         }
+        Ok(())
+    }
+
+    /// Has the drives do what the hand commands, or stand still where that came more than `watchdog` (s) ago.
+    fn drive(&mut self, watchdog: f64) -> Result<(), ProgramError> {
+        let now = self.node.now();
+        let mut inbox = self.node.inbox.lock();
+        if !inbox.is_commanded() {
+            return Ok(());
+        }
+        let has_failed = inbox.own_stop.is_some();
+        match inbox.drive(now, watchdog) {
+            Some(velocities) if !has_failed => self.command.relay(velocities),
+            _ => self.command.set_to_stop(),
+        }
+        drop(inbox);
+        let moved = self.rig.advance(&self.command);
+        self.survive(moved)?;
+        self.update_time();
         Ok(())
     }
 
@@ -185,6 +198,7 @@ impl<R: Rig> RigProgram<R> {
             missed: self.missed,
             stale_commands: inbox.stale_commands,
             watchdog_stops: inbox.watchdog_stops,
+            faults: self.faults.0,
             rejected: inbox.rejected,
         }
     }
@@ -194,8 +208,13 @@ impl fmt::Display for RigReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "{:.2} s played; {} periods missed, {} stale commands refused, {} stops by the watchdog, refused: {}",
-            self.time, self.missed, self.stale_commands, self.watchdog_stops, self.rejected,
+            "{:.2} s served; {} periods missed, {} stale commands refused, {} stops by the watchdog, {} faults of the drives, refused: {}",
+            self.time,
+            self.missed,
+            self.stale_commands,
+            self.watchdog_stops,
+            self.faults,
+            self.rejected,
         )
     }
 }

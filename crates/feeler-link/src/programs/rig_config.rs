@@ -52,6 +52,15 @@ pub trait Rig {
     /// # Errors
     /// When the drives fail.
     fn advance(&mut self, command: &HandCommand) -> Result<(), HandError>;
+
+    /// Makes drives that failed ready to move again, after somebody has resumed the stop that came of it. Without more to do,
+    /// they are read and commanded again.
+    ///
+    /// # Errors
+    /// When they still fail.
+    fn restart(&mut self) -> Result<(), HandError> {
+        Ok(())
+    }
 }
 
 /// A user's own [`Hand`] as a rig: its drives and encoders, read and commanded once a control period.
@@ -99,4 +108,7 @@ pub struct RigConfig {
     pub stale_periods: f64,
     /// How fast the rig's time goes.
     pub speed: RigSpeed,
+    /// Whether the program goes on where drives or encoders fail: it stops the hand and says why, and
+    /// [restarts](Rig::restart) the rig once somebody has resumed that stop. Else it ends. A rig that waits for the hand always does.
+    pub survives_faults: bool,
 }

@@ -128,7 +128,7 @@ impl<R: Rig> RigProgram<R> {
     }
 
     /// Reports by heartbeat, and warns of programs that are refused.
-    fn report_by_heartbeat(&mut self) {
+    pub(super) fn report_by_heartbeat(&mut self) {
         let now = self.node.now();
         let (sequence, since) = self.reported;
         if now - since < REPORT_INTERVAL {

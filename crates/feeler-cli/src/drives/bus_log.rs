@@ -1,0 +1,52 @@
+//! What is said on an emulated bus, as a table.
+
+use crate::CommandError;
+use crate::part_file::PartFile;
+use feeler_drives::emulator::LogEntry;
+use feeler_drives::packet::{Sender, instruction};
+use std::fs::File;
+
+/// The table of a bus's packets, which reaches its file at every look.
+pub struct BusLog {
+    rows: csv::Writer<File>,
+    file: PartFile,
+}
+
+impl BusLog {
+    /// Begins the table in `file`.
+    pub fn new(file: PartFile) -> Result<Self, CommandError> {
+        let mut rows = csv::Writer::from_writer(file.writer()?);
+        rows.write_record(["time", "from", "id", "instruction", "bytes"])?;
+        rows.flush()?;
+        Ok(Self { rows, file })
+    }
+
+    /// Adds what was said.
+    pub fn write(&mut self, said: &[LogEntry]) -> Result<(), CommandError> {
+        for packet in said {
+            let (from, instruction) = match packet.sender {
+                Sender::Master => ("master", named(packet.instruction)),
+                Sender::Servo => ("servo", "status".into()),
+            };
+            let bytes = packet.parameters.iter().map(|byte| format!("{byte:02x}"));
+            self.rows.write_record([
+                format!("{:.6}", packet.time),
+                from.into(),
+                packet.id.to_string(),
+                instruction,
+                bytes.collect(),
+            ])?;
+        }
+        Ok(self.rows.flush()?)
+    }
+
+    /// Moves the table to its place.
+    pub fn finish(self) -> Result<(), CommandError> {
+        drop(self.rows);
+        self.file.rename()
+    }
+}
+
+fn named(code: u8) -> String {
+    instruction::name(code).map_or_else(|| format!("{code:#04x}"), Into::into)
+}

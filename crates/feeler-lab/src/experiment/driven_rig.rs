@@ -1,0 +1,130 @@
+//! Servos on a bus as a rig for programs elsewhere.
+
+use super::driven::{DrivenError, drives, emulated_bus};
+use super::played_rig::PlayedSensing;
+use super::{fingers_at_home, rig};
+use crate::config::Experiment;
+use feeler::hand::finger::FingerGeometry;
+use feeler::hand::{Hand, HandCommand, HandError, HandState};
+use feeler::sensor::reading::SensorError;
+use feeler_drives::clock::RigClock;
+use feeler_drives::config::DrivesConfig;
+use feeler_drives::emulator::Emulator;
+use feeler_drives::error::DriveError;
+use feeler_drives::hand::DriveHand;
+use feeler_link::message::InstrumentsMessage;
+use feeler_link::programs::{Rig, SensorOutput};
+use glam::DVec3;
+
+/// Servos whose motors have power for as long as it lives.
+pub struct DrivenRig {
+    config: DrivesConfig,
+    fingers: Vec<FingerGeometry>,
+    most_age: f64,
+    clock: RigClock,
+    /// None where it was let go and could not be opened again.
+    hand: Option<DriveHand>,
+    stop: HandCommand,
+    time: f64,
+    /// What the sensors of the world behind emulated servos deliver.
+    sensing: Option<PlayedSensing>,
+}
+
+impl DrivenRig {
+    /// Opens the bus of `config` and gives the servos of `experiment` power. Its cameras are those of other programs.
+    ///
+    /// # Errors
+    /// When a finger makes no sense, or a servo is not as it should be.
+    pub fn open(
+        experiment: &Experiment,
+        config: DrivesConfig,
+        clock: RigClock,
+    ) -> Result<Self, DrivenError> {
+        let control = &experiment.config.control;
+        let (fingers, _) = fingers_at_home(&experiment.config)?;
+        let mut rig = Self {
+            config,
+            stop: HandCommand::stop(fingers.len()),
+            fingers,
+            most_age: control.stale_periods * control.period,
+            clock,
+            hand: None,
+            time: 0.0,
+            sensing: None,
+        };
+        rig.hand = Some(rig.open_hand()?);
+        Ok(rig)
+    }
+
+    /// The same on an emulated bus, with what the sensors of the simulated world behind it deliver; and the bus, for as long as the
+    /// rig lives.
+    ///
+    /// # Errors
+    /// When a part of the experiment makes no sense, or the system has no pseudo-terminal.
+    pub fn emulated(
+        experiment: &Experiment,
+        clock: RigClock,
+    ) -> Result<(Self, Emulator), DrivenError> {
+        let (_, joints) = fingers_at_home(&experiment.config)?;
+        let (world, cap) = rig(experiment, &joints)?;
+        let sensing = PlayedSensing::new(experiment, &world, cap)?;
+        let bus = emulated_bus(experiment, &world, clock)?;
+        let config = DrivesConfig {
+            port: bus.path().into(),
+            ..drives(experiment)
+        };
+        let mut driven = Self::open(experiment, config, clock)?;
+        driven.sensing = Some(sensing);
+        Ok((driven, bus))
+    }
+
+    fn open_hand(&self) -> Result<DriveHand, DriveError> {
+        DriveHand::open(&self.config, &self.fingers, self.most_age, self.clock)
+    }
+}
+
+fn without_power() -> HandError {
+    HandError::Failed("the servos have no power".into())
+}
+
+impl Rig for DrivenRig {
+    fn finger_count(&self) -> usize {
+        self.fingers.len()
+    }
+
+    fn time(&self) -> f64 {
+        self.time
+    }
+
+    fn read(&mut self, state: &mut HandState) -> Result<Option<InstrumentsMessage>, HandError> {
+        let hand = self.hand.as_mut().ok_or_else(without_power)?;
+        hand.read(state)?;
+        self.time = state.stamp;
+        Ok(self.sensing.as_mut().map(PlayedSensing::instruments))
+    }
+
+    fn expose(&mut self, finger: usize) -> Result<Option<SensorOutput<'_>>, SensorError> {
+        match &mut self.sensing {
+            Some(sensing) => sensing.expose(finger),
+            None => Ok(None),
+        }
+    }
+
+    /// Stands still where the computer is so late that the newest joint angles are too old to move by: no fault of the servos.
+    fn advance(&mut self, command: &HandCommand) -> Result<(), HandError> {
+        let hand = self.hand.as_mut().ok_or_else(without_power)?;
+        let moves = command.joint_velocity().iter().any(|v| *v != DVec3::ZERO);
+        match moves && hand.age() > self.most_age {
+            true => hand.command(&self.stop),
+            false => hand.command(command),
+        }
+    }
+
+    /// Lets the servos go and opens the bus anew: its cable may have been pulled, or a servo been exchanged.
+    fn restart(&mut self) -> Result<(), HandError> {
+        self.hand = None;
+        let hand = self.open_hand();
+        self.hand = Some(hand.map_err(|error| HandError::Failed(error.to_string()))?);
+        Ok(())
+    }
+}
