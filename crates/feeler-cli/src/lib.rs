@@ -145,6 +145,8 @@ enum Command {
     View(view::Arguments),
     /// Make a running rig, or a recording, appear as a node in a ROS 2 graph over Zenoh.
     Ros2(ros2::Arguments),
+    /// Let a robot of ros2_control be the hand of an experiment, and sensors of its ROS 2 graph the fingertips.
+    Ros2Rig(ros2::robot::Arguments),
     /// Stop the hand of a rig, from anywhere.
     Stop(link::orders::StopArguments),
     /// Resume a hand that was stopped.
@@ -232,6 +234,7 @@ fn run_command(command: Command, out: &mut dyn Write) -> Result<Outcome, Command
         Command::Top(arguments) => link::top::top(&arguments, out),
         Command::View(arguments) => view::view(&arguments, out),
         Command::Ros2(arguments) => ros2::ros2(&arguments, out),
+        Command::Ros2Rig(arguments) => ros2::robot::ros2_rig(&arguments, out),
         Command::Stop(arguments) => link::orders::stop(&arguments, out),
         Command::Resume(arguments) => link::orders::resume(&arguments, out),
         Command::Certificates(arguments) => link::certificates::certificates(&arguments, out),

@@ -54,17 +54,20 @@ pub enum StaleError {
     NoClock,
 }
 
-/// What time it is in a graph.
+/// What time it is in a graph. All copies of a simulated one are the same clock.
+#[derive(Clone)]
 pub enum GraphClock {
     /// The time of day.
     TimeOfDay,
-    /// That of a simulation.
-    Simulated {
-        /// The newest, s.
-        now: Arc<Mutex<Option<f64>>>,
-        /// By which it is heard.
-        _subscription: Subscription,
-    },
+    /// That of a simulation, for as long as this is kept.
+    Simulated(Arc<SimulatedClock>),
+}
+
+/// The time that `/clock` tells.
+pub struct SimulatedClock {
+    /// The newest, s.
+    now: Arc<Mutex<Option<f64>>>,
+    _subscription: Subscription,
 }
 
 impl GraphClock {
@@ -81,16 +84,20 @@ impl GraphClock {
                     *lock(&newest) = Some(seconds(clock));
                 }
             })?;
-        Ok(Self::Simulated {
+        Ok(Self::Simulated(Arc::new(SimulatedClock {
             now,
             _subscription: subscription,
-        })
+        })))
     }
 
-    fn now(&self) -> Result<f64, StaleError> {
+    /// The time, s: since 1970, or as the simulation has it.
+    ///
+    /// # Errors
+    /// When no `/clock` was heard yet.
+    pub fn now(&self) -> Result<f64, StaleError> {
         match self {
             Self::TimeOfDay => Ok(wall_clock_ns() as f64 * 1e-9),
-            Self::Simulated { now, .. } => lock(now).ok_or(StaleError::NoClock),
+            Self::Simulated(clock) => lock(&clock.now).ok_or(StaleError::NoClock),
         }
     }
 }
@@ -101,13 +108,15 @@ pub struct Freshness {
     pub topic: String,
     /// What time it is.
     pub clock: GraphClock,
-    /// How old they may be, s.
+    /// How old they may be, s of the graph's time.
     pub most: f64,
+    /// Seconds of the graph's time in a second: 1 unless it is a simulation's.
+    pub speed: f64,
 }
 
 impl Freshness {
-    /// Refuses data of `stamp`, s, that arrived at `arrived`, if there are none yet, they are of no use because of `error`, or they are too
-    /// old. Allocates where it refuses.
+    /// How old, s of the graph's time, data of `stamp`, s, are that arrived at `arrived`: by stamp or by arrival, whichever is more. Refused if
+    /// there are none yet, they are of no use because of `error`, or they are too old. Allocates where it refuses.
     ///
     /// # Errors
     /// Why, in words.
@@ -116,20 +125,33 @@ impl Freshness {
         stamp: f64,
         arrived: Option<Instant>,
         error: Option<&impl Display>,
-    ) -> Result<(), String> {
+    ) -> Result<f64, String> {
         let arrived = arrived.ok_or_else(|| StaleError::Nothing(self.topic.clone()).to_string())?;
         if let Some(error) = error {
-            return Err(error.to_string());
+            return Err(format!("{}: {error}", self.topic));
         }
         let now = self.clock.now().map_err(|e| e.to_string())?;
         let fresh = self.check_at(now, stamp, arrived.elapsed());
         fresh.map_err(|e| e.to_string())
     }
 
-    fn check_at(&self, now: f64, stamp: f64, since: Duration) -> Result<(), StaleError> {
-        let (age, most, silent) = (now - stamp, self.most, since.as_secs_f64());
+    /// Whether data of `stamp`, s, are news after those of `newest` that arrived at `arrived`. A stamp that does not rise is of a message that
+    /// was overtaken; after a silence, it is of a sender who was started or whose clock was set anew.
+    pub(crate) fn is_news(&self, stamp: f64, newest: f64, arrived: Option<Instant>) -> bool {
+        let silent = arrived.is_none_or(|arrived| self.is_silent(arrived.elapsed()));
+        silent || stamp > newest
+    }
+
+    /// Whether it is too long `since` something arrived.
+    fn is_silent(&self, since: Duration) -> bool {
+        since.as_secs_f64() * self.speed > self.most
+    }
+
+    fn check_at(&self, now: f64, stamp: f64, since: Duration) -> Result<f64, StaleError> {
+        let (age, most) = (now - stamp, self.most);
+        let silent = since.as_secs_f64() * self.speed;
         let topic = || self.topic.clone();
-        if silent > most {
+        if self.is_silent(since) {
             return Err(StaleError::Silent {
                 topic: topic(),
                 silent,
@@ -144,7 +166,7 @@ impl Freshness {
         }
         // What is no number is not fresh.
         match age <= most {
-            true => Ok(()),
+            true => Ok(age.max(silent)),
             false => Err(StaleError::Old {
                 topic: topic(),
                 age,
@@ -174,13 +196,39 @@ mod tests {
             topic: "/joint_states".into(),
             clock: GraphClock::TimeOfDay,
             most: 0.1,
+            speed: 0.5,
         };
         let check =
             |stamp, since| freshness.check_at(1000.0, stamp, Duration::from_secs_f64(since));
-        assert_eq!(check(999.95, 0.05), Ok(()));
+        let near = |age: Result<f64, StaleError>, expected: f64| {
+            assert!((age.expect("fresh") - expected).abs() < 1e-9);
+        };
+        near(check(999.95, 0.05), 0.05);
+        near(check(1000.05, 0.15), 0.075);
         assert!(matches!(check(999.8, 0.05), Err(StaleError::Old { .. })));
         assert!(matches!(check(1000.2, 0.05), Err(StaleError::Ahead { .. })));
-        assert!(matches!(check(999.95, 0.2), Err(StaleError::Silent { .. })));
+        assert!(matches!(
+            check(999.95, 0.21),
+            Err(StaleError::Silent { .. })
+        ));
         assert!(check(f64::NAN, 0.0).is_err());
+    }
+
+    #[test]
+    fn who_was_silent_may_begin_anew() {
+        let freshness = Freshness {
+            topic: "/joint_states".into(),
+            clock: GraphClock::TimeOfDay,
+            most: 60.0,
+            speed: 1.0,
+        };
+        let now = Instant::now();
+        assert!(freshness.is_news(5.0, f64::NAN, None));
+        assert!(freshness.is_news(5.1, 5.0, Some(now)));
+        assert!(!freshness.is_news(5.0, 5.0, Some(now)));
+        let long_ago = now
+            .checked_sub(Duration::from_secs(61))
+            .expect("it runs for longer");
+        assert!(freshness.is_news(0.0, 5.0, Some(long_ago)));
     }
 }

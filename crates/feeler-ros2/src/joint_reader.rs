@@ -58,17 +58,19 @@ impl JointReader {
     /// Fills the joints of `state`, of as many fingers, with those of `message`; its time is left. Other joints are left out.
     ///
     /// # Errors
-    /// When a joint is missing, or has no position or velocity: then `state` is of no use.
+    /// When a joint is missing: then `state` is as before. When one has no position or velocity: then `state` is of no use.
     pub fn read(&mut self, message: &JointState, state: &mut HandState) -> Result<(), JointError> {
+        for (name, place) in self.names.iter().flatten().zip(&mut self.places) {
+            if message.name.get(*place) != Some(name) {
+                let found = message.name.iter().position(|other| other == name);
+                *place = found.ok_or_else(|| JointError::Missing(name.clone()))?;
+            }
+        }
         let joints = self.names.iter().zip(&mut state.joints);
-        for ((names, joint), places) in joints.zip(self.places.chunks_exact_mut(3)) {
-            for (axis, (name, place)) in names.iter().zip(places).enumerate() {
-                if message.name.get(*place) != Some(name) {
-                    let found = message.name.iter().position(|other| other == name);
-                    *place = found.ok_or_else(|| JointError::Missing(name.clone()))?;
-                }
+        for ((names, joint), places) in joints.zip(self.places.chunks_exact(3)) {
+            for (axis, (name, &place)) in names.iter().zip(places).enumerate() {
                 let value = |quantity, values: &[f64]| {
-                    let value = values.get(*place).copied();
+                    let value = values.get(place).copied();
                     let wrong = || JointError::Value {
                         quantity,
                         joint: name.clone(),
@@ -118,6 +120,15 @@ mod tests {
     #[test]
     fn what_is_missing_is_named() {
         let (mut reader, mut state) = (reader(), HandState::zero(1));
+        reader.read(&message(), &mut state).unwrap();
+        let (before, mut without) = (state.clone(), message());
+        // Of another part of the robot: nothing is taken of it.
+        (without.name[0], without.position[3]) = ("z".into(), 9.0);
+        assert_eq!(
+            reader.read(&without, &mut state),
+            Err(JointError::Missing("c".into()))
+        );
+        assert_eq!(state, before);
         let mut without = message();
         without.name[2] = "z".into();
         assert_eq!(

@@ -32,3 +32,5 @@ pub mod ros_sensor;
 pub mod server;
 pub mod token;
 pub mod type_description;
+#[cfg(feature = "zenoh")]
+mod velocity_sender;

@@ -3,20 +3,24 @@
 mod array;
 mod clock;
 mod diagnostic;
-mod parameters;
+mod parameter;
+mod parameter_services;
 mod tactile_state;
 mod trigger;
 
 pub use array::{Float64MultiArray, MultiArrayDimension, MultiArrayLayout};
 pub use clock::Clock;
 pub use diagnostic::{DiagnosticArray, DiagnosticLevel, DiagnosticStatus, KeyValue};
-pub use parameters::{
-    DescribeParameters, DescribeParametersResponse, FloatingPointRange, GetParameterTypes,
-    GetParameterTypesResponse, GetParameters, GetParametersResponse, IntegerRange, ListParameters,
-    ListParametersRequest, ListParametersResponse, ListParametersResult, NamesRequest, Parameter,
-    ParameterDescriptor, ParameterValue, SetParameters, SetParametersAtomically,
-    SetParametersAtomicallyResponse, SetParametersRequest, SetParametersResponse,
+pub use parameter::{
+    FloatingPointRange, IntegerRange, Parameter, ParameterDescriptor, ParameterValue,
     SetParametersResult,
+};
+pub use parameter_services::{
+    DescribeParameters, DescribeParametersResponse, GetParameterTypes, GetParameterTypesResponse,
+    GetParameters, GetParametersResponse, ListParameters, ListParametersRequest,
+    ListParametersResponse, ListParametersResult, NamesRequest, SetParameters,
+    SetParametersAtomically, SetParametersAtomicallyResponse, SetParametersRequest,
+    SetParametersResponse,
 };
 pub use tactile_state::TactileState;
 pub use trigger::{Trigger, TriggerRequest, TriggerResponse};

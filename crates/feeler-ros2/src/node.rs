@@ -107,6 +107,13 @@ impl Node {
         &self.name
     }
 
+    /// Whether a router or another node of the graph is connected.
+    pub fn has_company(&self) -> bool {
+        let info = self.session.info();
+        let router = info.routers_zid().wait().next();
+        router.or_else(|| info.peers_zid().wait().next()).is_some()
+    }
+
     /// The key of a topic or service, and the token of a new endpoint of it.
     fn endpoint(
         &mut self,

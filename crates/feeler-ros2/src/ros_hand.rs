@@ -1,16 +1,16 @@
 //! Another maker's robot as a hand: its joints from `sensor_msgs/JointState`, velocities to a `forward_command_controller`.
 
-use crate::freshness::{Freshness, GraphClock, lock, seconds};
+use crate::freshness::{Freshness, GraphClock, StaleError, lock, seconds};
 use crate::joint_reader::{JointError, JointNames, JointReader};
-use crate::message::Float64MultiArray;
 use crate::node::{Node, NodeError, Subscription};
-use crate::publisher::Publisher;
 use crate::qos::Qos;
+use crate::velocity_sender::VelocitySender;
 use feeler::hand::{Hand, HandCommand, HandError, HandState, check_finger_count};
 use feeler_record::ros::JointState;
 use feeler_record::wire::cdr;
+use glam::DVec3;
 use std::sync::{Arc, Mutex};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Where a robot's joints are and where its velocities go.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,20 +21,22 @@ pub struct RosHandConfig {
     pub joint_states: String,
     /// Topic of the controller's commands, as in `/forward_velocity_controller/commands`.
     pub commands: String,
-    /// How old joint states may be, s.
+    /// How old joint states may be, s of the graph's time.
     pub most_age: f64,
+    /// Seconds of the graph's time in a second: 1 unless it is a simulation's.
+    pub speed: f64,
 }
 
 /// A robot of a ROS 2 graph as a [`Hand`]. Reading takes the newest joint states that are there, and never waits. Time is that of their
-/// stamps.
+/// stamps. Velocities are sent by a thread of its own, so that commanding neither waits nor allocates; of several that wait only the newest.
 ///
-/// A `forward_command_controller` does what it was told last until it is told otherwise: if this program is killed or the network fails, only
-/// the robot's own watchdog stops it. Where this is dropped, it sends zeros.
+/// No velocity is sent while joint states are older than they may be, or that was commanded longer ago. A `forward_command_controller` does
+/// what it was told last until it is told otherwise, so zeros are sent instead, and where this is dropped. If the program is killed or the
+/// network fails, only the robot's own watchdog stops it.
 pub struct RosHand {
     newest: Arc<Mutex<Newest>>,
-    freshness: Freshness,
-    commands: Publisher<Float64MultiArray>,
-    message: Float64MultiArray,
+    freshness: Arc<Freshness>,
+    commands: VelocitySender,
     fingers: usize,
     _subscription: Subscription,
 }
@@ -50,13 +52,13 @@ struct Newest {
 }
 
 impl Newest {
-    /// Takes in a message's bytes. What is no such message, or is not newer, is left.
-    fn take(&mut self, bytes: &[u8]) {
+    /// Takes in a message's bytes. What is no such message, or is no news, is left.
+    fn take(&mut self, bytes: &[u8], freshness: &Freshness) {
         let Ok(message) = cdr::decode::<JointState>(bytes) else {
             return;
         };
         let stamp = seconds(message.header.stamp);
-        if self.arrived.is_some() && stamp <= self.state.stamp {
+        if !freshness.is_news(stamp, self.state.stamp, self.arrived) {
             return;
         }
         // Others may publish other joints under the same topic.
@@ -100,32 +102,51 @@ impl RosHand {
             arrived: None,
             error: None,
         }));
-        let heard = Arc::clone(&newest);
-        let take = move |bytes: &[u8], _| lock(&heard).take(bytes);
+        let freshness = Arc::new(Freshness {
+            topic: config.joint_states,
+            clock,
+            most: config.most_age,
+            speed: config.speed,
+        });
+        let (heard, judge) = (Arc::clone(&newest), Arc::clone(&freshness));
+        let take = move |bytes: &[u8], _| lock(&heard).take(bytes, &judge);
+        let subscription =
+            node.subscribe::<JointState>(&freshness.topic, Qos::SENSOR_DATA, take)?;
+        let commands = node.publish(&config.commands, Qos::DEFAULT)?;
+        // What is no time at all lets nothing move.
+        let most = Duration::try_from_secs_f64(config.most_age / config.speed).unwrap_or_default();
         Ok(Self {
             newest,
-            _subscription: node.subscribe::<JointState>(
-                &config.joint_states,
-                Qos::SENSOR_DATA,
-                take,
-            )?,
-            freshness: Freshness {
-                topic: config.joint_states,
-                clock,
-                most: config.most_age,
-            },
-            commands: node.publish(&config.commands, Qos::DEFAULT)?,
-            message: Float64MultiArray {
-                data: vec![0.0; 3 * fingers],
-                ..Float64MultiArray::default()
-            },
+            freshness,
+            commands: VelocitySender::start(commands, 3 * fingers, most)
+                .map_err(NodeError::from)?,
             fingers,
+            _subscription: subscription,
         })
     }
 
-    fn send(&mut self) -> Result<(), HandError> {
-        let sent = self.commands.publish(&self.message);
-        sent.map_err(|e| HandError::Failed(e.to_string()))
+    /// What time it is in the graph, s.
+    ///
+    /// # Errors
+    /// When no `/clock` was heard yet.
+    pub fn now(&self) -> Result<f64, StaleError> {
+        self.freshness.clock.now()
+    }
+
+    /// How old the `newest` joint states are, s of the graph's time, if they are fresh.
+    fn age(&self, newest: &Newest) -> Result<f64, HandError> {
+        let (stamp, arrived) = (newest.state.stamp, newest.arrived);
+        let fresh = self.freshness.check(stamp, arrived, newest.error.as_ref());
+        fresh.map_err(HandError::Failed)
+    }
+
+    /// Until when what is commanded now may be sent.
+    fn expiry(&self) -> Result<Instant, HandError> {
+        let age = self.age(&lock(&self.newest))?;
+        let Freshness { most, speed, .. } = *self.freshness;
+        let left = Duration::try_from_secs_f64((most - age) / speed).unwrap_or_default();
+        let now = Instant::now();
+        Ok(now.checked_add(left).unwrap_or(now))
     }
 }
 
@@ -137,28 +158,25 @@ impl Hand for RosHand {
     fn read(&mut self, state: &mut HandState) -> Result<(), HandError> {
         check_finger_count(self.fingers, state.joints.len())?;
         let newest = lock(&self.newest);
-        let (stamp, arrived) = (newest.state.stamp, newest.arrived);
-        let fresh = self.freshness.check(stamp, arrived, newest.error.as_ref());
-        fresh.map_err(HandError::Failed)?;
+        self.age(&newest)?;
         state.stamp = newest.state.stamp;
         state.joints.copy_from_slice(&newest.state.joints);
         Ok(())
     }
 
     fn command(&mut self, command: &HandCommand) -> Result<(), HandError> {
-        check_finger_count(self.fingers, command.joint_velocity().len())?;
-        let velocities = command.joint_velocity().iter().flat_map(|v| v.to_array());
-        for (out, velocity) in self.message.data.iter_mut().zip(velocities) {
-            *out = velocity;
-        }
-        self.send()
-    }
-}
-
-impl Drop for RosHand {
-    fn drop(&mut self) {
-        self.message.data.fill(0.0);
-        // Where the network is gone, nothing more can be done from here.
-        let _ = self.send();
+        let velocities = command.joint_velocity();
+        check_finger_count(self.fingers, velocities.len())?;
+        let moves = velocities.iter().any(|velocity| *velocity != DVec3::ZERO);
+        let expiry = match moves {
+            true => self.expiry(),
+            false => Ok(Instant::now()),
+        };
+        // From stale joint states nothing moves, and what moves is stopped.
+        let scale = if expiry.is_ok() { 1.0 } else { 0.0 };
+        let values = velocities.iter().flat_map(|v| (scale * v).to_array());
+        let until = *expiry.as_ref().unwrap_or(&Instant::now());
+        let given = self.commands.give(values, until);
+        expiry.map(drop).and(given.map_err(HandError::Failed))
     }
 }

@@ -8,19 +8,37 @@ use feeler::sensor::reading::{SensorError, TactileFrame, TactileSensor};
 use feeler_record::ros::{PointCloud2, Time, WrenchStamped};
 use feeler_record::wire::{Message, cdr};
 use glam::DVec3;
-use std::sync::{Arc, Mutex};
-use std::time::Instant;
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+/// How old a sensor's data may be.
+#[derive(Clone)]
+pub struct SensorAge {
+    /// What time it is.
+    pub clock: GraphClock,
+    /// Older data are refused, s of the graph's time.
+    pub most: f64,
+    /// Seconds of the graph's time in a second: 1 unless it is a simulation's.
+    pub speed: f64,
+}
 
 /// A sensor of a ROS 2 graph as a [`TactileSensor`]. Reading takes the newest forces that are there, and never waits. Time is that of their
 /// stamps.
 pub struct RosSensor {
-    newest: Arc<Mutex<Newest>>,
-    freshness: Freshness,
+    heard: Arc<Heard>,
+    freshness: Arc<Freshness>,
     elements: usize,
     _subscription: Subscription,
 }
 
+#[derive(Debug)]
+struct Heard {
+    newest: Mutex<Newest>,
+    changed: Condvar,
+}
+
 /// What was heard last.
+#[derive(Debug)]
 struct Newest {
     frame: TactileFrame,
     /// When it arrived; none before the first.
@@ -31,16 +49,11 @@ struct Newest {
 
 impl RosSensor {
     /// A fingertip of one element, from the wrench under `topic`: the force on the fingertip by what it touches, N, in a frame whose z axis
-    /// points outward. Data older than `most_age`, s, are refused.
+    /// points outward.
     ///
     /// # Errors
     /// When there can be no such topic, or the node's session is closed.
-    pub fn wrench(
-        node: &mut Node,
-        topic: &str,
-        most_age: f64,
-        clock: GraphClock,
-    ) -> Result<Self, NodeError> {
+    pub fn wrench(node: &mut Node, topic: &str, age: SensorAge) -> Result<Self, NodeError> {
         let read = |message: &WrenchStamped, forces: &mut [DVec3]| {
             let force = DVec3::from(message.wrench.force);
             // Compression is positive along the inward normal.
@@ -48,7 +61,7 @@ impl RosSensor {
             Ok(())
         };
         let stamp = |message: &WrenchStamped| message.header.stamp;
-        Self::listen(node, topic, 1, (most_age, clock), stamp, read)
+        Self::listen(node, (topic, 1), age, stamp, read)
     }
 
     /// A fingertip of so many `elements`, from the cloud under `topic`, as [`read_forces`] reads it.
@@ -59,50 +72,87 @@ impl RosSensor {
         node: &mut Node,
         topic: &str,
         elements: usize,
-        most_age: f64,
-        clock: GraphClock,
+        age: SensorAge,
     ) -> Result<Self, NodeError> {
         let stamp = |message: &PointCloud2| message.header.stamp;
-        Self::listen(node, topic, elements, (most_age, clock), stamp, read_forces)
+        Self::listen(node, (topic, elements), age, stamp, read_forces)
     }
 
     fn listen<M: Message + 'static>(
         node: &mut Node,
-        topic: &str,
-        elements: usize,
-        (most, clock): (f64, GraphClock),
+        (topic, elements): (&str, usize),
+        SensorAge { clock, most, speed }: SensorAge,
         stamp: fn(&M) -> Time,
         read: fn(&M, &mut [DVec3]) -> Result<(), CloudError>,
     ) -> Result<Self, NodeError> {
-        let newest = Arc::new(Mutex::new(Newest {
-            frame: TactileFrame::unloaded(elements),
-            arrived: None,
-            error: None,
-        }));
-        let heard = Arc::clone(&newest);
+        let heard = Arc::new(Heard {
+            newest: Mutex::new(Newest {
+                frame: TactileFrame::unloaded(elements),
+                arrived: None,
+                error: None,
+            }),
+            changed: Condvar::new(),
+        });
+        let freshness = Arc::new(Freshness {
+            topic: topic.into(),
+            clock,
+            most,
+            speed,
+        });
+        let (theirs, judge) = (Arc::clone(&heard), Arc::clone(&freshness));
         let take = move |bytes: &[u8], _| {
             let Ok(message) = cdr::decode::<M>(bytes) else {
                 return;
             };
-            let (mut newest, stamp) = (lock(&heard), seconds(stamp(&message)));
-            if newest.arrived.is_some() && stamp <= newest.frame.stamp {
+            let (mut newest, stamp) = (lock(&theirs.newest), seconds(stamp(&message)));
+            if !judge.is_news(stamp, newest.frame.stamp, newest.arrived) {
                 return;
             }
             newest.error = read(&message, &mut newest.frame.forces).err();
             newest.frame.stamp = stamp;
             newest.frame.sequence += 1;
             newest.arrived = Some(Instant::now());
+            theirs.changed.notify_all();
         };
         Ok(Self {
-            newest,
+            heard,
             _subscription: node.subscribe::<M>(topic, Qos::SENSOR_DATA, take)?,
-            freshness: Freshness {
-                topic: topic.into(),
-                clock,
-                most,
-            },
+            freshness,
             elements,
         })
+    }
+
+    /// Waits for data after those of number `sequence` (0 before the first), for at most `longest`; whether they came.
+    pub fn wait_for_next(&self, sequence: u64, longest: Duration) -> bool {
+        let is_old = |newest: &mut Newest| newest.frame.sequence == sequence;
+        let waited =
+            self.heard
+                .changed
+                .wait_timeout_while(lock(&self.heard.newest), longest, is_old);
+        let (newest, _) = waited.unwrap_or_else(PoisonError::into_inner);
+        newest.frame.sequence != sequence
+    }
+
+    /// As [`read`](TactileSensor::read); besides, when the data were measured by this computer's own clock. Data that are refused have their
+    /// number in `reading` all the same.
+    ///
+    /// # Errors
+    /// As [`read`](TactileSensor::read).
+    pub fn read_measured(&self, reading: &mut TactileFrame) -> Result<Instant, SensorError> {
+        let (expected, actual) = (self.elements, reading.forces.len());
+        if actual != expected {
+            return Err(SensorError::ElementCount { expected, actual });
+        }
+        let newest = lock(&self.heard.newest);
+        (reading.sequence, reading.stamp) = (newest.frame.sequence, newest.frame.stamp);
+        let (stamp, arrived) = (newest.frame.stamp, newest.arrived);
+        let fresh = self.freshness.check(stamp, arrived, newest.error.as_ref());
+        let age = fresh.map_err(SensorError::Failed)? / self.freshness.speed;
+        reading.forces.copy_from_slice(&newest.frame.forces);
+        let now = Instant::now();
+        let age = Duration::try_from_secs_f64(age).unwrap_or(Duration::MAX);
+        // A computer that has not run for as long has data of before it ran.
+        Ok(now.checked_sub(age).unwrap_or(now))
     }
 }
 
@@ -112,16 +162,6 @@ impl TactileSensor for RosSensor {
     }
 
     fn read(&mut self, reading: &mut TactileFrame) -> Result<(), SensorError> {
-        let (expected, actual) = (self.elements, reading.forces.len());
-        if actual != expected {
-            return Err(SensorError::ElementCount { expected, actual });
-        }
-        let newest = lock(&self.newest);
-        let (stamp, arrived) = (newest.frame.stamp, newest.arrived);
-        let fresh = self.freshness.check(stamp, arrived, newest.error.as_ref());
-        fresh.map_err(SensorError::Failed)?;
-        (reading.sequence, reading.stamp) = (newest.frame.sequence, newest.frame.stamp);
-        reading.forces.copy_from_slice(&newest.frame.forces);
-        Ok(())
+        self.read_measured(reading).map(drop)
     }
 }

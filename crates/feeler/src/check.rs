@@ -45,10 +45,22 @@ impl fmt::Display for Problem {
     }
 }
 
+/// What a value must be.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Requirement {
+    /// The value's key in the experiment file.
+    pub field: String,
+    /// What it must be, in words.
+    pub expected: String,
+    /// The least and the greatest that a number can be, where that is all.
+    pub range: Option<[f64; 2]>,
+}
+
 /// Collects problems. A `field` is a key as in an experiment file.
 #[derive(Debug, Clone, Default)]
 pub struct Checker {
     problems: Vec<Problem>,
+    requirements: Vec<Requirement>,
 }
 
 impl Checker {
@@ -57,8 +69,29 @@ impl Checker {
         self.problems
     }
 
+    /// All that was required, in the order of the checks.
+    pub fn requirements(self) -> Vec<Requirement> {
+        self.requirements
+    }
+
     /// A value is good, or else it is not what was `expected`.
     pub fn require(&mut self, field: &str, value: String, good: bool, expected: &str) {
+        self.require_in(None, field, value, good, expected);
+    }
+
+    fn require_in(
+        &mut self,
+        range: Option<[f64; 2]>,
+        field: &str,
+        value: String,
+        good: bool,
+        expected: &str,
+    ) {
+        self.requirements.push(Requirement {
+            field: field.to_string(),
+            expected: expected.to_string(),
+            range,
+        });
         if !good {
             self.problems.push(Problem {
                 field: field.to_string(),
@@ -72,7 +105,7 @@ impl Checker {
     pub fn positive(&mut self, field: &str, value: f64) {
         let good = value > 0.0 && value <= MAX;
         let expected = format!("more than 0, at most {MAX:e}");
-        self.require(field, value.to_string(), good, &expected);
+        self.require_in(Some([0.0, MAX]), field, value.to_string(), good, &expected);
     }
 
     /// Each of these fields of the table `key` is more than 0, at most [`MAX`].
@@ -90,12 +123,8 @@ impl Checker {
     /// From `low` to `high`.
     pub fn between(&mut self, field: &str, value: f64, low: f64, high: f64) {
         let good = (low..=high).contains(&value);
-        self.require(
-            field,
-            value.to_string(),
-            good,
-            &format!("{} to {}", number(low), number(high)),
-        );
+        let expected = format!("{} to {}", number(low), number(high));
+        self.require_in(Some([low, high]), field, value.to_string(), good, &expected);
     }
 
     /// A field of the table `key` is more than `other` = `least` of the same table, at most [`MAX`].

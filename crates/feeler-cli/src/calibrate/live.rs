@@ -2,6 +2,7 @@
 
 mod elements;
 mod folder;
+mod force;
 mod guide;
 mod screen;
 mod whole;
@@ -15,10 +16,11 @@ use feeler::sensor::frame::{Frame, Picture};
 use feeler::sensor::live_calibration::{ForceAxes, Goal, Wrench};
 use feeler::sensor::moments::ElementMoments;
 use feeler_lab::sensor::SensorGeometry;
-use feeler_sources::netft::{ForceSample, NetFt, NetFtAddress};
+use feeler_sources::netft::ForceSample;
 use feeler_sources::pump::{Captured, FramePump};
 use feeler_sources::raw::RawFrames;
 use folder::Folder;
+use force::{ForceAddress, ForceSensor};
 use glam::DVec3;
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
@@ -43,9 +45,11 @@ pub struct LiveArguments {
     #[arg(long, value_name = "CAMERA", requires_all = ["force_sensor", "input"], conflicts_with = "simulated")]
     pub live: Option<PathBuf>,
     /// The force sensor under the fingertip: netft://HOST (ATI Net F/T, RDT over UDP), whose web page says what its counts mean, or
-    /// netft://HOST?cpf=COUNTS&cpt=COUNTS, with the counts per newton and newton metre.
+    /// netft://HOST?cpf=COUNTS&cpt=COUNTS, with the counts per newton and newton metre; or ros2:/TOPIC of geometry_msgs/WrenchStamped, N and
+    /// N m, whose graph's router is at tcp/localhost:7447 and whose domain is ROS_DOMAIN_ID unless told otherwise:
+    /// ros2:/TOPIC?connect=tcp/HOST:PORT&domain=NUMBER
     #[arg(long, value_name = "ADDRESS", requires = "live")]
-    force_sensor: Option<NetFtAddress>,
+    force_sensor: Option<ForceAddress>,
     /// The force sensor's axes that are x, y and z of the fingertip, as in z,x,y: of a fingertip of known dome x is its axis,
     /// outward; of a layout without one, x is to the right in the picture, y down and z away from the camera. With --wrench, z is
     /// the fingertip's axis, outward, so that pressing makes f_z negative.
@@ -149,7 +153,7 @@ pub fn guide(
         false => Box::new(Elements::open(folder, sensor, goal, arguments.model)?),
     };
     let began = Instant::now();
-    let forces = NetFt::connect(address)?;
+    let forces = ForceSensor::connect(address)?;
     let OpenCamera {
         camera,
         exposed_since,
@@ -202,7 +206,7 @@ struct Guided<'a> {
 impl Guided<'_> {
     fn run(
         &mut self,
-        forces: &NetFt,
+        forces: &ForceSensor,
         pump: &FramePump,
         interrupted: &AtomicBool,
     ) -> Result<(), CommandError> {

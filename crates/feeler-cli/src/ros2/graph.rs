@@ -2,12 +2,14 @@
 
 use super::GraphArguments;
 use crate::CommandError;
-use feeler_lab::config::ExperimentConfig;
+use crate::warnings::Warnings;
+use feeler_lab::config::Experiment;
 use feeler_ros2::name::NodeName;
 use feeler_ros2::node::{NODE_ENDPOINT, Node, NodeConfig, ROUTER_ENDPOINT};
-use feeler_ros2::parameter::Parameters;
+use feeler_ros2::parameter::{Meaning, Parameters};
 use feeler_ros2::parameter_server::serve_parameters;
 use serde_json::json;
+use std::time::{Duration, Instant};
 
 /// Where a program learns in which domain it is.
 const DOMAIN_VARIABLE: &str = "ROS_DOMAIN_ID";
@@ -15,23 +17,32 @@ const DOMAIN_VARIABLE: &str = "ROS_DOMAIN_ID";
 /// Why no parameter can be set.
 const FIXED: &str = "an experiment's values are checked together when its programs start, and stay as they are; start them with --set";
 
-/// How the node takes part in its graph.
-pub fn config(arguments: &GraphArguments) -> Result<NodeConfig, CommandError> {
-    let domain = match arguments.domain_id {
-        Some(domain) => domain,
-        None => match std::env::var(DOMAIN_VARIABLE) {
-            Ok(text) if !text.is_empty() => text.parse().map_err(|_| {
-                format!("{DOMAIN_VARIABLE}: a number from 0 to 232 expected, found {text:?}")
-            })?,
-            _ => 0,
-        },
-    };
+/// A node that is alone for so long is told of.
+const PATIENCE: Duration = Duration::from_secs(2);
+
+/// What the node of a hand is called where nobody says otherwise.
+pub const NODE_NAME: &str = "feeler";
+
+/// The domain that the environment names.
+pub fn domain_of_environment() -> Result<u32, CommandError> {
+    match std::env::var(DOMAIN_VARIABLE) {
+        Ok(text) if !text.is_empty() => text.parse().map_err(|_| {
+            format!("{DOMAIN_VARIABLE}: a number from 0 to 232 expected, found {text:?}").into()
+        }),
+        _ => Ok(0),
+    }
+}
+
+/// How the node takes part in its graph, called `name` unless the arguments say otherwise.
+pub fn config(arguments: &GraphArguments, name: &str) -> Result<NodeConfig, CommandError> {
+    let domain = arguments.domain_id.map_or_else(domain_of_environment, Ok)?;
+    let name = arguments.node_name.as_deref().unwrap_or(name);
     let given = |places: &[String], usual: &str| match places {
         [] => vec![usual.to_string()],
         places => places.to_vec(),
     };
     Ok(NodeConfig {
-        name: NodeName::new(domain, &arguments.namespace, &arguments.node_name)?,
+        name: NodeName::new(domain, &arguments.namespace, name)?,
         connect: given(&arguments.ros_connect, ROUTER_ENDPOINT),
         listen: given(&arguments.ros_listen, NODE_ENDPOINT),
     })
@@ -69,17 +80,66 @@ pub fn check_ports(graph: &NodeConfig, hands: &[String]) -> Result<(), CommandEr
     }
 }
 
+/// Tells a user whose node is alone, as where no router was started.
+pub struct Company {
+    places: String,
+    since: Instant,
+    is_told: bool,
+    warnings: Warnings,
+}
+
+impl Company {
+    /// Of a node that looks for others where `graph` says.
+    pub fn new(graph: &NodeConfig) -> Self {
+        Self {
+            places: graph.connect.join(", "),
+            since: Instant::now(),
+            is_told: false,
+            warnings: Warnings::on_stderr(),
+        }
+    }
+
+    /// Looks whether `node` is alone, and says what is new of that.
+    pub fn look(&mut self, node: &Node) {
+        match (node.has_company(), self.is_told) {
+            (false, false) if self.since.elapsed() >= PATIENCE => {
+                let line = format!(
+                    "ROS 2: nobody is at {}; waiting for a router there (ros2 run rmw_zenoh_cpp rmw_zenohd) or a node",
+                    self.places
+                );
+                self.warnings.say(&line);
+                self.is_told = true;
+            }
+            (true, true) => {
+                self.warnings.say("ROS 2: connected");
+                self.is_told = false;
+            }
+            (true, false) => self.since = Instant::now(),
+            (false, _) => {}
+        }
+    }
+}
+
 /// Serves law, thresholds and all other values of control and task as parameters.
 pub fn serve_settings(
     node: &mut Node,
-    experiment: &ExperimentConfig,
+    experiment: &Experiment,
     use_sim_time: bool,
 ) -> Result<(), CommandError> {
+    let (config, described) = (&experiment.config, experiment.described());
     let mut parameters = Parameters::new(FIXED);
-    parameters.add("experiment", &json!(experiment.name));
-    parameters.add("control", &serde_json::to_value(&experiment.control)?);
-    parameters.add("task", &serde_json::to_value(&experiment.task)?);
+    parameters.add("experiment", &json!(config.name));
+    parameters.add("control", &serde_json::to_value(&config.control)?);
+    parameters.add("task", &serde_json::to_value(&config.task)?);
     parameters.add("use_sim_time", &json!(use_sim_time));
+    parameters.describe_by(|name| {
+        let described = described.get(name)?;
+        Some(Meaning {
+            description: described.comment.clone(),
+            expected: described.expected.clone(),
+            range: described.range,
+        })
+    });
     Ok(serve_parameters(node, parameters)?)
 }
 

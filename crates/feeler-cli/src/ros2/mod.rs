@@ -10,8 +10,10 @@ mod orders;
 mod recording;
 #[cfg(feature = "ros2")]
 mod rig;
+pub mod robot;
 #[cfg(feature = "ros2")]
 mod stamps;
+pub mod wrenches;
 
 use super::link::{ExperimentArguments, LinkArguments};
 use super::{CommandError, Outcome};
@@ -25,6 +27,9 @@ pub struct Arguments {
     /// Replay this many times as fast as it was.
     #[arg(long, value_name = "FACTOR")]
     speed: Option<f64>,
+    /// Stamp by the rig's or the recording's own time, and publish that as /clock; without, stamps are of the time of day.
+    #[arg(long)]
+    use_sim_time: bool,
     #[command(flatten)]
     graph: GraphArguments,
     #[command(flatten)]
@@ -49,12 +54,9 @@ pub struct GraphArguments {
     /// Namespace of the node and of its topics, as in /left.
     #[arg(long, default_value = "/")]
     namespace: String,
-    /// Name of the node.
-    #[arg(long, default_value = "feeler")]
-    node_name: String,
-    /// Stamp by the rig's or the recording's own time, and publish that as /clock; without, stamps are of the time of day.
-    #[arg(long)]
-    use_sim_time: bool,
+    /// Name of the node [default: feeler, or feeler_rig of `feeler ros2-rig`]
+    #[arg(long, value_name = "NAME")]
+    node_name: Option<String>,
 }
 
 /// Publishes a rig or a recording until Ctrl-C, or until the recording ends.
@@ -87,20 +89,26 @@ pub fn ros2(arguments: &Arguments, _: &mut dyn Write) -> Result<Outcome, Command
     let Arguments {
         what,
         speed: _,
+        use_sim_time: _,
         graph,
         values: _,
         link: _,
     } = arguments;
-    let GraphArguments {
-        ros_connect: _,
-        ros_listen: _,
-        domain_id: _,
-        namespace: _,
-        node_name: _,
-        use_sim_time: _,
-    } = graph;
-    Err(
-        format!("ros2 {what}: this program was built without ROS 2; build it with --features ros2")
-            .into(),
-    )
+    Err(graph.not_built(&format!("ros2 {what}")))
+}
+
+#[cfg(not(feature = "ros2"))]
+impl GraphArguments {
+    /// Says that there is no ROS 2 to do `what` in.
+    fn not_built(&self, what: &str) -> CommandError {
+        let Self {
+            ros_connect: _,
+            ros_listen: _,
+            domain_id: _,
+            namespace: _,
+            node_name: _,
+        } = self;
+        format!("{what}: this program was built without ROS 2; build it with --features ros2")
+            .into()
+    }
 }

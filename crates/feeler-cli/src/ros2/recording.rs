@@ -1,7 +1,7 @@
 //! `feeler ros2 RECORDING`: a recording in real time.
 
 use super::diagnostics::status;
-use super::graph::{config, serve_settings};
+use super::graph::{Company, NODE_NAME, config, serve_settings};
 use super::stamps::time_of_day;
 use super::{Arguments, CommandError, Outcome};
 use crate::interrupt::watch_for_interrupt;
@@ -36,20 +36,22 @@ pub fn publish(
     if !(speed.is_finite() && speed > 0.0) {
         return Err(format!("--speed: a number above 0 expected, found {speed}").into());
     }
-    let graph = config(&arguments.graph)?;
+    let graph = config(&arguments.graph, NODE_NAME)?;
     let recording = Recording::read(path)?;
     let messages = HandMessages::new(&recording.facts)?;
     let experiment =
         Experiment::parse(&recording.experiment, "the recorded experiment", &[], None)?;
     let interrupted = watch_for_interrupt()?;
-    let use_sim_time = arguments.graph.use_sim_time;
+    let use_sim_time = arguments.use_sim_time;
+    let company = Company::new(&graph);
     let mut node = Node::open(graph)?;
     let publishers = HandPublishers::new(&mut node, messages.fingers.len(), use_sim_time)?;
-    serve_settings(&mut node, &experiment.config, use_sim_time)?;
+    serve_settings(&mut node, &experiment, use_sim_time)?;
     writeln!(out, "{} is the ROS 2 node {}", path.display(), node.name())?;
     out.flush()?;
     let mut replay = Replay {
-        node: node.name().to_string(),
+        node,
+        company,
         slip_threshold: recording.facts.slip_threshold,
         seen: vec![None; messages.fingers.len()],
         messages,
@@ -90,7 +92,8 @@ impl Times {
 
 /// What is published of a recording.
 struct Replay {
-    node: String,
+    node: Node,
+    company: Company,
     messages: HandMessages,
     publishers: HandPublishers,
     times: Times,
@@ -132,13 +135,7 @@ impl Replay {
             self.messages.set_still(stamp);
             self.publishers.publish_still(&self.messages)?;
         }
-        if step.fingers.iter().all(|finger| finger.joints.is_some()) {
-            let joints = step.fingers.iter().filter_map(|finger| finger.joints);
-            let joints =
-                joints.map(|j| (DVec3::from_array(j.position), DVec3::from_array(j.velocity)));
-            self.messages.set_joints(stamp, joints);
-            self.publishers.publish_joints(&self.messages)?;
-        }
+        self.publish_joints(step)?;
         for (finger, of_finger) in step.fingers.iter().enumerate() {
             self.publish_finger(finger, of_finger)?;
         }
@@ -153,11 +150,27 @@ impl Replay {
                 key: key.into(),
                 value,
             });
-            let name = format!("{}: recording", self.node);
+            self.company.look(&self.node);
+            let name = format!("{}: recording", self.node.name());
             let status = status(DiagnosticLevel::Ok, name, phase, values.into());
             self.publishers.publish_diagnostics(stamp, vec![status])?;
         }
         Ok(())
+    }
+
+    fn publish_joints(&mut self, step: &Step) -> Result<(), NodeError> {
+        let joints = step.fingers.iter().filter_map(|finger| finger.joints);
+        // They are read together.
+        let stamp = joints
+            .clone()
+            .next()
+            .and_then(|joints| self.times.stamp(joints.stamp));
+        let Some(stamp) = stamp.filter(|_| joints.clone().count() == step.fingers.len()) else {
+            return Ok(());
+        };
+        let joints = joints.map(|j| (DVec3::from_array(j.position), DVec3::from_array(j.velocity)));
+        self.messages.set_joints(stamp, joints);
+        self.publishers.publish_joints(&self.messages)
     }
 
     fn publish_finger(&mut self, finger: usize, step: &FingerStep) -> Result<(), NodeError> {

@@ -1,7 +1,7 @@
 //! `feeler ros2 RIG`: a running rig of several programs.
 
 use super::diagnostics::diagnostics;
-use super::graph::{check_ports, config, serve_settings};
+use super::graph::{Company, NODE_NAME, check_ports, config, serve_settings};
 use super::orders::serve_orders;
 use super::stamps::{Stamps, time_of_day};
 use super::{Arguments, CommandError, Outcome};
@@ -28,7 +28,7 @@ const DIAGNOSTICS_INTERVAL: Duration = Duration::from_secs(1);
 
 /// Publishes the rig that `arguments` name, until Ctrl-C.
 pub fn publish(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
-    let graph = config(&arguments.graph)?;
+    let graph = config(&arguments.graph, NODE_NAME)?;
     check_ports(&graph, &arguments.link.endpoints())?;
     let experiment = Experiment::load(&arguments.what, &arguments.values.settings())?;
     let rig = arguments.values.rig(&experiment);
@@ -38,15 +38,17 @@ pub fn publish(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Co
     let network = link.connect(&rig)?;
     let watched = Watched::new(&experiment, &rig, network.clone())?;
     let interrupted = watch_for_interrupt()?;
-    let use_sim_time = arguments.graph.use_sim_time;
+    let use_sim_time = arguments.use_sim_time;
+    let company = Company::new(&graph);
     let mut node = Node::open(graph)?;
     let publishers = HandPublishers::new(&mut node, messages.fingers.len(), use_sim_time)?;
-    serve_settings(&mut node, &experiment.config, use_sim_time)?;
+    serve_settings(&mut node, &experiment, use_sim_time)?;
     serve_orders(&mut node, Caller::over(network)?)?;
     writeln!(out, "rig {rig} is the ROS 2 node {}", node.name())?;
     out.flush()?;
     let mut published = RigNode {
-        node: node.name().to_string(),
+        node,
+        company,
         slip_threshold: facts.slip_threshold,
         seen: vec![None; messages.fingers.len()],
         messages,
@@ -62,7 +64,8 @@ pub fn publish(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Co
 
 /// What is published of a rig.
 struct RigNode {
-    node: String,
+    node: Node,
+    company: Company,
     messages: HandMessages,
     publishers: HandPublishers,
     stamps: Stamps,
@@ -99,7 +102,9 @@ impl RigNode {
                     Stamps::OfTheRun => self.now,
                     Stamps::OfTheDay(_) => Time::of(time_of_day()),
                 };
-                let status = diagnostics(&watched.snapshot(), &self.node);
+                self.company.look(&self.node);
+                let name = self.node.name().to_string();
+                let status = diagnostics(&watched.snapshot(), &name);
                 self.publishers
                     .publish_diagnostics(stamp.unwrap_or_default(), status)?;
             }

@@ -5,6 +5,7 @@ use feeler::sensor::calibration::Calibration;
 use feeler::sensor::moments::ElementMoments;
 use feeler_sources::netft::NetFtEmulator;
 use glam::{DVec2, DVec3};
+use std::any::Any;
 use std::fs;
 use std::io::Write;
 use std::path::Path;
@@ -71,17 +72,65 @@ fn picture((loaded, force): (usize, DVec3), number: usize) -> Vec<u8> {
     rows.map(|(column, row)| level(column, row)).collect()
 }
 
-/// Starts the program and plays `loads` to it, the camera late; the emulator must live as long.
-fn start(folder: &Path, loads: Vec<(usize, DVec3)>) -> (Child, JoinHandle<()>, NetFtEmulator) {
-    let now = Arc::new(Mutex::new(DVec3::ZERO));
-    let felt = Arc::clone(&now);
-    let sensor = NetFtEmulator::start(500.0, move || {
-        // The fingertip's weight; x of the layout's frame is the sensor's y, and z is against its z.
-        let DVec3 { x, y, z } = *felt.lock().unwrap();
-        Some([y + 1.0, x, z - 3.0, 0.0, 0.0, 0.0])
+/// Force on the loaded element in its frame, N, as it is played.
+type Felt = Arc<Mutex<DVec3>>;
+
+/// What the sensor measures of it: the fingertip's weight, too; x of the layout's frame is the sensor's y, and z is against its z.
+fn wrench(felt: &Felt) -> [f64; 6] {
+    let DVec3 { x, y, z } = *felt.lock().unwrap();
+    [y + 1.0, x, z - 3.0, 0.0, 0.0, 0.0]
+}
+
+/// A force sensor's address, and what must live as long as it.
+type Sensor = (String, Box<dyn Any>);
+
+fn netft(felt: Felt) -> Sensor {
+    let sensor = NetFtEmulator::start(500.0, move || Some(wrench(&felt))).expect("a socket");
+    (sensor.address(), Box::new(sensor))
+}
+
+/// The same as a topic of ROS 2.
+#[cfg(feature = "ros2")]
+fn topic(felt: Felt) -> Sensor {
+    use feeler_record::ros::{Time, WrenchStamped};
+    use feeler_ros2::{name::NodeName, node::Node, node::NodeConfig, qos::Qos};
+    let endpoint = crate::ports::unused_endpoint();
+    let mut node = Node::open(NodeConfig {
+        name: NodeName::new(5, "/", "force_sensor").expect("a name"),
+        connect: Vec::new(),
+        listen: vec![endpoint.clone()],
+    })
+    .expect("a node");
+    let published = node.publish::<WrenchStamped>("/ft/wrench", Qos::SENSOR_DATA);
+    let mut published = published.expect("a topic");
+    let lives = Arc::new(());
+    let life = Arc::downgrade(&lives);
+    spawn(move || {
+        let _node = node;
+        let mut message = WrenchStamped::default();
+        while life.strong_count() > 0 {
+            let [x, y, z, ..] = wrench(&felt);
+            message.wrench.force = DVec3::new(x, y, z).into();
+            message.header.stamp = Time::of(1.0).expect("a time");
+            published.publish(&message).expect("a message");
+            sleep(Duration::from_millis(2));
+        }
     });
-    let sensor = sensor.expect("a socket");
-    let address = sensor.address();
+    (
+        format!("ros2:/ft/wrench?connect={endpoint}&domain=5"),
+        Box::new(lives),
+    )
+}
+
+/// Starts the program and plays `loads` to it, the camera late; the sensor must live as long.
+fn start(
+    folder: &Path,
+    loads: Vec<(usize, DVec3)>,
+    sensor: fn(Felt) -> Sensor,
+) -> (Child, JoinHandle<()>, Sensor) {
+    let now = Felt::default();
+    let sensor = sensor(Arc::clone(&now));
+    let address = sensor.0.clone();
     let arguments = [
         &[
             "calibrate",
@@ -120,7 +169,7 @@ fn start(folder: &Path, loads: Vec<(usize, DVec3)>) -> (Child, JoinHandle<()>, N
     (child, player, sensor)
 }
 
-fn end((child, player, sensor): (Child, JoinHandle<()>, NetFtEmulator)) -> Ended {
+fn end((child, player, sensor): (Child, JoinHandle<()>, Sensor)) -> Ended {
     player.join().unwrap();
     let ended = Ended::of(child.wait_with_output().expect("its end"));
     drop(sensor);
@@ -132,7 +181,7 @@ fn loads_that_are_put_on_live_make_a_calibration() {
     let folder = folder("calibrate-live");
     fs::write(folder.join("layout.toml"), LAYOUT).unwrap();
     // Ended by its camera when one element is done; what was taken is kept.
-    let ended = end(start(&folder, loads(&[0])));
+    let ended = end(start(&folder, loads(&[0]), netft));
     assert_eq!(ended.status, Some(2), "{ended:?}");
     for words in [
         "the camera has ended",
@@ -148,7 +197,7 @@ fn loads_that_are_put_on_live_make_a_calibration() {
     fs::write(&csv, format!("{table}00999.png,1,0.2")).unwrap();
 
     // The same command goes on with the other element, and ends by itself.
-    let ended = end(start(&folder, loads(&[1])));
+    let ended = end(start(&folder, loads(&[1]), netft));
     assert_eq!(ended.status, Some(0), "{ended:?}");
     let resumed = fs::read_to_string(&csv).unwrap();
     assert!(resumed.starts_with(&table) && resumed.len() > table.len());
@@ -176,10 +225,28 @@ fn loads_that_are_put_on_live_make_a_calibration() {
     let text = fs::read_to_string(folder.join("live.toml")).unwrap();
     assert_eq!(text, fs::read_to_string(folder.join("again.toml")).unwrap());
     assert!(folder.join("live.html").exists());
-    let calibration = Calibration::from_toml(&text).unwrap();
+    assert_tells_forces(&folder, &text);
+}
+
+#[cfg(feature = "ros2")]
+#[test]
+fn forces_come_from_a_topic_of_ros_2() {
+    let folder = folder("calibrate-live-ros2");
+    fs::write(folder.join("layout.toml"), LAYOUT).unwrap();
+    let ended = end(start(&folder, loads(&[0, 1]), topic));
+    assert_eq!(ended.status, Some(0), "{ended:?}");
+    assert_tells_forces(
+        &folder,
+        &fs::read_to_string(folder.join("live.toml")).unwrap(),
+    );
+}
+
+/// Asserts that the calibration of this `text` tells the forces of new pictures.
+fn assert_tells_forces(folder: &Path, text: &str) {
+    let calibration = Calibration::from_toml(text).unwrap();
     for element in 0..2 {
         let truth = DVec3::new(0.2, -0.1, 0.5);
-        let error = (told(&folder, &calibration, element, truth) - truth).abs();
+        let error = (told(folder, &calibration, element, truth) - truth).abs();
         // Gray values are whole numbers: some 0.2 % of G, and hundredths of a pixel, each of 0.5 N. A picture that came in
         // a period late is of another load only next to a change, one of 14.
         assert!(error.max_element() < 0.05, "element {element}: {error}");
@@ -222,7 +289,11 @@ fn bad_input_is_refused_in_words() {
     refused(&["--wrench", "--full-scale-normal=1"], &["--live"]);
     refused(
         &["--live=-", "--force-sensor=/dev/ttyUSB0"],
-        &["no netft:// address"],
+        &["no netft:// address", "ros2:/TOPIC"],
+    );
+    refused(
+        &["--live=-", "--force-sensor=ros2:wrench"],
+        &["\"wrench\" is no topic", "ros2:/TOPIC"],
     );
     refused(&["--live=-", sensor, "--force-axes=x,y"], &["fewer axes"]);
     refused(

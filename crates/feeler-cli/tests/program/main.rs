@@ -24,6 +24,9 @@ mod outputs;
 mod policy;
 #[path = "../../../feeler/tests/support/policy_file.rs"]
 mod policy_file;
+#[cfg(feature = "ros2")]
+#[path = "../../../feeler-link/tests/support/ports.rs"]
+mod ports;
 #[path = "../support/program.rs"]
 mod program;
 mod real_rig;

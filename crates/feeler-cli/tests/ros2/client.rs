@@ -8,6 +8,7 @@ use feeler_ros2::name::NodeName;
 use feeler_ros2::node::{Node, NodeConfig};
 use feeler_ros2::ros_hand::{RosHand, RosHandConfig};
 use glam::DVec3;
+use serde_json::json;
 use std::io::Write;
 use std::process::Stdio;
 use std::thread::sleep;
@@ -19,7 +20,7 @@ const PATIENCE: Duration = Duration::from_secs(400);
 const MOST_AGE: f64 = 2.0;
 
 /// Calls `attempt` until it has something.
-fn until<T>(what: &str, mut attempt: impl FnMut() -> Option<T>) -> T {
+pub fn until<T>(what: &str, mut attempt: impl FnMut() -> Option<T>) -> T {
     let begin = Instant::now();
     loop {
         if let Some(found) = attempt() {
@@ -45,6 +46,7 @@ fn a_robot_of_ros2_control_is_a_hand() {
         joint_states: "/joint_states".into(),
         commands: "/forward_velocity_controller/commands".into(),
         most_age: MOST_AGE,
+        speed: 1.0,
     };
     let mut hand = RosHand::new(&mut node, config, GraphClock::TimeOfDay).expect("a hand");
     let mut state = HandState::zero(1);
@@ -57,7 +59,10 @@ fn a_robot_of_ros2_control_is_a_hand() {
         "{nothing}"
     );
 
-    let robot = script(&python, "controller.py", &[&endpoint])
+    let robot = json!({
+        "joints": ["first", "second", "third"], "home": [0.0, 0.0, 0.0], "speed": 1.0, "sim_time": false, "finger": null,
+    });
+    let robot = script(&python, "robot.py", &[&endpoint, &robot.to_string()])
         .stdin(Stdio::piped())
         .spawn();
     let mut robot = Running(robot.expect("the robot"));
@@ -84,10 +89,33 @@ fn a_robot_of_ros2_control_is_a_hand() {
     let stale = until("stale joint states", || hand.read(&mut state).err()).to_string();
     assert!(stale.starts_with("/joint_states: data"), "{stale}");
 
+    // What is commanded from them is refused, and zeros are sent.
+    let refused = hand.command(&command).expect_err("stale").to_string();
+    assert!(refused.starts_with("/joint_states: data"), "{refused}");
+
+    // Stamps tell the age, too: of a past, or of a future.
+    for late in ["late 5", "late -5"] {
+        orders
+            .write_all(format!("{late}\n").as_bytes())
+            .expect("an order");
+        let words = if late.contains('-') {
+            "ahead of the clock"
+        } else {
+            "by their stamp"
+        };
+        until(late, || {
+            let error = hand.read(&mut state).err()?.to_string();
+            error.contains(words).then_some(())
+        });
+    }
+    orders.write_all(b"well\n").expect("an order");
+    until("joint states again", || hand.read(&mut state).ok());
+
     // Who goes leaves the robot standing.
     drop(hand);
     sleep(Duration::from_millis(300));
     orders.write_all(b"end\n").expect("an order");
     let end = words.next();
-    assert_eq!(end["last"], serde_json::json!([0.0, 0.0, 0.0]), "{end}");
+    assert_eq!(end["last"], json!([0.0, 0.0, 0.0]), "{end}");
+    assert!(end["moved"].as_u64() > Some(0), "{end}");
 }

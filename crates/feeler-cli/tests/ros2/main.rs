@@ -8,11 +8,17 @@
 mod ports;
 #[path = "../support/program.rs"]
 mod program;
+#[path = "../link/rig.rs"]
+mod programs;
 #[path = "../../../feeler-lab/tests/support/skip.rs"]
 mod skip;
 
 mod client;
 mod node;
+mod options;
 mod peers;
+mod restarts;
 mod rig;
+mod robot_rig;
+mod sensor;
 mod values;

@@ -2,7 +2,8 @@
 
 use crate::peers::{Running, Words, pyzeros, script};
 use crate::ports::unused_endpoint;
-use crate::program::{Ended, feeler, folder};
+use crate::program::{Ended, feeler, folder, run};
+use std::path::Path;
 use std::process::Stdio;
 
 /// Asserts what the watcher sees of a node whose topics are those of a hand of two fingers.
@@ -43,37 +44,33 @@ pub fn assert_seen(words: &mut Words) {
     }
 }
 
+/// Runs one stroke in `folder`, and starts the node that replays it, slowly, with `arguments`.
+pub fn replay(folder: &Path, arguments: &[&str]) -> Running {
+    let stroke = "--set=task.screw.strokes=1";
+    run(
+        folder,
+        &[
+            "run",
+            "cap-closing",
+            "--sensing=direct",
+            "--out=run",
+            stroke,
+        ],
+    )
+    .done();
+    let of_run = ["ros2", "run", "--speed=0.05", "--domain-id=0"];
+    let node = feeler(folder, &[&of_run, arguments].concat())
+        .stdout(Stdio::null())
+        .spawn();
+    Running(node.expect("the node"))
+}
+
 #[test]
 fn another_implementation_sees_a_replayed_recording() {
     let Some(python) = pyzeros() else { return };
-    let folder = folder("ros2-replay");
-    let arguments = [
-        "run",
-        "cap-closing",
-        "--sensing",
-        "direct",
-        "--out",
-        "run",
-        "--set",
-        "task.screw.strokes=1",
-    ];
-    Ended::of(feeler(&folder, &arguments).output().expect("a run"));
-
-    let endpoint = unused_endpoint();
-    let arguments = [
-        "ros2",
-        "run",
-        "--speed",
-        "0.05",
-        "--ros-listen",
-        &endpoint,
-        "--ros-connect",
-        &unused_endpoint(),
-        "--domain-id",
-        "0",
-    ];
-    let node = feeler(&folder, &arguments).stdout(Stdio::null()).spawn();
-    let _node = Running(node.expect("the node"));
+    let (endpoint, router) = (unused_endpoint(), unused_endpoint());
+    let places = ["--ros-listen", &endpoint, "--ros-connect", &router];
+    let _node = replay(&folder("ros2-replay"), &places);
     let watcher = script(&python, "watch.py", &[&endpoint]).spawn();
     let mut watcher = Running(watcher.expect("the watcher"));
     assert_seen(&mut Words::of(&mut watcher));

@@ -1,69 +1,46 @@
 //! A running rig as a node: its hand is stopped and resumed by services.
 
 use crate::node::assert_seen;
-use crate::peers::{Running, Words, pyzeros, script};
+use crate::peers::{self, Words, pyzeros, script};
 use crate::ports::unused_endpoint;
-use crate::program::{feeler, folder};
-use std::fs::File;
-use std::process::Stdio;
+use crate::program::feeler;
+use crate::programs::{Rig, Running, Setup};
+
+/// Starts `feeler ros2` of a rig, whose node is at `graph`.
+pub fn node(rig: &Rig, name: &str, graph: &str) -> Running {
+    let Setup {
+        folder,
+        experiment,
+        endpoint,
+        settings,
+        ..
+    } = &rig.setup;
+    let mut command = feeler(
+        folder,
+        &["ros2", experiment, "--connect", endpoint, "--domain-id=0"],
+    );
+    command.args(["--ros-listen", graph, "--ros-connect", &unused_endpoint()]);
+    command.args(settings);
+    Running::start(folder, name, command)
+}
 
 #[test]
 fn another_implementation_stops_and_resumes_the_hand_of_a_rig() {
     let Some(python) = pyzeros() else { return };
-    let folder = folder("ros2-rig");
-    let (hand, ros) = (unused_endpoint(), unused_endpoint());
-    let mut running = Vec::new();
-    let mut start = |name: &str, arguments: &[&str]| {
-        let log = File::create(folder.join(format!("{name}.log"))).expect("a file");
-        let mut command = feeler(&folder, arguments);
-        command.stdout(Stdio::null()).stderr(log);
-        running.push(Running(command.spawn().expect(name)));
-    };
-    // At a tenth of real time no busy computer makes data stale.
-    let of_rig = ["cap-closing", "--sensing", "direct"];
-    let slow = ["--speed", "0.1"];
-    start(
-        "hand",
-        &[
-            &["hand"],
-            &of_rig[..],
-            &slow,
-            &["--listen", &hand, "--out", "run"],
-        ]
-        .concat(),
-    );
-    for finger in ["0", "1"] {
-        let sense = [
-            "sense",
-            "rig:",
-            "--finger",
-            finger,
-            "--publish",
-            "--sensing",
-            "direct",
-            "--connect",
-            &hand,
-        ];
-        start(&format!("sense-{finger}"), &sense);
-    }
-    start(
-        "world",
-        &[&["world"], &of_rig[..], &slow, &["--connect", &hand]].concat(),
-    );
-    let places = [
-        "--connect",
-        &hand,
-        "--ros-listen",
-        &ros,
-        "--ros-connect",
-        &unused_endpoint(),
-        "--domain-id",
-        "0",
-    ];
-    start("ros2", &[&["ros2"], &of_rig[..], &places].concat());
-
-    let watcher = script(&python, "watch.py", &[&ros, "/stop", "/resume", "/resume"]).spawn();
-    let mut watcher = Running(watcher.expect("the watcher"));
+    let rig = Setup::new("ros2-rig")
+        .at("0.1")
+        .with(&["time_limit=600"])
+        .start();
+    let mut hand = rig.setup.hand(&[]);
+    let graph = unused_endpoint();
+    let _node = node(&rig, "ros2", &graph);
+    let watcher = script(
+        &python,
+        "watch.py",
+        &[&graph, "/stop", "/resume", "/resume"],
+    )
+    .spawn();
+    let mut watcher = peers::Running(watcher.expect("the watcher"));
     let mut words = Words::of(&mut watcher);
     assert_seen(&mut words);
     let answers: Vec<_> = (0..3).map(|_| words.next()).collect();
@@ -80,4 +57,6 @@ fn another_implementation_stops_and_resumes_the_hand_of_a_rig() {
         answers[2]["message"].to_string().contains("not stopped"),
         "{answers:?}"
     );
+    hand.signal("INT");
+    hand.wait();
 }

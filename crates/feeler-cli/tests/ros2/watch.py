@@ -4,14 +4,13 @@ import asyncio
 import sys
 
 import pyzeros
-from graph import say, session
+from graph import late, say, session, tokens_of
 from pyzeros.utils import rmw_zenoh_gid
 from ros2_pyterfaces.cyclone.rcl_interfaces.srv import ListParameters
 from ros2_pyterfaces.cyclone.sensor_msgs.msg import JointState, PointCloud2
 from ros2_pyterfaces.cyclone.geometry_msgs.msg import WrenchStamped
 from ros2_pyterfaces.cyclone.std_msgs.msg import String
 from ros2_pyterfaces.cyclone.std_srvs.srv import Trigger
-from zenoh.ext import HistoryConfig, declare_advanced_subscriber
 
 
 async def first(type_, topic):
@@ -27,8 +26,7 @@ async def watch(opened, calls):
         while not tokens or tokens != before:
             before = tokens
             await asyncio.sleep(0.5)
-            replies = opened.liveliness().get("@ros2_lv/**")
-            tokens = sorted(str(r.ok.key_expr) for r in replies if r.ok and "/watcher" not in str(r.ok.key_expr))
+            tokens = tokens_of(opened)
         say(tokens=tokens)
 
         beside = []
@@ -51,16 +49,8 @@ async def watch(opened, calls):
         say(points=cloud.width, bytes=len(cloud.data), frame=wrench.header.frame_id)
 
         # What was said before this one came.
-        late = []
-        key = next(token for token in tokens if "/%robot_description/" in token).split("/")
-        key = f"0/robot_description/{key[-3]}/{key[-2]}"
-        keep = declare_advanced_subscriber(
-            opened, key, lambda sample: late.append(sample.payload.to_bytes()), history=HistoryConfig(detect_late_publishers=True)
-        )
-        while not late:
-            await asyncio.sleep(0.01)
-        say(description=String.deserialize(late[0]).data[:60])
-        keep.undeclare()
+        description = await asyncio.to_thread(late, opened, tokens, "robot_description")
+        say(description=String.deserialize(description).data[:60])
 
         listed = await node.create_client(ListParameters, "/feeler/list_parameters").call_async(ListParameters.Request())
         say(parameters=list(listed.result.names))
@@ -71,6 +61,6 @@ async def watch(opened, calls):
 
 opened = session(sys.argv[1])
 try:
-    asyncio.run(asyncio.wait_for(watch(opened, sys.argv[2:]), 400))
+    asyncio.run(watch(opened, sys.argv[2:]))
 finally:
     opened.close()

@@ -1,7 +1,7 @@
 //! What every value of an experiment must be, beyond what each part says of its own.
 
 use super::experiment_config::ExperimentConfig;
-use feeler::check::{Checker, Problem};
+use feeler::check::{Checker, Problem, Requirement};
 use feeler::control::task::TaskConfig;
 use feeler::hand::MAX_FINGERS;
 use feeler_sim::config::SimConfig;
@@ -14,6 +14,15 @@ const MAX_NAME: usize = 64;
 ///
 /// What the camera, the fingers and the optics are made of is checked where they are built.
 pub(super) fn check(config: &ExperimentConfig) -> Vec<Problem> {
+    checked(config).problems()
+}
+
+/// All that is required of the values of `config`.
+pub(super) fn requirements(config: &ExperimentConfig) -> Vec<Requirement> {
+    checked(config).requirements()
+}
+
+fn checked(config: &ExperimentConfig) -> Checker {
     let mut checker = Checker::default();
     let name = &config.name;
     let plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
@@ -30,6 +39,13 @@ pub(super) fn check(config: &ExperimentConfig) -> Vec<Problem> {
     if let Some(drives) = &config.drives {
         drives.check("drives", config.hand.finger.len(), &mut checker);
     }
+    if let Some(ros2) = &config.ros2 {
+        let fingers = 0..config.hand.finger.len();
+        let elements: Vec<_> = fingers
+            .map(|finger| config.sensor.fingertip(finger).layout.element_count())
+            .collect();
+        ros2.check("ros2", &elements, &mut checker);
+    }
     if let Some(sim) = &config.sim {
         check_within_reach(config, sim, &mut checker);
         let fingers = 0..config.hand.finger.len();
@@ -38,7 +54,7 @@ pub(super) fn check(config: &ExperimentConfig) -> Vec<Problem> {
             .collect();
         sim.check(&fingertips, config.control.period, &mut checker);
     }
-    checker.problems()
+    checker
 }
 
 fn check_fingers(config: &ExperimentConfig, checker: &mut Checker) {

@@ -1,6 +1,7 @@
 //! Everything that an experiment file says.
 
 use super::error::ConfigError;
+use super::ros2::RosConfig;
 use feeler::check::Checker;
 use feeler::control::controller::ControlConfig;
 use feeler::control::task::TaskConfig;
@@ -44,6 +45,9 @@ pub struct ExperimentConfig {
     /// The servos that move the hand, where feeler speaks to them itself.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub drives: Option<DrivesConfig>,
+    /// The robot of a ROS 2 graph that is the hand, where there is one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ros2: Option<RosConfig>,
     /// The simulated world that it does it in; none of a real rig.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sim: Option<SimConfig>,

@@ -4,6 +4,7 @@
 mod built_in;
 mod calibrations;
 mod check;
+mod describe;
 mod error;
 mod experiment_config;
 mod in_short;
@@ -11,15 +12,18 @@ mod load;
 mod missing;
 mod place;
 mod policy;
+mod ros2;
 mod settings;
 mod stand_in;
 mod words;
 
 pub use built_in::{BUILT_IN, BuiltIn};
 pub use calibrations::built_in_calibration;
+pub use describe::Described;
 pub use error::ConfigError;
 pub use experiment_config::{
     ExperimentConfig, FingerSensorConfig, HandConfig, Sensing, SensorConfig,
 };
 pub use feeler::check::Problem;
 pub use load::Experiment;
+pub use ros2::{RosConfig, RosFingerConfig};

@@ -68,12 +68,7 @@ pub struct FingerPathConfig {
 impl ScrewConfig {
     /// Requires every value of the table `key` to be in its range.
     pub fn check(&self, key: &str, checker: &mut Checker) {
-        checker.require(
-            &format!("{key}.strokes"),
-            self.strokes.to_string(),
-            (1..=100_000).contains(&self.strokes),
-            "1 to 100000",
-        );
+        checker.between(&format!("{key}.strokes"), self.strokes.into(), 1.0, 1e5);
         let positive = [
             ("search_speed", self.search_speed),
             ("grasp_force", self.grasp_force),

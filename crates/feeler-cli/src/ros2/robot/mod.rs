@@ -1,0 +1,50 @@
+//! `feeler ros2-rig`: a robot of a ROS 2 graph as the rig of an experiment.
+
+#[cfg(feature = "ros2")]
+mod fingertip;
+#[cfg(feature = "ros2")]
+mod joints;
+#[cfg(feature = "ros2")]
+mod serve;
+
+use super::GraphArguments;
+use crate::link::{ExperimentArguments, LinkArguments};
+use feeler_link::programs::RigSpeed;
+
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// The experiment, whose table [ros2] names the robot's joints and topics: a file, or the name of a built-in one.
+    experiment: String,
+    /// Judge the age of data by the /clock of a simulation, and not by the time of day.
+    #[arg(long)]
+    use_sim_time: bool,
+    /// Seconds of that clock in a second, the same as the hand's.
+    #[arg(long, default_value = "1", requires = "use_sim_time")]
+    speed: RigSpeed,
+    #[command(flatten)]
+    graph: GraphArguments,
+    #[command(flatten)]
+    values: ExperimentArguments,
+    #[command(flatten)]
+    link: LinkArguments,
+}
+
+#[cfg(feature = "ros2")]
+pub use serve::ros2_rig;
+
+/// Says that there is no ROS 2.
+#[cfg(not(feature = "ros2"))]
+pub fn ros2_rig(
+    arguments: &Arguments,
+    _: &mut dyn std::io::Write,
+) -> Result<crate::Outcome, crate::CommandError> {
+    let Arguments {
+        experiment,
+        use_sim_time: _,
+        speed: _,
+        graph,
+        values: _,
+        link: _,
+    } = arguments;
+    Err(graph.not_built(&format!("ros2-rig {experiment}")))
+}

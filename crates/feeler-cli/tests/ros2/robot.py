@@ -1,0 +1,151 @@
+"""A simulated robot of ros2_control by pyzeros: a joint_state_broadcaster, a forward_command_controller for velocities, and on request a
+fingertip that is springs on a wall, in a time of its own. Arguments: where to connect, and what it is, as JSON. Lines on the standard input
+say what is wrong with it:
+
+  well                  nothing
+  silent                no joint states come
+  late SECONDS          all stamps are of so long ago; ahead, where that is negative
+  numb                  no forces come
+  nan                   forces are no numbers
+  end                   it ends, and says what it was told to do
+"""
+
+import bisect
+import json
+import math
+import struct
+import sys
+import threading
+import time
+
+import pyzeros
+from graph import say, session
+from pyzeros.sub import RawSub
+from ros2_pyterfaces.cyclone.builtin_interfaces.msg import Time
+from ros2_pyterfaces.cyclone.rosgraph_msgs.msg import Clock
+from ros2_pyterfaces.cyclone.sensor_msgs.msg import JointState, PointCloud2, PointField
+from ros2_pyterfaces.cyclone.std_msgs.msg import Float64MultiArray, Header
+
+PERIOD = 0.01  # s of the robot's time
+FLOAT32 = 7
+
+robot = json.loads(sys.argv[2])
+commanded = robot["joints"]
+# As broadcasters have them: in another order, and more than one asks for.
+names = ["wheel", *reversed(commanded)]
+position = dict(zip(commanded, robot["home"])) | {"wheel": 0.0}
+velocity = dict.fromkeys(names, 0.0)
+commands = []
+fresh = []
+wrong = {"what": "well", "late": 0.0}
+is_over = threading.Event()
+
+
+def take(sample):
+    """Does what it is told, and remembers when that was sent (ns since 1970)."""
+    data = list(Float64MultiArray.deserialize(sample.payload.to_bytes()).data)
+    sent = struct.unpack_from("<q", sample.attachment.to_bytes(), 8)[0]
+    commands.append((sent, data))
+    velocity.update(zip(commanded, data))
+
+
+def read_orders():
+    for line in sys.stdin:
+        what, *late = line.split()
+        wrong.update(what=what, late=float(late[0]) if late else 0.0)
+        if what == "end":
+            is_over.set()
+
+
+def stamp(seconds):
+    whole = math.floor(seconds)
+    return Time(sec=whole, nanosec=int((seconds - whole) * 1e9))
+
+
+def joint_states(now):
+    return JointState(
+        header=Header(stamp=stamp(now), frame_id=""),
+        name=names,
+        position=[position[name] for name in names],
+        velocity=[velocity[name] for name in names],
+        effort=[],
+    )
+
+
+def tips(finger):
+    """Where the elements are in the world: x, m. The finger's base is not turned."""
+    theta1, theta2, theta3 = (position[name] for name in commanded)
+    l2, l3, l4 = finger["links"]
+    c1, s1 = math.cos(theta1), math.sin(theta1)
+    c2, c23, s23 = math.cos(theta2), math.cos(theta2 + theta3), math.sin(theta2 + theta3)
+    centre = finger["base"][0] + c1 * (l2 + l3 * c2 + l4 * c23)
+    row = (c1 * c23, -c1 * s23, s1)
+    return [centre + sum(r * t for r, t in zip(row, tip)) for tip in finger["elements"]]
+
+
+def cloud(finger, now):
+    """The force on the fingertip by the wall, element by element, along the inward normal."""
+    fields = ["x", "y", "z", "fx", "fy", "fz"]
+    data = bytearray()
+    for tip, x in zip(finger["elements"], tips(finger)):
+        force = finger["stiffness"] * max(0.0, x - finger["wall"])
+        force = math.nan if wrong["what"] == "nan" else force
+        length = math.sqrt(sum(t * t for t in tip))
+        data += struct.pack("<6f", *tip, *(-force * t / length for t in tip))
+    count = len(finger["elements"])
+    return PointCloud2(
+        header=Header(stamp=stamp(now), frame_id="fingertip"),
+        height=1,
+        width=count,
+        fields=[PointField(name=name, offset=4 * i, datatype=FLOAT32, count=1) for i, name in enumerate(fields)],
+        is_bigendian=False,
+        point_step=24,
+        row_step=24 * count,
+        data=list(data),
+        is_dense=True,
+    )
+
+
+def most_age():
+    """How long before a command to move the newest good joint states had come at most, s of real time."""
+    ages = [0.0]
+    for sent, data in commands:
+        if any(data):
+            newest = bisect.bisect(fresh, sent)
+            ages.append((sent - fresh[newest - 1]) * 1e-9 if newest else math.inf)
+    return max(ages)
+
+
+opened = session(sys.argv[1])
+threading.Thread(target=read_orders, daemon=True).start()
+with pyzeros.auto_context(node="robot", zenoh_session=opened):
+    states = pyzeros.Pub(JointState, "/joint_states", scope=None)
+    clock = pyzeros.Pub(Clock, "/clock", scope=None)
+    felt = pyzeros.Pub(PointCloud2, "/finger/forces", scope=None)
+    listening = RawSub(Float64MultiArray, "/forward_velocity_controller/commands", take, scope=None)
+    say(ready=True)
+    now = 100.0
+    while not is_over.wait(PERIOD / robot["speed"]):
+        for name in names:
+            position[name] += velocity[name] * PERIOD
+        now = now + PERIOD if robot["sim_time"] else time.time()
+        what, stamped = wrong["what"], now - wrong["late"]
+        if robot["sim_time"]:
+            clock.publish(Clock(clock=stamp(now)))
+        if what != "silent":
+            if what != "late":
+                fresh.append(time.time_ns())
+            states.publish(joint_states(stamped))
+        if robot["finger"] and what != "numb":
+            felt.publish(cloud(robot["finger"], stamped))
+    # What was sent before it was told to end may still be on its way.
+    hangs = time.time() + 400
+    while commands and any(commands[-1][1]) and time.time() < hangs:
+        time.sleep(PERIOD)
+    say(
+        position=[position[name] for name in commanded],
+        last=commands[-1][1] if commands else None,
+        moved=sum(any(data) for _, data in commands),
+        most_age=most_age(),
+    )
+opened.close()

@@ -1,0 +1,14 @@
+"""A router of Zenoh, as `rmw_zenohd` is one: sessions that connect to it learn of each other."""
+
+import sys
+import threading
+
+import zenoh
+from graph import configured, say
+
+config = configured()
+config.insert_json5("mode", '"router"')
+config.insert_json5("listen/endpoints", f'["{sys.argv[1]}"]')
+opened = zenoh.open(config)
+say(ready=True)
+threading.Event().wait()

@@ -1,0 +1,108 @@
+//! What is to be known of an experiment's values: unit and meaning, as the comments of its file say them, and what they must be.
+
+use super::built_in::BUILT_IN;
+use super::check::requirements;
+use super::load::Experiment;
+use std::collections::BTreeMap;
+use toml_edit::{DocumentMut, Item, Value};
+
+/// The built-in experiment whose comments count where a file has none.
+const REFERENCE: &str = "cap-closing";
+
+/// What is to be known of a value.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Described {
+    /// Unit and meaning: the comment beside it; empty where there is none.
+    pub comment: String,
+    /// What it must be, in words; empty where nothing is required.
+    pub expected: String,
+    /// The least and the greatest that a number can be, where that is all.
+    pub range: Option<[f64; 2]>,
+}
+
+impl Experiment {
+    /// What is to be known of its values, by their keys with dots, as in `task.screw.finger.0.home`.
+    pub fn described(&self) -> BTreeMap<String, Described> {
+        let mut all = BTreeMap::<String, Described>::new();
+        let reference = BUILT_IN.iter().find(|built_in| built_in.name == REFERENCE);
+        let texts = reference.map(|reference| reference.toml);
+        for text in texts.into_iter().chain([self.toml.as_str()]) {
+            // The text of an experiment is TOML.
+            let document = text.parse().unwrap_or_else(|_| DocumentMut::new());
+            take_comments("", document.as_item(), &mut |key, comment| {
+                all.entry(key).or_default().comment = comment;
+            });
+        }
+        for required in requirements(&self.config) {
+            let key = required.field.replace('[', ".").replace(']', "");
+            let described = all.entry(key).or_default();
+            // Of several, the first one says most.
+            if described.expected.is_empty() {
+                described.expected = required.expected;
+                described.range = required.range;
+            }
+        }
+        all
+    }
+}
+
+/// Calls `take` with each value's key below `key` and the comment beside it, where there is one.
+fn take_comments(key: &str, item: &Item, take: &mut impl FnMut(String, String)) {
+    let below = |part: &str| match key {
+        "" => part.to_string(),
+        key => format!("{key}.{part}"),
+    };
+    if let Some(table) = item.as_table_like() {
+        for (part, item) in table.iter() {
+            take_comments(&below(part), item, take);
+        }
+    } else if let Some(tables) = item.as_array_of_tables() {
+        for (place, table) in tables.iter().enumerate() {
+            let key = below(&place.to_string());
+            take_comments(&key, &Item::Table(table.clone()), take);
+        }
+    } else if let Some(comment) = item.as_value().and_then(comment) {
+        take(key.to_string(), comment);
+    }
+}
+
+/// The comment behind `value` on its line.
+fn comment(value: &Value) -> Option<String> {
+    let suffix = value.decor().suffix()?.as_str()?;
+    let comment = suffix.trim().strip_prefix('#')?.trim();
+    Some(comment)
+        .filter(|comment| !comment.is_empty())
+        .map(str::to_string)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn comments_and_ranges_are_found_by_key() {
+        let settings = ["control.slip_threshold=2.5".to_string()];
+        let experiment = Experiment::load(REFERENCE, &settings).expect("the reference");
+        let described = experiment.described();
+        let slip = &described["control.slip_threshold"];
+        assert!(slip.comment.starts_with("N/s"), "{slip:?}");
+        assert_eq!(slip.range, Some([0.0, feeler::check::MAX]));
+        assert_eq!(described["task.screw.strokes"].range, Some([1.0, 1e5]));
+        let home = &described["task.screw.finger.1.home"];
+        assert_eq!(home.expected, "three numbers from -10 to 10");
+    }
+
+    #[test]
+    fn own_comments_come_first() {
+        let text = BUILT_IN
+            .iter()
+            .find(|b| b.name == REFERENCE)
+            .expect("it")
+            .toml;
+        let own = text.replacen("# N/s, dr;", "# N/s, of mine;", 1);
+        assert_ne!(own, text);
+        let experiment = Experiment::parse(&own, "own", &[], None).expect("an experiment");
+        let comment = &experiment.described()["control.slip_threshold"].comment;
+        assert!(comment.starts_with("N/s, of mine"), "{comment}");
+    }
+}

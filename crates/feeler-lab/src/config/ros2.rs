@@ -1,0 +1,99 @@
+//! The table `[ros2]` of an experiment file: a robot of a ROS 2 graph as the hand, sensors of the graph as its fingertips.
+
+use feeler::check::Checker;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
+
+/// Longest name of a topic or joint.
+const MOST_NAME: usize = 255;
+
+/// The robot whose joints are the hand's.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RosConfig {
+    /// Topic of its `sensor_msgs/JointState`.
+    #[serde(default = "joint_states")]
+    pub joint_states: String,
+    /// Topic of the commands (`std_msgs/Float64MultiArray`, rad/s) of a `forward_command_controller` for velocities, which has the
+    /// joints in the order of this table.
+    #[serde(default = "commands")]
+    pub commands: String,
+    /// The fingers, in the order of `hand.finger`.
+    pub finger: Vec<RosFingerConfig>,
+}
+
+/// One finger: its joints, and its fingertip if that is a sensor of the graph.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RosFingerConfig {
+    /// Names of the joints theta1, theta2, theta3.
+    pub joints: [String; 3],
+    /// Topic of a `sensor_msgs/PointCloud2` with a point for each element of the fingertip.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cloud: Option<String>,
+    /// Topic of a `geometry_msgs/WrenchStamped`, for a fingertip of one element.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub wrench: Option<String>,
+}
+
+fn joint_states() -> String {
+    "/joint_states".into()
+}
+
+fn commands() -> String {
+    "/forward_velocity_controller/commands".into()
+}
+
+impl RosConfig {
+    /// Requires every value of the table `key` to be in its range, for fingertips of so many `elements`, one number for each finger.
+    pub fn check(&self, key: &str, elements: &[usize], checker: &mut Checker) {
+        name(&format!("{key}.joint_states"), &self.joint_states, checker);
+        name(&format!("{key}.commands"), &self.commands, checker);
+        let (actual, fingers) = (self.finger.len(), elements.len());
+        checker.require(
+            &format!("{key}.finger"),
+            format!("{actual} fingers"),
+            actual == fingers,
+            &format!("as many fingers as hand.finger has, {fingers}"),
+        );
+        let mut joints = BTreeSet::new();
+        for (number, (finger, &elements)) in self.finger.iter().zip(elements).enumerate() {
+            let key = format!("{key}.finger[{number}]");
+            for joint in &finger.joints {
+                let field = format!("{key}.joints");
+                name(&field, joint, checker);
+                let value = format!("{joint:?}");
+                checker.require(&field, value, joints.insert(joint), "joints of their own");
+            }
+            finger.check_sensor(&key, elements, checker);
+        }
+    }
+}
+
+impl RosFingerConfig {
+    fn check_sensor(&self, key: &str, elements: usize, checker: &mut Checker) {
+        if let Some(cloud) = &self.cloud {
+            name(&format!("{key}.cloud"), cloud, checker);
+        }
+        if let Some(wrench) = &self.wrench {
+            let field = format!("{key}.wrench");
+            name(&field, wrench, checker);
+            checker.require(
+                &field,
+                format!("{wrench:?}"),
+                self.cloud.is_none(),
+                "a wrench or a cloud, not both",
+            );
+            let expected =
+                format!("a fingertip of one element; this one has {elements}, which need a cloud");
+            checker.require(&field, format!("{wrench:?}"), elements == 1, &expected);
+        }
+    }
+}
+
+/// Requires the name of a topic or joint.
+fn name(field: &str, value: &str, checker: &mut Checker) {
+    let good = (1..=MOST_NAME).contains(&value.len()) && !value.chars().any(char::is_whitespace);
+    let expected = format!("1 to {MOST_NAME} characters without a space");
+    checker.require(field, format!("{value:?}"), good, &expected);
+}

@@ -1,0 +1,133 @@
+//! Sends a robot's velocities from a thread of its own: Zenoh allocates, and may wait for its own threads.
+
+use crate::freshness::lock;
+use crate::message::Float64MultiArray;
+use crate::publisher::Publisher;
+use std::io;
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+
+/// Sends velocities; of those that wait, only the newest, and none from data that have become too old meanwhile. Who gives none for longer
+/// than data may be old has the robot stopped, as one does who gives zeros, or drops this.
+pub(crate) struct VelocitySender {
+    waiting: Arc<Waiting>,
+    thread: Option<JoinHandle<()>>,
+}
+
+struct Waiting {
+    velocities: Mutex<Velocities>,
+    changed: Condvar,
+}
+
+/// What is to be sent.
+struct Velocities {
+    values: Vec<f64>,
+    /// Until when they may be sent; none once they are.
+    until: Option<Instant>,
+    /// Why what was given before could not be sent.
+    failed: Option<String>,
+    is_over: bool,
+}
+
+impl VelocitySender {
+    /// Sends `joints` velocities at a time by `publisher`, and zeros where none are given for longer than `most`.
+    ///
+    /// # Errors
+    /// When the system has no thread.
+    pub fn start(
+        publisher: Publisher<Float64MultiArray>,
+        joints: usize,
+        most: Duration,
+    ) -> io::Result<Self> {
+        let waiting = Arc::new(Waiting {
+            velocities: Mutex::new(Velocities {
+                values: vec![0.0; joints],
+                until: None,
+                failed: None,
+                is_over: false,
+            }),
+            changed: Condvar::new(),
+        });
+        let theirs = Arc::clone(&waiting);
+        let thread = thread::Builder::new().name("velocities".into());
+        let thread = thread.spawn(move || theirs.send_all(publisher, joints, most))?;
+        Ok(Self {
+            waiting,
+            thread: Some(thread),
+        })
+    }
+
+    /// Gives velocities to be sent, rad/s, before `until`. Neither waits nor allocates.
+    ///
+    /// # Errors
+    /// When those that were given before could not be sent.
+    pub fn give(
+        &self,
+        velocities: impl Iterator<Item = f64>,
+        until: Instant,
+    ) -> Result<(), String> {
+        let mut waiting = lock(&self.waiting.velocities);
+        for (value, velocity) in waiting.values.iter_mut().zip(velocities) {
+            *value = velocity;
+        }
+        waiting.until = Some(until);
+        let failed = waiting.failed.take();
+        drop(waiting);
+        self.waiting.changed.notify_one();
+        failed.map_or(Ok(()), Err)
+    }
+}
+
+impl Drop for VelocitySender {
+    fn drop(&mut self) {
+        lock(&self.waiting.velocities).is_over = true;
+        self.waiting.changed.notify_one();
+        // It ends once zeros are sent; where it panicked, nothing more can be done.
+        let _ = self.thread.take().map(JoinHandle::join);
+    }
+}
+
+impl Waiting {
+    /// Sends until it is over, and zeros then.
+    fn send_all(&self, mut publisher: Publisher<Float64MultiArray>, joints: usize, most: Duration) {
+        let mut message = Float64MultiArray {
+            data: vec![0.0; joints],
+            ..Float64MultiArray::default()
+        };
+        let mut moves = false;
+        loop {
+            let is_over = self.next(&mut message.data, moves.then_some(most));
+            moves = message.data.iter().any(|velocity| *velocity != 0.0);
+            if let Err(error) = publisher.publish(&message) {
+                lock(&self.velocities).failed = Some(error.to_string());
+            }
+            if is_over {
+                return;
+            }
+        }
+    }
+
+    /// Waits for what is to be sent next, for at most `longest` where that is given; whether it is over. Zeros are next where nothing came in
+    /// time, what came is too late, or it is over.
+    fn next(&self, next: &mut [f64], longest: Option<Duration>) -> bool {
+        let is_idle = |waiting: &mut Velocities| waiting.until.is_none() && !waiting.is_over;
+        let waiting = lock(&self.velocities);
+        let mut waiting = match longest {
+            None => self.changed.wait_while(waiting, is_idle),
+            Some(longest) => {
+                let waited = self.changed.wait_timeout_while(waiting, longest, is_idle);
+                waited
+                    .map(|(waiting, _)| waiting)
+                    .map_err(|e| PoisonError::new(e.into_inner().0))
+            }
+        }
+        .unwrap_or_else(PoisonError::into_inner);
+        let until = waiting.until.take();
+        match until.is_some_and(|until| Instant::now() <= until) && !waiting.is_over {
+            true => next.copy_from_slice(&waiting.values),
+            false => next.fill(0.0),
+        }
+        waiting.is_over
+    }
+}
