@@ -2,8 +2,6 @@
 
 #![cfg(target_os = "linux")]
 
-// What it offers beside is for hands in lockstep.
-#[allow(dead_code)]
 mod support;
 
 use feeler::glam::DVec3;

@@ -76,6 +76,21 @@ mod rig {
     /// When the exposure of each picture of a camera began, s.
     type Pictures = Arc<Mutex<Vec<f64>>>;
 
+    /// A picture that a command was made of.
+    struct Used {
+        /// When it was complete, s.
+        stamp: f64,
+        sequence: u64,
+    }
+
+    /// The fingertips' sensors, each on its thread.
+    struct Sensing {
+        touches: Vec<LiveTouch>,
+        arrivals: LiveArrivals,
+        /// What each camera takes.
+        pictures: Vec<Pictures>,
+    }
+
     /// A fingertip's camera: a picture each period.
     struct LiveCamera {
         camera: SimCamera,
@@ -104,13 +119,13 @@ mod rig {
         }
     }
 
-    /// The sensors of all fingers on their threads, and what each camera takes.
+    /// The sensors of all fingers on their threads.
     fn sensors(
         experiment: &Experiment,
         rig: &SimRig,
         clock: &RigClock,
         cameras: Cameras,
-    ) -> Result<(Vec<LiveTouch>, LiveArrivals, Vec<Pictures>), Box<dyn Error>> {
+    ) -> Result<Sensing, Box<dyn Error>> {
         let config = &experiment.config;
         let sim = config.simulation()?;
         let (mut sensors, mut pictures) = (Vec::new(), Vec::new());
@@ -145,7 +160,11 @@ mod rig {
             )?);
         }
         let (touches, arrivals) = live(sensors, config.control.thresholds())?;
-        Ok((touches, arrivals, pictures))
+        Ok(Sensing {
+            touches,
+            arrivals,
+            pictures,
+        })
     }
 
     /// Closes the cap for so many `seconds`, by steps that follow the pictures or have a clock of their own.
@@ -166,7 +185,11 @@ mod rig {
         let (fingers, _) = fingers_at_home(config)?;
         let (period, stale) = (config.control.period, config.control.stale_periods);
         let controller = controller(&experiment, &fingers, &layouts(config)?)?;
-        let (touches, arrivals, pictures) = sensors(&experiment, &rig, &clock, cameras)?;
+        let Sensing {
+            touches,
+            arrivals,
+            pictures,
+        } = sensors(&experiment, &rig, &clock, cameras)?;
         // Last, as the servos' watchdogs run from then on.
         let hand = DriveHand::open(&drives, &fingers, stale * period, clock.clone())?;
         let mut control_loop = ControlLoop::new(touches, hand, controller);
@@ -183,7 +206,10 @@ mod rig {
         control_loop.run(&mut schedule, stale as u64, &go_on, |control_loop, tick| {
             punctuality.record(tick);
             let touches = control_loop.touches().iter();
-            let pictures = touches.map(|touch| (touch.stamp, touch.frame.sequence));
+            let pictures = touches.map(|touch| Used {
+                stamp: touch.stamp,
+                sequence: touch.frame.sequence,
+            });
             used.push(pictures.collect::<Vec<_>>());
             let over = control_loop.controller().phase() == Phase::Done;
             match over || clock.now() > end || control_loop.controller().stop_reason().is_some() {
@@ -217,25 +243,27 @@ mod rig {
     }
 
     /// Prints how long it took from the pictures that each command was made of.
-    fn report(emulator: &Emulator, begin: usize, used: &[Vec<(f64, u64)>], pictures: &[Pictures]) {
+    fn report(emulator: &Emulator, begin: usize, used: &[Vec<Used>], pictures: &[Pictures]) {
         std::thread::sleep(Duration::from_millis(20));
         let written = goals(&emulator.servos());
         let steps = written[begin..].iter().zip(used);
         // Before the first pictures there is nothing to tell.
-        let steps = steps.filter(|(_, used)| used.iter().all(|(stamp, _)| stamp.is_finite()));
+        let steps = steps.filter(|(_, used)| used.iter().all(|picture| picture.stamp.is_finite()));
         let steps: Vec<_> = steps.collect();
         let exposed = |finger: usize, sequence: u64| {
             let pictures = pictures[finger].lock();
             let pictures = pictures.unwrap_or_else(PoisonError::into_inner);
             pictures[sequence as usize]
         };
-        let oldest = |used: &[(f64, u64)]| used.iter().map(|u| u.0).fold(f64::INFINITY, f64::min);
-        let newest = |used: &[(f64, u64)]| used.iter().map(|u| u.0).fold(0.0, f64::max);
-        let first = |used: &[(f64, u64)]| {
-            let exposed = used.iter().enumerate().map(|(f, u)| exposed(f, u.1));
+        let stamps = |used: &[Used]| used.iter().map(|picture| picture.stamp).collect::<Vec<_>>();
+        let oldest = |used: &[Used]| stamps(used).into_iter().fold(f64::INFINITY, f64::min);
+        let newest = |used: &[Used]| stamps(used).into_iter().fold(0.0, f64::max);
+        let first = |used: &[Used]| {
+            let pictures = used.iter().enumerate();
+            let exposed = pictures.map(|(finger, picture)| exposed(finger, picture.sequence));
             exposed.fold(f64::INFINITY, f64::min)
         };
-        let from = |begin: &dyn Fn(&[(f64, u64)]) -> f64| -> Vec<f64> {
+        let from = |begin: &dyn Fn(&[Used]) -> f64| -> Vec<f64> {
             let delays = steps.iter().map(|(written, used)| *written - begin(used));
             delays.collect()
         };

@@ -98,7 +98,8 @@ fn plan(
 ) -> Result<Outcome, CommandError> {
     let (_bus, config) = match arguments.drives {
         Some(_) => {
-            let bus = emulated_bus(experiment, &SimRig::new(world(experiment)?), clock)?;
+            let rig = SimRig::new(world(experiment)?);
+            let bus = emulated_bus(experiment, &rig, clock.clone())?;
             let port = bus.path().to_string();
             let config = drives(experiment);
             (Some(bus), DrivesConfig { port, ..config })

@@ -5,7 +5,6 @@ import time
 
 from graph import late, say, session, tokens_of
 from ros2_pyterfaces.cyclone.std_msgs.msg import String
-from ros2_pyterfaces.cyclone.tf2_msgs.msg import TFMessage
 
 opened = session(sys.argv[1])
 tokens = []
@@ -13,6 +12,7 @@ while not all(any(f"/%{topic}/" in token for token in tokens) for topic in ("rob
     time.sleep(0.1)
     tokens = tokens_of(opened)
 description = String.deserialize(late(opened, tokens, "robot_description"))
-still = TFMessage.deserialize(late(opened, tokens, "tf_static"))
-say(description=description.data[:60], frames=[place.child_frame_id for place in still.transforms])
+# pyzeros has no type for it: the names of the frames are in it as they are.
+still = late(opened, tokens, "tf_static").decode("latin-1")
+say(description=description.data[:60], frames=still)
 opened.close()

@@ -68,7 +68,7 @@ impl DrivenRig {
         let (_, joints) = fingers_at_home(&experiment.config)?;
         let (world, cap) = rig(experiment, &joints)?;
         let sensing = PlayedSensing::new(experiment, &world, cap)?;
-        let bus = emulated_bus(experiment, &world, clock)?;
+        let bus = emulated_bus(experiment, &world, clock.clone())?;
         let config = DrivesConfig {
             port: bus.path().into(),
             ..drives(experiment)
@@ -79,7 +79,8 @@ impl DrivenRig {
     }
 
     fn open_hand(&self) -> Result<DriveHand, DriveError> {
-        DriveHand::open(&self.config, &self.fingers, self.most_age, self.clock)
+        let clock = self.clock.clone();
+        DriveHand::open(&self.config, &self.fingers, self.most_age, clock)
     }
 }
 

@@ -57,9 +57,9 @@ pub enum StopReason {
         /// Greatest age allowed, s.
         limit: f64,
     },
-    /// An element's force is unknown: its sub-region is dark or saturated.
+    /// An element's force is unknown: its sub-region is dark or saturated, or what was measured is no number.
     #[error(
-        "element {element} of finger {finger} has no valid force: its sub-region is dark or saturated"
+        "element {element} of finger {finger} has no valid force: its sub-region is dark or saturated, or its force is no number"
     )]
     NoForce {
         /// The finger.
