@@ -17,17 +17,54 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use std::path::Path;
 
-/// Feeds every file of a target's corpus to it; at least one must be sound.
-fn feed(target: &str, body: fn(&[u8]) -> bool) {
-    let corpus = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
+/// The files of a target's corpus.
+fn corpus(target: &str) -> Vec<Vec<u8>> {
+    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
         .join("fuzz/corpus")
         .join(target);
-    let files = std::fs::read_dir(&corpus).expect("the target's corpus");
-    let sound = files
-        .map(|file| std::fs::read(file.expect("a corpus file").path()).expect("its bytes"))
-        .filter(|bytes| body(bytes))
-        .count();
-    assert!(sound > 0, "no file of {} is sound", corpus.display());
+    let files = std::fs::read_dir(&folder).expect("the target's corpus");
+    let mut paths: Vec<_> = files.map(|file| file.expect("a file").path()).collect();
+    // Folders list them as they please.
+    paths.sort();
+    let bytes = paths.iter().map(std::fs::read);
+    bytes.collect::<Result<_, _>>().expect("their bytes")
+}
+
+/// Feeds every file of a target's corpus to it; at least one must be sound.
+fn feed(target: &str, body: fn(&[u8]) -> bool) {
+    let sound = corpus(target).iter().filter(|bytes| body(bytes)).count();
+    assert!(sound > 0, "no file of {target}'s corpus is sound");
+}
+
+/// Feeds hostile bytes to a target, ten million with `FEELER_FUZZ=10000000`: noise, and files of its corpus that are cut off and have other
+/// bytes.
+fn survive(target: &str, body: fn(&[u8]) -> bool) {
+    let (corpus, mut random) = (corpus(target), Pcg64::seed_from_u64(1));
+    let mut left = how_many("FEELER_FUZZ", 20_000);
+    while left > 0 {
+        let mut bytes: Vec<u8> = if random.random() {
+            let length = random.random_range(1..64_usize);
+            (0..length).map(|_| random.random()).collect()
+        } else {
+            corpus[random.random_range(0..corpus.len())].clone()
+        };
+        bytes.truncate(random.random_range(0..=2 * bytes.len()));
+        if !bytes.is_empty() {
+            for _ in 0..random.random_range(0..8) {
+                let at = random.random_range(0..bytes.len());
+                bytes[at] = random.random();
+            }
+        }
+        body(&bytes);
+        left = left.saturating_sub(1 + bytes.len());
+    }
+}
+
+#[test]
+fn packets_of_other_makers_may_be_hostile() {
+    survive("drives_bus", bodies::drives_bus);
+    survive("netft", bodies::netft);
+    survive("ros2", bodies::ros2);
 }
 
 #[test]
@@ -68,19 +105,6 @@ fn forces() {
 #[test]
 fn force_sensors() {
     feed("netft", bodies::netft);
-}
-
-/// Ten million hostile bytes in a release (`FEELER_FUZZ=10000000`), in datagrams of about the right length.
-#[test]
-fn force_sensors_survive_hostile_bytes() {
-    let mut random = Pcg64::seed_from_u64(1);
-    let mut left = how_many("FEELER_FUZZ", 20_000);
-    while left > 0 {
-        let length = random.random_range(0..64_usize);
-        let datagram: Vec<u8> = (0..length).map(|_| random.random()).collect();
-        bodies::netft(&datagram);
-        left = left.saturating_sub(1 + length);
-    }
 }
 
 #[test]

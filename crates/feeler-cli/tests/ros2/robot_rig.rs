@@ -224,12 +224,14 @@ fn whatever_is_wrong_with_a_robot_or_its_fingertip_stops_the_hand() {
     }
     // Forces that are no numbers are no matter of age: somebody has to look.
     lab.order("nan");
-    lab.hand.wait_for("stopped: element 0 of finger 0 has no valid force");
+    lab.hand
+        .wait_for("stopped: element 0 of finger 0 has no valid force");
     lab.order("well");
     let resumed = count(&lab, "going on");
     within_reason(&lab.hand, || {
         // Before good forces have come it stops again.
-        run(&lab.folder, &["resume", "robot.toml", "--connect", &lab.link]);
+        let told = run(&lab.folder, &["resume", "own-rig", "--connect", &lab.link]);
+        assert_ne!(told.status, Some(2), "{told:?}");
         count(&lab, "going on") > resumed
     });
     let said = lab.rig.said();
