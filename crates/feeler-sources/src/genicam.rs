@@ -11,7 +11,7 @@ mod pixels;
 mod set;
 
 pub use error::GenicamError;
-pub use list::{Abilities, GenicamInfo, Range, list};
+pub use list::{Abilities, GenicamDevice, GenicamInfo, Range, list};
 
 use crate::settings::{CameraSettings, Trigger};
 use aravis::{Aravis, Device, Stream};

@@ -206,9 +206,12 @@ fn what_is_there_is_listed_with_what_it_can_do() {
         Ok(listed) => listed,
         Err(error) => return skip::skipped(&error.to_string()),
     };
-    let fake = listed.iter().find(|camera| camera.id == "Fake_1");
+    let fake = listed.iter().find(|camera| camera.device.id == "Fake_1");
     let fake = fake.expect("the simulated camera");
-    assert_eq!((&*fake.vendor, &*fake.model), ("Aravis", "Fake"));
+    assert_eq!(
+        (&*fake.device.vendor, &*fake.device.model),
+        ("Aravis", "Fake")
+    );
     let abilities = fake.abilities.as_ref().expect("abilities");
     assert_eq!(abilities.sensor_size, [2048, 2048]);
     assert_eq!(abilities.exposure, Some([1e-5, 10.0]));
@@ -218,7 +221,7 @@ fn what_is_there_is_listed_with_what_it_can_do() {
         list(false)
             .unwrap()
             .iter()
-            .all(|camera| camera.id != "Fake_1")
+            .all(|camera| camera.device.id != "Fake_1")
     );
 }
 
@@ -308,7 +311,9 @@ fn a_network_camera_is_set_loses_packets_and_is_lost() {
     drop(camera);
     // It stays as it was set.
     let listed = list(false).expect("cameras");
-    let listed = listed.iter().find(|camera| camera.serial == "FEELER");
+    let listed = listed
+        .iter()
+        .find(|camera| camera.device.serial == "FEELER");
     let abilities = listed.expect("the camera").abilities.as_ref();
     assert_eq!(abilities.expect("abilities").region, [16, 32, 256, 128]);
 

@@ -1,7 +1,7 @@
 //! GenICam cameras in words and as JSON.
 
 use super::{Kind, Listed};
-use feeler_sources::genicam::{Abilities, GenicamInfo, Range, list as found};
+use feeler_sources::genicam::{Abilities, GenicamDevice, GenicamInfo, Range, list as found};
 use serde_json::json;
 
 pub fn list(simulated: bool) -> Kind {
@@ -17,15 +17,15 @@ pub fn list(simulated: bool) -> Kind {
 }
 
 fn listed(camera: &GenicamInfo) -> Listed {
-    let GenicamInfo {
+    let GenicamInfo { device, abilities } = camera;
+    let GenicamDevice {
         id,
         vendor,
         model,
         serial,
         protocol,
         address,
-        abilities,
-    } = camera;
+    } = device;
     let name = format!("genicam:{id}");
     let mut words = vec![format!(
         "{vendor} {model}, serial number {serial} ({protocol}, {address})"

@@ -16,7 +16,7 @@ use std::time::Duration;
 
 /// Columns and rows of the pictures, px, and between them.
 const SIZE: (usize, usize) = (64, 40);
-const FRAME: Duration = Duration::from_millis(20);
+pub const FRAME: Duration = Duration::from_millis(20);
 /// Pictures that the camera is late, so that it is late by at least as many times the time between them.
 const LATE: usize = 3;
 /// Centres of the elements, px.
@@ -24,7 +24,8 @@ const CENTRES: [DVec2; 2] = [DVec2::new(16.0, 20.0), DVec2::new(48.0, 20.0)];
 /// Pictures that each load is held for.
 const HELD: usize = 14;
 
-const LAYOUT: &str = "version = 1\nwidth = 64\nheight = 40\ndark_level = 10\n\
+/// Two elements.
+pub const LAYOUT: &str = "version = 1\nwidth = 64\nheight = 40\ndark_level = 10\n\
     [[element]]\ncentre_px = [16.0, 20.0]\nradius_px = 13.0\n[[element]]\ncentre_px = [48.0, 20.0]\nradius_px = 13.0\n";
 
 /// Which element is loaded with which force in its frame, N, picture by picture: three presses, then loads all ways, each held.
@@ -52,8 +53,7 @@ fn loads(elements: &[usize]) -> Vec<(usize, DVec3)> {
 
 /// Spots that brighten by 60 % for a newton of compression, and move by 2 px for one of shear.
 fn picture((loaded, force): (usize, DVec3), number: usize) -> Vec<u8> {
-    let level = |column: usize, row: usize| {
-        let place = DVec2::new(column as f64, row as f64);
+    drawn(number, |place| {
         let spots = CENTRES.iter().enumerate().map(|(element, &centre)| {
             let own = if element == loaded {
                 force
@@ -63,10 +63,18 @@ fn picture((loaded, force): (usize, DVec3), number: usize) -> Vec<u8> {
             let off = place - centre - 2.0 * own.truncate();
             120.0 * (1.0 + 0.6 * own.z) * (-off.length_squared() / 18.0).exp()
         });
+        spots.sum()
+    })
+}
+
+/// A picture of spots, whose gray level at each place, px, is told.
+pub fn drawn(number: usize, spots: impl Fn(DVec2) -> f64) -> Vec<u8> {
+    let level = |column: usize, row: usize| {
+        let place = DVec2::new(column as f64, row as f64);
         // Half a gray value of noise that no two pictures share.
         let noise =
             (12.9898 * place.x + 78.233 * place.y + 37.719 * number as f64).sin() * 43758.5453;
-        (spots.sum::<f64>() + 4.0 + noise.fract()).clamp(0.0, 255.0) as u8
+        (spots(place) + 4.0 + noise.fract()).clamp(0.0, 255.0) as u8
     };
     let rows = (0..SIZE.1).flat_map(|row| (0..SIZE.0).map(move |column| (column, row)));
     rows.map(|(column, row)| level(column, row)).collect()
@@ -122,6 +130,30 @@ fn topic(felt: Felt) -> Sensor {
     )
 }
 
+/// The program, to which pictures are played, with the force sensor at `address` and `more` arguments.
+pub fn program(folder: &Path, address: &str, more: &[&str]) -> Child {
+    let arguments = [
+        "calibrate",
+        "bench",
+        "--live=-",
+        "--rate=50",
+        "--layout=layout.toml",
+        "--force-sensor",
+        address,
+        "--force-axes=y,x,-z",
+        "--full-scale-normal=1",
+        "--full-scale-shear=0.6",
+        "-o=live.toml",
+    ];
+    let mut command = feeler(folder, &arguments);
+    command
+        .args(more)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped());
+    command.spawn().expect("the program")
+}
+
 /// Starts the program and plays `loads` to it, the camera late; the sensor must live as long.
 fn start(
     folder: &Path,
@@ -131,29 +163,7 @@ fn start(
     let now = Felt::default();
     let sensor = sensor(Arc::clone(&now));
     let address = sensor.0.clone();
-    let arguments = [
-        &[
-            "calibrate",
-            "bench",
-            "--live=-",
-            "--rate=50",
-            "--layout=layout.toml",
-            "--force-sensor",
-        ][..],
-        &[
-            &address,
-            "--force-axes=y,x,-z",
-            "--full-scale-normal=1",
-            "--full-scale-shear=0.6",
-            "-o=live.toml",
-        ],
-    ];
-    let mut command = feeler(folder, &arguments.concat());
-    command
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped());
-    let mut child = command.spawn().expect("the program");
+    let mut child = program(folder, &address, &[]);
     let mut camera = child.stdin.take().expect("its input");
     let player = spawn(move || {
         for number in 0..loads.len() {

@@ -1,28 +1,21 @@
 //! `feeler calibrate FOLDER --live --wrench`: a played person loads a fingertip as a whole, on an emulated force sensor.
 
-use crate::program::{Ended, feeler, folder, run};
+use crate::calibrate_live::{FRAME, LAYOUT, drawn, program};
+use crate::program::{Ended, folder, run};
 use feeler::sensor::wrench::{WrenchAxis, WrenchCalibration};
 use feeler_sources::netft::NetFtEmulator;
 use glam::{DVec2, DVec3};
 use std::fs;
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
-use std::process::Stdio;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::thread::{sleep, spawn};
-use std::time::Duration;
 
-/// Columns and rows of the pictures, px, and the time between them.
-const SIZE: (usize, usize) = (64, 40);
-const FRAME: Duration = Duration::from_millis(20);
 /// Pictures that each load is held for.
 const HELD: usize = 10;
 /// Arm of the force about the sensor's origin, m.
 const ARM: DVec3 = DVec3::new(0.0, 0.0, 0.02);
-
-const LAYOUT: &str = "version = 1\nwidth = 64\nheight = 40\ndark_level = 10\n\
-    [[element]]\ncentre_px = [16.0, 20.0]\nradius_px = 13.0\n[[element]]\ncentre_px = [48.0, 20.0]\nradius_px = 13.0\n";
 
 /// A press and a while without, as forces on the fingertip, N, z outward, picture by picture.
 fn press() -> impl Iterator<Item = DVec3> {
@@ -50,19 +43,13 @@ fn loads(number: u32) -> impl Iterator<Item = DVec3> {
 /// Two spots that brighten where they are pressed, one more than the other, and both move with shear.
 fn picture(force: DVec3, number: usize) -> Vec<u8> {
     let spots = [(DVec2::new(16.0, 20.0), 0.6), (DVec2::new(48.0, 20.0), 0.4)];
-    let level = |column: usize, row: usize| {
-        let place = DVec2::new(column as f64, row as f64);
+    drawn(number, |place| {
         let spots = spots.iter().map(|&(centre, growth)| {
             let off = place - centre - 2.0 * force.truncate();
             110.0 * (1.0 - growth * force.z) * (-off.length_squared() / 18.0).exp()
         });
-        // Half a gray value of noise that no two pictures share.
-        let noise =
-            (12.9898 * place.x + 78.233 * place.y + 37.719 * number as f64).sin() * 43758.5453;
-        (spots.sum::<f64>() + 4.0 + noise.fract()).clamp(0.0, 255.0) as u8
-    };
-    let rows = (0..SIZE.1).flat_map(|row| (0..SIZE.0).map(move |column| (column, row)));
-    rows.map(|(column, row)| level(column, row)).collect()
+        spots.sum()
+    })
 }
 
 /// Runs the program and plays to it: a while without load, presses until it knows how late the camera is, and so many times all
@@ -79,26 +66,7 @@ fn play(folder: &Path, times: u32) -> Ended {
     });
     let sensor = sensor.expect("a socket");
     let address = sensor.bare_address();
-    let arguments = [
-        "calibrate",
-        "bench",
-        "--live=-",
-        "--wrench",
-        "--rate=50",
-        "--layout=layout.toml",
-        "--force-sensor",
-        &address,
-        "--force-axes=y,x,-z",
-        "--full-scale-normal=1",
-        "--full-scale-shear=0.6",
-        "-o=live.toml",
-    ];
-    let mut child = feeler(folder, &arguments)
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("the program");
+    let mut child = program(folder, &address, &["--wrench"]);
     let mut camera = child.stdin.take().expect("its input");
     let (knows, told) = (Arc::new(AtomicBool::new(false)), Arc::default());
     let stderr = BufReader::new(child.stderr.take().expect("its errors"));

@@ -11,6 +11,7 @@ mod stream;
 pub(super) use device::{Device, Quantity};
 pub(super) use stream::Stream;
 
+use super::list::GenicamDevice;
 use libloading::Library;
 use std::ffi::{CStr, CString, c_char, c_int, c_uint, c_void};
 use std::ptr::{NonNull, null, null_mut};
@@ -124,17 +125,6 @@ pub(super) struct Aravis {
     devices: Mutex<()>,
 }
 
-/// A camera that is there.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Found {
-    pub(super) id: String,
-    pub(super) vendor: String,
-    pub(super) model: String,
-    pub(super) serial: String,
-    pub(super) protocol: String,
-    pub(super) address: String,
-}
-
 impl Aravis {
     /// The library, loaded once; why it is not there.
     pub(super) fn load() -> Result<&'static Self, String> {
@@ -160,7 +150,7 @@ impl Aravis {
     }
 
     /// All cameras that answer, which takes a second.
-    pub(super) fn devices(&self) -> Vec<Found> {
+    pub(super) fn devices(&self) -> Vec<GenicamDevice> {
         let _one = self.devices.lock().unwrap_or_else(PoisonError::into_inner);
         let functions = &self.functions;
         // SAFETY: nothing is asked for.
@@ -168,12 +158,12 @@ impl Aravis {
             (functions.arv_update_device_list)();
             (functions.arv_get_n_devices)()
         };
-        let found = |index: c_uint| {
+        let device = |index: c_uint| {
             // SAFETY: `index` is below the number of devices, of which nobody else makes a new list; the texts are Aravis' own
             // until then, and copied.
             let text =
                 |of: unsafe extern "C" fn(c_uint) -> *const c_char| unsafe { text(of(index)) };
-            Found {
+            GenicamDevice {
                 id: text(functions.arv_get_device_id),
                 vendor: text(functions.arv_get_device_vendor),
                 model: text(functions.arv_get_device_model),
@@ -182,7 +172,7 @@ impl Aravis {
                 address: text(functions.arv_get_device_address),
             }
         };
-        (0..count).map(found).collect()
+        (0..count).map(device).collect()
     }
 
     /// Opens the camera with this id, serial number or address, or the first one.

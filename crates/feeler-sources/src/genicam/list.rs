@@ -2,14 +2,14 @@
 
 use super::FAKE;
 use super::GenicamError;
-use super::aravis::{Aravis, Found, Quantity};
+use super::aravis::{Aravis, Quantity};
 
 /// Least and largest value.
 pub type Range = [f64; 2];
 
 /// A camera that answers.
-#[derive(Debug, Clone, PartialEq)]
-pub struct GenicamInfo {
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct GenicamDevice {
     /// What it is called by, as in `genicam:ID`.
     pub id: String,
     /// Who made it.
@@ -22,6 +22,13 @@ pub struct GenicamInfo {
     pub protocol: String,
     /// Its address in the network; empty or 0.0.0.0 without one.
     pub address: String,
+}
+
+/// A camera that answers, and what it can do.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GenicamInfo {
+    /// Which one it is.
+    pub device: GenicamDevice,
     /// What it can do; why that is not known (it is in use by another program).
     pub abilities: Result<Abilities, String>,
 }
@@ -54,39 +61,26 @@ pub fn list(simulated: bool) -> Result<Vec<GenicamInfo>, GenicamError> {
     if simulated {
         aravis.enable_fake();
     }
-    let found = aravis.devices().into_iter();
+    let devices = aravis.devices().into_iter();
     // One that is simulated may be known from before.
-    let found = found.filter(|found| simulated || !found.id.starts_with(FAKE));
-    Ok(found.map(|found| info(aravis, found)).collect())
+    let devices = devices.filter(|device| simulated || !device.id.starts_with(FAKE));
+    let info = |device: GenicamDevice| GenicamInfo {
+        abilities: abilities(aravis, &device.id),
+        device,
+    };
+    Ok(devices.map(info).collect())
 }
 
 /// The ids of all cameras that answer.
 pub(super) fn ids(aravis: &Aravis) -> String {
-    let ids: Vec<String> = aravis.devices().into_iter().map(|found| found.id).collect();
+    let ids: Vec<String> = aravis
+        .devices()
+        .into_iter()
+        .map(|device| device.id)
+        .collect();
     match ids.is_empty() {
         true => "none".into(),
         false => ids.join(", "),
-    }
-}
-
-fn info(aravis: &'static Aravis, found: Found) -> GenicamInfo {
-    let abilities = abilities(aravis, &found.id);
-    let Found {
-        id,
-        vendor,
-        model,
-        serial,
-        protocol,
-        address,
-    } = found;
-    GenicamInfo {
-        id,
-        vendor,
-        model,
-        serial,
-        protocol,
-        address,
-        abilities,
     }
 }
 
