@@ -270,9 +270,13 @@ fn at_rows<'a, M: feeler_record::Stamped, const N: usize>(
     kept.map(move |row| newest.at(data.time[row]).map_or([f64::NAN; N], &numbers))
 }
 
+/// How hard to compress: numbers become smaller by 1 % at most at any other level, and the highest takes most of the time of a
+/// whole run.
+const EFFORT: u32 = 3;
+
 /// By raw deflate, in base64.
 fn compressed(bytes: &[u8]) -> String {
-    let mut encoder = DeflateEncoder::new(Vec::new(), Compression::best());
+    let mut encoder = DeflateEncoder::new(Vec::new(), Compression::new(EFFORT));
     // Writing to memory cannot fail.
     let written = encoder.write_all(bytes).and_then(|()| encoder.finish());
     STANDARD.encode(written.unwrap_or_default())
