@@ -52,7 +52,7 @@ impl World {
     /// Advances by one time step.
     ///
     /// # Errors
-    /// When a quantity becomes not finite. The world is of no use from there on.
+    /// When a quantity is not finite any more. The world is of no use from there on.
     pub fn step(&mut self) -> Result<(), SimError> {
         self.advance(1)
     }
@@ -66,9 +66,9 @@ impl World {
         for left in (0..steps).rev() {
             self.faults.apply(&mut self.state);
             step_unseen(&self.model, &mut self.state, &mut self.bodies, left == 0);
-            self.state.check_finite(&self.model)?;
         }
-        Ok(())
+        // What is not finite stays so.
+        self.state.check_finite(&self.model)
     }
 
     /// What never changes.
