@@ -218,6 +218,17 @@ impl ExperimentArguments {
     }
 }
 
+/// The name of the rig that is `given` by it, or by the experiment file that its programs were started with.
+///
+/// # Errors
+/// When there is no such file, or it is no experiment.
+pub fn rig_name(given: &str) -> Result<String, CommandError> {
+    if !Path::new(given).extension().is_some_and(|e| e == "toml") {
+        return Ok(given.to_string());
+    }
+    Ok(Experiment::load(given, &[])?.config.name)
+}
+
 fn first_given(options: &[(&'static str, bool)]) -> Option<&'static str> {
     let given = options.iter().find(|(_, given)| *given);
     given.map(|(option, _)| *option)

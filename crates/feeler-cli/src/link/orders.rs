@@ -1,7 +1,7 @@
 //! `feeler stop` and `feeler resume`: orders to a hand from anywhere.
 
 use super::caller::{Caller, Heeded, INTERVAL, STEADY};
-use super::{LinkArguments, door};
+use super::{LinkArguments, door, rig_name};
 use crate::{CommandError, Outcome};
 use feeler_link::endpoints::LinkError;
 use feeler_link::message::{HandMode, PROTOCOL, ResumeMessage, StopInForce, StopMessage};
@@ -25,7 +25,7 @@ const DOOR_FIRST: Duration = Duration::from_millis(500);
 
 #[derive(Debug, clap::Args)]
 pub struct StopArguments {
-    /// Name of the rig: that of the experiment, unless its programs were given another.
+    /// Name of the rig: that of the experiment, unless its programs were given another; or the experiment's file.
     rig: String,
     /// Who says so, for the hand's screen and record.
     #[arg(long, default_value = BY)]
@@ -36,7 +36,7 @@ pub struct StopArguments {
 
 #[derive(Debug, clap::Args)]
 pub struct ResumeArguments {
-    /// Name of the rig: that of the experiment, unless its programs were given another.
+    /// Name of the rig: that of the experiment, unless its programs were given another; or the experiment's file.
     rig: String,
     /// Whose stop to resume [default: "the command line"; where there is none of that name, the hand's own]
     #[arg(long, default_value = BY, hide_default_value = true)]
@@ -95,10 +95,11 @@ pub fn to_resume<'a>(stops: &'a [StopInForce], from: &str) -> Option<&'a StopInF
 /// Tells the hand of a rig to stop, and says whether it stands still.
 pub fn stop(arguments: &StopArguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     let link = arguments.link.with_right(&[Right::Order, Right::Stop])?;
+    let rig = &rig_name(&arguments.rig)?;
     let (order, id) = Order::stop(&arguments.from);
     // Both ways at once: the door is open even where nobody can connect.
-    let door = door::call(&link, &arguments.rig, (id, &arguments.from));
-    let caller = Caller::new(&link, &arguments.rig)?;
+    let door = door::call(&link, rig, (id, &arguments.from));
+    let caller = Caller::new(&link, rig)?;
     if !caller.hears(DOOR_FIRST, |_| true) {
         let start = Instant::now();
         while !caller.hears(INTERVAL / 4, |_| true) {
@@ -106,7 +107,7 @@ pub fn stop(arguments: &StopArguments, out: &mut dyn Write) -> Result<Outcome, C
                 return said_at_door(&answer, out);
             }
             if start.elapsed() > LONGEST {
-                return Err(unheard(&arguments.rig));
+                return Err(unheard(rig));
             }
         }
     }
@@ -170,9 +171,10 @@ fn unheard(rig: &str) -> CommandError {
 
 /// Resumes a stop of the hand of a rig, and says whether it goes on.
 pub fn resume(arguments: &ResumeArguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
-    let caller = Caller::new(&arguments.link.with_right(&[Right::Order])?, &arguments.rig)?;
+    let rig = &rig_name(&arguments.rig)?;
+    let caller = Caller::new(&arguments.link.with_right(&[Right::Order])?, rig)?;
     if !caller.hears(LONGEST, |_| true) {
-        return Err(unheard(&arguments.rig));
+        return Err(unheard(rig));
     }
     let stops = caller.mode().stops;
     if stops.is_empty() {

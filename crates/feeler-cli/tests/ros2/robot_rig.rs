@@ -230,7 +230,10 @@ fn whatever_is_wrong_with_a_robot_or_its_fingertip_stops_the_hand() {
     let resumed = count(&lab, "going on");
     within_reason(&lab.hand, || {
         // Before good forces have come it stops again.
-        let told = run(&lab.folder, &["resume", "own-rig", "--connect", &lab.link]);
+        let told = run(
+            &lab.folder,
+            &["resume", "robot.toml", "--connect", &lab.link],
+        );
         assert_ne!(told.status, Some(2), "{told:?}");
         count(&lab, "going on") > resumed
     });
