@@ -52,6 +52,7 @@ pub use model::{FingerModel, Solid, SolidFrame, SolidShape};
 pub use names::{FindingName, SensingKind, TaskKind, TaskOutcome};
 pub use newest::Newest;
 pub use options::{FLUSH_INTERVAL, Patience, PolicyFile, RecordOptions};
+pub use read::PART;
 pub use recorded_camera::RecordedCamera;
 pub use recorder::Recorder;
 pub use recording::{FingerRecord, Gap, PictureAt, Recording};

@@ -2,6 +2,15 @@
 
 use super::channels::Stamped;
 
+/// Stamps within a nanosecond, the resolution of the recording's clock, are one time, s.
+const SAME: f64 = 1e-9;
+
+/// How many messages, from the first, are older than the one that is newest at `time`, s.
+pub(super) fn older_than_newest<M: Stamped>(messages: &[M], time: f64) -> usize {
+    let known = messages.iter().take_while(|m| m.stamp() <= time + SAME);
+    known.count().saturating_sub(1)
+}
+
 /// Walks one channel: the newest message that is not younger than a time.
 #[derive(Debug, Clone)]
 pub struct Newest<'a, M> {
@@ -17,8 +26,6 @@ impl<'a, M: Stamped> Newest<'a, M> {
 
     /// The newest at `time`, s, which must not be earlier than before.
     pub fn at(&mut self, time: f64) -> Option<&'a M> {
-        /// Stamps within a nanosecond, the resolution of the recording's clock, are one time.
-        const SAME: f64 = 1e-9;
         while (self.messages.get(self.next)).is_some_and(|m| m.stamp() <= time + SAME) {
             self.next += 1;
         }
@@ -44,5 +51,14 @@ mod tests {
         assert_eq!(newest.at(0.15), Some(&messages[0]));
         assert_eq!(newest.at(0.2), Some(&messages[2]));
         assert_eq!(newest.at(9.0), Some(&messages[2]));
+    }
+    #[test]
+    fn what_is_older_than_the_newest_is_not_needed_any_more() {
+        let messages = [0.1, 0.2, 0.3].map(|stamp| Cap {
+            stamp,
+            ..Cap::default()
+        });
+        let older = |time| older_than_newest(&messages, time);
+        assert_eq!([0.0, 0.1, 0.2, 0.25, 9.0].map(older), [0, 0, 1, 1, 2]);
     }
 }

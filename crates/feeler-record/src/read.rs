@@ -22,12 +22,31 @@ impl Recording {
     /// # Errors
     /// When the file cannot be read or not even the run's facts are in it.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, RecordError> {
+        Self::read_in_parts(path, &mut |_, _| {})
+    }
+
+    /// Reads a recording of any length: after every [`PART`] messages, `part` is given what is there so far, and the
+    /// share of the file that was read, 0 to 1. It may take what it needs and
+    /// [let go of the rest](Self::forget_until). What is returned holds what nobody let go of; digest, end, gaps
+    /// and problem are those of the whole file.
+    ///
+    /// # Errors
+    /// As of [`read`](Self::read).
+    pub fn read_in_parts(
+        path: impl AsRef<Path>,
+        part: &mut dyn FnMut(&mut Self, f64),
+    ) -> Result<Self, RecordError> {
         let path = path.as_ref();
-        let file = File::open(path).map_err(|source| RecordError::File {
+        let failed = |source| RecordError::File {
             path: path.to_path_buf(),
             source,
-        })?;
-        Self::from_reader(&mut BufReader::new(file)).map_err(|reason| {
+        };
+        let file = File::open(path).map_err(failed)?;
+        let length = file.metadata().map_err(failed)?.len().max(1);
+        let mut part = |recording: &mut Self, offset: u64| {
+            part(recording, (offset as f64 / length as f64).min(1.0));
+        };
+        Self::from_reader(&mut BufReader::new(file), &mut part).map_err(|reason| {
             RecordError::NothingReadable {
                 path: path.to_path_buf(),
                 reason,
@@ -40,13 +59,17 @@ impl Recording {
     /// # Errors
     /// When not even the run's facts are readable: why, in words.
     pub fn from_bytes(mut file: &[u8]) -> Result<Self, String> {
-        Self::from_reader(&mut file)
+        Self::from_reader(&mut file, &mut |_, _| {})
     }
 
-    fn from_reader(file: &mut dyn Read) -> Result<Self, String> {
+    fn from_reader(file: &mut dyn Read, part: &mut Part<'_>) -> Result<Self, String> {
         let mut collector = Collector::default();
         let scanned = scan(file, &mut |found| match found {
-            Found::Record(record, offset) => collector.take(record, offset),
+            Found::Record(record, offset) => {
+                collector.take(record, offset)?;
+                collector.hand_over(offset, part);
+                Ok(())
+            }
             Found::Damage(reason) => {
                 collector.skip(reason);
                 Ok(())
@@ -55,6 +78,12 @@ impl Recording {
         collector.finish(scanned.err())
     }
 }
+
+/// Messages of a part of a recording: of half a second to some seconds.
+pub const PART: usize = 2_000;
+
+/// Is given what was read so far, and how far in the file that is, bytes from the start.
+type Part<'a> = dyn FnMut(&mut Recording, u64) + 'a;
 
 /// The text of the attachment called `name`.
 fn text(name: &str, data: &[u8]) -> Result<String, String> {
@@ -78,6 +107,8 @@ struct Collector {
     has_begun: bool,
     /// The first chunk of no use.
     damage: Option<Damage>,
+    /// Messages since a part was handed over.
+    since_part: usize,
 }
 
 impl Collector {
@@ -127,6 +158,17 @@ impl Collector {
         Ok(())
     }
 
+    /// Hands over a part, if enough has come together.
+    fn hand_over(&mut self, offset: u64, part: &mut Part<'_>) {
+        if self.since_part < PART {
+            return;
+        }
+        self.since_part = 0;
+        if let Some(recording) = &mut self.recording {
+            part(recording, offset);
+        }
+    }
+
     /// Takes the number of the channel of `topic`, if it is one of ours.
     fn channel(&mut self, id: u16, topic: String) -> Result<(), String> {
         let mut channels = Channel::known(&self.recording()?.facts);
@@ -141,7 +183,7 @@ impl Collector {
         let steps = self
             .recording
             .as_ref()
-            .map_or(0, |recording| recording.task.len());
+            .map_or(0, |recording| recording.steps_read());
         // Before the messages there is nothing in chunks that is not elsewhere, too.
         let steps_before = if self.has_begun { steps } else { usize::MAX };
         self.damage.get_or_insert(Damage {
@@ -172,6 +214,7 @@ impl Collector {
             digester
         });
         digester.message(name, log_time, bytes);
+        self.since_part += 1;
         recording.readable_until = recording.readable_until.max(log_time as f64 * 1e-9);
         Ok(())
     }

@@ -1,11 +1,12 @@
 //! A recording in memory.
 
 use super::channels::{
-    Cap, Command, Findings, Fingertip, Flags, Joints, ObjectPose, RecordingGap, Tactile, Task,
-    TorqueSensor, TrueSlip,
+    Cap, Command, Findings, Fingertip, Flags, Joints, ObjectPose, RecordingGap, Stamped, Tactile,
+    Task, TorqueSensor, TrueSlip,
 };
 use super::digest::{Digest, Digester};
 use super::facts::RunFacts;
+use super::newest::older_than_newest;
 use super::options::PolicyFile;
 use super::run_end::{RunEnd, RunState};
 use std::collections::BTreeMap;
@@ -98,6 +99,8 @@ pub struct Recording {
     pub gaps: Vec<Gap>,
     /// The first part of the file that is damaged, where what follows it was read.
     pub damage: Option<Damage>,
+    /// Control steps that [`forget_until`](Self::forget_until) let go of.
+    pub(super) steps_forgotten: usize,
 }
 
 impl Recording {
@@ -122,7 +125,31 @@ impl Recording {
             true_slip: Vec::new(),
             gaps: Vec::new(),
             damage: None,
+            steps_forgotten: 0,
         }
+    }
+
+    /// Control steps on record, also those that were let go of.
+    pub(super) fn steps_read(&self) -> usize {
+        self.steps_forgotten + self.task.len()
+    }
+
+    /// Lets go of all messages that no step later than `time` (s) needs, so that a long recording needs little memory:
+    /// of each list, what is older than the message that was newest at `time`. Findings and poses of the carried
+    /// object stay, as they tell of the whole run.
+    pub fn forget_until(&mut self, time: f64) {
+        for finger in &mut self.fingers {
+            forget(&mut finger.tactile, time);
+            forget(&mut finger.flags, time);
+            forget(&mut finger.joints, time);
+            forget(&mut finger.command, time);
+            forget(&mut finger.fingertip, time);
+            finger.pictures.clear();
+        }
+        forget(&mut self.torque_sensor, time);
+        forget(&mut self.cap, time);
+        forget(&mut self.true_slip, time);
+        self.steps_forgotten += forget(&mut self.task, time);
     }
 
     /// Control steps from the beginning among which none is missing.
@@ -130,7 +157,7 @@ impl Recording {
         let gap = self.gaps.first().map(|gap| gap.steps_before);
         let damage = self.damage.as_ref().map(|damage| damage.steps_before);
         let first = gap.into_iter().chain(damage).min();
-        first.map_or(self.task.len(), |first| first.min(self.task.len()))
+        first.map_or(self.steps_read(), |first| first.min(self.steps_read()))
     }
 
     /// What is missing, in words, if something is.
@@ -150,4 +177,11 @@ impl Recording {
             "{messages} messages are missing {place}, as the disk took nothing then"
         ))
     }
+}
+
+/// Removes what is older than the message that is newest at `time`, s; how many messages that is.
+fn forget<M: Stamped>(messages: &mut Vec<M>, time: f64) -> usize {
+    let count = older_than_newest(messages, time);
+    messages.drain(..count);
+    count
 }

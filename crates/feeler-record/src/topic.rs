@@ -267,7 +267,7 @@ impl RecordedMessage for RecordingGap {
         }
         recording.gaps.push(Gap {
             missing: gap,
-            steps_before: recording.task.len(),
+            steps_before: recording.steps_read(),
         });
         Ok(())
     }

@@ -1,7 +1,7 @@
 //! A cap that was screwed until the hand knew what became of it: what the hand felt, held against the rig's instruments.
 
 use super::claims::longest_above;
-use super::run_data::RunData;
+use super::run_data::{RunData, Stroke};
 use super::series::{finite, maximum};
 use feeler_record::{FindingName, Findings, Recording, TaskKind, TaskOutcome};
 use serde::Serialize;
@@ -24,6 +24,28 @@ pub struct FeltStroke {
     pub felt_torque: Option<f64>,
     /// Largest torque as the torque sensor has it, N·m.
     pub torque: Option<f64>,
+}
+
+impl FeltStroke {
+    /// Of a `stroke` with a MOVE.
+    pub(crate) fn new(felt: &Felt<'_>, data: &RunData, stroke: &Stroke) -> Self {
+        let sense = data.facts.cap.map(|facts| facts.sense);
+        let rows = stroke.moving.clone();
+        let (first, last) = (rows.start, rows.end - 1);
+        let times = (data.time[first], data.time[last]);
+        let angle = data.cap.as_ref().map(|cap| &cap.angle);
+        let turned = angle.map(|angle| angle[last] - angle[first]);
+        let torque = data.torque.as_ref().zip(sense);
+        Self {
+            index: stroke.index,
+            felt_turn: felt.turn(times),
+            turn: turned
+                .zip(sense)
+                .and_then(|(turn, sense)| finite(sense * turn)),
+            felt_torque: felt.largest_torque(times),
+            torque: torque.and_then(|(torque, sense)| maximum(rows.map(|row| sense * torque[row]))),
+        }
+    }
 }
 
 /// What the run measures; `None` (JSON null) where the recording does not define it.
@@ -55,27 +77,14 @@ impl CapMeasures {
         }
         let sense = facts.map(|facts| facts.sense);
         let felt = Felt::new(recording);
-        let strokes = data.strokes.iter().filter(|s| !s.moving.is_empty());
-        let strokes: Vec<_> = strokes
-            .map(|stroke| {
-                let rows = stroke.moving.clone();
-                let (first, last) = (rows.start, rows.end - 1);
-                let times = (data.time[first], data.time[last]);
-                let angle = data.cap.as_ref().map(|cap| &cap.angle);
-                let turned = angle.map(|angle| angle[last] - angle[first]);
-                let torque = data.torque.as_ref().zip(sense);
-                FeltStroke {
-                    index: stroke.index,
-                    felt_turn: felt.turn(times),
-                    turn: turned
-                        .zip(sense)
-                        .and_then(|(turn, sense)| finite(sense * turn)),
-                    felt_torque: felt.largest_torque(times),
-                    torque: torque
-                        .and_then(|(torque, sense)| maximum(rows.map(|row| sense * torque[row]))),
-                }
-            })
-            .collect();
+        let strokes = match &data.thinned {
+            Some(thinned) => thinned.felt.clone(),
+            None => {
+                let strokes = data.strokes.iter().filter(|s| !s.moving.is_empty());
+                let strokes = strokes.map(|stroke| FeltStroke::new(&felt, data, stroke));
+                strokes.collect()
+            }
+        };
         let final_torque = strokes.last().and_then(|stroke| stroke.torque);
         let limit = facts.map(|facts| facts.friction_limit);
         Some(Self {

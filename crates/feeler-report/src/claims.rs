@@ -13,14 +13,15 @@ use super::strokes::{
     CLOSED_TURN, StrokeMeasures, grasp_force_variation, over_fraction, share, slip_precision,
     slip_skill,
 };
+use feeler_record::RunFacts;
 use glam::DVec3;
 
 /// Strokes that the paper's experiment makes.
 const STROKES: u32 = 4;
 /// A peak rises above this share of the run's peak…
-const PEAK_RISES_ABOVE: f64 = 0.10;
+pub(crate) const PEAK_RISES_ABOVE: f64 = 0.10;
 /// …and ends when it falls below this share.
-const PEAK_ENDS_BELOW: f64 = 0.05;
+pub(crate) const PEAK_ENDS_BELOW: f64 = 0.05;
 /// Length of the moving mean that goes over series before peaks are counted and before torque
 /// rate and shear rate are compared, s.
 pub const SMOOTHING: f64 = 0.05;
@@ -61,9 +62,20 @@ fn four_peaks(data: &RunData) -> Claim {
         );
         count.map(|count| count as f64)
     };
-    let rows = 0..data.time.len();
-    let grasp_force = peaks(rows.map(|row| data.grasp_force(row)).collect());
-    let torque = torque_over_strokes(data).and_then(peaks);
+    let (grasp_force, torque) = match &data.thinned {
+        Some(thinned) => {
+            let count = |peaks: Option<usize>| peaks.map(|count| count as f64);
+            (
+                count(thinned.grasp_force_peaks),
+                count(thinned.torque_peaks),
+            )
+        }
+        None => {
+            let rows = 0..data.time.len();
+            let grasp_force = peaks(rows.map(|row| data.grasp_force(row)).collect());
+            (grasp_force, torque_over_strokes(data).and_then(peaks))
+        }
+    };
     let bound = f64::from(STROKES);
     Claim::new(
         "four-peaks",
@@ -384,7 +396,7 @@ fn path_saturates(data: &RunData) -> Claim {
 }
 
 pub(super) fn no_damage(data: &RunData) -> Claim {
-    let limit = DAMAGE_FORCE * data.facts.over_force_threshold;
+    let limit = damage_limit(&data.facts);
     let longest = longest_above(data, limit);
     Claim::new(
         "no-damage",
@@ -401,8 +413,17 @@ pub(super) fn no_damage(data: &RunData) -> Claim {
     )
 }
 
+/// The force (N) above which an element might be damaged.
+pub(crate) fn damage_limit(facts: &RunFacts) -> f64 {
+    DAMAGE_FORCE * facts.over_force_threshold
+}
+
 /// Longest time of an element pressed harder than `limit` (N), s; none where no forces are known.
 pub(super) fn longest_above(data: &RunData, limit: f64) -> Option<f64> {
+    if let Some(thinned) = &data.thinned {
+        let rows = thinned.longest_above(limit)?;
+        return Some(rows as f64 * data.facts.control_period);
+    }
     let longest = (data.fingers.iter())
         .flat_map(|finger| {
             let elements = finger.forces.iter().map(Vec::len).max().unwrap_or(0);
@@ -465,7 +486,7 @@ fn change(from: f64, to: f64) -> Option<f64> {
 }
 
 /// The odd number of samples nearest to a time, at least 1.
-fn samples(data: &RunData, time: f64) -> usize {
+pub(crate) fn samples(data: &RunData, time: f64) -> usize {
     let samples = (time / data.facts.control_period).round().clamp(1.0, 1e6) as usize;
     samples | 1
 }

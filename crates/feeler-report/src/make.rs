@@ -2,6 +2,7 @@
 
 use super::claim::Claim;
 use super::figures::Figure;
+use super::long_run;
 use super::page::page;
 use super::run_data::RunData;
 use super::summary::Summary;
@@ -82,14 +83,26 @@ impl ReportOutcome {
 /// # Errors
 /// When nothing of the recording is readable or a file cannot be written.
 pub fn make(run_dir: impl AsRef<Path>) -> Result<ReportOutcome, ReportError> {
+    make_with(run_dir, &mut |_| {})
+}
+
+/// The same; `progress` is told the share of the recording that was read, 0 to 1. Needs little memory, however long the
+/// recording is ([`long_run`]).
+///
+/// # Errors
+/// As of [`make`].
+pub fn make_with(
+    run_dir: impl AsRef<Path>,
+    progress: &mut dyn FnMut(f64),
+) -> Result<ReportOutcome, ReportError> {
     let run_dir = run_dir.as_ref();
-    let recording = read(run_dir)?;
+    let (recording, data) = read(run_dir, progress)?;
     let Drawn {
         html,
         figures,
         summary,
         whose,
-    } = draw(&recording);
+    } = draw(&recording, data);
     // Should anything go wrong from here on, no earlier report is left beside half of a new one.
     remove(&run_dir.join(REPORT))?;
     remove(&run_dir.join(SUMMARY))?;
@@ -124,9 +137,21 @@ pub fn make(run_dir: impl AsRef<Path>) -> Result<ReportOutcome, ReportError> {
     })
 }
 
-/// The page of a recording: what [`make`] writes as `report.html`. Writes nothing.
+/// The page of a recording in memory: what [`make`] writes as `report.html`. Writes nothing.
 pub fn page_of(recording: &Recording) -> String {
-    draw(recording).html
+    draw(recording, RunData::new(recording)).html
+}
+
+/// The page of the recording at `path`. Writes nothing.
+///
+/// # Errors
+/// When nothing of the recording is readable.
+pub fn page_of_file(
+    path: impl AsRef<Path>,
+    progress: &mut dyn FnMut(f64),
+) -> Result<String, RecordError> {
+    let (recording, data) = long_run::read(path, progress)?;
+    Ok(draw(&recording, data).html)
 }
 
 /// All that a report is made of.
@@ -137,8 +162,7 @@ struct Drawn {
     whose: &'static str,
 }
 
-fn draw(recording: &Recording) -> Drawn {
-    let data = RunData::new(recording);
+fn draw(recording: &Recording, data: RunData) -> Drawn {
     let mut summary = Summary::new(recording, &data);
     // A table of trials has the same columns for every law; a report holds to the paper only what is like it.
     if !tasks::claims_are_shown(&recording.facts) {
@@ -156,9 +180,12 @@ fn draw(recording: &Recording) -> Drawn {
 }
 
 /// Reads the recording, or sets aside the report that it cannot back any more.
-fn read(run_dir: &Path) -> Result<Recording, ReportError> {
-    let error = match Recording::read(run_dir.join(RECORDING)) {
-        Ok(recording) => return Ok(recording),
+fn read(
+    run_dir: &Path,
+    progress: &mut dyn FnMut(f64),
+) -> Result<(Recording, RunData), ReportError> {
+    let error = match long_run::read(run_dir.join(RECORDING), progress) {
+        Ok(read) => return Ok(read),
         Err(error) => error,
     };
     // Without a recording this may be no run's folder at all, and its files are not ours.

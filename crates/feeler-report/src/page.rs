@@ -10,6 +10,7 @@ use super::strokes::StrokeMeasures;
 use super::summary::Summary;
 use super::tasks::{self, TaskReport};
 use super::text::{significant, value};
+use super::thinned::Thinned;
 use feeler_record::{Phase, Recording, RunFacts, RunState, TaskKind};
 use maud::{Markup, html};
 
@@ -41,6 +42,7 @@ pub fn page(
         (tiles(&tiles_of(summary)))
         div id="scene" {}
         h2 { "Figures" }
+        @if let Some(thinned) = &data.thinned { (left_out(thinned, data)) }
         div.figures { @for figure in figures { (figure.markup()) } }
         @if !summary.claims.is_empty() {
             h2 { "Claims " (task.whose()) }
@@ -66,6 +68,25 @@ pub fn page(
     };
     let page = PageData::of_run(&name, recording, data, figures);
     document(&format!("{mark}{name}"), body, &page)
+}
+
+/// What a page of a long run does not show.
+fn left_out(thinned: &Thinned, data: &RunData) -> Markup {
+    let (all, kept) = (thinned.rows, data.time.len());
+    let numbers = thinned.too_long.iter().take(10).map(u32::to_string);
+    let too_long = numbers.collect::<Vec<_>>().join(", ");
+    html! {
+        p.note {
+            "This run is long. Of its " (all) " control steps the figures and the scene show " (kept) ": all of the "
+            "first four strokes, as far as there is room, and elsewhere those where forces, shear rates and torque are largest. Claims and "
+            "the measures of strokes are of all."
+            @if !too_long.is_empty() {
+                " Of strokes that last longer than there is room for only the largest values are known (" (too_long)
+                @if thinned.too_long.len() > 10 { ", …" }
+                ")."
+            }
+        }
+    }
 }
 
 /// The command that makes the same run again.

@@ -1,9 +1,11 @@
 //! A recording as time-aligned columns: one row per control step, split into strokes.
 
+use super::contact::Contact;
+use super::thinned::Thinned;
 use feeler::sensor::layout::SensingElement;
 use feeler_record::{
-    Cap, FindingName, FingerRecord, Fingertip, Flags, NO_ELEMENT, Newest, Phase, Recording,
-    RunFacts, Tactile, Task, TorqueSensor, TrueSlip,
+    Cap, FindingName, FingerRecord, Fingertip, Flags, Joints, NO_ELEMENT, Newest, ObjectPose,
+    Phase, Recording, RunFacts, Tactile, Task, TorqueSensor, TrueSlip,
 };
 use glam::{DQuat, DVec3};
 use std::collections::BTreeMap;
@@ -32,6 +34,8 @@ pub struct FingerColumns {
     pub position: Vec<DVec3>,
     /// From the fingertip frame `T` to `W`.
     pub rotation: Vec<DQuat>,
+    /// Joint angles, rad; not numbers before they were first read.
+    pub joints: Vec<[f64; 3]>,
     /// Undeformed tip of every element's feeler, m in `T`.
     pub tips: Vec<DVec3>,
 }
@@ -59,7 +63,13 @@ impl FingerColumns {
         Some(*self.rotation.get(row)? * force)
     }
 
-    fn push(&mut self, tactile: &Tactile, flags: &Flags, fingertip: &Fingertip) {
+    fn push(&mut self, newest: &FingerRow<'_>) {
+        let FingerRow {
+            tactile,
+            flags,
+            fingertip,
+            joints,
+        } = newest;
         let largest = (flags.largest_element != NO_ELEMENT)
             .then_some(flags.largest_element as usize)
             .filter(|&element| element < flags.shear_rate.len());
@@ -74,7 +84,32 @@ impl FingerColumns {
         self.forces.push(forces.collect());
         self.position.push(fingertip.position.into());
         self.rotation.push(fingertip.orientation.into());
+        let angles = joints.map_or([f64::NAN; 3], |joints| joints.position);
+        self.joints.push(angles);
     }
+
+    /// Keeps these rows only, which are in their order.
+    fn keep(&mut self, rows: &[usize]) {
+        keep(&mut self.grasp_force, rows);
+        keep(&mut self.touch, rows);
+        keep(&mut self.slip, rows);
+        keep(&mut self.over, rows);
+        keep(&mut self.slipped, rows);
+        keep(&mut self.largest_element, rows);
+        keep(&mut self.shear_rate, rows);
+        keep(&mut self.forces, rows);
+        keep(&mut self.position, rows);
+        keep(&mut self.rotation, rows);
+        keep(&mut self.joints, rows);
+    }
+}
+
+/// Keeps the entries of these rows, which are in their order.
+pub(crate) fn keep<T>(column: &mut Vec<T>, rows: &[usize]) {
+    for (place, &row) in rows.iter().enumerate() {
+        column.swap(place, row);
+    }
+    column.truncate(rows.len());
 }
 
 /// What is known of the cap; both have as many rows as [`RunData::time`], and are not numbers before the cap was first
@@ -96,7 +131,8 @@ pub struct Stroke {
     pub rows: Range<usize>,
     /// Rows of its MOVE phase; empty if it has none.
     pub moving: Range<usize>,
-    /// Whether the recording goes on after MOVE, so that MOVE is known to be over.
+    /// Whether the recording goes on after MOVE, so that MOVE is known to be over; false, too, where not all rows of a stroke
+    /// that claims are about could be kept.
     pub whole: bool,
 }
 
@@ -121,42 +157,111 @@ pub struct RunData {
     pub strokes: Vec<Stroke>,
     /// What the task found out in the end, by name.
     pub findings: BTreeMap<FindingName, f64>,
+    /// Where the carried object is: x, y and z, m in `W`, and its rotation as a quaternion x, y, z, w; not numbers before
+    /// that was known. None where no object is free.
+    pub object: Option<Vec<[f64; 7]>>,
+    /// Longest stretch of tactile frames of the first finger without touch within MOVE, in frames; none if there are no
+    /// such frames.
+    pub longest_loss: Option<usize>,
+    /// What was measured of all rows, where those here are only some of them ([`super::long_run`]).
+    pub thinned: Option<Box<Thinned>>,
 }
 
 impl RunData {
     /// Aligns a recording: each control step takes the newest message of every channel that is
     /// not younger than the step.
     pub fn new(recording: &Recording) -> Self {
-        let mut data = Self {
+        let mut data = Self::empty(recording);
+        let mut numbers = Vec::new();
+        data.append(recording, 0..recording.task.len(), &mut numbers);
+        data.strokes = split_strokes(&numbers, &data.phase);
+        data.findings = findings(recording);
+        let mut contact = Contact::default();
+        contact.take(recording, f64::INFINITY);
+        data.longest_loss = contact.longest_loss();
+        data
+    }
+
+    /// The columns of a recording, still without rows.
+    pub(crate) fn empty(recording: &Recording) -> Self {
+        Self {
             facts: recording.facts.clone(),
             time: Vec::new(),
             phase: Vec::new(),
-            torque: (!recording.torque_sensor.is_empty()).then(Vec::new),
-            cap: (!recording.cap.is_empty()).then(CapColumns::default),
+            torque: None,
+            cap: None,
             fingers: fingers(recording),
             strokes: Vec::new(),
-            findings: findings(recording),
-        };
+            findings: BTreeMap::new(),
+            object: None,
+            longest_loss: None,
+            thinned: None,
+        }
+    }
+
+    /// Appends a row for each of these control steps, and the number of its stroke to `numbers`.
+    pub(crate) fn append(
+        &mut self,
+        recording: &Recording,
+        steps: Range<usize>,
+        numbers: &mut Vec<u32>,
+    ) {
+        self.begin_columns(recording);
         let mut torque = Newest::new(&recording.torque_sensor);
         let mut cap = Newest::new(&recording.cap);
         let mut slip = Newest::new(&recording.true_slip);
+        let mut object = Newest::new(&recording.object);
         let mut fingers: Vec<_> = recording.fingers.iter().map(FingerNewest::new).collect();
-        let mut stroke_numbers = Vec::new();
-        for task in &recording.task {
+        for task in recording.task.get(steps).into_iter().flatten() {
             // Advance all, also when one has nothing yet.
             let (torque, cap) = (torque.at(task.stamp), cap.at(task.stamp));
-            let slip = slip.at(task.stamp);
+            let (slip, object) = (slip.at(task.stamp), object.at(task.stamp));
             let fingers: Vec<_> = fingers.iter_mut().map(|f| f.at(task.stamp)).collect();
             let fingers: Option<Vec<_>> = fingers.into_iter().collect();
             if let Some(fingers) = fingers {
-                data.push(task, &fingers);
-                data.push_instruments(torque, cap);
-                data.push_slip(slip);
-                stroke_numbers.push(task.stroke);
+                self.push(task, &fingers);
+                self.push_instruments(torque, cap);
+                self.push_slip(slip);
+                self.push_object(object);
+                numbers.push(task.stroke);
             }
         }
-        data.strokes = split_strokes(&stroke_numbers, &data.phase);
-        data
+    }
+
+    /// Makes the columns of what `recording` turns out to know; not numbers in the rows before.
+    fn begin_columns(&mut self, recording: &Recording) {
+        let rows = self.time.len();
+        if !recording.torque_sensor.is_empty() {
+            self.torque.get_or_insert_with(|| vec![f64::NAN; rows]);
+        }
+        if !recording.cap.is_empty() {
+            self.cap.get_or_insert_with(|| CapColumns {
+                angle: vec![f64::NAN; rows],
+                centre: vec![DVec3::NAN; rows],
+            });
+        }
+        if !recording.object.is_empty() {
+            (self.object).get_or_insert_with(|| vec![[f64::NAN; 7]; rows]);
+        }
+    }
+
+    /// Keeps these rows only, which are in their order. The strokes' rows are not mended.
+    pub(crate) fn keep(&mut self, rows: &[usize]) {
+        keep(&mut self.time, rows);
+        keep(&mut self.phase, rows);
+        if let Some(torque) = &mut self.torque {
+            keep(torque, rows);
+        }
+        if let Some(cap) = &mut self.cap {
+            keep(&mut cap.angle, rows);
+            keep(&mut cap.centre, rows);
+        }
+        if let Some(object) = &mut self.object {
+            keep(object, rows);
+        }
+        for finger in &mut self.fingers {
+            finger.keep(rows);
+        }
     }
 
     /// The stroke of this number, if it was made and its MOVE is over.
@@ -192,11 +297,11 @@ impl RunData {
         self.torque.is_some() && self.known_torque(rows.clone()).count() == rows.len()
     }
 
-    fn push(&mut self, task: &Task, fingers: &[(&Tactile, &Flags, &Fingertip)]) {
+    fn push(&mut self, task: &Task, fingers: &[FingerRow<'_>]) {
         self.time.push(task.stamp);
         self.phase.push(task.phase);
-        for (columns, (tactile, flags, fingertip)) in self.fingers.iter_mut().zip(fingers) {
-            columns.push(tactile, flags, fingertip);
+        for (columns, newest) in self.fingers.iter_mut().zip(fingers) {
+            columns.push(newest);
         }
     }
 
@@ -217,6 +322,17 @@ impl RunData {
             columns.slipped.push(distance);
         }
     }
+
+    fn push_object(&mut self, pose: Option<&ObjectPose>) {
+        let Some(column) = &mut self.object else {
+            return;
+        };
+        column.push(pose.map_or([f64::NAN; 7], |pose| {
+            let turned = DQuat::from(pose.orientation).to_array();
+            let DVec3 { x, y, z } = pose.position.into();
+            [x, y, z, turned[0], turned[1], turned[2], turned[3]]
+        }));
+    }
 }
 
 /// The columns of each finger, still without rows.
@@ -230,7 +346,7 @@ fn fingers(recording: &Recording) -> Vec<FingerColumns> {
 }
 
 /// What the task found out in the end, as far as it is known.
-fn findings(recording: &Recording) -> BTreeMap<FindingName, f64> {
+pub(crate) fn findings(recording: &Recording) -> BTreeMap<FindingName, f64> {
     let last = recording.findings.last().into_iter();
     last.flat_map(|found| {
         found
@@ -248,6 +364,15 @@ struct FingerNewest<'a> {
     tactile: Newest<'a, Tactile>,
     flags: Newest<'a, Flags>,
     fingertip: Newest<'a, Fingertip>,
+    joints: Newest<'a, Joints>,
+}
+
+/// What is newest of one finger; its joints need not be known.
+struct FingerRow<'a> {
+    tactile: &'a Tactile,
+    flags: &'a Flags,
+    fingertip: &'a Fingertip,
+    joints: Option<&'a Joints>,
 }
 
 impl<'a> FingerNewest<'a> {
@@ -256,20 +381,27 @@ impl<'a> FingerNewest<'a> {
             tactile: Newest::new(&finger.tactile),
             flags: Newest::new(&finger.flags),
             fingertip: Newest::new(&finger.fingertip),
+            joints: Newest::new(&finger.joints),
         }
     }
 
-    fn at(&mut self, time: f64) -> Option<(&'a Tactile, &'a Flags, &'a Fingertip)> {
+    fn at(&mut self, time: f64) -> Option<FingerRow<'a>> {
         let tactile = self.tactile.at(time);
         let flags = self.flags.at(time);
         let fingertip = self.fingertip.at(time);
-        Some((tactile?, flags?, fingertip?))
+        let joints = self.joints.at(time);
+        Some(FingerRow {
+            tactile: tactile?,
+            flags: flags?,
+            fingertip: fingertip?,
+            joints,
+        })
     }
 }
 
 /// Splits rows into strokes: a stroke is a run of rows with one number above 0, without the rows
 /// after the task ended; its MOVE is the longest run of MOVE rows in it.
-fn split_strokes(numbers: &[u32], phases: &[Phase]) -> Vec<Stroke> {
+pub(crate) fn split_strokes(numbers: &[u32], phases: &[Phase]) -> Vec<Stroke> {
     let ended = |phase| matches!(phase, Phase::Done | Phase::Stopped);
     let number = |row: usize| if ended(phases[row]) { 0 } else { numbers[row] };
     runs(numbers.len(), number)

@@ -104,6 +104,27 @@ impl StrokeMeasures {
     }
 }
 
+impl StrokeMeasures {
+    /// Of a stroke of which only some rows are known, those where quantities are largest among them: what else is
+    /// measured is left out.
+    pub(crate) fn of_extremes(self) -> Self {
+        Self {
+            mean_grasp_force: None,
+            peak_shear_rate: None,
+            slip_fraction: None,
+            slip_precision: None,
+            true_slip_fraction: None,
+            grasp_force_variation: None,
+            over_fraction: None,
+            path_inward_bend: None,
+            path_radius_std: None,
+            line_radius_std: None,
+            path_curvature: None,
+            ..self
+        }
+    }
+}
+
 /// Mean over fingers of a measure that every finger must define.
 fn over_fingers(data: &RunData, measure: impl Fn(&FingerColumns) -> Option<f64>) -> Option<f64> {
     every_finger(data, |finger| measure(&data.fingers[finger]))

@@ -63,9 +63,13 @@ impl Summary {
         let facts = &recording.facts;
         let found = recording.findings.last();
         let factor = |seconds| finite(recording.readable_until / seconds);
-        let strokes: Vec<_> = (data.strokes.iter())
-            .map(|stroke| StrokeMeasures::new(data, stroke))
-            .collect();
+        let strokes = match &data.thinned {
+            Some(thinned) => thinned.strokes.clone(),
+            None => {
+                let strokes = data.strokes.iter();
+                strokes.map(|s| StrokeMeasures::new(data, s)).collect()
+            }
+        };
         Self {
             experiment: facts.experiment.clone(),
             task: facts.task.clone(),

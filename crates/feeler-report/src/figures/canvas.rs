@@ -17,6 +17,9 @@ use std::sync::Arc;
 /// Width of a figure.
 pub const WIDTH: f64 = 480.0;
 
+/// Most strokes whose MOVE is shaded: of more, none can be told from the next.
+pub const MOST_SHADED: usize = 100;
+
 const LEGEND_HEIGHT: f64 = 30.0;
 const LEGEND_LINE: f64 = 22.0;
 const FONT: &str = "DejaVu Sans, Verdana, Liberation Sans, Arial, sans-serif";

@@ -3,7 +3,9 @@
 use super::super::cap::{CapMeasures, Felt};
 use super::super::run_data::RunData;
 use super::Figure;
-use super::canvas::{CAP, Pen, REFERENCE, SHADE, finger_colour, line, panel, range, thin};
+use super::canvas::{
+    CAP, MOST_SHADED, Pen, REFERENCE, SHADE, finger_colour, line, panel, range, thin,
+};
 use super::drawing::{Drawing, column};
 use feeler_record::{FindingName, Recording};
 use kuva::render::annotations::{ReferenceLine, ShadedRegion};
@@ -126,7 +128,11 @@ fn with_strokes(layout: Layout, data: &RunData, time: (f64, f64)) -> Layout {
         .with_x_axis_min(time.0)
         .with_x_axis_max(time.1)
         .with_force_margins(MARGINS.0, MARGINS.1);
-    for stroke in data.strokes.iter().filter(|s| !s.moving.is_empty()) {
+    let strokes = data.strokes.iter().filter(|s| !s.moving.is_empty());
+    if strokes.clone().count() > MOST_SHADED {
+        return layout;
+    }
+    for stroke in strokes {
         let (start, end) = (stroke.moving.start, stroke.moving.end - 1);
         let shade = ShadedRegion::vertical(data.time[start], data.time[end]);
         layout = layout.with_shaded_region(shade.with_color(SHADE).with_opacity(0.55));

@@ -2,7 +2,9 @@
 //! it begins.
 
 use super::Figure;
-use super::canvas::{CAP, Pen, REFERENCE, SHADE, Style, finger_colour, line, panel, range, thin};
+use super::canvas::{
+    CAP, MOST_SHADED, Pen, REFERENCE, SHADE, Style, finger_colour, line, panel, range, thin,
+};
 use super::drawing::{Drawing, column};
 use super::friction_samples::{Sample, strokes};
 use crate::run_data::RunData;
@@ -203,6 +205,9 @@ fn time_panel(
         .strokes
         .iter()
         .filter(|s| s.index > 1 && !s.moving.is_empty());
+    if counting.clone().count() > MOST_SHADED {
+        return layout;
+    }
     counting.fold(layout, |layout, stroke| {
         let start = data.time[stroke.moving.start];
         let end = data.time[stroke.moving.end - 1];

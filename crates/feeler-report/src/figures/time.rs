@@ -5,7 +5,8 @@ use super::super::page_data::panels::{Axis, Colour, Panel as AnsweringPanel, Ser
 use super::super::run_data::{FingerColumns, RunData};
 use super::Figure;
 use super::canvas::{
-    CAP, Pen, REFERENCE, SHADE, finger_colour, finger_legend, frame, line, panel, range, thin,
+    CAP, MOST_SHADED, Pen, REFERENCE, SHADE, finger_colour, finger_legend, frame, line, panel,
+    range, thin,
 };
 use super::grid::{Panel, Row, stack};
 use super::slip_strip::slip_strip;
@@ -313,16 +314,22 @@ fn with_strokes(layout: Layout, data: &RunData, time: (f64, f64), top: Option<f6
         .with_x_axis_min(time.0)
         .with_x_axis_max(time.1)
         .with_force_margins(MARGINS.0, MARGINS.1);
+    let mut shown = Vec::new();
     for stroke in data.strokes.iter().filter(|s| !s.moving.is_empty()) {
         let start = data.time[stroke.moving.start].max(time.0);
         let end = data.time[stroke.moving.end - 1].min(time.1);
-        if start >= end {
-            continue;
+        if start < end {
+            shown.push((stroke.index, start, end));
         }
+    }
+    if shown.len() > MOST_SHADED {
+        return layout;
+    }
+    for (index, start, end) in shown {
         let shade = ShadedRegion::vertical(start, end);
         layout = layout.with_shaded_region(shade.with_color(SHADE).with_opacity(0.55));
         if let Some(top) = top {
-            let text = stroke.index.to_string();
+            let text = index.to_string();
             let middle = 0.5 * (start + end);
             layout = layout
                 .with_annotation(TextAnnotation::new(text, middle, 0.88 * top).with_font_size(15));

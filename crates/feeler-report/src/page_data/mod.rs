@@ -48,7 +48,7 @@ impl PageData {
         data: &RunData,
         figures: &[StillFigure],
     ) -> Self {
-        let (run, rows) = RunTable::new(recording, data);
+        let (run, rows) = RunTable::new(data);
         let mut figures = interactive(figures);
         for panel in figures.iter_mut().flat_map(|figure| &mut figure.panels) {
             panel.take_rows(&rows);

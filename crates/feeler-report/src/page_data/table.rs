@@ -4,7 +4,7 @@ use crate::run_data::{FingerColumns, RunData};
 use crate::strokes::TRUE_SLIP;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use feeler_record::{Joints, Newest, ObjectPose, Phase, Recording, SolidFrame};
+use feeler_record::{Phase, SolidFrame};
 use flate2::Compression;
 use flate2::write::DeflateEncoder;
 use glam::{DQuat, DVec3};
@@ -56,7 +56,10 @@ pub struct Rows {
 impl Rows {
     fn new(data: &RunData) -> Self {
         let count = data.time.len();
-        let every = (1.0 / (RATE * data.facts.control_period)).round() as usize;
+        let every = match data.thinned {
+            Some(_) => 1, // they are few already, and each has its reason
+            None => (1.0 / (RATE * data.facts.control_period)).round() as usize,
+        };
         Self {
             every: every.max(count.div_ceil(MOST_ROWS)).max(1),
             count,
@@ -129,7 +132,7 @@ impl RunTable {
     }
 
     /// The rows of a run, and which of all they are.
-    pub fn new(recording: &Recording, data: &RunData) -> (Self, Rows) {
+    pub fn new(data: &RunData) -> (Self, Rows) {
         let rows = Rows::new(data);
         let kept = rows.kept();
         let mut columns = Columns::default();
@@ -137,19 +140,16 @@ impl RunTable {
         columns.add(("time".into(), "f64"), (1, 1.0), times);
         let phases = kept.clone().map(|row| data.phase[row] as u8);
         columns.bytes("phase".into(), phases);
-        let fingers = data.fingers.iter().zip(&recording.fingers).enumerate();
-        for (number, (finger, record)) in fingers {
-            let joints = at_rows(&record.joints, data, kept.clone(), |joints: &Joints| {
-                joints.position
-            });
-            columns.f32(of_finger(number, "joints"), 3, joints.flatten());
+        for (number, finger) in data.fingers.iter().enumerate() {
+            let joints = kept.clone().flat_map(|row| finger.joints[row]);
+            columns.f32(of_finger(number, "joints"), 3, joints);
             add_felt(&mut columns, number, finger, kept.clone());
         }
         if let Some(torque) = &data.torque {
             let torque = kept.clone().map(|row| torque[row]);
             columns.f32("torque".into(), 1, torque);
         }
-        add_moving(&mut columns, recording, data, &kept);
+        add_moving(&mut columns, data, &kept);
         let strokes = data.strokes.iter().map(|stroke| Stroke {
             index: stroke.index,
             start: rows.of(stroke.rows.start),
@@ -220,12 +220,7 @@ fn add_felt(
 }
 
 /// What moves around the hand.
-fn add_moving(
-    columns: &mut Columns,
-    recording: &Recording,
-    data: &RunData,
-    kept: &(impl Iterator<Item = usize> + Clone),
-) {
+fn add_moving(columns: &mut Columns, data: &RunData, kept: &(impl Iterator<Item = usize> + Clone)) {
     let place = |position: DVec3, turned: DQuat| {
         let numbers = position.to_array().into_iter().chain(turned.to_array());
         numbers.collect::<Vec<_>>()
@@ -239,35 +234,15 @@ fn add_moving(
         let angles = kept.clone().map(|row| cap.angle[row]);
         columns.f32("cap_angle".into(), 1, angles);
     }
-    if !recording.object.is_empty() {
-        let poses = at_rows(
-            &recording.object,
-            data,
-            kept.clone(),
-            |pose: &ObjectPose| {
-                let turned = DQuat::from(pose.orientation).to_array();
-                let DVec3 { x, y, z } = pose.position.into();
-                [x, y, z, turned[0], turned[1], turned[2], turned[3]]
-            },
-        );
-        columns.f32(frame_column(SolidFrame::Object), 7, poses.flatten());
+    if let Some(object) = &data.object {
+        let poses = kept.clone().flat_map(|row| object[row]);
+        columns.f32(frame_column(SolidFrame::Object), 7, poses);
     }
 }
 
 /// Name of the column that says where a frame is.
 pub fn frame_column(frame: SolidFrame) -> String {
     format!("frame/{}", frame.name())
-}
-
-/// What the newest of these messages says at each row; not numbers before the first.
-fn at_rows<'a, M: feeler_record::Stamped, const N: usize>(
-    messages: &'a [M],
-    data: &'a RunData,
-    kept: impl Iterator<Item = usize> + 'a,
-    numbers: impl Fn(&M) -> [f64; N] + 'a,
-) -> impl Iterator<Item = [f64; N]> + 'a {
-    let mut newest = Newest::new(messages);
-    kept.map(move |row| newest.at(data.time[row]).map_or([f64::NAN; N], &numbers))
 }
 
 /// How hard to compress: numbers become smaller by 1 % at most at any other level, and the highest takes most of the time of a

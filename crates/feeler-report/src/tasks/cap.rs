@@ -1,7 +1,7 @@
 //! The report of a cap that was screwed until the hand knew what became of it, in place of the paper's claims.
 
-use super::TaskReport;
 use super::screw::ScrewReport;
+use super::{TaskReport, shown};
 use crate::cap::{CapMeasures, DAMAGE_TIME, FeltStroke, TIGHT};
 use crate::claim::Claim;
 use crate::figures::{Figure, cap};
@@ -68,6 +68,7 @@ fn cap_section(summary: &Summary, cap: &CapMeasures) -> Markup {
             "The hand's own word: " b { (outcome) } ". It was told nothing of torque or angle; both columns “felt” below are made "
             "of forces on its fingertips and its encoders."
         }
+        @let (strokes, left_out) = shown(&cap.strokes);
         @let columns: Vec<_> = COLUMNS.iter().filter(|column| cap.strokes.iter().any(|stroke| column.1(stroke).is_some())).collect();
         table {
             tbody {
@@ -79,7 +80,7 @@ fn cap_section(summary: &Summary, cap: &CapMeasures) -> Markup {
             table {
                 thead { tr { th { "Stroke" } @for (name, _) in &columns { th.number { (name) } } } }
                 tbody {
-                    @for stroke in &cap.strokes {
+                    @for stroke in &strokes {
                         tr {
                             td { (stroke.index) }
                             @for (_, measure) in &columns { td.number { (value(measure(stroke))) } }
@@ -88,6 +89,7 @@ fn cap_section(summary: &Summary, cap: &CapMeasures) -> Markup {
                 }
             }
         }
+        (left_out)
     }
 }
 

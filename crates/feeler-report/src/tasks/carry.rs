@@ -44,6 +44,11 @@ fn turned(from: &ObjectPose, to: &ObjectPose) -> (f64, f64) {
     (side.y.atan2(side.x), upright.angle_between(DVec3::Z))
 }
 
+/// By how much the upright axis of an object tips from one pose to another, rad.
+pub(crate) fn tip(from: &ObjectPose, to: &ObjectPose) -> f64 {
+    turned(from, to).1
+}
+
 /// The report of this task.
 pub struct CarryReport;
 

@@ -6,9 +6,9 @@ use crate::contour_points::{drawn, section};
 use crate::figures::{Figure, outline};
 use crate::measures::distance_to_path;
 use crate::run_data::RunData;
-use crate::series::{longest_stretch, maximum, rms};
+use crate::series::{maximum, rms};
 use crate::summary::Summary;
-use feeler_record::{Phase, Recording, TaskOutcome};
+use feeler_record::{Recording, TaskOutcome};
 use glam::DVec2;
 use maud::Markup;
 
@@ -64,28 +64,8 @@ fn corners(section: &[DVec2]) -> Vec<DVec2> {
 }
 
 /// Longest time without touch while the finger followed, s.
-fn longest_loss(recording: &Recording) -> Option<f64> {
-    let following = |stamp: f64| {
-        let steps = recording
-            .task
-            .partition_point(|task| task.stamp <= stamp + 1e-9);
-        let step = steps.checked_sub(1).map(|step| &recording.task[step]);
-        step.is_some_and(|task| task.phase == Phase::Move)
-    };
-    let threshold = recording.facts.touch_force_threshold;
-    let frames = &recording.fingers.first()?.tactile;
-    let mut frames = frames
-        .iter()
-        .filter(|frame| following(frame.stamp))
-        .peekable();
-    frames.peek()?;
-    let lost = frames.map(|frame| {
-        let forces = frame.forces.iter().map(|&force| glam::DVec3::from(force));
-        !forces
-            .map(|force| force.length())
-            .any(|force| force > threshold)
-    });
-    Some(longest_stretch(lost) as f64 * recording.facts.control_period)
+fn longest_loss(data: &RunData) -> Option<f64> {
+    Some(data.longest_loss? as f64 * data.facts.control_period)
 }
 
 /// The report of this task.
@@ -96,8 +76,8 @@ impl TaskReport for ContourReport {
         "of this task"
     }
 
-    fn claims(&self, recording: &Recording, _: &RunData) -> Vec<Claim> {
-        claims(recording)
+    fn claims(&self, recording: &Recording, data: &RunData) -> Vec<Claim> {
+        claims(recording, data)
     }
 
     fn figures(&self, recording: &Recording, data: &RunData) -> Vec<Figure> {
@@ -114,7 +94,7 @@ impl TaskReport for ContourReport {
 }
 
 /// What the task is held to.
-fn claims(recording: &Recording) -> Vec<Claim> {
+fn claims(recording: &Recording, data: &RunData) -> Vec<Claim> {
     let section = section(recording);
     let drawn: Vec<_> = drawn(recording).into_iter().map(|(_, p)| p).collect();
     let known = section.len() > 1 && !drawn.is_empty();
@@ -180,7 +160,7 @@ fn claims(recording: &Recording) -> Vec<Claim> {
             vec![
                 ClaimPart::new(
                     "longest time without touch",
-                    longest_loss(recording),
+                    longest_loss(data),
                     Relation::AtMost,
                     LOST_TIME,
                 )

@@ -1,7 +1,7 @@
 //! What the report of each task shows that no other task's does: its claims, measures and figures.
 
 mod cap;
-mod carry;
+pub(crate) mod carry;
 pub mod contour;
 mod findings;
 mod friction_scan;
@@ -10,10 +10,11 @@ mod screw;
 use super::cap::is_felt;
 use super::claim::Claim;
 use super::figures::Figure;
+use super::make::SUMMARY;
 use super::run_data::RunData;
 use super::summary::Summary;
 use feeler_record::{Recording, RunFacts, TaskKind};
-use maud::Markup;
+use maud::{Markup, html};
 
 /// Whose the claims of the screw task are.
 pub(crate) const PAPERS: &str = "of the paper";
@@ -34,6 +35,29 @@ pub trait TaskReport: Sync {
 
     /// What the run measured: sections with headings.
     fn measured(&self, recording: &Recording, summary: &Summary) -> Markup;
+}
+
+/// Strokes that a table shows at most.
+const MOST_SHOWN: usize = 100;
+
+/// The strokes that a table shows, the first and the last of many, and a note about the others.
+fn shown<S>(strokes: &[S]) -> (Vec<&S>, Markup) {
+    let left_out = strokes.len().saturating_sub(MOST_SHOWN);
+    let shown = if left_out > 0 {
+        MOST_SHOWN / 2
+    } else {
+        strokes.len()
+    };
+    let (first, rest) = strokes.split_at(shown);
+    let last = &rest[rest.len().saturating_sub(MOST_SHOWN / 2)..];
+    let note = html! {
+        @if left_out > 0 {
+            p.note {
+                "Left out here are " (left_out) " strokes in the middle; " code { (SUMMARY) } " has them all."
+            }
+        }
+    };
+    (first.iter().chain(last).collect(), note)
 }
 
 /// The control law of the paper.

@@ -1,6 +1,6 @@
 //! The report of the screw task: the paper's claims and figures, and a table of strokes.
 
-use super::{PAPERS, TaskReport};
+use super::{PAPERS, TaskReport, shown};
 use crate::claim::Claim;
 use crate::claims::claims;
 use crate::figures::{Figure, paths, radius, time};
@@ -110,13 +110,14 @@ fn strokes_table(strokes: &[StrokeMeasures]) -> Markup {
     let (columns, missing): (Vec<&Column>, Vec<&Column>) =
         STROKE_COLUMNS.iter().partition(|c| measured(c));
     let missing: Vec<_> = missing.iter().map(|column| column.0).collect();
+    let (strokes, left_out) = shown(strokes);
     html! {
         div.scroll {
             table {
                 thead {
                     tr {
                         th { "Stroke" }
-                        @for stroke in strokes { th.number { (stroke.index) } }
+                        @for stroke in &strokes { th.number { (stroke.index) } }
                     }
                 }
                 tbody {
@@ -126,12 +127,13 @@ fn strokes_table(strokes: &[StrokeMeasures]) -> Markup {
                                 (name)
                                 @if !unit.is_empty() { " " span.unit { "(" (unit) ")" } }
                             }
-                            @for stroke in strokes { td.number { (value(measure(stroke))) } }
+                            @for stroke in &strokes { td.number { (value(measure(stroke))) } }
                         }
                     }
                 }
             }
         }
+        (left_out)
         @if !missing.is_empty() { p.note { "Not measured: " (missing.join("; ")) "." } }
     }
 }

@@ -1,0 +1,141 @@
+//! What stays of a long run.
+
+use crate::run_data::{RunData, Stroke, keep};
+use crate::tasks::carry::tip;
+use crate::thinned::{Quantity, rows_that_stay};
+use feeler_record::{FindingName, Phase, Recording, Stamped};
+use glam::DVec3;
+use std::ops::Range;
+
+/// Findings and poses of the object that are kept before some are let go of.
+const MESSAGES: usize = 20_000;
+/// Rows that a cell keeps, at most, of two fingers.
+const OF_CELL: usize = 10;
+
+/// Memory of a row, bytes, by what the recording's newest messages hold.
+pub fn row_size(recording: &Recording) -> usize {
+    let fingers = recording.fingers.iter().map(|finger| {
+        let elements = finger.tactile.last().map_or(0, |frame| frame.forces.len());
+        let of_elements = elements * size_of::<DVec3>() + size_of::<Vec<DVec3>>();
+        of_elements + 16 * size_of::<f64>() + 8 * size_of::<f64>()
+    });
+    fingers.sum::<usize>() + 16 * size_of::<f64>()
+}
+
+/// The rows that stay of `data`, and the length of their cells, s: all that are `pinned`, and of the rest at most `most`.
+/// Cells are at least `cell` long; within a cell MOVE is told from what is around it as long as so many `strokes` leave
+/// room for that.
+pub fn rows_of_cells(
+    data: &RunData,
+    pinned: &[Range<usize>],
+    (strokes, most): (usize, usize),
+    cell: Option<f64>,
+) -> (Vec<usize>, f64) {
+    let quantities = quantities(data);
+    let pinned_rows = pinned.iter().map(ExactSizeIterator::len).sum::<usize>();
+    let span = data.time.last().zip(data.time.first());
+    let span = span.map_or(0.0, |(last, first)| last - first);
+    let shortest = cell.unwrap_or(4.0 * data.facts.control_period);
+    let mut by_phase = strokes * 2 * OF_CELL <= most;
+    let mut cell = shortest;
+    loop {
+        let of_row = |row: usize| {
+            let free = !pinned.iter().any(|rows| rows.contains(&row));
+            free.then(|| {
+                let moving = by_phase && data.phase[row] == Phase::Move;
+                ((data.time[row] / cell) as i64, moving)
+            })
+        };
+        let stay = rows_that_stay(data.time.len(), of_row, &quantities);
+        if stay.len() <= most + pinned_rows || (cell > span && !by_phase) {
+            return (stay, cell);
+        }
+        (cell, by_phase) = match cell > span {
+            true => (shortest, false),
+            false => (2.0 * cell, by_phase),
+        };
+    }
+}
+
+/// What figures show peaks of, and measures.
+fn quantities(data: &RunData) -> Vec<Box<Quantity<'_>>> {
+    let peak_force = |row: usize| {
+        let fingers = data.fingers.iter();
+        let forces = fingers.flat_map(|finger| finger.forces[row].iter());
+        forces.map(|force| force.z).fold(f64::MIN, f64::max)
+    };
+    let peak_forces: Vec<f64> = (0..data.time.len()).map(peak_force).collect();
+    let mut quantities: Vec<Box<Quantity<'_>>> = vec![
+        Box::new(move |row| peak_forces[row]),
+        Box::new(|row| data.grasp_force(row)),
+    ];
+    for finger in &data.fingers {
+        quantities.push(Box::new(|row| finger.grasp_force[row]));
+        quantities.push(Box::new(|row| finger.shear_rate[row]));
+    }
+    if let Some(torque) = &data.torque {
+        // Before it is known it is nowhere greatest.
+        let known = |torque: f64| if torque.is_nan() { f64::MIN } else { torque };
+        quantities.push(Box::new(move |row| known(torque[row])));
+        quantities.push(Box::new(move |row| known(-torque[row])));
+    }
+    quantities
+}
+
+/// A stroke in other rows.
+pub fn moved(stroke: &Stroke, rows: impl Fn(&Range<usize>) -> Range<usize>) -> Stroke {
+    Stroke {
+        rows: rows(&stroke.rows),
+        moving: rows(&stroke.moving),
+        ..*stroke
+    }
+}
+
+/// Lets go of findings and of poses of the object, where there are too many: of those from before `open` (s), unless
+/// these alone are too many.
+pub fn thin_messages(recording: &mut Recording, open: f64) {
+    let findings = &recording.findings;
+    if findings.len() > MESSAGES {
+        let torque = |row: usize| {
+            let torque = findings[row].value(&FindingName::Torque);
+            torque.unwrap_or(f64::MIN)
+        };
+        let stay = messages_that_stay(findings, open, &[Box::new(torque)]);
+        keep(&mut recording.findings, &stay);
+    }
+    let object = &recording.object;
+    if object.len() > MESSAGES {
+        let first = object[0].clone();
+        let height = |row: usize| object[row].position.z;
+        let tip = |row: usize| tip(&first, &object[row]);
+        let stay = messages_that_stay(object, open, &[Box::new(height), Box::new(tip)]);
+        keep(&mut recording.object, &stay);
+    }
+}
+
+fn messages_that_stay<M: Stamped>(
+    messages: &[M],
+    open: f64,
+    quantities: &[Box<Quantity<'_>>],
+) -> Vec<usize> {
+    let since = messages.iter().filter(|m| m.stamp() >= open).count();
+    let open = if since > MESSAGES / 4 {
+        f64::INFINITY
+    } else {
+        open
+    };
+    let ends = messages.first().zip(messages.last());
+    let span = ends.map_or(0.0, |(first, last)| last.stamp() - first.stamp());
+    let mut cell = 4.0 * span / MESSAGES as f64;
+    loop {
+        let of_message = |row: usize| {
+            let stamp = messages[row].stamp();
+            (stamp < open).then(|| (stamp / cell) as i64)
+        };
+        let stay = rows_that_stay(messages.len(), of_message, quantities);
+        if stay.len() <= MESSAGES / 2 || cell > span {
+            return stay;
+        }
+        cell *= 2.0;
+    }
+}

@@ -1,0 +1,66 @@
+//! What is measured of all rows of a run as they come.
+
+use crate::claims::{PEAK_ENDS_BELOW, PEAK_RISES_ABOVE, SMOOTHING, damage_limit, samples};
+use crate::peaks::PeakCounter;
+use crate::run_data::RunData;
+use crate::thinned::Pressed;
+use std::ops::Range;
+
+pub struct OverAll {
+    grasp_force: PeakCounter,
+    torque: PeakCounter,
+    /// The first of all rows at which the torque is known.
+    first_torque: Option<usize>,
+    /// See [`Thinned::longest_above`](crate::thinned::Thinned::longest_above).
+    pub pressed: Vec<Pressed>,
+}
+
+impl OverAll {
+    /// Of a run without rows yet.
+    pub fn new(data: &RunData) -> Self {
+        let window = samples(data, SMOOTHING);
+        let peaks = PeakCounter::new(window, PEAK_RISES_ABOVE, PEAK_ENDS_BELOW);
+        let of_cap = data.facts.cap.map(|cap| cap.damage_force);
+        let limits = [damage_limit(&data.facts)].into_iter().chain(of_cap);
+        Self {
+            grasp_force: peaks.clone(),
+            torque: peaks,
+            first_torque: None,
+            pressed: limits
+                .map(|limit| Pressed::new(limit, data.fingers.len()))
+                .collect(),
+        }
+    }
+
+    /// Takes the newest rows of `data`, the first of which has the number `place` of all.
+    pub fn take(&mut self, data: &RunData, rows: Range<usize>, place: usize) {
+        for (row, place) in rows.zip(place..) {
+            self.grasp_force.take(data.grasp_force(row));
+            if let Some(torque) = &data.torque {
+                if self.first_torque.is_none() && torque[row].is_finite() {
+                    self.first_torque = Some(place);
+                }
+                if self.first_torque.is_some() {
+                    self.torque.take(torque[row]);
+                }
+            }
+            for pressed in &mut self.pressed {
+                for (finger, columns) in data.fingers.iter().enumerate() {
+                    let forces = columns.forces[row].iter();
+                    pressed.take(finger, forces.map(|force| force.z));
+                }
+            }
+        }
+    }
+
+    /// Peaks of grasp force and of torque; of torque only where it is known from before `first_move` on, the number of
+    /// the row at which the first MOVE begins.
+    pub fn peaks(&self, first_move: Option<usize>) -> [Option<usize>; 2] {
+        let in_time = |first: usize| first_move.is_none_or(|start| first <= start);
+        let torque = self.first_torque.filter(|&first| in_time(first));
+        [
+            self.grasp_force.clone().count(),
+            torque.and_then(|_| self.torque.clone().count()),
+        ]
+    }
+}

@@ -1,0 +1,175 @@
+//! Counts the peaks of a series of any length as it comes.
+
+use super::series::count_peaks;
+use std::collections::VecDeque;
+
+/// Counts what [`count_peaks`] would count in the [`moving_mean`](super::series::moving_mean) of the series. It remembers
+/// only those turns of the mean that can matter, which are about two for each peak.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct PeakCounter {
+    /// Samples on each side of the middle of the mean's window.
+    half: usize,
+    /// The newest samples, up to a whole window of them.
+    newest: VecDeque<f64>,
+    /// Samples so far.
+    taken: usize,
+    /// Of [`count_peaks`].
+    upper: f64,
+    lower: f64,
+    /// Largest mean so far.
+    largest: f64,
+    /// Turns of the mean that can matter, high and low by turns, and its last value.
+    turns: Vec<f64>,
+    /// Whether something was no number.
+    spoilt: bool,
+}
+
+impl PeakCounter {
+    /// Of a mean over `window` samples, with the shares of the largest value above which a peak begins and below which
+    /// it ends.
+    pub fn new(window: usize, upper: f64, lower: f64) -> Self {
+        Self {
+            half: window / 2,
+            newest: VecDeque::new(),
+            taken: 0,
+            upper,
+            lower,
+            largest: f64::NEG_INFINITY,
+            turns: Vec::new(),
+            spoilt: false,
+        }
+    }
+
+    /// Takes the next sample.
+    pub fn take(&mut self, sample: f64) {
+        if self.newest.len() > 2 * self.half {
+            self.newest.pop_front();
+        }
+        self.newest.push_back(sample);
+        self.taken += 1;
+        if self.taken > self.half {
+            // The window about the sample `half` before this one is complete.
+            self.take_mean(0);
+        }
+    }
+
+    /// The count; none if nothing is above 0, or something is no number.
+    pub fn count(mut self) -> Option<usize> {
+        let first = self.taken - self.newest.len();
+        for middle in self.taken.saturating_sub(self.half)..self.taken {
+            let start = middle.saturating_sub(self.half).max(first);
+            self.take_mean(start - first);
+        }
+        match self.spoilt {
+            true => None,
+            false => count_peaks(&self.turns, self.upper, self.lower),
+        }
+    }
+
+    /// Takes the mean of the newest samples without the first `skipped`, summed in the order of `moving_mean`.
+    fn take_mean(&mut self, skipped: usize) {
+        let near = self.newest.iter().skip(skipped);
+        let mean = near.sum::<f64>() / (self.newest.len() - skipped) as f64;
+        self.spoilt |= !mean.is_finite();
+        if !self.spoilt {
+            self.largest = self.largest.max(mean);
+            while self.forget_a_turn(mean) {}
+            self.turns.push(mean);
+        }
+    }
+
+    /// Forgets turns that make no difference to the count, whatever comes after `next`; whether there were any.
+    ///
+    /// The largest value of all, M, will be no less than now. A high turn counts only above `upper` M, a low one only
+    /// below `lower` M. A low turn `b` and a higher one `z` after it that are [close](Self::are_close) cannot both count.
+    fn forget_a_turn(&mut self, next: f64) -> bool {
+        let count = self.turns.len();
+        let [.., before, last] = self.turns[..] else {
+            return false;
+        };
+        let falls = next < last;
+        let goes_on = (before <= last && !falls) || (before >= last && next <= last);
+        // A high turn that is too low for any M.
+        let too_low = falls && before < last && last <= self.upper * self.largest;
+        if goes_on || too_low {
+            self.turns.pop();
+            return true;
+        }
+        if falls && next <= before && self.are_close(before, last) {
+            // Where `before` ends a peak, so does what is lower and follows; where `last` begins one, it does so with
+            // what stood before `before`, or alone.
+            self.turns.remove(count - 2);
+            if let [.., high, last] = self.turns[..] {
+                self.turns.truncate(self.turns.len() - 2);
+                self.turns.push(high.max(last));
+            }
+            return true;
+        }
+        if let ([.., low, high, last], false) = (&self.turns[..], falls) {
+            // Where `high` begins a peak, `last` is too high to end it; elsewhere `low` has ended it.
+            if low < last && last < high && self.are_close(*low, *high) {
+                self.turns.pop();
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Whether no M is so that a low turn ends a peak and the high one after it begins another, with room for rounding.
+    fn are_close(&self, low: f64, high: f64) -> bool {
+        1.001 * self.lower * high <= self.upper * low
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::series::moving_mean;
+    use super::*;
+    use proptest::prelude::*;
+
+    fn counter(series: &[f64], window: usize) -> PeakCounter {
+        let mut counter = PeakCounter::new(window, 0.10, 0.05);
+        series.iter().for_each(|&sample| counter.take(sample));
+        counter
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(2000))]
+
+        /// Levels over four powers of ten, held and noisy, so that what was a peak drowns in later ones.
+        #[test]
+        fn it_counts_what_the_whole_series_has(
+            levels in prop::collection::vec((-3.5..0.5f64, 1..6usize, 0.0..0.6f64), 0..60),
+            sign in prop::bool::weighted(0.9),
+            window in prop::sample::select(vec![1, 3, 5, 51]),
+        ) {
+            let levels = levels.iter().enumerate();
+            let series: Vec<f64> = levels.flat_map(|(k, &(level, length, noise))| {
+                let sign = if sign || k % 3 > 0 { 1.0 } else { -1.0 };
+                (0..length).map(move |i| {
+                    let wave = f64::from((7 * i as u32 + 3 * k as u32) % 5) / 5.0 - 0.4;
+                    sign * 10_f64.powf(level) * (1.0 + noise * wave)
+                })
+            }).collect();
+            let expected = count_peaks(&moving_mean(&series, window), 0.10, 0.05);
+            prop_assert_eq!(counter(&series, window).count(), expected);
+        }
+    }
+
+    #[test]
+    fn it_remembers_peaks_and_not_samples() {
+        let stroke = |i: i32| (f64::from(i) * 0.01).sin().max(0.0);
+        let noisy = |i: i32| stroke(i) + 0.03 * f64::from(i * 7919 % 13 - 6) / 6.0;
+        let series: Vec<_> = (0..200_000).map(noisy).collect();
+        let counter = counter(&series, 5);
+        let peaks = count_peaks(&moving_mean(&series, 5), 0.10, 0.05);
+        assert!(counter.turns.len() < 3 * peaks.unwrap_or(0), "{peaks:?}");
+        assert_eq!(counter.count(), peaks);
+    }
+
+    #[test]
+    fn what_is_no_number_spoils_the_count() {
+        assert_eq!(counter(&[1.0, f64::NAN, 1.0], 3).count(), None);
+        assert_eq!(counter(&[], 3).count(), None);
+    }
+}
