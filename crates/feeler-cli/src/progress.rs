@@ -94,6 +94,35 @@ impl Drop for Steps {
     }
 }
 
+/// Reading of a file, of which it is known how far it got.
+pub struct Reading(ProgressBar);
+
+/// Parts of a file that a bar tells apart.
+const PARTS: u64 = 1000;
+
+impl Reading {
+    /// A bar; hidden unless standard error is a terminal.
+    pub fn new() -> Self {
+        let bar = ProgressBar::new(PARTS);
+        let style = ProgressStyle::with_template("{msg} {bar:32} {percent} %, {elapsed}");
+        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+        bar.set_message("reading the recording");
+        bar.enable_steady_tick(TICK);
+        Self(bar)
+    }
+
+    /// This share of the file was read, 0 to 1.
+    pub fn show(&self, share: f64) {
+        self.0.set_position((share * PARTS as f64) as u64);
+    }
+}
+
+impl Drop for Reading {
+    fn drop(&mut self) {
+        self.0.finish_and_clear();
+    }
+}
+
 /// Work of which nobody knows how long it takes; on the screen until it is dropped.
 pub struct Working(ProgressBar);
 

@@ -1,8 +1,9 @@
 //! `feeler report`
 
+use super::progress::Reading;
 use super::{CommandError, Outcome};
 use feeler_report::cap::CapMeasures;
-use feeler_report::make::{RECORDING, ReportOutcome, make};
+use feeler_report::make::{RECORDING, ReportError, ReportOutcome, make_with};
 use feeler_report::{Summary, Verdict};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -15,7 +16,7 @@ pub struct Arguments {
 
 pub fn report(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     let folder = folder(&arguments.run)?;
-    let made = make(folder)?;
+    let made = made(folder)?;
     print_outcome(&made, out)?;
     if let Some(problem) = &made.problem {
         let readable_until = made.readable_until;
@@ -27,6 +28,12 @@ pub fn report(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Com
         .into());
     }
     Ok(Outcome::Done)
+}
+
+/// Makes the report of the run in `folder`, and shows how far it got.
+pub fn made(folder: &Path) -> Result<ReportOutcome, ReportError> {
+    let reading = Reading::new();
+    make_with(folder, &mut |share| reading.show(share))
 }
 
 /// The folder of the run that is meant by `path`.

@@ -1,6 +1,6 @@
 //! The record of a hand that moves, which never waits for it.
 
-use crate::report::print_outcome;
+use crate::report::{made, print_outcome};
 use crate::warnings::Warnings;
 use crate::{CommandError, Outcome};
 use feeler::control::controller::RecordingFailure;
@@ -10,7 +10,7 @@ use feeler_link::programs::{RemoteLoop, RigSpeed};
 use feeler_record::{
     CLOSE_LIMIT, InstrumentRecord, Patience, RecordError, RecordOptions, Recorder, RunEnd, RunLog,
 };
-use feeler_report::make::{RECORDING, ReportOutcome, make};
+use feeler_report::make::{RECORDING, ReportOutcome};
 use std::io::Write;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -146,7 +146,7 @@ impl HandRecord {
         let report = match &closed {
             // A report would wait for the same disk.
             Err(RecordError::NotClosed { .. }) => None,
-            _ => Some(make(&folder).map_err(CommandError::from)),
+            _ => Some(made(&folder).map_err(CommandError::from)),
         };
         Finished {
             end,

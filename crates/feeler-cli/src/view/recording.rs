@@ -4,9 +4,9 @@ use super::ServerArguments;
 use super::page::say_where;
 use super::server::Door;
 use crate::interrupt::watch_for_interrupt;
+use crate::progress::Reading;
 use crate::{CommandError, Outcome};
-use feeler_record::Recording;
-use feeler_report::make::page_of;
+use feeler_report::make::page_of_file;
 use std::io::Write;
 use std::path::Path;
 use std::sync::atomic::Ordering;
@@ -22,7 +22,9 @@ pub fn view(
     arguments: &ServerArguments,
     out: &mut dyn Write,
 ) -> Result<Outcome, CommandError> {
-    let page = page_of(&Recording::read(path)?);
+    let reading = Reading::new();
+    let page = page_of_file(path, &mut |share| reading.show(share))?;
+    drop(reading);
     let interrupted = watch_for_interrupt()?;
     let door = Door::open(arguments.port)?;
     let url = door.address.url();

@@ -3,6 +3,7 @@
 mod claims;
 mod digest;
 mod figures;
+mod long_run;
 mod mcap_tools;
 mod page_contract;
 mod page_data;

@@ -26,6 +26,7 @@ fn data(rates: &[f64], torque: f64) -> RunData {
         forces: vec![vec![DVec3::Z]; ROWS],
         position: vec![DVec3::ZERO; ROWS],
         rotation: vec![DQuat::IDENTITY; ROWS],
+        joints: vec![[0.0; 3]; ROWS],
         tips: vec![DVec3::X],
     };
     RunData {
@@ -37,6 +38,9 @@ fn data(rates: &[f64], torque: f64) -> RunData {
         fingers: rates.iter().map(finger).collect(),
         strokes: Vec::new(),
         findings: BTreeMap::new(),
+        object: None,
+        longest_loss: None,
+        thinned: None,
     }
 }
 
