@@ -35,7 +35,7 @@ report() {  # name, program, run's folder
 
 for count in "${strokes[@]}"; do
     run=$out/run-$count
-    "$feeler" run cap-closing --sensing direct --set task.screw.strokes="$count" --set time_limit=1000000 --out "$run" >/dev/null 2>&1 || true
+    "$feeler" run cap-closing --sensing direct --set task.screw.strokes="$count" --set time_limit=100000 --out "$run" >/dev/null 2>&1 || true
     for round in 1 2 3; do
         [ -z "$other" ] || report before "$other" "$run"
         report today "$feeler" "$run"

@@ -59,17 +59,21 @@ fn peak(strokes: u32) -> (usize, usize) {
     let page = page(&recording, &data, &summary, &figures);
     let peak = PEAK.load(Ordering::Relaxed) - before;
     fs::remove_file(&path).expect("the file");
+    assert!(page.contains("This run is long. Of its "));
     (peak, page.len())
 }
 
 #[test]
 fn a_report_of_a_longer_run_needs_no_more_memory() {
-    // Both leave rows out; 304 rows a stroke.
+    // Both leave rows out; a stroke has 300.
     let [(short, page), (long, long_page)] = [20, 80].map(peak);
     // What grows are strokes: 60 more, of some hundred bytes each of measures, and their columns in a table. How full the
     // rows' room is when the recording ends is chance, and up to a quarter of it.
     let room = MEMORY / 4 + 60 * 4_000;
     assert!(long < short + room, "{short} bytes, then {long}");
     assert!(long < 8 * MEMORY, "{long} bytes");
-    assert!(long_page < page + page / 2 + 60 * 4_000, "{page}, then {long_page}");
+    assert!(
+        long_page < page + page / 2 + 60 * 4_000,
+        "{page}, then {long_page}"
+    );
 }

@@ -15,7 +15,7 @@ use super::run_data::{RunData, Stroke, findings, keep, split_strokes};
 use super::strokes::StrokeMeasures;
 use super::thinned::Thinned;
 use feeler_record::{RecordError, Recording};
-use letting_go::{moved, row_size, rows_of_cells, thin_messages};
+use letting_go::{kept_rows, moved, row_size, rows_of_cells, shifted, thin_messages};
 use over_all::OverAll;
 use std::ops::Range;
 use std::path::Path;
@@ -264,15 +264,4 @@ impl LongRun {
         }));
         self.data
     }
-}
-
-/// Rows moved by so many.
-fn shifted(rows: &Range<usize>, by: usize) -> Range<usize> {
-    rows.start + by..rows.end + by
-}
-
-/// The rows that are kept of a span of all, by which of all each is.
-fn kept_rows(places: &[usize], rows: &Range<usize>) -> Range<usize> {
-    let first_from = |row: usize| places.partition_point(|&place| place < row);
-    first_from(rows.start)..first_from(rows.end)
 }

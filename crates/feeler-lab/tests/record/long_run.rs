@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 /// Room for 4 to 7 thousand rows of two fingers: all of 20 strokes, or four strokes in a quarter of it.
 const MEMORY: usize = 18 << 20;
 /// Rows of a stroke.
-const STROKE: usize = 304;
+const STROKE: usize = 300;
 
 fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
@@ -20,12 +20,16 @@ fn folder(name: &str) -> PathBuf {
     folder
 }
 
-/// A recording of so many strokes.
+/// A recording of so many strokes on a rig with all instruments.
 fn long(name: &str, strokes: u32) -> PathBuf {
+    long_on(support::SIMULATED, name, strokes)
+}
+
+fn long_on(rig: support::Rig, name: &str, strokes: u32) -> PathBuf {
     let path = folder("long-run").join(name);
     let recorder = Recorder::create(&path, &support::facts(), support::EXPERIMENT);
     let mut recorder = recorder.expect("a recorder");
-    support::write_strokes(&mut recorder, strokes).expect("strokes");
+    support::write_strokes_on(&mut recorder, strokes, rig).expect("strokes");
     recorder.finish(Some(0.25)).expect("a recording");
     path
 }
@@ -58,7 +62,8 @@ fn a_run_of_ordinary_length_is_read_as_it_is_in_memory() {
         assert_eq!(recording.digest, whole.digest);
         assert_eq!(recording.end, whole.end);
         assert!(recording.complete && data.thinned.is_none());
-        assert!(recording.task.len() < whole.task.len() / 2, "it lets go");
+        let kept = recording.task.len();
+        assert!(kept < whole.task.len() * 2 / 3, "it lets go: {kept} stay");
         assert!(shares.len() > 2 && shares.is_sorted() && shares.iter().all(|s| *s <= 1.0));
     }
 }
@@ -106,8 +111,26 @@ fn a_long_run_measures_what_it_does_in_memory() {
     assert!(data.time.is_sorted());
     let kept = data.strokes.iter().filter(|s| s.whole);
     assert_eq!(kept.map(|s| s.rows.len()).collect::<Vec<_>>(), [STROKE; 4]);
-    let felt = |recording, data| CapMeasures::new(recording, data);
-    assert_eq!(felt(&recording, &data), felt(&whole, &expected));
+}
+
+/// So many strokes that of what the hand felt not everything is kept either.
+#[test]
+fn what_was_felt_in_a_long_run_is_measured_as_in_memory() {
+    let feeling = support::Rig {
+        feels: true,
+        torque_from: Some(2.0),
+        ..support::SIMULATED
+    };
+    let path = long_on(feeling, "seventy.mcap", 70);
+    let (whole, expected) = in_memory(&path);
+    let (recording, data) = read_within(&path, MEMORY, &mut |_| {}).expect("a run");
+    assert!(recording.findings.len() < whole.findings.len() / 2);
+    let felt = CapMeasures::new(&recording, &data).expect("what was felt");
+    assert_eq!(felt.strokes.len(), 70);
+    assert!(felt.strokes.iter().all(|s| s.felt_torque.is_some()));
+    assert_eq!(Some(felt), CapMeasures::new(&whole, &expected));
+    let summary = Summary::new(&recording, &data);
+    assert_eq!(text(&summary), text(&Summary::new(&whole, &expected)));
 }
 
 #[test]
@@ -132,7 +155,7 @@ fn peaks_of_a_long_run_stay_in_its_columns() {
     for (kept, all) in data.fingers.iter().zip(&whole.fingers) {
         for column in [
             |f: &feeler_report::FingerColumns| f.grasp_force.clone(),
-            |f| f.shear_rate.clone(),
+            |f: &feeler_report::FingerColumns| f.shear_rate.clone(),
         ] {
             assert_eq!(
                 greatest(&data, &column(kept)),

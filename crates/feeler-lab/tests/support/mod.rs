@@ -130,7 +130,12 @@ pub fn write_strokes(recorder: &mut Recorder, strokes: u32) -> Result<(), Record
     write_strokes_on(recorder, strokes, SIMULATED)
 }
 
-fn write_strokes_on(recorder: &mut Recorder, strokes: u32, rig: Rig) -> Result<(), RecordError> {
+/// The same on a rig.
+pub fn write_strokes_on(
+    recorder: &mut Recorder,
+    strokes: u32,
+    rig: Rig,
+) -> Result<(), RecordError> {
     let mut run = MadeUp::on(rig);
     for stroke in 1..=strokes {
         for (phase, steps) in PHASES {

@@ -91,6 +91,17 @@ pub fn moved(stroke: &Stroke, rows: impl Fn(&Range<usize>) -> Range<usize>) -> S
     }
 }
 
+/// Rows moved by so many.
+pub fn shifted(rows: &Range<usize>, by: usize) -> Range<usize> {
+    rows.start + by..rows.end + by
+}
+
+/// The rows that are kept of a span of all, by which of all each is.
+pub fn kept_rows(places: &[usize], rows: &Range<usize>) -> Range<usize> {
+    let first_from = |row: usize| places.partition_point(|&place| place < row);
+    first_from(rows.start)..first_from(rows.end)
+}
+
 /// Lets go of findings and of poses of the object, where there are too many: of those from before `open` (s), unless
 /// these alone are too many.
 pub fn thin_messages(recording: &mut Recording, open: f64) {
