@@ -72,7 +72,8 @@ struct LongRun {
     numbers: Vec<u32>,
     /// Rows so far.
     count: usize,
-    /// Most rows.
+    /// Memory that rows may take, bytes, and how many that are of those that come now.
+    memory: usize,
     most: usize,
     /// Length of a cell, s; none while all rows are kept.
     cell: Option<f64>,
@@ -95,7 +96,8 @@ impl LongRun {
     fn new(recording: &Recording, memory: usize) -> Self {
         let data = RunData::empty(recording);
         Self {
-            most: (memory / row_size(recording)).clamp(ROWS.0, ROWS.1),
+            memory,
+            most: ROWS.1,
             over_all: OverAll::new(&data),
             data,
             places: Vec::new(),
@@ -139,6 +141,7 @@ impl LongRun {
         self.over_all.take(&self.data, rows.clone(), self.count);
         self.count += rows.len();
         self.close_strokes(recording);
+        self.most = (self.memory / row_size(&self.data)).clamp(ROWS.0, ROWS.1);
         if self.data.time.len() > self.most {
             self.thin();
         }

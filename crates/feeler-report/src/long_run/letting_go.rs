@@ -12,14 +12,15 @@ const MESSAGES: usize = 20_000;
 /// Rows that a cell keeps, at most, of two fingers.
 const OF_CELL: usize = 10;
 
-/// Memory of a row, bytes, by what the recording's newest messages hold.
-pub fn row_size(recording: &Recording) -> usize {
-    let fingers = recording.fingers.iter().map(|finger| {
-        let elements = finger.tactile.last().map_or(0, |frame| frame.forces.len());
-        let of_elements = elements * size_of::<DVec3>() + size_of::<Vec<DVec3>>();
-        of_elements + 16 * size_of::<f64>() + 8 * size_of::<f64>()
+/// Memory of the newest row, bytes, about.
+pub fn row_size(data: &RunData) -> usize {
+    /// What is not a force, of a finger and of the rig.
+    const OTHERS: usize = 24 * size_of::<f64>();
+    let fingers = data.fingers.iter().map(|finger| {
+        let elements = finger.forces.last().map_or(0, Vec::len);
+        elements * size_of::<DVec3>() + size_of::<Vec<DVec3>>() + OTHERS
     });
-    fingers.sum::<usize>() + 16 * size_of::<f64>()
+    fingers.sum::<usize>() + OTHERS
 }
 
 /// The rows that stay of `data`, and the length of their cells, s: all that are `pinned`, and of the rest at most `most`.
@@ -144,7 +145,7 @@ fn messages_that_stay<M: Stamped>(
             (stamp < open).then(|| (stamp / cell) as i64)
         };
         let stay = rows_that_stay(messages.len(), of_message, quantities);
-        if stay.len() <= MESSAGES / 2 || cell > span {
+        if stay.len() <= MESSAGES / 2 || cell >= span {
             return stay;
         }
         cell *= 2.0;
