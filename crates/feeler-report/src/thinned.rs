@@ -124,7 +124,7 @@ mod tests {
         let mut values = [0.0; 40];
         values[13] = 5.0;
         values[33] = f64::NAN;
-        let cell = |row: usize| (row < 10 || row >= 12).then_some(row / 20);
+        let cell = |row: usize| (!(10..12).contains(&row)).then_some(row / 20);
         let stay = rows_that_stay(40, cell, &[Box::new(|row| values[row])]);
         assert_eq!(stay, [0, 9, 10, 11, 12, 13, 19, 20, 33, 39]);
         let none: [usize; 0] = [];
