@@ -13,14 +13,22 @@
 //!
 //! `w` and `w p` are smooth, so no weight is kept for any pixel. A sub-region is cut into tiles
 //! (`tile`), in which integer sums of gray values are taken by whichever instructions the
-//! processor has (`sum`, `x86`), and polynomials fitted once (`fit`) say what the sums count for.
+//! processor has (`avx512`, `avx2`, `sse2`, `neon`, `portable`), and polynomials fitted once (`fit`)
+//! say what the sums count for (`sum`).
 
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
 mod fit;
 mod instructions;
+#[cfg(all(target_arch = "aarch64", target_endian = "little"))]
+mod neon;
+mod portable;
+#[cfg(target_arch = "x86_64")]
+mod sse2;
 mod sum;
 mod tile;
-#[cfg(target_arch = "x86_64")]
-mod x86;
 
 pub use instructions::Instructions;
 
@@ -59,8 +67,9 @@ pub struct MomentsKernel {
     tiles: Vec<Tile>,
     /// For each row of each tile, which of its pixels belong to the sub-region.
     masks: Vec<u64>,
-    /// The same, 255 for each pixel that does.
-    byte_masks: Vec<Row>,
+    /// The same, as the grey level that a pixel's is taken off, or of dark elements is taken off: one from where no pixel counts for
+    /// each that does not belong.
+    grounds: Vec<Row>,
     /// The tiles of each element.
     elements: Vec<Range<usize>>,
     instructions: Instructions,
@@ -91,10 +100,8 @@ impl MomentsKernel {
         regions: &[Vec<WeightedPixel>],
     ) -> Result<Self, MomentsError> {
         let kernel = Self::from_subregions(size, config.dark_level, regions)?;
-        Ok(Self {
-            polarity: config.polarity,
-            ..kernel
-        })
+        let levels = kernel.levels.clone();
+        kernel.with_ground(config.polarity, &levels)
     }
 
     /// The kernel of sub-regions given pixel by pixel, one list for each element, for pictures of
@@ -127,17 +134,19 @@ impl MomentsKernel {
             tiling.add(region, width);
             elements.push(first..tiling.tiles.len());
         }
-        Ok(Self {
+        let levels = vec![dark_level; elements.len()];
+        let kernel = Self {
             width,
             height,
             polarity: Polarity::Bright,
-            levels: vec![dark_level; elements.len()],
+            levels: Vec::new(),
             tiles: tiling.tiles,
             masks: tiling.masks,
-            byte_masks: tiling.byte_masks,
+            grounds: Vec::new(),
             elements,
             instructions: Instructions::fastest(),
-        })
+        };
+        kernel.with_ground(Polarity::Bright, &levels)
     }
 
     /// The same kernel for elements of this `polarity`, on ground of a grey level for each: up to it (of dark elements: from it on) a
@@ -150,9 +159,26 @@ impl MomentsKernel {
         if actual != expected {
             return Err(MomentsError::ElementCount { expected, actual });
         }
+        let nothing = match polarity {
+            Polarity::Bright => u8::MAX,
+            Polarity::Dark => 0,
+        };
+        let mut grounds = Vec::with_capacity(self.masks.len());
+        for (element, &level) in self.elements.iter().zip(levels) {
+            for tile in &self.tiles[element.clone()] {
+                let masks = &self.masks[tile.first_mask..][..tile.rows];
+                grounds.extend(masks.iter().map(|mask| {
+                    let own = |column| mask >> column & 1 == 1;
+                    Row(std::array::from_fn(|column| {
+                        if own(column) { level } else { nothing }
+                    }))
+                }));
+            }
+        }
         Ok(Self {
             polarity,
             levels: levels.to_vec(),
+            grounds,
             ..self
         })
     }

@@ -7,7 +7,9 @@
 
 use super::{
     super::subregion::WeightedPixel,
-    tile::{Row, STRIP, STRIPS, SUMS, TILE_ROWS, TILE_WIDTH, Tile, TileWeights, WEIGHTS, basis},
+    tile::{
+        QUARTERS, STRIP, STRIPS, SUMS, TILE_ROWS, TILE_WIDTH, Tile, TileWeights, WEIGHTS, basis,
+    },
 };
 
 /// Largest error of a pixel's area, of itself, and of its area times place, of its area times the
@@ -33,8 +35,6 @@ pub(super) struct Tiling {
     pub tiles: Vec<Tile>,
     /// For each row of each tile, which of its pixels belong to the sub-region, the first lowest.
     pub masks: Vec<u64>,
-    /// The same, 255 for each pixel that does.
-    pub byte_masks: Vec<Row>,
 }
 
 /// A pixel of a strip: what its gray value adds to the sums, and what it shall count for.
@@ -81,20 +81,18 @@ impl Tiling {
         };
         let first_mask = self.masks.len();
         self.masks.resize(first_mask + rows, 0);
-        self.byte_masks
-            .resize(first_mask + rows, Row([0; TILE_WIDTH]));
-        let mut columns = 0;
+        let mut first_rows = [rows; QUARTERS];
         for pixel in pixels {
             let (row, column) = (first_mask + pixel.row - top, pixel.column - left);
             self.masks[row] |= 1 << column;
-            self.byte_masks[row].0[column] = 255;
-            columns = columns.max(column + 1);
+            let first_row = &mut first_rows[column * QUARTERS / TILE_WIDTH];
+            *first_row = (*first_row).min(pixel.row - top);
         }
         self.tiles.push(Tile {
             offset: top * width + left,
             first_mask,
             rows,
-            strips: columns.div_ceil(STRIP),
+            first_rows,
             weights,
         });
     }

@@ -1,6 +1,10 @@
 //! Which instructions moments are taken with.
 
-use super::{ElementMoments, MomentsKernel, sum};
+#[cfg(all(target_arch = "aarch64", target_endian = "little"))]
+use super::neon;
+use super::{ElementMoments, MomentsKernel, portable};
+#[cfg(target_arch = "x86_64")]
+use super::{avx2, avx512, sse2};
 
 /// A way to take moments that some processors have. All give the same moments bit for bit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -10,6 +14,10 @@ pub enum Instructions {
     Avx512Vnni,
     /// AVX2, of x86-64.
     Avx2,
+    /// SSE2, of every x86-64.
+    Sse2,
+    /// NEON, of 64-bit ARM.
+    Neon,
     /// Whatever the program was built for.
     Portable,
 }
@@ -17,7 +25,13 @@ pub enum Instructions {
 impl Instructions {
     /// All that this processor has, the fastest first.
     pub fn available() -> impl Iterator<Item = Self> {
-        let all = [Self::Avx512Vnni, Self::Avx2, Self::Portable];
+        let all = [
+            Self::Avx512Vnni,
+            Self::Avx2,
+            Self::Sse2,
+            Self::Neon,
+            Self::Portable,
+        ];
         all.into_iter()
             .filter(|instructions| instructions.are_available())
     }
@@ -38,9 +52,12 @@ impl Instructions {
             }
             #[cfg(target_arch = "x86_64")]
             Self::Avx2 => is_x86_feature_detected!("avx2"),
-            #[cfg(not(target_arch = "x86_64"))]
-            Self::Avx512Vnni | Self::Avx2 => false,
+            #[cfg(target_arch = "x86_64")]
+            Self::Sse2 => is_x86_feature_detected!("sse2"),
+            #[cfg(all(target_arch = "aarch64", target_endian = "little"))]
+            Self::Neon => std::arch::is_aarch64_feature_detected!("neon"),
             Self::Portable => true,
+            _ => false,
         }
     }
 
@@ -57,14 +74,24 @@ impl Instructions {
             #[cfg(target_arch = "x86_64")]
             // SAFETY: the guard has found the instructions on this processor.
             Self::Avx512Vnni if self.are_available() => unsafe {
-                super::x86::avx512_vnni(kernel, pixels, next, moments);
+                avx512::all_moments(kernel, pixels, next, moments);
             },
             #[cfg(target_arch = "x86_64")]
             // SAFETY: the guard has found the instructions on this processor.
             Self::Avx2 if self.are_available() => unsafe {
-                super::x86::avx2(kernel, pixels, next, moments);
+                avx2::all_moments(kernel, pixels, next, moments);
             },
-            _ => sum::plain::<4>(kernel, pixels, next, moments),
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: the guard has found the instructions on this processor.
+            Self::Sse2 if self.are_available() => unsafe {
+                sse2::all_moments(kernel, pixels, next, moments);
+            },
+            #[cfg(all(target_arch = "aarch64", target_endian = "little"))]
+            // SAFETY: the guard has found the instructions on this processor.
+            Self::Neon if self.are_available() => unsafe {
+                neon::all_moments(kernel, pixels, next, moments);
+            },
+            _ => portable::all_moments(kernel, pixels, next, moments),
         }
     }
 }

@@ -28,6 +28,9 @@ pub(super) const STRIP: usize = 4;
 /// Strips of a tile.
 pub(super) const STRIPS: usize = TILE_WIDTH / STRIP;
 
+/// Quarters of a tile's columns, of four strips each: what the narrowest vectors hold.
+pub(super) const QUARTERS: usize = 4;
+
 /// Sums of a strip.
 pub(super) const SUMS: usize = 10;
 
@@ -60,8 +63,9 @@ pub(super) struct Tile {
     pub first_mask: usize,
     /// How many rows it has.
     pub rows: usize,
-    /// How many of its strips have pixels, up to the last that has.
-    pub strips: usize,
+    /// For each quarter of its columns, the first row with pixels of the sub-region; `rows` if there is none. Rows before it add
+    /// nothing to the quarter's sums.
+    pub first_rows: [usize; QUARTERS],
     /// What its sums count for.
     pub weights: TileWeights,
 }

@@ -1,9 +1,9 @@
-//! The sums of a tile by the vector instructions of x86-64 processors.
+//! The sums of a tile by AVX-512 of x86-64, 64 pixels to an instruction.
 
 use super::{
     ElementMoments, MomentsKernel,
-    sum::{TileRows, Totals, all_elements, plain},
-    tile::{ACROSS, TILE_WIDTH, TileWeights},
+    sum::{TileRows, Totals, all_elements},
+    tile::{ACROSS, TileWeights},
 };
 use std::arch::x86_64::*;
 
@@ -19,33 +19,22 @@ const FACTORS: [i32; 4] = {
     packed
 };
 
-/// Takes the moments with AVX-512: 64 pixels to an instruction.
+/// Takes the moments of all elements.
 #[target_feature(enable = "avx512f,avx512bw,avx512vnni")]
-pub(super) fn avx512_vnni(
+pub(super) fn all_moments(
     kernel: &MomentsKernel,
     pixels: &[u8],
     next: &[u8],
     moments: &mut [ElementMoments],
 ) {
     all_elements(kernel, pixels, next, moments, |rows, weights, totals| {
-        avx512_add_tile(rows, weights, totals);
+        add_tile(rows, weights, totals);
     });
-}
-
-/// Takes the moments with AVX2: 32 pixels to an instruction.
-#[target_feature(enable = "avx2")]
-pub(super) fn avx2(
-    kernel: &MomentsKernel,
-    pixels: &[u8],
-    next: &[u8],
-    moments: &mut [ElementMoments],
-) {
-    plain::<8>(kernel, pixels, next, moments);
 }
 
 #[inline]
 #[target_feature(enable = "avx512f,avx512bw,avx512vnni")]
-fn avx512_add_tile(tile: &TileRows, weights: &TileWeights, totals: &mut Totals) {
+fn add_tile(tile: &TileRows, weights: &TileWeights, totals: &mut Totals) {
     let level = _mm512_set1_epi8(tile.level.cast_signed());
     let [k0, k1, k2, k3] = FACTORS;
     let k0 = _mm512_set1_epi32(k0);
@@ -57,9 +46,7 @@ fn avx512_add_tile(tile: &TileRows, weights: &TileWeights, totals: &mut Totals) 
     let [mut b0, mut b1, mut b2] = [zero; 3];
     let [mut c0, mut c1] = [zero; 2];
     let mut d0 = zero;
-    let mut padding = [0; TILE_WIDTH];
-    for (row, &mask) in tile.masks.iter().enumerate() {
-        let pixels = tile.row(row, &mut padding);
+    for (pixels, &mask) in tile.with_masks() {
         // SAFETY: `pixels` points to 64 bytes that are initialised; any alignment will do.
         let gray = unsafe { _mm512_loadu_si512(pixels.as_ptr().cast()) };
         let bright = if tile.dark {
