@@ -1,0 +1,24 @@
+#!/usr/bin/env bash
+# Picture to forces before a change and after it: two builds of the example moments_speed by turns on one core, so that what else the
+# machine does meets both. Of each line the least median of all turns is printed.
+#
+#   benches/by_turns.sh BEFORE AFTER [TURNS]
+set -euo pipefail
+[ $# -ge 2 ] || { sed -n '2,/^$/s/^# \?//p' "$0"; exit 2; }
+before=$1 after=$2 turns=${3:-3}
+for _ in $(seq "$turns"); do
+    taskset -c 0 "$before" | sed 's/^/before /'
+    taskset -c 0 "$after" | sed 's/^/after  /'
+done | awk '{
+    line = sprintf("%-9s %-8s %-10s", $2, $3, $4)
+    if (!(line in seen)) { seen[line]; order[++count] = line }
+    for (field = 5; field < NF; field++) if ($field == "moments" || $field == "forces") {
+        key = line SUBSEP $field SUBSEP $1
+        time = $(field + 1) + 0
+        if (!(key in least) || time < least[key]) least[key] = time
+    }
+}
+function pair(line, what) {
+    return sprintf("%s %7s -> %7s us", what, least[line, what, "before"], least[line, what, "after"])
+}
+END { for (i = 1; i <= count; i++) print order[i], pair(order[i], "moments") ",", pair(order[i], "forces") }'
