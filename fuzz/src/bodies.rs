@@ -1,6 +1,6 @@
 //! What each fuzz target does with its bytes: reads them and, if they are sound, uses what was read.
 //!
-//! Shared by the targets and by `tests/fuzz_corpus.rs`, so that every test run goes through the
+//! Shared by the targets and by the tests `fuzz_corpus` of `feeler-cli`, so that every test run goes through the
 //! corpora. A target says whether its bytes were sound.
 
 use feeler::control::law::Law;

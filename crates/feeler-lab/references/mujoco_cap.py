@@ -4,7 +4,7 @@
     target/references/bin/pip install mujoco==3.3.7 numpy==2.4.6
     target/references/bin/python references/mujoco_cap.py references
 
-`tests/mujoco_cap.rs` replays the motion and compares cap angle and forces on the elements; `--time` prints instead
+`tests/all/sim/mujoco_cap.rs` replays the motion and compares cap angle and forces on the elements; `--time` prints instead
 what a step costs (for `benches/peers/mujoco.py`).
 
 The motion is a pure function of time: joint angles (rad) go from each knot to the next as 3 s^2 - 2 s^3, and a

@@ -4,7 +4,7 @@ with `examples/python/view_in_rerun.py`.
     pip install mcap==1.6.0 mcap-ros2-support==0.6.0 rosbags==0.11.9 rerun-sdk==0.41.0
     python crates/feeler-lab/references/read_by_viewers.py runs/NAME/recording.mcap
 
-`tests/record/viewers.rs` compares this with what feeler reads. Poses are composed here from transforms and, once more, from
+`tests/all/record/viewers.rs` compares this with what feeler reads. Poses are composed here from transforms and, once more, from
 robot description and joint states.
 """
 

@@ -3,7 +3,7 @@
     pip install mcap mcap-ros2-support
     python crates/feeler-lab/references/read_recording.py runs/NAME/recording.mcap
 
-`tests/mcap_tools.rs` compares this with what feeler reads.
+`tests/all/record/mcap_tools.rs` compares this with what feeler reads.
 """
 
 import json

@@ -12,11 +12,17 @@ mod check_objects;
 mod cli;
 mod compare;
 mod contour;
+#[cfg(feature = "export")]
+mod export;
+mod faults;
 mod fingertips;
 mod friction_scan;
+mod fuzz_corpus;
 #[cfg(unix)]
 mod gap;
 mod hands;
+#[path = "../../../feeler-link/tests/support/how_many.rs"]
+mod how_many;
 mod interrupted;
 mod locate;
 mod lying_sensors;
@@ -29,6 +35,7 @@ mod policy_file;
 mod ports;
 #[path = "../support/program.rs"]
 mod program;
+mod real;
 mod real_rig;
 #[path = "../../../feeler-lab/tests/support/recordings.rs"]
 mod recordings;
@@ -37,8 +44,15 @@ mod robustness;
 mod schema;
 mod score_slip;
 mod score_slip_recorded;
+mod sense;
 mod simulated_grasps;
 #[path = "../../../feeler-lab/tests/support/skip.rs"]
 mod skip;
 mod sweep;
 mod urdf;
+
+use assert_no_alloc::AllocDisabler;
+
+/// Ends the process when a control path allocates that is not the program's but a test's own.
+#[global_allocator]
+static ALLOCATOR: AllocDisabler = AllocDisabler;

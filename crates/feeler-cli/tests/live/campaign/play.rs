@@ -1,0 +1,196 @@
+//! Plays a schedule, and reads from the record whether all went as it must.
+
+use super::schedule::{Event, Program, SPEED, Schedule};
+use crate::rig::{Rig, Running, Setup, ages_of_moves, connect};
+use feeler_link::outlet::Outlet;
+use feeler_link::topic::Topic;
+use feeler_record::{Phase, Recording};
+use std::collections::HashSet;
+use std::fs;
+use std::time::{Duration, Instant};
+
+/// Age at which data are stale by the reference experiment, s, and what rounding may add to one.
+const STALE: f64 = 0.035 + 1e-9;
+
+/// A rig on which a schedule is played.
+struct Player {
+    rig: Rig,
+    hand: Running,
+    /// What is to be done later: when, and what.
+    due: Vec<(Instant, Later)>,
+    /// Stops that were given, of which the hand said that it heeds them, and that were resumed, by their numbers here.
+    stops: usize,
+    resumed: HashSet<usize>,
+}
+
+enum Later {
+    Start(Program),
+    Thaw(Program),
+    Resume(usize),
+}
+
+/// Plays `schedule`; what came of it, in words.
+///
+/// # Errors
+/// What must not be.
+pub fn play(schedule: &Schedule) -> Result<String, String> {
+    let settings = [
+        "time_limit=1e5",
+        "task.screw.strokes=100000",
+        "control.resume=fresh",
+    ];
+    let mut setup = Setup::new(&format!("campaign-{}", schedule.seed)).with(&settings);
+    setup.speed = SPEED;
+    let folder = setup.folder.clone();
+    let rig = setup.start();
+    let hand = rig.moving_hand(&[&schedule.rehearse]);
+    let mut player = Player {
+        rig,
+        hand,
+        due: Vec::new(),
+        stops: 0,
+        resumed: HashSet::new(),
+    };
+    let came = player.play(schedule);
+    drop(player);
+    // What failed is kept to be looked at.
+    if came.is_ok() {
+        let _ = fs::remove_dir_all(folder);
+    }
+    came
+}
+
+impl Player {
+    fn play(&mut self, schedule: &Schedule) -> Result<String, String> {
+        let began = Instant::now();
+        for &(time, event) in &schedule.events {
+            self.wait_until(began + Duration::from_secs_f64(time));
+            self.happen(event);
+        }
+        let last = self.due.iter().map(|(due, _)| *due).max();
+        self.wait_until(last.unwrap_or(began) + Duration::from_secs(1));
+        self.hand.signal("INT");
+        let (status, said) = self.hand.wait();
+        if status != Some(1) || said.contains("panicked") {
+            return Err(format!("the hand ended with {status:?}: {said}"));
+        }
+        self.check(&self.rig.setup.recording(), &said)
+    }
+
+    /// Does what is due until `end`.
+    fn wait_until(&mut self, end: Instant) {
+        loop {
+            self.due.sort_by_key(|(due, _)| std::cmp::Reverse(*due));
+            match self.due.last() {
+                Some((due, _)) if *due <= end => {
+                    let (due, later) = self.due.pop().expect("the last");
+                    std::thread::sleep(due.saturating_duration_since(Instant::now()));
+                    self.catch_up(later);
+                }
+                _ => break,
+            }
+        }
+        std::thread::sleep(end.saturating_duration_since(Instant::now()));
+    }
+
+    fn later(&mut self, after: f64, later: Later) {
+        let due = Instant::now() + Duration::from_secs_f64(after);
+        self.due.push((due, later));
+    }
+
+    fn program(&mut self, program: Program) -> &mut Running {
+        match program {
+            Program::World => &mut self.rig.world,
+            Program::Sense(finger) => &mut self.rig.senses[finger],
+            Program::Hand => &mut self.hand,
+        }
+    }
+
+    fn happen(&mut self, event: Event) {
+        match event {
+            Event::Restart(program, after) => {
+                self.program(program).kill();
+                self.later(after, Later::Start(program));
+            }
+            Event::Freeze(program, after) => {
+                // One that was killed meanwhile is not there to be frozen.
+                if self.program(program).is_running() {
+                    self.program(program).signal("STOP");
+                    self.later(after, Later::Thaw(program));
+                }
+            }
+            Event::Stop(resume) => {
+                self.stops += 1;
+                let number = self.stops;
+                let said = self.rig.setup.order_from("stop", &name(number));
+                // A hand that is frozen does not say that it heeds it; then it is resumed nonetheless.
+                let _ = said;
+                if let Some(after) = resume {
+                    self.later(after, Later::Resume(number));
+                }
+            }
+            Event::Resume => {
+                let _ = self.rig.setup.order_from("resume", "nobody");
+            }
+            Event::Garbage => {
+                let peer = connect(&self.rig.setup.endpoint);
+                std::thread::sleep(Duration::from_millis(200));
+                let noise: Vec<u8> = (0..200u32).map(|k| (k * k * 31 + 7) as u8).collect();
+                for topic in Topic::all(0).into_iter().cycle().take(500) {
+                    let _ = peer.send(topic, noise.clone());
+                }
+            }
+        }
+    }
+
+    fn catch_up(&mut self, later: Later) {
+        match later {
+            Later::Start(Program::World) => self.rig.start_world(),
+            Later::Start(Program::Sense(finger)) => self.rig.start_sense(finger),
+            Later::Start(Program::Hand) => {}
+            Later::Thaw(program) => {
+                if self.program(program).is_running() {
+                    self.program(program).signal("CONT");
+                }
+            }
+            Later::Resume(number) => {
+                self.resumed.insert(number);
+                let _ = self.rig.setup.order_from("resume", &name(number));
+            }
+        }
+    }
+
+    fn check(&self, recording: &Recording, said: &str) -> Result<String, String> {
+        let ages = ages_of_moves(recording);
+        let oldest = ages.iter().copied().fold(0.0, f64::max);
+        if oldest > STALE {
+            return Err(format!("a move on data {oldest} s old: {said}"));
+        }
+        let task = &recording.task;
+        if let Some(pair) = task.windows(2).find(|pair| pair[1].stamp < pair[0].stamp) {
+            return Err(format!("time went back at {} s: {said}", pair[1].stamp));
+        }
+        for number in (1..=self.stops).filter(|number| !self.resumed.contains(number)) {
+            let told = |reason: &str| reason.ends_with(&name(number));
+            let Some(at) = task.iter().position(|step| told(&step.reason)) else {
+                continue;
+            };
+            if let Some(step) = task[at..].iter().find(|step| step.phase != Phase::Stopped) {
+                let stamp = step.stamp;
+                return Err(format!(
+                    "it went on at {stamp} s after stop {number}: {said}"
+                ));
+            }
+        }
+        let stops = task.iter().filter(|step| !step.reason.is_empty()).count();
+        let moves = ages.len();
+        Ok(format!(
+            "{moves} moving steps, {stops} stops, data at most {oldest:.4} s old"
+        ))
+    }
+}
+
+/// Who gives stop `number`.
+fn name(number: usize) -> String {
+    format!("campaigner {number}")
+}

@@ -1,0 +1,350 @@
+//! Servos through the program: an emulated bus, what looks at it, and runs over it.
+//!
+//! One test lets the vendors' own masters speak to the emulated bus. It needs `pip install dynamixel-sdk==4.1.0
+//! feetech-servo-sdk==1.0.0` in the Python named by `FEELER_PYTHON` (default `python3`); without them it says that it is skipped, or
+//! fails where `FEELER_REQUIRE_ALL` is set.
+
+#![cfg(target_os = "linux")]
+
+use crate::program::{Ended, experiment, feeler, folder, run, summary};
+use serde_json::Value;
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+
+/// An emulated bus that ends with the test.
+struct Bus {
+    child: Child,
+    port: String,
+}
+
+impl Bus {
+    fn start(folder: &Path, arguments: &[&str]) -> Self {
+        let mut command = feeler(folder, &["drives", "emulate"]);
+        let mut child = command
+            .args(arguments)
+            .stdout(Stdio::piped())
+            .spawn()
+            .expect("the program");
+        let mut port = String::new();
+        let stdout = child.stdout.take().expect("its output");
+        BufReader::new(stdout).read_line(&mut port).expect("a path");
+        let port = port.trim().to_string();
+        assert!(port.starts_with("/dev/"), "{port:?}");
+        Self { child, port }
+    }
+}
+
+impl Drop for Bus {
+    fn drop(&mut self) {
+        // One that has ended needs no end.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// The servos of the reference experiment's two fingers.
+const DRIVES: &str = r#"
+[drives]
+port = "/dev/not-there"
+baud_rate = 4000000
+fast_sync_read = true
+bus_watchdog = 0.1   # s
+reply_timeout = 0.2  # s, as the computer may be busy
+health_interval = 0.02
+
+[[drives.finger]]
+joint = [
+  { id = 1, model = "XL330-M077", gear_ratio = 5.0, current_limit = 0.65 },
+  { id = 2, model = "XL330-M077", gear_ratio = 5.0, direction = -1, homing_offset = 0.5 },
+  { id = 3, model = "XL330-M077", gear_ratio = 5.0 },
+]
+
+[[drives.finger]]
+joint = [
+  { id = 4, model = "XL330-M077", gear_ratio = 5.0 },
+  { id = 5, model = "XL330-M077", gear_ratio = 5.0 },
+  { id = 6, model = "XL330-M077", gear_ratio = 5.0 },
+]
+"#;
+
+/// An experiment with drives in `folder`.
+fn with_drives(folder: &Path) {
+    experiment(folder, "\n[sim]\n", &format!("{DRIVES}\n[sim]\n"));
+}
+
+#[test]
+fn servos_are_found_checked_homed_and_turned() {
+    let folder = folder("drives");
+    with_drives(&folder);
+    let bus = Bus::start(&folder, &["my.toml"]);
+    let port = bus.port.as_str();
+    let done = |arguments: &[&str]| run(&folder, arguments).done();
+
+    let scan = [
+        "drives",
+        "scan",
+        port,
+        "--baud-rate",
+        "4000000",
+        "--protocol",
+        "dynamixel",
+    ];
+    let scanned = done(&[&scan[..], &["--largest-id", "8"]].concat());
+    assert_eq!(scanned.lines().count(), 6, "{scanned}");
+    assert!(
+        scanned.contains("servo 6, XL330-M077 (model 1190), 5.0 V, 25 degrees"),
+        "{scanned}"
+    );
+
+    let checked = done(&["drives", "check", "my.toml", "--port", port]);
+    assert!(
+        checked.contains("servo 2 (theta2 of finger 0): XL330-M077, well, at "),
+        "{checked}"
+    );
+    assert!(
+        checked.contains("will set Operating Mode (address 11) from 3 to 1"),
+        "{checked}"
+    );
+    assert!(
+        checked.contains("all servos are as they should be"),
+        "{checked}"
+    );
+
+    // The hand stands at home, so that the offsets come out as they are in the file.
+    let home = [
+        "drives",
+        "home",
+        "my.toml",
+        "--port",
+        port,
+        "--output",
+        "homed.toml",
+    ];
+    let homed = done(&home);
+    assert!(homed.contains("servo 1 (theta1 of finger 0)"), "{homed}");
+    let text = std::fs::read_to_string(folder.join("homed.toml")).expect("the file");
+    let text: toml::Table = text.parse().expect("TOML");
+    let offset = |finger: usize, joint: usize| {
+        text["drives"]["finger"][finger]["joint"][joint]["homing_offset"]
+            .as_float()
+            .expect("a number")
+    };
+    // To within a count.
+    assert!(
+        (offset(0, 1) - 0.5).abs() < 1e-3 && offset(1, 2).abs() < 1e-3,
+        "{text}"
+    );
+    run(&folder, &home).refused(&["homed.toml", "--force"]);
+    let over_itself = [
+        "drives", "home", "my.toml", "--port", port, "--output", "my.toml", "--force",
+    ];
+    run(&folder, &over_itself).refused(&["it is an input"]);
+
+    let jog = [
+        "drives",
+        "jog",
+        "my.toml",
+        "--port",
+        port,
+        "--set",
+        "control.stale_periods=20",
+    ];
+    let planned = done(
+        &[
+            &jog[..],
+            &["--finger", "1", "--joint", "2", "--by", "2", "--dry-run"],
+        ]
+        .concat(),
+    );
+    assert!(
+        planned.contains("turn theta2 of finger 1 by 2 deg at 3 deg/s"),
+        "{planned}"
+    );
+    let turned = done(&[&jog[..], &["--finger", "1", "--joint", "2", "--by", "-2"]].concat());
+    let degrees: Vec<f64> = turned
+        .split_whitespace()
+        .filter_map(|word| word.parse().ok())
+        .collect();
+    let [.., from, to] = degrees[..] else {
+        panic!("{turned}")
+    };
+    assert!((to - from + 2.0).abs() < 0.7, "{turned}");
+}
+
+/// A dry run opens nothing that it need not, and writes nothing.
+#[test]
+fn dry_runs_and_bad_input() {
+    let folder = folder("drives-refused");
+    with_drives(&folder);
+    let scan = run(&folder, &["drives", "scan", "/dev/not-there", "--dry-run"]).done();
+    assert!(
+        scan.contains("would ask Dynamixel servos 0 to 30 on /dev/not-there at 57600 Bd"),
+        "{scan}"
+    );
+    let check = run(&folder, &["drives", "check", "my.toml", "--dry-run"]).done();
+    assert_eq!(check.matches("would read").count(), 6, "{check}");
+    let home = run(
+        &folder,
+        &[
+            "drives",
+            "home",
+            "my.toml",
+            "--dry-run",
+            "--output",
+            "new.toml",
+        ],
+    )
+    .done();
+    assert!(
+        home.contains("writes nothing") && !folder.join("new.toml").exists(),
+        "{home}"
+    );
+
+    let refused = |arguments: &[&str], words: &[&str]| run(&folder, arguments).refused(words);
+    refused(
+        &["drives", "check", "my.toml"],
+        &["/dev/not-there", "serial port"],
+    );
+    refused(&["drives", "check", "cap-closing"], &["has no [drives]"]);
+    refused(
+        &["drives", "home", "my.toml", "--at", "1,2"],
+        &["--at", "6 angles"],
+    );
+    let jog = [
+        "drives", "jog", "my.toml", "--finger", "0", "--joint", "1", "--by",
+    ];
+    refused(
+        &[&jog[..], &["11"]].concat(),
+        &["--by 11", "at most 10 deg"],
+    );
+    refused(
+        &["drives", "emulate", "--fault", "fire"],
+        &["--fault", "\"fire\"", "silent=ID"],
+    );
+    let twice = ["check", "my.toml", "--set", "drives.finger.1.joint.0.id=2"];
+    refused(
+        &twice,
+        &["drives.finger[1].joint[0].id = 2", "no other joint"],
+    );
+}
+
+/// What makes an experiment's drives twice and more as fast as its pictures.
+const FIVE_HUNDRED: &[&str] = &[
+    "control.period=0.002",
+    "sim.frame_period=0.01",
+    "control.stale_periods=8",
+];
+
+/// Runs `experiment` over the bus in lockstep: its summary.
+fn over_the_bus(folder: &Path, experiment: &str, out: &str, settings: &[&str]) -> Value {
+    let mut arguments = vec!["run", experiment, "--sensing", "direct", "--out", out];
+    arguments.extend(["--drives", "emulated", "--speed", "max"]);
+    arguments.extend(settings.iter().flat_map(|setting| ["--set", setting]));
+    run(folder, &arguments).done();
+    summary(&folder.join(out))
+}
+
+/// The whole cap-closing with two and three fingers, commanded at 100 Hz and at 500 Hz with pictures at 100 Hz, over servos at 4 Mbaud.
+#[test]
+fn all_claims_hold_over_the_bus() {
+    let folder = folder("drives-claims");
+    for experiment in ["cap-closing", "three-fingers"] {
+        for (rate, settings) in [("100", &[][..]), ("500", FIVE_HUNDRED)] {
+            let out = format!("{experiment}-{rate}");
+            let summary = over_the_bus(&folder, experiment, &out, settings);
+            let claims = summary["claims"].as_array().expect("claims");
+            let broken = claims.iter().filter(|claim| claim["holds"] != true);
+            let broken: Vec<_> = broken.collect();
+            assert!(
+                broken.is_empty() && claims.len() == 11,
+                "{out}: {broken:#?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_run_over_the_bus_is_the_same_each_time() {
+    let folder = folder("drives-twice");
+    let stroke = ["task.screw.strokes=1"];
+    let runs = ["once", "again"].map(|out| over_the_bus(&folder, "cap-closing", out, &stroke));
+    assert_eq!(runs[0]["digest"], runs[1]["digest"]);
+    assert!(
+        runs[0]["digest"].as_str().is_some_and(|d| d.len() == 64),
+        "{}",
+        runs[0]
+    );
+}
+
+/// Over a pseudo-terminal, so slowly that a busy computer keeps up: a twentieth of real time, and servos and hand with patience. That it gets
+/// through its time is what is tested; the rest is in lockstep.
+#[test]
+fn a_run_over_a_pseudo_terminal_keeps_its_time() {
+    let folder = folder("drives-run");
+    let patient = DRIVES
+        .replace("bus_watchdog = 0.1 ", "bus_watchdog = 2.54 ")
+        .replace("reply_timeout = 0.2 ", "reply_timeout = 1.0 ");
+    experiment(&folder, "\n[sim]\n", &format!("{patient}\n[sim]\n"));
+    let arguments = [
+        "run",
+        "my.toml",
+        "--sensing=direct",
+        "--drives=emulated",
+        "--speed=0.05",
+        "--set=control.stale_periods=300",
+        "--set=time_limit=0.4",
+        "--out=run",
+    ];
+    let ended = run(&folder, &arguments);
+    assert_eq!(ended.status, Some(1), "{ended:?}");
+    assert!(ended.stdout.contains("time limit"), "{ended:?}");
+}
+
+/// What a vendor's master read on an emulated bus of three servos and more.
+fn master(folder: &Path, kind: &str) -> Option<Value> {
+    let python = std::env::var("FEELER_PYTHON").unwrap_or_else(|_| "python3".into());
+    let probe = Command::new(&python)
+        .args(["-c", "import dynamixel_sdk, scservo_sdk"])
+        .output();
+    if !probe.is_ok_and(|output| output.status.success()) {
+        crate::skip::skipped(&format!(
+            "{python} has no packages dynamixel-sdk and feetech-servo-sdk"
+        ));
+        return None;
+    }
+    let bus = Bus::start(folder, &["--protocol", kind]);
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/drives_masters.py");
+    let output = Command::new(&python)
+        .args([script, kind, &bus.port, "1000000"])
+        .output();
+    let said = Ended::of(output.expect("Python")).done();
+    Some(serde_json::from_str(&said).expect("JSON"))
+}
+
+#[test]
+fn the_vendors_masters_find_servos_as_they_expect_them() {
+    let folder = folder("drives-masters");
+    let Some(said) = master(&folder, "dynamixel") else {
+        return;
+    };
+    assert_eq!(said["model"], 1200);
+    assert_eq!(said["found"], serde_json::json!([1, 2, 3, 4, 5, 6]));
+    // Access error, limit error, access error; after the watchdog fired, range error.
+    assert_eq!(said["refused"], serde_json::json!([7, 6, 7]));
+    for velocities in ["velocities", "fast"] {
+        assert_eq!(said[velocities], serde_json::json!([100, -100, 0]));
+    }
+    assert!(said["turned"].as_f64().expect("counts") < -300.0, "{said}");
+    let rest = ["led", "watchdog", "stopped", "after", "rebooting", "torque"].map(|key| &said[key]);
+    assert_eq!(
+        serde_json::json!(rest),
+        serde_json::json!([1, 255, 0, 4, true, 0])
+    );
+
+    let said = master(&folder, "feetech").expect("it was there before");
+    let expected = serde_json::json!({
+        "model": 777, "missing": true, "mode": 1, "velocities": [500, -500, 0], "voltage": 50, "temperature": 25,
+    });
+    assert_eq!(said, expected);
+}

@@ -1,0 +1,124 @@
+//! What goes wrong stops the hand, and is said; it goes on when told to.
+
+use crate::rig::{Rig, Running, SLOW, Setup, ages_of_moves, reasons};
+use std::time::Duration;
+
+/// Age at which data are stale by the reference experiment, s, and what rounding may add to one.
+pub const STALE: f64 = 0.035 + 1e-9;
+
+/// A busy machine may stop a hand for want of fresh data, and then it goes on.
+pub const GOES_ON: &str = "control.resume=fresh";
+
+/// Longer than any test takes.
+pub const NO_HURRY: &str = "time_limit=600";
+
+/// What programs say in the end.
+pub struct LastWords {
+    pub hand: String,
+    pub world: String,
+}
+
+/// Ends the hand and holds its record to the promises: a reason for each stop, among them `words`, and no
+/// move on stale data. What hand and world say in the end.
+pub fn check(rig: &mut Rig, mut hand: Running, words: &str) -> LastWords {
+    hand.signal("INT");
+    let (status, said) = hand.wait();
+    assert_eq!(status, Some(1), "{said}");
+    let recording = rig.setup.recording();
+    let reasons = reasons(&recording);
+    let named = reasons.iter().any(|reason| reason.contains(words));
+    assert!(named, "{reasons:?}, {said}");
+    let ages = ages_of_moves(&recording);
+    assert!(!ages.is_empty(), "it never moved: {said}");
+    let oldest = ages.into_iter().fold(0.0, f64::max);
+    assert!(oldest <= STALE, "{oldest} s, {said}");
+    LastWords {
+        hand: said,
+        world: worlds_end(rig),
+    }
+}
+
+fn worlds_end(rig: &mut Rig) -> String {
+    rig.world.signal("INT");
+    let (status, said) = rig.world.wait();
+    assert_eq!(status, Some(0), "{said}");
+    assert!(said.contains("0 stale commands refused"), "{said}");
+    said
+}
+
+#[test]
+fn a_sensor_program_that_is_killed_stops_the_hand_until_it_is_told_to_go_on() {
+    let mut rig = Setup::new("link-killed").with(&[NO_HURRY]).start();
+    let mut hand = rig.moving_hand(&[]);
+    rig.senses[1].signal("KILL");
+    hand.wait_for("stopped: the forces of finger 1");
+    let refused = rig.setup.order("resume", &[]);
+    assert_eq!(refused.status, Some(1), "{refused:?}");
+    assert!(refused.stdout.contains("stays stopped"), "{refused:?}");
+    rig.start_sense(1);
+    rig.resume(&hand);
+    hand.wait_for("going on");
+    check(&mut rig, hand, "the forces of finger 1");
+}
+
+#[test]
+fn a_sensor_program_that_is_frozen_stops_the_hand_which_may_go_on_by_itself() {
+    let setup = Setup::new("link-frozen").with(&[NO_HURRY, GOES_ON]);
+    let mut rig = setup.start();
+    let mut hand = rig.moving_hand(&[]);
+    rig.senses[0].signal("STOP");
+    hand.wait_for("stopped: the forces of finger 0");
+    rig.senses[0].signal("CONT");
+    hand.wait_for("going on");
+    check(&mut rig, hand, "the forces of finger 0");
+}
+
+#[test]
+fn a_world_that_is_frozen_stops_the_hand() {
+    let mut rig = Setup::new("link-still").with(&[NO_HURRY]).start();
+    let mut hand = rig.moving_hand(&[]);
+    rig.world.signal("STOP");
+    hand.wait_for("stopped: the joint angles");
+    rig.world.signal("CONT");
+    check(&mut rig, hand, "the joint angles");
+}
+
+#[test]
+fn a_bad_network_stops_the_hand_and_never_makes_it_move_on_stale_data() {
+    let mut rig = Setup::new("link-bad").with(&[NO_HURRY]).start();
+    // Half of what data may be old here.
+    let mut hand = rig.moving_hand(&["--rehearse=loss=0.2,jitter=0.9,duplicate=0.1"]);
+    hand.wait_for("stopped:");
+    check(&mut rig, hand, "s old (limit");
+}
+
+#[test]
+fn a_hand_that_is_killed_leaves_the_rig_to_its_watchdog() {
+    let mut rig = Setup::new("link-watchdog").with(&[NO_HURRY]).start();
+    rig.moving_hand(&[]).signal("KILL");
+    // More than the 0.045 s after which the drives are stopped.
+    std::thread::sleep(rig.setup.takes(0.06) + Duration::from_millis(500));
+    let said = worlds_end(&mut rig);
+    assert!(said.contains("1 stops by the watchdog"), "{said}");
+}
+
+#[test]
+fn programs_that_do_not_agree_are_refused_and_both_are_named() {
+    let rig = Setup::new("link-other").start();
+    let mut hand = rig.setup.hand(&["--seed=9"]);
+    hand.wait_for("refused: world works by experiment");
+    assert!(hand.said().contains("this by"), "{}", hand.said());
+    hand.signal("INT");
+    let (status, said) = hand.wait();
+    assert_eq!(status, Some(1), "{said}");
+}
+
+#[test]
+fn a_rig_of_another_speed_is_refused() {
+    let rig = Setup::new("link-speed").start();
+    let mut setup = rig.setup.clone();
+    setup.speed = "max";
+    let mut hand = setup.hand(&[]);
+    let words = format!("refused: world goes at {SLOW} times real time, this hand at the pace");
+    hand.wait_for(&words);
+}

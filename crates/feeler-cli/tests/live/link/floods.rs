@@ -1,0 +1,176 @@
+//! A hand that nobody can connect to is stopped all the same.
+
+use super::faults::{GOES_ON, NO_HURRY, check};
+use crate::rig::{Rig, Setup, connect};
+use feeler_link::inbox::read;
+use feeler_link::message::{CommandMessage, PROTOCOL, ResumeMessage};
+use feeler_link::network::Network;
+use feeler_link::outlet::{Outlet, draw_instance, send};
+use feeler_link::stop_call::call_stop;
+use feeler_link::topic::Topic;
+use std::io::Write;
+use std::net::TcpStream;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// Where the hand of `setup` listens, without the protocol.
+fn address(setup: &Setup) -> &str {
+    setup.endpoint.split_once('/').expect("an endpoint").1
+}
+
+#[test]
+fn failed_handshakes_keep_no_stop_out() {
+    let setup = Setup::new("link-handshakes").with(&[NO_HURRY]);
+    let mut rig = setup.with_certificates("127.0.0.1", "127.0.0.1").start();
+    let mut hand = rig.moving_hand(&[]);
+    let over = AtomicBool::new(false);
+    let address = address(&rig.setup).to_string();
+    thread::scope(|scope| {
+        scope.spawn(|| {
+            while !over.load(Ordering::Relaxed) {
+                // After each that fails, Zenoh takes nobody for a tenth of a second.
+                if let Ok(mut stream) = TcpStream::connect(&address) {
+                    let _ = stream.write_all(b"this is no handshake\r\n\r\n");
+                }
+                thread::sleep(Duration::from_millis(10));
+            }
+        });
+        thread::sleep(Duration::from_secs(2));
+        let told = rig.setup.order("stop", &rig.setup.hand_link);
+        over.store(true, Ordering::Relaxed);
+        let told = told.done();
+        assert!(
+            told.contains("stands still: told to stop by the test"),
+            "{told}"
+        );
+    });
+    hand.wait_for("stopped: told to stop by the test");
+    check(&mut rig, hand, "told to stop by the test");
+}
+
+#[test]
+fn silent_connections_keep_no_stop_out() {
+    let mut rig = Setup::new("link-silent").with(&[NO_HURRY]).start();
+    let mut hand = rig.moving_hand(&[]);
+    let connect = || TcpStream::connect(address(&rig.setup)).expect("a connection");
+    let silent: Vec<TcpStream> = (0..120).map(|_| connect()).collect();
+    let told = rig.setup.order("stop", &[]).done();
+    assert!(
+        told.contains("stands still: told to stop by the test"),
+        "{told}"
+    );
+    drop(silent);
+    hand.wait_for("stopped: told to stop by the test");
+    check(&mut rig, hand, "told to stop by the test");
+}
+
+/// Garbage on all topics, as fast as it goes.
+fn flood_with_messages(endpoint: &str, over: &AtomicBool) {
+    let peer = connect(endpoint);
+    let noise: Vec<u8> = (0..200u32).map(|k| (k * k * 31 + 7) as u8).collect();
+    while !over.load(Ordering::Relaxed) {
+        for topic in Topic::all(0) {
+            let _ = peer.send(topic, noise.clone());
+        }
+    }
+}
+
+/// Connections that say nothing, as many as there were before they are closed.
+fn flood_with_connections(address: &str, over: &AtomicBool) {
+    while !over.load(Ordering::Relaxed) {
+        let silent: Vec<_> = (0..120).map(|_| TcpStream::connect(address)).collect();
+        thread::sleep(Duration::from_secs(1));
+        drop(silent);
+    }
+}
+
+/// How long after a stop it is answered, and the hand commands its drives to stand still, s.
+fn stop_once(rig: &Rig, still: &Mutex<Option<Instant>>) -> (f64, f64) {
+    let endpoints = [rig.setup.endpoint.clone()];
+    *still.lock().expect("the notes") = None;
+    let start = Instant::now();
+    let answer = call_stop(
+        &endpoints,
+        None,
+        "cap-closing",
+        (draw_instance(), "the bench"),
+    );
+    let answered = start.elapsed();
+    let number = answer.expect("an answer").order;
+    let stood_still = loop {
+        if let Some(at) = *still.lock().expect("the notes") {
+            break at.duration_since(start);
+        }
+        thread::sleep(Duration::from_millis(1));
+    };
+    let resume = ResumeMessage {
+        protocol: PROTOCOL,
+        from: "the bench".into(),
+        number,
+    };
+    let peer = connect(&endpoints[0]);
+    // Until it goes on: under a flood, connecting takes a while, and messages are dropped.
+    while still.lock().expect("the notes").is_some() {
+        send(&*peer, Topic::Resume, &resume).expect("a link");
+        thread::sleep(Duration::from_millis(100));
+    }
+    (answered.as_secs_f64(), stood_still.as_secs_f64())
+}
+
+/// `cargo test --release ... --test live how_long -- --ignored --nocapture`; the figures are in docs/benchmarks.md.
+#[test]
+#[ignore = "a measurement"]
+fn how_long_a_stop_takes() {
+    type Flood = fn(&Rig, &AtomicBool);
+    let floods: [(&str, Flood); 3] = [
+        ("no flood", |_, _| {}),
+        ("messages", |rig, over| {
+            flood_with_messages(&rig.setup.endpoint, over)
+        }),
+        ("silent connections", |rig, over| {
+            flood_with_connections(address(&rig.setup), over);
+        }),
+    ];
+    for (name, flood) in floods {
+        let settings = [NO_HURRY, GOES_ON, "task.screw.strokes=100000"];
+        let setup = Setup::new("link-bench-stop").with(&settings);
+        let rig = setup.at("1").start();
+        let mut hand = rig.moving_hand(&[]);
+        let still = Arc::new(Mutex::new(None));
+        let note = still.clone();
+        let watcher = connect(&rig.setup.endpoint);
+        let noted = move |_: Topic, bytes: &[u8]| {
+            let Ok(command) = read::<CommandMessage>(bytes) else {
+                return;
+            };
+            let moves = command
+                .joint_velocity
+                .iter()
+                .any(|v| *v != Default::default());
+            let mut still = note.lock().expect("the notes");
+            *still = still.filter(|_| !moves).or((!moves).then(Instant::now));
+        };
+        watcher
+            .listen(Topic::Command, Arc::new(noted))
+            .expect("commands");
+        let over = AtomicBool::new(false);
+        let mut times = thread::scope(|scope| {
+            scope.spawn(|| flood(&rig, &over));
+            thread::sleep(Duration::from_secs(1));
+            let times: Vec<_> = (0..20).map(|_| stop_once(&rig, &still)).collect();
+            over.store(true, Ordering::Relaxed);
+            times
+        });
+        times.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let (median, most) = (times[times.len() / 2], times[times.len() - 1]);
+        let slowest = times.iter().map(|time| time.0).fold(0.0, f64::max);
+        eprintln!(
+            "{name}: answered within {slowest:.3} s; commands to stand still after {:.4} s (median), {:.4} s (at most)",
+            median.1, most.1
+        );
+        hand.signal("INT");
+        hand.wait();
+    }
+}

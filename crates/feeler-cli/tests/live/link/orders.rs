@@ -1,0 +1,151 @@
+//! Orders from anywhere, and who may give them.
+
+use super::faults::{NO_HURRY, check};
+use crate::rig::{Setup, certificates, connect};
+use feeler_link::message::{PROTOCOL, ResumeMessage};
+use feeler_link::outlet::send;
+use feeler_link::topic::Topic;
+use feeler_record::Phase;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::Duration;
+
+#[test]
+fn a_hand_stops_when_told_to_and_goes_on_when_told_to() {
+    let mut rig = Setup::new("link-orders").with(&[NO_HURRY]).start();
+    let mut hand = rig.moving_hand(&[]);
+    let told = rig.setup.order("stop", &[]).done();
+    assert!(
+        told.contains("stands still: told to stop by the test"),
+        "{told}"
+    );
+    hand.wait_for("stopped: told to stop by the test");
+    let told = rig.resume(&hand);
+    assert!(told.contains("goes on"), "{told}");
+    hand.wait_for("going on");
+    let told = rig.setup.order("resume", &[]);
+    assert!(told.stdout.contains("no stop"), "{told:?}");
+    check(&mut rig, hand, "told to stop by the test");
+}
+
+#[test]
+fn stops_of_two_need_two_resumes() {
+    let mut rig = Setup::new("link-two-stops").with(&[NO_HURRY]).start();
+    let mut hand = rig.moving_hand(&[]);
+    let order = |order: &str, more: &[&str]| {
+        let more: Vec<String> = more.iter().map(ToString::to_string).collect();
+        rig.setup.order(order, &more)
+    };
+    // `order` says that it is the test; who gives a name later is that.
+    order("stop", &[]).done();
+    let of_door = rig.setup.order_from("stop", "the door\u{1b}[2J").done();
+    assert!(of_door.contains("stop "), "{of_door}");
+    let first = order("resume", &[]);
+    assert_eq!(first.status, Some(1), "{first:?}");
+    let listed = first.stdout.contains("the door\\u{1b}[2J") && !first.stdout.contains('\u{1b}');
+    assert!(listed, "{first:?}");
+    assert!(!hand.said().contains("going on") && !hand.said().contains('\u{1b}'));
+    // The only one that is left is the door's, and nobody else's.
+    let passer_by = rig.setup.order_from("resume", "a passer-by");
+    assert_eq!(passer_by.status, Some(2), "{passer_by:?}");
+    assert!(passer_by.stderr.contains("--number"), "{passer_by:?}");
+    rig.resume_from(&hand, "the door\u{1b}[2J");
+    hand.wait_for("going on");
+    check(&mut rig, hand, "told to stop by the test");
+}
+
+/// Whoever resumes all that he can think of resumes no stop that is yet to come.
+#[test]
+fn a_stop_holds_against_resumes_that_do_not_name_it() {
+    let mut rig = Setup::new("link-resumes").with(&[NO_HURRY]).start();
+    let hand = rig.moving_hand(&[]);
+    let peer = connect(&rig.setup.endpoint);
+    let over = AtomicBool::new(false);
+    thread::scope(|scope| {
+        scope.spawn(|| {
+            while !over.load(Ordering::Relaxed) {
+                for number in [0, 1, u64::MAX] {
+                    let from = "a flood".into();
+                    let resume = ResumeMessage {
+                        protocol: PROTOCOL,
+                        from,
+                        number,
+                    };
+                    send(&*peer, Topic::Resume, &resume).expect("a link");
+                }
+                thread::sleep(Duration::from_millis(5));
+            }
+        });
+        // The first has the number that the flood names.
+        let orders = [(); 2].map(|()| rig.setup.order("stop", &[]));
+        thread::sleep(Duration::from_millis(500));
+        over.store(true, Ordering::Relaxed);
+        let [first, second] = orders;
+        assert!(!first.stdout.contains("stands still"), "{first:?}");
+        let second = second.done();
+        assert!(second.contains("stands still"), "{second}");
+    });
+    check(&mut rig, hand, "told to stop by the test");
+    let task = rig.setup.recording().task;
+    let since = task.iter().rposition(|step| !step.reason.is_empty());
+    let held = &task[since.expect("the second stop")..];
+    assert!(held.iter().all(|step| step.phase == Phase::Stopped));
+}
+
+/// A name that would make heartbeat and mode too large for all is cut short.
+#[test]
+fn a_long_name_hides_no_hand() {
+    let mut rig = Setup::new("link-long-name").with(&[NO_HURRY]).start();
+    let mut hand = rig.moving_hand(&[]);
+    let name = "x".repeat(65_519);
+    let told = rig.setup.order_from("stop", &name).done();
+    assert!(told.contains("stands still"), "{told}");
+    hand.wait_for("stopped: told to stop by xxx");
+    rig.resume_from(&hand, &name);
+    hand.wait_for("going on");
+    check(&mut rig, hand, "told to stop by xxx");
+}
+
+#[test]
+fn only_who_has_a_certificate_of_the_lab_takes_part() {
+    let setup = Setup::new("link-certificates").with(&[NO_HURRY]);
+    let mut setup = setup.with_certificates("127.0.0.1", "127.0.0.1");
+    let elsewhere = certificates(&setup.folder, "elsewhere", "127.0.0.1");
+    let lab = std::mem::replace(&mut setup.link, elsewhere.clone());
+    let mut strangers = setup.start();
+    let hand = strangers.setup.hand(&[]);
+    // An order is given up when nothing of the hand was heard for five seconds: time for a stranger's
+    // sensors and world to be heard, if they could be.
+    let by = |link: &[String]| strangers.setup.order("stop", link);
+    by(&elsewhere).refused(&["no hand of rig"]);
+    by(&[]).refused(&["--certificates"]);
+    assert!(
+        !strangers.setup.folder.join("run").exists(),
+        "{}",
+        hand.said()
+    );
+    drop(hand);
+
+    strangers.setup.link = lab.clone();
+    let setup = strangers.setup.clone();
+    drop(strangers);
+    let mut rig = setup.start();
+    let mut hand = rig.moving_hand(&[]);
+    rig.setup
+        .order("stop", &elsewhere)
+        .refused(&["no hand of rig"]);
+    assert!(!hand.said().contains("told to stop"), "{}", hand.said());
+    rig.setup.order("stop", &lab).done();
+    hand.wait_for("stopped: told to stop by the test");
+    check(&mut rig, hand, "told to stop by the test");
+}
+
+#[test]
+fn nobody_listens_beyond_this_computer_unasked() {
+    let mut setup = Setup::new("link-open");
+    setup.endpoint = setup.endpoint.replace("127.0.0.1", "0.0.0.0");
+    let (status, said) = setup.hand(&[]).wait();
+    assert_eq!(status, Some(2), "{said}");
+    let asked = said.contains("anybody on the network") && said.contains("--insecure");
+    assert!(asked, "{said}");
+}

@@ -1,0 +1,161 @@
+//! Any program of a rig may end and start again at any time: the hand stops, and goes on when it is told to.
+
+use super::faults::{NO_HURRY, check};
+use crate::how_many::how_many;
+use crate::ports::unused_endpoint;
+use crate::program::{folder, run};
+use crate::rig::{Rig, Running, Setup};
+use feeler::sensor::frame::Picture;
+use feeler_lab::config::Experiment;
+use feeler_lab::experiment::played_rig::PlayedRig;
+use feeler_link::programs::{Rig as _, SensorOutput};
+use image::GrayImage;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+use std::fs;
+use std::io::Write;
+use std::thread;
+use std::time::Duration;
+
+/// How often each program is started again; as often in a row as `FEELER_RESTARTS` says.
+fn times() -> usize {
+    how_many("FEELER_RESTARTS", 3)
+}
+
+/// Resumes the hand after it has stopped for the `nth` time.
+fn resume_after(rig: &Rig, hand: &mut Running, words: &str, nth: usize) {
+    hand.wait_for_times(words, nth);
+    rig.resume(hand);
+    hand.wait_for_times("going on", nth);
+}
+
+#[test]
+fn a_world_may_start_again_any_number_of_times() {
+    let mut rig = Setup::new("link-worlds").with(&[NO_HURRY]).start();
+    let mut hand = rig.moving_hand(&[]);
+    for nth in 1..=times() {
+        rig.world.signal(if nth % 2 == 0 { "INT" } else { "KILL" });
+        hand.wait_for_times("stopped: the joint angles", nth);
+        rig.start_world();
+        resume_after(&rig, &mut hand, "stopped: the joint angles", nth);
+    }
+    let stamps: Vec<f64> = {
+        check(&mut rig, hand, "the joint angles");
+        let recording = rig.setup.recording();
+        recording.task.iter().map(|task| task.stamp).collect()
+    };
+    // The run's time goes on over all worlds.
+    assert!(stamps.windows(2).all(|pair| pair[1] >= pair[0]));
+}
+
+#[test]
+fn a_sensor_program_may_start_again_any_number_of_times() {
+    let mut rig = Setup::new("link-senses").with(&[NO_HURRY]).start();
+    let mut hand = rig.moving_hand(&[]);
+    for nth in 1..=times() {
+        rig.senses[0].signal(if nth % 2 == 0 { "TERM" } else { "KILL" });
+        hand.wait_for_times("stopped: the forces of finger 0", nth);
+        rig.start_sense(0);
+        resume_after(&rig, &mut hand, "stopped: the forces of finger 0", nth);
+    }
+    check(&mut rig, hand, "the forces of finger 0");
+}
+
+#[test]
+fn a_hand_may_start_again_beside_its_rig() {
+    let mut rig = Setup::new("link-hands").with(&[NO_HURRY]).start();
+    for nth in 1..=times() {
+        let mut hand = rig.moving_hand(&[]);
+        hand.signal("KILL");
+        hand.wait();
+        let run = rig.setup.folder.join("run");
+        fs::rename(&run, run.with_extension(nth.to_string())).expect("the run's folder");
+    }
+    let mut hand = rig.moving_hand(&[]);
+    let told = rig.setup.order("stop", &[]).done();
+    assert!(told.contains("stands still"), "{told}");
+    hand.wait_for("stopped: told to stop");
+    check(&mut rig, hand, "told to stop");
+}
+
+/// A picture of an unloaded fingertip of the reference rig.
+fn unloaded(finger: usize) -> Picture {
+    let experiment = Experiment::load("cap-closing", &["sensing=image".into()]).expect("a rig");
+    let mut played = PlayedRig::new(&experiment).expect("a rig");
+    match played.expose(finger) {
+        Ok(Some(SensorOutput::Picture(frame))) => frame.picture.clone(),
+        other => panic!("a picture expected, {other:?}"),
+    }
+}
+
+/// Pictures of a camera in a second: few enough that a busy computer senses them, and fresh enough for a slow rig.
+const CAMERA_RATE: u64 = 5;
+
+/// A camera of the test's own: writes pictures of an unloaded fingertip to a sensor program, until that ends.
+pub fn film(rig: &Rig, finger: usize) -> Running {
+    let (picture, number) = (unloaded(finger), finger.to_string());
+    let size = format!("--raw={}x{}", picture.width, picture.height);
+    let rate = format!("--rate={CAMERA_RATE}");
+    let raw = ["sense", "-", &size, &rate, "--publish", "--finger", &number];
+    let arguments = [&raw[..], &["--experiment", rig.setup.experiment]].concat();
+    let mut sense = rig
+        .setup
+        .join_with_input(&format!("sense{finger}"), &arguments);
+    let mut input = sense.input();
+    thread::spawn(move || {
+        let mut random = Pcg64::seed_from_u64(finger as u64);
+        loop {
+            // Of a real camera, no picture is like the one before.
+            let noisy = picture
+                .pixels
+                .iter()
+                .map(|gray| gray ^ u8::from(random.random::<bool>()));
+            if input.write_all(&noisy.collect::<Vec<u8>>()).is_err() {
+                return;
+            }
+            thread::sleep(Duration::from_millis(1000 / CAMERA_RATE));
+        }
+    });
+    sense
+}
+
+#[test]
+fn sensors_with_clocks_of_their_own_may_start_again() {
+    let mut setup = Setup::new("link-cameras").with(&[NO_HURRY]);
+    setup.settings[0] = "--sensing=image".into();
+    let mut rig = setup.start();
+    rig.senses = vec![film(&rig, 0), film(&rig, 1)];
+    let mut hand = rig.moving_hand(&[]);
+    for nth in 1..=times() {
+        rig.senses[0].signal("KILL");
+        hand.wait_for_times("stopped: the forces of finger 0", nth);
+        rig.senses[0] = film(&rig, 0);
+        resume_after(&rig, &mut hand, "stopped: the forces of finger 0", nth);
+    }
+    check(&mut rig, hand, "the forces of finger 0");
+}
+
+#[test]
+fn a_picture_of_another_size_is_skipped_and_counted() {
+    let folder = folder("link-other-size");
+    let Picture {
+        width,
+        height,
+        pixels,
+    } = unloaded(0);
+    let picture = GrayImage::from_raw(width as u32, height as u32, pixels).expect("its pixels");
+    let pictures = [picture.clone(), GrayImage::new(320, 240), picture];
+    let names: Vec<_> = (0..pictures.len()).map(|n| format!("{n}.png")).collect();
+    for (picture, name) in pictures.iter().zip(&names) {
+        picture.save(folder.join(name)).expect("a file");
+    }
+    let mut arguments = vec!["sense", "--publish", "--finger=0", "--sensing=image"];
+    // Nobody listens there: what is published is lost.
+    let nowhere = format!("--connect={}", unused_endpoint());
+    arguments.push(&nowhere);
+    arguments.extend(names.iter().map(String::as_str));
+    let ended = run(&folder, &arguments);
+    assert_eq!(ended.status, Some(0), "{ended:?}");
+    let said = format!("{}{}", ended.stdout, ended.stderr);
+    assert!(said.contains("1.png") && said.contains("320x240"), "{said}");
+}

@@ -1,0 +1,97 @@
+//! A finger whose fingertip is a taxel array moves like any other.
+
+use super::faults::{NO_HURRY, check};
+use crate::rig::{Rig, Running, Setup};
+use feeler::sensor::layout::{ElementLayout, LayoutConfig};
+use glam::DVec3;
+use std::fmt::Write as _;
+use std::fs;
+use std::io::Write as _;
+use std::thread;
+use std::time::Duration;
+
+/// Rows in a second: few enough that a busy computer senses them, and fresh enough for a slow rig.
+const RATE: u64 = 5;
+/// The taxel that feels something, and what, N.
+const FELT: usize = 5;
+const FORCE: DVec3 = DVec3::new(0.01, 0.02, 0.03);
+
+/// Taxels where the reference fingertip has its elements.
+fn layout() -> String {
+    let mut text = "version = 1\nname = 'dome'\nunit = 'N'\n\
+                    columns = { x = 't{n}_x', y = 't{n}_y', z = 't{n}_z' }\n"
+        .to_string();
+    let layout = ElementLayout::new(&LayoutConfig::default());
+    for (index, element) in layout.elements.iter().enumerate() {
+        let (tip, normal) = (layout.tip(index).to_array(), element.normal().to_array());
+        writeln!(text, "[[taxel]]\nplace = {tip:?}\nnormal = {normal:?}").expect("a string");
+    }
+    text
+}
+
+/// A driver of the test's own: writes rows to a sensor program, until that ends.
+fn drive(rig: &Rig) -> Running {
+    fs::write(rig.setup.folder.join("dome.toml"), layout()).expect("a layout");
+    let rate = format!("--rate={RATE}");
+    let arguments = [
+        "sense",
+        "-",
+        "--taxels=dome.toml",
+        &rate,
+        "--publish",
+        "--finger=0",
+        "--output=forces.jsonl",
+    ];
+    let mut sense = rig.setup.join_with_input("sense0", &arguments);
+    let mut input = sense.input();
+    thread::spawn(move || {
+        let count = LayoutConfig::default().element_count();
+        let header = (0..count).map(|n| format!("t{n}_x,t{n}_y,t{n}_z"));
+        let mut row = header.collect::<Vec<_>>().join(",");
+        // Of a real array, no row is like the one before.
+        for number in 0_u32.. {
+            if writeln!(input, "{row}").is_err() {
+                return;
+            }
+            thread::sleep(Duration::from_millis(1000 / RATE));
+            let noise = 1e-9 * f64::from(number);
+            let force = |n| if n == FELT { FORCE } else { DVec3::ZERO };
+            let cells = (0..count).flat_map(|n| (force(n) + noise).to_array());
+            let cells: Vec<_> = cells.map(|cell| cell.to_string()).collect();
+            row = cells.join(",");
+        }
+    });
+    sense
+}
+
+#[test]
+fn a_hand_moves_on_what_taxels_feel() {
+    let mut rig = Setup::new("link-taxels").with(&[NO_HURRY]).start();
+    rig.senses[0].signal("KILL");
+    rig.senses[0] = drive(&rig);
+    let mut hand = rig.moving_hand(&[]);
+    let told = rig.setup.order("stop", &[]).done();
+    assert!(told.contains("stands still"), "{told}");
+    hand.wait_for("stopped: told to stop");
+    check(&mut rig, hand, "told to stop");
+    let recording = rig.setup.recording();
+    let frames = &recording.fingers[0].tactile;
+    let felt = frames.iter().map(|frame| DVec3::from(frame.forces[FELT]));
+    let close = felt.filter(|felt| (*felt - FORCE).length() < 1e-6).count();
+    assert!(close > 0, "of {} frames, none has the force", frames.len());
+    // Beside the hand, everything is written, if only to a part: the program may have been killed.
+    let files = ["forces.jsonl", "forces.jsonl.part"];
+    let texts = files.map(|name| fs::read_to_string(rig.setup.folder.join(name)));
+    let rows: usize = texts
+        .iter()
+        .flatten()
+        .map(|text| text.lines().count())
+        .sum();
+    assert!(rows >= 41, "{rows} rows");
+    let moved = &recording.fingers[0].joints;
+    let (first, last) = (
+        moved.first().expect("joints"),
+        moved.last().expect("joints"),
+    );
+    assert_ne!(first.position, last.position, "the finger did not move");
+}

@@ -1,0 +1,48 @@
+//! A browser that stops reading.
+
+use super::viewed::{Viewed, next_row};
+use crate::program::{folder, run, summary};
+use std::thread;
+use std::time::Duration;
+use tungstenite::Message;
+
+/// Longer than anybody is waited for.
+const ASLEEP: Duration = Duration::from_secs(10);
+
+#[test]
+fn a_run_is_the_same_whoever_looks() {
+    let folder = folder("view-digest");
+    let limit = "--set=time_limit=1";
+    let arguments = [
+        "run",
+        "cap-closing",
+        "--sensing=direct",
+        "--out=alone",
+        limit,
+    ];
+    run(&folder, &arguments);
+    let viewed = Viewed::run(&folder, &["--speed=0.1", limit]);
+    let (mut reads, _sleeps) = (viewed.socket(), viewed.socket());
+    while reads.read().is_ok() {}
+    viewed.wait();
+    let digest = |name: &str| summary(&folder.join(name))["digest"].clone();
+    assert!(digest("run").is_string());
+    assert_eq!(digest("run"), digest("alone"));
+}
+
+#[test]
+fn who_stops_reading_misses_rows_and_is_left_alone() {
+    let viewed = Viewed::run(&folder("view-asleep"), &["--speed=0.2"]);
+    let mut socket = viewed.socket();
+    next_row(&mut socket);
+    thread::sleep(ASLEEP);
+    let mut rows = 0;
+    while let Ok(message) = socket.read() {
+        rows += usize::from(matches!(message, Message::Binary(_)));
+    }
+    // Those of two seconds, and some that were on their way; not the three hundred that there were.
+    assert!(rows <= 100, "{rows}");
+    // The run went on, and others may look.
+    next_row(&mut viewed.socket());
+    viewed.interrupt();
+}

@@ -1,0 +1,147 @@
+//! What is refused, and what is left of an export that failed.
+
+use super::made_up::{MadeUp, recording_file};
+use super::short_run;
+use crate::program::{Ended, feeler, folder, run};
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::thread::yield_now;
+
+/// The names of what is in a folder.
+fn names(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).unwrap();
+    let name = |entry: std::io::Result<fs::DirEntry>| entry.unwrap().file_name();
+    let mut names: Vec<_> = entries.map(|e| name(e).into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn tables_replace_nothing_unless_told_to() {
+    let folder = folder("export-refused-tables");
+    short_run(&folder, "one", "1");
+    let export = |arguments: &[&str]| run(&folder, &[&["export", "parquet"], arguments].concat());
+    let said = export(&["one", "-o", "one.parquet"]).done();
+    assert_eq!(said, "one.parquet\n");
+    let first = fs::read(folder.join("one.parquet")).unwrap();
+    let exists = ["--output one.parquet", "exists already", "--force"];
+    export(&["one", "-o", "one.parquet"]).refused(&exists);
+    // The recording itself is a run, too, and called as its folder is.
+    export(&["one/recording.mcap", "-o", "one.parquet", "--force"]).done();
+    assert!(fs::read(folder.join("one.parquet")).unwrap() == first);
+    let onto_input = ["one", "-o", "one/recording.mcap", "--force"];
+    export(&onto_input).refused(&["--output one/recording.mcap", "expected a folder"]);
+    fs::copy(folder.join("one/recording.mcap"), folder.join("in.parquet")).unwrap();
+    let onto_input = ["in.parquet", "-o", "in.parquet", "--force"];
+    export(&onto_input).refused(&["it is an input"]);
+    export(&["one", "one", "-o", "o"]).refused(&["two runs are called one"]);
+    export(&["one", "in.parquet", "-o", "x.parquet"]).refused(&["2 are given", "a folder"]);
+    export(&["nothing", "-o", "x.parquet"]).refused(&["nothing", "there is no recording"]);
+    assert_eq!(names(&folder), ["in.parquet", "one", "one.parquet"]);
+}
+
+#[test]
+fn a_table_that_fails_leaves_none() {
+    let folder = folder("export-failed-tables");
+    short_run(&folder, "one", "1");
+    fs::create_dir(folder.join("bad")).unwrap();
+    fs::write(folder.join("bad/recording.mcap"), "no recording").unwrap();
+    let export = ["export", "parquet", "one", "bad", "-o", "tables"];
+    run(&folder, &export).refused(&["bad/recording.mcap", "nothing readable"]);
+    assert!(names(&folder.join("tables")).is_empty());
+}
+
+#[test]
+fn a_table_of_a_recording_that_was_cut_off_says_so() {
+    let folder = folder("export-cut-tables");
+    short_run(&folder, "one", "1");
+    let bytes = fs::read(folder.join("one/recording.mcap")).unwrap();
+    fs::write(folder.join("cut.mcap"), &bytes[..bytes.len() / 2]).unwrap();
+    let export = ["export", "parquet", "cut.mcap", "-o", "cut.parquet"];
+    run(&folder, &export).refused(&["cut.mcap: the recording is incomplete", "exported up to"]);
+    assert_eq!(names(&folder), ["cut.mcap", "cut.parquet", "one"]);
+}
+
+#[test]
+fn a_data_set_replaces_only_a_data_set() {
+    let folder = folder("export-refused-set");
+    short_run(&folder, "one", "1");
+    let export = |arguments: &[&str]| run(&folder, &[&["export", "lerobot"], arguments].concat());
+    // An empty folder is as good as none.
+    fs::create_dir(folder.join("set")).unwrap();
+    export(&["one", "-o", "set"]).done();
+    export(&["one", "-o", "set"]).refused(&["--output set", "exists already", "--force"]);
+    fs::write(folder.join("set/of-before"), "").unwrap();
+    export(&["one", "-o", "set/", "--force"]).done();
+    assert_eq!(names(&folder.join("set")), ["data", "meta"]);
+    fs::write(folder.join("file"), "mine").unwrap();
+    fs::create_dir(folder.join("mine")).unwrap();
+    fs::write(folder.join("mine/file"), "mine").unwrap();
+    for mine in ["file", "mine", "mine/"] {
+        export(&["one", "-o", mine, "--force"]).refused(&["is no data set"]);
+    }
+    for nameless in [".", "set/.."] {
+        export(&["one", "-o", nameless, "--force"]).refused(&["the name of a folder"]);
+    }
+    let above = ["one", "-o", "../export-refused-set", "--force"];
+    export(&above).refused(&["the input one/recording.mcap is in it"]);
+    // Whoever puts a recording into a data set keeps it.
+    fs::copy(
+        folder.join("one/recording.mcap"),
+        folder.join("set/in.mcap"),
+    )
+    .unwrap();
+    let from_inside = ["set/in.mcap", "-o", "set", "--force"];
+    export(&from_inside).refused(&["the input set/in.mcap is in it"]);
+    assert_eq!(names(&folder), ["file", "mine", "one", "set"]);
+}
+
+#[test]
+fn a_data_set_that_fails_leaves_none() {
+    let folder = folder("export-failed-set");
+    short_run(&folder, "one", "1");
+    run(
+        &folder,
+        &["run", "friction-scan", "--sensing=direct", "--out=two"],
+    )
+    .done();
+    let export = ["export", "lerobot", "one", "two", "-o", "set"];
+    let features = ["two: features", "as in the first run, expected", "found"];
+    run(&folder, &export).refused(&features);
+    assert_eq!(names(&folder), ["one", "two"]);
+    fs::create_dir_all(folder.join("set.part/data")).unwrap();
+    let export = ["export", "lerobot", "one", "-o", "set"];
+    run(&folder, &export).refused(&["set.part", "an export that was killed"]);
+    run(&folder, &[&export[..], &["--force"]].concat()).done();
+    assert_eq!(names(&folder), ["one", "set", "two"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_data_set_that_is_interrupted_leaves_none() {
+    let folder = folder("export-interrupted-set");
+    // Pictures for minutes.
+    let made_up = MadeUp {
+        steps: 4000,
+        pictures: Some((320, 240)),
+        ..MadeUp::default()
+    };
+    recording_file(&made_up, &folder.join("long.mcap"));
+    let mut export = feeler(&folder, &["export", "lerobot", "long.mcap", "-o", "set"]);
+    let export = export.stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut export = export.spawn().expect("the program");
+    while !folder.join("set.part/videos").exists() {
+        let ended = export.try_wait().expect("its state");
+        assert!(ended.is_none(), "it ended by itself: {ended:?}");
+        yield_now();
+    }
+    let kill = Command::new("kill")
+        .args(["-INT", &export.id().to_string()])
+        .status();
+    assert!(kill.expect("the kill command").success());
+    let ended = Ended::of(export.wait_with_output().unwrap());
+    assert_eq!(ended.status, Some(1), "{ended:?}");
+    assert_eq!(ended.stdout, "interrupted: nothing was exported\n");
+    assert_eq!(names(&folder), ["long.mcap"]);
+}

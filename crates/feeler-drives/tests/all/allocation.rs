@@ -1,0 +1,67 @@
+//! A control period over the bus takes no memory, whatever is read in it.
+
+#![cfg(target_os = "linux")]
+
+use crate::support::{MOST_AGE, PERIOD, bus, config, finger};
+use assert_no_alloc::{assert_no_alloc, permit_alloc};
+use feeler::glam::DVec3;
+use feeler::hand::{Hand, HandCommand, HandState};
+use feeler_drives::bus::Bus;
+use feeler_drives::emulator::Lockstep;
+use feeler_drives::hand::DriveHand;
+use feeler_drives::packet::Protocol;
+use feeler_drives::packet::instruction::READ;
+use feeler_drives::port::Port;
+use std::io;
+
+/// The port of an emulated bus. What plays servos may take memory: real ones are not in this program.
+struct Elsewhere(Lockstep);
+
+impl Port for Elsewhere {
+    fn discard_input(&mut self) -> io::Result<()> {
+        permit_alloc(|| self.0.discard_input())
+    }
+
+    fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
+        permit_alloc(|| self.0.send(bytes))
+    }
+
+    fn receive(&mut self, bytes: &mut [u8], deadline: f64) -> io::Result<usize> {
+        permit_alloc(|| self.0.receive(bytes, deadline))
+    }
+}
+
+/// With a question for a servo's health in every period, each servo several times.
+#[test]
+fn a_period_allocates_nothing() {
+    for protocol in [Protocol::Dynamixel, Protocol::Feetech] {
+        for fast in [true, false] {
+            let mut config = config(protocol, 2);
+            config.health_interval = 0.001;
+            config.fast_sync_read &= fast;
+            let bus = bus(&config);
+            let how = (protocol, config.baud_rate);
+            let port = Box::new(Elsewhere(bus.clone()));
+            let master = Bus::on(port, how, config.reply_timeout, bus.clock());
+            let hand = DriveHand::on(master, &config, &[finger(), finger()], MOST_AGE);
+            let mut hand = hand.unwrap_or_else(|error| panic!("{error}"));
+            let (mut state, mut command) = (HandState::zero(2), HandCommand::stop(2));
+            command.relay(&[DVec3::splat(0.05); 2]);
+            let asked = || {
+                let bus = bus.servos();
+                let reads = bus.log().entries().filter(|e| e.instruction == READ);
+                reads.count()
+            };
+            let before = asked();
+            for _ in 0..20 {
+                let done = assert_no_alloc(|| {
+                    hand.read(&mut state)?;
+                    hand.command(&command)
+                });
+                done.unwrap();
+                bus.wait(PERIOD);
+            }
+            assert!(asked() >= before + 20, "no servo was asked for its health");
+        }
+    }
+}

@@ -1,0 +1,371 @@
+//! The hand over an emulated bus in lockstep: it moves as told, and stops as it has to, however busy the computer is.
+
+#![cfg(target_os = "linux")]
+
+use crate::support::{
+    MOST_AGE, PERIOD, Rig, ages_of_commands, bus, config, finger, hand_on, plant,
+};
+use feeler::glam::DVec3;
+use feeler::hand::Hand;
+use feeler_drives::clock::RigClock;
+use feeler_drives::emulator::{BusFault, EmulatorConfig, Lockstep};
+use feeler_drives::hand::DriveHand;
+use feeler_drives::packet::Protocol;
+use feeler_drives::registers::Registers;
+
+const PROTOCOLS: [Protocol; 2] = [Protocol::Dynamixel, Protocol::Feetech];
+
+/// Joints turn as far as they were told, whatever direction, gear and offset their servos have. Half a unit of velocity of the
+/// coarsest servo is 12 mrad/s: rounding must not add up.
+#[test]
+fn joints_turn_as_they_are_told() {
+    for protocol in PROTOCOLS {
+        let mut rig = Rig::new(protocol);
+        rig.period(0.0).unwrap();
+        let geometry = finger();
+        let middle = (geometry.joint_lower() + geometry.joint_upper()) / 2.0;
+        for joints in &rig.state.joints {
+            let off = (joints.position - middle).abs().max_element();
+            assert!(off < 0.002, "{protocol:?}: {joints:?}, {middle} expected");
+        }
+        let (begin, start) = (rig.state.clone(), rig.now());
+        for _ in 0..60 {
+            rig.period(0.05).unwrap();
+        }
+        let turned = 0.05 * (rig.now() - start);
+        rig.period(0.0).unwrap();
+        rig.settle();
+        rig.period(0.0).unwrap();
+        for (joints, begin) in rig.state.joints.iter().zip(&begin.joints) {
+            let off = joints.position - begin.position - DVec3::splat(turned);
+            // A count of 1.5 mrad at either end, with noise of 0.3 counts; and the unit of velocity for the period that the last command lasts.
+            let most = 0.004 + 0.024 * PERIOD;
+            assert!(
+                off.abs().max_element() < most,
+                "{protocol:?}: {off} beside {turned}"
+            );
+            assert!(joints.velocity.abs().max_element() < 0.03, "{joints:?}");
+        }
+        // The stamps are the bus's time, by when the answers were there.
+        assert!(
+            rig.state.stamp < rig.now() - PERIOD && rig.state.stamp > rig.now() - 1.2 * PERIOD,
+            "{} at {}",
+            rig.state.stamp,
+            rig.now()
+        );
+    }
+}
+
+#[test]
+fn servos_are_set_before_they_get_torque_and_lose_it_at_the_end() {
+    for protocol in PROTOCOLS {
+        let rig = Rig::new(protocol);
+        let registers = Registers::of(protocol);
+        let counts = |rig: &Rig, register| -> Vec<i64> {
+            let bus = rig.emulator.servos();
+            bus.servos()
+                .iter()
+                .map(|servo| servo.get(register))
+                .collect()
+        };
+        assert_eq!(counts(&rig, registers.torque), [1; 6]);
+        assert_eq!(counts(&rig, registers.mode), [1; 6]);
+        assert_eq!(counts(&rig, registers.return_delay), [0; 6]);
+        let limit = if protocol == Protocol::Dynamixel {
+            650
+        } else {
+            100
+        };
+        assert_eq!(counts(&rig, registers.current_limit), [limit; 6]);
+        if let Some(watchdog) = registers.watchdog {
+            assert_eq!(counts(&rig, watchdog), [5; 6]);
+            // It was set before the torque.
+            let bus = rig.emulator.servos();
+            let writes = bus
+                .log()
+                .entries()
+                .filter(|e| e.id == 1 && e.instruction == 3);
+            let order: Vec<_> = writes.map(|e| (e.parameters[0], e.parameters[2])).collect();
+            let at = |what: (u8, u8)| order.iter().rposition(|&w| w == what).expect("a write");
+            assert!(at((98, 5)) < at((64, 1)), "{order:?}");
+        }
+        let Rig { hand, emulator, .. } = rig;
+        drop(hand);
+        emulator.wait(0.05);
+        let torque: Vec<_> = emulator
+            .servos()
+            .servos()
+            .iter()
+            .map(|s| s.get(registers.torque))
+            .collect();
+        assert_eq!(torque, [0; 6]);
+    }
+}
+
+/// What every fault must come to: an error that says which servo and why, motors that stand still from then on, and no command
+/// to move that was made of joint angles older than the limit.
+fn stops(protocol: Protocol, fault: BusFault, words: &[&str]) {
+    let mut rig = Rig::new(protocol);
+    for _ in 0..10 {
+        rig.period(0.02).unwrap();
+    }
+    assert!(rig.goals().iter().any(|&goal| goal != 0.0));
+    rig.emulator.inject(fault);
+    let injected = rig.now();
+    let error = (0..100).find_map(|_| rig.period(0.02).err());
+    let error = error.unwrap_or_else(|| panic!("{fault:?} was not noticed"));
+    let (error, noticed) = (error.to_string(), rig.now() - injected);
+    for word in words {
+        assert!(error.contains(word), "{fault:?}: no {word:?} in {error:?}");
+    }
+    assert!(
+        noticed < within(protocol, fault),
+        "{fault:?} was noticed after {noticed} s"
+    );
+    // Where stopping does not get through, the watchdog does it, where there is one.
+    let through = !matches!(
+        fault,
+        BusFault::CablePulled | BusFault::FlipBytes(_) | BusFault::LoseBytes(_)
+    );
+    rig.emulator.wait(if through { 0.002 } else { 0.1 + 0.02 });
+    let silent = |id: u8| matches!(fault, BusFault::Silent(silent) if silent == id);
+    if through || protocol == Protocol::Dynamixel {
+        let bus = rig.emulator.servos();
+        for servo in bus.servos().iter().filter(|servo| !silent(servo.id)) {
+            assert_eq!(servo.goal(), 0.0, "{fault:?}: servo {}", servo.id);
+        }
+    }
+    let stopped = ages_of_commands(&rig.emulator.servos(), protocol);
+    for (time, age) in &stopped {
+        assert!(
+            *age <= MOST_AGE + 1e-3,
+            "{fault:?}: {age} s old at {time} s"
+        );
+    }
+    // It stays so, whatever it is told.
+    assert!(rig.period(0.02).is_err());
+    rig.settle();
+    let told = ages_of_commands(&rig.emulator.servos(), protocol).len();
+    assert_eq!(told, stopped.len(), "{fault:?}: it was told to move again");
+    assert_eq!(rig.hand.fault(), Some(error.as_str()));
+}
+
+/// How soon it has to be noticed, s.
+fn within(protocol: Protocol, fault: BusFault) -> f64 {
+    // In the next period, by an answer that does not come in time at the latest: 4 ms, and what six servos' bytes take.
+    let a_period = PERIOD + 0.006;
+    match (protocol, fault) {
+        // One servo each 20 ms says how it is; it gets there by turns.
+        (Protocol::Dynamixel, BusFault::Overheat(_) | BusFault::Undervoltage(_)) => {
+            6.0 * 0.02 + a_period
+        }
+        // By chance: 1 % of some 100 bytes a period.
+        (_, BusFault::FlipBytes(_) | BusFault::LoseBytes(_)) => 20.0 * PERIOD,
+        _ => a_period,
+    }
+}
+
+#[test]
+fn a_servo_that_fails_stops_all() {
+    for protocol in PROTOCOLS {
+        stops(
+            protocol,
+            BusFault::Silent(5),
+            &["theta2 of finger 1", "servo 5"],
+        );
+        stops(
+            protocol,
+            BusFault::Overheat(4),
+            &["servo 4", "95 degrees", "temperature_limit_celsius"],
+        );
+        stops(
+            protocol,
+            BusFault::Undervoltage(2),
+            &["servo 2", "3.1 V", "voltage_range"],
+        );
+        stops(
+            protocol,
+            BusFault::Hardware(6),
+            &["servo 6 (theta3 of finger 1)", "overload"],
+        );
+    }
+    // The position of a Feetech servo starts again with every turn, so a jump of two is none.
+    stops(
+        Protocol::Dynamixel,
+        BusFault::Jump(3),
+        &["servo 3 (theta3 of finger 0)", "rad expected"],
+    );
+}
+
+/// It is silent for 0.3 s; a silent servo is noticed at once, and it is that.
+#[test]
+fn a_servo_that_restarts_stops_all() {
+    for protocol in PROTOCOLS {
+        stops(protocol, BusFault::Reboot(1), &["servo 1"]);
+    }
+}
+
+#[test]
+fn a_bus_that_fails_stops_all() {
+    for protocol in PROTOCOLS {
+        stops(protocol, BusFault::FlipBytes(0.01), &["servo"]);
+        stops(protocol, BusFault::LoseBytes(0.01), &["servo"]);
+        stops(protocol, BusFault::Echo, &["sends back", "without echo"]);
+        stops(
+            protocol,
+            BusFault::Late(1.0),
+            &["servo 1", "did not answer"],
+        );
+        stops(protocol, BusFault::CablePulled, &["port fails", "cable"]);
+    }
+}
+
+/// A command that comes too late after the joint angles that it was made of is not sent.
+#[test]
+fn a_slow_computer_stops_all() {
+    let mut rig = Rig::new(Protocol::Dynamixel);
+    rig.period(0.02).unwrap();
+    rig.hand.read(&mut rig.state).unwrap();
+    // The command itself takes its time on the wire, but that is not the computer's.
+    rig.emulator.wait(1.001 * MOST_AGE);
+    let error = rig.command(0.02).unwrap_err().to_string();
+    assert!(error.contains("s old: at most 0.0350 s"), "{error}");
+    rig.settle();
+    assert_eq!(rig.goals(), [0.0; 6]);
+    // Somebody has looked, and lets it move again.
+    rig.hand.restart().unwrap();
+    rig.period(0.02).unwrap();
+    rig.settle();
+    assert!(rig.goals().iter().any(|&goal| goal != 0.0));
+}
+
+/// A computer that dies says nothing more, not even to stop.
+#[test]
+fn the_watchdogs_stop_motors_of_a_dead_computer() {
+    let mut rig = Rig::new(Protocol::Dynamixel);
+    for _ in 0..5 {
+        rig.period(0.1).unwrap();
+    }
+    assert!(
+        rig.goals().iter().all(|&goal| goal != 0.0),
+        "{:?}",
+        rig.goals()
+    );
+    // The last command was a period ago.
+    rig.emulator.wait(0.1 - 2.0 * PERIOD);
+    assert!(rig.goals().iter().all(|&goal| goal != 0.0));
+    rig.emulator.wait(2.0 * PERIOD);
+    assert_eq!(rig.goals(), [0.0; 6]);
+    // What it says afterwards moves nothing: the servos tell.
+    let mut periods = 0..20;
+    let error = periods
+        .find_map(|_| rig.period(0.1).err())
+        .expect("an error");
+    assert!(error.to_string().contains("bus watchdog"), "{error}");
+    assert_eq!(rig.goals(), [0.0; 6]);
+}
+
+#[test]
+fn what_does_not_fit_the_file_is_refused() {
+    let refused = |change: &dyn Fn(&mut feeler_drives::config::DrivesConfig), words: &[&str]| {
+        let mut config = config(Protocol::Dynamixel, 1);
+        change(&mut config);
+        let error = Rig::of(config).err().expect("an error").to_string();
+        for word in words {
+            assert!(error.contains(word), "no {word:?} in {error}");
+        }
+    };
+    refused(
+        &|c| c.finger[0].joint[1].id = 1,
+        &["drives.finger[0].joint[1].id = 1", "no other joint"],
+    );
+    refused(
+        &|c| c.bus_watchdog = 0.0,
+        &["drives.bus_watchdog = 0", "0.02 to 2.54"],
+    );
+    refused(
+        &|c| c.finger[0].joint[0].model = "AX-12".into(),
+        &["AX-12", "XL330-M288"],
+    );
+    refused(
+        &|c| c.finger[0].joint[0].direction = 0,
+        &["direction = 0", "1 or -1"],
+    );
+    refused(
+        &|c| c.finger[0].joint[2].gear_ratio = 30.0,
+        &["servo 3 (theta3 of finger 0)", "joint_speed_limit"],
+    );
+    refused(
+        &|c| c.voltage_range = [11.0, 12.6],
+        &["servo 1", "5.0 V", "11 to 12.6 V"],
+    );
+}
+
+#[test]
+fn another_servo_than_expected_is_named() {
+    let config = config(Protocol::Dynamixel, 1);
+    let bus = bus(&config);
+    let open = |change: &dyn Fn(&mut feeler_drives::config::DrivesConfig)| {
+        let mut changed = config.clone();
+        change(&mut changed);
+        let opened = hand_on(&bus, &changed);
+        opened.err().expect("an error").to_string()
+    };
+    let error = open(&|c| c.finger[0].joint[1].id = 9);
+    assert!(
+        error.contains("theta2 of finger 0: servo 9 did not answer"),
+        "{error}"
+    );
+    let error = open(&|c| c.finger[0].joint[0].model = "XM430-W350".into());
+    assert!(
+        error.contains("servo 1 (theta1 of finger 0) says that it is model 1190: expected 1020"),
+        "{error}"
+    );
+}
+
+/// Fast sync reads came with firmware 46 of this series.
+#[test]
+fn a_servo_that_is_too_old_for_fast_sync_reads_is_named() {
+    let mut config = config(Protocol::Dynamixel, 1);
+    let mut servos = EmulatorConfig::of(&config, 1);
+    servos.servos[1].set_firmware(45);
+    let open = |config: &feeler_drives::config::DrivesConfig| {
+        let bus = Lockstep::new(&servos, plant(config));
+        hand_on(&bus, config)
+    };
+    let error = open(&config).err().expect("an error").to_string();
+    assert!(
+        error.contains("servo 2 (theta2 of finger 0) has firmware 45: expected 46 or newer"),
+        "{error}"
+    );
+    config.fast_sync_read = false;
+    open(&config).expect("a hand");
+}
+
+#[test]
+fn a_port_that_is_not_there_is_named() {
+    let mut config = config(Protocol::Dynamixel, 1);
+    config.port = "/dev/not-there".into();
+    let opened = DriveHand::open(&config, &[finger()], MOST_AGE, RigClock::real());
+    let error = opened.err().expect("an error").to_string();
+    assert!(
+        error.contains("/dev/not-there") && error.contains("serial port"),
+        "{error}"
+    );
+}
+
+/// The same commands, the same faults: the same packets at the same times.
+#[test]
+fn a_bus_in_lockstep_is_the_same_each_time() {
+    let said = || {
+        let mut rig = Rig::new(Protocol::Dynamixel);
+        for step in 0..50 {
+            rig.period(0.001 * f64::from(step)).unwrap();
+        }
+        rig.emulator.inject(BusFault::FlipBytes(0.01));
+        while rig.period(0.02).is_ok() {}
+        let bus = rig.emulator.servos();
+        bus.log().entries().cloned().collect::<Vec<_>>()
+    };
+    assert_eq!(said(), said());
+}

@@ -1,0 +1,60 @@
+//! The same bus behind a pseudo-terminal, in real time: so slowly that a busy computer keeps up.
+
+#![cfg(target_os = "linux")]
+
+use crate::support::{config, finger, plant};
+use feeler::glam::DVec3;
+use feeler::hand::{Hand, HandCommand, HandState};
+use feeler_drives::clock::RigClock;
+use feeler_drives::emulator::{BusFault, Emulator, EmulatorConfig};
+use feeler_drives::hand::DriveHand;
+use feeler_drives::packet::Protocol;
+use feeler_drives::registers::Registers;
+
+/// Seconds of the rig's time in a real second.
+const SPEED: f64 = 0.05;
+/// Any computer gets there within the hour of real time that this is.
+const EVER: f64 = 180.0;
+
+#[test]
+fn a_hand_moves_over_a_pseudo_terminal_and_a_pulled_cable_stops_it() {
+    for protocol in [Protocol::Dynamixel, Protocol::Feetech] {
+        let mut config = config(protocol, 2);
+        // Only what this test is about may stop the hand.
+        config.reply_timeout = 1.0;
+        if protocol == Protocol::Dynamixel {
+            config.bus_watchdog = 2.54;
+        }
+        let clock = RigClock::at_speed(SPEED);
+        let bus = EmulatorConfig::of(&config, 1);
+        let emulator = Emulator::start(&bus, plant(&config), clock.clone()).expect("a terminal");
+        config.port = emulator.path().into();
+        let hand = DriveHand::open(&config, &[finger(), finger()], EVER, clock.clone());
+        let mut hand = hand.unwrap_or_else(|error| panic!("{protocol:?}: {error}"));
+        let (mut state, mut command) = (HandState::zero(2), HandCommand::stop(2));
+        hand.read(&mut state).unwrap();
+        let begin = state.clone();
+        command.relay(&[DVec3::splat(0.2); 2]);
+        while state.stamp < begin.stamp + 0.05 {
+            hand.command(&command).unwrap();
+            hand.read(&mut state).unwrap();
+        }
+        // The lag of the servos takes 0.01 s of it; the counts are up to 1.5 mrad.
+        let least = 0.2 * (0.05 - 0.02) - 0.003;
+        for (joints, begin) in state.joints.iter().zip(&begin.joints) {
+            let turned = joints.position - begin.position;
+            assert!(turned.min_element() > least, "{protocol:?}: {turned}");
+        }
+        emulator.inject(BusFault::CablePulled);
+        let error = loop {
+            if let Err(error) = hand.read(&mut state) {
+                break error.to_string();
+            }
+        };
+        assert!(error.contains("port fails"), "{error}");
+        drop(hand);
+        let torque = Registers::of(protocol).torque;
+        let servos = emulator.servos().servos().to_vec();
+        assert!(servos.iter().all(|servo| servo.get(torque) == 1));
+    }
+}

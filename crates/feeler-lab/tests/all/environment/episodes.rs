@@ -1,0 +1,182 @@
+//! Seeds, what varies, what actions mean, and what is refused.
+
+use super::support::{config, environment};
+use feeler_lab::config::Experiment;
+use feeler_lab::environment::{ActionKind, Environment, EnvironmentConfig};
+use feeler_lab::sweep::plan::Plan;
+use feeler_lab::sweep::trial::Trials;
+
+/// Observation of the episode of `seed` after a tenth of a second of the plan.
+fn observed(environment: &mut Environment, seed: Option<u64>) -> Vec<f32> {
+    environment.reset(seed).expect("an episode");
+    let mut action = vec![0.0; environment.action_len()];
+    for _ in 0..10 {
+        environment.guide(&mut action).expect("an action");
+        environment.step(&action).expect("a step");
+    }
+    environment.observation().to_vec()
+}
+
+#[test]
+fn a_seed_alone_determines_its_episode_and_those_that_follow() {
+    let mut environment = environment("cap-closing", &[]);
+    let first = observed(&mut environment, Some(5));
+    let next = observed(&mut environment, None);
+    let after = observed(&mut environment, None);
+    assert!(first != next && next != after);
+    assert_eq!(observed(&mut environment, Some(5)), first);
+    let seed = environment.reset(None).expect("an episode");
+    assert!(i64::try_from(seed).is_ok(), "a file can say {seed}");
+    let mut other = super::support::environment("cap-closing", &[]);
+    assert_eq!(observed(&mut other, Some(seed)), next);
+}
+
+#[test]
+fn what_varies_draws_what_the_first_trial_of_a_sweep_draws() {
+    let vary = [
+        "friction=uniform(0.3,1.2)",
+        "cap.radius=uniform(0.013,0.015)",
+    ];
+    let vary = vary.map(ToString::to_string).to_vec();
+    let mut environment = Environment::new(&EnvironmentConfig {
+        vary: vary.clone(),
+        ..config("cap-closing", &[])
+    })
+    .expect("an environment");
+    let experiment = Experiment::load("cap-closing", &["sensing=direct".to_string()]);
+    let experiment = experiment.expect("an experiment");
+    for seed in [1, 9] {
+        let plan = Plan::new(&experiment, "cap-closing", &vary, seed, 1).expect("a plan");
+        let trials = Trials::new(&plan);
+        let trial = trials
+            .and_then(|trials| trials.experiment(0))
+            .expect("a trial");
+        environment.reset(Some(seed)).expect("an episode");
+        let (ours, theirs) = (&environment.experiment().config, &trial.config);
+        assert_eq!(ours.sim, theirs.sim);
+        assert_ne!(ours.sim, experiment.config.sim);
+        assert_eq!(ours.seed, seed);
+    }
+}
+
+/// The same command, whatever an action's numbers mean, but for the rounding of turning to and fro.
+#[test]
+fn actions_of_all_kinds_pass_the_same_limits() {
+    let command = |action| {
+        let mut environment = Environment::new(&EnvironmentConfig {
+            action,
+            ..config("cap-closing", &[])
+        })
+        .expect("an environment");
+        environment.reset(Some(0)).expect("an episode");
+        let mut action = [f64::NAN; 6];
+        environment.guide(&mut action).expect("an action");
+        environment.step(&action).expect("a step");
+        environment
+            .session()
+            .control_loop()
+            .command()
+            .joint_velocity()
+            .to_vec()
+    };
+    let world = command(ActionKind::World);
+    assert!(world.iter().all(|velocity| velocity.length() > 0.01));
+    for kind in [ActionKind::Fingertip, ActionKind::Joints] {
+        for (own, world) in command(kind).iter().zip(&world) {
+            assert!(own.distance(*world) < 1e-12, "{kind:?}: {own} {world}");
+        }
+    }
+    for (name, kind) in ActionKind::NAMES
+        .into_iter()
+        .zip(["World", "Fingertip", "Joints"])
+    {
+        let named = ActionKind::named(name).expect("a kind");
+        assert_eq!(format!("{named:?}"), kind);
+    }
+    assert_eq!(ActionKind::named("torque"), None);
+}
+
+#[test]
+fn however_large_an_action_is_the_limits_hold() {
+    for action in [ActionKind::World, ActionKind::Fingertip, ActionKind::Joints] {
+        let mut environment = Environment::new(&EnvironmentConfig {
+            action,
+            ..config("cap-closing", &[])
+        })
+        .expect("an environment");
+        environment.reset(Some(0)).expect("an episode");
+        let bounds = environment.action_bounds();
+        assert_eq!(
+            bounds,
+            vec![
+                if action == ActionKind::Joints {
+                    2.0
+                } else {
+                    0.05
+                };
+                6
+            ]
+        );
+        let mut before = vec![glam::DVec3::ZERO; 2];
+        for sign in [1.0, -1.0, -1.0, 1.0] {
+            environment.step(&[sign * f64::MAX; 6]).expect("a step");
+            assert_eq!(environment.stop_reason(), None);
+            let command = environment.session().control_loop().command();
+            for (now, before) in command.joint_velocity().iter().zip(&mut before) {
+                // 20 rad/s² for 10 ms.
+                assert!((*now - *before).abs().max_element() <= 0.2 + 1e-12);
+                *before = *now;
+            }
+        }
+    }
+}
+
+#[test]
+fn what_makes_no_sense_is_refused_in_words() {
+    let mut environment = environment("cap-closing", &[]);
+    let refused = |environment: &mut Environment, action: &[f64], word: &str| {
+        let error = environment.step(action).expect_err("no sense").to_string();
+        assert!(error.contains(word), "{error}");
+    };
+    refused(&mut environment, &[0.0; 6], "no episode under way");
+    environment.reset(Some(0)).expect("an episode");
+    refused(&mut environment, &[0.0; 5], "an action of 6 numbers");
+    refused(
+        &mut environment,
+        &[0.0, 0.0, f64::NAN, 0.0, 0.0, 0.0],
+        "action[2]",
+    );
+    refused(&mut environment, &[f64::INFINITY; 6], "inf arrived");
+    // Nothing has happened.
+    assert!(environment.step(&[0.0; 6]).is_ok());
+    assert!(environment.guide(&mut [0.0; 3]).is_err());
+
+    let no_such = |config: EnvironmentConfig, word: &str| {
+        let error = Environment::new(&config)
+            .err()
+            .expect("no sense")
+            .to_string();
+        assert!(error.contains(word), "{error}");
+    };
+    no_such(config("cap-losing", &[]), "cap-losing");
+    no_such(
+        config("friction-scan", &[]),
+        "no rewards for task.friction_scan",
+    );
+    no_such(config("cap-opening", &[]), "no rewards for task.screw");
+    no_such(
+        config("cap-closing", &["control.period=-1"]),
+        "control.period",
+    );
+    let varied = |vary: &str| EnvironmentConfig {
+        vary: vec![vary.to_string()],
+        ..config("cap-closing", &[])
+    };
+    no_such(varied("friction=gamma(1)"), "gamma");
+    no_such(varied("seed=uniform(0,1)"), "seed");
+    let other = varied("sensor.fingertip.layout.rings.0.elements=choice(1,3)");
+    let mut environment = Environment::new(&other).expect("an environment");
+    let error = (0..20).find_map(|seed| environment.reset(Some(seed)).err());
+    let error = error.expect("an episode with other elements").to_string();
+    assert!(error.contains("288 numbers"), "{error}");
+}

@@ -1,0 +1,95 @@
+//! An agent that stands where the law does makes the very run that the law makes.
+
+use super::support::environment;
+use feeler::control::law::Law;
+use feeler_lab::config::Experiment;
+use feeler_lab::environment::Environment;
+use feeler_lab::experiment::Session;
+
+/// The run that `feeler run` makes.
+fn session(name: &str, settings: &[&str], seed: u64) -> Session {
+    let mut settings: Vec<_> = settings.iter().map(ToString::to_string).collect();
+    settings.push(format!("seed={seed}"));
+    let experiment = Experiment::load(name, &settings).expect("an experiment");
+    Session::new(&experiment).expect("a session")
+}
+
+/// The laws of the environment's experiment, one for each finger, at rest.
+fn laws(environment: &Environment) -> Vec<Box<dyn Law>> {
+    let control = &environment.experiment().config.control;
+    let layouts = environment.layouts().iter();
+    layouts
+        .map(|layout| control.law(layout.elements).expect("a law"))
+        .collect()
+}
+
+/// What the laws make of what is planned and felt.
+fn by_law(environment: &Environment, laws: &mut [Box<dyn Law>], action: &mut [f64]) {
+    let control_loop = environment.session().control_loop();
+    let plans = control_loop.controller().plans();
+    let fingers = control_loop.hand_sense().fingers().zip(plans);
+    for ((law, numbers), (sense, plan)) in
+        laws.iter_mut().zip(action.chunks_exact_mut(3)).zip(fingers)
+    {
+        numbers.copy_from_slice(&law.velocity(plan, &sense).to_array());
+    }
+}
+
+/// Makes both runs side by side and holds joint angles, forces, flags, phases and commands of every step against each other, bit for bit. The
+/// agent says what the laws would say where there are some, else what is planned. How many steps there were.
+fn compare(name: &str, settings: &[&str], seed: u64, follows_law: bool) -> usize {
+    let mut session = session(name, settings, seed);
+    let mut environment = environment(name, settings);
+    environment.reset(Some(seed)).expect("an episode");
+    let mut laws = laws(&environment);
+    let mut action = vec![0.0; environment.action_len()];
+    let mut steps = 0;
+    loop {
+        session.step().expect("a step");
+        let (ours, theirs) = (environment.session().control_loop(), session.control_loop());
+        assert_eq!(ours.state(), theirs.state(), "{name}: step {steps}");
+        assert_eq!(ours.touches(), theirs.touches(), "{name}: step {steps}");
+        let phases = [ours, theirs].map(|control_loop| control_loop.controller().phase());
+        assert_eq!(phases[0], phases[1], "{name}: step {steps}");
+        match follows_law {
+            true => by_law(&environment, &mut laws, &mut action),
+            false => environment.guide(&mut action).expect("an action"),
+        }
+        let step = environment.step(&action).expect("a step");
+        let (ours, theirs) = (environment.session().control_loop(), session.control_loop());
+        assert_eq!(ours.command(), theirs.command(), "{name}: step {steps}");
+        steps += 1;
+        if step.terminated || step.truncated {
+            return steps;
+        }
+    }
+}
+
+#[test]
+fn the_papers_law_as_an_agent_makes_the_run_of_the_law() {
+    for seed in [0, 7] {
+        let steps = compare("cap-closing", &["sensing=direct"], seed, true);
+        assert!(steps > 1500, "{steps} steps");
+    }
+}
+
+#[test]
+fn a_law_that_learns_makes_its_run_as_an_agent() {
+    let settings = ["sensing=direct", "control.law=best", "task.screw.strokes=1"];
+    assert!(compare("cap-closing", &settings, 3, true) > 300);
+}
+
+#[test]
+fn the_plan_as_an_agent_makes_the_run_of_a_task_without_a_law() {
+    for name in ["cap-until-closed", "lift", "slide-box-two", "contour"] {
+        let steps = compare(name, &["sensing=direct"], 1, false);
+        assert!(steps > 300, "{name}: {steps} steps");
+    }
+}
+
+#[test]
+fn forces_come_from_pictures_where_they_are_asked_for() {
+    let settings = ["sensing=image", "time_limit=1.2"];
+    // The first state that is past the limit is that of step 120.
+    assert_eq!(compare("cap-closing", &settings, 0, true), 120);
+}

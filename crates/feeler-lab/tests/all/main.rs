@@ -1,0 +1,27 @@
+//! The tests of this crate, but for those that need a process of their own: linked once, and all at once over the processors.
+//!
+//! They run under an allocator that ends the process when the control path or the sensor allocates.
+
+mod control_contract;
+mod environment;
+mod own_task;
+mod record;
+mod runs;
+mod sensor;
+mod sensor_allocation;
+mod sim;
+mod sim_bodies;
+mod sim_physics;
+#[path = "../support/skip.rs"]
+mod skip;
+mod slip_on_a_cap;
+#[path = "../support/mod.rs"]
+mod support;
+mod sweep;
+#[path = "../support/runs.rs"]
+mod whole_runs;
+
+use assert_no_alloc::AllocDisabler;
+
+#[global_allocator]
+static ALLOCATOR: AllocDisabler = AllocDisabler;

@@ -1,0 +1,17 @@
+//! Recordings: written, read, by other tools, too, reported and replayed.
+
+mod claims;
+mod digest;
+mod figures;
+mod long_run;
+mod mcap_tools;
+mod page_contract;
+mod page_data;
+mod python;
+mod real_rig;
+mod recorded_camera;
+mod recording;
+mod replay;
+mod report;
+mod strokes;
+mod viewers;

@@ -1,0 +1,39 @@
+//! A run's digest depends on its seed and settings and on nothing else.
+
+use crate::whole_runs::{folder, run};
+use std::thread;
+
+/// The digest of a run of `seconds`.
+fn digest(sensing: &str, seed: u64, seconds: f64, name: &str) -> String {
+    let settings = [
+        format!("sensing={sensing}"),
+        format!("seed={seed}"),
+        format!("time_limit={seconds}"),
+    ];
+    let folder = folder(&format!("determinism-{sensing}-{seed}-{name}"));
+    run(&settings, &folder).to_string()
+}
+
+/// Runs by itself, again, and three at once, of which one has another seed.
+fn check(sensing: &'static str, seconds: f64) {
+    let alone = digest(sensing, 1, seconds, "alone");
+    assert_eq!(digest(sensing, 1, seconds, "again"), alone);
+    let runs = [(1, "a"), (2, "b"), (1, "c")]
+        .map(|(seed, name)| thread::spawn(move || digest(sensing, seed, seconds, name)));
+    let [a, b, c] = runs.map(|run| run.join().expect("a run"));
+    assert_eq!(a, alone);
+    assert_eq!(c, alone);
+    assert_ne!(b, alone);
+    assert_eq!(digest(sensing, 2, seconds, "alone"), b);
+}
+
+#[test]
+fn directly_sensed_runs_repeat_to_the_bit() {
+    check("direct", 60.0);
+}
+
+#[test]
+fn runs_through_pictures_repeat_to_the_bit() {
+    // Long enough to touch the cap and turn it: the search ends after about 0.8 s.
+    check("image", 1.5);
+}

@@ -1,0 +1,97 @@
+//! Neither reading the sensor nor drawing its simulated picture allocates.
+
+use assert_no_alloc::assert_no_alloc;
+use feeler::sensor::{
+    calibration_fit::ModelChoice,
+    camera::{Camera, CameraError},
+    drift::DriftConfig,
+    fingertip::{Fingertip, FingertipConfig},
+    frame::Frame,
+    optical::OpticalSensor,
+    reading::{TactileFrame, TactileSensor},
+    sensing::{ElementReading, SensingChain},
+    taxel::{BuiltInTaxels, TaxelSensor},
+};
+use feeler_sim::{
+    calibration_bench::{CalibrationBenchConfig, calibrate_simulated},
+    optics::{OpticsScratch, render},
+    optics_config::OpticsConfig,
+    optics_model::OpticsModel,
+};
+use glam::DVec3;
+use rand::SeedableRng;
+use rand_pcg::Pcg64;
+
+struct SimulatedCamera(OpticsModel, OpticsScratch, Pcg64);
+
+impl Camera for SimulatedCamera {
+    fn capture(&mut self, frame: &mut Frame) -> Result<(), CameraError> {
+        let Self(model, scratch, rng) = self;
+        let forces = [DVec3::new(0.1, -0.2, 0.7); 41];
+        render(model, scratch, &forces, rng, &mut frame.picture)
+            .map_err(|_| CameraError::Ended { count: 0 })
+    }
+}
+
+#[test]
+fn a_reading_allocates_nothing() {
+    let config = FingertipConfig::default();
+    let optics = OpticsConfig::default();
+    let bench = CalibrationBenchConfig {
+        combined: 20,
+        held_out: 1,
+        model: ModelChoice::Coupled,
+        ..CalibrationBenchConfig::default()
+    };
+    let calibration = calibrate_simulated(&config, &optics, &bench).unwrap();
+    let sensing = SensingChain::of_fingertip(&config).unwrap();
+    let mut sensing = sensing.with_calibration(calibration.clone()).unwrap();
+    let Fingertip {
+        layout, projection, ..
+    } = Fingertip::new(&config).unwrap();
+    let model = OpticsModel::new(&optics, &layout, &projection).unwrap();
+    let scratch = OpticsScratch::new(&model);
+    let camera = SimulatedCamera(model, scratch, Pcg64::seed_from_u64(1));
+    let mut sensor = OpticalSensor::new(camera, &config, calibration)
+        .unwrap()
+        .with_drift_correction(DriftConfig::default());
+    let mut reading = TactileFrame::unloaded(sensor.element_count());
+    assert!(assert_no_alloc(|| sensor.read(&mut reading)).is_ok());
+    let mut readings = vec![ElementReading::default(); sensing.element_count()];
+    let picture = &sensor.frame().picture;
+    assert!(assert_no_alloc(|| sensing.sense(picture, &mut readings)).is_ok());
+    assert!(readings.iter().all(|reading| reading.force.is_some()));
+}
+
+/// Nor does a row of taxels, whatever is wrong with it.
+#[test]
+fn a_row_of_taxels_allocates_nothing() {
+    let mut layout = BuiltInTaxels::named("eflesh").unwrap().layout().unwrap();
+    layout.columns.sequence = Some("sequence".into());
+    let drift = "untouched = 5.0\ntime_constant = 1.0\nmost = 50.0";
+    layout.drift = Some(toml::from_str(drift).unwrap());
+    let names = (0..5).flat_map(|n| ["x", "y", "z"].map(|axis| format!(",{n}_{axis}")));
+    let header: String = names.collect();
+    let row = |sequence: &str, last: &str| format!("{sequence}{}{last}\n", ",1.5".repeat(14));
+    let mut table = format!("sequence{header}\n");
+    for (sequence, last) in [
+        ("a", ",1"),
+        ("a", ",2"),
+        ("long name", ","),
+        ("a", ",nan"),
+        ("a", ""),
+    ] {
+        table += &row(sequence, last).repeat(20);
+        table += "no row at all\n";
+    }
+    let mut sensor = TaxelSensor::open(table.as_bytes(), &layout, None).unwrap();
+    let mut reading = TactileFrame::unloaded(5);
+    let count = assert_no_alloc(|| {
+        let mut count = 0;
+        while sensor.read(&mut reading).is_ok() {
+            count += 1;
+        }
+        count
+    });
+    assert_eq!((count, sensor.troubles().skipped()), (100, 5));
+}

@@ -1,0 +1,8 @@
+//! The simulator's bodies: meshes and shapes, and boxes and caps against MuJoCo.
+
+mod meshes;
+mod mujoco_box;
+mod mujoco_cap;
+#[path = "../../support/mujoco_scene.rs"]
+mod mujoco_scene;
+mod shapes;

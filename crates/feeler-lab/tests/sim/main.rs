@@ -1,8 +1,0 @@
-//! The simulator's bodies: meshes and shapes, and boxes and caps against MuJoCo.
-
-mod meshes;
-mod mujoco_box;
-mod mujoco_cap;
-#[path = "../support/mujoco_scene.rs"]
-mod mujoco_scene;
-mod shapes;

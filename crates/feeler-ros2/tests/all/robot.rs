@@ -1,0 +1,163 @@
+//! A robot as a hand: what it takes, and what is sent to it.
+
+#![cfg(feature = "zenoh")]
+
+#[path = "../../../feeler-link/tests/support/ports.rs"]
+mod ports;
+
+use assert_no_alloc::assert_no_alloc;
+use feeler::hand::{Hand, HandCommand, HandState};
+use feeler_record::ros::{JointState, Time};
+use feeler_record::wire::cdr;
+use feeler_ros2::freshness::GraphClock;
+use feeler_ros2::message::Float64MultiArray;
+use feeler_ros2::name::NodeName;
+use feeler_ros2::node::{Node, NodeConfig, Subscription};
+use feeler_ros2::publisher::Publisher;
+use feeler_ros2::qos::Qos;
+use feeler_ros2::ros_hand::{RosHand, RosHandConfig};
+use glam::DVec3;
+use ports::unused_endpoint;
+use std::sync::mpsc::{Receiver, channel};
+use std::thread::sleep;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
+
+const NAMES: [&str; 3] = ["a", "b", "c"];
+
+/// A robot that does nothing, and tells what it is told.
+struct Robot {
+    states: Publisher<JointState>,
+    told: Receiver<Vec<f64>>,
+    _commands: Subscription,
+    _node: Node,
+}
+
+impl Robot {
+    fn at(endpoint: &str) -> Self {
+        let mut node = Node::open(NodeConfig {
+            name: NodeName::new(0, "/", "robot").expect("a name"),
+            connect: vec![endpoint.into()],
+            listen: Vec::new(),
+        })
+        .expect("a node");
+        let (sender, told) = channel();
+        let heard = move |bytes: &[u8], _| {
+            let message: Float64MultiArray = cdr::decode(bytes).expect("velocities");
+            // The test may be over.
+            let _ = sender.send(message.data);
+        };
+        Self {
+            states: node
+                .publish("/joint_states", Qos::DEFAULT)
+                .expect("a topic"),
+            _commands: node
+                .subscribe::<Float64MultiArray>("/commands", Qos::DEFAULT, heard)
+                .expect("a topic"),
+            told,
+            _node: node,
+        }
+    }
+
+    /// Publishes joint states of now.
+    fn say(&mut self) {
+        let now = SystemTime::now()
+            .duration_since(UNIX_EPOCH)
+            .expect("a time");
+        let mut message = JointState {
+            name: NAMES.map(String::from).to_vec(),
+            position: vec![0.1, 0.2, 0.3],
+            velocity: vec![0.0; 3],
+            ..JointState::default()
+        };
+        message.header.stamp = Time::of(now.as_secs_f64()).expect("a time");
+        self.states.publish(&message).expect("a message");
+    }
+}
+
+/// A hand whose joint states may be `most_age` s old, and a robot that it hears.
+fn hand_and_robot(most_age: f64) -> (RosHand, Robot, Node) {
+    let endpoint = unused_endpoint();
+    let mut node = Node::open(NodeConfig {
+        name: NodeName::new(0, "/", "hand").expect("a name"),
+        connect: Vec::new(),
+        listen: vec![endpoint.clone()],
+    })
+    .expect("a node");
+    let config = RosHandConfig {
+        joints: vec![NAMES.map(String::from)],
+        joint_states: "/joint_states".into(),
+        commands: "/commands".into(),
+        most_age,
+        speed: 1.0,
+    };
+    let mut hand = RosHand::new(&mut node, config, GraphClock::TimeOfDay).expect("a hand");
+    let mut robot = Robot::at(&endpoint);
+    let mut state = HandState::zero(1);
+    while hand.read(&mut state).is_err() {
+        robot.say();
+        sleep(Duration::from_millis(5));
+    }
+    (hand, robot, node)
+}
+
+fn command(velocity: DVec3) -> HandCommand {
+    let mut command = HandCommand::stop(1);
+    command.relay(&[velocity]);
+    command
+}
+
+#[test]
+fn reading_and_commanding_allocate_nothing() {
+    let (mut hand, mut robot, _node) = hand_and_robot(600.0);
+    let (mut state, command) = (HandState::zero(1), command(DVec3::X));
+    for _ in 0..200 {
+        robot.say();
+        let done = assert_no_alloc(|| {
+            let read = hand.read(&mut state);
+            read.and_then(|()| hand.command(&command))
+        });
+        done.expect("a period");
+    }
+    assert_eq!(robot.told.recv().expect("velocities"), [1.0, 0.0, 0.0]);
+}
+
+#[test]
+fn zeros_are_sent_where_the_control_loop_hangs_and_at_the_end() {
+    let (mut hand, mut robot, _node) = hand_and_robot(1.0);
+    let moving = command(DVec3::new(1.0, 2.0, 3.0));
+    // Until the robot has heard of it, which joined but now.
+    let moved = loop {
+        robot.say();
+        // On a busy computer what it said may be stale.
+        let _ = hand.command(&moving);
+        match robot.told.recv_timeout(Duration::from_millis(50)) {
+            Ok(told) if told != [0.0; 3] => break told,
+            _ => {}
+        }
+    };
+    assert_eq!(moved, [1.0, 2.0, 3.0]);
+    // Nothing more is commanded: in the end it is told to stop. Nobody says when, on a busy computer.
+    let last = robot.told.iter().find(|told| *told != moved);
+    assert_eq!(last.expect("an end"), [0.0; 3]);
+    // What is commanded from joint states that are too old meanwhile is refused.
+    sleep(Duration::from_millis(1100));
+    let stale = hand.command(&moving).expect_err("stale").to_string();
+    assert!(stale.contains("/joint_states: data"), "{stale}");
+    drop(hand);
+    assert!(robot.told.try_iter().all(|told| told == [0.0; 3]));
+}
+
+#[test]
+fn who_ends_while_the_robot_moves_stops_it() {
+    let (mut hand, mut robot, node) = hand_and_robot(600.0);
+    let moving = command(DVec3::ONE);
+    while robot.told.recv_timeout(Duration::from_millis(50)).is_err() {
+        hand.command(&moving).expect("a command");
+    }
+    drop((hand, node));
+    let mut told = [1.0; 3].to_vec();
+    while told != [0.0; 3] {
+        told = robot.told.recv().expect("zeros");
+    }
+    robot.say();
+}

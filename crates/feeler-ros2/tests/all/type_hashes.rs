@@ -1,0 +1,55 @@
+//! The hashes of all types that are used, compared with those of ROS 2's own generator, which `references/type_hashes.py` prints.
+
+use feeler_record::ros::{JointState, PointCloud2, TFMessage, Text, WrenchStamped};
+use feeler_record::wire::Message;
+use feeler_ros2::message::*;
+use feeler_ros2::type_description::{Service, TypeDescription};
+use std::collections::BTreeMap;
+
+fn message<M: Message>() -> (String, String) {
+    let description = TypeDescription::of_message::<M>().expect(M::SCHEMA_NAME);
+    (M::SCHEMA_NAME.into(), description.hash())
+}
+
+fn service<S: Service>() -> (String, String) {
+    let description = TypeDescription::of_service::<S>().expect(S::NAME);
+    (S::NAME.into(), description.hash())
+}
+
+#[test]
+fn they_are_those_of_the_official_generator() {
+    let reference = include_str!("../references/type_hashes.txt");
+    let expected: BTreeMap<String, String> = reference
+        .lines()
+        .filter_map(|line| line.split_once(' '))
+        .map(|(name, hash)| (name.into(), hash.into()))
+        .collect();
+    let made = BTreeMap::from([
+        message::<Clock>(),
+        message::<DiagnosticArray>(),
+        message::<Float64MultiArray>(),
+        message::<JointState>(),
+        message::<PointCloud2>(),
+        message::<TFMessage>(),
+        message::<TactileState>(),
+        message::<Text>(),
+        message::<WrenchStamped>(),
+        service::<DescribeParameters>(),
+        service::<GetParameterTypes>(),
+        service::<GetParameters>(),
+        service::<ListParameters>(),
+        service::<SetParameters>(),
+        service::<SetParametersAtomically>(),
+        service::<Trigger>(),
+    ]);
+    assert_eq!(made, expected);
+}
+
+#[test]
+fn the_package_for_ros_has_the_text_that_is_hashed() {
+    let package = include_str!("../../../../ros2/feeler_msgs/msg/TactileState.msg");
+    assert_eq!(
+        package,
+        include_str!("../../msg/feeler_msgs/TactileState.msg")
+    );
+}

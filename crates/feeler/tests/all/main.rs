@@ -1,0 +1,23 @@
+//! The tests of this crate, but for those that need a process of their own: linked once, and all at once over the processors.
+//!
+//! They run under an allocator that ends the process when the control path allocates.
+
+mod architecture;
+mod calibration;
+mod control;
+mod control_contract;
+mod hand_kinematics;
+mod one_door;
+mod own_hand;
+mod pace;
+mod pictures;
+mod resultant;
+mod sensor;
+mod tasks;
+mod track;
+mod wrench;
+
+use assert_no_alloc::AllocDisabler;
+
+#[global_allocator]
+static ALLOCATOR: AllocDisabler = AllocDisabler;

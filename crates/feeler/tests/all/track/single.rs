@@ -1,0 +1,71 @@
+//! Markers in single pictures, by the reference alone.
+
+use super::scene::{SPACING, displaced, picture, tracker, worst};
+use feeler::sensor::frame::Picture;
+use feeler::sensor::locate::Polarity;
+use glam::DVec2;
+use proptest::prelude::*;
+
+/// Markers of 12 px that a contact has pushed to 12 px from each other see a pixel of each other's edge: up to a pixel, where a swap is 24 px off.
+const TOUCHING: f64 = 1.0;
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(12))]
+    /// However a contact drags, turns and presses within the field's reach: up to one and a half spacings.
+    #[test]
+    fn displacements_beyond_the_spacing_are_told(
+        drag in 0.0..1.5_f64,
+        way in 0.0..std::f64::consts::TAU,
+        turn in -0.25..0.25_f64,
+        press in -0.08..0.05_f64,
+        seed in 1..1000_u64,
+    ) {
+        let (mut tracker, places) = tracker(Polarity::Dark);
+        let drag = drag * SPACING * DVec2::from_angle(way);
+        let truth: Vec<DVec2> =
+            places.iter().map(|place| displaced(*place, drag, turn, press)).collect();
+        let seen: Vec<f64> = (0..places.len()).map(|i| if i % 17 == 5 { 0.0 } else { 1.0 }).collect();
+        let picture = picture(Polarity::Dark, &truth, &seen, seed);
+        let markers = tracker.match_picture(&picture).unwrap();
+        let (error, count) = worst(markers, &truth, 0.01);
+        prop_assert!(error < TOUCHING, "{} px", error);
+        let hidden = seen.iter().filter(|&&seen| seen == 0.0).count();
+        prop_assert!(count + hidden >= places.len(), "{} of {}", count, places.len());
+    }
+}
+
+#[test]
+fn what_was_seen_before_does_not_matter() {
+    let (mut fresh, places) = tracker(Polarity::Bright);
+    let mut used = fresh.clone();
+    let seen = vec![1.0; places.len()];
+    let far: Vec<DVec2> = places
+        .iter()
+        .map(|place| displaced(*place, DVec2::new(-20.0, 25.0), 0.1, 0.0))
+        .collect();
+    used.match_picture(&picture(Polarity::Bright, &far, &seen, 3))
+        .unwrap();
+    let near = picture(Polarity::Bright, &places, &seen, 4);
+    let expected: Vec<DVec2> = fresh
+        .match_picture(&near)
+        .unwrap()
+        .iter()
+        .map(|m| m.place)
+        .collect();
+    let told: Vec<DVec2> = used
+        .match_picture(&near)
+        .unwrap()
+        .iter()
+        .map(|m| m.place)
+        .collect();
+    assert_eq!(expected, told);
+}
+
+#[test]
+fn a_picture_without_markers_is_refused() {
+    let (mut tracker, _) = tracker(Polarity::Bright);
+    let refused = tracker
+        .match_picture(&Picture::black(400, 360))
+        .unwrap_err();
+    assert!(refused.to_string().contains("black"), "{refused}");
+}
