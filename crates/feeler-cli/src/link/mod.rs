@@ -223,10 +223,10 @@ impl ExperimentArguments {
 /// # Errors
 /// When there is no such file, or it is no experiment.
 pub fn rig_name(given: &str) -> Result<String, CommandError> {
-    if !Path::new(given).extension().is_some_and(|e| e == "toml") {
-        return Ok(given.to_string());
+    if Path::new(given).extension().is_some_and(|e| e == "toml") {
+        return Ok(Experiment::load(given, &[])?.config.name);
     }
-    Ok(Experiment::load(given, &[])?.config.name)
+    Ok(given.to_string())
 }
 
 fn first_given(options: &[(&'static str, bool)]) -> Option<&'static str> {
