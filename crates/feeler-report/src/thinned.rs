@@ -10,7 +10,7 @@ pub struct Thinned {
     /// Rows of the whole run.
     pub rows: usize,
     /// The measures of every stroke, each from all of its rows; of a stroke that was too long to keep them, only what is
-    /// largest in it ([`StrokeMeasures::of_extremes`]).
+    /// largest in it (`StrokeMeasures::of_extremes`).
     pub strokes: Vec<StrokeMeasures>,
     /// The strokes as they were felt.
     pub felt: Vec<FeltStroke>,
