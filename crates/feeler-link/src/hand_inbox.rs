@@ -28,6 +28,8 @@ pub struct HandInbox {
     pub sent: SentSteps,
     /// The stops in force.
     pub holds: Holds,
+    /// Number of the state that was answered last, where a hand waits for all of the next: it is not woken for each part.
+    pub(crate) answered: Option<u64>,
 }
 
 /// What has arrived of one finger.
@@ -97,6 +99,10 @@ impl Inbox for HandInbox {
     fn rejected(&mut self) -> &mut Rejections {
         &mut self.rejected
     }
+
+    fn is_worth_waking(&self) -> bool {
+        (self.answered).is_none_or(|answered| self.is_whole_after(answered))
+    }
 }
 
 /// How a stop begins in every version.
@@ -146,6 +152,7 @@ impl HandInbox {
             rejected: Rejections::default(),
             sent: SentSteps::default(),
             holds: Holds::default(),
+            answered: None,
         }
     }
 

@@ -25,6 +25,11 @@ pub trait Inbox {
     /// What was not taken, for [`take`](Self::take) to count.
     fn rejected(&mut self) -> &mut Rejections;
 
+    /// Whether what has arrived is worth waking who waits for it.
+    fn is_worth_waking(&self) -> bool {
+        true
+    }
+
     /// Takes in a message that came at `now`, s on the program's clock, or counts it as rejected.
     ///
     /// # Errors
@@ -62,15 +67,17 @@ pub fn listen<I: Inbox + Send + 'static>(
     for &topic in topics {
         let (inbox, clock, beacon) = (inbox.clone(), Arc::clone(clock), Arc::clone(beacon));
         let heard = move |topic, bytes: &[u8]| {
-            let is_new = {
+            let (is_new, wakes) = {
                 let mut inbox = inbox.lock();
                 let last = |inbox: &I| Some(inbox.peers().all().last()?.heartbeat.instance);
                 let known = last(&inbox);
                 // What is refused is counted there.
                 let _ = inbox.take(topic, bytes, clock());
-                last(&inbox) != known
+                (last(&inbox) != known, inbox.is_worth_waking())
             };
-            inbox.changed();
+            if wakes {
+                inbox.changed();
+            }
             if is_new {
                 beacon.greet();
             }

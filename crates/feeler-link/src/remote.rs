@@ -142,6 +142,8 @@ impl Hand for RemoteHand {
         };
         let sent = send(&*self.outlet, Topic::Command, &message);
         *self.newest.lock() = Some(message);
+        // Who stops the hand waits for its next step.
+        self.inbox.changed();
         sent.map_err(|e| HandError::Failed(e.to_string()))
     }
 }

@@ -108,6 +108,8 @@ impl HandProgram {
                 let node = &status.node;
                 let mode = waiting_mode(&mut node.inbox.lock(), &node.clock, node.instance);
                 node.publish(Topic::Mode, &mode)?;
+                // As after each control step: who stops the hand waits for it.
+                node.inbox.changed();
                 if status.may_begin() {
                     return Ok(true);
                 }

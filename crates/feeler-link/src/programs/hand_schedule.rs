@@ -60,6 +60,7 @@ impl Lockstep {
     fn next_tick(&mut self, interrupted: &AtomicBool) -> Option<Tick> {
         let (answered, began) = (self.answered, (self.clock)());
         self.steps += 1;
+        self.inbox.lock().answered = Some(answered);
         while !interrupted.load(Ordering::Relaxed) {
             let whole = |inbox: &mut HandInbox| inbox.is_whole_after(answered);
             if self.inbox.wait_for(PATIENCE, whole) {
