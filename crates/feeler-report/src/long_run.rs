@@ -4,7 +4,7 @@
 //! end, as [`RunData::new`] would give them. Of a longer one, every stroke is measured from all of its rows when it is
 //! over; claims about the whole run are measured row by row as they come. Then rows are let go of: all are kept of the strokes that
 //! the paper's claims are about; of the rest, cells of time keep their first and last row and those where
-//! forces, rates and torque are least and greatest ([`rows_that_stay`]).
+//! forces, rates and torque are least and greatest (`rows_that_stay`).
 
 mod letting_go;
 mod over_all;
