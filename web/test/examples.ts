@@ -1282,7 +1282,7 @@ export const examples: PageData[] = [
           "width": 1
         }
       ],
-      "data": "7L0JuKRVde+9azgNNHPTNDQ0YzM5RE24GpU+p87RGDTimDjFITEmOMTEKc7G",
+      "data": "7N0LsKf3WR/295zd1WV12/v9fnchBGZDsAtiT9wBGzAhdgKERiFlYJZS0tQm",
       "phases": [
         "SEARCH",
         "MOVE",
