@@ -50,7 +50,7 @@ pub use image::Image;
 pub use memory::{MemoryRecorder, MessageSink};
 pub use model::{FingerModel, Solid, SolidFrame, SolidShape};
 pub use names::{FindingName, SensingKind, TaskKind, TaskOutcome};
-pub use newest::Newest;
+pub use newest::{Newest, SAME_TIME};
 pub use options::{FLUSH_INTERVAL, Patience, PolicyFile, RecordOptions};
 pub use read::PART;
 pub use recorded_camera::RecordedCamera;

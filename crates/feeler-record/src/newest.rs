@@ -3,11 +3,13 @@
 use super::channels::Stamped;
 
 /// Stamps within a nanosecond, the resolution of the recording's clock, are one time, s.
-const SAME: f64 = 1e-9;
+pub const SAME_TIME: f64 = 1e-9;
 
 /// How many messages, from the first, are older than the one that is newest at `time`, s.
 pub(super) fn older_than_newest<M: Stamped>(messages: &[M], time: f64) -> usize {
-    let known = messages.iter().take_while(|m| m.stamp() <= time + SAME);
+    let known = messages
+        .iter()
+        .take_while(|m| m.stamp() <= time + SAME_TIME);
     known.count().saturating_sub(1)
 }
 
@@ -26,7 +28,7 @@ impl<'a, M: Stamped> Newest<'a, M> {
 
     /// The newest at `time`, s, which must not be earlier than before.
     pub fn at(&mut self, time: f64) -> Option<&'a M> {
-        while (self.messages.get(self.next)).is_some_and(|m| m.stamp() <= time + SAME) {
+        while (self.messages.get(self.next)).is_some_and(|m| m.stamp() <= time + SAME_TIME) {
             self.next += 1;
         }
         self.messages.get(self.next.checked_sub(1)?)
@@ -52,6 +54,7 @@ mod tests {
         assert_eq!(newest.at(0.2), Some(&messages[2]));
         assert_eq!(newest.at(9.0), Some(&messages[2]));
     }
+
     #[test]
     fn what_is_older_than_the_newest_is_not_needed_any_more() {
         let messages = [0.1, 0.2, 0.3].map(|stamp| Cap {

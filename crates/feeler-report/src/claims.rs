@@ -7,14 +7,14 @@ use super::claim::{Claim, ClaimPart, Relation};
 use super::measures::{LaggedCorrelation, distance_between_paths, lagged_correlation};
 use super::path_fit::PathFit;
 use super::run_data::{RunData, Stroke};
-use super::series::{absolute_rate, count_peaks, longest_stretch, mean, moving_mean};
+use super::series::{absolute_rate, count_peaks, mean, moving_mean};
 use super::stroke_pattern::ALIKE;
 use super::strokes::{
     CLOSED_TURN, StrokeMeasures, grasp_force_variation, over_fraction, share, slip_precision,
     slip_skill,
 };
+use super::thinned::Pressed;
 use feeler_record::RunFacts;
-use glam::DVec3;
 
 /// Strokes that the paper's experiment makes.
 const STROKES: u32 = 4;
@@ -420,19 +420,16 @@ pub(crate) fn damage_limit(facts: &RunFacts) -> f64 {
 
 /// Longest time of an element pressed harder than `limit` (N), s; none where no forces are known.
 pub(super) fn longest_above(data: &RunData, limit: f64) -> Option<f64> {
-    if let Some(thinned) = &data.thinned {
-        let rows = thinned.longest_above(limit)?;
-        return Some(rows as f64 * data.facts.control_period);
-    }
-    let longest = (data.fingers.iter())
-        .flat_map(|finger| {
-            let elements = finger.forces.iter().map(Vec::len).max().unwrap_or(0);
-            (0..elements).map(move |element| {
-                let force = |row: &Vec<DVec3>| row.get(element).map_or(0.0, |force| force.z);
-                longest_stretch(finger.forces.iter().map(|row| force(row) > limit))
-            })
-        })
-        .max();
+    let longest = match &data.thinned {
+        Some(thinned) => thinned.longest_above(limit),
+        None => {
+            let mut pressed = Pressed::new(limit, data.fingers.len());
+            for row in 0..data.time.len() {
+                pressed.take_row(data, row);
+            }
+            pressed.longest()
+        }
+    };
     longest.map(|rows| rows as f64 * data.facts.control_period)
 }
 

@@ -1,10 +1,8 @@
 //! How long a finger that follows an outline felt nothing.
 
-use feeler_record::{Phase, Recording, Tactile};
+use super::series::Stretch;
+use feeler_record::{Phase, Recording, SAME_TIME, Tactile};
 use glam::DVec3;
-
-/// Stamps within a nanosecond are one time, s.
-const SAME: f64 = 1e-9;
 
 /// Goes through the tactile frames of the first finger, part by part.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -13,9 +11,8 @@ pub(crate) struct Contact {
     until: Option<f64>,
     /// Frames within MOVE.
     frames: usize,
-    /// Frames without touch, up to the last one that was taken.
-    current: usize,
-    longest: usize,
+    /// Of frames without touch.
+    lost: Stretch,
 }
 
 impl Contact {
@@ -26,12 +23,14 @@ impl Contact {
         };
         let threshold = recording.facts.touch_force_threshold;
         let is_new = |frame: &&Tactile| {
-            self.until.is_none_or(|before| frame.stamp > before + SAME)
-                && frame.stamp <= until + SAME
+            self.until
+                .is_none_or(|before| frame.stamp > before + SAME_TIME)
+                && frame.stamp <= until + SAME_TIME
         };
-        let (mut frames, mut current, mut longest) = (0, self.current, self.longest);
+        let (mut frames, mut lost) = (0, self.lost);
         for frame in finger.tactile.iter().filter(is_new) {
-            let steps = (recording.task).partition_point(|task| task.stamp <= frame.stamp + SAME);
+            let steps =
+                (recording.task).partition_point(|task| task.stamp <= frame.stamp + SAME_TIME);
             let step = steps.checked_sub(1).map(|step| &recording.task[step]);
             if step.is_none_or(|task| task.phase != Phase::Move) {
                 continue;
@@ -39,16 +38,15 @@ impl Contact {
             let mut forces = frame.forces.iter().map(|&force| DVec3::from(force));
             let touches = forces.any(|force| force.length() > threshold);
             frames += 1;
-            current = if touches { 0 } else { current + 1 };
-            longest = longest.max(current);
+            lost.take(!touches);
         }
         self.frames += frames;
-        (self.current, self.longest) = (current, longest);
+        self.lost = lost;
         self.until = Some(until);
     }
 
     /// The longest stretch without touch, in frames; none without frames within MOVE.
     pub fn longest_loss(&self) -> Option<usize> {
-        (self.frames > 0).then_some(self.longest)
+        (self.frames > 0).then_some(self.lost.longest())
     }
 }

@@ -14,7 +14,7 @@ use super::contact::Contact;
 use super::run_data::{RunData, Stroke, findings, keep, split_strokes};
 use super::strokes::StrokeMeasures;
 use super::thinned::Thinned;
-use feeler_record::{RecordError, Recording};
+use feeler_record::{RecordError, Recording, SAME_TIME};
 use letting_go::{kept_rows, moved, row_size, rows_of_cells, shifted, thin_messages};
 use over_all::OverAll;
 use std::ops::Range;
@@ -28,8 +28,6 @@ const ROWS: (usize, usize) = (1_000, 30_000);
 const LATE: f64 = 5.0;
 /// Strokes that the paper's claims and figures are about.
 const CLAIMED: u32 = 4;
-/// Stamps within a nanosecond are one time, s.
-const SAME: f64 = 1e-9;
 
 /// Reads the recording at `path` and its columns. `progress` is told the share of the file that was read, 0 to 1. What
 /// the recording returned still holds is its facts, its end, its newest messages, and what was found out.
@@ -119,7 +117,9 @@ impl LongRun {
     fn take(&mut self, recording: &mut Recording) {
         let until = recording.readable_until - LATE;
         let tasks = recording.task.iter();
-        let known = tasks.take_while(|task| task.stamp <= until + SAME).count();
+        let known = tasks
+            .take_while(|task| task.stamp <= until + SAME_TIME)
+            .count();
         if known > self.aligned {
             self.align(recording, known);
         }

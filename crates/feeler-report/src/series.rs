@@ -103,13 +103,24 @@ pub fn count_peaks(values: &[f64], upper: f64, lower: f64) -> Option<usize> {
     Some(count)
 }
 
-/// Samples in the longest stretch that meets a condition.
-pub fn longest_stretch(conditions: impl IntoIterator<Item = bool>) -> usize {
-    let (longest, _) = (conditions.into_iter()).fold((0, 0), |(longest, current), met| {
-        let current = if met { current + 1 } else { 0 };
-        (current.max(longest), current)
-    });
-    longest
+/// Samples in a row that meet a condition, counted as they come.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Stretch {
+    current: usize,
+    longest: usize,
+}
+
+impl Stretch {
+    /// Takes the next sample: whether it meets the condition.
+    pub fn take(&mut self, met: bool) {
+        self.current = if met { self.current + 1 } else { 0 };
+        self.longest = self.longest.max(self.current);
+    }
+
+    /// Samples in the longest stretch so far.
+    pub fn longest(&self) -> usize {
+        self.longest
+    }
 }
 
 #[cfg(test)]
@@ -159,6 +170,10 @@ mod tests {
         let line: Vec<f64> = (0..9).map(f64::from).collect();
         assert_eq!(moving_mean(&line, 3)[1..8], line[1..8]);
         assert_eq!(absolute_rate(&[0.0, 1.0, -1.0], 0.5), [2.0, 4.0]);
-        assert_eq!(longest_stretch([true, false, true, true, false]), 2);
+        let mut stretch = Stretch::default();
+        for met in [true, false, true, true, false] {
+            stretch.take(met);
+        }
+        assert_eq!(stretch.longest(), 2);
     }
 }

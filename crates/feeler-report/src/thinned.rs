@@ -1,6 +1,8 @@
 //! What a run that is too long to keep all of its rows measures of all of them, and which rows it keeps.
 
 use super::cap::FeltStroke;
+use super::run_data::RunData;
+use super::series::Stretch;
 use super::strokes::StrokeMeasures;
 use std::ops::Range;
 
@@ -38,8 +40,8 @@ impl Thinned {
 pub(crate) struct Pressed {
     /// N.
     limit: f64,
-    /// Of each element of each finger: rows up to the last one, and the most that there were.
-    elements: Vec<Vec<(usize, usize)>>,
+    /// Of each element of each finger.
+    elements: Vec<Vec<Stretch>>,
 }
 
 impl Pressed {
@@ -49,23 +51,31 @@ impl Pressed {
         Self { limit, elements }
     }
 
-    /// Takes the forces (N) on the elements of `finger` at the next row.
-    pub fn take(&mut self, finger: usize, forces: impl ExactSizeIterator<Item = f64>) {
-        let elements = &mut self.elements[finger];
-        if elements.len() < forces.len() {
-            elements.resize(forces.len(), (0, 0));
+    /// Takes the next row.
+    pub fn take_row(&mut self, data: &RunData, row: usize) {
+        for (finger, columns) in data.fingers.iter().enumerate() {
+            let forces = columns.forces[row].iter();
+            self.take(finger, forces.map(|force| force.z));
         }
-        let mut rest = elements.iter_mut();
-        for (force, (current, longest)) in forces.zip(rest.by_ref()) {
-            *current = if force > self.limit { *current + 1 } else { 0 };
-            *longest = (*longest).max(*current);
-        }
-        rest.for_each(|(current, _)| *current = 0);
     }
 
-    fn longest(&self) -> Option<usize> {
+    /// Takes the forces (N) on the elements of `finger` at the next row.
+    fn take(&mut self, finger: usize, forces: impl ExactSizeIterator<Item = f64>) {
+        let elements = &mut self.elements[finger];
+        if elements.len() < forces.len() {
+            elements.resize(forces.len(), Stretch::default());
+        }
+        let mut rest = elements.iter_mut();
+        for (force, element) in forces.zip(rest.by_ref()) {
+            element.take(force > self.limit);
+        }
+        rest.for_each(|element| element.take(false));
+    }
+
+    /// Rows in the longest stretch of one element; none where no forces are known.
+    pub fn longest(&self) -> Option<usize> {
         let elements = self.elements.iter().flatten();
-        elements.map(|&(_, longest)| longest).max()
+        elements.map(Stretch::longest).max()
     }
 }
 

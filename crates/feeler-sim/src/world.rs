@@ -58,7 +58,7 @@ impl World {
     }
 
     /// Advances by so many time `steps` as that many times [`step`](Self::step) does, to the bit, but spares itself what only who looks
-    /// in between would see.
+    /// in between would see. Whether all is finite is looked at after the last one.
     ///
     /// # Errors
     /// As [`step`](Self::step).

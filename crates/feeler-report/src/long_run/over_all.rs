@@ -45,10 +45,7 @@ impl OverAll {
                 }
             }
             for pressed in &mut self.pressed {
-                for (finger, columns) in data.fingers.iter().enumerate() {
-                    let forces = columns.forces[row].iter();
-                    pressed.take(finger, forces.map(|force| force.z));
-                }
+                pressed.take_row(data, row);
             }
         }
     }
