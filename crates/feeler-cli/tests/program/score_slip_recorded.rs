@@ -157,7 +157,11 @@ fn a_loss_is_told_from_shaking_and_the_largest_speed_tells_nothing() {
     run(&folder, &SCORED).refused(&["slip/slip.html", "exists already", "--force"]);
     let again = run(&folder, &[&SCORED[..], &["--out=again"]].concat()).done();
     assert_eq!(text.replace("slip/s", "again/s"), again);
-    assert_eq!(page, document(&folder.join("again/slip.html")));
+    let whole = |page: &str| fs::read(folder.join(page)).expect("a page");
+    assert!(
+        whole("slip/slip.html") == whole("again/slip.html"),
+        "pages differ"
+    );
 }
 
 #[test]
