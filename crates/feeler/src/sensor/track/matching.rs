@@ -1,6 +1,6 @@
 //! Which spot of a picture is which marker of the reference.
 
-use super::field::Field;
+use super::{field::Field, mending::mend};
 use glam::DVec2;
 
 /// How far a spot may lie from where a marker is foretold, over the spacing.
@@ -32,10 +32,16 @@ pub(super) struct Matched {
 /// hardly moved; if that does not reach nearly all, also from those that moved by up to one and a half spacings in any direction. The matching
 /// that reaches most of the markers by the smoothest field counts.
 pub(super) fn matched(reference: &[DVec2], field: &Field, places: &[DVec2]) -> Matched {
-    let result = |best: Matching, score: f64| Matched {
+    let mut best = grown_best(reference, field, places);
+    mend(&mut best, reference, field, places);
+    Matched {
+        quality: best.score(field) / reference.len() as f64,
         spots: best.spots,
-        quality: score / reference.len() as f64,
-    };
+    }
+}
+
+/// The matching that reaches most of the markers by the smoothest field.
+fn grown_best(reference: &[DVec2], field: &Field, places: &[DVec2]) -> Matching {
     let enough = ENOUGH * reference.len().min(places.len()) as f64;
     let mut best = Matching::none(reference.len());
     let mut score = 0.0;
@@ -56,11 +62,11 @@ pub(super) fn matched(reference: &[DVec2], field: &Field, places: &[DVec2]) -> M
                 (best, score) = (grown, reached);
             }
             if score >= enough {
-                return result(best, score);
+                return best;
             }
         }
     }
-    result(best, score)
+    best
 }
 
 fn typical_spacing(field: &Field, count: usize) -> f64 {
@@ -141,10 +147,11 @@ fn seeds(
 }
 
 /// Which markers have which spots.
-struct Matching {
-    spots: Vec<Option<usize>>,
-    displacements: Vec<DVec2>,
-    known: Vec<bool>,
+#[derive(Debug, Clone)]
+pub(super) struct Matching {
+    pub spots: Vec<Option<usize>>,
+    pub displacements: Vec<DVec2>,
+    pub known: Vec<bool>,
 }
 
 impl Matching {
@@ -156,7 +163,7 @@ impl Matching {
         }
     }
 
-    fn take(&mut self, own: usize, spot: usize, displacement: DVec2) {
+    pub fn take(&mut self, own: usize, spot: usize, displacement: DVec2) {
         self.spots[own] = Some(spot);
         self.displacements[own] = displacement;
         self.known[own] = true;

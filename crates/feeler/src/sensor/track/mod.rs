@@ -12,6 +12,7 @@ mod error;
 mod field;
 mod matching;
 mod measuring;
+mod mending;
 mod window;
 
 pub use error::TrackError;

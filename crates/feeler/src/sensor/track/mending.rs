@@ -1,0 +1,130 @@
+//! Markers at the edge of a matching that have each other's spots.
+//!
+//! Where a pattern ends, a marker that moved by half a spacing may be given its neighbour's spot, this one the next one's, and so on; then
+//! a spot is left over that nobody has. Each such chain is followed from its left-over spot, and turned back where that makes the
+//! field smoother.
+
+use super::{field::Field, matching::Matching};
+use glam::DVec2;
+
+/// How far a left-over spot may lie from where a marker is foretold, over the spacing.
+const NEAR: f64 = 0.75;
+/// How far a marker's displacement is off the field about it, over the spacing, from which on another spot is looked for.
+const DOUBTFUL: f64 = 0.15;
+/// What a marker without a spot counts for, as one that is off by half a spacing.
+const WITHOUT: f64 = 0.25;
+/// Markers whose spots are exchanged at once, at most.
+const LONGEST: usize = 6;
+/// Chains that are turned back in a picture, at most.
+const CHAINS: usize = 12;
+/// Left-over spots from which on the picture shows something else.
+const MOST_LEFT: usize = 12;
+
+/// Gives markers the spots that make the field smoothest, from spots that are left over.
+pub(super) fn mend(matching: &mut Matching, reference: &[DVec2], field: &Field, places: &[DVec2]) {
+    let scene = Scene {
+        reference,
+        field,
+        places,
+    };
+    for _ in 0..CHAINS {
+        let left = scene.left_over(matching);
+        if left.is_empty() || left.len() > MOST_LEFT {
+            return;
+        }
+        let now = scene.roughness(matching);
+        let chains = left.iter().flat_map(|&spot| {
+            let firsts = scene.suited(matching, spot, &[]);
+            firsts.into_iter().map(move |first| (spot, first))
+        });
+        let smoothest = chains
+            .filter_map(|(spot, first)| scene.turned_back(matching, spot, first))
+            .min_by(|(a, _), (b, _)| a.total_cmp(b));
+        match smoothest {
+            Some((roughness, mended)) if roughness < now => *matching = mended,
+            _ => return,
+        }
+    }
+}
+
+struct Scene<'a> {
+    reference: &'a [DVec2],
+    field: &'a Field,
+    places: &'a [DVec2],
+}
+
+impl Scene<'_> {
+    /// The spots that no marker has.
+    fn left_over(&self, matching: &Matching) -> Vec<usize> {
+        let mut left = vec![true; self.places.len()];
+        for &spot in matching.spots.iter().flatten() {
+            left[spot] = false;
+        }
+        (0..left.len()).filter(|&spot| left[spot]).collect()
+    }
+
+    /// How far all markers are off the field about them: the sum of squares.
+    fn roughness(&self, matching: &Matching) -> f64 {
+        let off = |own: usize| match matching.known[own] {
+            true => self.off(matching, own).powi(2),
+            false => WITHOUT,
+        };
+        (0..self.reference.len()).map(off).sum()
+    }
+
+    fn off(&self, matching: &Matching, own: usize) -> f64 {
+        self.field
+            .off(own, &matching.displacements, &matching.known)
+    }
+
+    /// The markers that may belong to `spot`: not `passed`, in doubt or without a spot, and foretold near; the nearest first.
+    fn suited(&self, matching: &Matching, spot: usize, passed: &[usize]) -> Vec<usize> {
+        let far = |own: usize| {
+            let foretold = self
+                .field
+                .foretold(own, &matching.displacements, &matching.known)?;
+            let place = self.reference[own] + foretold;
+            Some(place.distance(self.places[spot]) / self.field.spacing(own))
+        };
+        let doubtful = |own: usize| !matching.known[own] || self.off(matching, own) > DOUBTFUL;
+        let near = (0..self.reference.len()).filter(|own| !passed.contains(own));
+        let near = near.filter_map(|own| Some((own, far(own)?)));
+        let mut near: Vec<_> = near
+            .filter(|&(own, far)| far < NEAR && doubtful(own))
+            .collect();
+        near.sort_by(|a, b| a.1.total_cmp(&b.1));
+        near.into_iter().map(|(own, _)| own).collect()
+    }
+
+    /// `matching` with `spot` given to the marker `first`, that one's spot to the best suited marker, and so on, as far as it becomes
+    /// smoothest; and how rough it is then.
+    fn turned_back(
+        &self,
+        matching: &Matching,
+        spot: usize,
+        first: usize,
+    ) -> Option<(f64, Matching)> {
+        let mut mended = matching.clone();
+        let (mut spot, mut own) = (spot, first);
+        let mut passed = Vec::with_capacity(LONGEST);
+        let mut smoothest: Option<(f64, Matching)> = None;
+        loop {
+            let freed = mended.spots[own];
+            mended.take(own, spot, self.places[spot] - self.reference[own]);
+            passed.push(own);
+            let roughness = self.roughness(&mended);
+            if smoothest.as_ref().is_none_or(|&(best, _)| roughness < best) {
+                smoothest = Some((roughness, mended.clone()));
+            }
+            let next = freed.filter(|_| passed.len() < LONGEST);
+            let next = next.and_then(|freed| {
+                let suited = self.suited(&mended, freed, &passed);
+                Some((freed, *suited.first()?))
+            });
+            match next {
+                Some(next) => (spot, own) = next,
+                None => return smoothest,
+            }
+        }
+    }
+}
