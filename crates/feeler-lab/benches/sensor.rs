@@ -73,15 +73,25 @@ fn picture_to_forces(bencher: Bencher, (instructions, scale): (Instructions, usi
 
 #[divan::bench(args = [0, 5, 41])]
 fn picture_with_loaded_elements(bencher: Bencher, loaded: usize) {
+    draw(bencher, &model(&fingertip()), loaded);
+}
+
+/// Of the same picture what is sensed, as in a run whose pictures nobody else looks at.
+#[divan::bench(args = [0, 5, 41])]
+fn sensed_pixels_with_loaded_elements(bencher: Bencher, loaded: usize) {
     let fingertip = fingertip();
-    let model = model(&fingertip);
-    let mut scratch = OpticsScratch::new(&model);
+    let model = model(&fingertip).drawing_only(fingertip.kernel.pixels());
+    draw(bencher, &model, loaded);
+}
+
+fn draw(bencher: Bencher, model: &OpticsModel, loaded: usize) {
+    let mut scratch = OpticsScratch::new(model);
     let mut picture = Picture::black(640, 480);
     let mut rng = Pcg64::seed_from_u64(1);
     let forces = forces(loaded);
     bencher.bench_local(|| {
         render(
-            &model,
+            model,
             &mut scratch,
             black_box(&forces),
             &mut rng,

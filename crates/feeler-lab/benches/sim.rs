@@ -4,7 +4,7 @@ use divan::Bencher;
 use divan::counter::ItemsCount;
 use feeler::control::phase::Phase;
 use feeler_lab::config::Experiment;
-use feeler_lab::experiment::{Session, run_facts};
+use feeler_lab::experiment::{Pictures, Session, run_facts};
 use feeler_record::{Recorder, RunLog};
 use feeler_sim::world::World;
 use glam::{DMat3, DVec3};
@@ -150,7 +150,7 @@ fn control_period(bencher: Bencher, sensing: &str) {
     let path = std::env::temp_dir().join(format!("feeler-bench-{sensing}-{}", std::process::id()));
     let facts = run_facts(&experiment.config).expect("facts");
     let start = || {
-        let session = Session::new(&experiment).expect("a session");
+        let session = Session::drawing(&experiment, Pictures::Sensed).expect("a session");
         let recorder = Recorder::create(&path, &facts, &experiment.toml).expect("a recorder");
         let log = RunLog::new(recorder, &facts).expect("a log");
         (session, log)

@@ -6,7 +6,7 @@
 //! ```
 
 use feeler_lab::config::Experiment;
-use feeler_lab::experiment::Session;
+use feeler_lab::experiment::{Pictures, Session};
 use feeler_record::{MemoryRecorder, RunLog};
 use feeler_report::{Claim, RunData, tasks};
 use std::collections::BTreeMap;
@@ -50,7 +50,7 @@ fn main() -> Result<(), AnyError> {
 /// The claims of a run of the experiment `name` with `settings`.
 fn claims(name: &str, settings: &[String]) -> Result<Vec<Claim>, AnyError> {
     let experiment = Experiment::load(name, settings)?;
-    let mut session = Session::new(&experiment)?;
+    let mut session = Session::drawing(&experiment, Pictures::Sensed)?;
     let facts = session.facts(&experiment.config);
     let mut log = RunLog::new(MemoryRecorder::new(&facts)?, &facts)?;
     while !session.finished() {

@@ -11,7 +11,7 @@ use feeler::control::phase::Phase;
 use feeler::control::sense::FingerSense;
 use feeler::control::slip_detector::SlipDetector;
 use feeler_lab::config::Experiment;
-use feeler_lab::experiment::Session;
+use feeler_lab::experiment::{Pictures, Session};
 use std::error::Error;
 use std::ops::Range;
 
@@ -124,7 +124,7 @@ pub fn score(
 
 fn run(experiment: &Experiment, counts: &mut [[Counts; 3]; 2]) -> Result<(), Box<dyn Error>> {
     let touch_force = experiment.config.control.touch_force;
-    let mut session = Session::new(experiment)?;
+    let mut session = Session::drawing(experiment, Pictures::Sensed)?;
     let fingers = session.layouts().iter().map(|l| l.elements.len());
     let mut fingers: Vec<_> = fingers.map(|n| Finger::new(touch_force, n)).collect();
     while !session.finished() {

@@ -15,6 +15,8 @@ pub const NOISE_LANES: usize = 16;
 #[derive(Debug, Clone)]
 pub struct NoiseLanes {
     state: [u32; NOISE_LANES],
+    /// Samples that every generator has made or left out.
+    made: usize,
 }
 
 /// Mean of the sum of four bytes.
@@ -28,18 +30,26 @@ impl NoiseLanes {
         // A xorshift generator never leaves 0, so that 0 is not a seed.
         Self {
             state: std::array::from_fn(|_| rng.next_u32().max(1)),
+            made: 0,
         }
+    }
+
+    /// Leaves out what comes before the `next` sample of every generator, counted from the first, which is 0.
+    #[inline(always)]
+    pub fn skip_to(&mut self, next: usize) {
+        for _ in self.made..next {
+            self.state = self.state.map(following);
+        }
+        self.made = self.made.max(next);
     }
 
     /// The next sample of every generator: mean 0, variance 1.
     #[inline(always)]
     pub fn sample(&mut self) -> [f32; NOISE_LANES] {
         let mut samples = [0.0; NOISE_LANES];
+        self.made += 1;
         for (state, sample) in self.state.iter_mut().zip(&mut samples) {
-            let mut word = *state;
-            word ^= word << 13;
-            word ^= word >> 17;
-            word ^= word << 5;
+            let word = following(*state);
             *state = word;
             let pairs = (word & 0x00ff_00ff) + ((word >> 8) & 0x00ff_00ff);
             let sum = ((pairs + (pairs >> 16)) & 0xffff) as i32;
@@ -47,6 +57,15 @@ impl NoiseLanes {
         }
         samples
     }
+}
+
+/// The state of a generator after `word`.
+#[inline(always)]
+fn following(mut word: u32) -> u32 {
+    word ^= word << 13;
+    word ^= word >> 17;
+    word ^= word << 5;
+    word
 }
 
 /// The nearest grey level, 0 to 255.
@@ -95,6 +114,17 @@ mod tests {
                 products.map(|(a, b)| f64::from(a * b)).sum::<f64>() / (count - lag) as f64;
             // Four standard errors.
             assert!(correlation.abs() < 4.0 / 1024.0, "lag {lag}: {correlation}");
+        }
+    }
+
+    #[test]
+    fn samples_that_are_left_out_change_none_of_the_others() {
+        let mut all = NoiseLanes::new(&mut Pcg64::seed_from_u64(3));
+        let mut some = all.clone();
+        let all: Vec<_> = (0..20).map(|_| all.sample()).collect();
+        for next in [0, 1, 7, 19] {
+            some.skip_to(next);
+            assert_eq!(some.sample(), all[next]);
         }
     }
 

@@ -9,6 +9,7 @@ pub mod columnar_feeler;
 pub mod config;
 mod contacts;
 pub mod direct_sensor;
+mod drawn_blocks;
 pub mod element;
 pub mod error;
 pub mod fault;

@@ -20,6 +20,7 @@
 
 use super::{
     camera_noise::NOISE_LANES,
+    drawn_blocks::DrawnBlocks,
     markers::{MarkerConfig, MarkerModel},
     optics_config::{OpticsConfig, OpticsError},
 };
@@ -62,6 +63,7 @@ pub struct OpticsModel {
     /// a pixel loses the sum of both.
     pub(super) light_lost_by_column: Vec<f32>,
     pub(super) light_lost_by_row: Vec<f32>,
+    pub(super) drawn: DrawnBlocks,
 }
 
 impl OpticsModel {
@@ -111,7 +113,19 @@ impl OpticsModel {
                 projection.centre().y,
                 lost_per_square,
             ),
+            drawn: DrawnBlocks::all(projection.width(), projection.height()),
         })
+    }
+
+    /// The same optics, of whose pictures no more needs drawing than `pixels` (column, row): these are what they were, to the bit; what
+    /// others are is left open.
+    #[must_use]
+    pub fn drawing_only(self, pixels: impl Iterator<Item = (usize, usize)>) -> Self {
+        let (width, height) = (self.projection.width(), self.projection.height());
+        Self {
+            drawn: DrawnBlocks::with_pixels(width, height, pixels),
+            ..self
+        }
     }
 
     /// The spots of the cones of an element under `force`, N, in its frame `E_i`.

@@ -53,6 +53,15 @@ impl SimCamera {
         })
     }
 
+    /// The same camera, of whose pictures no more needs drawing than `pixels` (column, row).
+    #[must_use]
+    pub fn drawing_only(self, pixels: impl Iterator<Item = (usize, usize)>) -> Self {
+        Self {
+            optics: self.optics.drawing_only(pixels),
+            ..self
+        }
+    }
+
     /// Draws the picture of what was exposed at `stamp`.
     fn draw(&mut self, stamp: f64, frame: &mut Frame) -> Result<(), CameraError> {
         render(

@@ -6,7 +6,7 @@ use crate::errors::{failed, refused};
 use crate::run::RunOutcome;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::recorded_run::{finish, record_options, run_end};
-use feeler_lab::experiment::{self, Instruments, run_folder};
+use feeler_lab::experiment::{self, Instruments, Pictures, run_folder};
 use feeler_record::{Recorder, RunLog};
 use feeler_report::make::RECORDING;
 use glam::DVec3;
@@ -57,7 +57,9 @@ impl Session {
             Some(task) => Box::new(OwnTask::new(py, task, raised.clone())?),
             None => config.task.task(),
         };
-        let session = experiment::Session::with_task(&experiment, task, &homes);
+        // What Python sees are forces.
+        let session =
+            experiment::Session::with_task(&experiment, task, &homes, Pictures::Sensed);
         let mut session = session.map_err(refused)?;
         if let Some(laws) = law {
             let own = |finger: usize| {

@@ -24,7 +24,7 @@ pub use vector::{Autoreset, Batch, VectorEnvironment};
 pub use vector_error::VectorError;
 
 use crate::config::Experiment;
-use crate::experiment::Session;
+use crate::experiment::{Pictures, Session};
 use episodes::Episodes;
 use feeler::control::controller::Controller;
 use feeler::control::observation::ObservationLayout;
@@ -95,7 +95,7 @@ impl Environment {
 
     fn of(episodes: Episodes, action: ActionKind) -> Result<Self, EnvironmentError> {
         let goal = goal(episodes.experiment())?;
-        let session = Session::new(episodes.experiment())?;
+        let session = Session::drawing(episodes.experiment(), Pictures::Sensed)?;
         let layouts = observation_layouts(&session);
         let told = TOLD.len() + goal.names().len();
         Ok(Self {
@@ -119,7 +119,7 @@ impl Environment {
         self.under_way = false;
         let seed = self.episodes.next(seed)?;
         let experiment = self.episodes.experiment();
-        self.session = Session::new(experiment)?;
+        self.session = Session::drawing(experiment, Pictures::Sensed)?;
         let layouts = observation_layouts(&self.session);
         if layouts != self.layouts {
             return Err(EnvironmentError::ObservationLength {

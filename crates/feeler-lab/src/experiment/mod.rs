@@ -129,6 +129,15 @@ pub type AnyHand = Box<dyn Hand + Send>;
 /// The control loop of a simulated rig.
 pub type SimulatedLoop = ControlLoop<Sensor, AnyHand>;
 
+/// What simulated cameras draw of their pictures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Pictures {
+    /// All of it: what is recorded or shown.
+    Whole,
+    /// What is sensed, about half of it: sensors tell the same, to the bit.
+    Sensed,
+}
+
 /// A run under way.
 pub struct Session {
     rig: SimRig,
@@ -152,8 +161,16 @@ impl Session {
     /// # Errors
     /// When a part of the experiment makes no sense.
     pub fn new(experiment: &Experiment) -> Result<Self, ExperimentError> {
+        Self::drawing(experiment, Pictures::Whole)
+    }
+
+    /// The same with cameras that draw as much of their `pictures`.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn drawing(experiment: &Experiment, pictures: Pictures) -> Result<Self, ExperimentError> {
         let task = &experiment.config.task;
-        Self::with_task(experiment, task.task(), &task.homes())
+        Self::with_task(experiment, task.task(), &task.homes(), pictures)
     }
 
     /// The same with `task` in place of the experiment's. The fingers start from `homes`, m in `W`.
@@ -164,6 +181,7 @@ impl Session {
         experiment: &Experiment,
         task: Box<dyn Task>,
         homes: &[[f64; 3]],
+        pictures: Pictures,
     ) -> Result<Self, ExperimentError> {
         let config = &experiment.config;
         let layouts = layouts(config)?;
@@ -172,7 +190,7 @@ impl Session {
         let (rig, cap) = rig(experiment, &joints)?;
         check_specimen(config, &fingers, &rig.world())?;
         let taken = FramesTaken::default();
-        let sensors = sensors::sensors(experiment, &rig, &layouts, &taken)?;
+        let sensors = sensors::sensors(experiment, &rig, &layouts, pictures, &taken)?;
         let slip = SlipMeter::new(rig.world().state(), config.simulation()?.frame_period);
         let hand = SimHand::new(rig.clone(), steps_per_command(config)?);
         let hand: AnyHand = Box::new(hand);

@@ -2,7 +2,9 @@
 
 use super::sensors::{RigSensor, rig_sensors};
 use super::truth::SlipMeter;
-use super::{ExperimentError, Instruments, fingers_at_home, layouts, rig, steps_per_command};
+use super::{
+    ExperimentError, Instruments, Pictures, fingers_at_home, layouts, rig, steps_per_command,
+};
 use crate::config::{ConfigError, Experiment, Problem};
 use feeler::hand::{Hand, HandCommand, HandError, HandState};
 use feeler::sensor::camera::Camera;
@@ -52,7 +54,7 @@ impl PlayedSensing {
             let (origin, problems) = (config.name.clone(), vec![problem]);
             return Err(ConfigError::OutOfRange { origin, problems }.into());
         }
-        let sensors = rig_sensors(experiment, rig, &layouts(config)?)?;
+        let sensors = rig_sensors(experiment, rig, &layouts(config)?, Pictures::Whole)?;
         let sensors = sensors.into_iter().enumerate().map(|(finger, sensor)| {
             let size = &config.sensor.fingertip(finger).camera;
             match sensor {

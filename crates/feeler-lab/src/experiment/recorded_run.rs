@@ -1,6 +1,6 @@
 //! A simulated run that records itself in a folder, and makes its report there.
 
-use super::{ExperimentError, Instruments, Session, SimulatedLoop};
+use super::{ExperimentError, Instruments, Pictures, Session, SimulatedLoop};
 use crate::config::{ConfigError, Experiment, Sensing};
 use feeler::control::controller::Controller;
 use feeler::control::phase::Phase;
@@ -47,7 +47,8 @@ impl RecordedRun {
     /// When a part of the experiment makes no sense, or the recording cannot be written.
     pub fn new(experiment: &Experiment, pictures: bool, folder: &Path) -> Result<Self, RunError> {
         let options = record_options(experiment, pictures)?;
-        Self::of_session(Session::new(experiment)?, experiment, &options, folder)
+        let session = Session::drawing(experiment, drawn(&options))?;
+        Self::of_session(session, experiment, &options, folder)
     }
 
     /// The same for a `session` of `experiment` that is set up already, recorded with `options`.
@@ -190,6 +191,14 @@ pub fn record_options(experiment: &Experiment, pictures: bool) -> Result<RecordO
         }),
         Sensing::Direct if pictures => Err(RunError::NoPictures),
         Sensing::Direct => Ok(options),
+    }
+}
+
+/// What cameras draw whose pictures nobody sees but who reads what is recorded with `options`.
+pub fn drawn(options: &RecordOptions) -> Pictures {
+    match options.pictures {
+        true => Pictures::Whole,
+        false => Pictures::Sensed,
     }
 }
 

@@ -1,7 +1,7 @@
 //! The fingertips' sensors of one run.
 
 use super::held_touch::{FramesTaken, HeldTouch};
-use super::{ExperimentError, Sensor};
+use super::{ExperimentError, Pictures, Sensor};
 use crate::config::{Experiment, Sensing};
 use feeler::control::touch::AnalyzedSensor;
 use feeler::sensor::camera::Camera;
@@ -27,11 +27,12 @@ pub(super) fn sensors(
     experiment: &Experiment,
     rig: &SimRig,
     layouts: &[ElementLayout],
+    pictures: Pictures,
     taken: &FramesTaken,
 ) -> Result<Vec<Sensor>, ExperimentError> {
     let config = &experiment.config;
     let thresholds = config.control.thresholds();
-    let rig_sensors = rig_sensors(experiment, rig, layouts)?;
+    let rig_sensors = rig_sensors(experiment, rig, layouts, pictures)?;
     let fingers = rig_sensors.into_iter().enumerate();
     fingers
         .map(|(finger, sensor)| -> Result<Sensor, ExperimentError> {
@@ -80,6 +81,7 @@ pub(super) fn rig_sensors(
     experiment: &Experiment,
     rig: &SimRig,
     layouts: &[ElementLayout],
+    pictures: Pictures,
 ) -> Result<Vec<RigSensor>, ExperimentError> {
     let config = &experiment.config;
     let sim = config.simulation()?;
@@ -100,6 +102,10 @@ pub(super) fn rig_sensors(
                 .map_err(|source| ExperimentError::Fingertip { finger, source })?;
             let optics = &sim.optics;
             let camera = SimCamera::new(rig, finger, fingertip, optics, faults, seed)?;
+            let camera = match pictures {
+                Pictures::Whole => camera,
+                Pictures::Sensed => camera.drawing_only(fingertip.kernel.pixels()),
+            };
             Ok(RigSensor::Camera(Box::new(camera)))
         })
         .collect::<Result<Vec<_>, ExperimentError>>();

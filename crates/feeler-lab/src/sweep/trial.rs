@@ -6,7 +6,7 @@ use super::parameter::{Parameter, settings};
 use super::plan::Plan;
 use crate::config::Experiment;
 use crate::experiment::truth::Truth;
-use crate::experiment::{ExperimentError, Session, layouts, run_facts};
+use crate::experiment::{ExperimentError, Pictures, Session, layouts, run_facts};
 use feeler::control::phase::Phase;
 use feeler::control::task::TaskConfig;
 use feeler::pace::Unpaced;
@@ -282,7 +282,7 @@ impl Trials {
             Ok(experiment) => experiment,
             Err(error) => return Ran::failed("invalid", error.to_string()),
         };
-        let mut session = match Session::new(&experiment) {
+        let mut session = match Session::drawing(&experiment, Pictures::Sensed) {
             Ok(session) => session,
             Err(error) => return Ran::failed("invalid", error.to_string()),
         };

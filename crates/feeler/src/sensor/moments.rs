@@ -34,7 +34,7 @@ pub use instructions::Instructions;
 
 use self::{
     fit::Tiling,
-    tile::{Row, Tile},
+    tile::{Row, TILE_WIDTH, Tile},
 };
 use super::{
     dome::DomeProjection,
@@ -201,6 +201,20 @@ impl MomentsKernel {
     /// Number of elements.
     pub fn element_count(&self) -> usize {
         self.elements.len()
+    }
+
+    /// Column and row of each pixel that counts for an element, one element after the other.
+    pub fn pixels(&self) -> impl Iterator<Item = (usize, usize)> {
+        let width = self.width;
+        let rows = self.tiles.iter().flat_map(move |tile| {
+            let masks = self.masks[tile.first_mask..].iter().take(tile.rows);
+            let first = move |row| tile.offset + row * width;
+            masks.enumerate().map(move |(row, mask)| (first(row), mask))
+        });
+        rows.flat_map(move |(first, mask)| {
+            let own = (0..TILE_WIDTH).filter(move |column| mask >> column & 1 == 1);
+            own.map(move |column| ((first + column) % width, (first + column) / width))
+        })
     }
 
     /// Takes the moments of all elements in `picture`. Neither allocates nor panics.

@@ -5,6 +5,7 @@
 
 use super::python::read_by;
 use crate::whole_runs::{folder, run};
+use feeler_lab::experiment::Pictures;
 use feeler_record::{Recording, Stamped, Tactile};
 use feeler_report::make::RECORDING;
 use glam::{DMat4, DQuat, DVec3};
@@ -24,7 +25,7 @@ const TORQUE_TOLERANCE: f64 = 2.0 * 0.018 * FORCE_TOLERANCE;
 fn viewers_find_what_feeler_recorded() {
     let folder = folder("for-viewers");
     let settings = ["sensing=direct".into(), format!("time_limit={SECONDS}")];
-    run(&settings, &folder);
+    run(&settings, Pictures::Sensed, &folder);
     let path = folder.join(RECORDING);
     let modules = ["mcap", "mcap_ros2", "rosbags", "rerun"];
     let Some(found) = read_by("read_by_viewers.py", &modules, &path) else {

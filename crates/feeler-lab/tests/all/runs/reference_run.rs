@@ -1,13 +1,14 @@
 //! The paper's claims on the reference experiment, measured on its recordings.
 
 use crate::whole_runs::{folder, run};
+use feeler_lab::experiment::Pictures;
 use feeler_report::make::make;
 
 /// What does not hold of the run with `seed`.
 fn broken_claims(sensing: &str, seed: u64) -> Vec<String> {
     let folder = folder(&format!("reference-{sensing}-{seed}"));
     let settings = [format!("sensing={sensing}"), format!("seed={seed}")];
-    run(&settings, &folder);
+    run(&settings, Pictures::Sensed, &folder);
     let report = make(&folder).expect("a report");
     assert!(report.complete, "{:?}", report.problem);
     assert_eq!(report.claims().len(), 11);

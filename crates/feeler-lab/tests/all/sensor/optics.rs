@@ -138,6 +138,31 @@ fn the_picture_depends_on_the_seed_and_on_nothing_else() {
     assert!(first == again, "the same scratch");
 }
 
+/// Whatever is left out, the pixels that are sensed are those of the whole picture.
+#[test]
+fn sensed_pixels_are_those_of_the_whole_picture() {
+    let fingertip = fingertip();
+    let whole = model(&fingertip, &OpticsConfig::default());
+    let sensed = whole.clone().drawing_only(fingertip.kernel.pixels());
+    let forces = [DVec3::new(0.1, 0.2, 0.5); 41];
+    let whole = picture(&whole, &forces, 5);
+    let sensed = picture(&sensed, &forces, 5);
+    let mut moments = [vec![ElementMoments::default(); 41], Vec::new()];
+    moments[1] = moments[0].clone();
+    for (picture, moments) in [&whole, &sensed].into_iter().zip(&mut moments) {
+        fingertip.kernel.measure(picture, moments).unwrap();
+    }
+    assert_eq!(moments[0], moments[1]);
+    assert!(moments[0].iter().all(|m| m.integrated_gray > 0.0));
+    for (column, row) in fingertip.kernel.pixels() {
+        let at = row * 640 + column;
+        assert_eq!(whole.pixels[at], sensed.pixels[at], "{column}, {row}");
+    }
+    // The rest is mostly not there: the corner, and over half of all.
+    let black = sensed.pixels.iter().filter(|&&gray| gray == 0).count();
+    assert!(sensed.pixels[0] == 0 && black > 640 * 480 / 2, "{black}");
+}
+
 /// The picture of a seed, to the bit, in every build: change the number when the picture is meant to
 /// change.
 #[test]

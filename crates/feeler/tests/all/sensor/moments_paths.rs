@@ -11,6 +11,7 @@ use glam::DVec2;
 use proptest::prelude::*;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64;
+use std::collections::HashSet;
 
 fn measure(kernel: &MomentsKernel, picture: &Picture) -> Vec<ElementMoments> {
     let mut moments = vec![ElementMoments::default(); kernel.element_count()];
@@ -115,6 +116,9 @@ proptest! {
                 prop_assert_eq!(&moments, &portable, "{:?}", instructions);
             }
         }
+        let own: Vec<_> = kernel.pixels().collect();
+        let expected = regions.iter().flatten().map(|pixel| (pixel.column, pixel.row));
+        prop_assert_eq!(HashSet::from_iter(own.clone()), expected.collect::<HashSet<_>>());
         for (moments, region) in portable.iter().zip(&regions) {
             let (gray, first) = plain(&picture, dark_level, region);
             let reach = region.iter().map(|p| p.point.length()).fold(0.0, f64::max);

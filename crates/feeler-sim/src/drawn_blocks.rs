@@ -1,0 +1,86 @@
+//! Which pixels of a simulated picture are drawn.
+
+use super::camera_noise::NOISE_LANES;
+use std::ops::Range;
+
+/// For each row of a picture, its blocks of [`NOISE_LANES`] pixels that are drawn.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct DrawnBlocks {
+    /// Unbroken runs of blocks, row by row.
+    runs: Vec<Range<usize>>,
+    /// Where each row's runs begin, and where the last row's end.
+    rows: Vec<usize>,
+}
+
+impl DrawnBlocks {
+    /// All of `height` rows of `width` pixels.
+    pub fn all(width: usize, height: usize) -> Self {
+        Self {
+            runs: vec![0..width.div_ceil(NOISE_LANES); height],
+            rows: (0..=height).collect(),
+        }
+    }
+
+    /// Those of `height` rows of `width` pixels that have one of `pixels` (column, row).
+    pub fn with_pixels(
+        width: usize,
+        height: usize,
+        pixels: impl Iterator<Item = (usize, usize)>,
+    ) -> Self {
+        let blocks = width.div_ceil(NOISE_LANES);
+        let mut drawn = vec![false; blocks * height];
+        for (column, row) in pixels {
+            if let Some(drawn) = drawn.get_mut(row * blocks + column / NOISE_LANES) {
+                *drawn = true;
+            }
+        }
+        let mut new = Self {
+            runs: Vec::new(),
+            rows: vec![0],
+        };
+        for row in drawn.chunks(blocks) {
+            let mut start = 0;
+            for run in row.chunk_by(|one, next| one == next) {
+                if run[0] {
+                    new.runs.push(start..start + run.len());
+                }
+                start += run.len();
+            }
+            new.rows.push(new.runs.len());
+        }
+        new
+    }
+
+    /// The runs of `row`, from the left.
+    #[inline(always)]
+    pub fn in_row(&self, row: usize) -> impl Iterator<Item = Range<usize>> {
+        let own = match self.rows.get(row..row + 2) {
+            Some(&[start, end]) => self.runs.get(start..end),
+            _ => None,
+        };
+        own.unwrap_or(&[]).iter().cloned()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_blocks_of_a_row_are_one_run() {
+        let all = DrawnBlocks::all(40, 2);
+        assert_eq!(all.in_row(1).collect::<Vec<_>>(), [0..3]);
+        assert_eq!(all.in_row(2).count(), 0);
+        let pixels = (0..2).flat_map(|row| (0..40).map(move |column| (column, row)));
+        assert_eq!(all, DrawnBlocks::with_pixels(40, 2, pixels));
+    }
+
+    #[test]
+    fn blocks_without_a_pixel_are_left_out() {
+        let pixels = [(0, 0), (15, 0), (33, 0), (47, 0), (48, 0), (16, 2)];
+        let some = DrawnBlocks::with_pixels(64, 3, pixels.into_iter());
+        assert_eq!(some.in_row(0).collect::<Vec<_>>(), [0..1, 2..4]);
+        assert_eq!(some.in_row(1).count(), 0);
+        assert_eq!(some.in_row(2).collect::<Vec<_>>(), [1..2]);
+    }
+}

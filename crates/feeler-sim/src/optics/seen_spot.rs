@@ -1,0 +1,102 @@
+//! Spots as the camera sees them, and the light that they add to pixels.
+
+use crate::optics_model::{OpticsModel, Spot};
+use glam::Vec3;
+use std::ops::Range;
+
+/// A spot as the camera sees it: a disc on the dome whose edge falls off linearly over twice the
+/// blur. Its height is such that the light of the disc, the area of the contact, is kept however
+/// small it is.
+#[derive(Debug, Clone)]
+pub(super) struct SeenSpot {
+    /// m, in `T`.
+    centre: Vec3,
+    profile: SpotProfile,
+    pub rows: Range<usize>,
+    columns: Range<usize>,
+}
+
+impl SeenSpot {
+    /// The spot of an element; none where the cone does not touch or the camera does not see it.
+    pub fn new(model: &OpticsModel, element: usize, spot: &Spot) -> Option<Self> {
+        if spot.radius <= 0.0 {
+            return None;
+        }
+        let projection = &model.projection;
+        let (largest_scale, mean_scale) = model.scales[element];
+        let blur = model.config.blur_px / mean_scale;
+        let reach = spot.radius + blur;
+        let point = projection.lift(spot.centre, &model.layout.elements[element])?;
+        let pixel = projection.project(point)?;
+        let half_box = reach * largest_scale + 1.0;
+        // Casts to usize saturate at 0, so that a box beyond the picture is empty.
+        let first = (pixel - half_box).floor();
+        let last = (pixel + half_box).ceil() + 1.0;
+        let (width, height) = (projection.width(), projection.height());
+        Some(Self {
+            centre: point.as_vec3(),
+            profile: SpotProfile::new(spot.radius, blur, spot.contrast),
+            rows: (first.y as usize).min(height)..(last.y as usize).min(height),
+            columns: (first.x as usize).min(width)..(last.x as usize).min(width),
+        })
+    }
+
+    /// Adds its light in one row of the picture.
+    #[inline(always)]
+    pub fn light_row(&self, model: &OpticsModel, row: usize, lit: &mut [f32]) {
+        let width = model.projection.width();
+        let Range { start, end } = self.columns;
+        let span = row * width + start..row * width + end;
+        let [x, y, z] = &model.dome_points;
+        let (Some(lit), Some(x), Some(y), Some(z)) = (
+            lit.get_mut(start..end),
+            x.get(span.clone()),
+            y.get(span.clone()),
+            z.get(span),
+        ) else {
+            return;
+        };
+        let centre = self.centre;
+        for (((lit, x), y), z) in lit.iter_mut().zip(x).zip(y).zip(z) {
+            let (dx, dy, dz) = (x - centre.x, y - centre.y, z - centre.z);
+            *lit += self.profile.at((dx * dx + dy * dy + dz * dz).sqrt());
+        }
+    }
+}
+
+/// Brightness of a spot over the distance from its centre.
+#[derive(Debug, Clone, Copy)]
+struct SpotProfile {
+    reach: f32,
+    slope: f32,
+    height: f32,
+}
+
+impl SpotProfile {
+    /// For a spot of `radius` whose edge is blurred by `blur` to both sides, m, `contrast` times as bright as others.
+    fn new(radius: f64, blur: f64, contrast: f64) -> Self {
+        // Light of the unscaled profile over pi: a cone with its top cut off, or a whole cone.
+        let light = if radius >= blur {
+            radius * radius + blur * blur / 3.0
+        } else {
+            (radius + blur).powi(3) / (6.0 * blur)
+        };
+        let height = radius * radius * contrast / light;
+        Self {
+            reach: (radius + blur) as f32,
+            slope: (height / (2.0 * blur)) as f32,
+            height: height as f32,
+        }
+    }
+
+    #[inline(always)]
+    fn at(&self, distance: f32) -> f32 {
+        let edge = (self.reach - distance) * self.slope;
+        let edge = if edge > 0.0 { edge } else { 0.0 };
+        if edge < self.height {
+            edge
+        } else {
+            self.height
+        }
+    }
+}
