@@ -11,7 +11,7 @@ use feeler::control::sense::HandSense;
 use feeler::control::stop_reason::StopReason;
 use feeler::control::task::{Finding, Task};
 use feeler_lab::config::Experiment;
-use feeler_lab::experiment::{Pictures, Session};
+use feeler_lab::experiment::Session;
 use glam::DVec3;
 
 /// Closes on an object until it pushes back with a force, and says how stiff it was.
@@ -95,7 +95,7 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
         }],
     });
     let homes = [[-0.038, 0.0, 0.1], [0.038, 0.0, 0.1]]; // m, in W
-    let mut session = Session::with_task(&experiment, task, &homes, Pictures::Sensed)?;
+    let mut session = Session::with_task(&experiment, task, &homes)?;
     while !session.finished() {
         session.step()?;
     }

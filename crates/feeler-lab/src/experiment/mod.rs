@@ -170,7 +170,7 @@ impl Session {
     /// As [`Self::new`].
     pub fn drawing(experiment: &Experiment, pictures: Pictures) -> Result<Self, ExperimentError> {
         let task = &experiment.config.task;
-        Self::with_task(experiment, task.task(), &task.homes(), pictures)
+        Self::with_task_drawing(experiment, task.task(), &task.homes(), pictures)
     }
 
     /// The same with `task` in place of the experiment's. The fingers start from `homes`, m in `W`.
@@ -178,6 +178,18 @@ impl Session {
     /// # Errors
     /// As [`Self::new`].
     pub fn with_task(
+        experiment: &Experiment,
+        task: Box<dyn Task>,
+        homes: &[[f64; 3]],
+    ) -> Result<Self, ExperimentError> {
+        Self::with_task_drawing(experiment, task, homes, Pictures::Whole)
+    }
+
+    /// [`Self::with_task`] with cameras that draw as much of their `pictures`.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn with_task_drawing(
         experiment: &Experiment,
         task: Box<dyn Task>,
         homes: &[[f64; 3]],
