@@ -1,9 +1,12 @@
 //! The picture of a simulated fingertip: spots or markers on a dome, as a noisy camera sees them.
 
 mod exposure;
+mod light;
 mod seen_spot;
 
-use self::{exposure::expose, seen_spot::SeenSpot};
+pub(super) use self::light::RestLight;
+
+use self::{exposure::expose, light::Light, seen_spot::SeenSpot};
 use super::{camera_noise::NoiseLanes, optics_config::OpticsError, optics_model::OpticsModel};
 use feeler::sensor::frame::Picture;
 use glam::DVec3;
@@ -16,11 +19,11 @@ const BAND: usize = 8;
 /// What drawing a picture needs room for.
 #[derive(Debug, Clone)]
 pub struct OpticsScratch {
-    /// The picture's spots.
-    spots: Vec<SeenSpot>,
-    /// Which of them each band shows, in their order: that in which their light is added up.
+    /// What lights the picture.
+    lights: Vec<Light>,
+    /// Which of them each band shows, in their order: that in which they are added up.
     by_band: Vec<Vec<usize>>,
-    /// How much of each pixel of a band is lit by spots, 0 between two bands; rows are padded to
+    /// How much of each pixel of a band is lit, 0 between two bands; rows are padded to
     /// whole noise lanes.
     lit: Vec<f32>,
 }
@@ -31,35 +34,39 @@ impl OpticsScratch {
         let spots = model.spot_count();
         let bands = model.projection.height().div_ceil(BAND);
         Self {
-            spots: Vec::with_capacity(spots),
+            lights: Vec::with_capacity(spots),
             by_band: (0..bands).map(|_| Vec::with_capacity(spots)).collect(),
             lit: vec![0.0; BAND * model.padded_width()],
         }
     }
 
-    /// The spots of a picture with `forces`, and which band shows which.
+    /// What lights a picture with `forces`, and which band shows which.
     fn see(&mut self, model: &OpticsModel, forces: &[DVec3]) {
         // Nothing is done here unless the scratch was made for another model.
         self.lit.resize(BAND * model.padded_width(), 0.0);
         let bands = model.projection.height().div_ceil(BAND);
         self.by_band.resize_with(bands, Vec::new);
         self.by_band.iter_mut().for_each(Vec::clear);
-        self.spots.clear();
-        match &model.markers {
-            Some(markers) => {
-                let seen = |(element, spot)| SeenSpot::new(model, element, &spot);
-                self.spots.extend(markers.spots(forces).filter_map(seen));
-            }
-            None => {
-                for (element, &force) in forces.iter().enumerate() {
-                    let seen = |spot| SeenSpot::new(model, element, &spot);
+        self.lights.clear();
+        let seen = |element, spot| SeenSpot::new(model, element, &spot).map(Light::Spot);
+        if let Some(markers) = &model.markers {
+            let spots = markers.spots(forces);
+            let lights = spots.filter_map(|(element, spot)| seen(element, spot));
+            self.lights.extend(lights);
+        } else {
+            for (element, &force) in forces.iter().enumerate() {
+                if force == DVec3::ZERO {
+                    self.lights.push(Light::AtRest(element));
+                } else {
                     let spots = model.spots(force).into_iter();
-                    self.spots.extend(spots.filter_map(seen));
+                    let lights = spots.filter_map(|spot| seen(element, spot));
+                    self.lights.extend(lights);
                 }
             }
         }
-        for (index, spot) in self.spots.iter().enumerate() {
-            let bands = spot.rows.start / BAND..spot.rows.end.div_ceil(BAND);
+        for (index, light) in self.lights.iter().enumerate() {
+            let rows = light.rows(model);
+            let bands = rows.start / BAND..rows.end.div_ceil(BAND);
             for band in self.by_band.get_mut(bands).unwrap_or_default() {
                 band.push(index);
             }
@@ -113,16 +120,17 @@ fn draw(
 ) {
     let (width, padded) = (model.projection.width(), model.padded_width());
     let OpticsScratch {
-        spots,
+        lights,
         by_band,
         lit,
     } = scratch;
     let bands = pixels.chunks_mut(BAND * width).zip(by_band);
     for (band, (pixels, own)) in bands.enumerate() {
         let first = band * BAND;
-        for spot in own.iter().filter_map(|&index| spots.get(index)) {
-            for row in spot.rows.start.max(first)..spot.rows.end.min(first + BAND) {
-                spot.light_row(model, row, &mut lit[(row - first) * padded..]);
+        for light in own.iter().filter_map(|&index| lights.get(index)) {
+            let rows = light.rows(model);
+            for row in rows.start.max(first)..rows.end.min(first + BAND) {
+                light.light_row(model, row, &mut lit[(row - first) * padded..]);
             }
         }
         let rows = pixels.chunks_mut(width).zip(lit.chunks(padded));

@@ -22,6 +22,7 @@ use super::{
     camera_noise::NOISE_LANES,
     drawn_blocks::DrawnBlocks,
     markers::{MarkerConfig, MarkerModel},
+    optics::RestLight,
     optics_config::{OpticsConfig, OpticsError},
 };
 use feeler::sensor::{dome::DomeProjection, layout::ElementLayout};
@@ -64,6 +65,8 @@ pub struct OpticsModel {
     pub(super) light_lost_by_column: Vec<f32>,
     pub(super) light_lost_by_row: Vec<f32>,
     pub(super) drawn: DrawnBlocks,
+    /// The light of each element that bears nothing; none where there are markers, which move one another.
+    pub(super) at_rest: Vec<RestLight>,
 }
 
 impl OpticsModel {
@@ -94,7 +97,7 @@ impl OpticsModel {
             .collect::<Result<_, _>>()?;
         // Per pixel squared off the centre.
         let lost_per_square = config.vignetting / (projection.width() as f64 / 2.0).powi(2);
-        Ok(Self {
+        let mut model = Self {
             config: config.clone(),
             layout: layout.clone(),
             projection: projection.clone(),
@@ -114,7 +117,12 @@ impl OpticsModel {
                 lost_per_square,
             ),
             drawn: DrawnBlocks::all(projection.width(), projection.height()),
-        })
+            at_rest: Vec::new(),
+        };
+        if model.markers.is_none() {
+            model.at_rest = RestLight::of_elements(&model);
+        }
+        Ok(model)
     }
 
     /// The same optics, of whose pictures no more needs drawing than `pixels` (column, row): these are what they were, to the bit; what

@@ -4,6 +4,9 @@ use crate::optics_model::{OpticsModel, Spot};
 use glam::Vec3;
 use std::ops::Range;
 
+/// Pixels that are lit side by side: a row of a spot is as many times as many, the last of them beyond its reach.
+pub(super) const SIDE_BY_SIDE: usize = 8;
+
 /// A spot as the camera sees it: a disc on the dome whose edge falls off linearly over twice the
 /// blur. Its height is such that the light of the disc, the area of the contact, is kept however
 /// small it is.
@@ -13,7 +16,7 @@ pub(super) struct SeenSpot {
     centre: Vec3,
     profile: SpotProfile,
     pub rows: Range<usize>,
-    columns: Range<usize>,
+    pub columns: Range<usize>,
 }
 
 impl SeenSpot {
@@ -37,7 +40,7 @@ impl SeenSpot {
             centre: point.as_vec3(),
             profile: SpotProfile::new(spot.radius, blur, spot.contrast),
             rows: (first.y as usize).min(height)..(last.y as usize).min(height),
-            columns: (first.x as usize).min(width)..(last.x as usize).min(width),
+            columns: side_by_side(first.x as usize, last.x as usize, width),
         })
     }
 
@@ -62,6 +65,15 @@ impl SeenSpot {
             *lit += self.profile.at((dx * dx + dy * dy + dz * dz).sqrt());
         }
     }
+}
+
+/// Columns in whole steps of [`SIDE_BY_SIDE`], where `width` has room for that, that hold those from `first` on before `last`.
+pub(super) fn side_by_side(first: usize, last: usize, width: usize) -> Range<usize> {
+    let (first, last) = (first.min(width), last.min(width));
+    let count = last.saturating_sub(first).next_multiple_of(SIDE_BY_SIDE);
+    let count = count.min(width);
+    let start = first.min(width - count);
+    start..start + count
 }
 
 /// Brightness of a spot over the distance from its centre.

@@ -1,0 +1,93 @@
+//! What lights the pixels: spots, and elements that bear nothing, whose light is always the same.
+
+use super::seen_spot::{SeenSpot, side_by_side};
+use crate::optics_model::OpticsModel;
+use glam::DVec3;
+use std::ops::Range;
+
+/// One source of light in a picture.
+#[derive(Debug, Clone)]
+pub(super) enum Light {
+    Spot(SeenSpot),
+    /// All spots of an element that bears nothing.
+    AtRest(usize),
+}
+
+impl Light {
+    /// The rows that it reaches.
+    pub fn rows(&self, model: &OpticsModel) -> Range<usize> {
+        match self {
+            Self::Spot(spot) => spot.rows.clone(),
+            Self::AtRest(element) => model.at_rest[*element].rows.clone(),
+        }
+    }
+
+    /// Adds its light in one of its rows.
+    #[inline(always)]
+    pub fn light_row(&self, model: &OpticsModel, row: usize, lit: &mut [f32]) {
+        match self {
+            Self::Spot(spot) => spot.light_row(model, row, lit),
+            Self::AtRest(element) => model.at_rest[*element].light_row(row, lit),
+        }
+    }
+}
+
+/// The light of an element that bears nothing, pixel by pixel.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct RestLight {
+    rows: Range<usize>,
+    columns: Range<usize>,
+    /// Row by row.
+    light: Vec<f32>,
+}
+
+impl RestLight {
+    /// That of each element of `model`.
+    pub fn of_elements(model: &OpticsModel) -> Vec<Self> {
+        let elements = 0..model.layout.elements.len();
+        elements.map(|element| Self::new(model, element)).collect()
+    }
+
+    fn new(model: &OpticsModel, element: usize) -> Self {
+        let seen = |spot| SeenSpot::new(model, element, &spot);
+        let spots = model.spots(DVec3::ZERO).into_iter().filter_map(seen);
+        let spots: Vec<SeenSpot> = spots.collect();
+        let hull = |ranges: &mut dyn Iterator<Item = &Range<usize>>| {
+            let union = |a: Range<usize>, b: &Range<usize>| a.start.min(b.start)..a.end.max(b.end);
+            let first = ranges.next()?.clone();
+            Some(ranges.fold(first, union))
+        };
+        let rows = hull(&mut spots.iter().map(|spot| &spot.rows)).unwrap_or_default();
+        let columns = hull(&mut spots.iter().map(|spot| &spot.columns)).unwrap_or_default();
+        let columns = side_by_side(columns.start, columns.end, model.projection.width());
+        let mut light = Vec::with_capacity(rows.len() * columns.len());
+        let mut lit = vec![0.0; model.projection.width()];
+        for row in rows.clone() {
+            lit.fill(0.0);
+            for spot in spots.iter().filter(|spot| spot.rows.contains(&row)) {
+                spot.light_row(model, row, &mut lit);
+            }
+            light.extend(&lit[columns.clone()]);
+        }
+        Self {
+            rows,
+            columns,
+            light,
+        }
+    }
+
+    #[inline(always)]
+    fn light_row(&self, row: usize, lit: &mut [f32]) {
+        let width = self.columns.len();
+        let own = (row - self.rows.start) * width;
+        let (Some(lit), Some(light)) = (
+            lit.get_mut(self.columns.clone()),
+            self.light.get(own..own + width),
+        ) else {
+            return;
+        };
+        for (lit, light) in lit.iter_mut().zip(light) {
+            *lit += light;
+        }
+    }
+}
