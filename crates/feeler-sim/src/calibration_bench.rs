@@ -165,10 +165,16 @@ pub fn load_simulated(
     optics: &OpticsConfig,
     bench: &CalibrationBenchConfig,
 ) -> Result<Vec<ElementRecord>, CalibrationBenchError> {
-    let kernel = Fingertip::new(fingertip)?.kernel;
+    check(bench)?;
+    let Fingertip {
+        layout,
+        projection,
+        kernel,
+    } = Fingertip::new(fingertip)?;
+    let optics = OpticsModel::new(optics, &layout, &projection)?.drawing_only(kernel.pixels());
     let mut moments = vec![ElementMoments::default(); kernel.element_count()];
     let mut records = vec![ElementRecord::default(); kernel.element_count()];
-    take_pictures(fingertip, optics, bench, |picture, loads| {
+    draw_loads(&optics, bench, |picture, loads| {
         kernel.measure(picture, &mut moments)?;
         for ((record, &load), &moments) in records.iter_mut().zip(loads).zip(&moments) {
             let sample = |force| LoadSample { force, moments };
@@ -195,14 +201,24 @@ pub fn take_pictures<E: From<CalibrationBenchError>>(
     fingertip: &FingertipConfig,
     optics: &OpticsConfig,
     bench: &CalibrationBenchConfig,
-    mut take: impl FnMut(&Picture, &[Load]) -> Result<(), E>,
+    take: impl FnMut(&Picture, &[Load]) -> Result<(), E>,
 ) -> Result<(), E> {
     check(bench)?;
     let (layout, projection) =
         Fingertip::layout_and_projection(fingertip).map_err(CalibrationBenchError::from)?;
-    let model =
+    let optics =
         OpticsModel::new(optics, &layout, &projection).map_err(CalibrationBenchError::from)?;
-    let mut scratch = OpticsScratch::new(&model);
+    draw_loads(&optics, bench, take)
+}
+
+/// Hands over the pictures that `model` draws of all loads.
+fn draw_loads<E: From<CalibrationBenchError>>(
+    model: &OpticsModel,
+    bench: &CalibrationBenchConfig,
+    mut take: impl FnMut(&Picture, &[Load]) -> Result<(), E>,
+) -> Result<(), E> {
+    let (layout, projection) = (&model.layout, &model.projection);
+    let mut scratch = OpticsScratch::new(model);
     let mut picture = Picture::black(projection.width(), projection.height());
     let mut rng = Pcg64::seed_from_u64(bench.seed);
 
@@ -210,9 +226,9 @@ pub fn take_pictures<E: From<CalibrationBenchError>>(
     let programs: Vec<_> = (0..elements).map(|_| program(bench, &mut rng)).collect();
     for step in 0..programs.first().map_or(0, Vec::len) {
         let own = programs.iter().map(|program| program[step]);
-        let loads = in_patches(&layout, bench.contact_radius, own.collect(), &mut rng);
+        let loads = in_patches(layout, bench.contact_radius, own.collect(), &mut rng);
         let forces: Vec<_> = loads.iter().map(|load| load.force()).collect();
-        render(&model, &mut scratch, &forces, &mut rng, &mut picture)
+        render(model, &mut scratch, &forces, &mut rng, &mut picture)
             .map_err(CalibrationBenchError::from)?;
         take(&picture, &loads)?;
     }

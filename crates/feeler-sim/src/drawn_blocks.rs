@@ -69,7 +69,7 @@ mod tests {
     #[test]
     fn all_blocks_of_a_row_are_one_run() {
         let all = DrawnBlocks::all(40, 2);
-        assert_eq!(all.in_row(1).collect::<Vec<_>>(), [0..3]);
+        assert!(all.in_row(1).eq(std::iter::once(0..3)));
         assert_eq!(all.in_row(2).count(), 0);
         let pixels = (0..2).flat_map(|row| (0..40).map(move |column| (column, row)));
         assert_eq!(all, DrawnBlocks::with_pixels(40, 2, pixels));
@@ -81,6 +81,6 @@ mod tests {
         let some = DrawnBlocks::with_pixels(64, 3, pixels.into_iter());
         assert_eq!(some.in_row(0).collect::<Vec<_>>(), [0..1, 2..4]);
         assert_eq!(some.in_row(1).count(), 0);
-        assert_eq!(some.in_row(2).collect::<Vec<_>>(), [1..2]);
+        assert!(some.in_row(2).eq(std::iter::once(1..2)));
     }
 }

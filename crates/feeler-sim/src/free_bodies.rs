@@ -50,8 +50,12 @@ struct FreeBody {
 }
 
 impl FreeBodies {
-    /// The free bodies of `model`, at rest where they start.
-    pub fn new(model: &WorldModel) -> Self {
+    /// The free bodies of `model`, at rest where they start; none where there are none, as what the library keeps of a world takes 40 kB.
+    pub fn new(model: &WorldModel) -> Option<Box<Self>> {
+        let is_free = |object: &Object| matches!(object.motion, Motion::Free(_));
+        if !model.objects.iter().any(is_free) {
+            return None;
+        }
         let mut world = PhysicsWorld::new();
         world.gravity = model.gravity;
         let parameters = &mut world.integration_parameters;
@@ -66,20 +70,16 @@ impl FreeBodies {
         parameters.num_solver_iterations = 1;
         parameters.num_internal_stabilization_iterations = 2;
         parameters.normalized_max_linear_velocity = f64::MAX;
-        let is_free = |object: &&Object| matches!(object.motion, Motion::Free(_));
-        let mut bodies = Self {
+        let mut bodies = Box::new(Self {
             world,
             free: Vec::new(),
             turning: Vec::new(),
-        };
-        if model.objects.iter().find(is_free).is_none() {
-            return bodies;
-        }
+        });
         for (index, object) in model.objects.iter().enumerate() {
             let free = bodies.add(index, object);
             bodies.free.push(free);
         }
-        bodies
+        Some(bodies)
     }
 
     fn add(&mut self, index: usize, object: &Object) -> Option<FreeBody> {
@@ -116,11 +116,6 @@ impl FreeBodies {
             inverse_mass: mass.inv_mass,
             inverse_inertia: mass.inv_principal_inertia.max_element(),
         })
-    }
-
-    /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
-        self.free.is_empty()
     }
 
     /// In how many parts a step of `model` must be taken from `state`.

@@ -15,16 +15,13 @@ use glam::DVec3;
 
 /// Advances `state` by one time step of `model`; `bodies` are its free bodies. Allocates nothing
 /// but what the library of the free bodies does.
-pub fn step(model: &WorldModel, state: &mut State, bodies: &mut FreeBodies) {
-    step_unseen(model, state, bodies, true);
-}
-
-/// The same. Unless the state `is_seen` after this step, fingertips that cannot touch anything are left where they were: what
+///
+/// Unless the state `is_seen` after this step, fingertips that cannot touch anything are left where they were: what
 /// a later step makes of the state is the same.
-pub(super) fn step_unseen(
+pub(super) fn step(
     model: &WorldModel,
     state: &mut State,
-    bodies: &mut FreeBodies,
+    bodies: Option<&mut FreeBodies>,
     is_seen: bool,
 ) {
     let State {
@@ -35,7 +32,7 @@ pub(super) fn step_unseen(
         let before = own.joints.link;
         move_joints(model, finger, own);
         let turn = own.joints.link - before;
-        if own.stays_free(finger, turn, moves) && !is_seen && bodies.is_empty() {
+        if own.stays_free(finger, turn, moves) && !is_seen && bodies.is_none() {
             continue;
         }
         place_fingertip(finger, own);
@@ -54,7 +51,7 @@ pub(super) fn step_unseen(
             Motion::Free(_) => {}
         }
     }
-    if !bodies.is_empty() {
+    if let Some(bodies) = bodies {
         move_bodies(model, state, bodies);
     }
     relax(model, state);

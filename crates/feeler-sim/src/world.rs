@@ -8,7 +8,7 @@ use super::pose::Pose;
 use super::random::{Generator, Purpose, generator};
 use super::rig_faults::RigFaults;
 use super::state::State;
-use super::step::{step_unseen, wrench};
+use super::step::{step, wrench};
 use super::torque_sensor::TorqueReading;
 use feeler::hand::finger::FingerGeometry;
 use feeler::sensor::layout::ElementLayout;
@@ -19,7 +19,7 @@ use std::path::Path;
 pub struct World {
     model: WorldModel,
     state: State,
-    bodies: FreeBodies,
+    bodies: Option<Box<FreeBodies>>,
     faults: RigFaults,
     torque_noise: Generator,
 }
@@ -65,7 +65,8 @@ impl World {
     pub fn advance(&mut self, steps: usize) -> Result<(), SimError> {
         for left in (0..steps).rev() {
             self.faults.apply(&mut self.state);
-            step_unseen(&self.model, &mut self.state, &mut self.bodies, left == 0);
+            let bodies = self.bodies.as_deref_mut();
+            step(&self.model, &mut self.state, bodies, left == 0);
         }
         // What is not finite stays so.
         self.state.check_finite(&self.model)
