@@ -4,10 +4,18 @@ mod exposure;
 mod light;
 mod seen_spot;
 
-pub(super) use self::light::RestLight;
+pub(super) use self::{exposure::grays_at_rest, light::RestLight};
 
-use self::{exposure::expose, light::Light, seen_spot::SeenSpot};
-use super::{camera_noise::NoiseLanes, optics_config::OpticsError, optics_model::OpticsModel};
+use self::{
+    exposure::{LitRow, expose},
+    light::Light,
+    seen_spot::SeenSpot,
+};
+use super::{
+    camera_noise::{NOISE_LANES, NoiseLanes},
+    optics_config::OpticsError,
+    optics_model::OpticsModel,
+};
 use feeler::sensor::frame::Picture;
 use glam::DVec3;
 use multiversion::multiversion;
@@ -26,6 +34,8 @@ pub struct OpticsScratch {
     /// How much of each pixel of a band is lit, 0 between two bands; rows are padded to
     /// whole noise lanes.
     lit: Vec<f32>,
+    /// In which noise blocks of a band the light is another one than at rest.
+    changed: Vec<bool>,
 }
 
 impl OpticsScratch {
@@ -34,9 +44,10 @@ impl OpticsScratch {
         let spots = model.spot_count();
         let bands = model.projection.height().div_ceil(BAND);
         Self {
-            lights: Vec::with_capacity(spots),
-            by_band: (0..bands).map(|_| Vec::with_capacity(spots)).collect(),
+            lights: Vec::with_capacity(2 * spots),
+            by_band: (0..bands).map(|_| Vec::with_capacity(2 * spots)).collect(),
             lit: vec![0.0; BAND * model.padded_width()],
+            changed: vec![false; BAND * model.padded_width() / NOISE_LANES],
         }
     }
 
@@ -44,6 +55,7 @@ impl OpticsScratch {
     fn see(&mut self, model: &OpticsModel, forces: &[DVec3]) {
         // Nothing is done here unless the scratch was made for another model.
         self.lit.resize(BAND * model.padded_width(), 0.0);
+        self.changed.resize(self.lit.len() / NOISE_LANES, false);
         let bands = model.projection.height().div_ceil(BAND);
         self.by_band.resize_with(bands, Vec::new);
         self.by_band.iter_mut().for_each(Vec::clear);
@@ -58,6 +70,7 @@ impl OpticsScratch {
                 if force == DVec3::ZERO {
                     self.lights.push(Light::AtRest(element));
                 } else {
+                    self.lights.push(Light::NotAtRest(element));
                     let spots = model.spots(force).into_iter();
                     let lights = spots.filter_map(|spot| seen(element, spot));
                     self.lights.extend(lights);
@@ -123,22 +136,30 @@ fn draw(
         lights,
         by_band,
         lit,
+        changed,
     } = scratch;
     let bands = pixels.chunks_mut(BAND * width).zip(by_band);
     for (band, (pixels, own)) in bands.enumerate() {
         let first = band * BAND;
-        for light in own.iter().filter_map(|&index| lights.get(index)) {
-            let rows = light.rows(model);
+        let own = || own.iter().filter_map(|&index| lights.get(index));
+        let at_rest = own().all(|light| light.changes(model).is_none());
+        for light in own().filter(|_| !at_rest) {
+            let (rows, columns) = (light.rows(model), light.changes(model).unwrap_or_default());
+            let blocks = columns.start / NOISE_LANES..columns.end.div_ceil(NOISE_LANES);
             for row in rows.start.max(first)..rows.end.min(first + BAND) {
-                light.light_row(model, row, &mut lit[(row - first) * padded..]);
+                let start = (row - first) * padded;
+                light.light_row(model, row, &mut lit[start..]);
+                changed[start / NOISE_LANES..][blocks.clone()].fill(true);
             }
         }
-        let rows = pixels.chunks_mut(width).zip(lit.chunks(padded));
-        for (row, (pixels, lit)) in rows.enumerate() {
+        let rows = lit.chunks(padded).zip(changed.chunks(padded / NOISE_LANES));
+        for (row, (pixels, (lit, changed))) in pixels.chunks_mut(width).zip(rows).enumerate() {
+            let lit = LitRow { lit, changed };
             expose(model, first + row, lit, &mut noise, pixels);
         }
-        if !own.is_empty() {
+        if !at_rest {
             lit.fill(0.0);
+            changed.fill(false);
         }
     }
 }

@@ -22,7 +22,7 @@ use super::{
     camera_noise::NOISE_LANES,
     drawn_blocks::DrawnBlocks,
     markers::{MarkerConfig, MarkerModel},
-    optics::RestLight,
+    optics::{RestLight, grays_at_rest},
     optics_config::{OpticsConfig, OpticsError},
 };
 use feeler::sensor::{dome::DomeProjection, layout::ElementLayout};
@@ -67,6 +67,8 @@ pub struct OpticsModel {
     pub(super) drawn: DrawnBlocks,
     /// The light of each element that bears nothing; none where there are markers, which move one another.
     pub(super) at_rest: Vec<RestLight>,
+    /// Grey levels without noise of a picture on whose elements nothing acts, block by block; where there are markers, without them.
+    pub(super) grays_at_rest: Vec<[f32; NOISE_LANES]>,
 }
 
 impl OpticsModel {
@@ -118,10 +120,12 @@ impl OpticsModel {
             ),
             drawn: DrawnBlocks::all(projection.width(), projection.height()),
             at_rest: Vec::new(),
+            grays_at_rest: Vec::new(),
         };
         if model.markers.is_none() {
             model.at_rest = RestLight::of_elements(&model);
         }
+        model.grays_at_rest = grays_at_rest(&model);
         Ok(model)
     }
 

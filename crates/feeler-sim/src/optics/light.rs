@@ -11,6 +11,8 @@ pub(super) enum Light {
     Spot(SeenSpot),
     /// All spots of an element that bears nothing.
     AtRest(usize),
+    /// None: what an element that bears something lacks.
+    NotAtRest(usize),
 }
 
 impl Light {
@@ -18,7 +20,19 @@ impl Light {
     pub fn rows(&self, model: &OpticsModel) -> Range<usize> {
         match self {
             Self::Spot(spot) => spot.rows.clone(),
-            Self::AtRest(element) => model.at_rest[*element].rows.clone(),
+            Self::AtRest(element) | Self::NotAtRest(element) => {
+                model.at_rest[*element].rows.clone()
+            }
+        }
+    }
+
+    /// The columns in which the picture is another one with it than at rest.
+    #[inline(always)]
+    pub fn changes(&self, model: &OpticsModel) -> Option<Range<usize>> {
+        match self {
+            Self::Spot(spot) => Some(spot.columns.clone()),
+            Self::AtRest(_) => None,
+            Self::NotAtRest(element) => Some(model.at_rest[*element].columns.clone()),
         }
     }
 
@@ -28,6 +42,7 @@ impl Light {
         match self {
             Self::Spot(spot) => spot.light_row(model, row, lit),
             Self::AtRest(element) => model.at_rest[*element].light_row(row, lit),
+            Self::NotAtRest(_) => {}
         }
     }
 }
