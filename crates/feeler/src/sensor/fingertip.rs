@@ -10,6 +10,7 @@ use super::{
 };
 use crate::check::Checker;
 use serde::{Deserialize, Serialize};
+use std::sync::{Mutex, PoisonError};
 
 /// One optical fingertip: its elements, its camera, and how moments are taken of the picture.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -50,6 +51,12 @@ pub enum FingertipError {
     Moments(#[from] MomentsError),
 }
 
+/// Kernels that are kept, of some 5 MB each.
+const KEPT: usize = 2;
+
+/// A kernel, and the pixels of each element.
+type Sensed = (MomentsKernel, Vec<Vec<WeightedPixel>>);
+
 /// A [`FingertipConfig`] turned into what sensing needs; it never changes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fingertip {
@@ -68,7 +75,7 @@ impl Fingertip {
     /// When the camera does not see all sub-regions, or a value makes no sense.
     pub fn new(config: &FingertipConfig) -> Result<Self, FingertipError> {
         let (layout, projection) = Self::layout_and_projection(config)?;
-        let kernel = MomentsKernel::new(&layout, &projection, &config.moments)?;
+        let (kernel, _) = Self::kernel_and_subregions(config)?;
         Ok(Self {
             layout,
             projection,
@@ -76,13 +83,26 @@ impl Fingertip {
         })
     }
 
-    /// The kernel of the fingertip, and the pixels of each element that it was made of.
+    /// The kernel of the fingertip, and the pixels of each element that it was made of. It takes some 60 ms to make, so that the newest
+    /// ones are kept: a rig's fingertips are mostly alike, and a sweep's trials ask for the same again and again.
     ///
     /// # Errors
     /// As [`Self::new`].
-    pub fn kernel_and_subregions(
-        config: &FingertipConfig,
-    ) -> Result<(MomentsKernel, Vec<Vec<WeightedPixel>>), FingertipError> {
+    pub fn kernel_and_subregions(config: &FingertipConfig) -> Result<Sensed, FingertipError> {
+        static NEWEST: Mutex<Vec<(FingertipConfig, Sensed)>> = Mutex::new(Vec::new());
+        // What is kept is whole, whatever a thread did that had it.
+        let newest = || NEWEST.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, sensed)) = newest().iter().find(|(own, _)| own == config) {
+            return Ok(sensed.clone());
+        }
+        let sensed = Self::make_kernel(config)?;
+        let mut newest = newest();
+        newest.truncate(KEPT - 1);
+        newest.insert(0, (config.clone(), sensed.clone()));
+        Ok(sensed)
+    }
+
+    fn make_kernel(config: &FingertipConfig) -> Result<Sensed, FingertipError> {
         let (layout, projection) = Self::layout_and_projection(config)?;
         let regions = subregions(&layout, &projection, &config.moments)?;
         let size = (projection.width(), projection.height());

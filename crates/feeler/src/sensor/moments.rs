@@ -37,12 +37,10 @@ use self::{
     tile::{Row, TILE_WIDTH, Tile},
 };
 use super::{
-    dome::DomeProjection,
     frame::Picture,
-    layout::ElementLayout,
     moments_config::{MomentsConfig, MomentsError},
     polarity::Polarity,
-    subregion::{WeightedPixel, subregions},
+    subregion::WeightedPixel,
 };
 use glam::DVec2;
 use std::ops::Range;
@@ -76,20 +74,6 @@ pub struct MomentsKernel {
 }
 
 impl MomentsKernel {
-    /// The kernel of the elements of `layout` as `projection` sees them, dewarped.
-    ///
-    /// # Errors
-    /// When a sub-region is not wholly in the picture, or its radius makes no sense.
-    pub fn new(
-        layout: &ElementLayout,
-        projection: &DomeProjection,
-        config: &MomentsConfig,
-    ) -> Result<Self, MomentsError> {
-        let regions = subregions(layout, projection, config)?;
-        let size = (projection.width(), projection.height());
-        Self::of_regions(size, config, &regions)
-    }
-
     /// The kernel of sub-regions given pixel by pixel, as [`Self::from_subregions`], for elements and ground as `config` has them.
     ///
     /// # Errors
