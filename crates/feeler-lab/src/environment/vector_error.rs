@@ -3,7 +3,7 @@
 use super::EnvironmentError;
 
 /// Most environments, and most threads.
-const MOST: usize = 1 << 16;
+const MOST: usize = 1 << 17;
 
 /// Why many environments could not step.
 #[derive(Debug, thiserror::Error)]
