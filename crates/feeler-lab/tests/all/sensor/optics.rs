@@ -163,6 +163,22 @@ fn sensed_pixels_are_those_of_the_whole_picture() {
     assert!(sensed.pixels[0] == 0 && black > 640 * 480 / 2, "{black}");
 }
 
+/// A load far below what a double can tell from none beside the preload is drawn spot by spot, and must give the picture that is taken from
+/// a table without it.
+#[test]
+fn elements_that_bear_nothing_are_drawn_as_by_the_smallest_load() {
+    let model = model(&fingertip(), &OpticsConfig::default());
+    for loaded in [0, 1, 5, 40] {
+        let with = |others: DVec3| {
+            let mut forces = [others; 41];
+            forces[..loaded].fill(DVec3::new(0.3, -0.2, 1.0));
+            picture(&model, &forces, 7)
+        };
+        let expected = with(DVec3::splat(1e-300));
+        assert!(with(DVec3::ZERO) == expected, "{loaded} loaded");
+    }
+}
+
 /// The picture of a seed, to the bit, in every build: change the number when the picture is meant to
 /// change.
 #[test]
