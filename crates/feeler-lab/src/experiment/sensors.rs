@@ -5,7 +5,7 @@ use super::{ExperimentError, Pictures, Sensor};
 use crate::config::{Experiment, Sensing};
 use feeler::control::touch::AnalyzedSensor;
 use feeler::sensor::camera::Camera;
-use feeler::sensor::fingertip::{Fingertip, FingertipConfig, FingertipError};
+use feeler::sensor::fingertip::Fingertip;
 use feeler::sensor::layout::ElementLayout;
 use feeler::sensor::optical::OpticalSensor;
 use feeler_sim::direct_sensor::DirectSensor;
@@ -85,7 +85,6 @@ pub(super) fn rig_sensors(
 ) -> Result<Vec<RigSensor>, ExperimentError> {
     let config = &experiment.config;
     let sim = config.simulation()?;
-    let mut fingertips = Fingertips::default();
     let fingers = layouts.iter().enumerate();
     let sensors = fingers
         .map(|(finger, layout)| {
@@ -97,11 +96,10 @@ pub(super) fn rig_sensors(
                 let sensor = DirectSensor::new(rig, finger, noise, faults, seed);
                 return Ok(RigSensor::Direct(sensor));
             }
-            let fingertip = fingertips
-                .get(config.sensor.fingertip(finger))
+            let fingertip = Fingertip::new(config.sensor.fingertip(finger))
                 .map_err(|source| ExperimentError::Fingertip { finger, source })?;
             let optics = &sim.optics;
-            let camera = SimCamera::new(rig, finger, fingertip, optics, faults, seed)?;
+            let camera = SimCamera::new(rig, finger, &fingertip, optics, faults, seed)?;
             let camera = match pictures {
                 Pictures::Whole => camera,
                 Pictures::Sensed => camera.drawing_only(fingertip.kernel.pixels()),
@@ -120,22 +118,4 @@ fn swapped(mut sensors: Vec<RigSensor>, faults: &[FaultConfig]) -> Vec<RigSensor
         }
     }
     sensors
-}
-
-/// Fingertips, each built once for all fingers that carry one like it: building takes its time.
-#[derive(Default)]
-struct Fingertips(Vec<(FingertipConfig, Fingertip)>);
-
-impl Fingertips {
-    fn get(&mut self, config: &FingertipConfig) -> Result<&Fingertip, FingertipError> {
-        let found = self.0.iter().position(|(own, _)| own == config);
-        let index = match found {
-            Some(index) => index,
-            None => {
-                self.0.push((config.clone(), Fingertip::new(config)?));
-                self.0.len() - 1
-            }
-        };
-        Ok(&self.0[index].1)
-    }
 }

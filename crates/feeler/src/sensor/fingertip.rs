@@ -10,7 +10,7 @@ use super::{
 };
 use crate::check::Checker;
 use serde::{Deserialize, Serialize};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// One optical fingertip: its elements, its camera, and how moments are taken of the picture.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -75,34 +75,45 @@ impl Fingertip {
     /// When the camera does not see all sub-regions, or a value makes no sense.
     pub fn new(config: &FingertipConfig) -> Result<Self, FingertipError> {
         let (layout, projection) = Self::layout_and_projection(config)?;
-        let (kernel, _) = Self::kernel_and_subregions(config)?;
         Ok(Self {
             layout,
             projection,
-            kernel,
+            kernel: Self::sensed(config)?.0.clone(),
         })
     }
 
-    /// The kernel of the fingertip, and the pixels of each element that it was made of. It takes some 60 ms to make, so that the newest
-    /// ones are kept: a rig's fingertips are mostly alike, and a sweep's trials ask for the same again and again.
+    /// The kernel of the fingertip, and the pixels of each element that it was made of.
     ///
     /// # Errors
     /// As [`Self::new`].
     pub fn kernel_and_subregions(config: &FingertipConfig) -> Result<Sensed, FingertipError> {
-        static NEWEST: Mutex<Vec<(FingertipConfig, Sensed)>> = Mutex::new(Vec::new());
+        Ok(Self::sensed(config)?.as_ref().clone())
+    }
+
+    /// The same. It takes some 60 ms to make, so that the newest ones are kept: a rig's fingertips are mostly alike, and a sweep's trials
+    /// ask for the same again and again.
+    fn sensed(config: &FingertipConfig) -> Result<Arc<Sensed>, FingertipError> {
+        static NEWEST: Mutex<Vec<(FingertipConfig, Arc<Sensed>)>> = Mutex::new(Vec::new());
         // What is kept is whole, whatever a thread did that had it.
         let newest = || NEWEST.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, sensed)) = newest().iter().find(|(own, _)| own == config) {
-            return Ok(sensed.clone());
+        let known = |kept: &[(FingertipConfig, Arc<Sensed>)]| {
+            let known = kept.iter().find(|(own, _)| own == config);
+            known.map(|(_, sensed)| sensed.clone())
+        };
+        if let Some(sensed) = known(&newest()) {
+            return Ok(sensed);
         }
-        let sensed = Self::make_kernel(config)?;
+        let sensed = Arc::new(Self::make_sensed(config)?);
         let mut newest = newest();
-        newest.truncate(KEPT - 1);
-        newest.insert(0, (config.clone(), sensed.clone()));
+        // Another thread may have made it, too.
+        if known(&newest).is_none() {
+            newest.truncate(KEPT - 1);
+            newest.insert(0, (config.clone(), sensed.clone()));
+        }
         Ok(sensed)
     }
 
-    fn make_kernel(config: &FingertipConfig) -> Result<Sensed, FingertipError> {
+    fn make_sensed(config: &FingertipConfig) -> Result<Sensed, FingertipError> {
         let (layout, projection) = Self::layout_and_projection(config)?;
         let regions = subregions(&layout, &projection, &config.moments)?;
         let size = (projection.width(), projection.height());
