@@ -38,7 +38,7 @@ pub(super) fn mend(matching: &mut Matching, reference: &[DVec2], field: &Field, 
             firsts.into_iter().map(move |first| (spot, first))
         });
         let smoothest = chains
-            .filter_map(|(spot, first)| scene.turned_back(matching, spot, first))
+            .map(|(spot, first)| scene.turned_back(matching, spot, first))
             .min_by(|(a, _), (b, _)| a.total_cmp(b));
         match smoothest {
             Some((roughness, mended)) if roughness < now => *matching = mended,
@@ -98,23 +98,18 @@ impl Scene<'_> {
 
     /// `matching` with `spot` given to the marker `first`, that one's spot to the best suited marker, and so on, as far as it becomes
     /// smoothest; and how rough it is then.
-    fn turned_back(
-        &self,
-        matching: &Matching,
-        spot: usize,
-        first: usize,
-    ) -> Option<(f64, Matching)> {
+    fn turned_back(&self, matching: &Matching, spot: usize, first: usize) -> (f64, Matching) {
         let mut mended = matching.clone();
         let (mut spot, mut own) = (spot, first);
         let mut passed = Vec::with_capacity(LONGEST);
-        let mut smoothest: Option<(f64, Matching)> = None;
+        let mut smoothest = (f64::INFINITY, matching.clone());
         loop {
             let freed = mended.spots[own];
             mended.take(own, spot, self.places[spot] - self.reference[own]);
             passed.push(own);
             let roughness = self.roughness(&mended);
-            if smoothest.as_ref().is_none_or(|&(best, _)| roughness < best) {
-                smoothest = Some((roughness, mended.clone()));
+            if roughness < smoothest.0 {
+                smoothest = (roughness, mended.clone());
             }
             let next = freed.filter(|_| passed.len() < LONGEST);
             let next = next.and_then(|freed| {
