@@ -24,10 +24,10 @@ pub const SLOW: &str = "0.01";
 /// The same for rigs that must get somewhere: data stay fresh for 0.14 s, and a busy computer makes them stale at times.
 pub const QUARTER: &str = "0.25";
 
-/// Programs in real time need the computer for themselves, and free ports stay free.
+/// Rigs whose data are soon stale need the computer for themselves; rigs that mostly wait run beside them.
 static ALONE: Mutex<()> = Mutex::new(());
 
-/// Holds back the other tests of programs until it is dropped.
+/// Holds back the other rigs in a hurry until it is dropped.
 pub fn alone() -> MutexGuard<'static, ()> {
     // A test that failed has ended its programs, too.
     ALONE.lock().unwrap_or_else(PoisonError::into_inner)
@@ -210,13 +210,19 @@ impl Setup {
 
     /// The rig as far as the hand: world and sensors, which wait for it.
     pub fn start(self) -> Rig {
-        let alone = alone();
+        let alone = self.is_in_a_hurry().then(alone);
         Rig {
             world: self.world(),
             senses: vec![self.sense(0), self.sense(1)],
             setup: self,
             _alone: alone,
         }
+    }
+
+    /// Whether a busy computer makes its data stale: it is neither in lockstep nor slow.
+    fn is_in_a_hurry(&self) -> bool {
+        let speed: Option<f64> = self.speed.parse().ok();
+        speed.is_some_and(|speed| speed > 0.05)
     }
 
     /// The same with servos as its rig: `more` arguments of `feeler rig`.
@@ -326,7 +332,7 @@ pub struct Rig {
     pub world: Running,
     pub senses: Vec<Running>,
     /// Released last: after the programs have ended.
-    _alone: MutexGuard<'static, ()>,
+    _alone: Option<MutexGuard<'static, ()>>,
 }
 
 impl Rig {
