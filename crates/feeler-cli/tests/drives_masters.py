@@ -9,6 +9,12 @@ import sys
 import time
 
 
+def patient(sdk):
+    """`sdk` that waits for an answer as long as a busy computer takes for it: 34 ms are enough for servos, not for a program."""
+    sdk.port_handler.LATENCY_TIMER = 250
+    return sdk
+
+
 def signed(value, bits):
     """Two's complement."""
     return value - (1 << bits) if value & (1 << (bits - 1)) else value
@@ -27,8 +33,9 @@ def checked(sdk, packets):
 
 
 def dynamixel(path, baud_rate):
-    import dynamixel_sdk as sdk
+    import dynamixel_sdk
 
+    sdk = patient(dynamixel_sdk)
     port, packets = sdk.PortHandler(path), sdk.PacketHandler(2.0)
     assert port.openPort() and port.setBaudRate(baud_rate)
     good, said = checked(sdk, packets), {}
@@ -80,8 +87,9 @@ def dynamixel(path, baud_rate):
 
 
 def feetech(path, baud_rate):
-    import scservo_sdk as sdk
+    import scservo_sdk
 
+    sdk = patient(scservo_sdk)
     port, packets = sdk.PortHandler(path), sdk.PacketHandler(0)
     assert port.openPort() and port.setBaudRate(baud_rate)
     good, said = checked(sdk, packets), {}
