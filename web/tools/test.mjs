@@ -24,5 +24,5 @@ const only = process.argv.slice(3);
 const made = tests
   .filter((name) => !only.length || only.some((part) => name.includes(part)))
   .map((name) => `${out}/${name.replace(".ts", ".mjs")}`);
-const options = ["--test", "--enable-source-maps", "--test-concurrency=1", "--test-reporter=spec"];
+const options = ["--test", "--enable-source-maps", "--test-concurrency=2", "--test-reporter=spec"];
 process.exit(spawnSync(process.execPath, [...options, ...made], { stdio: "inherit", cwd: root }).status ?? 1);

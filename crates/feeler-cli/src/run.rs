@@ -12,7 +12,7 @@ use super::watcher::Watcher;
 use super::{CommandError, Outcome, emulated};
 use feeler::pace::Punctuality;
 use feeler_lab::config::Experiment;
-use feeler_lab::experiment::recorded_run::{RecordedRun, RunError, drawn, record_options};
+use feeler_lab::experiment::recorded_run::{RecordedRun, RunError, record_options, session};
 use feeler_lab::experiment::{Session, run_folder};
 use feeler_record::RecordOptions;
 use std::io::Write;
@@ -93,7 +93,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comman
             let (session, bus) = emulated::session(&experiment, arguments.speed())?;
             (session, Some(bus))
         }
-        None => (Session::drawing(&experiment, drawn(&options))?, None),
+        None => (session(&experiment, &options)?, None),
     };
     let page = arguments
         .view

@@ -6,75 +6,56 @@ use rand_pcg::Pcg64;
 /// Pixels that are drawn side by side.
 pub const NOISE_LANES: usize = 16;
 
-/// [`NOISE_LANES`] generators of nearly Gaussian numbers, side by side.
+/// Nearly Gaussian numbers for the pixels of one picture, [`NOISE_LANES`] at a time, in any order.
 ///
-/// Each is Marsaglia's 32-bit xorshift, seeded anew for every picture. A sample is the sum of the
-/// four bytes of a word: by the central limit theorem close to a Gaussian, with mean 510, variance
-/// 4 (256² - 1) / 12, and no sample beyond 3.45 standard deviations. Only integer operations and
-/// single IEEE ones are used, so that the numbers are the same on every machine.
+/// A sample is the sum of the four bytes of a word: by the central limit theorem close to a Gaussian, with mean 510, variance
+/// 4 (256² - 1) / 12, and no sample beyond 3.45 standard deviations. A word is what a Feistel network makes of the number
+/// of the pixel's block and of a number that is drawn for each lane and picture. All of it are operations on integers of 16 bits: so
+/// the numbers are the same on every machine, and a vector of 256 bits holds all lanes.
 #[derive(Debug, Clone)]
-pub struct NoiseLanes {
-    state: [u32; NOISE_LANES],
-    /// Samples that every generator has made or left out.
-    made: usize,
+pub struct PictureNoise {
+    seeds: [[u16; NOISE_LANES]; 2],
 }
 
 /// Mean of the sum of four bytes.
-const BYTE_SUM_MEAN: f32 = 510.0;
+const BYTE_SUM_MEAN: i16 = 510;
 /// Standard deviation of the sum of four bytes, sqrt(4 (256² - 1) / 12).
-const BYTE_SUM_DEVIATION: f32 = 147.801_22;
+pub const BYTE_SUM_DEVIATION: f32 = 147.801_22;
+/// What each round of the network multiplies by. With three rounds a picture's spectrum has lines; with four it is white.
+const ROUNDS: [u16; 4] = [0x9e37, 0x85eb, 0xc2b3, 0x27d5];
 
-impl NoiseLanes {
-    /// Generators that start where `rng` says.
+impl PictureNoise {
+    /// Noise that `rng` decides.
     pub fn new(rng: &mut Pcg64) -> Self {
-        // A xorshift generator never leaves 0, so that 0 is not a seed.
         Self {
-            state: std::array::from_fn(|_| rng.next_u32().max(1)),
-            made: 0,
+            seeds: [(); 2].map(|()| std::array::from_fn(|_| rng.next_u32() as u16)),
         }
     }
 
-    /// Leaves out what comes before the `next` sample of every generator, counted from the first, which is 0.
+    /// The samples of a block of pixels: mean 0, standard deviation [`BYTE_SUM_DEVIATION`].
     #[inline(always)]
-    pub fn skip_to(&mut self, next: usize) {
-        for _ in self.made..next {
-            self.state = self.state.map(following);
+    pub fn of_block(&self, block: usize) -> [i16; NOISE_LANES] {
+        let [mut left, mut right] = self.seeds;
+        for lane in 0..NOISE_LANES {
+            left[lane] = left[lane].wrapping_add((block >> 16) as u16);
+            right[lane] = right[lane].wrapping_add(block as u16);
         }
-        self.made = self.made.max(next);
-    }
-
-    /// The next sample of every generator: mean 0, variance 1.
-    #[inline(always)]
-    pub fn sample(&mut self) -> [f32; NOISE_LANES] {
-        let mut samples = [0.0; NOISE_LANES];
-        self.made += 1;
-        for (state, sample) in self.state.iter_mut().zip(&mut samples) {
-            let word = following(*state);
-            *state = word;
-            let pairs = (word & 0x00ff_00ff) + ((word >> 8) & 0x00ff_00ff);
-            let sum = ((pairs + (pairs >> 16)) & 0xffff) as i32;
-            *sample = (sum as f32 - BYTE_SUM_MEAN) * (1.0 / BYTE_SUM_DEVIATION);
+        for factor in ROUNDS {
+            for lane in 0..NOISE_LANES {
+                // The product's two halves are an instruction each.
+                let high = (u32::from(right[lane]) * u32::from(factor)) >> 16;
+                let mixed = right[lane].wrapping_mul(factor) ^ high as u16;
+                (left[lane], right[lane]) = (right[lane], left[lane] ^ mixed);
+            }
+        }
+        let mut samples = [0; NOISE_LANES];
+        for lane in 0..NOISE_LANES {
+            let (left, right) = (left[lane], right[lane]);
+            let sum = (left & 0xff) + (left >> 8) + (right & 0xff) + (right >> 8);
+            samples[lane] = sum as i16 - BYTE_SUM_MEAN;
         }
         samples
     }
-}
-
-/// The state of a generator after `word`.
-#[inline(always)]
-fn following(mut word: u32) -> u32 {
-    word ^= word << 13;
-    word ^= word >> 17;
-    word ^= word << 5;
-    word
-}
-
-/// The nearest grey level, 0 to 255.
-#[inline(always)]
-pub fn quantised(gray: f32) -> u8 {
-    let gray = if gray > 0.0 { gray } else { 0.0 };
-    let gray = if gray < 255.0 { gray } else { 255.0 };
-    // Adding 2^23 leaves the nearest integer in the lowest bits.
-    (gray + 8_388_608.0).to_bits() as u8
 }
 
 #[cfg(test)]
@@ -82,11 +63,12 @@ mod tests {
     use super::*;
     use rand::SeedableRng;
 
-    /// `pictures` times 480 rows of 640 samples, as a picture draws them.
+    /// The first `count` samples of a picture, relative to their standard deviation.
     fn samples(seed: u64, count: usize) -> Vec<f32> {
-        let mut lanes = NoiseLanes::new(&mut Pcg64::seed_from_u64(seed));
-        (0..count / NOISE_LANES)
-            .flat_map(|_| lanes.sample())
+        let noise = PictureNoise::new(&mut Pcg64::seed_from_u64(seed));
+        let blocks = (0..count / NOISE_LANES).flat_map(|block| noise.of_block(block));
+        blocks
+            .map(|sample| f32::from(sample) / BYTE_SUM_DEVIATION)
             .collect()
     }
 
@@ -105,42 +87,50 @@ mod tests {
     }
 
     #[test]
-    fn neighbouring_samples_are_uncorrelated() {
+    fn samples_of_neighbours_and_of_other_pictures_are_uncorrelated() {
         let count = 1 << 20;
-        let samples = samples(11, count);
-        for lag in [1, 2, NOISE_LANES, 2 * NOISE_LANES, 640] {
-            let products = samples.iter().zip(&samples[lag..]);
-            let correlation =
-                products.map(|(a, b)| f64::from(a * b)).sum::<f64>() / (count - lag) as f64;
+        let (one, other) = (samples(11, count), samples(12, count));
+        let correlation = |a: &[f32], b: &[f32]| {
+            let products = a.iter().zip(b).map(|(a, b)| f64::from(a * b));
+            products.sum::<f64>() / count as f64
+        };
+        for lag in [1, 2, 8, NOISE_LANES, 2 * NOISE_LANES, 640, 640 * 480] {
+            let correlation = correlation(&one, &one[lag..]);
             // Four standard errors.
             assert!(correlation.abs() < 4.0 / 1024.0, "lag {lag}: {correlation}");
         }
+        let correlation = correlation(&one, &other);
+        assert!(correlation.abs() < 4.0 / 1024.0, "{correlation}");
     }
 
     #[test]
-    fn samples_that_are_left_out_change_none_of_the_others() {
-        let mut all = NoiseLanes::new(&mut Pcg64::seed_from_u64(3));
-        let mut some = all.clone();
-        let all: Vec<_> = (0..20).map(|_| all.sample()).collect();
-        for next in [0, 1, 7, 19] {
-            some.skip_to(next);
-            assert_eq!(some.sample(), all[next]);
+    fn how_samples_are_distributed_is_that_of_four_bytes_sum() {
+        let count = 1 << 20;
+        let seen = samples(5, count);
+        let share = |below: f32| {
+            let below = seen.iter().filter(|&&sample| sample < below);
+            below.count() as f64 / count as f64
+        };
+        // Of the exact distribution, by counting all sums of four bytes.
+        let mut ways = vec![1.0];
+        for _ in 0..4 {
+            let mut next = vec![0.0; ways.len() + 255];
+            for (sum, ways) in ways.iter().enumerate() {
+                next[sum..sum + 256]
+                    .iter_mut()
+                    .for_each(|next| *next += ways);
+            }
+            ways = next;
         }
-    }
-
-    #[test]
-    fn gray_values_are_rounded_and_clipped() {
-        let cases = [
-            (-3.0, 0),
-            (0.4, 0),
-            (0.6, 1),
-            (99.5, 100),
-            (254.6, 255),
-            (400.0, 255),
-        ];
-        for (gray, expected) in cases {
-            assert_eq!(quantised(gray), expected, "{gray}");
+        for sum in [60, 200, 350, 450, 510, 570, 700, 900] {
+            let expected = ways[..sum].iter().sum::<f64>() / 256.0_f64.powi(4);
+            let got = share((sum as f32 - f32::from(BYTE_SUM_MEAN)) / BYTE_SUM_DEVIATION);
+            // Four standard errors.
+            let bound = 4.0 * (expected * (1.0 - expected) / count as f64).sqrt();
+            assert!(
+                (got - expected).abs() < bound,
+                "{sum}: {got}, not {expected}"
+            );
         }
-        assert_eq!(quantised(f32::NAN), 0);
     }
 }

@@ -4,7 +4,10 @@ mod exposure;
 mod light;
 mod seen_spot;
 
-pub(super) use self::{exposure::grays_at_rest, light::RestLight};
+pub(super) use self::{
+    exposure::{ExposedBlock, exposed_at_rest},
+    light::RestLight,
+};
 
 use self::{
     exposure::{LitRow, expose},
@@ -12,7 +15,7 @@ use self::{
     seen_spot::SeenSpot,
 };
 use super::{
-    camera_noise::{NOISE_LANES, NoiseLanes},
+    camera_noise::{NOISE_LANES, PictureNoise},
     optics_config::OpticsError,
     optics_model::OpticsModel,
 };
@@ -20,6 +23,7 @@ use feeler::sensor::frame::Picture;
 use glam::DVec3;
 use multiversion::multiversion;
 use rand_pcg::Pcg64;
+use std::ops::Range;
 
 /// Rows that are drawn at a time: as many as stay in the first cache.
 const BAND: usize = 8;
@@ -118,19 +122,14 @@ pub fn render(
         });
     }
     scratch.see(model, forces);
-    draw(model, scratch, NoiseLanes::new(rng), &mut picture.pixels);
+    draw(model, scratch, &PictureNoise::new(rng), &mut picture.pixels);
     Ok(())
 }
 
 /// Draws band by band with the widest instructions that the processor has. They change no bit of the
 /// picture: every operation is a single one on integers or IEEE numbers, in the same order.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
-fn draw(
-    model: &OpticsModel,
-    scratch: &mut OpticsScratch,
-    mut noise: NoiseLanes,
-    pixels: &mut [u8],
-) {
+fn draw(model: &OpticsModel, scratch: &mut OpticsScratch, noise: &PictureNoise, pixels: &mut [u8]) {
     let (width, padded) = (model.projection.width(), model.padded_width());
     let OpticsScratch {
         lights,
@@ -142,24 +141,47 @@ fn draw(
     for (band, (pixels, own)) in bands.enumerate() {
         let first = band * BAND;
         let own = || own.iter().filter_map(|&index| lights.get(index));
-        let at_rest = own().all(|light| light.changes(model).is_none());
-        for light in own().filter(|_| !at_rest) {
-            let (rows, columns) = (light.rows(model), light.changes(model).unwrap_or_default());
+        let changes = own().filter_map(|light| light.changes(model)).reduce(hull);
+        // Where nothing changes, grey levels are in a table, block by block.
+        let wanted = changes.unwrap_or_default();
+        let wanted =
+            wanted.start / NOISE_LANES * NOISE_LANES..wanted.end.next_multiple_of(NOISE_LANES);
+        let mut drawn = 0..0;
+        for light in own().filter(|light| meet(&light.columns(model), &wanted)) {
+            let (rows, columns) = (light.rows(model), light.columns(model));
             let blocks = columns.start / NOISE_LANES..columns.end.div_ceil(NOISE_LANES);
+            let is_change = light.changes(model).is_some();
             for row in rows.start.max(first)..rows.end.min(first + BAND) {
                 let start = (row - first) * padded;
                 light.light_row(model, row, &mut lit[start..]);
-                changed[start / NOISE_LANES..][blocks.clone()].fill(true);
+                if is_change {
+                    changed[start / NOISE_LANES..][blocks.clone()].fill(true);
+                }
             }
+            drawn = hull(drawn, columns);
         }
         let rows = lit.chunks(padded).zip(changed.chunks(padded / NOISE_LANES));
         for (row, (pixels, (lit, changed))) in pixels.chunks_mut(width).zip(rows).enumerate() {
             let lit = LitRow { lit, changed };
-            expose(model, first + row, lit, &mut noise, pixels);
+            expose(model, first + row, lit, noise, pixels);
         }
-        if !at_rest {
-            lit.fill(0.0);
+        if !drawn.is_empty() {
+            lit.chunks_mut(padded)
+                .for_each(|lit| lit[drawn.clone()].fill(0.0));
             changed.fill(false);
         }
     }
+}
+
+/// What holds both of these columns; those that are empty hold nothing.
+fn hull(one: Range<usize>, other: Range<usize>) -> Range<usize> {
+    if one.is_empty() || other.is_empty() {
+        return if one.is_empty() { other } else { one };
+    }
+    one.start.min(other.start)..one.end.max(other.end)
+}
+
+/// Whether two ranges have something in common.
+fn meet(one: &Range<usize>, other: &Range<usize>) -> bool {
+    one.start.max(other.start) < one.end.min(other.end)
 }

@@ -3,6 +3,10 @@
 use super::markers::MarkerConfig;
 use serde::{Deserialize, Serialize};
 
+/// Most noise of a camera, grey levels. In the brightest pixel both together are 36 levels, the most that pictures are drawn with.
+const MAX_READ_NOISE: f64 = 30.0;
+const MAX_SHOT_NOISE: f64 = 1.2;
+
 /// Rubber, light and camera of a simulated fingertip.
 ///
 /// The paper gives none of these numbers; all are assumed.
@@ -139,8 +143,8 @@ impl OpticsConfig {
             ("spot_gray", self.spot_gray, darkest, 255.0),
             ("vignetting", self.vignetting, 0.0, 0.6),
             ("blur_px", self.blur_px, 0.1, 100.0),
-            ("read_noise", self.read_noise, 0.0, 255.0),
-            ("shot_noise", self.shot_noise, 0.0, 255.0),
+            ("read_noise", self.read_noise, 0.0, MAX_READ_NOISE),
+            ("shot_noise", self.shot_noise, 0.0, MAX_SHOT_NOISE),
         ])?;
         self.markers.as_ref().map_or(Ok(()), MarkerConfig::check)
     }

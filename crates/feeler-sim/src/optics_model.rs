@@ -22,7 +22,7 @@ use super::{
     camera_noise::NOISE_LANES,
     drawn_blocks::DrawnBlocks,
     markers::{MarkerConfig, MarkerModel},
-    optics::{RestLight, grays_at_rest},
+    optics::{ExposedBlock, RestLight, exposed_at_rest},
     optics_config::{OpticsConfig, OpticsError},
 };
 use feeler::sensor::{dome::DomeProjection, layout::ElementLayout};
@@ -67,8 +67,8 @@ pub struct OpticsModel {
     pub(super) drawn: DrawnBlocks,
     /// The light of each element that bears nothing; none where there are markers, which move one another.
     pub(super) at_rest: Vec<RestLight>,
-    /// Grey levels without noise of a picture on whose elements nothing acts, block by block; where there are markers, without them.
-    pub(super) grays_at_rest: Vec<[f32; NOISE_LANES]>,
+    /// The blocks of a picture on whose elements nothing acts, without noise; where there are markers, without them.
+    pub(super) exposed_at_rest: Vec<ExposedBlock>,
 }
 
 impl OpticsModel {
@@ -120,12 +120,12 @@ impl OpticsModel {
             ),
             drawn: DrawnBlocks::all(projection.width(), projection.height()),
             at_rest: Vec::new(),
-            grays_at_rest: Vec::new(),
+            exposed_at_rest: Vec::new(),
         };
         if model.markers.is_none() {
             model.at_rest = RestLight::of_elements(&model);
         }
-        model.grays_at_rest = grays_at_rest(&model);
+        model.exposed_at_rest = exposed_at_rest(&model);
         Ok(model)
     }
 
@@ -193,8 +193,11 @@ fn pixel_scales(
         let seen = |offset| projection.project(projection.lift(place + offset, own)?);
         let along_x = (seen(DVec2::X * step)? - seen(DVec2::ZERO)?) / step;
         let along_y = (seen(DVec2::Y * step)? - seen(DVec2::ZERO)?) / step;
-        // Frobenius norm of the local map: no direction is stretched more.
-        largest = largest.max((along_x.length_squared() + along_y.length_squared()).sqrt());
+        // The local map's larger singular value.
+        let mean = (along_x.length_squared() + along_y.length_squared()) / 2.0;
+        let area = along_x.perp_dot(along_y);
+        let square = mean + (mean * mean - area * area).max(0.0).sqrt();
+        largest = largest.max(square.sqrt());
     }
     let area = projection
         .dewarp(projection.project(layout.tip(element))?, own)?

@@ -17,6 +17,7 @@ pub mod slip_bench;
 mod solids;
 pub mod specimen;
 mod supervised;
+mod threaded_touch;
 pub mod truth;
 pub mod warnings;
 
@@ -48,9 +49,12 @@ use feeler_sim::world::World;
 use glam::DVec3;
 use held_touch::FramesTaken;
 use specimen::{SpecimenError, check_specimen};
+use std::io;
 use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
+use std::thread;
 use supervised::InstrumentedRun;
+use threaded_touch::ThreadedTouch;
 use truth::SlipMeter;
 
 /// Why a run could not be set up or go on.
@@ -112,6 +116,9 @@ pub enum ExperimentError {
         /// What is wrong with it.
         source: Box<SensingError>,
     },
+    /// The system gives no thread to a sensor.
+    #[error("a sensor's thread: {0}")]
+    Thread(io::Error),
     /// The control law cannot be built.
     #[error("control.law: {0}")]
     Law(#[from] LawError),
@@ -217,6 +224,28 @@ impl Session {
             most_missed: u64::MAX,
             taken,
             is_driven: false,
+        })
+    }
+
+    /// The same with the pictures of all fingers but the first taken and sensed on threads of their own, where the computer has a processor
+    /// for each. The run is the same, to the bit, and sooner over.
+    ///
+    /// # Errors
+    /// When the system gives no thread.
+    pub fn sensing_side_by_side(self) -> Result<Self, ExperimentError> {
+        let processors = thread::available_parallelism().map_or(1, usize::from);
+        if self.layouts.len() > processors {
+            return Ok(self);
+        }
+        let control_loop = self.control_loop.try_map_sensors(|sensors| {
+            let mut sensors = sensors.into_iter();
+            let first = sensors.next().map(Ok);
+            let others = sensors.map(|sensor| Ok(Box::new(ThreadedTouch::new(sensor)?) as Sensor));
+            first.into_iter().chain(others).collect::<io::Result<_>>()
+        });
+        Ok(Self {
+            control_loop: control_loop.map_err(ExperimentError::Thread)?,
+            ..self
         })
     }
 

@@ -47,7 +47,7 @@ impl RecordedRun {
     /// When a part of the experiment makes no sense, or the recording cannot be written.
     pub fn new(experiment: &Experiment, pictures: bool, folder: &Path) -> Result<Self, RunError> {
         let options = record_options(experiment, pictures)?;
-        let session = Session::drawing(experiment, drawn(&options))?;
+        let session = session(experiment, &options)?;
         Self::of_session(session, experiment, &options, folder)
     }
 
@@ -194,11 +194,24 @@ pub fn record_options(experiment: &Experiment, pictures: bool) -> Result<RecordO
     }
 }
 
-/// What cameras draw whose pictures nobody sees but who reads what is recorded with `options`.
-pub fn drawn(options: &RecordOptions) -> Pictures {
-    match options.pictures {
+/// The session of a run that is recorded with `options`.
+///
+/// # Errors
+/// When a part of the experiment makes no sense.
+pub fn session(
+    experiment: &Experiment,
+    options: &RecordOptions,
+) -> Result<Session, ExperimentError> {
+    // Nobody sees the pictures but who reads the recording.
+    let pictures = match options.pictures {
         true => Pictures::Whole,
         false => Pictures::Sensed,
+    };
+    let session = Session::drawing(experiment, pictures)?;
+    match experiment.config.sensing {
+        Sensing::Image => session.sensing_side_by_side(),
+        // Handing over to a thread takes longer than that.
+        Sensing::Direct => Ok(session),
     }
 }
 

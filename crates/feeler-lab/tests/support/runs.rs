@@ -1,7 +1,7 @@
 //! Whole runs of the reference experiment, through the library as a user would.
 
 use feeler_lab::config::Experiment;
-use feeler_lab::experiment::{Pictures, Session, run_facts};
+use feeler_lab::experiment::{ExperimentError, Pictures, Session, run_facts};
 use feeler_record::{Digest, Recorder, RunLog};
 use feeler_report::make::RECORDING;
 use std::path::{Path, PathBuf};
@@ -15,9 +15,22 @@ pub fn folder(name: &str) -> PathBuf {
 
 /// Runs the reference experiment with `settings`, its cameras drawing as much of their `pictures`, and records it in `folder`.
 pub fn run(settings: &[String], pictures: Pictures, folder: &Path) -> Digest {
+    run_as(
+        settings,
+        |experiment| Session::drawing(experiment, pictures),
+        folder,
+    )
+}
+
+/// The same with the session that `session` sets up.
+pub fn run_as(
+    settings: &[String],
+    session: impl FnOnce(&Experiment) -> Result<Session, ExperimentError>,
+    folder: &Path,
+) -> Digest {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/experiments/cap-closing.toml");
     let experiment = Experiment::load(file, settings).expect("the reference experiment");
-    let mut session = Session::drawing(&experiment, pictures).expect("a session");
+    let mut session = session(&experiment).expect("a session");
     let facts = run_facts(&experiment.config).expect("facts");
     let recorder = Recorder::create(folder.join(RECORDING), &facts, &experiment.toml);
     let mut log = RunLog::new(recorder.expect("a recorder"), &facts).expect("a log");

@@ -2,9 +2,50 @@
 
 use super::light::Light;
 use crate::{
-    camera_noise::{NOISE_LANES, NoiseLanes, quantised},
+    camera_noise::{BYTE_SUM_DEVIATION, NOISE_LANES, PictureNoise},
     optics_model::OpticsModel,
 };
+
+/// A block's grey levels and their noise in whole numbers, of which a vector of 256 bits holds all sixteen.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ExposedBlock {
+    /// Means in parts of a grey level, [`PARTS`] to one, and half a level: what is cut off later is rounded by it.
+    means: [i16; NOISE_LANES],
+    /// Standard deviations, [`DEVIATION_UNIT`] to a grey level.
+    deviations: [i16; NOISE_LANES],
+}
+
+/// Parts of a grey level.
+const PARTS: i16 = 1 << PART_BITS;
+const PART_BITS: u32 = 7;
+/// By how many bits samples are shifted to fill 16 bits.
+const SAMPLE_SHIFT: u32 = 6;
+/// Of a standard deviation, so that its product with a shifted sample is 2^16 times as many parts of a grey level. 36 levels
+/// fit into 16 bits.
+const DEVIATION_UNIT: f32 = PARTS as f32 / BYTE_SUM_DEVIATION * (1 << (16 - SAMPLE_SHIFT)) as f32;
+
+impl ExposedBlock {
+    /// Grey levels with these samples of noise.
+    #[inline(always)]
+    fn noisy(&self, samples: &[i16; NOISE_LANES]) -> [u8; NOISE_LANES] {
+        let mut grays = [0; NOISE_LANES];
+        for lane in 0..NOISE_LANES {
+            let sample = samples[lane] << SAMPLE_SHIFT;
+            // The upper half of the product, which is one instruction.
+            let noise = (i32::from(sample) * i32::from(self.deviations[lane])) >> 16;
+            let gray = self.means[lane].saturating_add(noise as i16) >> PART_BITS;
+            grays[lane] = gray.clamp(0, 255) as u8;
+        }
+        grays
+    }
+}
+
+/// `value`, from 0 to 32767, as the nearest whole number; 0 where it is not a number.
+#[inline(always)]
+fn whole(value: f32) -> i16 {
+    // Adding 2^23 leaves the nearest integer in the lowest bits.
+    (value + 8_388_608.0).to_bits() as i16
+}
 
 /// What a pixel's grey level is made of.
 struct Exposure {
@@ -34,45 +75,39 @@ impl Exposure {
         }
     }
 
-    /// Grey levels without noise.
+    /// A block of pixels that are lit so.
     #[inline(always)]
-    fn mean(
+    fn expose(
         &self,
         lit: &[f32; NOISE_LANES],
         lost_by_column: &[f32; NOISE_LANES],
-    ) -> [f32; NOISE_LANES] {
-        let mut grays = [0.0; NOISE_LANES];
+    ) -> ExposedBlock {
+        let (mut means, mut deviations) = ([0; NOISE_LANES], [0; NOISE_LANES]);
         for lane in 0..NOISE_LANES {
-            let cover = if lit[lane] > self.most_cover {
-                self.most_cover
-            } else {
-                lit[lane]
-            };
+            let cover = least(lit[lane], self.most_cover);
             let light = 1.0 - (lost_by_column[lane] + self.lost_by_row);
             let light = if light > 0.0 { light } else { 0.0 };
             let gray = light * (self.background + self.contrast * cover);
-            grays[lane] = if gray > 0.0 { gray } else { 0.0 };
+            let gray = if gray > 0.0 { gray } else { 0.0 };
+            let deviation = (self.read_variance + self.shot_variance * gray).sqrt();
+            // And half a part, as much as is cut off the noise on average.
+            means[lane] = whole(f32::from(PARTS) * (least(gray, 255.0) + 0.5) + 0.5);
+            deviations[lane] = whole(least(DEVIATION_UNIT * deviation, f32::from(i16::MAX)));
         }
-        grays
-    }
-
-    /// Grey levels of these means.
-    #[inline(always)]
-    fn noisy(&self, means: &[f32; NOISE_LANES], noise: &[f32; NOISE_LANES]) -> [u8; NOISE_LANES] {
-        let mut grays = [0; NOISE_LANES];
-        for lane in 0..NOISE_LANES {
-            let mean = means[lane];
-            let deviation = (self.read_variance + self.shot_variance * mean).sqrt();
-            grays[lane] = quantised(mean + deviation * noise[lane]);
-        }
-        grays
+        ExposedBlock { means, deviations }
     }
 }
 
-/// Grey levels without noise, block by block and row by row, where no element bears anything; where there are markers, without them.
-pub(crate) fn grays_at_rest(model: &OpticsModel) -> Vec<[f32; NOISE_LANES]> {
+/// The smaller of two numbers, in one instruction.
+#[inline(always)]
+fn least(one: f32, other: f32) -> f32 {
+    if one > other { other } else { one }
+}
+
+/// Blocks without noise, row by row, where no element bears anything; where there are markers, without them.
+pub(crate) fn exposed_at_rest(model: &OpticsModel) -> Vec<ExposedBlock> {
     let (lost_by_column, _) = model.light_lost_by_column.as_chunks::<NOISE_LANES>();
-    let mut grays = Vec::with_capacity(model.projection.height() * lost_by_column.len());
+    let mut exposed = Vec::with_capacity(model.projection.height() * lost_by_column.len());
     let mut lit = vec![0.0; model.padded_width()];
     for row in 0..model.projection.height() {
         lit.fill(0.0);
@@ -84,9 +119,9 @@ pub(crate) fn grays_at_rest(model: &OpticsModel) -> Vec<[f32; NOISE_LANES]> {
         let exposure = Exposure::new(model, row);
         let (lit, _) = lit.as_chunks::<NOISE_LANES>();
         let blocks = lit.iter().zip(lost_by_column);
-        grays.extend(blocks.map(|(lit, lost)| exposure.mean(lit, lost)));
+        exposed.extend(blocks.map(|(lit, lost)| exposure.expose(lit, lost)));
     }
-    grays
+    exposed
 }
 
 /// A row's light, and in which of its blocks it is another one than at rest.
@@ -101,39 +136,127 @@ pub(super) fn expose(
     model: &OpticsModel,
     row: usize,
     LitRow { lit, changed }: LitRow,
-    noise: &mut NoiseLanes,
+    noise: &PictureNoise,
     pixels: &mut [u8],
 ) {
-    let exposure = Exposure::new(model, row);
     let (lit, _) = lit.as_chunks::<NOISE_LANES>();
     let (lost_by_column, _) = model.light_lost_by_column.as_chunks::<NOISE_LANES>();
     let first = row * lit.len();
     for drawn in model.drawn.in_row(row) {
-        noise.skip_to(first + drawn.start);
+        let in_picture = first + drawn.start..first + drawn.end;
         let columns = drawn.start * NOISE_LANES..pixels.len().min(drawn.end * NOISE_LANES);
         let (Some(pixels), Some(lit), Some(changed), Some(lost_by_column), Some(at_rest)) = (
             pixels.get_mut(columns),
             lit.get(drawn.clone()),
             changed.get(drawn.clone()),
-            lost_by_column.get(drawn.clone()),
-            model
-                .grays_at_rest
-                .get(first + drawn.start..first + drawn.end),
+            lost_by_column.get(drawn),
+            model.exposed_at_rest.get(in_picture.clone()),
         ) else {
             return;
         };
-        let lit = lit.iter().zip(changed).zip(lost_by_column).zip(at_rest);
-        let mut means = lit.map(|(((lit, changed), lost), at_rest)| match changed {
-            true => exposure.mean(lit, lost),
-            false => *at_rest,
-        });
+        let run = Run {
+            exposure: Exposure::new(model, row),
+            lit,
+            changed,
+            lost_by_column,
+            at_rest,
+            noise,
+            first: in_picture.start,
+        };
         let (pixels, rest) = pixels.as_chunks_mut::<NOISE_LANES>();
-        for (pixels, means) in pixels.iter_mut().zip(&mut means) {
-            *pixels = exposure.noisy(&means, &noise.sample());
+        for (at, pixels) in pixels.iter_mut().enumerate() {
+            *pixels = run.grays(at);
         }
-        if let (false, Some(means)) = (rest.is_empty(), means.next()) {
-            let grays = exposure.noisy(&means, &noise.sample());
-            rest.copy_from_slice(&grays[..rest.len()]);
+        if !rest.is_empty() {
+            rest.copy_from_slice(&run.grays(pixels.len())[..rest.len()]);
+        }
+    }
+}
+
+/// An unbroken run of a row's blocks.
+struct Run<'a> {
+    exposure: Exposure,
+    lit: &'a [[f32; NOISE_LANES]],
+    changed: &'a [bool],
+    lost_by_column: &'a [[f32; NOISE_LANES]],
+    at_rest: &'a [ExposedBlock],
+    noise: &'a PictureNoise,
+    /// The first block's number in the picture.
+    first: usize,
+}
+
+impl Run<'_> {
+    /// The grey levels of a block. (A closure would be a function of its own, which knows no wide instructions.)
+    #[inline(always)]
+    fn grays(&self, at: usize) -> [u8; NOISE_LANES] {
+        let anew;
+        let exposed = if self.changed[at] {
+            anew = (self.exposure).expose(&self.lit[at], &self.lost_by_column[at]);
+            &anew
+        } else {
+            &self.at_rest[at]
+        };
+        exposed.noisy(&self.noise.of_block(self.first + at))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A block of pixels of one grey level with noise of that standard deviation.
+    fn block(gray: f32, deviation: f32) -> ExposedBlock {
+        let exposure = Exposure {
+            background: gray,
+            contrast: 0.0,
+            most_cover: 1.0,
+            read_variance: deviation * deviation,
+            shot_variance: 0.0,
+            lost_by_row: 0.0,
+        };
+        exposure.expose(&[0.0; NOISE_LANES], &[0.0; NOISE_LANES])
+    }
+
+    #[test]
+    fn gray_values_are_rounded_and_clipped() {
+        for (gray, expected) in [
+            (-3.0, 0),
+            (0.4, 0),
+            (0.6, 1),
+            (99.4, 99),
+            (254.6, 255),
+            (400.0, 255),
+        ] {
+            let grays = block(gray, 0.0).noisy(&[510; NOISE_LANES]);
+            assert_eq!(grays, [expected; NOISE_LANES], "{gray}");
+        }
+        assert_eq!(
+            block(f32::NAN, 0.0).noisy(&[0; NOISE_LANES]),
+            [0; NOISE_LANES]
+        );
+        // Noise reaches beyond what a pixel can tell.
+        for (gray, sample, expected) in [(1.0, -510, 0), (254.0, 510, 255)] {
+            let grays = block(gray, 36.0).noisy(&[sample; NOISE_LANES]);
+            assert_eq!(grays, [expected; NOISE_LANES], "{gray}");
+        }
+    }
+
+    #[test]
+    fn noise_in_whole_numbers_is_that_in_numbers_with_a_point() {
+        for (gray, deviation) in [(20.0, 1.5), (127.3, 2.2), (190.0, 1.0), (100.0, 36.0)] {
+            let block = block(gray, deviation);
+            for sample in -510..=510_i16 {
+                let exact = gray + deviation * f32::from(sample) / BYTE_SUM_DEVIATION;
+                let [got, ..] = block.noisy(&[sample; NOISE_LANES]);
+                // Half a level by rounding; mean and noise are each rounded to parts of a level, and a deviation by half
+                // a unit makes as much of the largest sample.
+                let bound = 0.5 + 1.0 / f32::from(PARTS) + 0.5 / DEVIATION_UNIT * 3.46;
+                let off = (f32::from(got) - exact.clamp(0.0, 255.0)).abs();
+                assert!(
+                    off <= bound,
+                    "{gray}, {deviation}, {sample}: {got} for {exact}"
+                );
+            }
         }
     }
 }

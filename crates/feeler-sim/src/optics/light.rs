@@ -1,6 +1,9 @@
 //! What lights the pixels: spots, and elements that bear nothing, whose light is always the same.
 
-use super::seen_spot::{SeenSpot, side_by_side};
+use super::{
+    hull,
+    seen_spot::{SeenSpot, side_by_side},
+};
 use crate::optics_model::OpticsModel;
 use glam::DVec3;
 use std::ops::Range;
@@ -26,13 +29,23 @@ impl Light {
         }
     }
 
+    /// The columns that it reaches.
+    #[inline(always)]
+    pub fn columns(&self, model: &OpticsModel) -> Range<usize> {
+        match self {
+            Self::Spot(spot) => spot.columns.clone(),
+            Self::AtRest(element) | Self::NotAtRest(element) => {
+                model.at_rest[*element].columns.clone()
+            }
+        }
+    }
+
     /// The columns in which the picture is another one with it than at rest.
     #[inline(always)]
     pub fn changes(&self, model: &OpticsModel) -> Option<Range<usize>> {
         match self {
-            Self::Spot(spot) => Some(spot.columns.clone()),
             Self::AtRest(_) => None,
-            Self::NotAtRest(element) => Some(model.at_rest[*element].columns.clone()),
+            Self::Spot(_) | Self::NotAtRest(_) => Some(self.columns(model)),
         }
     }
 
@@ -67,13 +80,9 @@ impl RestLight {
         let seen = |spot| SeenSpot::new(model, element, &spot);
         let spots = model.spots(DVec3::ZERO).into_iter().filter_map(seen);
         let spots: Vec<SeenSpot> = spots.collect();
-        let hull = |ranges: &mut dyn Iterator<Item = &Range<usize>>| {
-            let union = |a: Range<usize>, b: &Range<usize>| a.start.min(b.start)..a.end.max(b.end);
-            let first = ranges.next()?.clone();
-            Some(ranges.fold(first, union))
-        };
-        let rows = hull(&mut spots.iter().map(|spot| &spot.rows)).unwrap_or_default();
-        let columns = hull(&mut spots.iter().map(|spot| &spot.columns)).unwrap_or_default();
+        let rows = spots.iter().map(|spot| spot.rows.clone()).reduce(hull);
+        let columns = spots.iter().map(|spot| spot.columns.clone()).reduce(hull);
+        let (rows, columns) = (rows.unwrap_or_default(), columns.unwrap_or_default());
         let columns = side_by_side(columns.start, columns.end, model.projection.width());
         let mut light = Vec::with_capacity(rows.len() * columns.len());
         let mut lit = vec![0.0; model.projection.width()];

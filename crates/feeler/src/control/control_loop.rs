@@ -210,6 +210,7 @@ impl<S: TouchSource, H: Hand> ControlLoop<S, H> {
 
     fn read(&mut self) -> Result<(), ControlError> {
         self.hand.read(&mut self.state)?;
+        self.sensors.iter_mut().for_each(S::begin);
         for (finger, (sensor, touch)) in self.sensors.iter_mut().zip(&mut self.touches).enumerate()
         {
             sensor
@@ -222,6 +223,18 @@ impl<S: TouchSource, H: Hand> ControlLoop<S, H> {
     /// The same sensors and controller with another hand, of as many fingers.
     pub fn with_hand<G: Hand>(self, hand: G) -> ControlLoop<S, G> {
         ControlLoop::new(self.sensors, hand, self.controller)
+    }
+
+    /// The same with what `change` makes of the sensors, one per finger.
+    ///
+    /// # Errors
+    /// Those of `change`.
+    pub fn try_map_sensors<T: TouchSource, E>(
+        self,
+        change: impl FnOnce(Vec<S>) -> Result<Vec<T>, E>,
+    ) -> Result<ControlLoop<T, H>, E> {
+        let sensors = change(self.sensors)?;
+        Ok(ControlLoop::new(sensors, self.hand, self.controller))
     }
 
     /// The sensors, one per finger.

@@ -104,7 +104,7 @@ impl Board {
                     true => touch.flags,
                     false => felt.touch.flags.then(touch.flags),
                 };
-                copy(touch, &mut felt.touch);
+                felt.touch.copy_from(touch);
                 felt.touch.flags = flags;
                 felt.arrived = Some(now);
             }
@@ -140,18 +140,9 @@ impl TouchSource for LiveTouch {
             return Err(SensorError::Failed(reason.clone()));
         }
         felt.arrived = None;
-        copy(&felt.touch, touch);
+        touch.copy_from(&felt.touch);
         Ok(())
     }
-}
-
-/// Copies `from` without taking memory.
-fn copy(from: &FingerTouch, to: &mut FingerTouch) {
-    to.frame.sequence = from.frame.sequence;
-    to.frame.stamp = from.frame.stamp;
-    to.frame.forces.clone_from(&from.frame.forces);
-    to.shear_rate.clone_from(&from.shear_rate);
-    (to.stamp, to.flags) = (from.stamp, from.flags);
 }
 
 impl Arrivals for LiveArrivals {

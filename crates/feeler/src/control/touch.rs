@@ -38,12 +38,25 @@ impl FingerTouch {
         self.shear_rate.clear();
         self.shear_rate.extend_from_slice(analyzer.shear_rate());
     }
+
+    /// Becomes what `other` is, without taking memory where both are of as many elements.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.frame.sequence = other.frame.sequence;
+        self.frame.stamp = other.frame.stamp;
+        self.frame.forces.clone_from(&other.frame.forces);
+        self.shear_rate.clone_from(&other.shear_rate);
+        (self.stamp, self.flags) = (other.stamp, other.flags);
+    }
 }
 
 /// Something that says what one finger felt since it was asked last.
 pub trait TouchSource {
     /// Number of sensing elements.
     fn element_count(&self) -> usize;
+
+    /// Tells that [`touch`](Self::touch) is called next: a source that works on a thread of its own begins now, so that those of several
+    /// fingers work side by side. Others have nothing to do.
+    fn begin(&mut self) {}
 
     /// Fills `touch` with what was felt since the last call; where nothing new was, with the same again.
     ///
@@ -91,6 +104,10 @@ impl<S: TactileSensor> TouchSource for AnalyzedSensor<S> {
 impl<T: TouchSource + ?Sized> TouchSource for Box<T> {
     fn element_count(&self) -> usize {
         (**self).element_count()
+    }
+
+    fn begin(&mut self) {
+        (**self).begin();
     }
 
     fn touch(&mut self, touch: &mut FingerTouch) -> Result<(), SensorError> {

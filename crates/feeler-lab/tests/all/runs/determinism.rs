@@ -1,36 +1,37 @@
 //! A run's digest depends on its seed and settings and on nothing else.
 
-use crate::whole_runs::{folder, run};
-use feeler_lab::experiment::Pictures;
+use crate::whole_runs::{folder, run, run_as};
+use feeler_lab::experiment::{Pictures, Session};
 use std::thread;
 
-/// The digest of a run of `seconds`, whose cameras draw what is sensed.
-fn digest(sensing: &str, seed: u64, seconds: f64, name: &str) -> String {
-    digest_drawing(Pictures::Sensed, sensing, seed, seconds, name)
-}
-
-fn digest_drawing(
-    pictures: Pictures,
-    sensing: &str,
-    seed: u64,
-    seconds: f64,
-    name: &str,
-) -> String {
-    let settings = [
+fn settings(sensing: &str, seed: u64, seconds: f64) -> [String; 3] {
+    [
         format!("sensing={sensing}"),
         format!("seed={seed}"),
         format!("time_limit={seconds}"),
-    ];
-    let folder = folder(&format!("determinism-{sensing}-{seed}-{name}"));
-    run(&settings, pictures, &folder).to_string()
+    ]
 }
 
-/// Runs by itself, again, and three at once, of which one has another seed.
+/// The digest of a run of `seconds`, whose cameras draw what is sensed.
+fn digest(sensing: &str, seed: u64, seconds: f64, name: &str) -> String {
+    let folder = folder(&format!("determinism-{sensing}-{seed}-{name}"));
+    let settings = settings(sensing, seed, seconds);
+    run(&settings, Pictures::Sensed, &folder).to_string()
+}
+
+/// Runs by itself, again, drawing all of the pictures, with sensors side by side, and three at once, of which one has another seed.
 fn check(sensing: &'static str, seconds: f64) {
     let alone = digest(sensing, 1, seconds, "alone");
     assert_eq!(digest(sensing, 1, seconds, "again"), alone);
-    let whole = digest_drawing(Pictures::Whole, sensing, 1, seconds, "whole");
-    assert_eq!(whole, alone);
+    for pictures in [Pictures::Whole, Pictures::Sensed] {
+        let folder = folder(&format!("determinism-{sensing}-{pictures:?}"));
+        let other = run_as(
+            &settings(sensing, 1, seconds),
+            |experiment| Session::drawing(experiment, pictures)?.sensing_side_by_side(),
+            &folder,
+        );
+        assert_eq!(other.to_string(), alone, "{pictures:?}");
+    }
     let runs = [(1, "a"), (2, "b"), (1, "c")]
         .map(|(seed, name)| thread::spawn(move || digest(sensing, seed, seconds, name)));
     let [a, b, c] = runs.map(|run| run.join().expect("a run"));
