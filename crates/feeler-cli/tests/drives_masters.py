@@ -9,10 +9,25 @@ import sys
 import time
 
 
-def patient(sdk):
-    """`sdk` that waits for an answer as long as a busy computer takes for it: 34 ms are enough for servos, not for a program."""
+TRIES = 3
+
+
+def patient(sdk, packets):
+    """`packets` that waits half a second for an answer, and asks again where none comes: servos answer within 34 ms, but these are a program
+    on a computer that may be busy."""
     sdk.port_handler.LATENCY_TIMER = 250
-    return sdk
+    once = packets.txRxPacket
+
+    def again(port, packet):
+        answer = once(port, list(packet))
+        for _ in range(1, TRIES):
+            if answer[1] != sdk.COMM_RX_TIMEOUT:
+                break
+            answer = once(port, list(packet))
+        return answer
+
+    packets.txRxPacket = again
+    return packets
 
 
 def signed(value, bits):
@@ -33,10 +48,10 @@ def checked(sdk, packets):
 
 
 def dynamixel(path, baud_rate):
-    import dynamixel_sdk
+    import dynamixel_sdk as sdk
 
-    sdk = patient(dynamixel_sdk)
-    port, packets = sdk.PortHandler(path), sdk.PacketHandler(2.0)
+    port, once = sdk.PortHandler(path), sdk.PacketHandler(2.0)
+    packets = patient(sdk, sdk.PacketHandler(2.0))
     assert port.openPort() and port.setBaudRate(baud_rate)
     good, said = checked(sdk, packets), {}
 
@@ -79,7 +94,7 @@ def dynamixel(path, baud_rate):
     said["after"] = packets.write4ByteTxRx(port, 1, 104, 10)[1]
     result, error = packets.reboot(port, 2)
     assert (result, error) == (sdk.COMM_SUCCESS, 0)
-    said["rebooting"] = packets.ping(port, 2)[1] == sdk.COMM_RX_TIMEOUT
+    said["rebooting"] = once.ping(port, 2)[1] == sdk.COMM_RX_TIMEOUT
     time.sleep(0.5)
     said["torque"] = good(packets.read1ByteTxRx(port, 2, 64))
     port.closePort()
@@ -87,15 +102,15 @@ def dynamixel(path, baud_rate):
 
 
 def feetech(path, baud_rate):
-    import scservo_sdk
+    import scservo_sdk as sdk
 
-    sdk = patient(scservo_sdk)
-    port, packets = sdk.PortHandler(path), sdk.PacketHandler(0)
+    port, once = sdk.PortHandler(path), sdk.PacketHandler(0)
+    packets = patient(sdk, sdk.PacketHandler(0))
     assert port.openPort() and port.setBaudRate(baud_rate)
     good, said = checked(sdk, packets), {}
 
     said["model"] = good(packets.ping(port, 2))
-    said["missing"] = packets.ping(port, 9)[1] == sdk.COMM_RX_TIMEOUT
+    said["missing"] = once.ping(port, 9)[1] == sdk.COMM_RX_TIMEOUT
     for servo in (1, 2, 3):
         good(packets.write1ByteTxRx(port, servo, 55, 0))
         good(packets.write1ByteTxRx(port, servo, 33, 1))

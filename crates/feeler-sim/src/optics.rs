@@ -1,13 +1,11 @@
 //! The picture of a simulated fingertip: spots or markers on a dome, as a noisy camera sees them.
 
+mod exposed_block;
 mod exposure;
 mod light;
 mod seen_spot;
 
-pub(super) use self::{
-    exposure::{ExposedBlock, exposed_at_rest},
-    light::RestLight,
-};
+pub(super) use self::{exposed_block::ExposedBlock, exposure::exposed_at_rest, light::RestLight};
 
 use self::{
     exposure::{LitRow, expose},
@@ -127,7 +125,8 @@ pub fn render(
 }
 
 /// Draws band by band with the widest instructions that the processor has. They change no bit of the
-/// picture: every operation is a single one on integers or IEEE numbers, in the same order.
+/// picture: every operation is a single one on integers or IEEE numbers, in the same order. What is called in here is inlined, as a
+/// function of its own would have none of them.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
 fn draw(model: &OpticsModel, scratch: &mut OpticsScratch, noise: &PictureNoise, pixels: &mut [u8]) {
     let (width, padded) = (model.projection.width(), model.padded_width());
