@@ -44,6 +44,7 @@ pub(super) fn expose(
     noise: &PictureNoise,
     pixels: &mut [u8],
 ) {
+    let exposure = Exposure::new(model, row);
     let (lit, _) = lit.as_chunks::<NOISE_LANES>();
     let (lost_by_column, _) = model.light_lost_by_column.as_chunks::<NOISE_LANES>();
     let first = row * lit.len();
@@ -60,7 +61,7 @@ pub(super) fn expose(
             return;
         };
         let run = Run {
-            exposure: Exposure::new(model, row),
+            exposure: &exposure,
             lit,
             changed,
             lost_by_column,
@@ -80,7 +81,7 @@ pub(super) fn expose(
 
 /// An unbroken run of a row's blocks.
 struct Run<'a> {
-    exposure: Exposure,
+    exposure: &'a Exposure,
     lit: &'a [[f32; NOISE_LANES]],
     changed: &'a [bool],
     lost_by_column: &'a [[f32; NOISE_LANES]],
@@ -96,7 +97,9 @@ impl Run<'_> {
     fn grays(&self, at: usize) -> [u8; NOISE_LANES] {
         let anew;
         let exposed = if self.changed[at] {
-            anew = (self.exposure).expose(&self.lit[at], &self.lost_by_column[at]);
+            anew = self
+                .exposure
+                .expose(&self.lit[at], &self.lost_by_column[at]);
             &anew
         } else {
             &self.at_rest[at]

@@ -112,3 +112,49 @@ impl SpotProfile {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::optics_config::OpticsConfig;
+    use feeler::sensor::fingertip::{Fingertip, FingertipConfig};
+    use glam::DVec3;
+
+    /// A pixel's distance to a spot's centre is that of the dome's points, which no box knows of.
+    #[test]
+    fn a_spot_reaches_no_pixel_outside_of_its_box() {
+        let fingertip = Fingertip::new(&FingertipConfig::default()).expect("a fingertip");
+        let (layout, projection) = (&fingertip.layout, &fingertip.projection);
+        let optics = OpticsConfig::default();
+        let model = OpticsModel::new(&optics, layout, projection).expect("a model");
+        let width = projection.width();
+        let loads = [
+            [0.0, 0.0, 0.0],
+            [0.0, 0.0, 2.0],
+            [1.8, 0.0, 2.0],
+            [-1.2, -1.3, 2.0],
+        ];
+        let mut lit = 0;
+        for element in 0..layout.elements.len() {
+            let spots = loads.map(|load| model.spots(DVec3::from_array(load)));
+            let seen = |spot| SeenSpot::new(&model, element, spot);
+            for spot in spots.as_flattened().iter().filter_map(seen) {
+                let rows = spot.rows.start.saturating_sub(12)..spot.rows.end + 12;
+                let columns = spot.columns.start.saturating_sub(12)..spot.columns.end + 12;
+                for row in rows.start..rows.end.min(projection.height()) {
+                    for column in columns.start..columns.end.min(width) {
+                        let [x, y, z] = model
+                            .dome_points
+                            .each_ref()
+                            .map(|p| p[row * width + column]);
+                        let light = spot.profile.at(spot.centre.distance(Vec3::new(x, y, z)));
+                        let inside = spot.rows.contains(&row) && spot.columns.contains(&column);
+                        assert!(inside || light == 0.0, "{element}: {column}, {row}");
+                        lit += usize::from(light > 0.0);
+                    }
+                }
+            }
+        }
+        assert!(lit > 10_000, "{lit} pixels are lit");
+    }
+}
