@@ -14,7 +14,8 @@ pub(super) struct Deadline {
 }
 
 impl Bus {
-    /// Error byte and data, `length` bytes, of the answer of servo `id`.
+    /// Error byte and data, `length` bytes, of the answer of servo `id`. Other answers are passed over: a busy computer may have been told
+    /// of them too late for the question that they are to.
     pub(super) fn status(
         &mut self,
         id: u8,
@@ -22,38 +23,43 @@ impl Bus {
         deadline: Deadline,
     ) -> Result<(u8, &[u8]), BusError> {
         let protocol = self.protocol;
-        let (actual_id, code, parameters) = self.packet(|_| id, deadline)?;
-        let (error, data) = match (protocol, parameters) {
-            (Protocol::Dynamixel, [error, data @ ..]) => (*error, data),
-            _ => (code, parameters),
-        };
-        let refused = data.is_empty() && error & !ALERT != 0 && protocol == Protocol::Dynamixel;
-        if actual_id == id && (data.len() == length || refused) {
-            return match refused && length > 0 {
-                true => Err(BusError::Refused {
-                    id,
-                    what: "a reading",
-                    error,
-                }),
-                false => Ok((error, data)),
+        let mut other = None;
+        let (error, is_refused) = loop {
+            let (actual_id, code) = match self.packet(|_| id, deadline) {
+                Ok(packet) => packet,
+                Err(BusError::NoReply { .. }) if other.is_some() => {
+                    let (actual_id, actual) = other.unwrap_or_default();
+                    return Err(BusError::Unexpected {
+                        id,
+                        expected: length,
+                        actual_id,
+                        actual,
+                    });
+                }
+                Err(error) => return Err(error),
             };
+            let (error, data) = error_and_data(protocol, code, self.decoder.parameters());
+            let refused = data.is_empty() && error & !ALERT != 0 && protocol == Protocol::Dynamixel;
+            if actual_id == id && (data.len() == length || refused) {
+                break (error, refused && length > 0);
+            }
+            other.get_or_insert((actual_id, data.len()));
+        };
+        if is_refused {
+            let what = "a reading";
+            return Err(BusError::Refused { id, what, error });
         }
-        Err(BusError::Unexpected {
-            id,
-            expected: length,
-            actual_id,
-            actual: data.len(),
-        })
+        let (_, data) = error_and_data(protocol, error, self.decoder.parameters());
+        Ok((error, data))
     }
 
-    /// Id, code and parameters of the next packet. What is wrong is laid to whom `blamed` says.
+    /// Id and code of the next packet, whose parameters the decoder has. What is wrong is laid to whom `blamed` says.
     pub(super) fn packet(
         &mut self,
         blamed: impl Fn(&Decoder) -> u8,
         deadline: Deadline,
-    ) -> Result<(u8, u8, &[u8]), BusError> {
+    ) -> Result<(u8, u8), BusError> {
         let mut buffer = [0; 256];
-        // The borrow checker does not see that a packet that is found ends the loop.
         while !self.decoder.has_packet() {
             let received = self.port.receive(&mut buffer, deadline.at)?;
             if received == 0 {
@@ -74,7 +80,7 @@ impl Bus {
             Some(Ok(packet)) if is_instruction(protocol, (packet.id, packet.code)) => {
                 Err(BusError::Echo)
             }
-            Some(Ok(packet)) => Ok((packet.id, packet.code, packet.parameters)),
+            Some(Ok(packet)) => Ok((packet.id, packet.code)),
             Some(Err(source)) => Err(BusError::Damaged { id, source }),
             None => Err(BusError::NoReply {
                 id,
@@ -120,6 +126,14 @@ impl Bus {
             Protocol::Dynamixel => self.parameters.extend(address.to_le_bytes()),
             Protocol::Feetech => self.parameters.push(address as u8),
         }
+    }
+}
+
+/// Error byte and data of an answer with these parameters.
+fn error_and_data(protocol: Protocol, code: u8, parameters: &[u8]) -> (u8, &[u8]) {
+    match (protocol, parameters) {
+        (Protocol::Dynamixel, [error, data @ ..]) => (*error, data),
+        _ => (code, parameters),
     }
 }
 

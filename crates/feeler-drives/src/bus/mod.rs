@@ -197,7 +197,8 @@ impl Bus {
                 .copied()
                 .unwrap_or(BROADCAST)
         };
-        let parameters = self.packet(blamed, deadline)?.2;
+        self.packet(blamed, deadline)?;
+        let parameters = self.decoder.parameters();
         let mut count = 0;
         for (index, (block, &id)) in fast_blocks(parameters, length).zip(ids).enumerate() {
             if block.id != id {

@@ -91,6 +91,11 @@ impl Decoder {
         &self.bytes[self.done..]
     }
 
+    /// Parameters of the newest packet, as [`Packet::parameters`].
+    pub fn parameters(&self) -> &[u8] {
+        &self.parameters
+    }
+
     /// Takes in as many of `bytes` as there is room for; how many that were. After [`next`](Self::next) found no further
     /// packet there is room for one.
     pub fn feed(&mut self, bytes: &[u8]) -> usize {

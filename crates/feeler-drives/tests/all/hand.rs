@@ -7,6 +7,7 @@ use crate::support::{
 };
 use feeler::glam::DVec3;
 use feeler::hand::Hand;
+use feeler_drives::bus::Bus;
 use feeler_drives::clock::RigClock;
 use feeler_drives::emulator::{BusFault, EmulatorConfig, Lockstep};
 use feeler_drives::hand::DriveHand;
@@ -217,6 +218,29 @@ fn a_bus_that_fails_stops_all() {
             &["servo 1", "did not answer"],
         );
         stops(protocol, BusFault::CablePulled, &["port fails", "cable"]);
+    }
+}
+
+/// A computer that is busy hears of an answer when it has asked somebody else already.
+#[test]
+fn an_answer_that_comes_late_is_not_taken_for_that_of_the_next_servo() {
+    for protocol in PROTOCOLS {
+        let config = config(protocol, 1);
+        let lockstep = bus(&config);
+        let how = (config.protocol, config.baud_rate);
+        let port = Box::new(lockstep.clone());
+        let mut master = Bus::on(port, how, 0.010, lockstep.clock());
+        lockstep.inject(BusFault::Late(0.015));
+        let error = master.ping(1).unwrap_err().to_string();
+        assert!(error.contains("servo 1 did not answer"), "{error}");
+        lockstep.inject(BusFault::Late(0.0));
+        master.ping(2).unwrap_or_else(|error| panic!("{error}"));
+        // Where nothing but late answers comes, they are told.
+        lockstep.inject(BusFault::Late(0.015));
+        master.ping(1).unwrap_err();
+        let error = master.ping(2).unwrap_err().to_string();
+        assert!(error.contains("servo 2 was to answer"), "{error}");
+        assert!(error.contains("servo 1 answered"), "{error}");
     }
 }
 
