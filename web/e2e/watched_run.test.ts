@@ -13,7 +13,7 @@ import { type Recorded, begins, recorded } from "./recorded";
 /** How often the hand is stopped, for how long at least, and how long it works in between, ms. */
 const STOPS = 7;
 const STANDS = 500;
-const WORKS = 1500;
+const WORKS = 800;
 /** Rows of 10 ms within which the drives come to rest. */
 const SETTLES = 20;
 
