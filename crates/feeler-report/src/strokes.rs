@@ -70,9 +70,9 @@ impl StrokeMeasures {
     pub fn new(data: &RunData, stroke: &Stroke) -> Self {
         let rows = || stroke.rows.clone();
         let moving = || stroke.moving.clone();
-        let fit = |part: fn(PathFit) -> f64| {
-            every_finger(data, |finger| PathFit::new(data, stroke, finger).map(part))
-        };
+        let fits = (0..data.fingers.len()).map(|finger| PathFit::new(data, stroke, finger));
+        let fits: Vec<_> = fits.collect();
+        let fit = |part: fn(PathFit) -> f64| every_finger(data, |finger| fits[finger].map(part));
         Self {
             index: stroke.index,
             peak_torque: (data.has_torque(moving()))

@@ -1,17 +1,21 @@
 //! Fingertips whose forces are sensed directly.
 
 use super::config::DirectSensingConfig;
-use super::random::{Generator, Purpose, generator, normal};
+use super::gaussian_noise::GaussianNoise;
+use super::random::{Purpose, generator};
 use super::rig::SimRig;
 use super::sensor_faults::SensorFaults;
 use feeler::sensor::reading::{SensorError, TactileFrame, TactileSensor};
+use glam::DVec3;
 
 /// A fingertip whose true forces are read, with noise, and no picture is made: for speed.
 pub struct DirectSensor {
     rig: SimRig,
     finger: usize,
     config: DirectSensingConfig,
-    random: Generator,
+    noise: GaussianNoise,
+    /// The noise of the newest reading, relative to its standard deviation.
+    drawn: Vec<[f64; 3]>,
     faults: SensorFaults,
     /// The newest reading.
     newest: TactileFrame,
@@ -31,7 +35,8 @@ impl DirectSensor {
             rig,
             finger,
             config,
-            random: generator(seed, Purpose::SensorNoise(finger)),
+            noise: GaussianNoise::new(&mut generator(seed, Purpose::SensorNoise(finger))),
+            drawn: vec![[0.0; 3]; elements],
             faults,
             newest: TactileFrame::unloaded(elements),
         }
@@ -53,10 +58,10 @@ impl TactileSensor for DirectSensor {
         let arrival = self.faults.expose(world.state().time, &mut reading.forces);
         if let Some(arrival) = arrival {
             if !arrival.frozen {
-                for force in &mut reading.forces {
-                    force.x += normal(&mut self.random, self.config.shear_noise);
-                    force.y += normal(&mut self.random, self.config.shear_noise);
-                    force.z += normal(&mut self.random, self.config.normal_noise);
+                self.noise.fill(self.drawn.as_flattened_mut());
+                let [across, along] = [self.config.shear_noise, self.config.normal_noise];
+                for (force, [x, y, z]) in reading.forces.iter_mut().zip(&self.drawn) {
+                    *force += DVec3::new(across * x, across * y, along * z);
                 }
                 self.newest.forces.copy_from_slice(&reading.forces);
             }

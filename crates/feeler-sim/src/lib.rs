@@ -16,6 +16,7 @@ pub mod fault;
 pub mod fault_check;
 mod feeler_config;
 pub mod free_bodies;
+mod gaussian_noise;
 pub mod gel;
 pub mod holder;
 pub mod knurled_cylinder;

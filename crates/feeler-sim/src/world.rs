@@ -162,14 +162,15 @@ impl World {
             return;
         };
         let to_fingertip = state.tip.rotation.transpose();
-        let elements = finger.element_rotations.iter().zip(&state.forces);
-        for (force, (rotation, &on_object)) in forces.iter_mut().zip(elements) {
-            if on_object == DVec3::ZERO {
-                *force = DVec3::ZERO;
+        forces.fill(DVec3::ZERO);
+        for contact in state.contacts.iter() {
+            let element = contact.element;
+            let Some(force) = forces.get_mut(element) else {
                 continue;
-            }
+            };
             // On the feeler by the object: the reverse. Compression is that force along -z.
-            let on_feeler = -(rotation.transpose() * (to_fingertip * on_object));
+            let rotation = &finger.element_rotations[element];
+            let on_feeler = -(rotation.transpose() * (to_fingertip * state.forces[element]));
             *force = on_feeler.with_z(-on_feeler.z);
         }
     }

@@ -81,7 +81,8 @@ fn laws_are_compared_on_the_same_draws_and_the_best_beats_the_papers() {
     // 200 trials find 20 % more (docs/benchmarks.md): beside soft feelers, the paper's law leaves less to gain.
     assert!(mean(best, torque) > 1.1 * mean(paper, torque));
     assert!(mean(best, peak_force) < mean(paper, peak_force));
-    // What the seat holds is what the torque sensor saw at most, to the static factor and its noise.
+    // What the seat holds is what the torque sensor saw at most, to the static factor and its noise; a peak between two of its samples, 10 ms
+    // apart, it does not see whole. Of 1,200 trials of another seed the least ratio is 0.948, in two it is below 0.95, and the greatest is 1.047.
     for row in best {
         let seen = (1..=4).map(|k| {
             row[&format!("stroke{k}.peak_torque")]
@@ -90,7 +91,7 @@ fn laws_are_compared_on_the_same_draws_and_the_best_beats_the_papers() {
         });
         let seen = seen.fold(0.0, f64::max);
         let ratio = seen / torque(row);
-        assert!((0.95..1.1).contains(&ratio), "{ratio}");
+        assert!((0.94..1.1).contains(&ratio), "{ratio}");
     }
     let page = document(&folder.join("c/compare.html"));
     for word in [

@@ -34,7 +34,7 @@ pub(super) struct PlayedSensing {
 
 enum PlayedSensor {
     Camera(Box<SimCamera>, Frame),
-    Direct(DirectSensor, TactileFrame),
+    Direct(Box<DirectSensor>, TactileFrame),
 }
 
 impl PlayedSensing {

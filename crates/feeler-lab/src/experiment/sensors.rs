@@ -19,7 +19,7 @@ pub(super) enum RigSensor {
     /// The camera in its fingertip.
     Camera(Box<SimCamera>),
     /// Forces without pictures.
-    Direct(DirectSensor),
+    Direct(Box<DirectSensor>),
 }
 
 /// One sensor per finger, with its flag analyzer. Where their frames are counted, `taken` has those of finger 0.
@@ -37,7 +37,7 @@ pub(super) fn sensors(
     fingers
         .map(|(finger, sensor)| -> Result<Sensor, ExperimentError> {
             let sensor: Sensor = match sensor {
-                RigSensor::Direct(sensor) => Box::new(AnalyzedSensor::new(sensor, thresholds)),
+                RigSensor::Direct(sensor) => Box::new(AnalyzedSensor::new(*sensor, thresholds)),
                 RigSensor::Camera(camera) => optical_sensor(experiment, finger, *camera)?,
             };
             Ok(match config.simulation()?.frame_period {
@@ -94,7 +94,7 @@ pub(super) fn rig_sensors(
             if config.sensing == Sensing::Direct {
                 let noise = sim.direct_sensing.clone();
                 let sensor = DirectSensor::new(rig, finger, noise, faults, seed);
-                return Ok(RigSensor::Direct(sensor));
+                return Ok(RigSensor::Direct(Box::new(sensor)));
             }
             let fingertip = Fingertip::new(config.sensor.fingertip(finger))
                 .map_err(|source| ExperimentError::Fingertip { finger, source })?;

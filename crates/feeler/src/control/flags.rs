@@ -2,6 +2,7 @@
 
 use crate::sensor::reading::TactileFrame;
 use glam::DVec3;
+use multiversion::multiversion;
 
 /// The thresholds of the flag analyzer.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,8 +52,8 @@ pub struct FlagAnalyzer {
     flags: FingerFlags,
     /// |d(F_x, F_y)/dt| of each element, N/s.
     shear_rate: Vec<f64>,
-    /// (F_x, F_y, 0) of each element at the previous frame, N.
-    previous_shear: Vec<DVec3>,
+    /// (F_x, F_y) of each element at the previous frame, N.
+    previous_shear: Vec<[f64; 2]>,
 }
 
 /// The frame that shear rates are taken against.
@@ -70,7 +71,7 @@ impl FlagAnalyzer {
             previous: None,
             flags: FingerFlags::default(),
             shear_rate: vec![0.0; elements],
-            previous_shear: vec![DVec3::ZERO; elements],
+            previous_shear: vec![[0.0; 2]; elements],
         }
     }
 
@@ -97,18 +98,8 @@ impl FlagAnalyzer {
 
     fn measure_shear_rate(&mut self, frame: &TactileFrame) {
         let interval = self.previous.map_or(0.0, |p| frame.stamp - p.stamp);
-        let elements = self.shear_rate.iter_mut().zip(&mut self.previous_shear);
-        for ((rate, previous), force) in elements.zip(&frame.forces) {
-            let shear = force.with_z(0.0);
-            let change = (shear - *previous).length();
-            // Of an element without a valid force in either frame, the rate is unknown.
-            *rate = if interval > 0.0 && !change.is_nan() {
-                change / interval
-            } else {
-                0.0
-            };
-            *previous = shear;
-        }
+        let previous = &mut self.previous_shear;
+        shear_rates(&frame.forces, previous, interval, &mut self.shear_rate);
         self.previous = Some(Previous {
             sequence: frame.sequence,
             stamp: frame.stamp,
@@ -139,4 +130,45 @@ impl FlagAnalyzer {
             grasp_force,
         }
     }
+}
+
+/// Elements whose shear rates are worked out side by side.
+const LANES: usize = 4;
+
+/// The rates at which shear forces changed from the `previous` ones, `interval` seconds ago, to those of `forces`, which then take their
+/// place. Without an interval they are 0.
+#[multiversion(targets("x86_64+avx2"))]
+fn shear_rates(forces: &[DVec3], previous: &mut [[f64; 2]], interval: f64, rates: &mut [f64]) {
+    let (forces, last_forces) = forces.as_chunks::<LANES>();
+    let (previous, last_previous) = previous.as_chunks_mut::<LANES>();
+    let (rates, last_rates) = rates.as_chunks_mut::<LANES>();
+    for ((forces, previous), rates) in forces.iter().zip(previous).zip(rates) {
+        *rates = shear_rates_of(forces, previous, interval);
+    }
+    for ((force, previous), rate) in last_forces.iter().zip(last_previous).zip(last_rates) {
+        [*rate] = shear_rates_of(&[*force], std::array::from_mut(previous), interval);
+    }
+}
+
+#[inline(always)]
+fn shear_rates_of<const N: usize>(
+    forces: &[DVec3; N],
+    previous: &mut [[f64; 2]; N],
+    interval: f64,
+) -> [f64; N] {
+    let mut rates = [0.0; N];
+    for lane in 0..N {
+        let (x, y) = (forces[lane].x, forces[lane].y);
+        let [before_x, before_y] = previous[lane];
+        previous[lane] = [x, y];
+        let (x, y) = (x - before_x, y - before_y);
+        let rate = (x * x + y * y).sqrt() / interval;
+        // Of an element without a valid force in either frame, the rate is unknown.
+        rates[lane] = if interval > 0.0 && !rate.is_nan() {
+            rate
+        } else {
+            0.0
+        };
+    }
+    rates
 }

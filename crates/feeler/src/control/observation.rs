@@ -119,25 +119,27 @@ impl ObservationLayout {
         }
         let to_fingertip = sense.pose.rotation.transpose();
         let (felt, rest) = observation.split_at_mut(3 * self.elements);
-        for (numbers, force) in felt.chunks_exact_mut(3).zip(forces) {
-            numbers.copy_from_slice(&force.as_vec3().to_array());
+        let (felt, _) = felt.as_chunks_mut();
+        for (numbers, force) in felt.iter_mut().zip(forces) {
+            *numbers = [force.x as f32, force.y as f32, force.z as f32];
         }
         let up = |flag: bool| f32::from(u8::from(flag));
-        let [touch, slip, over] = [flags.touch, flags.slip, flags.over].map(up);
-        let vectors = [
-            sense.joints.position,
-            sense.joints.velocity,
-            to_fingertip * last_action,
-            to_fingertip * plan.velocity,
-            to_fingertip * plan.towards_object,
+        let vector = |v: DVec3| v.as_vec3().to_array();
+        let beside: [&[f32]; 8] = [
+            &[up(flags.touch), up(flags.slip), up(flags.over)],
+            &[flags.grasp_force as f32],
+            &vector(sense.joints.position),
+            &vector(sense.joints.velocity),
+            &vector(to_fingertip * last_action),
+            &vector(to_fingertip * plan.velocity),
+            &vector(to_fingertip * plan.towards_object),
+            &[up(plan.reflex), up(plan.keep_grasp)],
         ];
-        let numbers = [touch, slip, over, flags.grasp_force as f32];
-        let numbers = numbers
-            .into_iter()
-            .chain(vectors.into_iter().flat_map(|v| v.as_vec3().to_array()))
-            .chain([plan.reflex, plan.keep_grasp].map(up));
-        for (own, number) in rest.iter_mut().zip(numbers) {
-            *own = number;
+        let mut rest = rest;
+        for part in beside {
+            let (own, others) = rest.split_at_mut(part.len());
+            own.copy_from_slice(part);
+            rest = others;
         }
         Ok(())
     }
