@@ -23,27 +23,29 @@ impl Bus {
         deadline: Deadline,
     ) -> Result<(u8, &[u8]), BusError> {
         let protocol = self.protocol;
+        let unexpected = |(actual_id, actual)| BusError::Unexpected {
+            id,
+            expected: length,
+            actual_id,
+            actual,
+        };
         let mut other = None;
         let (error, is_refused) = loop {
-            let (actual_id, code) = match self.packet(|_| id, deadline) {
-                Ok(packet) => packet,
-                Err(BusError::NoReply { .. }) if other.is_some() => {
-                    let (actual_id, actual) = other.unwrap_or_default();
-                    return Err(BusError::Unexpected {
-                        id,
-                        expected: length,
-                        actual_id,
-                        actual,
-                    });
-                }
-                Err(error) => return Err(error),
+            let (actual_id, code) = match (self.packet(|_| id, deadline), other) {
+                (Ok(packet), _) => packet,
+                (Err(BusError::NoReply { .. }), Some(other)) => return Err(unexpected(other)),
+                (Err(error), _) => return Err(error),
             };
             let (error, data) = error_and_data(protocol, code, self.decoder.parameters());
             let refused = data.is_empty() && error & !ALERT != 0 && protocol == Protocol::Dynamixel;
             if actual_id == id && (data.len() == length || refused) {
                 break (error, refused && length > 0);
             }
-            other.get_or_insert((actual_id, data.len()));
+            let passed_over = *other.get_or_insert((actual_id, data.len()));
+            // Of a bus that is never silent, too, nobody waits for longer.
+            if self.clock.now() >= deadline.at {
+                return Err(unexpected(passed_over));
+            }
         };
         if is_refused {
             let what = "a reading";

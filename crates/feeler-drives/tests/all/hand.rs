@@ -11,8 +11,11 @@ use feeler_drives::bus::Bus;
 use feeler_drives::clock::RigClock;
 use feeler_drives::emulator::{BusFault, EmulatorConfig, Lockstep};
 use feeler_drives::hand::DriveHand;
-use feeler_drives::packet::Protocol;
+use feeler_drives::packet::instruction::STATUS;
+use feeler_drives::packet::{Protocol, encode};
+use feeler_drives::port::Port;
 use feeler_drives::registers::Registers;
+use std::io;
 
 const PROTOCOLS: [Protocol; 2] = [Protocol::Dynamixel, Protocol::Feetech];
 
@@ -242,6 +245,35 @@ fn an_answer_that_comes_late_is_not_taken_for_that_of_the_next_servo() {
         assert!(error.contains("servo 2 was to answer"), "{error}");
         assert!(error.contains("servo 1 answered"), "{error}");
     }
+}
+
+/// A port on which servo 9 never falls silent.
+struct Babbling;
+
+impl Port for Babbling {
+    fn discard_input(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn send(&mut self, _: &[u8]) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn receive(&mut self, bytes: &mut [u8], _: f64) -> io::Result<usize> {
+        let mut answer = Vec::new();
+        let parameters = [0, 0, 0, 0];
+        encode(Protocol::Dynamixel, (9, STATUS), &parameters, &mut answer).expect("it fits");
+        bytes[..answer.len()].copy_from_slice(&answer);
+        Ok(answer.len())
+    }
+}
+
+#[test]
+fn a_servo_that_never_falls_silent_holds_nobody_up() {
+    let how = (Protocol::Dynamixel, 1_000_000);
+    let mut master = Bus::on(Box::new(Babbling), how, 0.01, RigClock::real());
+    let error = master.ping(1).unwrap_err().to_string();
+    assert!(error.contains("servo 9 answered"), "{error}");
 }
 
 /// A command that comes too late after the joint angles that it was made of is not sent.

@@ -139,9 +139,10 @@ const LANES: usize = 4;
 /// place. Without an interval they are 0.
 #[multiversion(targets("x86_64+avx2"))]
 fn shear_rates(forces: &[DVec3], previous: &mut [[f64; 2]], interval: f64, rates: &mut [f64]) {
-    let (forces, last_forces) = forces.as_chunks::<LANES>();
-    let (previous, last_previous) = previous.as_chunks_mut::<LANES>();
-    let (rates, last_rates) = rates.as_chunks_mut::<LANES>();
+    let count = forces.len().min(rates.len());
+    let (forces, last_forces) = forces[..count].as_chunks::<LANES>();
+    let (previous, last_previous) = previous[..count].as_chunks_mut::<LANES>();
+    let (rates, last_rates) = rates[..count].as_chunks_mut::<LANES>();
     for ((forces, previous), rates) in forces.iter().zip(previous).zip(rates) {
         *rates = shear_rates_of(forces, previous, interval);
     }
