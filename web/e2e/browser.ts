@@ -1,6 +1,7 @@
 /** A browser for the tests, and what its pages said. */
 import assert from "node:assert/strict";
 import { execSync } from "node:child_process";
+import { isDeepStrictEqual } from "node:util";
 import { type Browser, type BrowserContextOptions, chromium, type Page } from "playwright-core";
 
 const FLAGS = [
@@ -11,7 +12,12 @@ const FLAGS = [
   // WebGL without a graphics card.
   "--use-angle=swiftshader",
   "--enable-unsafe-swiftshader",
+  // Of what is drawn without a graphics card only WebGL needs one that is emulated: the page is put together faster without.
+  "--disable-gpu-compositing",
 ];
+
+/** What the browser says of itself where it takes pictures of WebGL back to put the page together. */
+const OWN_WARNING = "GPU stall due to ReadPixels";
 
 /** How long a test waits for what must happen, ms. */
 const PATIENCE = 180_000;
@@ -45,7 +51,8 @@ export async function open(
   const [errors, requests]: [string[], string[]] = [[], []];
   page.on("pageerror", (error) => errors.push(String(error)));
   page.on("console", (message) => {
-    if (message.type() === "error" || message.type() === "warning") errors.push(message.text());
+    const isOwn = message.type() === "warning" && message.text().includes(OWN_WARNING);
+    if (!isOwn && ["error", "warning"].includes(message.type())) errors.push(message.text());
   });
   page.on("request", (request) => {
     if (request.url() !== url) requests.push(request.url());
@@ -71,4 +78,14 @@ export async function until(what: () => Promise<boolean>, message: string): Prom
     await new Promise((resolve) => setTimeout(resolve, INTERVAL));
   }
   throw new Error(`not within ${PATIENCE / 1000} s: ${message}`);
+}
+
+/** Waits until `read` gives what is expected; `message` says of what. */
+export async function eventually<T>(read: () => Promise<T>, expected: T, message: string): Promise<void> {
+  let actual = await read();
+  for (let waited = 0; waited < PATIENCE && !isDeepStrictEqual(actual, expected); waited += INTERVAL) {
+    await new Promise((resolve) => setTimeout(resolve, INTERVAL));
+    actual = await read();
+  }
+  assert.deepEqual(actual, expected, message);
 }

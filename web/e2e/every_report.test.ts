@@ -7,7 +7,7 @@ import type { Browser, Page } from "playwright-core";
 import { moment, quantity } from "../src/format";
 import type { PageData } from "../src/page_data";
 import type { Table } from "../src/table";
-import { launch, open } from "./browser";
+import { eventually, launch, open } from "./browser";
 import { allPages } from "./pages";
 import { recorded } from "./recorded";
 
@@ -65,13 +65,10 @@ for (const url of reports) {
       pictures.push(await scene.screenshot());
       for (const [figure, values] of expected(data, table, row)) {
         await page.locator(figure).scrollIntoViewIfNeeded();
-        await page.waitForTimeout(200);
-        const shown = await page.locator(`${figure} .legend-value`).allInnerTexts();
-        assert.deepEqual(
-          shown.filter((_, i) => values[i]),
-          values.filter(Boolean),
-          `${figure}, row ${row}`,
-        );
+        // A figure follows when it is seen.
+        const shown = async () =>
+          (await page.locator(`${figure} .legend-value`).allInnerTexts()).filter((_, i) => values[i]);
+        await eventually(shown, values.filter(Boolean), `${figure}, row ${row}`);
       }
     }
     for (const [i, picture] of pictures.entries()) {
