@@ -71,21 +71,23 @@ export function holdLatency(told: string, latency: number): void {
   if (process.env["LATENCY"]) assert.ok(latency < FLAG_LATENCY, told);
 }
 
-/** Waits until `what` is so; `message` says what that is. */
-export async function until(what: () => Promise<boolean>, message: string): Promise<void> {
+/** Whether `what` is so within the time that a test waits. */
+async function comesTrue(what: () => Promise<boolean>): Promise<boolean> {
   for (let waited = 0; waited < PATIENCE; waited += INTERVAL) {
-    if (await what()) return;
+    if (await what()) return true;
     await new Promise((resolve) => setTimeout(resolve, INTERVAL));
   }
-  throw new Error(`not within ${PATIENCE / 1000} s: ${message}`);
+  return false;
+}
+
+/** Waits until `what` is so; `message` says what that is. */
+export async function until(what: () => Promise<boolean>, message: string): Promise<void> {
+  if (!(await comesTrue(what))) throw new Error(`not within ${PATIENCE / 1000} s: ${message}`);
 }
 
 /** Waits until `read` gives what is expected; `message` says of what. */
 export async function eventually<T>(read: () => Promise<T>, expected: T, message: string): Promise<void> {
-  let actual = await read();
-  for (let waited = 0; waited < PATIENCE && !isDeepStrictEqual(actual, expected); waited += INTERVAL) {
-    await new Promise((resolve) => setTimeout(resolve, INTERVAL));
-    actual = await read();
-  }
+  let actual: T | undefined;
+  await comesTrue(async () => isDeepStrictEqual((actual = await read()), expected));
   assert.deepEqual(actual, expected, message);
 }

@@ -77,12 +77,13 @@ test("a drag zooms a figure, a double click shows all again", async () => {
   const over = figure.locator(".u-over").first();
   const picture = async () => {
     await page.mouse.move(5, 5);
+    // What the cursor leaves behind is not what is looked for.
+    await page.waitForTimeout(400);
     return figure
       .locator("canvas")
       .first()
       .evaluate((canvas) => (canvas as HTMLCanvasElement).toDataURL());
   };
-  await page.waitForTimeout(400);
   const all = await picture();
   const box = await over.boundingBox();
   assert.ok(box);
@@ -194,13 +195,19 @@ test("home view and zoom move the camera", async () => {
   const canvas = page.locator(".scene-canvas canvas");
   const home = await canvas.screenshot();
   await page.getByRole("button", { name: "Nearer" }).click();
-  await until(async () => !home.equals(await canvas.screenshot()), "the camera is nearer");
-  await page.waitForTimeout(400);
-  const near = await canvas.screenshot();
+  let near = home;
+  await until(async () => {
+    await page.waitForTimeout(400);
+    near = await canvas.screenshot();
+    return !home.equals(near);
+  }, "the camera is nearer");
   await page.keyboard.press("h");
   await page.mouse.move(5, 5);
   // Not compared with the first: it may have been drawn with more pixels.
-  await until(async () => !near.equals(await canvas.screenshot()), "the camera goes home");
+  await until(async () => {
+    await page.waitForTimeout(400);
+    return !near.equals(await canvas.screenshot());
+  }, "the camera goes home");
   await page.context().close();
 });
 

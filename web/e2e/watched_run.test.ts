@@ -10,7 +10,10 @@ import { Program, ask, folder, killAll, skip } from "./feeler";
 import { type Change, type Noted, note, noted } from "./noted";
 import { type Recorded, begins, recorded } from "./recorded";
 
-/** How often the hand is stopped, for how long at least, and how long it works in between, ms: a slow browser, too, is done before the run. */
+/**
+ * How often the hand is stopped, for how long at least, and how long it works in between, ms: so short that a slow browser is
+ * done before the run.
+ */
 const STOPS = 4;
 const STANDS = 500;
 const WORKS = 300;
