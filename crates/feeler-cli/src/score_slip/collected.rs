@@ -1,6 +1,7 @@
 //! Labelled recordings, and what the detectors say of them.
 
 use super::CommandError;
+use super::in_order::in_order;
 use super::labels::{Label, Labels, read_frames};
 use super::notes::Notes;
 use super::recorded::RecordedArguments;
@@ -120,12 +121,26 @@ impl<'a> Found<'a> {
             in_spacings: true,
         };
         let bar = Steps::new(self.sources.len());
-        for source in &self.sources {
-            match self.reader.read(source, notes) {
+        let Self {
+            reader,
+            sources,
+            labels,
+            arguments,
+            ..
+        } = &mut self;
+        let reader = &*reader;
+        let read = |source: &Source| {
+            let mut own = Notes::default();
+            // An error may not leave its thread.
+            let read = reader.read(source, &mut own).map_err(|e| e.to_string());
+            (read, own)
+        };
+        in_order(sources, read, |source, (read, own)| {
+            notes.extend(own);
+            match read {
                 Ok(recordings) => {
                     for read in &recordings {
-                        let labels = self.labels.as_mut();
-                        collected.add(read, source, self.arguments, labels, notes)?;
+                        collected.add(read, source, arguments, labels.as_mut(), notes)?;
                     }
                 }
                 Err(error) => notes.add("unreadable", || {
@@ -133,7 +148,8 @@ impl<'a> Found<'a> {
                 }),
             }
             bar.advance();
-        }
+            Ok::<_, CommandError>(())
+        })?;
         drop(bar);
         for name in self.labels.iter().flat_map(Labels::unused) {
             notes.add("unused", || {

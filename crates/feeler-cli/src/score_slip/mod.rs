@@ -1,6 +1,7 @@
 //! `feeler score-slip`: slip detectors against the truth, the simulator's or that of labelled recordings.
 
 mod collected;
+mod in_order;
 mod labels;
 mod notes;
 mod recorded;

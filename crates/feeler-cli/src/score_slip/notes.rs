@@ -37,6 +37,19 @@ impl Notes {
         }
     }
 
+    /// Adds all of `others`, which came after these.
+    pub fn extend(&mut self, others: Self) {
+        for Note { kind, said, more } in others.0 {
+            for sentence in said {
+                self.add(&kind, || sentence);
+            }
+            // There are more than are said of those kinds only of which enough was said.
+            if let Some(note) = self.0.iter_mut().find(|note| note.kind == kind) {
+                note.more += more;
+            }
+        }
+    }
+
     /// What is said, sentence by sentence.
     pub fn sentences(&self) -> Vec<String> {
         let sentences = self.0.iter().flat_map(|note| {
