@@ -90,9 +90,20 @@ struct ScanArguments {
     /// Largest id to ask.
     #[arg(long, value_name = "ID", default_value = "30", value_parser = clap::value_parser!(u8).range(0..=252))]
     largest_id: u8,
+    /// How long to wait for a servo that may not be there; two turns of a USB adapter's usual 16 ms, unless told.
+    #[arg(long, value_name = "S", default_value = "0.035", value_parser = parse_timeout)]
+    timeout: f64,
     /// Say what would be asked, and open no port.
     #[arg(long)]
     dry_run: bool,
+}
+
+fn parse_timeout(text: &str) -> Result<f64, String> {
+    let timeout = text
+        .parse::<f64>()
+        .ok()
+        .filter(|s| (0.001..=10.0).contains(s));
+    timeout.ok_or_else(|| "expected seconds from 0.001 to 10".to_owned())
 }
 
 #[derive(Debug, clap::Args)]

@@ -10,9 +10,6 @@ use std::io::Write;
 
 /// Bits a second that servos are usually set to.
 const USUAL: [u32; 5] = [1_000_000, 57_600, 4_000_000, 2_000_000, 115_200];
-/// How long to wait for a servo that may not be there, s: two turns of a USB adapter's usual 16 ms.
-const PATIENCE: f64 = 0.035;
-
 pub fn scan(arguments: &ScanArguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     let protocols = match arguments.protocol.as_deref() {
         Some("feetech") => vec![Protocol::Feetech],
@@ -54,30 +51,37 @@ fn scan_at(
     out: &mut dyn Write,
 ) -> Result<usize, CommandError> {
     let how = (protocol, rate);
-    let mut bus = Bus::open(&arguments.port, how, PATIENCE, RigClock::real())?;
-    let registers = Registers::of(protocol);
+    let mut bus = Bus::open(&arguments.port, how, arguments.timeout, RigClock::real())?;
     let mut found = 0;
     for id in 0..=arguments.largest_id.min(protocol.largest_id()) {
-        match bus.ping(id) {
+        let said = match bus.ping(id) {
             Err(BusError::NoReply { .. }) => continue,
-            Err(error @ (BusError::Port(_) | BusError::Echo)) => return Err(error.into()),
-            // Two servos with one id, or another baud rate: something is there.
-            Err(error) => {
-                writeln!(out, "{rate} Bd, {protocol:?}: {error}")?;
-                continue;
+            Err(error) => Err(error),
+            Ok(()) => {
+                found += 1;
+                describe(&mut bus, id)
             }
-            Ok(()) => found += 1,
+        };
+        match said {
+            Ok(said) => writeln!(out, "{rate} Bd, {protocol:?}: servo {id}, {said}")?,
+            Err(error @ (BusError::Port(_) | BusError::Echo)) => return Err(error.into()),
+            // Two servos with one id, another baud rate, a loose cable: something is there.
+            Err(error) => writeln!(out, "{rate} Bd, {protocol:?}: {error}")?,
         }
-        let number = bus.read(id, registers.model)?;
-        let model = Model::numbered(protocol, number);
-        let name = model.map_or("a model that is not known here", |model| model.name);
-        let volts = bus.read(id, registers.voltage)? as f64 / 10.0;
-        let degrees = bus.read(id, registers.temperature)?;
-        let position = bus.read(id, registers.position)?;
-        writeln!(
-            out,
-            "{rate} Bd, {protocol:?}: servo {id}, {name} (model {number}), {volts:.1} V, {degrees} degrees Celsius, at {position} counts"
-        )?;
     }
     Ok(found)
+}
+
+/// What a servo says of itself.
+fn describe(bus: &mut Bus, id: u8) -> Result<String, BusError> {
+    let registers = Registers::of(bus.protocol());
+    let number = bus.read(id, registers.model)?;
+    let model = Model::numbered(bus.protocol(), number);
+    let name = model.map_or("a model that is not known here", |model| model.name);
+    let volts = bus.read(id, registers.voltage)? as f64 / 10.0;
+    let degrees = bus.read(id, registers.temperature)?;
+    let position = bus.read(id, registers.position)?;
+    Ok(format!(
+        "{name} (model {number}), {volts:.1} V, {degrees} degrees Celsius, at {position} counts"
+    ))
 }
