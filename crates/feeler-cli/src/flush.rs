@@ -1,5 +1,6 @@
 //! How much of a recording is lost when the program is killed.
 
+use super::bounded::parse_between;
 use feeler_record::FLUSH_INTERVAL;
 
 /// How often a recording is handed to the system.
@@ -12,6 +13,5 @@ pub struct FlushArguments {
 }
 
 fn parse_interval(text: &str) -> Result<f64, String> {
-    let seconds = text.parse().ok().filter(|s| (0.01..=3600.0).contains(s));
-    seconds.ok_or_else(|| "expected 0.01 to 3600 s".into())
+    parse_between(text, 0.01, 3600.0, "s")
 }

@@ -3,6 +3,7 @@
 
 #[cfg(feature = "top")]
 mod arrivals;
+mod bounded;
 mod calibrate;
 mod camera;
 mod cameras;

@@ -56,7 +56,7 @@ pub struct LiveArguments {
     #[arg(long, value_name = "AXES", default_value = "x,y,z", requires = "live")]
     force_axes: ForceAxes,
     /// Frames per second that the camera is asked for.
-    #[arg(long, value_name = "HZ", default_value_t = 30.0, requires = "live", value_parser = crate::sense::parse_rate)]
+    #[arg(long, value_name = "HZ", default_value_t = 30.0, requires = "live", value_parser = crate::bounded::parse_rate)]
     rate: f64,
     #[command(flatten)]
     camera: CameraArguments,

@@ -13,6 +13,7 @@ mod jog;
 #[cfg(all(feature = "drives", target_os = "linux"))]
 mod scan;
 
+use super::bounded::parse_between;
 use super::part_file::Overwrite;
 use super::{CommandError, Outcome};
 use std::io::Write;
@@ -99,11 +100,7 @@ struct ScanArguments {
 }
 
 fn parse_timeout(text: &str) -> Result<f64, String> {
-    let timeout = text
-        .parse::<f64>()
-        .ok()
-        .filter(|s| (0.001..=10.0).contains(s));
-    timeout.ok_or_else(|| "expected seconds from 0.001 to 10".to_owned())
+    parse_between(text, 0.001, 10.0, "s")
 }
 
 #[derive(Debug, clap::Args)]

@@ -10,6 +10,7 @@ use std::io::Write;
 
 /// Bits a second that servos are usually set to.
 const USUAL: [u32; 5] = [1_000_000, 57_600, 4_000_000, 2_000_000, 115_200];
+
 pub fn scan(arguments: &ScanArguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     let protocols = match arguments.protocol.as_deref() {
         Some("feetech") => vec![Protocol::Feetech],

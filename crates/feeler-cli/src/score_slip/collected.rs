@@ -121,26 +121,19 @@ impl<'a> Found<'a> {
             in_spacings: true,
         };
         let bar = Steps::new(self.sources.len());
-        let Self {
-            reader,
-            sources,
-            labels,
-            arguments,
-            ..
-        } = &mut self;
-        let reader = &*reader;
         let read = |source: &Source| {
             let mut own = Notes::default();
             // An error may not leave its thread.
-            let read = reader.read(source, &mut own).map_err(|e| e.to_string());
-            (read, own)
+            let read = self.reader.read(source, &mut own);
+            (read.map_err(|error| error.to_string()), own)
         };
-        in_order(sources, read, |source, (read, own)| {
+        in_order(&self.sources, read, |source, (read, own)| {
             notes.extend(own);
             match read {
                 Ok(recordings) => {
                     for read in &recordings {
-                        collected.add(read, source, arguments, labels.as_mut(), notes)?;
+                        let labels = self.labels.as_mut();
+                        collected.add(read, source, self.arguments, labels, notes)?;
                     }
                 }
                 Err(error) => notes.add("unreadable", || {

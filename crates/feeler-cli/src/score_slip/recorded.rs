@@ -1,5 +1,6 @@
 //! `feeler score-slip RECORDINGS LABELS`: against the labels of recordings.
 
+use super::super::bounded::parse_rate;
 use super::super::part_file::Outputs;
 use super::collected::{Collected, Found};
 use super::notes::Notes;
@@ -49,14 +50,6 @@ pub struct RecordedArguments {
     /// and their labels.
     #[arg(long, num_args = 2, value_names = ["RECORDINGS", "LABELS"])]
     pub thresholds_from: Vec<PathBuf>,
-}
-
-fn parse_rate(text: &str) -> Result<f64, String> {
-    let rate = text
-        .parse::<f64>()
-        .ok()
-        .filter(|rate| (1e-3..=1e5).contains(rate));
-    rate.ok_or_else(|| "expected 0.001 to 100000 Hz".into())
 }
 
 impl RecordedArguments {

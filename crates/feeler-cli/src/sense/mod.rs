@@ -17,6 +17,7 @@ mod track;
 mod whole_rows;
 mod wrench;
 
+use super::bounded::{parse_between, parse_rate};
 use super::camera::CameraArguments;
 use super::interrupt::watch_for_interrupt;
 use super::link::{ExperimentArguments, LinkArguments};
@@ -331,17 +332,6 @@ fn parse_size(text: &str) -> Result<(usize, usize), String> {
         .ok_or_else(|| "expected WIDTHxHEIGHT of 1 to 16384 px each, as in 640x480".into())
 }
 
-pub fn parse_rate(text: &str) -> Result<f64, String> {
-    parse_between(text, 1e-3, 1e5, "Hz")
-}
-
 fn parse_part(text: &str) -> Result<f64, String> {
     parse_between(text, 0.0, 1.0, "of the pixels")
-}
-
-fn parse_between(text: &str, low: f64, high: f64, unit: &str) -> Result<f64, String> {
-    let number = text.parse().ok();
-    number
-        .filter(|number| (low..=high).contains(number))
-        .ok_or_else(|| format!("expected {low} to {high} {unit}"))
 }
