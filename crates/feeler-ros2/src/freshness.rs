@@ -19,13 +19,15 @@ pub enum StaleError {
     Nothing(String),
     /// They are too old.
     #[error(
-        "{topic}: data of at most {most:.3} s expected, by their stamp they are {age:.3} s old"
+        "{topic}: data of at most {most:.3} s expected, by their stamp they are {age:.3} s old; for {silent:.3} s none came"
     )]
     Old {
         /// The topic.
         topic: String,
         /// How old they are, s.
         age: f64,
+        /// For how long none came, s: all of the age when nobody sends, little of it when data are late.
+        silent: f64,
         /// How old they may be, s.
         most: f64,
     },
@@ -170,6 +172,7 @@ impl Freshness {
             false => Err(StaleError::Old {
                 topic: topic(),
                 age,
+                silent,
                 most,
             }),
         }
