@@ -68,6 +68,15 @@ impl SerialPort {
     }
 }
 
+impl Drop for SerialPort {
+    /// Whoever opens the port next finds it free: a process that this program is starting has the file, too, until it is another program,
+    /// and would keep it locked for so long.
+    fn drop(&mut self) {
+        // Where this fails, closing the file does it.
+        let _ = self.file.unlock();
+    }
+}
+
 impl Port for SerialPort {
     fn discard_input(&mut self) -> io::Result<()> {
         Ok(tcflush(&self.file, QueueSelector::IFlush)?)
