@@ -3,6 +3,7 @@
 use super::stop_reason::StopReason;
 use super::touch::FingerTouch;
 use crate::hand::JointState;
+use glam::DVec3;
 
 /// There are as many of `what` as there are fingers.
 pub(super) fn check_count(
@@ -36,9 +37,11 @@ pub(super) fn check_input(
             actual: forces.len(),
         });
     }
-    // In every step of every finger, so one pass without a branch; what is wrong is found out afterwards.
+    // In every step of every finger, so one pass without a branch; what is wrong is found out afterwards. Zero times what is not finite
+    // is not a number, and stays so.
     let not_finite = |what| StopReason::NotFinite { finger, what };
-    if !forces.iter().fold(true, |all, f| all & f.is_finite()) {
+    let zeros = forces.iter().fold(DVec3::ZERO, |sum, &f| sum + 0.0 * f);
+    if zeros != DVec3::ZERO {
         let no_force = |element| StopReason::NoForce { finger, element };
         let invalid = touch.frame.first_invalid().map(no_force);
         return Err(invalid.unwrap_or_else(|| not_finite("force")));
