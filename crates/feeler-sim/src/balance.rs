@@ -1,16 +1,14 @@
 //! What turns gives way: an object on a thread or hinge, and the bottle under it in its holder.
 
-use super::columnar_feeler::{Anchor, FeelerConfig, Friction, Overload, Tip, tip_of, within_cone};
-use super::contacts::{BLOCK, Column};
+use super::columnar_feeler::Overload;
+use super::grip::{Freedom, grip};
 use super::holder::PlaySpring;
 use super::model::WorldModel;
-use super::pose::Pose;
-use super::settle::{friction, settle};
-use super::state::{FingerState, ObjectState, State};
-use super::step::undeformed;
+use super::settle::settle;
+use super::state::{FingerState, State};
 use super::thread::{FingerLoad, Hinge};
-use glam::DVec3;
 use multiversion::multiversion;
+use std::f64::consts::TAU;
 
 /// A slip lowers the torque on what turns, so the first or second round finds nothing more to do;
 /// the bound keeps a step's time finite.
@@ -27,12 +25,22 @@ const SHIFT_TOLERANCE: f64 = 1e-11;
 
 /// Turns an object and lets feelers slip until the torques on it balance and nothing slips.
 pub(super) fn balance(model: &WorldModel, state: &mut State, object: usize, hinge: &Hinge) {
+    let before = state.objects[object].turn;
+    let mut fingers = state.fingers.iter();
+    if before.is_unloaded() && !fingers.any(|finger| finger.touches(object)) {
+        state.objects[object].last_turn = (0.0, 0.0);
+        return;
+    }
     for round in 0..MAX_BALANCE_ROUNDS {
         match &model.sides {
             Some(sides) if hinge.on_torque_sensor => {
                 shift_and_turn(model, state, object, hinge, sides)
             }
-            _ => turn(model, state, object, hinge),
+            _ if round == 0 => {
+                let ahead = state.objects[object].last_turn;
+                turn(model, state, object, hinge, ahead);
+            }
+            _ => turn(model, state, object, hinge, (0.0, 0.0)),
         }
         // The motion of this step overloads feelers steadily, and first; then one feeler's slip
         // overloads another at a stroke.
@@ -45,6 +53,8 @@ pub(super) fn balance(model: &WorldModel, state: &mut State, object: usize, hing
             break;
         }
     }
+    let own = &mut state.objects[object];
+    own.last_turn = (own.turn.angle - before.angle, own.turn.twist - before.twist);
 }
 
 /// Shifts and turns an object until both forces and torques on it balance.
@@ -64,7 +74,7 @@ fn shift_and_turn(
         if round > 0 && !shifted {
             break;
         }
-        turn(model, state, object, hinge);
+        turn(model, state, object, hinge, (0.0, 0.0));
         turned |= state.objects[object].turn.turning;
     }
     state.objects[object].turn.turning = turned;
@@ -89,7 +99,8 @@ fn shift(
         for (axis, side) in sides.iter().enumerate() {
             let pose = hinge.pose(&turn, &object.start);
             let along = pose.rotation.row(axis);
-            let grip = grip(model, fingers, own, index, &pose, |_| along);
+            let seen = |finger: &FingerState| finger.tip.seen_from(&pose);
+            let grip = grip(model, fingers, own, index, seen, Freedom::Along(along));
             let to = side.give(turn.shift[axis], &grip);
             moved = moved.max((to - turn.shift[axis]).abs());
             turn.shift[axis] = to;
@@ -101,110 +112,37 @@ fn shift(
     let way = turn.shift.distance(own.turn.shift);
     own.turn = turn;
     own.move_to(hinge.pose(&turn, &object.start));
+    for finger in fingers {
+        finger.seen[index] = finger.tip.seen_from(&own.pose);
+    }
     way > SHIFT_TOLERANCE
 }
 
 /// Turns an object until the torques on it balance, feelers holding on as firmly as they can.
 #[multiversion(targets("x86_64+avx2"))]
-fn turn(model: &WorldModel, state: &mut State, index: usize, hinge: &Hinge) {
+fn turn(model: &WorldModel, state: &mut State, index: usize, hinge: &Hinge, ahead: (f64, f64)) {
     let State {
         fingers, objects, ..
     } = state;
     let (object, own) = (&model.objects[index], &mut objects[index]);
-    let touches = |finger: &FingerState| !finger.contacts.on(index).is_empty();
-    let touched = fingers.iter().any(touches);
+    let touched = fingers.iter().any(|finger| finger.touches(index));
     let mut turn = own.turn;
-    hinge.turn(&mut turn, &model.shaft, |turn| {
+    hinge.turn(&mut turn, ahead, &model.shaft, |turn| {
         if !touched {
             return FingerLoad::default();
         }
-        let pose = hinge.pose(turn, &object.start);
-        // z x point
-        let around = |point: DVec3| DVec3::new(-point.y, point.x, 0.0);
-        grip(model, fingers, own, index, &pose, around)
+        let screw = hinge.screw(&own.turn, turn);
+        let seen = |finger: &FingerState| screw.seen_after(&finger.seen[index]);
+        // The bottle twists without sinking.
+        let sinking = if turn.turning {
+            hinge.thread.lead / TAU
+        } else {
+            0.0
+        };
+        grip(model, fingers, own, index, seen, Freedom::Around(sinking))
     });
     if turn != own.turn {
         own.turn = turn;
         own.move_to(hinge.pose(&turn, &object.start));
-    }
-}
-
-/// What the feelers on an object would do at `pose` along one of its freedoms, holding on: `way` is the
-/// velocity of a point of the object per rate of that freedom, in the object's frame.
-#[inline(always)]
-fn grip(
-    model: &WorldModel,
-    fingers: &[FingerState],
-    own: &ObjectState,
-    index: usize,
-    pose: &Pose,
-    way: impl Fn(DVec3) -> DVec3,
-) -> FingerLoad {
-    let object = &model.objects[index];
-    let mut sum = FingerLoad::default();
-    for (finger, state) in model.fingers.iter().zip(fingers) {
-        let contacts = state.contacts.on(index);
-        if contacts.is_empty() {
-            continue;
-        }
-        let seen = state.tip.seen_from(pose);
-        let turned = seen.turn_since(&state.rolled[index]);
-        for (share, block) in contacts.blocks() {
-            let (mut load, mut stiffness): (Column, Column) = ([0.0; BLOCK], [0.0; BLOCK]);
-            if let Some(spring) = &finger.springs {
-                let spring = spring.as_spring();
-                let friction = friction(&spring, object, own);
-                for lane in 0..share.lanes.min(BLOCK) {
-                    let anchor = spring.rolled(&block.anchor(lane), turned);
-                    let axis = block.axis(lane);
-                    let tip = tip_of(finger.dome_radius, &seen, axis, DVec3::ZERO);
-                    let still = (DVec3::ZERO, model.step);
-                    let grip = contact_grip(&spring, friction, &tip, &anchor, still, &way);
-                    (load[lane], stiffness[lane]) = (grip.load, grip.stiffness);
-                }
-            } else {
-                for lane in 0..share.count {
-                    let element = block.element(lane);
-                    let feeler = &finger.feelers[element];
-                    let anchor = feeler.rolled(&block.anchor(lane), turned);
-                    let tip = undeformed(finger, &state.sets, &seen, element);
-                    let moved = (tip.position - block.tip_before(lane), model.step);
-                    let friction = friction(feeler, object, own);
-                    let grip = contact_grip(feeler, friction, &tip, &anchor, moved, &way);
-                    (load[lane], stiffness[lane]) = (grip.load, grip.stiffness);
-                }
-            }
-            for (load, stiffness) in load.iter().zip(&stiffness).take(share.count) {
-                sum.load += load;
-                sum.stiffness += stiffness;
-            }
-        }
-    }
-    sum
-}
-
-/// What one feeler does to an object along one of its freedoms, holding on. `moved` is by how much its tip has moved, m, and in which
-/// time, s.
-#[inline(always)]
-fn contact_grip(
-    feeler: &FeelerConfig,
-    friction: Friction,
-    tip: &Tip,
-    anchor: &Anchor,
-    (moved, duration): (DVec3, f64),
-    way: impl Fn(DVec3) -> DVec3,
-) -> FingerLoad {
-    let mut force = feeler.holding_force(friction, tip, anchor);
-    let way = way(feeler.contact_point(anchor));
-    let mut stiffness = way.dot(feeler.stiffness_times(tip.axis, way));
-    if feeler.is_damped() {
-        let velocity = moved / duration;
-        force += feeler.damping_times(tip.axis, velocity);
-        force = within_cone(force, anchor.normal, friction);
-        stiffness += way.dot(feeler.damping_times(tip.axis, way)) / duration;
-    }
-    FingerLoad {
-        load: way.dot(force),
-        stiffness,
     }
 }

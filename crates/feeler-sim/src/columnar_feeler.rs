@@ -157,17 +157,6 @@ impl FeelerConfig {
         anchor.position - self.tip_radius * anchor.normal
     }
 
-    /// The force that an anchored feeler can pass on without slipping, N, in the object's frame:
-    /// the elastic force, its shear cut at the static friction limit; zero where it would pull.
-    #[inline(always)]
-    pub fn holding_force(&self, friction: Friction, tip: &Tip, anchor: &Anchor) -> DVec3 {
-        within_cone(
-            self.elastic_force(tip, anchor.position),
-            anchor.normal,
-            friction,
-        )
-    }
-
     /// Lets an anchor slip if its shear force exceeds the static friction limit, and gives it up if
     /// it would pull: the anchor that remains and the force on the object by the feeler, N, in the
     /// object's frame.

@@ -81,6 +81,15 @@ impl Block {
         self.anchor.set(lane, position);
     }
 
+    /// Moves all anchors, whose normals stay, as tips have rolled by `distance`, m.
+    #[inline(always)]
+    pub fn roll_to(&mut self, anchors: &Vectors, distance: f64) {
+        self.anchor = *anchors;
+        for rolled in &mut self.rolled {
+            *rolled += distance;
+        }
+    }
+
     #[inline(always)]
     pub fn rolled(&self, lane: usize) -> f64 {
         self.rolled[lane]

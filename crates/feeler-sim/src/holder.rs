@@ -73,9 +73,19 @@ impl PlaySpring {
         }
     }
 
+    /// Whether it holds nothing anywhere.
+    pub fn has_play(&self) -> bool {
+        self.play > 0.0
+    }
+
     /// How far it has given way when it bears `load`, on the side to which that pushes.
     pub fn way(&self, load: f64) -> f64 {
         load * self.compliance + self.play.copysign(load)
+    }
+
+    /// How much farther it gives way for so much more `load`.
+    pub fn way_over(&self, load: f64) -> f64 {
+        load * self.compliance
     }
 
     /// By how much its load changes over `way` beyond the play, without sign.
@@ -91,7 +101,9 @@ impl PlaySpring {
     /// A Newton step from `at` to where it bears what the `grip` there pushes with, but over no end of the
     /// play: there its stiffness changes.
     pub fn give(&self, at: f64, grip: &FingerLoad) -> f64 {
-        let FingerLoad { load, stiffness } = *grip;
+        let FingerLoad {
+            load, stiffness, ..
+        } = *grip;
         let bent_from = |end: f64| {
             let way = load * self.compliance + end;
             at + (way - at) / (1.0 + stiffness * self.compliance)
@@ -120,7 +132,15 @@ mod tests {
     fn settled(spring: &PlaySpring, from: f64, stiffness: f64, drive: f64) -> f64 {
         (0..4).fold(from, |at, _| {
             let load = stiffness * (drive - at);
-            spring.give(at, &FingerLoad { load, stiffness })
+            let holds = true;
+            spring.give(
+                at,
+                &FingerLoad {
+                    load,
+                    stiffness,
+                    holds,
+                },
+            )
         })
     }
 

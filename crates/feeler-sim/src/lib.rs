@@ -18,6 +18,7 @@ mod feeler_config;
 pub mod free_bodies;
 mod gaussian_noise;
 pub mod gel;
+mod grip;
 pub mod holder;
 pub mod knurled_cylinder;
 pub mod markers;

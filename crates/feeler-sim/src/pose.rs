@@ -11,6 +11,39 @@ pub struct Pose {
     pub rotation: DMat3,
 }
 
+/// A motion of a frame about its own z axis and along it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Screw {
+    /// Of the angle by which it turns.
+    pub sine: f64,
+    /// Of the same.
+    pub cosine: f64,
+    /// How far it moves along z, m.
+    pub advance: f64,
+}
+
+impl Screw {
+    /// The pose, as seen from the frame after it has moved, of what was at `seen` before.
+    #[inline(always)]
+    pub fn seen_after(&self, seen: &Pose) -> Pose {
+        let back = |v: DVec3| {
+            let x = self.cosine * v.x + self.sine * v.y;
+            DVec3::new(x, self.cosine * v.y - self.sine * v.x, v.z)
+        };
+        let DMat3 {
+            x_axis,
+            y_axis,
+            z_axis,
+        } = seen.rotation;
+        let mut position = back(seen.position);
+        position.z -= self.advance;
+        Pose {
+            position,
+            rotation: DMat3::from_cols(back(x_axis), back(y_axis), back(z_axis)),
+        }
+    }
+}
+
 impl Pose {
     /// The pose of something that stands at W's origin.
     pub const IDENTITY: Self = Self {

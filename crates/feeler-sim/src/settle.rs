@@ -60,6 +60,7 @@ pub(super) fn settle(
         let seen = state.tip.seen_from(&own.pose);
         let turned = seen.turn_since(&state.rolled[index]);
         state.rolled[index] = seen.rotation;
+        state.seen[index] = seen;
         let meeting = Meeting {
             finger,
             object,
@@ -121,20 +122,20 @@ impl Meeting<'_> {
         let spring = spring.as_spring();
         let friction = friction(&spring, self.object, self.state);
         let (mut pressed, mut shear): (Column, Column) = ([0.0; BLOCK], [0.0; BLOCK]);
+        let mut anchors = Vectors::default();
+        // Copies: the compiler works on several lanes at once only where it knows that what is written is none of what is read.
+        let (seen, turned, dome_radius) = (self.seen, self.turned, self.finger.dome_radius);
+        let to_world = self.state.pose.rotation;
         for lane in 0..share.lanes.min(BLOCK) {
-            self.roll(block, lane, &spring);
-            let anchor = block.anchor(lane);
-            let tip = tip_of(
-                self.finger.dome_radius,
-                &self.seen,
-                block.axis(lane),
-                DVec3::ZERO,
-            );
+            let anchor = spring.rolled(&block.anchor(lane), turned);
+            let tip = tip_of(dome_radius, &seen, block.axis(lane), DVec3::ZERO);
             let force = spring.elastic_force(&tip, anchor.position);
             let (normal_force, across) = split(force, anchor.normal);
             (pressed[lane], shear[lane]) = (normal_force, across.length());
-            held.force.set(lane, self.state.pose.rotation * force);
+            held.force.set(lane, to_world * force);
+            anchors.set(lane, anchor.position);
         }
+        block.roll_to(&anchors, spring.tip_radius * turned.length());
         for lane in 0..share.count {
             held.is_held[lane] =
                 pressed[lane] > 0.0 && sticks(pressed[lane], shear[lane], friction);

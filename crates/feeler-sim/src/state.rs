@@ -10,6 +10,9 @@ use super::thread::Turn;
 use feeler::hand::kinematics::fingertip_pose;
 use glam::{DMat3, DVec3};
 
+/// Feelers of which is seen together whether one must be looked at.
+pub(super) const GROUP: usize = 8;
+
 /// The true state of the simulated world.
 #[derive(Debug, Clone, PartialEq)]
 pub struct State {
@@ -44,6 +47,8 @@ pub struct ObjectState {
     pub friction_factor: f64,
     /// How often it has moved by its hinge or thread, or with what it stands on.
     pub(super) moves: u64,
+    /// By how much it and what it stands on turned in the last step, rad: by about as much again in the next.
+    pub(super) last_turn: (f64, f64),
 }
 
 /// The true state of one finger.
@@ -57,6 +62,8 @@ pub struct FingerState {
     pub held_at: Option<Pose>,
     /// The feelers that touch.
     pub contacts: Contacts,
+    /// The fingertip as seen from each object, which has not moved since.
+    pub(super) seen: Vec<Pose>,
     /// Rotation of the fingertip as seen from each object up to which its tips have rolled on it.
     pub(super) rolled: Vec<DMat3>,
     /// Set of each feeler that relaxes, m, in the fingertip frame `T`.
@@ -110,7 +117,7 @@ pub(super) struct Watch {
     pub seen: Vec<Pose>,
     /// Upper bound of the way that any tip has gone relative to any object, m.
     pub travelled: f64,
-    /// Way at which each feeler must be looked at again, m; infinite while it touches.
+    /// Way at which each feeler must be looked at again, m; infinite while it touches, and of those that fill up the last group.
     pub due: Vec<f64>,
     /// Nothing is due before this, m.
     pub soonest: f64,
@@ -118,6 +125,14 @@ pub(super) struct Watch {
     pub unseen: f64,
     /// How often objects had moved by then.
     pub moves: u64,
+}
+
+impl FingerState {
+    /// Whether any of its feelers holds on to `object`.
+    #[inline(always)]
+    pub(super) fn touches(&self, object: usize) -> bool {
+        !self.contacts.on(object).is_empty()
+    }
 }
 
 impl State {
@@ -129,19 +144,23 @@ impl State {
             let (position, rotation) = fingertip_pose(&finger.geometry, theta);
             let tip = Pose { position, rotation };
             let elements = finger.normals.len();
+            let mut due = vec![0.0; elements];
+            due.resize(elements.next_multiple_of(GROUP), f64::INFINITY);
+            let seen: Vec<_> = objects.iter().map(|o| tip.seen_from(&o.pose)).collect();
             FingerState {
                 joints: model.servo.joints(theta),
                 tip,
                 held_at: None,
                 contacts: Contacts::none(objects.len(), elements),
+                seen: seen.clone(),
                 rolled: vec![DMat3::IDENTITY; objects.len()],
                 sets: vec![DVec3::ZERO; elements],
                 forces: vec![DVec3::ZERO; elements],
                 slipped: vec![Slipped::default(); elements],
                 watch: Watch {
-                    seen: objects.iter().map(|o| tip.seen_from(&o.pose)).collect(),
+                    seen,
                     travelled: 0.0,
-                    due: vec![0.0; elements],
+                    due,
                     soonest: 0.0,
                     unseen: 0.0,
                     moves: 0,
@@ -185,6 +204,7 @@ impl ObjectState {
             mass: object.mass().unwrap_or(0.0),
             friction_factor: 1.0,
             moves: 0,
+            last_turn: (0.0, 0.0),
         }
     }
 

@@ -3,7 +3,7 @@
 use super::model::{Finger, WorldModel};
 use super::object::Object;
 use super::pose::Pose;
-use super::state::{Contact, FingerState, ObjectState};
+use super::state::{Contact, FingerState, GROUP, ObjectState};
 use super::step::undeformed;
 use glam::DVec3;
 
@@ -21,10 +21,11 @@ pub(super) fn touch(
 ) {
     let watch = &mut own.watch;
     let mut way = 0.0_f64;
-    for (seen, object) in watch.seen.iter_mut().zip(objects) {
-        let now = own.tip.seen_from(&object.pose);
-        way = way.max(now.motion_since(seen, finger.dome_radius));
-        *seen = now;
+    let seen = watch.seen.iter_mut().zip(&mut own.seen);
+    for ((before, seen), object) in seen.zip(objects) {
+        *seen = own.tip.seen_from(&object.pose);
+        way = way.max(seen.motion_since(before, finger.dome_radius));
+        *before = *seen;
     }
     watch.travelled += way;
     watch.unseen = 0.0;
@@ -37,23 +38,35 @@ pub(super) fn touch(
         put_back(model, finger, own);
     }
     let watch = &mut own.watch;
-    // Unless the way is not a number.
-    if watch.soonest > watch.travelled {
+    let travelled = watch.travelled;
+    if watch.soonest > travelled {
         return;
     }
-    watch.soonest = f64::INFINITY;
-    for element in 0..watch.due.len() {
-        if watch.due[element] > watch.travelled {
-            watch.soonest = watch.soonest.min(watch.due[element]);
-            continue;
+    let mut soonest = [f64::INFINITY; GROUP];
+    let (groups, _) = watch.due.as_chunks_mut::<GROUP>();
+    for (number, group) in groups.iter_mut().enumerate() {
+        // Mostly none of them is.
+        if group
+            .iter()
+            .fold(false, |any, &due| any | (due <= travelled))
+        {
+            for (element, due) in (GROUP * number..).zip(&mut *group) {
+                if *due > travelled {
+                    continue;
+                }
+                let (clearance, contact) =
+                    look(finger, &own.sets, &model.objects, &watch.seen, element);
+                *due = travelled + clearance;
+                if let Some(contact) = contact {
+                    own.contacts.push(&contact, finger.normals[element]);
+                }
+            }
         }
-        let (clearance, contact) = look(finger, &own.sets, &model.objects, &watch.seen, element);
-        watch.due[element] = watch.travelled + clearance;
-        watch.soonest = watch.soonest.min(watch.due[element]);
-        if let Some(contact) = contact {
-            own.contacts.push(&contact, finger.normals[element]);
+        for (soonest, &due) in soonest.iter_mut().zip(&*group) {
+            *soonest = if due < *soonest { due } else { *soonest };
         }
     }
+    watch.soonest = soonest.into_iter().fold(f64::INFINITY, f64::min);
 }
 
 /// How often objects have moved by now, all together.

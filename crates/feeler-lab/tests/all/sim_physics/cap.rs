@@ -51,10 +51,16 @@ fn close_and_open(stiffness: f64, to: f64) -> (f64, Turn) {
             to * (3.0 - 2.0 * share)
         };
         let before = cap.torque;
-        CAP.turn(&mut cap, &PlaySpring::new(SHAFT, 0.0), |state| FingerLoad {
-            load: stiffness * (target - state.angle - state.twist),
-            stiffness,
-        });
+        CAP.turn(
+            &mut cap,
+            (0.0, 0.0),
+            &PlaySpring::new(SHAFT, 0.0),
+            |state| FingerLoad {
+                load: stiffness * (target - state.angle - state.twist),
+                stiffness,
+                holds: true,
+            },
+        );
         assert!(cap.angle.is_finite() && cap.torque.is_finite());
         // Stuck below the breakaway torque, or turning at the resisting one.
         let breakaway = CAP.thread.static_factor * CAP.thread.resisting_torque(cap.angle);

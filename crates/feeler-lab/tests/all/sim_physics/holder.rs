@@ -103,9 +103,10 @@ fn the_shaft_feels_no_torque_within_the_play() {
     let swing = (0..=300).chain((-300..300).rev()).chain(-299..=0);
     for n in swing {
         let drive = 1e-4 * f64::from(n);
-        hinge.turn(&mut state, &shaft, |state| FingerLoad {
+        hinge.turn(&mut state, (0.0, 0.0), &shaft, |state| FingerLoad {
             load: pull * (drive - state.angle - state.twist),
             stiffness: pull,
+            holds: true,
         });
         let beyond = drive.signum() * (drive.abs() - play).max(0.0);
         // Torques are balanced to 1e-9 N m.
@@ -133,9 +134,10 @@ fn a_cap_turns_at_its_running_torque_once_the_play_is_used_up() {
     // The second step pulls harder than the thread resists, until the play has given way.
     for n in 1..=20 {
         let drive = 0.009 * f64::from(n);
-        hinge.turn(&mut state, &shaft, |state| FingerLoad {
+        hinge.turn(&mut state, (0.0, 0.0), &shaft, |state| FingerLoad {
             load: pull * (drive - state.angle - state.twist),
             stiffness: pull,
+            holds: true,
         });
         let expected = drive - play - thread.running_torque * (1.0 / pull + 1.0 / stiffness);
         if n > 2 {
