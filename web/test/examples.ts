@@ -1282,7 +1282,7 @@ export const examples: PageData[] = [
           "width": 1
         }
       ],
-      "data": "7N0LsKf3WR/295zd1WV12/v9fnchBGZDsAtiT9wBGzAhdgKERiFlYJZS0tQm",
+      "data": "7N19sOb3edf3e5/0sHpaaXe1u9JqH7Ta1RpKSmcLE5cou00HHGgoOG1C0xGh",
       "phases": [
         "SEARCH",
         "MOVE",

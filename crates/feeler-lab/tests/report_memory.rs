@@ -2,8 +2,7 @@
 
 use feeler_record::Recorder;
 use feeler_report::long_run::read_within;
-use feeler_report::page::page;
-use feeler_report::{Summary, tasks};
+use feeler_report::make::page_of_rows;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::fs;
 use std::path::Path;
@@ -54,9 +53,7 @@ fn peak(strokes: u32) -> (usize, usize) {
     let before = ALLOCATED.load(Ordering::Relaxed);
     PEAK.store(before, Ordering::Relaxed);
     let (recording, data) = read_within(&path, MEMORY, &mut |_| {}).expect("a run");
-    let summary = Summary::new(&recording, &data);
-    let figures = tasks::of_recording(&recording).figures(&recording, &data);
-    let page = page(&recording, &data, &summary, &figures);
+    let page = page_of_rows(&recording, &data);
     let peak = PEAK.load(Ordering::Relaxed) - before;
     fs::remove_file(&path).expect("the file");
     assert!(page.contains("This run is long. Of its "));

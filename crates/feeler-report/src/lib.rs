@@ -15,7 +15,7 @@ pub mod live_page;
 pub mod long_run;
 pub mod make;
 pub mod measures;
-pub mod page;
+mod page;
 pub mod page_data;
 pub mod path_fit;
 mod peaks;

@@ -4,13 +4,16 @@ use super::claim::Claim;
 use super::figures::Figure;
 use super::long_run;
 use super::page::page;
+use super::page_data::RunTable;
 use super::run_data::RunData;
 use super::summary::Summary;
 use super::tasks;
 use feeler_record::{RecordError, Recording};
 use std::fs;
 use std::io::Write;
+use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
+use std::thread;
 
 /// Name of the recording in a run's directory.
 pub const RECORDING: &str = "recording.mcap";
@@ -102,7 +105,7 @@ pub fn make_with(
         figures,
         summary,
         whose,
-    } = draw(&recording, data);
+    } = draw(&recording, &data);
     // Should anything go wrong from here on, no earlier report is left beside half of a new one.
     remove(&run_dir.join(REPORT))?;
     remove(&run_dir.join(SUMMARY))?;
@@ -139,7 +142,12 @@ pub fn make_with(
 
 /// The page of a recording in memory: what [`make`] writes as `report.html`. Writes nothing.
 pub fn page_of(recording: &Recording) -> String {
-    draw(recording, RunData::new(recording)).html
+    page_of_rows(recording, &RunData::new(recording))
+}
+
+/// The same of a recording whose rows are `data`.
+pub fn page_of_rows(recording: &Recording, data: &RunData) -> String {
+    draw(recording, data).html
 }
 
 /// The page of the recording at `path`. Writes nothing.
@@ -151,7 +159,7 @@ pub fn page_of_file(
     progress: &mut dyn FnMut(f64),
 ) -> Result<String, RecordError> {
     let (recording, data) = long_run::read(path, progress)?;
-    Ok(draw(&recording, data).html)
+    Ok(page_of_rows(&recording, &data))
 }
 
 /// All that a report is made of.
@@ -162,21 +170,26 @@ struct Drawn {
     whose: &'static str,
 }
 
-fn draw(recording: &Recording, data: RunData) -> Drawn {
-    let mut summary = Summary::new(recording, &data);
-    // A table of trials has the same columns for every law; a report holds to the paper only what is like it.
-    if !tasks::claims_are_shown(&recording.facts) {
-        summary.claims.clear();
-    }
-    let task = tasks::of_recording(recording);
-    let figures = task.figures(recording, &data);
-    let html = page(recording, &data, &summary, &figures);
-    Drawn {
-        html,
-        figures,
-        summary,
-        whose: task.whose(),
-    }
+fn draw(recording: &Recording, data: &RunData) -> Drawn {
+    thread::scope(|scope| {
+        // Half of a page's work, beside the other half.
+        let table = scope.spawn(|| RunTable::new(data));
+        let mut summary = Summary::new(recording, data);
+        // A table of trials has the same columns for every law; a report holds to the paper only what is like it.
+        if !tasks::claims_are_shown(&recording.facts) {
+            summary.claims.clear();
+        }
+        let task = tasks::of_recording(recording);
+        let figures = task.figures(recording, data);
+        let table = table.join().unwrap_or_else(|panic| resume_unwind(panic));
+        let html = page(recording, data, table, &summary, &figures);
+        Drawn {
+            html,
+            figures,
+            summary,
+            whose: task.whose(),
+        }
+    })
 }
 
 /// Reads the recording, or sets aside the report that it cannot back any more.

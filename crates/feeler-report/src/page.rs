@@ -4,7 +4,7 @@ use super::claim::{Claim, ClaimPart, Relation, Verdict};
 use super::document::{Tile, document, tiles};
 use super::figures::Figure;
 use super::make::RECORDING;
-use super::page_data::PageData;
+use super::page_data::{PageData, Rows, RunTable};
 use super::run_data::RunData;
 use super::strokes::StrokeMeasures;
 use super::summary::Summary;
@@ -14,10 +14,11 @@ use super::thinned::Thinned;
 use feeler_record::{Phase, Recording, RunFacts, RunState, TaskKind};
 use maud::{Markup, html};
 
-/// The page, as HTML text.
-pub fn page(
+/// The page, as HTML text; the rows of `data` are in `table`.
+pub(crate) fn page(
     recording: &Recording,
     data: &RunData,
+    table: (RunTable, Rows),
     summary: &Summary,
     figures: &[Figure],
 ) -> String {
@@ -66,7 +67,7 @@ pub fn page(
             "page is computed from the recording."
         }
     };
-    let page = PageData::of_run(&name, recording, data, figures);
+    let page = PageData::of_run(&name, recording, data, table, figures);
     document(&format!("{mark}{name}"), body, &page)
 }
 

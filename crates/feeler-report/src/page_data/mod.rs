@@ -10,10 +10,10 @@ use super::run_data::RunData;
 use feeler_record::Recording;
 use scene::Scene;
 use serde::Serialize;
-use table::RunTable;
 
 pub use live::{Live, LiveRig};
 pub use panels::Panel;
+pub(crate) use table::{Rows, RunTable};
 pub use table::{flag_bits, of_finger};
 
 /// Number of the contract.
@@ -41,14 +41,14 @@ struct Figure {
 }
 
 impl PageData {
-    /// Of a page about one run.
-    pub fn of_run(
+    /// Of a page about one run, whose rows are in `table`.
+    pub(crate) fn of_run(
         title: &str,
         recording: &Recording,
         data: &RunData,
+        (run, rows): (RunTable, Rows),
         figures: &[StillFigure],
     ) -> Self {
-        let (run, rows) = RunTable::new(data);
         let mut figures = interactive(figures);
         for panel in figures.iter_mut().flat_map(|figure| &mut figure.panels) {
             panel.take_rows(&rows);
