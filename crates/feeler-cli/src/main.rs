@@ -6,7 +6,8 @@
 const LINK_THREADS: &str = "(rx: (worker_threads: 1), tx: (handover: rx), acc: (handover: rx), app: (handover: rx), net: (handover: rx))";
 
 fn main() -> std::process::ExitCode {
-    hold_memory();
+    #[cfg(all(target_os = "linux", target_env = "gnu"))]
+    set_allocator();
     #[cfg(feature = "link")]
     if std::env::var_os("ZENOH_RUNTIME").is_none() {
         // SAFETY: there is no other thread yet that could read or write the environment.
@@ -15,17 +16,29 @@ fn main() -> std::process::ExitCode {
     feeler_cli::main()
 }
 
-/// Holds what the C library keeps of memory that was freed: the link's library takes threads and megabytes for each
-/// connection, and a peer may connect again and again.
-fn hold_memory() {
-    #[cfg(all(feature = "link", target_os = "linux", target_env = "gnu"))]
-    // SAFETY: they set numbers of the allocator, before there is another thread.
-    unsafe {
-        /// Threads share so many heaps.
-        const HEAPS: libc::c_int = 2;
-        /// Blocks from this size, bytes, are taken from the system and given back: buffers of connections.
-        const OF_THE_SYSTEM: libc::c_int = 32 * 1024;
-        libc::mallopt(libc::M_ARENA_MAX, HEAPS);
-        libc::mallopt(libc::M_MMAP_THRESHOLD, OF_THE_SYSTEM);
+/// Tells the C library's allocator what to do with memory that was freed, by what the program is to do.
+#[cfg(all(target_os = "linux", target_env = "gnu"))]
+fn set_allocator() {
+    use libc::{M_ARENA_MAX, M_MMAP_THRESHOLD, M_TRIM_THRESHOLD, c_int};
+    /// Commands that run trial after trial, each of which takes what the one before gave back.
+    const TRIALS: [&str; 3] = ["sweep", "compare", "robustness"];
+    /// So much of it, bytes, is not given back to the system, which would have to clear it for the next trial: an eighth of a trial's time.
+    const KEPT: c_int = 256 << 20;
+    /// The most that the allocator admits, bytes, so that large blocks are kept, too.
+    const LARGE: c_int = 32 << 20;
+    /// Threads of other programs share so many heaps, and blocks from this size, bytes, are taken from the system and given back: the
+    /// link's library takes threads and megabytes for each connection, and a peer may connect again and again.
+    const HEAPS: c_int = 2;
+    const OF_THE_SYSTEM: c_int = 32 << 10;
+    let command = std::env::args_os().nth(1);
+    let runs_trials = TRIALS.iter().any(|trials| command == Some(trials.into()));
+    let settings: &[(c_int, c_int)] = match (runs_trials, cfg!(feature = "link")) {
+        (true, _) => &[(M_TRIM_THRESHOLD, KEPT), (M_MMAP_THRESHOLD, LARGE)],
+        (false, true) => &[(M_ARENA_MAX, HEAPS), (M_MMAP_THRESHOLD, OF_THE_SYSTEM)],
+        (false, false) => &[],
+    };
+    for &(what, to) in settings {
+        // SAFETY: it sets a number of the allocator, before there is another thread.
+        unsafe { libc::mallopt(what, to) };
     }
 }
