@@ -136,38 +136,24 @@ impl Hinge {
             let grip = grip(state);
             let torque = grip.load;
             let held = !self.on_torque_sensor || shaft.holds(state.twist, torque);
-            // Where the object was.
-            let pulled = torque + grip.stiffness * (state.angle - start);
-            if direction.is_none() && held && pulled.abs() > breakaway + TORQUE_TOLERANCE {
-                direction = Some(pulled.signum());
-            }
-            if direction.is_none() && state.angle != start {
-                state.angle = start;
-                continue;
+            if direction.is_none() {
+                // Of what pulls where the object was: where not all feelers hold on, that is not known from ahead.
+                let pulled = torque + grip.stiffness * (state.angle - start);
+                let is_known = grip.holds || state.angle == start;
+                if is_known && held && pulled.abs() > breakaway + TORQUE_TOLERANCE {
+                    direction = Some(pulled.signum());
+                } else if state.angle != start {
+                    state.angle = start;
+                    continue;
+                }
             }
             let before = *state;
             state.turning = direction.is_some();
             let (mut unbalance, mut bend) = (0.0, 0.0);
             let twist;
             if let Some(direction) = direction {
-                let resisting = thread.resisting_torque(state.angle);
-                let rise = thread.resistance_slope(state.angle, torque);
-                // What it stands on twists as the thread resists, which takes torque off the grip.
-                let lag = shaft.way(direction * resisting) - state.twist;
-                let (lag, follows) = match self.on_torque_sensor {
-                    true => (lag, 1.0 + shaft.way_over(rise)),
-                    false => (0.0, 1.0),
-                };
-                let slope = grip.stiffness * follows + rise;
-                let excess = direction * (torque - grip.stiffness * lag) - resisting;
-                // The thread holds; it never turns the object back.
-                let turned =
-                    direction * (state.angle - start) + excess / slope.max(f64::MIN_POSITIVE);
-                state.angle = start + direction * turned.max(0.0);
-                unbalance = (direction * torque - resisting).abs();
-                let resists = thread.resisting_torque(state.angle);
-                bend = resists - resisting - rise * direction * (state.angle - before.angle);
-                twist = shaft.way(direction * resists);
+                (unbalance, bend) = self.turn_further(state, (start, direction), shaft, &grip);
+                twist = shaft.way(direction * thread.resisting_torque(state.angle));
             } else {
                 // The grip gives way as the shaft does.
                 twist = shaft.give(state.twist, &grip);
@@ -185,6 +171,36 @@ impl Hinge {
                 break;
             }
         }
+    }
+
+    /// A Newton step of the angle of what turns in a direction from a start on: how far torques were off balance, and what of them is
+    /// due to a stop that the step met, both N·m.
+    fn turn_further(
+        &self,
+        state: &mut Turn,
+        (start, direction): (f64, f64),
+        shaft: &PlaySpring,
+        grip: &FingerLoad,
+    ) -> (f64, f64) {
+        let (thread, torque, before) = (&self.thread, grip.load, state.angle);
+        let resisting = thread.resisting_torque(before);
+        let rise = thread.resistance_slope(before, torque);
+        // What it stands on twists as the thread resists, which takes torque off the grip.
+        let (lag, follows) = match self.on_torque_sensor {
+            true => {
+                let lag = shaft.way(direction * resisting) - state.twist;
+                (lag, 1.0 + shaft.way_over(rise))
+            }
+            false => (0.0, 1.0),
+        };
+        let slope = grip.stiffness * follows + rise;
+        let excess = direction * (torque - grip.stiffness * lag) - resisting;
+        let turned = direction * (before - start) + excess / slope.max(f64::MIN_POSITIVE);
+        // The thread holds; it never turns the object back.
+        state.angle = start + direction * turned.max(0.0);
+        let resists = thread.resisting_torque(state.angle);
+        let bend = resists - resisting - rise * direction * (state.angle - before);
+        ((direction * torque - resisting).abs(), bend)
     }
 }
 
