@@ -5,11 +5,15 @@
 use crate::support::{config, finger, plant};
 use feeler::glam::DVec3;
 use feeler::hand::{Hand, HandCommand, HandState};
+use feeler_drives::bus::Bus;
 use feeler_drives::clock::RigClock;
 use feeler_drives::emulator::{BusFault, Emulator, EmulatorConfig};
 use feeler_drives::hand::DriveHand;
 use feeler_drives::packet::Protocol;
 use feeler_drives::registers::Registers;
+use std::process::Command;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
 
 /// Seconds of the rig's time in a real second.
 const SPEED: f64 = 0.05;
@@ -57,4 +61,28 @@ fn a_hand_moves_over_a_pseudo_terminal_and_a_pulled_cable_stops_it() {
         let servos = emulator.servos().servos().to_vec();
         assert!(servos.iter().all(|servo| servo.get(torque) == 1));
     }
+}
+
+#[test]
+fn a_bus_that_was_closed_is_free_whatever_is_being_started() {
+    let config = config(Protocol::Dynamixel, 1);
+    let clock = RigClock::at_speed(SPEED);
+    let bus = EmulatorConfig::of(&config, 1);
+    let emulator = Emulator::start(&bus, plant(&config), clock.clone()).expect("a terminal");
+    let over = AtomicBool::new(false);
+    thread::scope(|scope| {
+        // Until it is another program, a new process has all files of this one.
+        scope.spawn(|| {
+            while !over.load(Ordering::Relaxed) {
+                let ended = Command::new("true").status();
+                assert!(ended.expect("a process").success());
+            }
+        });
+        let how = (Protocol::Dynamixel, config.baud_rate);
+        let opened = (0..2000).try_for_each(|_| {
+            Bus::open(emulator.path(), how, config.reply_timeout, clock.clone()).map(drop)
+        });
+        over.store(true, Ordering::Relaxed);
+        opened.expect("a bus that nobody has");
+    });
 }
