@@ -1,4 +1,4 @@
-//! Threads and hinges, as an experiment file describes them.
+//! Threads and hinges, as an experiment file describes them, and how a thread resists.
 
 use feeler::check::{Checker, MAX};
 use serde::{Deserialize, Serialize};
@@ -81,5 +81,34 @@ impl HingeConfig {
         checker.not_negative(&format!("{key}.running_torque"), self.running_torque);
         let factor = self.static_factor;
         checker.between(&format!("{key}.static_factor"), factor, 1.0, 10.0);
+    }
+}
+
+impl ThreadConfig {
+    /// Torque that resists turning at `angle` (rad) while the cap turns, N·m.
+    pub fn resisting_torque(&self, angle: f64) -> f64 {
+        let stops = self.stops().into_iter();
+        let rise = stops.map(|(met, stiffness)| stiffness * (angle - met).max(0.0));
+        self.running_torque + rise.sum::<f64>()
+    }
+
+    /// Rise of the resisting torque per angle in the direction of `torque`. A seated cap that comes
+    /// loose meets less and less resistance; counting that as 0 keeps the steps stable.
+    pub(super) fn resistance_slope(&self, angle: f64, torque: f64) -> f64 {
+        let met = |(at, stiffness)| if angle >= at { stiffness } else { 0.0 };
+        match torque > 0.0 {
+            true => self.stops().into_iter().map(met).sum(),
+            false => 0.0,
+        }
+    }
+
+    /// What stops the cap: the angle (rad) at which it meets each, and the rise of the torque from there, N·m/rad.
+    fn stops(&self) -> [(f64, f64); 2] {
+        let seat = (self.seat_angle, self.seat_stiffness);
+        match self.fault {
+            None => [seat, (0.0, 0.0)],
+            Some(ThreadFault::Stripped) => [(0.0, 0.0); 2],
+            Some(ThreadFault::CrossThreaded { angle, stiffness }) => [seat, (angle, stiffness)],
+        }
     }
 }
