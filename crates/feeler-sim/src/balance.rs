@@ -31,16 +31,14 @@ pub(super) fn balance(model: &WorldModel, state: &mut State, object: usize, hing
         state.objects[object].last_turn = (0.0, 0.0);
         return;
     }
+    // Once: what slips turn it by besides, nobody knows beforehand.
+    let mut ahead = state.objects[object].last_turn;
     for round in 0..MAX_BALANCE_ROUNDS {
         match &model.sides {
             Some(sides) if hinge.on_torque_sensor => {
                 shift_and_turn(model, state, object, hinge, sides)
             }
-            _ if round == 0 => {
-                let ahead = state.objects[object].last_turn;
-                turn(model, state, object, hinge, ahead);
-            }
-            _ => turn(model, state, object, hinge, (0.0, 0.0)),
+            _ => turn(model, state, object, hinge, std::mem::take(&mut ahead)),
         }
         // The motion of this step overloads feelers steadily, and first; then one feeler's slip
         // overloads another at a stroke.

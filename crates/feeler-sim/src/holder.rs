@@ -131,16 +131,12 @@ mod tests {
     /// Where a spring beyond a play settles that a softer spring pulls at, whose far end is at `drive`.
     fn settled(spring: &PlaySpring, from: f64, stiffness: f64, drive: f64) -> f64 {
         (0..4).fold(from, |at, _| {
-            let load = stiffness * (drive - at);
-            let holds = true;
-            spring.give(
-                at,
-                &FingerLoad {
-                    load,
-                    stiffness,
-                    holds,
-                },
-            )
+            let grip = FingerLoad {
+                load: stiffness * (drive - at),
+                stiffness,
+                holds: true,
+            };
+            spring.give(at, &grip)
         })
     }
 

@@ -281,6 +281,28 @@ mod tests {
     }
 
     #[test]
+    fn where_the_balance_is_looked_for_from_does_not_matter() {
+        // It sticks, turns, and is on its seat.
+        for drive in [0.002, 0.2, 0.6] {
+            let turned = |ahead| {
+                let mut state = Turn::default();
+                let shaft = PlaySpring::new(10.0, 0.0);
+                cap().turn(&mut state, ahead, &shaft, spring(1.0, drive));
+                state
+            };
+            let expected = turned((0.0, 0.0));
+            for ahead in [(0.1, 0.0), (0.0, -1e-3), (0.5, 1e-3), (-0.3, 2e-4)] {
+                let found = turned(ahead);
+                let off = (found.torque - expected.torque).abs();
+                // Each is balanced to 1e-9 N m.
+                assert!(off < 2e-9, "{found:?} from {ahead:?}, not {expected:?}");
+                assert!((found.angle - expected.angle).abs() < 1e-8, "{found:?}");
+                assert_eq!(found.turning, expected.turning);
+            }
+        }
+    }
+
+    #[test]
     fn a_hinge_without_friction_follows_the_spring() {
         let hinge = Hinge::plain(&HingeConfig {
             running_torque: 0.0,
