@@ -3,6 +3,7 @@
 use glam::{DMat3, DVec3};
 
 use super::finger::FingerGeometry;
+use super::sin_cos::sin_cos;
 
 /// Where the fingertip is and how it is turned, at joint angles `theta` (theta1..theta3, rad).
 ///
@@ -40,9 +41,8 @@ pub(super) struct Chain {
 
 impl Chain {
     pub(super) fn at(geometry: &FingerGeometry, theta: DVec3) -> Self {
-        let (s1, c1) = theta.x.sin_cos();
-        let (s2, c2) = theta.y.sin_cos();
-        let (s3, c3) = theta.z.sin_cos();
+        let (sines, cosines) = sin_cos(theta);
+        let ([s1, s2, s3], [c1, c2, c3]) = (sines.to_array(), cosines.to_array());
         // By the sum formulas, so that a finite theta2 + theta3 cannot overflow.
         let (s23, c23) = (s2 * c3 + c2 * s3, c2 * c3 - s2 * s3);
         let [l2, l3, l4] = geometry.links();
