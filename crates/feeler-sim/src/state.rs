@@ -60,6 +60,8 @@ pub struct FingerState {
     pub tip: Pose,
     /// Where the fingertip is held from outside, if it does not follow its joints.
     pub held_at: Option<Pose>,
+    /// Whether its fingertip was left where it was in the last step, as it cannot touch anything.
+    pub(super) is_left: bool,
     /// The feelers that touch.
     pub contacts: Contacts,
     /// The fingertip as seen from each object, which has not moved since.
@@ -151,6 +153,7 @@ impl State {
                 joints: model.servo.joints(theta),
                 tip,
                 held_at: None,
+                is_left: false,
                 contacts: Contacts::none(objects.len(), elements),
                 seen: seen.clone(),
                 rolled: vec![DMat3::IDENTITY; objects.len()],

@@ -28,15 +28,22 @@ pub(super) fn step(
         fingers, objects, ..
     } = state;
     let moves = moves(objects);
-    for (finger, own) in model.fingers.iter().zip(fingers) {
+    // One stage after another, as what the fingers do in a stage does not wait for each other.
+    for (finger, own) in model.fingers.iter().zip(&mut *fingers) {
         let before = own.joints.link;
         move_joints(model, finger, own);
         let turn = own.joints.link - before;
-        if own.stays_free(finger, turn, moves) && !is_seen && bodies.is_none() {
-            continue;
+        own.is_left = own.stays_free(finger, turn, moves) && !is_seen && bodies.is_none();
+    }
+    for (finger, own) in model.fingers.iter().zip(&mut *fingers) {
+        if !own.is_left {
+            place_fingertip(finger, own);
         }
-        place_fingertip(finger, own);
-        touch(model, finger, own, objects);
+    }
+    for (finger, own) in model.fingers.iter().zip(fingers) {
+        if !own.is_left {
+            touch(model, finger, own, objects);
+        }
     }
     for (index, object) in model.objects.iter().enumerate() {
         match &object.motion {
