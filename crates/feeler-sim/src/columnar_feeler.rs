@@ -6,12 +6,9 @@ pub use super::feeler_config::{FeelerConfig, Friction};
 use super::object::Object;
 use super::pose::Pose;
 use super::shape::SurfacePoint;
+use super::slip::{MAX_SLIP_ITERATIONS, Slip, sticks};
 use glam::DVec3;
 
-/// A slipping anchor is followed along the surface in steps; on a cylinder two or three suffice.
-const MAX_SLIP_ITERATIONS: usize = 16;
-/// A slip ends when the shear force exceeds the kinetic limit by less than this fraction.
-const SLIP_TOLERANCE: f64 = 1e-9;
 /// A feeler that is compressed beyond its length limit is stiffer by this factor.
 const BOTTOMED_FACTOR: f64 = 10.0;
 
@@ -53,13 +50,6 @@ pub(super) fn tip_of(dome_radius: f64, seen: &Pose, axis: DVec3, set: DVec3) -> 
         axis,
         set,
     }
-}
-
-/// Whether a tip that presses with `normal_force` sticks under a `shear` force, both N.
-#[inline(always)]
-pub(super) fn sticks(normal_force: f64, shear: f64, friction: Friction) -> bool {
-    let excess = shear - friction.static_friction * normal_force;
-    excess <= SLIP_TOLERANCE * normal_force
 }
 
 /// How an overload of a feeler came about.
@@ -131,6 +121,7 @@ impl FeelerConfig {
     }
 
     /// The anchor of a tip that touches `surface`.
+    #[inline(always)]
     pub fn anchor(&self, surface: &SurfacePoint) -> Anchor {
         Anchor {
             position: surface.position + self.tip_radius * surface.normal,
@@ -172,58 +163,27 @@ impl FeelerConfig {
         anchor: Anchor,
         overload: Overload,
     ) -> Option<(Anchor, DVec3)> {
-        let mut force = self.elastic_force(tip, anchor.position);
-        let (mut normal_force, mut shear) = split(force, anchor.normal);
+        let force = self.elastic_force(tip, anchor.position);
+        let (normal_force, shear) = split(force, anchor.normal);
         if normal_force <= 0.0 {
             return None;
         }
         if sticks(normal_force, shear.length(), friction) {
             return Some((anchor, force));
         }
-        let excess = shear.length() - friction.static_friction * normal_force;
-        let rebuilt = match overload {
-            Overload::Steady => excess,
-            Overload::Sudden => 0.0,
-        };
-        let mut anchor = anchor;
-        let most = friction.static_friction - friction.kinetic_friction;
+        let mut slip = Slip::begin(self, friction, tip, anchor, overload);
         for _ in 0..MAX_SLIP_ITERATIONS {
-            let end = friction.kinetic_friction * normal_force + rebuilt.min(most * normal_force);
-            let excess = shear.length() - end;
-            if excess <= SLIP_TOLERANCE * normal_force {
+            if slip.is_over(friction) {
                 break;
             }
-            let friction = friction.kinetic_friction;
-            anchor = self.slide(object, friction, tip.axis, anchor, excess, shear)?;
-            force = self.elastic_force(tip, anchor.position);
-            (normal_force, shear) = split(force, anchor.normal);
-            if normal_force <= 0.0 {
+            let (way, point) = slip.way(self, friction, tip);
+            let anchor = self.anchor(&object.nearest(point)?);
+            slip = slip.go_on(self, tip, way, anchor);
+            if slip.normal_force <= 0.0 {
                 return None;
             }
         }
-        Some((anchor, force))
-    }
-
-    /// The anchor moved along its `shear` force until, to first order, that has lost its `excess`
-    /// (N) over the kinetic limit, and put back on the surface.
-    fn slide(
-        &self,
-        object: &Object,
-        kinetic_friction: f64,
-        axis: DVec3,
-        anchor: Anchor,
-        excess: f64,
-        shear: DVec3,
-    ) -> Option<Anchor> {
-        let direction = shear.normalize_or_zero();
-        let relief = self.stiffness_times(axis, direction);
-        // Sliding also changes the normal force where the feeler leans; never let that turn the
-        // linear model's sign.
-        let along = direction.dot(relief);
-        let slope = along + kinetic_friction * anchor.normal.dot(relief);
-        let distance = excess / slope.max(0.1 * along);
-        let surface = object.nearest(anchor.position + distance * direction)?;
-        Some(self.anchor(&surface))
+        Some((slip.anchor, slip.force))
     }
 }
 

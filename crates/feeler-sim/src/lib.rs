@@ -42,6 +42,8 @@ mod settle;
 pub mod shape;
 mod shape_config;
 pub mod sim_camera;
+mod slip;
+mod slips;
 mod start;
 pub mod state;
 pub mod step;

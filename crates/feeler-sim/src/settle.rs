@@ -1,12 +1,12 @@
 //! Feelers on an object slip or let go, and their forces are known.
 
-use super::columnar_feeler::{
-    Anchor, FeelerConfig, Friction, Overload, Tip, split, sticks, tip_of, within_cone,
-};
+use super::columnar_feeler::{FeelerConfig, Friction, Overload, split, tip_of, within_cone};
 use super::contacts::{BLOCK, Block, Column, Share, Vectors};
 use super::model::{Finger, WorldModel};
 use super::object::Object;
 use super::pose::Pose;
+use super::slip::{Slip, lost, sticks};
+use super::slips::{Alike, Lanes, Slips, slip_together};
 use super::state::{FingerState, ObjectState, Slipped, State};
 use super::step::undeformed;
 use glam::DVec3;
@@ -38,8 +38,13 @@ struct Held {
     /// On the object, N, in W.
     force: Vectors,
     /// What is pressed and does not slip is held.
-    is_held: [bool; BLOCK],
+    is_held: Lanes,
+    /// What is pressed and slips.
+    slips: Lanes,
 }
+
+/// The force of a contact on the object, N, in W, and how it slipped, if it did.
+type Settled = (DVec3, Option<Slipped>);
 
 /// Feelers on the object slip or let go, and their forces are known; how many slipped. `duration`
 /// (s) is the time since their tips were remembered.
@@ -74,13 +79,19 @@ pub(super) fn settle(
         let contacts = state.contacts.on_mut(index);
         for (share, block) in contacts.blocks_mut() {
             let held = meeting.hold(share, block);
+            let together = meeting.slip_together(share, block, &held);
             for lane in 0..share.count {
                 let element = block.element(lane);
                 if held.is_held[lane] {
                     state.forces[element] = held.force.get(lane);
                     continue;
                 }
-                let settled = meeting.settle(block, lane, &state.sets);
+                let settled = match &together {
+                    Some((ended, known)) if known[lane] => {
+                        meeting.slipped(block, lane, &ended.get(lane))
+                    }
+                    _ => meeting.settle(block, lane, &state.sets),
+                };
                 gone |= settled.is_none();
                 let Some((force, slipped)) = settled else {
                     slips += 1;
@@ -112,6 +123,7 @@ impl Meeting<'_> {
         let mut held = Held {
             force: Vectors::default(),
             is_held: [false; BLOCK],
+            slips: [false; BLOCK],
         };
         let Some(spring) = &self.finger.springs else {
             for lane in 0..share.count {
@@ -137,10 +149,58 @@ impl Meeting<'_> {
         }
         block.roll_to(&anchors, spring.tip_radius * turned.length());
         for lane in 0..share.count {
-            held.is_held[lane] =
-                pressed[lane] > 0.0 && sticks(pressed[lane], shear[lane], friction);
+            let sticks = sticks(pressed[lane], shear[lane], friction);
+            held.is_held[lane] = pressed[lane] > 0.0 && sticks;
+            held.slips[lane] = pressed[lane] > 0.0 && !sticks;
         }
         held
+    }
+
+    /// Lets those of a block's contacts that slip do so together, where there are several and what they slip over is a cylinder;
+    /// of which that is known.
+    #[inline(always)]
+    fn slip_together(&self, share: Share, block: &Block, held: &Held) -> Option<(Slips, Lanes)> {
+        if held.slips.iter().filter(|slips| **slips).count() < 2 {
+            return None;
+        }
+        let spring = self.finger.springs.as_ref()?.as_spring();
+        let friction = friction(&spring, self.object, self.state);
+        if friction.stribeck_speed > 0.0 {
+            return None;
+        }
+        let alike = Alike {
+            feeler: &spring,
+            friction,
+            overload: self.overload,
+            side: self.object.shape.side()?,
+            centre: self.object.offset,
+        };
+        let (seen, dome_radius) = (self.seen, self.finger.dome_radius);
+        let start = |lane| {
+            let tip = tip_of(dome_radius, &seen, block.axis(lane), DVec3::ZERO);
+            (tip, block.anchor(lane))
+        };
+        Some(slip_together(alike, share.lanes, &held.slips, start))
+    }
+
+    /// What becomes of a contact whose slip is known, as [`Self::settle`] tells it.
+    fn slipped(&self, block: &mut Block, lane: usize, slip: &Slip) -> Option<Settled> {
+        if slip.normal_force <= 0.0 {
+            return None;
+        }
+        let feeler = self.finger.feeler(block.element(lane));
+        let before = block.anchor(lane);
+        let tip = tip_of(
+            self.finger.dome_radius,
+            &self.seen,
+            block.axis(lane),
+            DVec3::ZERO,
+        );
+        block.set_anchor(lane, &slip.anchor);
+        Some((
+            self.state.pose.rotation * slip.force,
+            lost(feeler, &tip, &before, &slip.anchor),
+        ))
     }
 
     #[inline(always)]
@@ -151,14 +211,8 @@ impl Meeting<'_> {
         block.set_rolled(lane, rolled);
     }
 
-    /// What becomes of one contact, whose tip has rolled: the force on the object, N, in W, and how it slipped, if it
-    /// did. `None` where it lets go.
-    fn settle(
-        &self,
-        block: &mut Block,
-        lane: usize,
-        sets: &[DVec3],
-    ) -> Option<(DVec3, Option<Slipped>)> {
+    /// What becomes of one contact, whose tip has rolled. `None` where it lets go.
+    fn settle(&self, block: &mut Block, lane: usize, sets: &[DVec3]) -> Option<Settled> {
         let element = block.element(lane);
         let feeler = self.finger.feeler(element);
         let before = block.anchor(lane);
@@ -170,25 +224,13 @@ impl Meeting<'_> {
         }
         let (anchor, mut force) =
             feeler.settle(self.object, friction, &tip, before, self.overload)?;
-        let slipped = (anchor != before).then(|| slip(feeler, &tip, &before, &anchor));
+        let slipped = lost(feeler, &tip, &before, &anchor);
         block.set_anchor(lane, &anchor);
         if feeler.is_damped() {
             force += feeler.damping_times(tip.axis, velocity);
             force = within_cone(force, anchor.normal, friction);
         }
         Some((self.state.pose.rotation * force, slipped))
-    }
-}
-
-/// What a slip from one anchor to another takes. The feeler has no mass and its force falls in proportion,
-/// so that friction takes the mean of both forces times the way: all that the spring loses.
-fn slip(feeler: &FeelerConfig, tip: &Tip, from: &Anchor, to: &Anchor) -> Slipped {
-    let way = to.position - from.position;
-    let before = feeler.elastic_force(tip, from.position);
-    let after = feeler.elastic_force(tip, to.position);
-    Slipped {
-        way: way.length(),
-        work: 0.5 * (before + after).dot(way),
     }
 }
 

@@ -61,6 +61,41 @@ pub struct SurfacePoint {
     pub distance: f64,
 }
 
+/// The side of a cylinder that stands along z, around the origin.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Side {
+    /// m.
+    radius: f64,
+    /// m.
+    half_height: f64,
+}
+
+impl Side {
+    fn of(cylinder: &Cylinder) -> Self {
+        Self {
+            radius: cylinder.radius,
+            half_height: cylinder.half_height,
+        }
+    }
+
+    /// The point of the side nearest to `point`, m, and whether that is beside it: outside, below the top and above the bottom. Where it is not, the
+    /// answer means nothing.
+    #[inline(always)]
+    pub fn nearest(&self, point: DVec3) -> (SurfacePoint, bool) {
+        let away = point.truncate().length();
+        let normal = DVec3::new(point.x / away, point.y / away, 0.0);
+        let distance = away - self.radius;
+        let position = DVec3::new(self.radius * normal.x, self.radius * normal.y, point.z);
+        let surface = SurfacePoint {
+            position,
+            normal,
+            distance,
+        };
+        let is_beside = point.z.abs() <= self.half_height && distance > f64::EPSILON;
+        (surface, is_beside)
+    }
+}
+
 /// A rigid shape in its own frame.
 #[derive(Clone)]
 pub struct Shape {
@@ -69,7 +104,7 @@ pub struct Shape {
 
 #[derive(Clone)]
 enum Form {
-    /// By itself, because it is by far the most frequent and its query is short.
+    /// By itself, because it is by far the most frequent, and feelers are beside it.
     Cylinder(Cylinder),
     /// With the plain cylinder around it.
     Knurled(Box<KnurledCylinder>, Cylinder),
@@ -148,6 +183,10 @@ impl Shape {
             Form::Knurled(cylinder, _) => return cylinder.nearest(point),
             Form::Cylinder(cylinder) => {
                 use parry3d_f64::query::PointQuery;
+                let (surface, is_beside) = Side::of(cylinder).nearest(point);
+                if is_beside {
+                    return Some(surface);
+                }
                 let projection = cylinder.project_local_point(to_library_axes(point), false);
                 (from_library_axes(projection.point), projection.is_inside)
             }
@@ -167,6 +206,14 @@ impl Shape {
             normal,
             distance: if inside { -length } else { length },
         })
+    }
+
+    /// The side that feelers touch, where the shape is a plain cylinder.
+    pub(super) fn side(&self) -> Option<Side> {
+        match &self.form {
+            Form::Cylinder(cylinder) => Some(Side::of(cylinder)),
+            Form::Knurled(..) | Form::Other(_) => None,
+        }
     }
 
     /// What the rigid-body library collides, and its pose in the shape's frame. Knurls are left

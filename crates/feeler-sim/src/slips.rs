@@ -1,0 +1,114 @@
+//! The slips of a block's contacts, side by side: [`Slip`] in columns.
+
+use super::columnar_feeler::{Anchor, FeelerConfig, Friction, Overload, Tip};
+use super::contacts::{BLOCK, Column, Vectors};
+use super::shape::{Side, SurfacePoint};
+use super::slip::{MAX_SLIP_ITERATIONS, Slip};
+use glam::DVec3;
+
+/// Which contacts of a block.
+pub(super) type Lanes = [bool; BLOCK];
+
+/// What is the same for all of them.
+#[derive(Clone, Copy)]
+pub(super) struct Alike<'a> {
+    pub feeler: &'a FeelerConfig,
+    pub friction: Friction,
+    pub overload: Overload,
+    /// What they slip over...
+    pub side: Side,
+    /// ... and where its centre is in the object's frame, m.
+    pub centre: DVec3,
+}
+
+/// A number or vector of each slip.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Slips {
+    position: Vectors,
+    normal: Vectors,
+    force: Vectors,
+    direction: Vectors,
+    normal_force: Column,
+    shear: Column,
+    bend: Column,
+    rebuilt: Column,
+}
+
+impl Slips {
+    #[inline(always)]
+    pub fn get(&self, lane: usize) -> Slip {
+        Slip {
+            anchor: Anchor {
+                position: self.position.get(lane),
+                normal: self.normal.get(lane),
+            },
+            force: self.force.get(lane),
+            normal_force: self.normal_force[lane],
+            direction: self.direction.get(lane),
+            shear: self.shear[lane],
+            bend: self.bend[lane],
+            rebuilt: self.rebuilt[lane],
+        }
+    }
+
+    #[inline(always)]
+    fn set(&mut self, lane: usize, slip: &Slip) {
+        self.position.set(lane, slip.anchor.position);
+        self.normal.set(lane, slip.anchor.normal);
+        self.force.set(lane, slip.force);
+        self.normal_force[lane] = slip.normal_force;
+        self.direction.set(lane, slip.direction);
+        self.shear[lane] = slip.shear;
+        self.bend[lane] = slip.bend;
+        self.rebuilt[lane] = slip.rebuilt;
+    }
+}
+
+/// Lets those of a block's `lanes` that `slips` names slip from where they `start`, each as by itself. What it returns is known of those
+/// that it names: the others are not overloaded, or left the side.
+#[inline(always)]
+pub(super) fn slip_together(
+    alike: Alike,
+    lanes: usize,
+    slips: &Lanes,
+    start: impl Fn(usize) -> (Tip, Anchor),
+) -> (Slips, Lanes) {
+    let Alike {
+        feeler, friction, ..
+    } = alike;
+    let mut now = Slips::default();
+    let (mut tips, mut axes) = (Vectors::default(), Vectors::default());
+    let (mut known, mut goes_on) = (*slips, *slips);
+    for lane in 0..lanes.min(BLOCK) {
+        let (tip, anchor) = start(lane);
+        let slip = Slip::begin(feeler, friction, &tip, anchor, alike.overload);
+        now.set(lane, &slip);
+        tips.set(lane, tip.position);
+        axes.set(lane, tip.axis);
+        goes_on[lane] &= !slip.is_over(friction);
+    }
+    for _ in 0..MAX_SLIP_ITERATIONS {
+        if !goes_on.contains(&true) {
+            break;
+        }
+        for lane in 0..lanes.min(BLOCK) {
+            let (slip, goes) = (now.get(lane), goes_on[lane]);
+            let tip = Tip {
+                position: tips.get(lane),
+                axis: axes.get(lane),
+                set: DVec3::ZERO,
+            };
+            let (way, point) = slip.way(feeler, friction, &tip);
+            let (surface, is_beside) = alike.side.nearest(point - alike.centre);
+            let anchor = feeler.anchor(&SurfacePoint {
+                position: surface.position + alike.centre,
+                ..surface
+            });
+            let next = slip.go_on(feeler, &tip, way, anchor);
+            now.set(lane, if goes { &next } else { &slip });
+            known[lane] &= !goes | is_beside;
+            goes_on[lane] = goes & is_beside & (next.normal_force > 0.0) & !next.is_over(friction);
+        }
+    }
+    (now, known)
+}
