@@ -99,7 +99,7 @@ fn shift(
             let along = pose.rotation.row(axis);
             let seen = |finger: &FingerState| finger.tip.seen_from(&pose);
             let grip = grip(model, fingers, own, index, seen, Freedom::Along(along));
-            let to = side.give(turn.shift[axis], &grip);
+            let to = side.give(turn.shift[axis], grip.load, grip.firm);
             moved = moved.max((to - turn.shift[axis]).abs());
             turn.shift[axis] = to;
         }

@@ -1,8 +1,9 @@
 //! What the feelers on an object do to it, and how that changes as it gives way.
 
 use super::columnar_feeler::{Anchor, FeelerConfig, Friction, Tip, split, tip_of, within_cone};
-use super::contacts::{BLOCK, Column};
-use super::model::WorldModel;
+use super::contacts::{BLOCK, Block, Column, Share};
+use super::model::{Finger, WorldModel};
+use super::object::Object;
 use super::pose::Pose;
 use super::settle::friction;
 use super::state::{FingerState, ObjectState};
@@ -19,8 +20,8 @@ pub(super) enum Freedom {
     Around(f64),
 }
 
-/// What the feelers on an object would do along one of its freedoms, holding on, where it is so that it has each fingertip where `seen`
-/// says.
+/// What the feelers on an object would do along one of its freedoms, where it is so that it has each fingertip where `seen` says: those that can,
+/// holding on.
 #[inline(always)]
 pub(super) fn grip(
     model: &WorldModel,
@@ -30,9 +31,8 @@ pub(super) fn grip(
     seen: impl Fn(&FingerState) -> Pose,
     freedom: Freedom,
 ) -> FingerLoad {
-    let object = &model.objects[index];
     let mut sum = FingerLoad {
-        holds: true,
+        room: f64::INFINITY,
         ..FingerLoad::default()
     };
     for (finger, state) in model.fingers.iter().zip(fingers) {
@@ -41,65 +41,144 @@ pub(super) fn grip(
             continue;
         }
         let seen = seen(state);
-        let turned = seen.turn_since(&state.rolled[index]);
+        let fingertip = Fingertip {
+            finger,
+            object: &model.objects[index],
+            own,
+            seen,
+            turned: seen.turn_since(&state.rolled[index]),
+        };
         for (share, block) in contacts.blocks() {
-            let mut load: Column = [0.0; BLOCK];
-            let (mut stiffness, mut spare) = (load, load);
-            if let Some(spring) = &finger.springs {
-                let spring = spring.as_spring();
-                let friction = friction(&spring, object, own);
-                for lane in 0..share.lanes.min(BLOCK) {
-                    let anchor = spring.rolled(&block.anchor(lane), turned);
-                    let axis = block.axis(lane);
-                    let tip = tip_of(finger.dome_radius, &seen, axis, DVec3::ZERO);
-                    let still = (DVec3::ZERO, model.step);
-                    let grip = contact_grip(&spring, friction, &tip, &anchor, still, freedom);
-                    (load[lane], stiffness[lane], spare[lane]) = grip;
-                }
-            } else {
-                for lane in 0..share.count {
-                    let element = block.element(lane);
-                    let feeler = &finger.feelers[element];
-                    let anchor = feeler.rolled(&block.anchor(lane), turned);
-                    let tip = undeformed(finger, &state.sets, &seen, element);
-                    let moved = (tip.position - block.tip_before(lane), model.step);
-                    let friction = friction(feeler, object, own);
-                    let grip = contact_grip(feeler, friction, &tip, &anchor, moved, freedom);
-                    (load[lane], stiffness[lane], spare[lane]) = grip;
-                    // What is more than a spring may grow stiffer on the way.
-                    if !feeler.is_spring() {
-                        spare[lane] = 0.0;
-                    }
-                }
-            }
+            let grips = match &finger.springs {
+                Some(spring) => fingertip.springs(&spring.as_spring(), share, block, freedom),
+                None => fingertip.feelers(&state.sets, model.step, share, block, freedom),
+            };
             for lane in 0..share.count {
-                sum.load += load[lane];
-                sum.stiffness += stiffness[lane];
-                sum.holds &= spare[lane] > 0.0;
+                sum.load += grips.load[lane];
+                sum.stiffness += grips.stiffness[lane];
+                sum.firm += grips.firm[lane];
+                sum.room = sum.room.min(grips.room[lane]);
             }
         }
     }
     sum
 }
 
-/// What one feeler does to an object along one of its freedoms, holding on: load, by how much that falls as the object gives way (exact for
-/// a spring that holds on, else about), and how much more shear it could bear (as a difference of squares, N^2). `moved` is by how much
-/// its tip has moved, m, and in which time, s.
+/// A fingertip at an object.
+struct Fingertip<'a> {
+    finger: &'a Finger,
+    object: &'a Object,
+    own: &'a ObjectState,
+    /// Where it is as the object sees it.
+    seen: Pose,
+    /// By how much it has turned since tips last rolled, rad, in the object's frame.
+    turned: DVec3,
+}
+
+/// What each feeler of a block does.
+#[derive(Clone, Copy, Default)]
+struct Grips {
+    load: Column,
+    stiffness: Column,
+    firm: Column,
+    room: Column,
+}
+
+impl Grips {
+    #[inline(always)]
+    fn set(&mut self, lane: usize, grip: &FingerLoad) {
+        self.load[lane] = grip.load;
+        self.stiffness[lane] = grip.stiffness;
+        self.firm[lane] = grip.firm;
+        self.room[lane] = grip.room;
+    }
+}
+
+impl Fingertip<'_> {
+    /// Of feelers that are alike and springs, side by side.
+    #[inline(always)]
+    fn springs(
+        &self,
+        spring: &FeelerConfig,
+        share: Share,
+        block: &Block,
+        freedom: Freedom,
+    ) -> Grips {
+        let friction = friction(spring, self.object, self.own);
+        let (seen, turned, dome_radius) = (self.seen, self.turned, self.finger.dome_radius);
+        let mut held = Grips::default();
+        let mut slips = [false; BLOCK];
+        for lane in 0..share.lanes.min(BLOCK) {
+            let anchor = spring.rolled(&block.anchor(lane), turned);
+            let tip = tip_of(dome_radius, &seen, block.axis(lane), DVec3::ZERO);
+            let (grip, holds) =
+                contact_grip::<false>(spring, friction, &tip, &anchor, STILL, freedom);
+            held.set(lane, &grip);
+            slips[lane] = !holds & (lane < share.count);
+        }
+        if !slips.iter().fold(false, |any, &slips| any | slips) {
+            return held;
+        }
+        let mut limited = Grips::default();
+        for lane in 0..share.lanes.min(BLOCK) {
+            let anchor = spring.rolled(&block.anchor(lane), turned);
+            let tip = tip_of(dome_radius, &seen, block.axis(lane), DVec3::ZERO);
+            let (grip, _) = contact_grip::<true>(spring, friction, &tip, &anchor, STILL, freedom);
+            limited.set(lane, &grip);
+        }
+        limited
+    }
+
+    /// Of any, one by one; their tips were remembered `duration` ago, s.
+    fn feelers(
+        &self,
+        sets: &[DVec3],
+        duration: f64,
+        share: Share,
+        block: &Block,
+        freedom: Freedom,
+    ) -> Grips {
+        let mut grips = Grips::default();
+        for lane in 0..share.count {
+            let element = block.element(lane);
+            let feeler = &self.finger.feelers[element];
+            let anchor = feeler.rolled(&block.anchor(lane), self.turned);
+            let tip = undeformed(self.finger, sets, &self.seen, element);
+            let moved = (tip.position - block.tip_before(lane), duration);
+            let friction = friction(feeler, self.object, self.own);
+            let (mut grip, _) =
+                contact_grip::<true>(feeler, friction, &tip, &anchor, moved, freedom);
+            // What is more than a spring may grow stiffer on the way.
+            if !feeler.is_spring() {
+                grip.room = 0.0;
+            }
+            grips.set(lane, &grip);
+        }
+        grips
+    }
+}
+
+/// Of a tip that has not moved, m, in a while, s.
+const STILL: (DVec3, f64) = (DVec3::ZERO, 1.0);
+
+/// What one feeler does to an object along one of its freedoms, and whether it holds on. Where not, and it `SLIPS`, it does as much as it can; else as if
+/// it held on. `moved` is by how much its tip has moved, m, and in which time, s.
 #[inline(always)]
-fn contact_grip(
+fn contact_grip<const SLIPS: bool>(
     feeler: &FeelerConfig,
     friction: Friction,
     tip: &Tip,
     anchor: &Anchor,
     (moved, duration): (DVec3, f64),
     freedom: Freedom,
-) -> (f64, f64, f64) {
+) -> (FingerLoad, bool) {
     let mut force = feeler.elastic_force(tip, anchor.position);
     let point = feeler.contact_point(anchor);
     let stretch = tip.position - anchor.position - tip.set;
-    // Velocity of the contact point, and by how much load and force fall; all per rate of the freedom. The finger stands still.
-    let (way, mut force_falls, load_falls) = match freedom {
-        Freedom::Along(way) => (way, feeler.stiffness_times(tip.axis, way), 0.0),
+    // Velocity of the contact point, by how much it falls as that turns, and by how much the force falls; all per rate of the freedom. The finger
+    // stands still.
+    let (way, way_turns, mut force_falls) = match freedom {
+        Freedom::Along(way) => (way, DVec3::ZERO, feeler.stiffness_times(tip.axis, way)),
         Freedom::Around(sinking) => {
             // As the object sees it, tip and axis turn, and the tip rolls; so the arm of the force changes, too.
             let tip_moves = z_cross(point + stretch) - sinking * DVec3::Z;
@@ -108,7 +187,7 @@ fn contact_grip(
             let stiffer = feeler.normal_stiffness - feeler.shear_stiffness;
             let force_falls = feeler.stiffness_times(tip.axis, tip_moves) + stiffer * turns;
             let arm_grows = feeler.tip_radius * anchor.normal.with_z(0.0);
-            (z_cross(point), force_falls, -arm_grows.dot(force))
+            (z_cross(point), arm_grows, force_falls)
         }
     };
     if feeler.is_damped() {
@@ -118,11 +197,57 @@ fn contact_grip(
         force_falls += feeler.damping_times(tip.axis, way) / duration;
     }
     let (normal_force, shear) = split(force, anchor.normal);
-    let most = friction.static_friction * normal_force.max(0.0);
+    let most = friction.static_friction * normal_force;
     let spare = most * most - shear.length_squared();
-    let force = within_cone(force, anchor.normal, friction);
-    let stiffness = (way.dot(force_falls) + load_falls).max(0.0);
-    (way.dot(force), stiffness, spare)
+    let holds = (normal_force > 0.0) & (spare >= 0.0);
+    let (held, held_falls) = (force, force_falls);
+    if SLIPS {
+        let (slipping, slipping_falls) = at_limit(force, force_falls, anchor.normal, friction);
+        force = select(holds, force, slipping);
+        force_falls = select(holds, force_falls, slipping_falls);
+    }
+    // No vector is longer than the sum of its components.
+    let fastest = held_falls.abs().element_sum();
+    let spare_falls = 2.0 * (shear.abs().element_sum() + friction.static_friction * most.abs());
+    let grip = FingerLoad {
+        load: way.dot(force),
+        stiffness: way.dot(force_falls) - way_turns.dot(force),
+        firm: (way.dot(held_falls) - way_turns.dot(held)).max(0.0),
+        room: (spare.abs() / spare_falls).min(normal_force.abs()) / fastest,
+    };
+    (grip, holds)
+}
+
+/// Force on the object of a feeler that slips or pulls, N, and by how much that falls, where holding on would take a `force` that falls by `force_falls`.
+#[inline(always)]
+fn at_limit(force: DVec3, force_falls: DVec3, normal: DVec3, friction: Friction) -> (DVec3, DVec3) {
+    let (normal_force, shear) = split(force, normal);
+    let (normal_falls, shear_falls) = split(force_falls, normal);
+    // The shear is as much as friction bears, and turns with what it would be.
+    let per_length = shear.length().recip();
+    let direction = per_length * shear;
+    let turns = shear_falls - direction.dot(shear_falls) * direction;
+    let most = friction.static_friction * normal_force;
+    let shear_falls =
+        friction.static_friction * normal_falls * direction + most * per_length * turns;
+    let presses = normal_force > 0.0;
+    let force = most * direction - normal_force * normal;
+    let force_falls = shear_falls - normal_falls * normal;
+    (
+        select(presses, force, DVec3::ZERO),
+        select(presses, force_falls, DVec3::ZERO),
+    )
+}
+
+/// One vector or another, by components: a branch would keep contacts from being worked on side by side.
+#[inline(always)]
+fn select(first: bool, one: DVec3, other: DVec3) -> DVec3 {
+    let pick = |one, other| if first { one } else { other };
+    DVec3::new(
+        pick(one.x, other.x),
+        pick(one.y, other.y),
+        pick(one.z, other.z),
+    )
 }
 
 /// The unit vector along z times `vector`.
@@ -137,8 +262,8 @@ mod tests {
     use crate::pose::Screw;
     use glam::DMat3;
 
-    /// Load and stiffness of a feeler that leans on the side of what turns, after that has turned by `angle`, rad, sinking by 0.5 mm/rad.
-    fn load_after(angle: f64) -> (f64, f64, f64) {
+    /// What a feeler that leans on the side of what turns does to it, after that has turned by `angle`, rad, sinking by 0.5 mm/rad.
+    fn after(angle: f64, static_friction: f64) -> FingerLoad {
         let feeler = FeelerConfig::default();
         let sinking = 0.5e-3;
         let fingertip = Pose {
@@ -162,25 +287,53 @@ mod tests {
             normal,
         };
         let anchor = feeler.rolled(&anchor, seen.turn_since(&fingertip.rotation));
-        let still = (DVec3::ZERO, 1e-3);
         let friction = Friction {
-            static_friction: 5.0,
+            static_friction,
             ..feeler.friction()
         };
         let freedom = Freedom::Around(sinking);
-        contact_grip(&feeler, friction, &tip(&seen), &anchor, still, freedom)
+        contact_grip::<true>(&feeler, friction, &tip(&seen), &anchor, STILL, freedom).0
     }
 
     #[test]
-    fn the_stiffness_about_the_axis_is_how_the_load_falls() {
-        let (load, stiffness, spare) = load_after(0.0);
-        assert!(load.abs() > 1e-4 && spare > 0.0, "{load} N m, {spare}");
-        // Of central differences the error is some h^2, and rounding 1e-16 / h of the load.
-        let h = 1e-5;
-        let falls = (load_after(-h).0 - load_after(h).0) / (2.0 * h);
-        assert!(
-            (falls - stiffness).abs() < 1e-6 * stiffness,
-            "{falls} N m/rad, not {stiffness}"
-        );
+    fn the_stiffness_about_the_axis_is_how_the_load_falls_whether_it_holds_on_or_slips() {
+        // Held by much friction, and at the limit of little.
+        for static_friction in [5.0, 0.2] {
+            let grip = after(0.0, static_friction);
+            assert!(grip.load.abs() > 1e-4, "{grip:?}");
+            // Of central differences the error is some h^2, and rounding 1e-16 / h of the load.
+            let h = 1e-5;
+            let load = |angle| after(angle, static_friction).load;
+            let falls = (load(-h) - load(h)) / (2.0 * h);
+            assert!(
+                (falls - grip.stiffness).abs() < 1e-6 * grip.firm,
+                "{falls} N m/rad, not {grip:?}"
+            );
+            let holds = static_friction > 1.0;
+            assert_eq!(
+                holds,
+                (grip.stiffness - grip.firm).abs() < 1e-12,
+                "{grip:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_feeler_neither_slips_nor_sticks_within_its_room() {
+        // From little friction to much: pairs of neighbours of which one slips and the other does not are near the limit.
+        for step in 1..200 {
+            let static_friction = 0.01 * f64::from(step);
+            let slips = |grip: &FingerLoad| (grip.stiffness - grip.firm).abs() > 1e-12;
+            let grip = after(0.0, static_friction);
+            // The room is to first order: what bends on the way is a thousandth of it, at this size.
+            let way = 0.9 * grip.room.min(1e-3);
+            for angle in [-way, way] {
+                assert_eq!(
+                    slips(&after(angle, static_friction)),
+                    slips(&grip),
+                    "{static_friction}"
+                );
+            }
+        }
     }
 }

@@ -1,6 +1,5 @@
 //! How a bottle is held on the torque sensor: with some play, and a spring beyond it.
 
-use super::thread::FingerLoad;
 use feeler::check::Checker;
 use serde::{Deserialize, Serialize};
 
@@ -98,12 +97,9 @@ impl PlaySpring {
         self.play == 0.0 || at * load.signum() >= self.play
     }
 
-    /// A Newton step from `at` to where it bears what the `grip` there pushes with, but over no end of the
-    /// play: there its stiffness changes.
-    pub fn give(&self, at: f64, grip: &FingerLoad) -> f64 {
-        let FingerLoad {
-            load, stiffness, ..
-        } = *grip;
+    /// A Newton step from `at` to where it bears the `load` that pushes there, which falls by `stiffness` as it gives way; but over
+    /// no end of the play: there its own stiffness changes.
+    pub fn give(&self, at: f64, load: f64, stiffness: f64) -> f64 {
         let bent_from = |end: f64| {
             let way = load * self.compliance + end;
             at + (way - at) / (1.0 + stiffness * self.compliance)
@@ -131,12 +127,7 @@ mod tests {
     /// Where a spring beyond a play settles that a softer spring pulls at, whose far end is at `drive`.
     fn settled(spring: &PlaySpring, from: f64, stiffness: f64, drive: f64) -> f64 {
         (0..4).fold(from, |at, _| {
-            let grip = FingerLoad {
-                load: stiffness * (drive - at),
-                stiffness,
-                holds: true,
-            };
-            spring.give(at, &grip)
+            spring.give(at, stiffness * (drive - at), stiffness)
         })
     }
 
@@ -162,10 +153,9 @@ mod tests {
     #[test]
     fn a_bottle_that_nothing_touches_stays_within_its_play() {
         let spring = PlaySpring::new(50.0, 0.2);
-        let free = FingerLoad::default();
-        assert_eq!(spring.give(0.13, &free), 0.13);
-        assert_eq!(spring.give(-0.2, &free), -0.2);
-        assert!((spring.give(0.3, &free) - 0.2).abs() < 1e-15);
-        assert!((spring.give(-0.3, &free) + 0.2).abs() < 1e-15);
+        assert_eq!(spring.give(0.13, 0.0, 0.0), 0.13);
+        assert_eq!(spring.give(-0.2, 0.0, 0.0), -0.2);
+        assert!((spring.give(0.3, 0.0, 0.0) - 0.2).abs() < 1e-15);
+        assert!((spring.give(-0.3, 0.0, 0.0) + 0.2).abs() < 1e-15);
     }
 }

@@ -52,10 +52,12 @@ impl Turn {
 pub struct FingerLoad {
     /// Torque, N·m, or force, N, on the object by the fingers.
     pub load: f64,
-    /// By how much that falls as the object gives way, N·m/rad or N/m, at least 0.
+    /// By how much that falls as the object gives way, N·m/rad or N/m, as long as it gives way by no more than `room`.
     pub stiffness: f64,
-    /// Whether all feelers hold on, so that it falls like that over a small way.
-    pub holds: bool,
+    /// The same if all feelers held on, at least 0.
+    pub firm: f64,
+    /// How far the object may give way, rad or m, before a feeler slips or sticks, at least; 0 where that is not known.
+    pub room: f64,
 }
 
 impl Hinge {
@@ -137,70 +139,119 @@ impl Hinge {
             let torque = grip.load;
             let held = !self.on_torque_sensor || shaft.holds(state.twist, torque);
             if direction.is_none() {
-                // Of what pulls where the object was: where not all feelers hold on, that is not known from ahead.
-                let pulled = torque + grip.stiffness * (state.angle - start);
-                let is_known = grip.holds || state.angle == start;
+                // Of what pulls where the object was: from too far ahead, that is not known.
+                let ahead = state.angle - start;
+                let pulled = torque + grip.stiffness * ahead;
+                let is_known = ahead.abs() < grip.room || ahead == 0.0;
                 if is_known && held && pulled.abs() > breakaway + TORQUE_TOLERANCE {
                     direction = Some(pulled.signum());
-                } else if state.angle != start {
+                } else if ahead != 0.0 {
                     state.angle = start;
                     continue;
                 }
             }
-            let before = *state;
+            let was_turning = state.turning;
             state.turning = direction.is_some();
-            let (mut unbalance, mut bend) = (0.0, 0.0);
-            let twist;
-            if let Some(direction) = direction {
-                (unbalance, bend) = self.turn_further(state, (start, direction), shaft, &grip);
-                twist = shaft.way(direction * thread.resisting_torque(state.angle));
-            } else {
-                // The grip gives way as the shaft does.
-                twist = shaft.give(state.twist, &grip);
+            let onward = direction.map(|direction| (start, direction));
+            let mut step = self.newton(state, onward, shaft, torque, grip.stiffness);
+            // As feelers that slip would stick, farther on; as if they held on, it never goes too far.
+            let is_exact = step.way(state).abs() < grip.room;
+            if !is_exact {
+                step = self.newton(state, onward, shaft, torque, grip.firm);
             }
-            if self.on_torque_sensor {
-                unbalance = unbalance.max(shaft.load_over(twist - state.twist));
-                state.twist = twist;
-            }
-            let way = state.angle - before.angle + state.twist - before.twist;
-            state.torque = torque - grip.stiffness * way;
-            // What this step left undone, to first order exact, where all hold on, no stop was met, and it went the way it was to go.
-            let left = grip.stiffness * way.abs() * (STIFFNESS_ERROR + way.abs()) + bend.abs();
-            let is_exact = grip.holds && before.turning == state.turning && !shaft.has_play();
-            if unbalance <= TORQUE_TOLERANCE || is_exact && left <= TORQUE_TOLERANCE {
+            let way = step.way(state).abs();
+            (state.angle, state.twist, state.torque) = (step.angle, step.twist, step.torque);
+            // What this step left undone: to first order nothing, where it met no stop and went the way it was to go.
+            let left = grip.firm * way * (STIFFNESS_ERROR + way) + step.bend;
+            let is_known = is_exact && was_turning == state.turning && !shaft.has_play();
+            if step.unbalance <= TORQUE_TOLERANCE || is_known && left <= TORQUE_TOLERANCE {
                 break;
             }
         }
     }
 
-    /// A Newton step of the angle of what turns in a direction from a start on: how far torques were off balance, and what of them is
-    /// due to a stop that the step met, both N·m.
+    /// A Newton step of an object in `state`, where the fingers' `torque` falls by `stiffness`, N·m/rad, as it gives way. It turns `onward`, from a
+    /// start in a direction, or sticks.
+    fn newton(
+        &self,
+        state: &Turn,
+        onward: Option<(f64, f64)>,
+        shaft: &PlaySpring,
+        torque: f64,
+        stiffness: f64,
+    ) -> Step {
+        let mut step = Step {
+            angle: state.angle,
+            twist: state.twist,
+            torque,
+            unbalance: 0.0,
+            bend: 0.0,
+        };
+        let twist = match onward {
+            Some(onward) => {
+                self.turn_further(&mut step, onward, shaft, stiffness);
+                shaft.way(onward.1 * self.thread.resisting_torque(step.angle))
+            }
+            // The grip gives way as the shaft does.
+            None => shaft.give(state.twist, torque, stiffness),
+        };
+        if self.on_torque_sensor {
+            step.unbalance = step.unbalance.max(shaft.load_over(twist - state.twist));
+            step.twist = twist;
+        }
+        step.torque = torque - stiffness * step.way(state);
+        step
+    }
+
+    /// A Newton step of the angle of what turns in a direction from a start on.
     fn turn_further(
         &self,
-        state: &mut Turn,
+        step: &mut Step,
         (start, direction): (f64, f64),
         shaft: &PlaySpring,
-        grip: &FingerLoad,
-    ) -> (f64, f64) {
-        let (thread, torque, before) = (&self.thread, grip.load, state.angle);
+        stiffness: f64,
+    ) {
+        let (thread, torque, before) = (&self.thread, step.torque, step.angle);
         let resisting = thread.resisting_torque(before);
         let rise = thread.resistance_slope(before, torque);
         // What it stands on twists as the thread resists, which takes torque off the grip.
         let (lag, follows) = match self.on_torque_sensor {
             true => {
-                let lag = shaft.way(direction * resisting) - state.twist;
+                let lag = shaft.way(direction * resisting) - step.twist;
                 (lag, 1.0 + shaft.way_over(rise))
             }
             false => (0.0, 1.0),
         };
-        let slope = grip.stiffness * follows + rise;
-        let excess = direction * (torque - grip.stiffness * lag) - resisting;
+        let slope = stiffness * follows + rise;
+        let excess = direction * (torque - stiffness * lag) - resisting;
         let turned = direction * (before - start) + excess / slope.max(f64::MIN_POSITIVE);
         // The thread holds; it never turns the object back.
-        state.angle = start + direction * turned.max(0.0);
-        let resists = thread.resisting_torque(state.angle);
-        let bend = resists - resisting - rise * direction * (state.angle - before);
-        ((direction * torque - resisting).abs(), bend)
+        step.angle = start + direction * turned.max(0.0);
+        let resists = thread.resisting_torque(step.angle);
+        let straight = rise * direction * (step.angle - before);
+        step.bend = (resists - resisting - straight).abs();
+        step.unbalance = (direction * torque - resisting).abs();
+    }
+}
+
+/// Where a Newton step leads.
+struct Step {
+    /// rad.
+    angle: f64,
+    /// rad.
+    twist: f64,
+    /// Of the fingers there, N·m.
+    torque: f64,
+    /// How far torques were off balance before, N·m.
+    unbalance: f64,
+    /// What is left of that where the thread's resistance bends, N·m.
+    bend: f64,
+}
+
+impl Step {
+    /// By how much the object turns in it, rad.
+    fn way(&self, from: &Turn) -> f64 {
+        self.angle - from.angle + self.twist - from.twist
     }
 }
 
@@ -224,7 +275,8 @@ mod tests {
         move |state| FingerLoad {
             load: stiffness * (drive - state.angle - state.twist),
             stiffness,
-            holds: true,
+            firm: stiffness,
+            room: f64::INFINITY,
         }
     }
 

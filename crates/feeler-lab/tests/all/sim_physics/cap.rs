@@ -58,7 +58,8 @@ fn close_and_open(stiffness: f64, to: f64) -> (f64, Turn) {
             |state| FingerLoad {
                 load: stiffness * (target - state.angle - state.twist),
                 stiffness,
-                holds: true,
+                firm: stiffness,
+                room: f64::INFINITY,
             },
         );
         assert!(cap.angle.is_finite() && cap.torque.is_finite());

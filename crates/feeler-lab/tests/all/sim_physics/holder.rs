@@ -106,7 +106,8 @@ fn the_shaft_feels_no_torque_within_the_play() {
         hinge.turn(&mut state, (0.0, 0.0), &shaft, |state| FingerLoad {
             load: pull * (drive - state.angle - state.twist),
             stiffness: pull,
-            holds: true,
+            firm: pull,
+            room: f64::INFINITY,
         });
         let beyond = drive.signum() * (drive.abs() - play).max(0.0);
         // Torques are balanced to 1e-9 N m.
@@ -137,7 +138,8 @@ fn a_cap_turns_at_its_running_torque_once_the_play_is_used_up() {
         hinge.turn(&mut state, (0.0, 0.0), &shaft, |state| FingerLoad {
             load: pull * (drive - state.angle - state.twist),
             stiffness: pull,
-            holds: true,
+            firm: pull,
+            room: f64::INFINITY,
         });
         let expected = drive - play - thread.running_torque * (1.0 / pull + 1.0 / stiffness);
         if n > 2 {
