@@ -34,20 +34,89 @@ const DAMAGE_TIME: f64 = 0.05;
 
 /// Strokes in which the cap is closed.
 const CLOSED: [u32; 2] = [3, 4];
+/// Strokes whose measures claims are about.
+const MEASURED: [u32; 3] = [1, 3, 4];
+
+/// What several claims are about, measured once.
+struct Measured<'a> {
+    data: &'a RunData,
+    strokes: Vec<MeasuredStroke>,
+}
+
+/// A stroke whose MOVE is over.
+struct MeasuredStroke {
+    measures: StrokeMeasures,
+    /// Of each finger.
+    fits: Vec<Option<PathFit>>,
+}
+
+impl<'a> Measured<'a> {
+    fn new(data: &'a RunData) -> Self {
+        let whole = MEASURED
+            .iter()
+            .filter_map(|&index| data.whole_stroke(index));
+        let strokes = whole.map(|stroke| MeasuredStroke {
+            measures: StrokeMeasures::new(data, stroke),
+            fits: (0..data.fingers.len())
+                .map(|finger| PathFit::new(data, stroke, finger))
+                .collect(),
+        });
+        Self {
+            data,
+            strokes: strokes.collect(),
+        }
+    }
+
+    fn stroke(&self, index: u32) -> Option<&MeasuredStroke> {
+        let mut strokes = self.strokes.iter();
+        strokes.find(|stroke| stroke.measures.index == index)
+    }
+
+    fn measures(&self, index: u32) -> Option<&StrokeMeasures> {
+        Some(&self.stroke(index)?.measures)
+    }
+
+    fn fit(&self, index: u32, finger: usize) -> Option<PathFit> {
+        self.stroke(index)?.fits[finger]
+    }
+
+    /// A measure of one stroke against that of another.
+    fn compare(
+        &self,
+        a: u32,
+        b: u32,
+        measure: impl Fn(&StrokeMeasures) -> Option<f64>,
+        comparison: impl Fn(f64, f64) -> Option<f64>,
+    ) -> Option<f64> {
+        comparison(measure(self.measures(a)?)?, measure(self.measures(b)?)?)
+    }
+
+    /// A part of how well every finger's path fits in each of `strokes`; none unless all define it.
+    fn each_fit(
+        &self,
+        strokes: &[u32],
+        part: impl Fn(PathFit, usize) -> Option<f64>,
+    ) -> Option<Vec<f64>> {
+        each_finger(self.data, strokes, |stroke, finger| {
+            part(self.fit(stroke.index, finger)?, finger)
+        })
+    }
+}
 
 /// The claims, in the order of the paper. What needs an instrument that the rig does not have is not measured.
 pub fn claims(data: &RunData) -> Vec<Claim> {
+    let measured = Measured::new(data);
     vec![
         four_peaks(data),
         first_stroke_torque_rises(data),
-        closed_after_third(data),
-        shear_rate_marks_closing(data),
+        closed_after_third(&measured),
+        shear_rate_marks_closing(&measured),
         bumps_in_step(data),
         slip_means_slip(data),
-        path_follows_contour(data),
-        path_is_curved(data),
+        path_follows_contour(&measured),
+        path_is_curved(&measured),
         grip_levels_off(data),
-        path_saturates(data),
+        path_saturates(&measured),
         no_damage(data),
     ]
 }
@@ -134,16 +203,10 @@ fn first_stroke_torque_rises(data: &RunData) -> Claim {
     )
 }
 
-fn closed_after_third(data: &RunData) -> Claim {
-    let peak_torque = compare(data, 3, 4, |m| m.peak_torque, change);
-    let peak_grasp = compare(data, 3, 4, |m| m.peak_grasp_force, change);
-    let cap_turn = compare(
-        data,
-        1,
-        4,
-        |m| m.cap_turn,
-        |first, fourth| ratio(fourth, first),
-    );
+fn closed_after_third(measured: &Measured) -> Claim {
+    let peak_torque = measured.compare(3, 4, |m| m.peak_torque, change);
+    let peak_grasp = measured.compare(3, 4, |m| m.peak_grasp_force, change);
+    let cap_turn = measured.compare(1, 4, |m| m.cap_turn, |first, fourth| ratio(fourth, first));
     Claim::new(
         "closed-after-third",
         "Strokes 3 and 4 are alike: the cap is closed after the third.",
@@ -170,8 +233,8 @@ fn closed_after_third(data: &RunData) -> Claim {
     )
 }
 
-fn shear_rate_marks_closing(data: &RunData) -> Claim {
-    let marked = compare(data, 1, 4, |m| m.peak_shear_rate, |a, b| ratio(b, a));
+fn shear_rate_marks_closing(measured: &Measured) -> Claim {
+    let marked = measured.compare(1, 4, |m| m.peak_shear_rate, |a, b| ratio(b, a));
     Claim::new(
         "shear-rate-marks-closing",
         "The shear rate is marked in stroke 4, not in stroke 1.",
@@ -273,15 +336,10 @@ fn slip_means_slip(data: &RunData) -> Claim {
 
 /// The distance R of the dome's centre from the cap's axis stays the same: against what it would have done on the planned
 /// line, and against stroke 1, where the cap turns along. See [`PathFit`].
-fn path_follows_contour(data: &RunData) -> Claim {
-    let fit = |stroke: &Stroke, finger| PathFit::new(data, stroke, finger);
-    let to_line = each_finger(data, &CLOSED, |stroke, finger| {
-        let fit = fit(stroke, finger)?;
-        ratio(fit.radius_std, fit.line_radius_std)
-    });
-    let to_first = each_finger(data, &CLOSED, |stroke, finger| {
-        let first = fit(data.whole_stroke(1)?, finger)?;
-        ratio(fit(stroke, finger)?.radius_std, first.radius_std)
+fn path_follows_contour(measured: &Measured) -> Claim {
+    let to_line = measured.each_fit(&CLOSED, |fit, _| ratio(fit.radius_std, fit.line_radius_std));
+    let to_first = measured.each_fit(&CLOSED, |fit, finger| {
+        ratio(fit.radius_std, measured.fit(1, finger)?.radius_std)
     });
     Claim::new(
         "path-follows-contour",
@@ -305,12 +363,8 @@ fn path_follows_contour(data: &RunData) -> Claim {
 
 /// The path bends as the arc about the cap's axis does, which no straight line does, however tilted. See
 /// [`PathFit::curvature`].
-fn path_is_curved(data: &RunData) -> Claim {
-    let curvature = |strokes: &[u32]| {
-        each_finger(data, strokes, |stroke, finger| {
-            Some(PathFit::new(data, stroke, finger)?.curvature)
-        })
-    };
+fn path_is_curved(measured: &Measured) -> Claim {
+    let curvature = |strokes: &[u32]| measured.each_fit(strokes, |fit, _| Some(fit.curvature));
     let (closed, first) = (curvature(&CLOSED), curvature(&[1]));
     Claim::new(
         "path-is-curved",
@@ -372,7 +426,8 @@ fn grip_levels_off(data: &RunData) -> Claim {
     )
 }
 
-fn path_saturates(data: &RunData) -> Claim {
+fn path_saturates(measured: &Measured) -> Claim {
+    let data = measured.data;
     let paths = |index, finger: usize| {
         let stroke = data.whole_stroke(index)?;
         Some(&data.fingers[finger].position[stroke.moving.clone()])
@@ -381,7 +436,7 @@ fn path_saturates(data: &RunData) -> Claim {
         .map(|finger| distance_between_paths(paths(3, finger)?, paths(4, finger)?))
         .collect();
     let distance = distances.and_then(mean);
-    let bend = measures(data, 4).and_then(|m| m.path_inward_bend);
+    let bend = measured.measures(4).and_then(|m| m.path_inward_bend);
     let share = distance.zip(bend).and_then(|(d, bend)| ratio(d, bend));
     Claim::new(
         "path-saturates",
@@ -433,11 +488,6 @@ pub(super) fn longest_above(data: &RunData, limit: f64) -> Option<f64> {
     longest.map(|rows| rows as f64 * data.facts.control_period)
 }
 
-fn measures(data: &RunData, index: u32) -> Option<StrokeMeasures> {
-    let stroke = data.whole_stroke(index)?;
-    Some(StrokeMeasures::new(data, stroke))
-}
-
 /// A measure of every finger in each of `strokes`; none unless all define it.
 fn each_finger(
     data: &RunData,
@@ -459,17 +509,6 @@ fn least(values: &Option<Vec<f64>>) -> Option<f64> {
 
 fn greatest(values: &Option<Vec<f64>>) -> Option<f64> {
     values.as_ref()?.iter().copied().reduce(f64::max)
-}
-
-/// A measure of one stroke against that of another.
-fn compare(
-    data: &RunData,
-    a: u32,
-    b: u32,
-    measure: impl Fn(&StrokeMeasures) -> Option<f64>,
-    comparison: impl Fn(f64, f64) -> Option<f64>,
-) -> Option<f64> {
-    comparison(measure(&measures(data, a)?)?, measure(&measures(data, b)?)?)
 }
 
 /// `value / reference`; none unless the reference is above 0.

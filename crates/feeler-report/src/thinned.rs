@@ -42,13 +42,18 @@ pub(crate) struct Pressed {
     limit: f64,
     /// Of each element of each finger.
     elements: Vec<Vec<Stretch>>,
+    /// Whether any element of each finger was pressed harder in the last row.
+    is_pressed: Vec<bool>,
 }
 
 impl Pressed {
     /// Harder than `limit`, N, of this many fingers.
     pub fn new(limit: f64, fingers: usize) -> Self {
-        let elements = vec![Vec::new(); fingers];
-        Self { limit, elements }
+        Self {
+            limit,
+            elements: vec![Vec::new(); fingers],
+            is_pressed: vec![false; fingers],
+        }
     }
 
     /// Takes the next row.
@@ -60,10 +65,18 @@ impl Pressed {
     }
 
     /// Takes the forces (N) on the elements of `finger` at the next row.
-    fn take(&mut self, finger: usize, forces: impl ExactSizeIterator<Item = f64>) {
+    fn take(&mut self, finger: usize, forces: impl ExactSizeIterator<Item = f64> + Clone) {
         let elements = &mut self.elements[finger];
         if elements.len() < forces.len() {
             elements.resize(forces.len(), Stretch::default());
+        }
+        // Mostly none is, nor was: no stretch begins, goes on or ends.
+        let is_pressed = forces
+            .clone()
+            .fold(false, |any, force| any | (force > self.limit));
+        let was_pressed = std::mem::replace(&mut self.is_pressed[finger], is_pressed);
+        if !is_pressed && !was_pressed {
+            return;
         }
         let mut rest = elements.iter_mut();
         for (force, element) in forces.zip(rest.by_ref()) {
