@@ -56,8 +56,9 @@ impl TactileSensor for DirectSensor {
         let world = self.rig.world();
         world.element_forces(self.finger, &mut reading.forces);
         let arrival = self.faults.expose(world.state().time, &mut reading.forces);
+        let is_new = arrival.as_ref().is_some_and(|arrival| !arrival.frozen);
         if let Some(arrival) = arrival {
-            if !arrival.frozen {
+            if is_new {
                 self.noise.fill(self.drawn.as_flattened_mut());
                 let [across, along] = [self.config.shear_noise, self.config.normal_noise];
                 for (force, [x, y, z]) in reading.forces.iter_mut().zip(&self.drawn) {
@@ -68,7 +69,9 @@ impl TactileSensor for DirectSensor {
             self.newest.sequence = arrival.sequence;
             self.newest.stamp = arrival.stamp;
         }
-        reading.forces.copy_from_slice(&self.newest.forces);
+        if !is_new {
+            reading.forces.copy_from_slice(&self.newest.forces);
+        }
         reading.sequence = self.newest.sequence;
         reading.stamp = self.newest.stamp;
         Ok(())

@@ -12,6 +12,7 @@ use super::state::{FingerState, State};
 use super::touch::{moves, touch};
 use feeler::hand::kinematics::fingertip_pose;
 use glam::DVec3;
+use multiversion::multiversion;
 
 /// Advances `state` by one time step of `model`; `bodies` are its free bodies. Allocates nothing
 /// but what the library of the free bodies does.
@@ -35,11 +36,7 @@ pub(super) fn step(
         let turn = own.joints.link - before;
         own.is_left = own.stays_free(finger, turn, moves) && !is_seen && bodies.is_none();
     }
-    for (finger, own) in model.fingers.iter().zip(&mut *fingers) {
-        if !own.is_left {
-            place_fingertip(finger, own);
-        }
-    }
+    place_fingertips(model, fingers);
     for (finger, own) in model.fingers.iter().zip(fingers) {
         if !own.is_left {
             touch(model, finger, own, objects);
@@ -77,12 +74,17 @@ fn move_joints(model: &WorldModel, finger: &Finger, state: &mut FingerState) {
         .advance(&mut state.joints, model.step, remaining, limits);
 }
 
-fn place_fingertip(finger: &Finger, state: &mut FingerState) {
-    let geometry = &finger.geometry;
-    state.tip = state.held_at.unwrap_or_else(|| {
-        let (position, rotation) = fingertip_pose(geometry, state.joints.link);
-        Pose { position, rotation }
-    });
+#[multiversion(targets("x86_64+avx2"))]
+fn place_fingertips(model: &WorldModel, fingers: &mut [FingerState]) {
+    for (finger, own) in model.fingers.iter().zip(fingers) {
+        if own.is_left {
+            continue;
+        }
+        own.tip = own.held_at.unwrap_or_else(|| {
+            let (position, rotation) = fingertip_pose(&finger.geometry, own.joints.link);
+            Pose { position, rotation }
+        });
+    }
 }
 
 /// The undeformed feeler `element` of a `finger` whose fingertip is at `seen` in some frame, and whose

@@ -10,6 +10,7 @@ use super::sin_cos::sin_cos;
 /// Returns the fingertip position `r` in the world `W`, m (the dome's centre, origin of the
 /// fingertip frame `T`), and the rotation `R` of eq. (3), which takes a vector in `T` to `W`. The
 /// first column of `R`, x of `T`, is the direction of the last link and the dome's outward axis.
+#[inline(always)]
 pub fn fingertip_pose(geometry: &FingerGeometry, theta: DVec3) -> (DVec3, DMat3) {
     let chain = Chain::at(geometry, theta);
     (chain.position(geometry), chain.rotation)
@@ -40,6 +41,7 @@ pub(super) struct Chain {
 }
 
 impl Chain {
+    #[inline(always)]
     pub(super) fn at(geometry: &FingerGeometry, theta: DVec3) -> Self {
         let (sines, cosines) = sin_cos(theta);
         let ([s1, s2, s3], [c1, c2, c3]) = (sines.to_array(), cosines.to_array());

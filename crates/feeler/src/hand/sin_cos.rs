@@ -36,7 +36,7 @@ const COSINE: [f64; 6] = [
 ];
 
 /// Sine and cosine of three `angles`, rad, each to within one unit in the last place of 1.
-#[inline]
+#[inline(always)]
 pub(super) fn sin_cos(angles: DVec3) -> (DVec3, DVec3) {
     // Of what is not a number, too.
     if !(angles.abs().max_element() <= MOST) {
