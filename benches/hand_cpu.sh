@@ -71,6 +71,10 @@ run() {  # part, program, endpoint, folder
         others+=($!)
     fi
     sleep 4
+    if ! kill -0 "$hand" 2>/dev/null; then
+        cat "$folder/hand.log" >&2
+        return 1
+    fi
     measure "$part, $feeler@$listen" "$hand"
     kill -INT "$hand" "${others[@]}" 2>/dev/null || true
     wait "$hand" "${others[@]}" || true
