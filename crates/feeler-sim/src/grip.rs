@@ -97,6 +97,10 @@ impl Grips {
 impl Fingertip<'_> {
     /// Of feelers that are alike and springs, side by side.
     #[inline(always)]
+    #[expect(
+        clippy::needless_range_loop,
+        reason = "an iterator over one of the columns keeps the compiler from working on them side by side"
+    )]
     fn springs(
         &self,
         spring: &FeelerConfig,

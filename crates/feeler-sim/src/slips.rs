@@ -67,6 +67,10 @@ impl Slips {
 /// Lets those of a block's `lanes` that `slips` names slip from where they `start`, each as by itself. What it returns is known of those
 /// that it names: the others are not overloaded, or left the side.
 #[inline(always)]
+#[expect(
+    clippy::needless_range_loop,
+    reason = "an iterator over one of the columns keeps the compiler from working on them side by side"
+)]
 pub(super) fn slip_together(
     alike: Alike,
     lanes: usize,

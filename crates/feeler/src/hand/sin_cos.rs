@@ -38,8 +38,7 @@ const COSINE: [f64; 6] = [
 /// Sine and cosine of three `angles`, rad, each to within one unit in the last place of 1.
 #[inline(always)]
 pub(super) fn sin_cos(angles: DVec3) -> (DVec3, DVec3) {
-    // Of what is not a number, too.
-    if !(angles.abs().max_element() <= MOST) {
+    if angles.abs().max_element() > MOST {
         let each = angles.to_array().map(f64::sin_cos);
         return (
             each.map(|(sine, _)| sine).into(),
