@@ -172,8 +172,8 @@ impl FeelerConfig {
             return Some((anchor, force));
         }
         let mut slip = Slip::begin(self, friction, tip, anchor, overload);
-        for _ in 0..MAX_SLIP_ITERATIONS {
-            if slip.is_over(friction) {
+        for steps in 0..MAX_SLIP_ITERATIONS {
+            if slip.is_over(friction, steps) {
                 break;
             }
             let (way, point) = slip.way(self, friction, tip);

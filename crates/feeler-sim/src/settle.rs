@@ -6,7 +6,7 @@ use super::model::{Finger, WorldModel};
 use super::object::Object;
 use super::pose::Pose;
 use super::slip::{Slip, lost, sticks};
-use super::slips::{Alike, Lanes, Slips, slip_together};
+use super::slips::{Alike, Mask, Slips, slip_together};
 use super::state::{FingerState, ObjectState, Slipped, State};
 use super::step::undeformed;
 use glam::DVec3;
@@ -38,9 +38,9 @@ struct Held {
     /// On the object, N, in W.
     force: Vectors,
     /// What is pressed and does not slip is held.
-    is_held: Lanes,
+    is_held: Mask,
     /// What is pressed and slips.
-    slips: Lanes,
+    slips: Mask,
 }
 
 /// The force of a contact on the object, N, in W, and how it slipped, if it did.
@@ -159,7 +159,7 @@ impl Meeting<'_> {
     /// Lets those of a block's contacts that slip do so together, where there are several and what they slip over is a cylinder;
     /// of which that is known.
     #[inline(always)]
-    fn slip_together(&self, share: Share, block: &Block, held: &Held) -> Option<(Slips, Lanes)> {
+    fn slip_together(&self, share: Share, block: &Block, held: &Held) -> Option<(Slips, Mask)> {
         if held.slips.iter().filter(|slips| **slips).count() < 2 {
             return None;
         }

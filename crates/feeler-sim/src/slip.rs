@@ -6,6 +6,8 @@ use glam::DVec3;
 
 /// A slipping anchor is followed along the surface in steps; three or four suffice.
 pub(super) const MAX_SLIP_ITERATIONS: usize = 16;
+/// After so many steps a slip is over below its limit, too: across an edge of the surface there is no place where the shear is just that.
+const EDGE_STEPS: usize = 6;
 /// A slip ends when the shear force differs from the kinetic limit by less than this fraction of the normal force.
 const SLIP_TOLERANCE: f64 = 1e-9;
 
@@ -61,9 +63,12 @@ impl Slip {
         self.shear - (friction.kinetic_friction * self.normal_force + left)
     }
 
+    /// Whether it has ended, after so many `steps`.
     #[inline(always)]
-    pub fn is_over(&self, friction: Friction) -> bool {
-        self.excess(friction).abs() <= SLIP_TOLERANCE * self.normal_force
+    pub fn is_over(&self, friction: Friction, steps: usize) -> bool {
+        let (excess, tolerance) = (self.excess(friction), SLIP_TOLERANCE * self.normal_force);
+        let less_will_do = steps >= EDGE_STEPS;
+        excess <= tolerance && (less_will_do || excess >= -tolerance)
     }
 
     /// A Newton step to where nothing is left of the excess: how far the tip slips, m, and where it is then if the surface is flat.

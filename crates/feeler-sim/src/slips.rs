@@ -6,8 +6,8 @@ use super::shape::{Side, SurfacePoint};
 use super::slip::{MAX_SLIP_ITERATIONS, Slip};
 use glam::DVec3;
 
-/// Which contacts of a block.
-pub(super) type Lanes = [bool; BLOCK];
+/// Some contacts of a block.
+pub(super) type Mask = [bool; BLOCK];
 
 /// What is the same for all of them.
 #[derive(Clone, Copy)]
@@ -74,9 +74,9 @@ impl Slips {
 pub(super) fn slip_together(
     alike: Alike,
     lanes: usize,
-    slips: &Lanes,
+    slips: &Mask,
     start: impl Fn(usize) -> (Tip, Anchor),
-) -> (Slips, Lanes) {
+) -> (Slips, Mask) {
     let Alike {
         feeler, friction, ..
     } = alike;
@@ -89,9 +89,9 @@ pub(super) fn slip_together(
         now.set(lane, &slip);
         tips.set(lane, tip.position);
         axes.set(lane, tip.axis);
-        goes_on[lane] &= !slip.is_over(friction);
+        goes_on[lane] &= !slip.is_over(friction, 0);
     }
-    for _ in 0..MAX_SLIP_ITERATIONS {
+    for steps in 1..=MAX_SLIP_ITERATIONS {
         if !goes_on.contains(&true) {
             break;
         }
@@ -111,7 +111,8 @@ pub(super) fn slip_together(
             let next = slip.go_on(feeler, &tip, way, anchor);
             now.set(lane, if goes { &next } else { &slip });
             known[lane] &= !goes | is_beside;
-            goes_on[lane] = goes & is_beside & (next.normal_force > 0.0) & !next.is_over(friction);
+            goes_on[lane] =
+                goes & is_beside & (next.normal_force > 0.0) & !next.is_over(friction, steps);
         }
     }
     (now, known)
