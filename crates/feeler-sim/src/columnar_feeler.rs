@@ -171,14 +171,16 @@ impl FeelerConfig {
         if sticks(normal_force, shear.length(), friction) {
             return Some((anchor, force));
         }
+        let side = object.shape.side();
+        let curvature = side.map_or(0.0, |side| side.curvature(self.tip_radius));
         let mut slip = Slip::begin(self, friction, tip, anchor, overload);
-        for steps in 0..MAX_SLIP_ITERATIONS {
-            if slip.is_over(friction, steps) {
+        for _ in 0..MAX_SLIP_ITERATIONS {
+            if slip.is_over(friction) {
                 break;
             }
-            let (way, point) = slip.way(self, friction, tip);
+            let point = slip.ahead(self, friction, tip);
             let anchor = self.anchor(&object.nearest(point)?);
-            slip = slip.go_on(self, tip, way, anchor);
+            slip = slip.go_on(self, tip, anchor, curvature);
             if slip.normal_force <= 0.0 {
                 return None;
             }

@@ -78,6 +78,12 @@ impl Side {
         }
     }
 
+    /// Of the way around it of tips' centres whose radius is `tip_radius`, m; 1/m.
+    #[inline(always)]
+    pub fn curvature(&self, tip_radius: f64) -> f64 {
+        1.0 / (self.radius + tip_radius)
+    }
+
     /// The point of the side nearest to `point`, m, and whether that is beside it: outside, below the top and above the bottom. Where it is not, the
     /// answer means nothing.
     #[inline(always)]

@@ -4,11 +4,10 @@ use super::columnar_feeler::{Anchor, FeelerConfig, Friction, Overload, Tip, spli
 use super::state::Slipped;
 use glam::DVec3;
 
-/// A slipping anchor is followed along the surface in steps; three or four suffice.
+/// A slipping anchor is followed along the surface in steps; on a cylinder two or three suffice.
 pub(super) const MAX_SLIP_ITERATIONS: usize = 16;
-/// After so many steps a slip is over below its limit, too: across an edge of the surface there is no place where the shear is just that.
-const EDGE_STEPS: usize = 6;
-/// A slip ends when the shear force differs from the kinetic limit by less than this fraction of the normal force.
+/// A slip ends when the shear force exceeds the kinetic limit by less than this fraction of the normal force; and on a cylinder, when it
+/// falls short of it by less.
 const SLIP_TOLERANCE: f64 = 1e-9;
 
 /// Whether a tip that presses with `normal_force` sticks under a `shear` force, both N.
@@ -31,14 +30,16 @@ pub(super) struct Slip {
     pub shear: f64,
     /// The direction of that, along which the tip slips on.
     pub direction: DVec3,
-    /// By how much the surface's normal turns on the way, along it, 1/m.
+    /// By how much the surface's normal turns on the way, along it, 1/m, where that is known: beside a cylinder. Else 0: as on a flat
+    /// surface, a step on a convex one never goes too far, and so not over a corner, either.
     pub bend: f64,
     /// How much shear above the kinetic limit is left in the end, N, if the static limit allows that.
     pub rebuilt: f64,
 }
 
 impl Slip {
-    /// That of a feeler whose shear at `anchor` is above the static limit, on a surface that is flat as far as is known.
+    /// That of a feeler whose shear at `anchor` is above the static limit. Its first step is that of a flat surface, which stops short: it goes on
+    /// along the shear that it finds there.
     #[inline(always)]
     pub fn begin(
         feeler: &FeelerConfig,
@@ -47,7 +48,7 @@ impl Slip {
         anchor: Anchor,
         overload: Overload,
     ) -> Self {
-        let slip = Self::at(feeler, tip, anchor);
+        let slip = Self::at(feeler, tip, anchor, 0.0);
         let rebuilt = match overload {
             Overload::Steady => slip.shear - friction.static_friction * slip.normal_force,
             Overload::Sudden => 0.0,
@@ -63,17 +64,15 @@ impl Slip {
         self.shear - (friction.kinetic_friction * self.normal_force + left)
     }
 
-    /// Whether it has ended, after so many `steps`.
     #[inline(always)]
-    pub fn is_over(&self, friction: Friction, steps: usize) -> bool {
+    pub fn is_over(&self, friction: Friction) -> bool {
         let (excess, tolerance) = (self.excess(friction), SLIP_TOLERANCE * self.normal_force);
-        let less_will_do = steps >= EDGE_STEPS;
-        excess <= tolerance && (less_will_do || excess >= -tolerance)
+        excess <= tolerance && (self.bend == 0.0 || excess >= -tolerance)
     }
 
-    /// A Newton step to where nothing is left of the excess: how far the tip slips, m, and where it is then if the surface is flat.
+    /// A Newton step to where nothing is left of the excess: where the tip is then if the surface is flat, m.
     #[inline(always)]
-    pub fn way(&self, feeler: &FeelerConfig, friction: Friction, tip: &Tip) -> (f64, DVec3) {
+    pub fn ahead(&self, feeler: &FeelerConfig, friction: Friction, tip: &Tip) -> DVec3 {
         let relief = feeler.stiffness_times(tip.axis, self.direction);
         let stiffness = self.direction.dot(relief);
         // Slipping also changes the normal force, where the feeler leans and the surface bends.
@@ -87,34 +86,35 @@ impl Slip {
             friction.kinetic_friction
         };
         let slope = shear_falls - coefficient * normal_falls;
-        // On whatever surface, no step goes ten times as far as on a flat one, nor a tenth as far.
-        let slope = slope.max(0.1 * stiffness).min(10.0 * stiffness);
-        let way = self.excess(friction) / slope;
-        (way, self.anchor.position + way * self.direction)
+        // The linear model's sign must never turn.
+        let way = self.excess(friction) / slope.max(0.1 * stiffness);
+        self.anchor.position + way * self.direction
     }
 
-    /// The slip after it has gone on by `way`, m, to `anchor`.
+    /// The slip after it has gone on to `anchor`. `curvature` (1/m) is that of the way of tips around a cylinder, 0 on what is none.
     #[inline(always)]
-    pub fn go_on(&self, feeler: &FeelerConfig, tip: &Tip, way: f64, anchor: Anchor) -> Self {
+    pub fn go_on(&self, feeler: &FeelerConfig, tip: &Tip, anchor: Anchor, curvature: f64) -> Self {
         Self {
-            bend: (anchor.normal - self.anchor.normal).dot(self.direction) / way,
             rebuilt: self.rebuilt,
-            ..Self::at(feeler, tip, anchor)
+            ..Self::at(feeler, tip, anchor, curvature)
         }
     }
 
     #[inline(always)]
-    fn at(feeler: &FeelerConfig, tip: &Tip, anchor: Anchor) -> Self {
+    fn at(feeler: &FeelerConfig, tip: &Tip, anchor: Anchor, curvature: f64) -> Self {
         let force = feeler.elastic_force(tip, anchor.position);
         let (normal_force, across) = split(force, anchor.normal);
         let shear = across.length();
+        let direction = across / shear;
+        let around = direction.x * direction.x + direction.y * direction.y;
+        let is_beside = anchor.normal.z == 0.0;
         Self {
             anchor,
             force,
             normal_force,
             shear,
-            direction: across / shear,
-            bend: 0.0,
+            direction,
+            bend: if is_beside { curvature * around } else { 0.0 },
             rebuilt: 0.0,
         }
     }

@@ -80,6 +80,7 @@ pub(super) fn slip_together(
     let Alike {
         feeler, friction, ..
     } = alike;
+    let curvature = alike.side.curvature(feeler.tip_radius);
     let mut now = Slips::default();
     let (mut tips, mut axes) = (Vectors::default(), Vectors::default());
     let (mut known, mut goes_on) = (*slips, *slips);
@@ -89,9 +90,9 @@ pub(super) fn slip_together(
         now.set(lane, &slip);
         tips.set(lane, tip.position);
         axes.set(lane, tip.axis);
-        goes_on[lane] &= !slip.is_over(friction, 0);
+        goes_on[lane] &= !slip.is_over(friction);
     }
-    for steps in 1..=MAX_SLIP_ITERATIONS {
+    for _ in 0..MAX_SLIP_ITERATIONS {
         if !goes_on.contains(&true) {
             break;
         }
@@ -102,17 +103,16 @@ pub(super) fn slip_together(
                 axis: axes.get(lane),
                 set: DVec3::ZERO,
             };
-            let (way, point) = slip.way(feeler, friction, &tip);
+            let point = slip.ahead(feeler, friction, &tip);
             let (surface, is_beside) = alike.side.nearest(point - alike.centre);
             let anchor = feeler.anchor(&SurfacePoint {
                 position: surface.position + alike.centre,
                 ..surface
             });
-            let next = slip.go_on(feeler, &tip, way, anchor);
+            let next = slip.go_on(feeler, &tip, anchor, curvature);
             now.set(lane, if goes { &next } else { &slip });
             known[lane] &= !goes | is_beside;
-            goes_on[lane] =
-                goes & is_beside & (next.normal_force > 0.0) & !next.is_over(friction, steps);
+            goes_on[lane] = goes & is_beside & (next.normal_force > 0.0) & !next.is_over(friction);
         }
     }
     (now, known)

@@ -82,7 +82,13 @@ pub fn check(arguments: &RigArguments, out: &mut dyn Write) -> Result<Outcome, C
     let mut bus = rig.open()?;
     let (mut problems, mut planned) = (0, Vec::new());
     for (joint, drive) in named_joints(config) {
-        match check_servo(&mut bus, config, &rig.fingers, (joint, drive)) {
+        let mut checked = check_servo(&mut bus, config, &rig.fingers, (joint, drive));
+        // It only reads. A disturbed line or a busy computer loses an answer now and then, which says little of the servo.
+        if let Err(error @ DriveError::Servo { .. }) = &checked {
+            writeln!(out, "{error}; asking again")?;
+            checked = check_servo(&mut bus, config, &rig.fingers, (joint, drive));
+        }
+        match checked {
             Ok((angle, changes)) => {
                 writeln!(
                     out,
