@@ -2,5 +2,5 @@
 
 mod energy;
 mod pushed;
-mod scene;
+pub mod scene;
 mod table;

@@ -1,7 +1,8 @@
 //! One feeler on a flat face, by calling the contact law itself: stick, slip, hold.
 
+use crate::sim_bodies::scene::fixed;
 use feeler_sim::columnar_feeler::{Anchor, FeelerConfig, Overload, Tip};
-use feeler_sim::object::{MotionConfig, Object, ObjectConfig};
+use feeler_sim::object::Object;
 use feeler_sim::shape::ShapeConfig;
 use glam::DVec3;
 use std::path::Path;
@@ -192,15 +193,7 @@ fn a_feeler_that_is_lifted_lets_go_and_never_pulls() {
 }
 
 fn of_shape(shape: ShapeConfig) -> Object {
-    let config = ObjectConfig {
-        shape,
-        motion: MotionConfig::Fixed,
-        position: [0.0; 3],
-        orientation_deg: [0.0; 3],
-        offset: [0.0; 3],
-        friction: None,
-    };
-    Object::new("object", &config, 0.0, Path::new("")).expect("an object")
+    Object::new("object", &fixed(shape), 0.0, Path::new("")).expect("an object")
 }
 
 /// Shear above the kinetic limit after sudden slips over an object of about 14 mm radius, relative to the normal force: tips press on its side from
