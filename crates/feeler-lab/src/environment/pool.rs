@@ -2,8 +2,14 @@
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+
+/// For how long a thread that has nothing to do looks for work before it sleeps. To wake one takes some 50 us on a virtual
+/// machine, as long as a dozen environments need for a step.
+const LOOKS: Duration = Duration::from_micros(50);
 
 /// Parts, and the threads that work on them. Dropping it ends the threads.
 pub(super) struct Pool<T> {
@@ -14,23 +20,35 @@ pub(super) struct Pool<T> {
 struct Shared<T> {
     parts: Vec<Mutex<T>>,
     work: fn(&mut T),
-    round: Mutex<Round>,
+    /// The parts of each thread, which it takes first, as they are in its processor's cache.
+    shares: Vec<Share>,
+    /// Parts of this round that are not finished.
+    left: AtomicUsize,
+    /// Number of the round; changed with `state` locked.
+    round: AtomicU64,
+    state: Mutex<State>,
     /// There is a new round, or none will come.
     begins: Condvar,
     /// The round's last part is finished, or a thread has come up.
     ends: Condvar,
 }
 
-/// Once through all parts.
-struct Round {
-    /// The first part that nobody has taken.
-    next: usize,
-    /// Parts that are not finished.
-    left: usize,
+/// Parts in a row, on a cache line of their own.
+#[repr(align(128))]
+struct Share {
+    first: usize,
+    end: usize,
+    /// The first that nobody has taken in this round.
+    next: AtomicUsize,
+}
+
+struct State {
     /// The first part that panicked, and what it said.
     panicked: Option<(usize, String)>,
     /// Threads that have come up.
     up: usize,
+    /// Threads that sleep until a round begins.
+    sleeping: usize,
     closing: bool,
 }
 
@@ -40,16 +58,24 @@ impl<T: Send + 'static> Pool<T> {
     /// # Errors
     /// When the system has no more threads.
     pub fn new(parts: Vec<T>, threads: usize, work: fn(&mut T)) -> std::io::Result<Self> {
+        let (count, threads) = (parts.len(), threads.max(1));
+        let share = |index| Share {
+            first: index * count / threads,
+            end: (index + 1) * count / threads,
+            next: AtomicUsize::new(count),
+        };
         let shared = Arc::new(Shared {
-            round: Mutex::new(Round {
-                next: parts.len(),
-                left: 0,
-                panicked: None,
-                up: 0,
-                closing: false,
-            }),
             parts: parts.into_iter().map(Mutex::new).collect(),
             work,
+            shares: (0..threads).map(share).collect(),
+            left: AtomicUsize::new(0),
+            round: AtomicU64::new(0),
+            state: Mutex::new(State {
+                panicked: None,
+                up: 0,
+                sleeping: 0,
+                closing: false,
+            }),
             begins: Condvar::new(),
             ends: Condvar::new(),
         });
@@ -60,14 +86,15 @@ impl<T: Send + 'static> Pool<T> {
         for index in 1..threads {
             let shared = Arc::clone(&pool.shared);
             let thread = thread::Builder::new().name(format!("environments-{index}"));
-            pool.threads.push(thread.spawn(move || shared.serve())?);
+            pool.threads
+                .push(thread.spawn(move || shared.serve(index))?);
         }
         // What a thread allocates to come up is allocated by then.
-        let mut round = lock(&pool.shared.round);
-        while round.up < pool.threads.len() {
-            round = wait(&pool.shared.ends, round);
+        let mut state = lock(&pool.shared.state);
+        while state.up < pool.threads.len() {
+            state = wait(&pool.shared.ends, state);
         }
-        drop(round);
+        drop(state);
         Ok(pool)
     }
 
@@ -77,14 +104,15 @@ impl<T: Send + 'static> Pool<T> {
     /// The first part that panicked, and what it said; the others are finished all the same.
     pub fn run(&self) -> Result<(), (usize, String)> {
         let shared = &*self.shared;
-        let mut round = lock(&shared.round);
-        (round.next, round.left) = (0, shared.parts.len());
-        shared.begins.notify_all();
-        round = shared.take_parts(round);
-        while round.left > 0 {
-            round = wait(&shared.ends, round);
+        shared.begin();
+        shared.take_parts(0);
+        let is_over = || shared.left.load(Ordering::Acquire) == 0;
+        let over = soon(is_over);
+        let mut state = lock(&shared.state);
+        while !over && !is_over() {
+            state = wait(&shared.ends, state);
         }
-        round.panicked.take().map_or(Ok(()), Err)
+        state.panicked.take().map_or(Ok(()), Err)
     }
 
     /// The parts, between rounds.
@@ -95,7 +123,7 @@ impl<T: Send + 'static> Pool<T> {
 
 impl<T> Drop for Pool<T> {
     fn drop(&mut self) {
-        lock(&self.shared.round).closing = true;
+        lock(&self.shared.state).closing = true;
         self.shared.begins.notify_all();
         for thread in self.threads.drain(..) {
             // What a part panics with is told by `run`; the threads themselves do not.
@@ -105,38 +133,84 @@ impl<T> Drop for Pool<T> {
 }
 
 impl<T> Shared<T> {
-    fn serve(&self) {
-        let mut round = lock(&self.round);
-        round.up += 1;
+    /// Begins a round: the parts are there to be taken.
+    fn begin(&self) {
+        // Before any part can be taken, also by a thread that still looks for parts of the round before.
+        self.left.store(self.parts.len(), Ordering::Relaxed);
+        for share in &self.shares {
+            share.next.store(share.first, Ordering::Release);
+        }
+        let state = lock(&self.state);
+        self.round.fetch_add(1, Ordering::Release);
+        if state.sleeping > 0 {
+            self.begins.notify_all();
+        }
+    }
+
+    fn serve(&self, index: usize) {
+        let mut seen = 0;
+        let mut state = lock(&self.state);
+        state.up += 1;
         self.ends.notify_all();
-        while !round.closing {
-            round = self.take_parts(round);
-            if !round.closing {
-                round = wait(&self.begins, round);
+        while !state.closing {
+            let newest = self.round.load(Ordering::Acquire);
+            if newest == seen {
+                state.sleeping += 1;
+                state = wait(&self.begins, state);
+                state.sleeping -= 1;
+                continue;
+            }
+            drop(state);
+            seen = newest;
+            self.take_parts(index);
+            soon(|| self.round.load(Ordering::Acquire) != seen);
+            state = lock(&self.state);
+        }
+    }
+
+    /// Works on the parts of thread `index`, then on others', for as long as there are some that nobody has taken.
+    fn take_parts(&self, index: usize) {
+        let (before, own) = self.shares.split_at(index);
+        for share in own.iter().chain(before) {
+            loop {
+                let part = share.next.fetch_add(1, Ordering::AcqRel);
+                if part >= share.end {
+                    break;
+                }
+                self.work_on(part);
             }
         }
     }
 
-    /// Works on parts for as long as there are some that nobody has taken.
-    fn take_parts<'a>(&'a self, mut round: MutexGuard<'a, Round>) -> MutexGuard<'a, Round> {
-        while let Some(part) = self.parts.get(round.next) {
-            let index = round.next;
-            round.next += 1;
-            drop(round);
-            let worked = catch_unwind(AssertUnwindSafe(|| (self.work)(&mut lock(part))));
-            round = lock(&self.round);
-            if let Err(panic) = worked {
-                round
-                    .panicked
-                    .get_or_insert_with(|| (index, words(&*panic)));
-            }
-            round.left -= 1;
-            if round.left == 0 {
-                self.ends.notify_all();
+    fn work_on(&self, index: usize) {
+        let part = &self.parts[index];
+        let worked = catch_unwind(AssertUnwindSafe(|| (self.work)(&mut lock(part))));
+        if let Err(panic) = worked {
+            let panicked = &mut lock(&self.state).panicked;
+            if panicked.as_ref().is_none_or(|(first, _)| index < *first) {
+                *panicked = Some((index, words(&*panic)));
             }
         }
-        round
+        if self.left.fetch_sub(1, Ordering::AcqRel) == 1 {
+            // Locked, so that nobody who has just found it unfinished misses this.
+            let _state = lock(&self.state);
+            self.ends.notify_all();
+        }
     }
+}
+
+/// Whether `it_is` within [`LOOKS`].
+fn soon(it_is: impl Fn() -> bool) -> bool {
+    let start = Instant::now();
+    while start.elapsed() < LOOKS {
+        for _ in 0..16 {
+            if it_is() {
+                return true;
+            }
+            std::hint::spin_loop();
+        }
+    }
+    it_is()
 }
 
 /// A panic elsewhere does not lock anything for good.
@@ -180,6 +254,36 @@ mod tests {
             }
         }
         assert_eq!(Pool::new(Vec::new(), 2, count).unwrap().run(), Ok(()));
+    }
+
+    #[test]
+    fn threads_that_went_to_sleep_between_rounds_are_woken() {
+        let pool = Pool::new(vec![100; 6], 3, count).unwrap();
+        for round in 1..5 {
+            thread::sleep(4 * LOOKS);
+            assert_eq!(pool.run(), Ok(()));
+            assert_eq!(values(&pool), [100 + round; 6]);
+        }
+    }
+
+    /// A thread that is through with its own parts takes another's: else this would not end.
+    #[test]
+    fn parts_of_a_thread_that_is_busy_are_taken_by_another() {
+        type Part = (usize, Arc<(Mutex<bool>, Condvar)>);
+        // Both are the first thread's: part 0 waits for part 1.
+        fn work((index, after): &mut Part) {
+            let (is_done, changes) = &**after;
+            let mut done = lock(is_done);
+            *done |= *index == 1;
+            changes.notify_all();
+            while *index == 0 && !*done {
+                done = wait(changes, done);
+            }
+        }
+        let after = Arc::default();
+        let parts = (0..4).map(|index| (index, Arc::clone(&after)));
+        let pool = Pool::new(parts.collect(), 2, work).unwrap();
+        assert_eq!(pool.run(), Ok(()));
     }
 
     #[test]
