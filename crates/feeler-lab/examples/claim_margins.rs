@@ -7,8 +7,9 @@
 
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::{Pictures, Session};
-use feeler_record::{MemoryRecorder, RunLog};
-use feeler_report::{Claim, RunData, tasks};
+use feeler_record::RunLog;
+use feeler_report::long_run::RunRecorder;
+use feeler_report::{Claim, tasks};
 use std::collections::BTreeMap;
 use std::error::Error;
 use std::sync::Mutex;
@@ -52,13 +53,13 @@ fn claims(name: &str, settings: &[String]) -> Result<Vec<Claim>, AnyError> {
     let experiment = Experiment::load(name, settings)?;
     let mut session = Session::drawing(&experiment, Pictures::Sensed)?;
     let facts = session.facts(&experiment.config);
-    let mut log = RunLog::new(MemoryRecorder::new(&facts)?, &facts)?;
+    let mut log = RunLog::new(RunRecorder::new(&facts)?, &facts)?;
     while !session.finished() {
         let instruments = session.step()?;
         instruments.record(session.control_loop(), &mut log)?;
     }
-    let recording = log.into_recorder().into_recording();
-    Ok(tasks::of(&facts).claims(&recording, &RunData::new(&recording)))
+    let (recording, data) = log.into_recorder().finish();
+    Ok(tasks::of(&facts).claims(&recording, &data))
 }
 
 fn print(runs: &BTreeMap<u64, Vec<Claim>>) {

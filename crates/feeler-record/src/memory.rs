@@ -50,6 +50,11 @@ impl MemoryRecorder {
         Ok(Self { recording })
     }
 
+    /// What was recorded so far; who needs no more of a part of it may [let go of it](Recording::forget_until).
+    pub fn recording_mut(&mut self) -> &mut Recording {
+        &mut self.recording
+    }
+
     /// What was recorded.
     pub fn into_recording(self) -> Recording {
         self.recording

@@ -20,6 +20,7 @@ pub mod page_data;
 pub mod path_fit;
 mod peaks;
 pub mod robustness_page;
+pub mod rows;
 pub mod run_data;
 pub mod series;
 pub mod slip_page;

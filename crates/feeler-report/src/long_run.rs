@@ -1,6 +1,6 @@
-//! Reads a recording of any length as columns, in memory that has a bound.
+//! A recording of any length as columns, in memory that has a bound: read from its file, or made while it is recorded.
 //!
-//! The recording is read part by part, and what is aligned is let go of. A run of ordinary length has all its rows in the
+//! It is taken part by part, and what is aligned is let go of. A run of ordinary length has all its rows in the
 //! end, as [`RunData::new`] would give them. Of a longer one, every stroke is measured from all of its rows when it is
 //! over; claims about the whole run are measured row by row as they come. Then rows are let go of: all are kept of the strokes that
 //! the paper's claims are about; of the rest, cells of time keep their first and last row and those where
@@ -8,6 +8,9 @@
 
 mod letting_go;
 mod over_all;
+mod recorder;
+
+pub use recorder::RunRecorder;
 
 use super::cap::{Felt, FeltStroke};
 use super::contact::Contact;
@@ -15,7 +18,9 @@ use super::run_data::{RunData, Stroke, findings, keep, split_strokes};
 use super::strokes::StrokeMeasures;
 use super::thinned::Thinned;
 use feeler_record::{RecordError, Recording, SAME_TIME};
-use letting_go::{kept_rows, moved, row_size, rows_of_cells, shifted, thin_messages};
+use letting_go::{
+    has_many_messages, kept_rows, moved, row_size, rows_of_cells, shifted, thin_messages,
+};
 use over_all::OverAll;
 use std::ops::Range;
 use std::path::Path;
@@ -53,7 +58,7 @@ pub fn read_within(
     let mut run = None;
     let mut recording = Recording::read_in_parts(path, &mut |recording, share| {
         let run = run.get_or_insert_with(|| LongRun::new(recording, memory));
-        run.take(recording);
+        run.take(recording, recording.readable_until - LATE);
         progress(share);
     })?;
     let run = run.unwrap_or_else(|| LongRun::new(&recording, memory));
@@ -87,6 +92,8 @@ struct LongRun {
     felt: Vec<FeltStroke>,
     too_long: Vec<u32>,
     over_all: OverAll,
+    /// Rows that `over_all` has of those that are kept: all that are older than the newest that were let go of.
+    measured: usize,
     contact: Contact,
 }
 
@@ -97,6 +104,7 @@ impl LongRun {
             memory,
             most: ROWS.1,
             over_all: OverAll::new(&data),
+            measured: 0,
             data,
             places: Vec::new(),
             numbers: Vec::new(),
@@ -113,9 +121,8 @@ impl LongRun {
         }
     }
 
-    /// Takes what is there, but for the newest, of which more may come, and lets go of it.
-    fn take(&mut self, recording: &mut Recording) {
-        let until = recording.readable_until - LATE;
+    /// Takes what is there of the time up to `until`, s, of which no more comes, and lets go of it.
+    fn take(&mut self, recording: &mut Recording, until: f64) {
         let tasks = recording.task.iter();
         let known = tasks
             .take_while(|task| task.stamp <= until + SAME_TIME)
@@ -127,8 +134,11 @@ impl LongRun {
         recording.forget_until(until);
         // The newest of those that are rows stays.
         self.aligned = known.min(1);
-        let open = self.data.time.get(self.open);
-        thin_messages(recording, open.copied().unwrap_or(until));
+        if has_many_messages(recording) {
+            self.close_strokes(recording);
+            let open = self.data.time.get(self.open);
+            thin_messages(recording, open.copied().unwrap_or(until));
+        }
     }
 
     /// Makes rows of the control steps before `end` that are none yet.
@@ -136,13 +146,12 @@ impl LongRun {
         let before = self.data.time.len();
         let steps = self.aligned..end;
         self.data.append(recording, steps, &mut self.numbers);
-        let rows = before..self.data.time.len();
-        self.places.extend((self.count..).take(rows.len()));
-        self.over_all.take(&self.data, rows.clone(), self.count);
-        self.count += rows.len();
-        self.close_strokes(recording);
+        let rows = self.data.time.len() - before;
+        self.places.extend((self.count..).take(rows));
+        self.count += rows;
         self.most = (self.memory / row_size(&self.data)).clamp(ROWS.0, ROWS.1);
         if self.data.time.len() > self.most {
+            self.close_strokes(recording);
             self.thin();
         }
     }
@@ -191,6 +200,7 @@ impl LongRun {
     /// Lets go of rows: of those that claims are about a quarter of what there is room for may stay, of the stroke that
     /// is not measured yet an eighth, of the rest a half.
     fn thin(&mut self) {
+        self.take_over_all();
         let pinned = self.pinned();
         let most = (self.strokes.len(), self.most / 2);
         let (stay, cell) = rows_of_cells(&self.data, &pinned, most, self.cell);
@@ -199,6 +209,14 @@ impl LongRun {
         self.data.keep(&stay);
         keep(&mut self.places, &stay);
         keep(&mut self.numbers, &stay);
+        self.measured = self.numbers.len();
+    }
+
+    /// Measures what is measured of all rows of those that were not yet.
+    fn take_over_all(&mut self) {
+        let rows = self.measured..self.data.time.len();
+        let place = self.count - rows.len();
+        self.over_all.take(&self.data, rows, place);
     }
 
     /// Rows that stay: those of the strokes that claims are about, with the row before each, and of the stroke that is

@@ -39,12 +39,12 @@ pub fn distance_to_path(point: DVec2, path: &[DVec2]) -> f64 {
         } else {
             0.0
         };
-        point.distance(start + share * along)
+        point.distance_squared(start + share * along)
     };
     let first = path
         .first()
-        .map_or(f64::NAN, |first| point.distance(*first));
-    path.windows(2).map(to_piece).fold(first, f64::min)
+        .map_or(f64::NAN, |first| point.distance_squared(*first));
+    path.windows(2).map(to_piece).fold(first, f64::min).sqrt()
 }
 
 /// The best correlation of two series within a lag, and that lag.

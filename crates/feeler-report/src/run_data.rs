@@ -1,11 +1,12 @@
 //! A recording as time-aligned columns: one row per control step, split into strokes.
 
 use super::contact::Contact;
+use super::rows::Rows;
 use super::thinned::Thinned;
 use feeler::sensor::layout::SensingElement;
 use feeler_record::{
     Cap, FindingName, FingerRecord, Fingertip, Flags, Joints, NO_ELEMENT, Newest, ObjectPose,
-    Phase, Recording, RunFacts, Tactile, Task, TorqueSensor, TrueSlip,
+    Phase, Recording, RunFacts, Tactile, TorqueSensor, TrueSlip,
 };
 use glam::{DQuat, DVec3};
 use std::collections::BTreeMap;
@@ -29,7 +30,7 @@ pub struct FingerColumns {
     /// Shear rate of that element, N/s; 0 when none touches.
     pub shear_rate: Vec<f64>,
     /// Force on every element in its frame, N; z is compression.
-    pub forces: Vec<Vec<DVec3>>,
+    pub forces: Rows<DVec3>,
     /// Centre of the dome, m in `W`.
     pub position: Vec<DVec3>,
     /// From the fingertip frame `T` to `W`.
@@ -80,8 +81,8 @@ impl FingerColumns {
         self.largest_element.push(largest);
         let shear_rate = largest.map_or(0.0, |element| flags.shear_rate[element]);
         self.shear_rate.push(shear_rate);
-        let forces = tactile.forces.iter().map(|&force| force.into());
-        self.forces.push(forces.collect());
+        self.forces
+            .push(tactile.forces.iter().map(|&force| force.into()));
         self.position.push(fingertip.position.into());
         self.rotation.push(fingertip.orientation.into());
         let angles = joints.map_or([f64::NAN; 3], |joints| joints.position);
@@ -97,7 +98,7 @@ impl FingerColumns {
         keep(&mut self.slipped, rows);
         keep(&mut self.largest_element, rows);
         keep(&mut self.shear_rate, rows);
-        keep(&mut self.forces, rows);
+        self.forces.keep(rows);
         keep(&mut self.position, rows);
         keep(&mut self.rotation, rows);
         keep(&mut self.joints, rows);
@@ -213,18 +214,21 @@ impl RunData {
         let mut object = Newest::new(&recording.object);
         let mut fingers: Vec<_> = recording.fingers.iter().map(FingerNewest::new).collect();
         for task in recording.task.get(steps).into_iter().flatten() {
-            // Advance all, also when one has nothing yet.
-            let (torque, cap) = (torque.at(task.stamp), cap.at(task.stamp));
-            let (slip, object) = (slip.at(task.stamp), object.at(task.stamp));
-            let fingers: Vec<_> = fingers.iter_mut().map(|f| f.at(task.stamp)).collect();
-            let fingers: Option<Vec<_>> = fingers.into_iter().collect();
-            if let Some(fingers) = fingers {
-                self.push(task, &fingers);
-                self.push_instruments(torque, cap);
-                self.push_slip(slip);
-                self.push_object(object);
-                numbers.push(task.stroke);
+            let at = task.stamp;
+            if !fingers.iter_mut().all(|finger| finger.at(at).is_some()) {
+                continue;
             }
+            self.time.push(at);
+            self.phase.push(task.phase);
+            for (columns, newest) in self.fingers.iter_mut().zip(&mut fingers) {
+                if let Some(newest) = newest.at(at) {
+                    columns.push(&newest);
+                }
+            }
+            self.push_instruments(torque.at(at), cap.at(at));
+            self.push_slip(slip.at(at));
+            self.push_object(object.at(at));
+            numbers.push(task.stroke);
         }
     }
 
@@ -295,14 +299,6 @@ impl RunData {
     /// Whether torque is known at every one of these rows.
     pub fn has_torque(&self, rows: Range<usize>) -> bool {
         self.torque.is_some() && self.known_torque(rows.clone()).count() == rows.len()
-    }
-
-    fn push(&mut self, task: &Task, fingers: &[FingerRow<'_>]) {
-        self.time.push(task.stamp);
-        self.phase.push(task.phase);
-        for (columns, newest) in self.fingers.iter_mut().zip(fingers) {
-            columns.push(newest);
-        }
     }
 
     fn push_instruments(&mut self, torque: Option<&TorqueSensor>, cap: Option<&Cap>) {

@@ -31,7 +31,8 @@ pub fn maximum(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     // A fold that goes through all of them is faster over nested series than one that may end early.
     let start = (f64::NEG_INFINITY, true);
     let (largest, all_finite) = values.into_iter().fold(start, |(largest, finite), value| {
-        (largest.max(value), finite & value.is_finite())
+        let largest = if value > largest { value } else { largest };
+        (largest, finite & value.is_finite())
     });
     finite(largest).filter(|_| all_finite)
 }

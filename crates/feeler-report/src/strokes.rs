@@ -95,11 +95,7 @@ impl StrokeMeasures {
             path_radius_std: fit(|fit| fit.radius_std),
             line_radius_std: fit(|fit| fit.line_radius_std),
             path_curvature: fit(|fit| fit.curvature),
-            peak_element_force: maximum(
-                (data.fingers.iter())
-                    .flat_map(|finger| rows().flat_map(|row| finger.forces[row].iter()))
-                    .map(|force| force.z),
-            ),
+            peak_element_force: peak_element_force(data, stroke),
         }
     }
 }
@@ -180,6 +176,15 @@ pub fn grasp_force_variation(data: &RunData, stroke: &Stroke, finger: usize) -> 
 pub fn over_fraction(data: &RunData, stroke: &Stroke, finger: usize) -> Option<f64> {
     let rows = window_rows(data, stroke, finger)?.into_iter();
     share(rows.map(|row| data.fingers[finger].over[row]))
+}
+
+fn peak_element_force(data: &RunData, stroke: &Stroke) -> Option<f64> {
+    let fingers = data.fingers.iter();
+    let forces = fingers.flat_map(|finger| stroke.rows.clone().map(|row| &finger.forces[row]));
+    // Of each row first: that of the next need not wait for it.
+    let of_row = |forces: &[DVec3]| maximum(forces.iter().map(|force| force.z));
+    let peaks = forces.filter(|forces| !forces.is_empty()).map(of_row);
+    maximum(peaks.map(|peak| peak.unwrap_or(f64::NAN)))
 }
 
 fn cap_turn(data: &RunData, stroke: &Stroke) -> Option<f64> {

@@ -103,10 +103,13 @@ impl SlipMeter {
         let mut slipped = [0.0; MAX_FINGERS];
         let fingers = state.fingers.iter().zip(&mut self.ways);
         for (longest, (finger, ways)) in slipped.iter_mut().zip(fingers) {
+            let mut most = 0.0;
             for (before, now) in ways.iter_mut().zip(&finger.slipped) {
-                *longest = f64::max(*longest, now.way - *before);
+                let way = now.way - *before;
+                most = if way > most { way } else { most };
                 *before = now.way;
             }
+            *longest = most;
         }
         self.newest = Some((state.steps, slipped));
         slipped

@@ -11,6 +11,7 @@ use feeler::control::phase::Phase;
 use feeler::control::task::TaskConfig;
 use feeler::pace::Unpaced;
 use feeler_record::{FindingName, MemoryRecorder, PolicyFile, Recording, RunLog};
+use feeler_report::long_run::RunRecorder;
 use feeler_report::strokes::found_closed;
 use feeler_report::{RunData, StrokeMeasures, StrokePattern, Summary, tasks};
 use rand::{RngExt, SeedableRng};
@@ -265,8 +266,8 @@ impl Trials {
         row.extend(drawn.values);
         row.extend([ran.outcome.to_string(), one_line(&ran.reason)]);
         match &ran.came_of_it {
-            Some((recording, truth)) => {
-                row.extend(self.results(ran.outcome, recording));
+            Some(((recording, data), truth)) => {
+                row.extend(self.results(ran.outcome, recording, data));
                 row.extend([number(truth.cap_torque), number(Some(truth.slip_work))]);
             }
             None => {
@@ -287,7 +288,7 @@ impl Trials {
             Err(error) => return Ran::failed("invalid", error.to_string()),
         };
         let facts = session.facts(&experiment.config);
-        let recorder = MemoryRecorder::new(&facts);
+        let recorder = RunRecorder::new(&facts);
         let mut log = match recorder.and_then(|recorder| RunLog::new(recorder, &facts)) {
             Ok(log) => log,
             Err(error) => return Ran::failed("invalid", error.to_string()),
@@ -311,13 +312,13 @@ impl Trials {
         Ran {
             outcome,
             reason,
-            came_of_it: Some((log.into_recorder().into_recording(), Truth::of(&session))),
+            came_of_it: Some((log.into_recorder().finish(), Truth::of(&session))),
         }
     }
 
     /// The columns from `success` to the strokes', by the very code that makes a run's report.
-    pub fn results(&self, outcome: &str, recording: &Recording) -> Vec<String> {
-        let summary = Summary::new(recording, &RunData::new(recording));
+    fn results(&self, outcome: &str, recording: &Recording, data: &RunData) -> Vec<String> {
+        let summary = Summary::new(recording, data);
         let found = summary.outcome.as_ref();
         let turns: Vec<_> = summary.strokes.iter().map(|s| s.cap_turn).collect();
         let well = match (&summary.cap, self.claims_apply) {
@@ -397,7 +398,7 @@ struct Ran {
     outcome: &'static str,
     reason: String,
     /// What the hand recorded, and what the simulator knows beside.
-    came_of_it: Option<(Recording, Truth)>,
+    came_of_it: Option<((Recording, RunData), Truth)>,
 }
 
 impl Ran {

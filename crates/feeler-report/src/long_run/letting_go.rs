@@ -17,8 +17,8 @@ pub fn row_size(data: &RunData) -> usize {
     /// What is not a force, of a finger and of the rig.
     const OTHERS: usize = 24 * size_of::<f64>();
     let fingers = data.fingers.iter().map(|finger| {
-        let elements = finger.forces.last().map_or(0, Vec::len);
-        elements * size_of::<DVec3>() + size_of::<Vec<DVec3>>() + OTHERS
+        let elements = finger.forces.last().map_or(0, <[_]>::len);
+        elements * size_of::<DVec3>() + size_of::<usize>() + OTHERS
     });
     fingers.sum::<usize>() + OTHERS
 }
@@ -101,6 +101,11 @@ pub fn shifted(rows: &Range<usize>, by: usize) -> Range<usize> {
 pub fn kept_rows(places: &[usize], rows: &Range<usize>) -> Range<usize> {
     let first_from = |row: usize| places.partition_point(|&place| place < row);
     first_from(rows.start)..first_from(rows.end)
+}
+
+/// Whether there are too many findings or poses of the object.
+pub fn has_many_messages(recording: &Recording) -> bool {
+    recording.findings.len().max(recording.object.len()) > MESSAGES
 }
 
 /// Lets go of findings and of poses of the object, where there are too many: of those from before `open` (s), unless

@@ -1,9 +1,11 @@
 //! Recordings that are read part by part, against the same in memory.
 
 use crate::support;
-use feeler_record::{Recorder, Recording};
+use feeler_lab::config::Experiment;
+use feeler_lab::experiment::{Pictures, Session};
+use feeler_record::{MemoryRecorder, Recorder, Recording, RunLog};
 use feeler_report::cap::CapMeasures;
-use feeler_report::long_run::{read, read_within};
+use feeler_report::long_run::{RunRecorder, read, read_within};
 use feeler_report::make::{make, page_of};
 use feeler_report::{RunData, Summary, tasks};
 use std::fs;
@@ -66,6 +68,31 @@ fn a_run_of_ordinary_length_is_read_as_it_is_in_memory() {
         assert!(kept < whole.task.len() * 2 / 3, "it lets go: {kept} stay");
         assert!(shares.len() > 2 && shares.is_sorted() && shares.iter().all(|s| *s <= 1.0));
     }
+}
+
+#[test]
+fn a_run_that_becomes_columns_while_it_is_recorded_is_as_it_is_in_memory() {
+    let settings = ["sensing=direct", "task.screw.strokes=2"].map(String::from);
+    let experiment = Experiment::load("cap-closing", &settings).expect("an experiment");
+    let mut session = Session::drawing(&experiment, Pictures::Sensed).expect("a session");
+    let facts = session.facts(&experiment.config);
+    let mut whole = RunLog::new(MemoryRecorder::new(&facts).unwrap(), &facts).unwrap();
+    let mut columns = RunLog::new(RunRecorder::new(&facts).unwrap(), &facts).unwrap();
+    while !session.finished() {
+        let instruments = session.step().expect("a step");
+        let control_loop = session.control_loop();
+        instruments.record(control_loop, &mut whole).unwrap();
+        instruments.record(control_loop, &mut columns).unwrap();
+    }
+    let whole = whole.into_recorder().into_recording();
+    let expected = RunData::new(&whole);
+    let (recording, data) = columns.into_recorder().finish();
+    assert_eq!(text(&data), text(&expected));
+    let summaries = [(&recording, &data), (&whole, &expected)];
+    let [summary, expected] =
+        summaries.map(|(recording, data)| text(&Summary::new(recording, data)));
+    assert_eq!(summary, expected);
+    assert!(recording.task.len() < 10, "it lets go");
 }
 
 #[test]

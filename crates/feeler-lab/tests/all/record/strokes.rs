@@ -23,7 +23,7 @@ fn data(rates: &[f64], torque: f64) -> RunData {
         shear_rate: (0..ROWS)
             .map(|row| rate * (389 * row % ROWS) as f64)
             .collect(),
-        forces: vec![vec![DVec3::Z]; ROWS],
+        forces: (0..ROWS).map(|_| [DVec3::Z]).collect(),
         position: vec![DVec3::ZERO; ROWS],
         rotation: vec![DQuat::IDENTITY; ROWS],
         joints: vec![[0.0; 3]; ROWS],
