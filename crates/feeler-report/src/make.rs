@@ -100,40 +100,43 @@ pub fn make_with(
 ) -> Result<ReportOutcome, ReportError> {
     let run_dir = run_dir.as_ref();
     let (recording, data) = read(run_dir, progress)?;
+    make_of(run_dir, &recording, &data)
+}
+
+/// The same of a `recording` whose rows are `data`, and which need not be read again.
+///
+/// # Errors
+/// When a file cannot be written.
+pub fn make_of(
+    run_dir: &Path,
+    recording: &Recording,
+    data: &RunData,
+) -> Result<ReportOutcome, ReportError> {
+    // Should anything go wrong from here on, no earlier report is left beside half of a new one.
+    let [report_path, summary_path] = [REPORT, SUMMARY].map(|name| run_dir.join(name));
+    remove(&report_path)?;
+    remove(&summary_path)?;
+    let drawn = draw(recording, data, |figures, summary| {
+        write_figures(&run_dir.join(FIGURES), figures)?;
+        let json = summary.to_json().map_err(|e| ReportError::Write {
+            path: summary_path.clone(),
+            source: e.into(),
+        })?;
+        write_whole(&summary_path, json.as_bytes())
+    });
     let Drawn {
         html,
-        figures,
         summary,
         whose,
-    } = draw(&recording, &data);
-    // Should anything go wrong from here on, no earlier report is left beside half of a new one.
-    remove(&run_dir.join(REPORT))?;
-    remove(&run_dir.join(SUMMARY))?;
-    let directory = run_dir.join(FIGURES);
-    fs::create_dir_all(&directory).map_err(|source| ReportError::Write {
-        path: directory.clone(),
-        source,
-    })?;
-    for figure in &figures {
-        let path = directory.join(figure.file_name());
-        match &figure.svg {
-            Some(svg) => write_whole(&path, svg.as_bytes())?,
-            None => remove(&path)?,
-        }
-    }
-    let summary_path = run_dir.join(SUMMARY);
-    let json = summary.to_json().map_err(|e| ReportError::Write {
-        path: summary_path.clone(),
-        source: e.into(),
-    })?;
-    write_whole(&summary_path, json.as_bytes())?;
-    let report_path = run_dir.join(REPORT);
+        given: written,
+    } = drawn;
+    written?;
     write_whole(&report_path, html.as_bytes())?;
     Ok(ReportOutcome {
         report_path,
         summary_path,
         complete: recording.complete,
-        problem: recording.problem,
+        problem: recording.problem.clone(),
         readable_until: recording.readable_until,
         summary,
         whose,
@@ -147,7 +150,7 @@ pub fn page_of(recording: &Recording) -> String {
 
 /// The same of a recording whose rows are `data`.
 pub fn page_of_rows(recording: &Recording, data: &RunData) -> String {
-    draw(recording, data).html
+    draw(recording, data, |_, _| ()).html
 }
 
 /// The page of the recording at `path`. Writes nothing.
@@ -162,17 +165,21 @@ pub fn page_of_file(
     Ok(page_of_rows(&recording, &data))
 }
 
-/// All that a report is made of.
-struct Drawn {
+/// All that a report is made of, and what became of the parts that are drawn first.
+struct Drawn<T> {
     html: String,
-    figures: Vec<Figure>,
     summary: Summary,
     whose: &'static str,
+    given: T,
 }
 
-fn draw(recording: &Recording, data: &RunData) -> Drawn {
+/// Draws the page of `recording`; `give` has figures and summary while the page's numbers are still compressed, which takes longest.
+fn draw<T>(
+    recording: &Recording,
+    data: &RunData,
+    give: impl FnOnce(&[Figure], &Summary) -> T,
+) -> Drawn<T> {
     thread::scope(|scope| {
-        // Half of a page's work, beside the other half.
         let table = scope.spawn(|| RunTable::new(data));
         let mut summary = Summary::new(recording, data);
         // A table of trials has the same columns for every law; a report holds to the paper only what is like it.
@@ -181,13 +188,29 @@ fn draw(recording: &Recording, data: &RunData) -> Drawn {
         }
         let task = tasks::of_recording(recording);
         let figures = task.figures(recording, data);
+        let given = give(&figures, &summary);
         let table = table.join().unwrap_or_else(|panic| resume_unwind(panic));
         let html = page(recording, data, table, &summary, &figures);
         Drawn {
             html,
-            figures,
             summary,
             whose: task.whose(),
+            given,
+        }
+    })
+}
+
+/// Writes each figure that was drawn to a file of its own in `directory`; others are not left there from before.
+fn write_figures(directory: &Path, figures: &[Figure]) -> Result<(), ReportError> {
+    fs::create_dir_all(directory).map_err(|source| ReportError::Write {
+        path: directory.to_path_buf(),
+        source,
+    })?;
+    figures.iter().try_for_each(|figure| {
+        let path = directory.join(figure.file_name());
+        match &figure.svg {
+            Some(svg) => write_whole(&path, svg.as_bytes()),
+            None => remove(&path),
         }
     })
 }

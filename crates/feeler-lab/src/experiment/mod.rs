@@ -11,6 +11,7 @@ pub mod linked;
 pub mod played_rig;
 pub mod recorded_run;
 pub mod replay;
+mod reported_recorder;
 pub mod run_folder;
 mod sensors;
 pub mod slip_bench;

@@ -1,12 +1,13 @@
 //! A simulated run that records itself in a folder, and makes its report there.
 
+use super::reported_recorder::{Recorded, ReportedRecorder};
 use super::{ExperimentError, Instruments, Pictures, Session, SimulatedLoop};
 use crate::config::{ConfigError, Experiment, Sensing};
 use feeler::control::controller::Controller;
 use feeler::control::phase::Phase;
 use feeler::pace::{Schedule, Tick};
 use feeler_record::{RecordError, RecordOptions, Recorder, RunEnd, RunLog, RunState};
-use feeler_report::make::{RECORDING, ReportError, ReportOutcome, make};
+use feeler_report::make::{RECORDING, ReportError, ReportOutcome, make, make_of};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -35,7 +36,7 @@ pub enum RunError {
 /// A run with its recording.
 pub struct RecordedRun {
     session: Session,
-    log: RunLog,
+    log: RunLog<ReportedRecorder>,
     folder: PathBuf,
 }
 
@@ -64,6 +65,7 @@ impl RecordedRun {
         let facts = session.facts(&experiment.config);
         let file = folder.join(RECORDING);
         let recorder = Recorder::create_with(file, &facts, &experiment.toml, options)?;
+        let recorder = ReportedRecorder::new(recorder, &facts, &experiment.toml, options)?;
         let log = RunLog::new(recorder, &facts)?;
         Ok(Self {
             log: match options.pictures {
@@ -119,7 +121,7 @@ impl RecordedRun {
         let reason = failed.as_ref().map(ToString::to_string);
         let end = run_end(reason, controller, interrupted.load(Ordering::Relaxed));
         ClosedRun {
-            closed: close(log, wall_time, end.clone()),
+            closed: log.into_recorder().finish(wall_time, end.clone()),
             failed,
             session,
             folder,
@@ -136,7 +138,8 @@ pub struct ClosedRun {
     wall_time: f64,
     end: RunEnd,
     failed: Option<RunError>,
-    closed: Result<(), RecordError>,
+    /// What is in it, unless it must be read for that.
+    closed: Result<Option<Recorded>, RecordError>,
 }
 
 impl ClosedRun {
@@ -146,7 +149,10 @@ impl ClosedRun {
     /// When the run, the recording or the report fails.
     pub fn report(self) -> Result<FinishedRun, RunError> {
         let report = match self.closed {
-            Ok(()) => make(&self.folder).map_err(RunError::from),
+            Ok(Some((recording, data))) => {
+                make_of(&self.folder, &recording, &data).map_err(RunError::from)
+            }
+            Ok(None) => make(&self.folder).map_err(RunError::from),
             Err(error) => Err(error.into()),
         };
         if let Some(error) = self.failed {
@@ -250,12 +256,8 @@ pub fn finish(
     end: RunEnd,
     folder: &Path,
 ) -> Result<ReportOutcome, RunError> {
-    close(log, wall_time, end)?;
-    Ok(make(folder)?)
-}
-
-fn close(log: RunLog, wall_time: f64, end: RunEnd) -> Result<(), RecordError> {
     let mut recorder = log.into_recorder();
     recorder.set_end(end);
-    recorder.finish(Some(wall_time)).map(|_| ())
+    recorder.finish(Some(wall_time))?;
+    Ok(make(folder)?)
 }

@@ -32,6 +32,16 @@ impl RunRecorder {
         })
     }
 
+    /// Whether it takes messages of this topic: not those that are for viewers only.
+    pub fn keeps<M: RecordedMessage>(&mut self, topic: RecordedTopic<M>) -> bool {
+        M::list(self.recording_mut(), topic.finger()).is_some()
+    }
+
+    /// What is recorded so far, without what became rows already.
+    pub fn recording_mut(&mut self) -> &mut Recording {
+        self.recorder.recording_mut()
+    }
+
     /// The recording, of which are left its facts, its newest messages, and what was found out; and the columns.
     pub fn finish(self) -> (Recording, RunData) {
         let mut recording = self.recorder.into_recording();

@@ -2,3 +2,4 @@
 
 mod determinism;
 mod reference_run;
+mod report;

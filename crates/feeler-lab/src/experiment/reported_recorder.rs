@@ -1,0 +1,92 @@
+//! Records a run for its report.
+
+use feeler_record::{
+    MessageSink, RecordError, RecordOptions, RecordedMessage, RecordedTopic, Recorder, Recording,
+    RunEnd, RunFacts,
+};
+use feeler_report::RunData;
+use feeler_report::long_run::RunRecorder;
+
+/// Records a run in its file and makes its columns meanwhile, so that the file need not be read for the report.
+pub(super) struct ReportedRecorder {
+    recorder: Recorder,
+    /// None where only the file tells what is in it: pictures, or less than was written.
+    columns: Option<RunRecorder>,
+}
+
+/// A recording and its columns, as reading the file gives them.
+pub(super) type Recorded = (Recording, RunData);
+
+impl ReportedRecorder {
+    /// Records with `recorder` a run of these constants.
+    ///
+    /// # Errors
+    /// When they make no sense.
+    pub fn new(
+        recorder: Recorder,
+        facts: &RunFacts,
+        experiment_toml: &str,
+        options: &RecordOptions,
+    ) -> Result<Self, RecordError> {
+        let columns = match options.pictures {
+            true => None,
+            false => {
+                let mut columns = RunRecorder::new(facts)?;
+                let recording = columns.recording_mut();
+                recording.experiment = experiment_toml.into();
+                recording.calibrations.clone_from(&options.calibrations);
+                recording.policy.clone_from(&options.policy);
+                Some(columns)
+            }
+        };
+        Ok(Self { recorder, columns })
+    }
+
+    /// Closes the file of a run that took so much time (s) and ended like that. What is in it, unless it must be read for that.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn finish(mut self, wall_time: f64, end: RunEnd) -> Result<Option<Recorded>, RecordError> {
+        self.recorder.set_end(end.clone());
+        let digest = self.recorder.finish(Some(wall_time))?;
+        let recorded = self.columns.map(|columns| {
+            let (mut recording, data) = columns.finish();
+            recording.digest = digest;
+            recording.complete = true;
+            recording.end = end;
+            recording.wall_time = Some(wall_time);
+            (recording, data)
+        });
+        Ok(recorded)
+    }
+}
+
+impl MessageSink for ReportedRecorder {
+    fn write<M: RecordedMessage>(
+        &mut self,
+        topic: RecordedTopic<M>,
+        message: &M,
+    ) -> Result<(), RecordError> {
+        if let Some(columns) = &mut self.columns
+            && columns.keeps(topic)
+        {
+            columns.write(topic, message)?;
+        }
+        self.recorder.write(topic, message)
+    }
+
+    fn is_for_viewers(&self) -> bool {
+        self.recorder.is_for_viewers()
+    }
+
+    fn step_ends(&mut self) -> Result<bool, RecordError> {
+        if let Some(columns) = &mut self.columns {
+            columns.step_ends()?;
+        }
+        let is_whole = self.recorder.step_ends()?;
+        if !is_whole {
+            self.columns = None;
+        }
+        Ok(is_whole)
+    }
+}
