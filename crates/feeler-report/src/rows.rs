@@ -24,6 +24,12 @@ impl<T: Copy> Rows<T> {
         self.ends.push(self.values.len());
     }
 
+    /// Makes room for more values.
+    pub fn reserve(&mut self, rows: usize, values: usize) {
+        self.values.reserve(values);
+        self.ends.reserve(rows);
+    }
+
     /// How many rows there are.
     pub fn len(&self) -> usize {
         self.ends.len()

@@ -12,6 +12,9 @@ use glam::{DQuat, DVec3};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
+/// Rows of forces that there is room for at first, so that a run of ordinary length (20 s at 100 Hz) does not copy them as it grows.
+const ROWS: usize = 2048;
+
 /// One finger's columns; all have as many rows as [`RunData::time`].
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct FingerColumns {
@@ -208,6 +211,12 @@ impl RunData {
         numbers: &mut Vec<u32>,
     ) {
         self.begin_columns(recording);
+        if self.time.is_empty() {
+            for (columns, model) in self.fingers.iter_mut().zip(&recording.facts.hand) {
+                let elements = model.element_tips.len();
+                columns.forces.reserve(ROWS, ROWS * elements);
+            }
+        }
         let mut torque = Newest::new(&recording.torque_sensor);
         let mut cap = Newest::new(&recording.cap);
         let mut slip = Newest::new(&recording.true_slip);
