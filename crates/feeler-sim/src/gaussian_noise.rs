@@ -5,13 +5,14 @@ use rand::Rng;
 use rand_pcg::Pcg64;
 use std::f32::consts::{FRAC_PI_4, SQRT_2};
 
-/// Pairs of numbers that are drawn side by side.
+/// Pairs of numbers whose random words are drawn side by side.
 const LANES: usize = 8;
 /// Numbers that are drawn together.
 pub const GAUSSIAN_BLOCK: usize = 2 * LANES;
+/// Blocks that are made of their words side by side: as many as the widest vectors hold.
+const BLOCKS: usize = 2;
 
 type Words = [u32; LANES];
-type Numbers = [f32; LANES];
 
 /// Gaussian numbers of mean 0 and standard deviation 1, one after the other.
 ///
@@ -37,29 +38,41 @@ impl GaussianNoise {
     }
 }
 
-#[multiversion(targets("x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn fill(state: &mut [Words; 4], numbers: &mut [f64]) {
-    let (blocks, rest) = numbers.as_chunks_mut();
-    for block in blocks {
-        *block = next_block(state);
+    let mut pieces = numbers.chunks_exact_mut(BLOCKS * GAUSSIAN_BLOCK);
+    for piece in &mut pieces {
+        piece.copy_from_slice(next_blocks::<{ BLOCKS * LANES }, BLOCKS>(state).as_flattened());
     }
-    if !rest.is_empty() {
-        rest.copy_from_slice(&next_block(state)[..rest.len()]);
+    for piece in pieces.into_remainder().chunks_mut(GAUSSIAN_BLOCK) {
+        let [block] = next_blocks::<LANES, 1>(state);
+        piece.copy_from_slice(&block[..piece.len()]);
     }
 }
 
 // What follows are loops over lanes by index: the compiler makes vectors of them.
 
+/// The next so many blocks, of as many lanes together.
 #[inline(always)]
-fn next_block(state: &mut [Words; 4]) -> [f64; GAUSSIAN_BLOCK] {
-    let radii = radii(&next_words(state));
-    let (cosines, sines) = directions(&next_words(state));
-    let mut numbers = [0.0; GAUSSIAN_BLOCK];
-    for lane in 0..LANES {
-        numbers[lane] = f64::from(radii[lane] * cosines[lane]);
-        numbers[LANES + lane] = f64::from(radii[lane] * sines[lane]);
+fn next_blocks<const ALL: usize, const COUNT: usize>(
+    state: &mut [Words; 4],
+) -> [[f64; GAUSSIAN_BLOCK]; COUNT] {
+    let (mut first, mut second) = ([0; ALL], [0; ALL]);
+    for block in 0..COUNT {
+        first[LANES * block..][..LANES].copy_from_slice(&next_words(state));
+        second[LANES * block..][..LANES].copy_from_slice(&next_words(state));
     }
-    numbers
+    let radii = radii(&first);
+    let (cosines, sines) = directions(&second);
+    let mut blocks = [[0.0; GAUSSIAN_BLOCK]; COUNT];
+    for (block, numbers) in blocks.iter_mut().enumerate() {
+        for lane in 0..LANES {
+            let of_all = LANES * block + lane;
+            numbers[lane] = f64::from(radii[of_all] * cosines[of_all]);
+            numbers[LANES + lane] = f64::from(radii[of_all] * sines[of_all]);
+        }
+    }
+    blocks
 }
 
 /// Xoshiro128++.
@@ -84,9 +97,9 @@ fn next_words(state: &mut [Words; 4]) -> Words {
 
 /// sqrt(-2 ln u) of numbers u that are uniform over the multiples of 2^-24 in (0, 1].
 #[inline(always)]
-fn radii(words: &Words) -> Numbers {
-    let mut radii = [0.0; LANES];
-    for lane in 0..LANES {
+fn radii<const ALL: usize>(words: &[u32; ALL]) -> [f32; ALL] {
+    let mut radii = [0.0; ALL];
+    for lane in 0..ALL {
         let uniform = 1.0 - (words[lane] >> 8) as i32 as f32 * 2.0_f32.powi(-24);
         radii[lane] = (-2.0 * logarithm(uniform)).sqrt();
     }
@@ -96,9 +109,9 @@ fn radii(words: &Words) -> Numbers {
 /// Cosines and sines of angles that are uniform over the circle: an angle within an eighth of it from the lower 23 bits, and which eighth
 /// from the next three.
 #[inline(always)]
-fn directions(words: &Words) -> (Numbers, Numbers) {
-    let (mut cosines, mut sines) = ([0.0; LANES], [0.0; LANES]);
-    for lane in 0..LANES {
+fn directions<const ALL: usize>(words: &[u32; ALL]) -> ([f32; ALL], [f32; ALL]) {
+    let (mut cosines, mut sines) = ([0.0; ALL], [0.0; ALL]);
+    for lane in 0..ALL {
         let word = words[lane];
         let part = (word & 0x7f_ffff) as i32 as f32 + 0.5;
         let angle = part * (FRAC_PI_4 * 2.0_f32.powi(-23));
@@ -276,7 +289,7 @@ mod tests {
         assert_eq!(first, whole[..first.len()]);
         let mut state = GaussianNoise::new(&mut Pcg64::seed_from_u64(5)).state;
         for block in whole.chunks_exact(GAUSSIAN_BLOCK) {
-            assert_eq!(next_block(&mut state), block);
+            assert_eq!(next_blocks::<LANES, 1>(&mut state), [block]);
         }
     }
 }
