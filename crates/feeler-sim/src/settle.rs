@@ -5,7 +5,7 @@ use super::contacts::{BLOCK, Block, Column, Share, Vectors};
 use super::model::{Finger, WorldModel};
 use super::object::Object;
 use super::pose::Pose;
-use super::slip::{Slip, lost, sticks};
+use super::slip::{lost, sticks};
 use super::slips::{Alike, Mask, Slips, slip_together};
 use super::state::{FingerState, ObjectState, Slipped, State};
 use super::step::undeformed;
@@ -87,9 +87,7 @@ pub(super) fn settle(
                     continue;
                 }
                 let settled = match &together {
-                    Some((ended, known)) if known[lane] => {
-                        meeting.slipped(block, lane, &ended.get(lane))
-                    }
+                    Some((ended, known)) if known[lane] => meeting.slipped(block, lane, ended),
                     _ => meeting.settle(block, lane, &state.sets),
                 };
                 gone |= settled.is_none();
@@ -184,23 +182,14 @@ impl Meeting<'_> {
     }
 
     /// What becomes of a contact whose slip is known, as [`Self::settle`] tells it.
-    fn slipped(&self, block: &mut Block, lane: usize, slip: &Slip) -> Option<Settled> {
+    fn slipped(&self, block: &mut Block, lane: usize, slips: &Slips) -> Option<Settled> {
+        let slip = slips.get(lane);
         if slip.normal_force <= 0.0 {
             return None;
         }
-        let feeler = self.finger.feeler(block.element(lane));
-        let before = block.anchor(lane);
-        let tip = tip_of(
-            self.finger.dome_radius,
-            &self.seen,
-            block.axis(lane),
-            DVec3::ZERO,
-        );
+        let slipped = (block.anchor(lane) != slip.anchor).then(|| slips.slipped(lane));
         block.set_anchor(lane, &slip.anchor);
-        Some((
-            self.state.pose.rotation * slip.force,
-            lost(feeler, &tip, &before, &slip.anchor),
-        ))
+        Some((self.state.pose.rotation * slip.force, slipped))
     }
 
     #[inline(always)]
@@ -224,7 +213,7 @@ impl Meeting<'_> {
         }
         let (anchor, mut force) =
             feeler.settle(self.object, friction, &tip, before, self.overload)?;
-        let slipped = lost(feeler, &tip, &before, &anchor);
+        let slipped = (before != anchor).then(|| lost(feeler, &tip, &before, &anchor));
         block.set_anchor(lane, &anchor);
         if feeler.is_damped() {
             force += feeler.damping_times(tip.axis, velocity);

@@ -120,22 +120,15 @@ impl Slip {
     }
 }
 
-/// What a slip from one anchor to another took, if there was one. The feeler has no mass and its force falls in proportion,
+/// What a slip from one anchor to another took. The feeler has no mass and its force falls in proportion,
 /// so that friction takes the mean of both forces times the way: all that the spring loses.
-pub(super) fn lost(
-    feeler: &FeelerConfig,
-    tip: &Tip,
-    from: &Anchor,
-    to: &Anchor,
-) -> Option<Slipped> {
-    if from == to {
-        return None;
-    }
+#[inline(always)]
+pub(super) fn lost(feeler: &FeelerConfig, tip: &Tip, from: &Anchor, to: &Anchor) -> Slipped {
     let way = to.position - from.position;
     let before = feeler.elastic_force(tip, from.position);
     let after = feeler.elastic_force(tip, to.position);
-    Some(Slipped {
+    Slipped {
         way: way.length(),
         work: 0.5 * (before + after).dot(way),
-    })
+    }
 }

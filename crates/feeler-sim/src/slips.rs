@@ -3,7 +3,8 @@
 use super::columnar_feeler::{Anchor, FeelerConfig, Friction, Overload, Tip};
 use super::contacts::{BLOCK, Column, Vectors};
 use super::shape::{Side, SurfacePoint};
-use super::slip::{MAX_SLIP_ITERATIONS, Slip};
+use super::slip::{MAX_SLIP_ITERATIONS, Slip, lost};
+use super::state::Slipped;
 use glam::DVec3;
 
 /// Some contacts of a block.
@@ -32,6 +33,9 @@ pub(super) struct Slips {
     shear: Column,
     bend: Column,
     rebuilt: Column,
+    /// What it took.
+    way: Column,
+    work: Column,
 }
 
 impl Slips {
@@ -48,6 +52,15 @@ impl Slips {
             shear: self.shear[lane],
             bend: self.bend[lane],
             rebuilt: self.rebuilt[lane],
+        }
+    }
+
+    /// What a slip took.
+    #[inline(always)]
+    pub fn slipped(&self, lane: usize) -> Slipped {
+        Slipped {
+            way: self.way[lane],
+            work: self.work[lane],
         }
     }
 
@@ -115,5 +128,12 @@ pub(super) fn slip_together(
             goes_on[lane] = goes & is_beside & (next.normal_force > 0.0) & !next.is_over(friction);
         }
     }
+    let (mut way, mut work) = ([0.0; BLOCK], [0.0; BLOCK]);
+    for lane in 0..lanes.min(BLOCK) {
+        let (tip, anchor) = start(lane);
+        let slipped = lost(feeler, &tip, &anchor, &now.get(lane).anchor);
+        (way[lane], work[lane]) = (slipped.way, slipped.work);
+    }
+    (now.way, now.work) = (way, work);
     (now, known)
 }

@@ -181,9 +181,11 @@ impl State {
 
     /// Work that friction took from all feelers that slipped, J.
     pub fn slip_work(&self) -> f64 {
-        let fingers = self.fingers.iter();
-        let slipped = fingers.flat_map(|finger| &finger.slipped);
-        slipped.map(|slipped| slipped.work).sum()
+        // Of each finger by itself: none waits for another's sum.
+        let of_finger = |finger: &FingerState| -> f64 {
+            finger.slipped.iter().map(|slipped| slipped.work).sum()
+        };
+        self.fingers.iter().map(of_finger).sum()
     }
 
     /// Torque on what stands on the torque sensor, N·m.

@@ -5,7 +5,8 @@ pub use super::thread_config::{HingeConfig, ThreadConfig, ThreadFault};
 
 use super::holder::PlaySpring;
 use super::pose::{Pose, Screw};
-use glam::{DMat3, DVec2};
+use feeler::hand::sin_cos::sin_cos_of;
+use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::TAU;
 
 /// Newton steps per time step; three suffice unless every feeler is at its friction limit.
@@ -87,9 +88,15 @@ impl Hinge {
     /// Pose of the object in `turn`, which was at `start` at angle 0.
     pub fn pose(&self, turn: &Turn, start: &Pose) -> Pose {
         let descent = self.thread.lead * turn.angle / TAU;
+        let (sine, cosine) = sin_cos_of(turn.angle + turn.twist);
+        let turned = DMat3::from_cols(
+            DVec3::new(cosine, sine, 0.0),
+            DVec3::new(-sine, cosine, 0.0),
+            DVec3::Z,
+        );
         Pose {
             position: start.position + turn.shift.extend(0.0) - descent * start.rotation.z_axis,
-            rotation: start.rotation * DMat3::from_rotation_z(turn.angle + turn.twist),
+            rotation: start.rotation * turned,
         }
     }
 
@@ -97,7 +104,7 @@ impl Hinge {
     #[inline(always)]
     pub(super) fn screw(&self, from: &Turn, to: &Turn) -> Screw {
         let turned = to.angle - from.angle;
-        let (sine, cosine) = (turned + to.twist - from.twist).sin_cos();
+        let (sine, cosine) = sin_cos_of(turned + to.twist - from.twist);
         Screw {
             sine,
             cosine,

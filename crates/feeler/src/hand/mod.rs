@@ -34,7 +34,7 @@ pub mod kinematics;
 mod kinematics_error;
 mod postures;
 pub mod resolved_rate;
-mod sin_cos;
+pub mod sin_cos;
 
 pub use interface::{
     Hand, HandCommand, HandError, HandState, JointState, MAX_FINGERS, check_finger_count,

@@ -1,10 +1,11 @@
-//! Sine and cosine of a finger's joint angles, side by side.
+//! Sine and cosine with the same digits on every processor; of a finger's joint angles side by side.
 //!
 //! The system's library works on one angle at a time and has other last digits on other processors; no maintained library
 //! works on several without knowing the processor when it is compiled. This is plain arithmetic, which compilers make vector
 //! instructions of, with the same result everywhere.
 
 use glam::DVec3;
+use std::f64::consts::FRAC_PI_4;
 
 /// Angles up to here are reduced to within 1e-16 rad, rad: the reduction's first part is exact.
 const MOST: f64 = 1e5;
@@ -37,7 +38,7 @@ const COSINE: [f64; 6] = [
 
 /// Sine and cosine of three `angles`, rad, each to within one unit in the last place of 1.
 #[inline(always)]
-pub(super) fn sin_cos(angles: DVec3) -> (DVec3, DVec3) {
+pub fn sin_cos(angles: DVec3) -> (DVec3, DVec3) {
     if angles.abs().max_element() > MOST {
         let each = angles.to_array().map(f64::sin_cos);
         return (
@@ -53,10 +54,24 @@ pub(super) fn sin_cos(angles: DVec3) -> (DVec3, DVec3) {
     )
 }
 
+/// The same of one `angle`, rad.
 #[inline(always)]
-fn lanes(angles: [f64; 4]) -> ([f64; 4], [f64; 4]) {
-    let (mut sines, mut cosines) = ([0.0; 4], [0.0; 4]);
-    for lane in 0..4 {
+pub fn sin_cos_of(angle: f64) -> (f64, f64) {
+    if angle.abs() > MOST {
+        return angle.sin_cos();
+    }
+    // Mostly it is small, and there is nothing to reduce.
+    if angle.abs() < FRAC_PI_4 {
+        return (sine_of(angle, 0.0), cosine_of(angle, 0.0));
+    }
+    let ([sine], [cosine]) = lanes([angle]);
+    (sine, cosine)
+}
+
+#[inline(always)]
+fn lanes<const LANES: usize>(angles: [f64; LANES]) -> ([f64; LANES], [f64; LANES]) {
+    let (mut sines, mut cosines) = ([0.0; LANES], [0.0; LANES]);
+    for lane in 0..LANES {
         let rounded = angles[lane] * QUARTERS + ROUNDER;
         let quarters = rounded - ROUNDER;
         let quadrant = rounded.to_bits();
@@ -111,6 +126,7 @@ mod tests {
             .into_iter()
             .zip(sines.to_array().into_iter().zip(cosines.to_array()))
         {
+            assert_eq!(sin_cos_of(angle), (sine, cosine));
             let (true_sine, true_cosine) = angle.sin_cos();
             assert!((sine - true_sine).abs() <= TOLERANCE, "sin {angle}: {sine}");
             assert!(
