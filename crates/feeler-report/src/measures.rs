@@ -24,27 +24,60 @@ pub fn distance_between_paths(a: &[DVec3], b: &[DVec3]) -> Option<f64> {
         return None;
     }
     let [a, b] = [a, b].map(|path| path.iter().map(|p| p.truncate()).collect::<Vec<_>>());
-    let there = a.iter().map(|&point| distance_to_path(point, &b));
-    let back = b.iter().map(|&point| distance_to_path(point, &a));
+    let [to_a, to_b] = [&a, &b].map(|path| Polyline::new(path));
+    let there = a.iter().map(|&point| to_b.distance(point));
+    let back = b.iter().map(|&point| to_a.distance(point));
     rms(there.chain(back))
 }
 
-/// Distance of a point from a path of straight pieces; not a number where the path has no points.
-pub fn distance_to_path(point: DVec2, path: &[DVec2]) -> f64 {
-    let to_piece = |piece: &[DVec2]| {
-        let (start, along) = (piece[0], piece[1] - piece[0]);
-        let length_squared = along.length_squared();
-        let share = if length_squared > 0.0 {
-            ((point - start).dot(along) / length_squared).clamp(0.0, 1.0)
-        } else {
-            0.0
+/// A path of straight pieces, m.
+pub struct Polyline {
+    first: Option<DVec2>,
+    pieces: Vec<Piece>,
+}
+
+struct Piece {
+    start: DVec2,
+    along: DVec2,
+    /// What makes a point's share of the piece of its way from the start; zero where the piece has no length.
+    to_share: DVec2,
+}
+
+impl Polyline {
+    /// Through these points, m.
+    pub fn new(path: &[DVec2]) -> Self {
+        let piece = |ends: &[DVec2]| {
+            let (start, along) = (ends[0], ends[1] - ends[0]);
+            let length_squared = along.length_squared();
+            let to_share = match length_squared > 0.0 {
+                true => along / length_squared,
+                false => DVec2::ZERO,
+            };
+            Piece {
+                start,
+                along,
+                to_share,
+            }
         };
-        point.distance_squared(start + share * along)
-    };
-    let first = path
-        .first()
-        .map_or(f64::NAN, |first| point.distance_squared(*first));
-    path.windows(2).map(to_piece).fold(first, f64::min).sqrt()
+        Self {
+            first: path.first().copied(),
+            pieces: path.windows(2).map(piece).collect(),
+        }
+    }
+
+    /// Distance of a point (m) from it, m; not a number where it goes through no point.
+    pub fn distance(&self, point: DVec2) -> f64 {
+        let to_piece = |piece: &Piece| {
+            let from_start = point - piece.start;
+            let share = from_start.dot(piece.to_share).clamp(0.0, 1.0);
+            (from_start - share * piece.along).length_squared()
+        };
+        let first = self
+            .first
+            .map_or(f64::NAN, |first| point.distance_squared(first));
+        let squares = self.pieces.iter().map(to_piece);
+        squares.fold(first, f64::min).sqrt()
+    }
 }
 
 /// The best correlation of two series within a lag, and that lag.

@@ -4,7 +4,7 @@ use super::Figure;
 use super::canvas::{CAP, Pen, finger_colour, line, panel, range};
 use super::drawing::column;
 use crate::contour_points::{drawn, section};
-use crate::measures::distance_to_path;
+use crate::measures::Polyline;
 use crate::run_data::RunData;
 use feeler_record::{Phase, Recording};
 use glam::DVec2;
@@ -65,8 +65,9 @@ fn error(recording: &Recording) -> Figure {
     let title = "Error of the outline";
     let (section, drawn) = (section(recording), drawn(recording));
     let pen = Pen::solid(finger_colour(0), 1.4);
+    let outline = Polyline::new(&section);
     let points: Vec<_> = (drawn.iter().filter(|_| section.len() > 1))
-        .map(|&(time, point)| (time, MM * distance_to_path(point, &section)))
+        .map(|&(time, point)| (time, MM * outline.distance(point)))
         .collect();
     let ranges = range(points.iter().map(|p| p.0)).zip(range(points.iter().map(|p| p.1)));
     let drawing = ranges.map(|(time, (_, most))| {

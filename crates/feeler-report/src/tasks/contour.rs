@@ -4,7 +4,7 @@ use super::{TaskReport, findings};
 use crate::claim::{Claim, ClaimPart, Relation};
 use crate::contour_points::{drawn, section};
 use crate::figures::{Figure, outline};
-use crate::measures::distance_to_path;
+use crate::measures::Polyline;
 use crate::run_data::RunData;
 use crate::series::{maximum, rms};
 use crate::summary::Summary;
@@ -99,7 +99,8 @@ fn claims(recording: &Recording, data: &RunData) -> Vec<Claim> {
     let drawn: Vec<_> = drawn(recording).into_iter().map(|(_, p)| p).collect();
     let known = section.len() > 1 && !drawn.is_empty();
     let known = |value: Option<f64>| value.filter(|_| known);
-    let errors = || drawn.iter().map(|&point| distance_to_path(point, &section));
+    let outline = Polyline::new(&section);
+    let errors = || drawn.iter().map(|&point| outline.distance(point));
     let nearest = |point: DVec2| {
         drawn
             .iter()
