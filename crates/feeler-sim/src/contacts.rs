@@ -227,6 +227,18 @@ impl Contacts {
         })
     }
 
+    /// Calls `each` with every element that touches.
+    #[inline(always)]
+    pub(super) fn for_each_element(&self, mut each: impl FnMut(usize)) {
+        for on in &self.objects {
+            for (share, block) in on.blocks() {
+                for lane in 0..share.count {
+                    each(block.element(lane));
+                }
+            }
+        }
+    }
+
     /// Those on one object.
     pub(super) fn on(&self, object: usize) -> &OnObject {
         &self.objects[object]

@@ -163,15 +163,15 @@ impl World {
         };
         let to_fingertip = state.tip.rotation.transpose();
         forces.fill(DVec3::ZERO);
-        for contact in state.contacts.iter() {
-            let element = contact.element;
+        // Without what else a contact is made of, as this is in every control step.
+        state.contacts.for_each_element(|element| {
             let Some(force) = forces.get_mut(element) else {
-                continue;
+                return;
             };
             // On the feeler by the object: the reverse. Compression is that force along -z.
             let rotation = &finger.element_rotations[element];
             let on_feeler = -(rotation.transpose() * (to_fingertip * state.forces[element]));
             *force = on_feeler.with_z(-on_feeler.z);
-        }
+        });
     }
 }
