@@ -227,16 +227,10 @@ impl Contacts {
         })
     }
 
-    /// Calls `each` with every element that touches.
-    #[inline(always)]
-    pub(super) fn for_each_element(&self, mut each: impl FnMut(usize)) {
-        for on in &self.objects {
-            for (share, block) in on.blocks() {
-                for lane in 0..share.count {
-                    each(block.element(lane));
-                }
-            }
-        }
+    /// The elements that touch, in the same order.
+    pub(super) fn elements(&self) -> impl Iterator<Item = usize> + '_ {
+        let blocks = self.objects.iter().flat_map(OnObject::blocks);
+        blocks.flat_map(|(share, block)| (0..share.count).map(|lane| block.element(lane)))
     }
 
     /// Those on one object.

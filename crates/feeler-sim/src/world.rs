@@ -144,11 +144,10 @@ impl World {
     pub fn compressions(&self, finger: usize) -> impl Iterator<Item = f64> + use<'_> {
         let fingers = self.model.fingers.iter().zip(&self.state.fingers);
         fingers.skip(finger).take(1).flat_map(|(finger, state)| {
-            let contacts = state.contacts.iter().map(|contact| contact.element);
             let pressed = |element: usize| {
                 state.forces[element].dot(state.tip.rotation * finger.normals[element])
             };
-            contacts.map(pressed)
+            state.contacts.elements().map(pressed)
         })
     }
 
@@ -163,8 +162,7 @@ impl World {
         };
         let to_fingertip = state.tip.rotation.transpose();
         forces.fill(DVec3::ZERO);
-        // Without what else a contact is made of, as this is in every control step.
-        state.contacts.for_each_element(|element| {
+        state.contacts.elements().for_each(|element| {
             let Some(force) = forces.get_mut(element) else {
                 return;
             };
