@@ -123,6 +123,10 @@ fn watched_run(
     let trial = arguments.trial.as_deref().and_then(|trial| trial.last());
     let folder = make_folder(arguments.out.as_deref(), experiment, trial)?;
     let run = RecordedRun::of_session(session, experiment, options, &folder)?;
+    let run = match bus {
+        Some(_) => run.keeping_time(),
+        None => run,
+    };
 
     let interrupted = watch_for_interrupt()?;
     let (period, speed) = (experiment.config.control.period, arguments.speed());

@@ -77,6 +77,14 @@ impl RecordedRun {
         })
     }
 
+    /// The same run for who must keep to its schedule, as servos are waiting: all that its report is made of is read from its
+    /// recording, once it is over.
+    #[must_use]
+    pub fn keeping_time(mut self) -> Self {
+        self.log.recorder_mut().without_columns();
+        self
+    }
+
     /// Makes the run, as [`Session::run`], then closes the recording and makes the report. However the run ends,
     /// what was recorded is kept and reported. Returns the loop's last state, how the run ended, and the report.
     ///

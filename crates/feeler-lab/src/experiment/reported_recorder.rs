@@ -10,7 +10,7 @@ use feeler_report::long_run::RunRecorder;
 /// Records a run in its file and makes its columns meanwhile, so that the file need not be read for the report.
 pub(super) struct ReportedRecorder {
     recorder: Recorder,
-    /// None where only the file tells what is in it: pictures, or less than was written.
+    /// None where the file is read in the end: where it has pictures, or less than was written.
     columns: Option<RunRecorder>,
 }
 
@@ -40,6 +40,11 @@ impl ReportedRecorder {
             }
         };
         Ok(Self { recorder, columns })
+    }
+
+    /// Makes no columns: who keeps to a schedule cannot wait while a long run lets go of rows.
+    pub fn without_columns(&mut self) {
+        self.columns = None;
     }
 
     /// Closes the file of a run that took so much time (s) and ended like that. What is in it, unless it must be read for that.
