@@ -29,11 +29,11 @@ fn report(folder: &Path) -> BTreeMap<String, Vec<u8>> {
         .collect()
 }
 
-/// Makes a run of `name`, interrupted after so many steps, and its report once more from its recording.
-fn check(name: &str, settings: &[&str], pictures: bool, interrupted_after: usize) {
+/// Makes a run of `name`, interrupted after so many steps, and its report once more from its recording; its folder.
+fn check(name: &str, settings: &[&str], pictures: bool, interrupted_after: usize) -> PathBuf {
     let settings: Vec<_> = settings.iter().map(|s| s.to_string()).collect();
     let experiment = Experiment::load(name, &settings).expect("an experiment");
-    let folder = folder(name);
+    let folder = folder(&format!("{name}-{}", settings.len()));
     let run = RecordedRun::new(&experiment, pictures, &folder).expect("a run");
     let (interrupted, mut steps) = (AtomicBool::new(false), 0);
     let finished = run.run(&mut Unpaced::default(), &interrupted, |_, _, _| {
@@ -48,6 +48,20 @@ fn check(name: &str, settings: &[&str], pictures: bool, interrupted_after: usize
     for (name, content) in report(&folder) {
         assert!(files.get(&name) == Some(&content), "{name} differs");
     }
+    folder
+}
+
+/// Which rows of a long run are kept does not depend on how many are taken at once: three while it is recorded, thousands when it is read.
+#[test]
+fn a_long_runs_report_is_that_of_its_recording() {
+    let settings = [
+        "sensing=direct",
+        "task.screw.strokes=60",
+        "time_limit=300.0",
+    ];
+    let folder = check("cap-closing", &settings, false, usize::MAX);
+    let page = fs::read_to_string(folder.join("report.html")).expect("a page");
+    assert!(page.contains("This run is long."));
 }
 
 #[test]
