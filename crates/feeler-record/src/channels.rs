@@ -19,8 +19,13 @@ pub trait Stamped: Message {
 
 /// A stamp in whole nanoseconds; none if it is no time of a run.
 pub(crate) fn nanoseconds(stamp: f64) -> Option<u64> {
-    let ns = (stamp * 1e9).round();
-    (ns >= 0.0 && ns < u64::MAX as f64).then_some(ns as u64)
+    let ns = stamp * 1e9;
+    if !(ns > -0.5 && ns < u64::MAX as f64) {
+        return None;
+    }
+    // Rounded here: elsewhere than in the newest processors, `round` is a call of the system's library.
+    let below = ns as u64;
+    Some(below + u64::from(ns - below as f64 >= 0.5))
 }
 
 /// Implements [`Stamped`] for structs with a `stamp`.
@@ -400,5 +405,30 @@ message!(
 impl Stamped for RecordingGap {
     fn stamp(&self) -> f64 {
         self.end
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nanoseconds_are_the_nearest_and_none_of_what_is_no_time() {
+        for ns in [0_u64, 1, 999_999_999, 18_540_000_000, 1 << 53] {
+            for share in [-0.49, 0.0, 0.25, 0.49] {
+                let stamp = (ns as f64 + share) * 1e-9;
+                // Of the same product, which need not be what was meant.
+                assert_eq!(
+                    nanoseconds(stamp),
+                    Some((stamp * 1e9).round() as u64),
+                    "{stamp}"
+                );
+            }
+        }
+        assert_eq!(nanoseconds(2.5e-9), Some(3));
+        assert_eq!(nanoseconds(-0.0), Some(0));
+        for stamp in [-1e-9, -1.0, 1e11, f64::NAN, f64::INFINITY] {
+            assert_eq!(nanoseconds(stamp), None, "{stamp}");
+        }
     }
 }

@@ -2,6 +2,7 @@
 
 use feeler::check::Checker;
 use glam::{BVec3, DVec3};
+use multiversion::multiversion;
 use serde::{Deserialize, Serialize};
 
 /// The drives of a finger's three joints; all alike.
@@ -142,6 +143,12 @@ impl ServoConfig {
 
     /// What the encoders count at the joint angles `position`, as an angle, rad.
     pub fn encode(&self, position: DVec3) -> DVec3 {
-        (position / self.encoder_resolution).round() * self.encoder_resolution
+        to_multiples(position, self.encoder_resolution)
     }
+}
+
+/// The multiples of `unit` that are nearest to `values`. (Without AVX, rounding is a call of the system's library.)
+#[multiversion(targets("x86_64+avx2"))]
+fn to_multiples(values: DVec3, unit: f64) -> DVec3 {
+    (values / unit).round() * unit
 }
