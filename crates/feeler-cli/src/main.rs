@@ -20,9 +20,9 @@ fn main() -> std::process::ExitCode {
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 fn set_allocator() {
     use libc::{M_ARENA_MAX, M_MMAP_THRESHOLD, M_TRIM_THRESHOLD, c_int};
-    /// Commands that run trial after trial, each of which takes what the one before gave back.
-    const TRIALS: [&str; 3] = ["sweep", "compare", "robustness"];
-    /// So much of it, bytes, is not given back to the system, which would have to clear it for the next trial: an eighth of a trial's time.
+    /// Commands that soon take again what they gave back: for the next trial, or for the report of what was recorded.
+    const RUNS: [&str; 4] = ["run", "sweep", "compare", "robustness"];
+    /// So much of it, bytes, is not given back to the system, which would have to clear it again: an eighth of a trial's time.
     const KEPT: c_int = 256 << 20;
     /// The most that the allocator admits, bytes, so that large blocks are kept, too.
     const LARGE: c_int = 32 << 20;
@@ -31,8 +31,8 @@ fn set_allocator() {
     const HEAPS: c_int = 2;
     const OF_THE_SYSTEM: c_int = 32 << 10;
     let command = std::env::args_os().nth(1);
-    let runs_trials = TRIALS.iter().any(|trials| command == Some(trials.into()));
-    let settings: &[(c_int, c_int)] = match (runs_trials, cfg!(feature = "link")) {
+    let is_run = RUNS.iter().any(|run| command == Some(run.into()));
+    let settings: &[(c_int, c_int)] = match (is_run, cfg!(feature = "link")) {
         (true, _) => &[(M_TRIM_THRESHOLD, KEPT), (M_MMAP_THRESHOLD, LARGE)],
         (false, true) => &[(M_ARENA_MAX, HEAPS), (M_MMAP_THRESHOLD, OF_THE_SYSTEM)],
         (false, false) => &[],
