@@ -59,7 +59,7 @@ fn claims(name: &str, settings: &[String]) -> Result<Vec<Claim>, AnyError> {
         instruments.record(session.control_loop(), &mut log)?;
     }
     let (recording, data) = log.into_recorder().finish();
-    Ok(tasks::of(&facts).claims(&recording, &data))
+    Ok(tasks::of(&facts).claims(&recording, &data, &data.stroke_measures()))
 }
 
 fn print(runs: &BTreeMap<u64, Vec<Claim>>) {

@@ -40,23 +40,27 @@ const MEASURED: [u32; 3] = [1, 3, 4];
 /// What several claims are about, measured once.
 struct Measured<'a> {
     data: &'a RunData,
-    strokes: Vec<MeasuredStroke>,
+    strokes: Vec<MeasuredStroke<'a>>,
 }
 
 /// A stroke whose MOVE is over.
-struct MeasuredStroke {
-    measures: StrokeMeasures,
+struct MeasuredStroke<'a> {
+    measures: &'a StrokeMeasures,
     /// Of each finger.
     fits: Vec<Option<PathFit>>,
 }
 
 impl<'a> Measured<'a> {
-    fn new(data: &'a RunData) -> Self {
+    fn new(data: &'a RunData, measures: &'a [StrokeMeasures]) -> Self {
         let whole = MEASURED
             .iter()
             .filter_map(|&index| data.whole_stroke(index));
-        let strokes = whole.map(|stroke| MeasuredStroke {
-            measures: StrokeMeasures::new(data, stroke),
+        let measured = whole.filter_map(|stroke| {
+            let place = data.strokes.iter().position(|s| s == stroke)?;
+            Some((stroke, measures.get(place)?))
+        });
+        let strokes = measured.map(|(stroke, measures)| MeasuredStroke {
+            measures,
             fits: (0..data.fingers.len())
                 .map(|finger| PathFit::new(data, stroke, finger))
                 .collect(),
@@ -67,13 +71,13 @@ impl<'a> Measured<'a> {
         }
     }
 
-    fn stroke(&self, index: u32) -> Option<&MeasuredStroke> {
+    fn stroke(&self, index: u32) -> Option<&MeasuredStroke<'a>> {
         let mut strokes = self.strokes.iter();
         strokes.find(|stroke| stroke.measures.index == index)
     }
 
     fn measures(&self, index: u32) -> Option<&StrokeMeasures> {
-        Some(&self.stroke(index)?.measures)
+        Some(self.stroke(index)?.measures)
     }
 
     fn fit(&self, index: u32, finger: usize) -> Option<PathFit> {
@@ -103,9 +107,10 @@ impl<'a> Measured<'a> {
     }
 }
 
-/// The claims, in the order of the paper. What needs an instrument that the rig does not have is not measured.
-pub fn claims(data: &RunData) -> Vec<Claim> {
-    let measured = Measured::new(data);
+/// The claims, in the order of the paper, about a run whose strokes measure `strokes`. What needs an instrument that the rig does not have
+/// is not measured.
+pub fn claims(data: &RunData, strokes: &[StrokeMeasures]) -> Vec<Claim> {
+    let measured = Measured::new(data, strokes);
     vec![
         four_peaks(data),
         first_stroke_torque_rises(data),

@@ -2,6 +2,8 @@
 
 use super::contact::Contact;
 use super::rows::Rows;
+use super::series::maximum;
+use super::strokes::StrokeMeasures;
 use super::thinned::Thinned;
 use feeler::sensor::layout::SensingElement;
 use feeler_record::{
@@ -12,7 +14,7 @@ use glam::{DQuat, DVec3};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// Rows of forces that there is room for at first, so that a run of ordinary length (20 s at 100 Hz) does not copy them as it grows.
+/// Rows that there is room for at first, so that a run of ordinary length (20 s at 100 Hz) does not copy them as it grows.
 const ROWS: usize = 2048;
 
 /// One finger's columns; all have as many rows as [`RunData::time`].
@@ -34,6 +36,8 @@ pub struct FingerColumns {
     pub shear_rate: Vec<f64>,
     /// Force on every element in its frame, N; z is compression.
     pub forces: Rows<DVec3>,
+    /// The largest F_z of them, N; not a number where one of them is none, and -∞ where there are no elements.
+    pub largest_force: Vec<f64>,
     /// Centre of the dome, m in `W`.
     pub position: Vec<DVec3>,
     /// From the fingertip frame `T` to `W`.
@@ -67,6 +71,22 @@ impl FingerColumns {
         Some(*self.rotation.get(row)? * force)
     }
 
+    /// Makes room for the first rows.
+    fn reserve(&mut self) {
+        self.grasp_force.reserve(ROWS);
+        self.touch.reserve(ROWS);
+        self.slip.reserve(ROWS);
+        self.over.reserve(ROWS);
+        self.slipped.reserve(ROWS);
+        self.largest_element.reserve(ROWS);
+        self.shear_rate.reserve(ROWS);
+        self.forces.reserve(ROWS, ROWS * self.tips.len());
+        self.largest_force.reserve(ROWS);
+        self.position.reserve(ROWS);
+        self.rotation.reserve(ROWS);
+        self.joints.reserve(ROWS);
+    }
+
     fn push(&mut self, newest: &FingerRow<'_>) {
         let FingerRow {
             tactile,
@@ -86,6 +106,11 @@ impl FingerColumns {
         self.shear_rate.push(shear_rate);
         self.forces
             .push(tactile.forces.iter().map(|&force| force.into()));
+        let largest = match tactile.forces.as_slice() {
+            [] => f64::NEG_INFINITY,
+            forces => maximum(forces.iter().map(|force| force.z)).unwrap_or(f64::NAN),
+        };
+        self.largest_force.push(largest);
         self.position.push(fingertip.position.into());
         self.rotation.push(fingertip.orientation.into());
         let angles = joints.map_or([f64::NAN; 3], |joints| joints.position);
@@ -102,6 +127,7 @@ impl FingerColumns {
         keep(&mut self.largest_element, rows);
         keep(&mut self.shear_rate, rows);
         self.forces.keep(rows);
+        keep(&mut self.largest_force, rows);
         keep(&mut self.position, rows);
         keep(&mut self.rotation, rows);
         keep(&mut self.joints, rows);
@@ -212,10 +238,7 @@ impl RunData {
     ) {
         self.begin_columns(recording);
         if self.time.is_empty() {
-            for (columns, model) in self.fingers.iter_mut().zip(&recording.facts.hand) {
-                let elements = model.element_tips.len();
-                columns.forces.reserve(ROWS, ROWS * elements);
-            }
+            self.fingers.iter_mut().for_each(FingerColumns::reserve);
         }
         let mut torque = Newest::new(&recording.torque_sensor);
         let mut cap = Newest::new(&recording.cap);
@@ -274,6 +297,17 @@ impl RunData {
         }
         for finger in &mut self.fingers {
             finger.keep(rows);
+        }
+    }
+
+    /// What each of the strokes measures.
+    pub fn stroke_measures(&self) -> Vec<StrokeMeasures> {
+        match &self.thinned {
+            Some(thinned) => thinned.strokes.clone(),
+            None => {
+                let strokes = self.strokes.iter();
+                strokes.map(|s| StrokeMeasures::new(self, s)).collect()
+            }
         }
     }
 

@@ -28,13 +28,14 @@ pub fn standard_deviation(values: impl Iterator<Item = f64> + Clone) -> Option<f
 
 /// Largest value.
 pub fn maximum(values: impl IntoIterator<Item = f64>) -> Option<f64> {
-    // A fold that goes through all of them is faster over nested series than one that may end early.
-    let start = (f64::NEG_INFINITY, true);
-    let (largest, all_finite) = values.into_iter().fold(start, |(largest, finite), value| {
+    // A fold that goes through all of them is faster over nested series than one that may end early. What is not finite times zero
+    // is no number.
+    let start = (f64::NEG_INFINITY, 0.0);
+    let (largest, zero) = values.into_iter().fold(start, |(largest, zero), value| {
         let largest = if value > largest { value } else { largest };
-        (largest, finite & value.is_finite())
+        (largest, zero + 0.0 * value)
     });
-    finite(largest).filter(|_| all_finite)
+    finite(largest).filter(|_| zero == 0.0)
 }
 
 /// Percentile `p` (0 to 100), linear between samples.

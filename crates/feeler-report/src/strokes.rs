@@ -180,11 +180,8 @@ pub fn over_fraction(data: &RunData, stroke: &Stroke, finger: usize) -> Option<f
 
 fn peak_element_force(data: &RunData, stroke: &Stroke) -> Option<f64> {
     let fingers = data.fingers.iter();
-    let forces = fingers.flat_map(|finger| stroke.rows.clone().map(|row| &finger.forces[row]));
-    // Of each row first: that of the next need not wait for it.
-    let of_row = |forces: &[DVec3]| maximum(forces.iter().map(|force| force.z));
-    let peaks = forces.filter(|forces| !forces.is_empty()).map(of_row);
-    maximum(peaks.map(|peak| peak.unwrap_or(f64::NAN)))
+    let forces = fingers.flat_map(|finger| &finger.largest_force[stroke.rows.clone()]);
+    maximum(forces.copied().filter(|&force| force != f64::NEG_INFINITY))
 }
 
 fn cap_turn(data: &RunData, stroke: &Stroke) -> Option<f64> {

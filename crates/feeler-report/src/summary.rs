@@ -63,13 +63,8 @@ impl Summary {
         let facts = &recording.facts;
         let found = recording.findings.last();
         let factor = |seconds| finite(recording.readable_until / seconds);
-        let strokes = match &data.thinned {
-            Some(thinned) => thinned.strokes.clone(),
-            None => {
-                let strokes = data.strokes.iter();
-                strokes.map(|s| StrokeMeasures::new(data, s)).collect()
-            }
-        };
+        let strokes = data.stroke_measures();
+        let claims = tasks::of_recording(recording).claims(recording, data, &strokes);
         Self {
             experiment: facts.experiment.clone(),
             task: facts.task.clone(),
@@ -90,7 +85,7 @@ impl Summary {
                 .flat_map(|f| f.names.iter().cloned().zip(&f.values))
                 .map(|(name, &value)| (name, finite(value)))
                 .collect(),
-            claims: tasks::of_recording(recording).claims(recording, data),
+            claims,
             cap: CapMeasures::new(recording, data),
             cap_angle: (recording.cap.last()).and_then(|cap| finite(cap.angle)),
             digest: recording.digest.to_string(),

@@ -60,6 +60,11 @@ impl Pressed {
     pub fn take_row(&mut self, data: &RunData, row: usize) {
         for (finger, columns) in data.fingers.iter().enumerate() {
             let forces = columns.forces[row].iter();
+            let is_known = self.elements[finger].len() >= forces.len();
+            // Mostly none is pressed, nor was: no stretch begins, goes on or ends.
+            if is_known && !self.is_pressed[finger] && columns.largest_force[row] <= self.limit {
+                continue;
+            }
             self.take(finger, forces.map(|force| force.z));
         }
     }
@@ -70,14 +75,7 @@ impl Pressed {
         if elements.len() < forces.len() {
             elements.resize(forces.len(), Stretch::default());
         }
-        // Mostly none is, nor was: no stretch begins, goes on or ends.
-        let is_pressed = forces
-            .clone()
-            .fold(false, |any, force| any | (force > self.limit));
-        let was_pressed = std::mem::replace(&mut self.is_pressed[finger], is_pressed);
-        if !is_pressed && !was_pressed {
-            return;
-        }
+        self.is_pressed[finger] = forces.clone().any(|force| force > self.limit);
         let mut rest = elements.iter_mut();
         for (force, element) in forces.zip(rest.by_ref()) {
             element.take(force > self.limit);

@@ -116,7 +116,7 @@ impl Trials {
         let facts = run_facts(config)?;
         let claims = if !screws || config.cap().is_some() {
             let nothing = MemoryRecorder::new(&facts)?.into_recording();
-            let claims = tasks::of(&facts).claims(&nothing, &RunData::new(&nothing));
+            let claims = tasks::of(&facts).claims(&nothing, &RunData::new(&nothing), &[]);
             claims.iter().map(|c| c.id).collect()
         } else {
             Vec::new()

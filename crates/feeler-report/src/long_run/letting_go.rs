@@ -15,7 +15,7 @@ const OF_CELL: usize = 10;
 /// Memory of the newest row, bytes, about.
 pub fn row_size(data: &RunData) -> usize {
     /// What is not a force, of a finger and of the rig.
-    const OTHERS: usize = 24 * size_of::<f64>();
+    const OTHERS: usize = 25 * size_of::<f64>();
     let fingers = data.fingers.iter().map(|finger| {
         let elements = finger.forces.last().map_or(0, <[_]>::len);
         elements * size_of::<DVec3>() + size_of::<usize>() + OTHERS

@@ -6,6 +6,7 @@ use crate::cap::{CapMeasures, DAMAGE_TIME, FeltStroke, TIGHT};
 use crate::claim::Claim;
 use crate::figures::{Figure, cap};
 use crate::run_data::RunData;
+use crate::strokes::StrokeMeasures;
 use crate::summary::Summary;
 use crate::text::{significant, value};
 use feeler_record::{Recording, TaskOutcome};
@@ -20,7 +21,7 @@ impl TaskReport for CapReport {
     }
 
     /// None: the hand's own word is held against the instruments.
-    fn claims(&self, _: &Recording, _: &RunData) -> Vec<Claim> {
+    fn claims(&self, _: &Recording, _: &RunData, _: &[StrokeMeasures]) -> Vec<Claim> {
         Vec::new()
     }
 

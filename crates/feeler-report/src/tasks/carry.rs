@@ -7,6 +7,7 @@ use crate::figures::canvas::{CAP, Pen, finger_colour, line, panel, range};
 use crate::figures::drawing::column;
 use crate::run_data::RunData;
 use crate::series::{finite, maximum};
+use crate::strokes::StrokeMeasures;
 use crate::summary::Summary;
 use feeler_record::{CarryGoal, FindingName, ObjectPose, Recording, TaskOutcome};
 use glam::{DQuat, DVec3};
@@ -57,7 +58,7 @@ impl TaskReport for CarryReport {
         "of this task"
     }
 
-    fn claims(&self, recording: &Recording, data: &RunData) -> Vec<Claim> {
+    fn claims(&self, recording: &Recording, data: &RunData, _: &[StrokeMeasures]) -> Vec<Claim> {
         claims(recording, data)
     }
 

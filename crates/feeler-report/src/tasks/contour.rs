@@ -7,6 +7,7 @@ use crate::figures::{Figure, outline};
 use crate::measures::Polyline;
 use crate::run_data::RunData;
 use crate::series::{maximum, rms};
+use crate::strokes::StrokeMeasures;
 use crate::summary::Summary;
 use feeler_record::{Recording, TaskOutcome};
 use glam::DVec2;
@@ -76,7 +77,7 @@ impl TaskReport for ContourReport {
         "of this task"
     }
 
-    fn claims(&self, recording: &Recording, data: &RunData) -> Vec<Claim> {
+    fn claims(&self, recording: &Recording, data: &RunData, _: &[StrokeMeasures]) -> Vec<Claim> {
         claims(recording, data)
     }
 

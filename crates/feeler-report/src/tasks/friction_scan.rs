@@ -5,6 +5,7 @@ use crate::claim::{Claim, ClaimPart, Relation};
 use crate::claims::no_damage;
 use crate::figures::{Figure, friction};
 use crate::run_data::RunData;
+use crate::strokes::StrokeMeasures;
 use crate::summary::Summary;
 use crate::text::{significant, value};
 use feeler_record::{FindingName, Recording, RunFacts};
@@ -27,7 +28,7 @@ impl TaskReport for FrictionScanReport {
         "of this task"
     }
 
-    fn claims(&self, _: &Recording, data: &RunData) -> Vec<Claim> {
+    fn claims(&self, _: &Recording, data: &RunData, _: &[StrokeMeasures]) -> Vec<Claim> {
         let error = |name| Some(data.findings.get(name)? / true_value(&data.facts, name)? - 1.0);
         let within = |id, text, name, part| {
             let part = ClaimPart::new(part, error(name), Relation::Within, TOLERANCE);

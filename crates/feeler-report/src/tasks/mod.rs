@@ -12,6 +12,7 @@ use super::claim::Claim;
 use super::figures::Figure;
 use super::make::SUMMARY;
 use super::run_data::RunData;
+use super::strokes::StrokeMeasures;
 use super::summary::Summary;
 use feeler_record::{Recording, RunFacts, TaskKind};
 use maud::{Markup, html};
@@ -24,8 +25,13 @@ pub trait TaskReport: Sync {
     /// Whose its claims are, after the word "claims".
     fn whose(&self) -> &'static str;
 
-    /// Its claims, measured on a run.
-    fn claims(&self, recording: &Recording, data: &RunData) -> Vec<Claim>;
+    /// Its claims about a run whose [`stroke_measures`](RunData::stroke_measures) are `strokes`.
+    fn claims(
+        &self,
+        recording: &Recording,
+        data: &RunData,
+        strokes: &[StrokeMeasures],
+    ) -> Vec<Claim>;
 
     /// Its figures.
     fn figures(&self, recording: &Recording, data: &RunData) -> Vec<Figure>;

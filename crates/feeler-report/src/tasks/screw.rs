@@ -19,8 +19,8 @@ impl TaskReport for ScrewReport {
         PAPERS
     }
 
-    fn claims(&self, _: &Recording, data: &RunData) -> Vec<Claim> {
-        claims(data)
+    fn claims(&self, _: &Recording, data: &RunData, strokes: &[StrokeMeasures]) -> Vec<Claim> {
+        claims(data, strokes)
     }
 
     fn figures(&self, _: &Recording, data: &RunData) -> Vec<Figure> {

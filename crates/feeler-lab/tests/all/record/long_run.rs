@@ -130,7 +130,9 @@ fn a_long_run_measures_what_it_does_in_memory() {
     assert_eq!(thinned.too_long, [0; 0]);
     let summary = Summary::new(&recording, &data);
     assert_eq!(text(&summary), text(&Summary::new(&whole, &expected)));
-    let claims = |recording, data| tasks::of(&support::facts()).claims(recording, data);
+    let claims = |recording: &_, data: &RunData| {
+        tasks::of(&support::facts()).claims(recording, data, &data.stroke_measures())
+    };
     assert_eq!(
         text(&claims(&recording, &data)),
         text(&claims(&whole, &expected))

@@ -274,7 +274,7 @@ fn without_the_true_object_what_is_felt_of_it_is_drawn() {
         assert!(svg.contains("felt") && !svg.contains("true"), "{task}");
         assert!(!svg.contains("NaN") && !svg.contains("inf"), "{task}");
         assert!(!figures[0].caption.contains("simulator"), "{task}");
-        let claims = report.claims(&recording, &data);
+        let claims = report.claims(&recording, &data, &data.stroke_measures());
         assert!(
             claims.iter().all(|claim| claim.verdict != Verdict::Fails),
             "{claims:#?}"

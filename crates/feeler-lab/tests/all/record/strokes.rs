@@ -24,6 +24,7 @@ fn data(rates: &[f64], torque: f64) -> RunData {
             .map(|row| rate * (389 * row % ROWS) as f64)
             .collect(),
         forces: (0..ROWS).map(|_| [DVec3::Z]).collect(),
+        largest_force: vec![1.0; ROWS],
         position: vec![DVec3::ZERO; ROWS],
         rotation: vec![DQuat::IDENTITY; ROWS],
         joints: vec![[0.0; 3]; ROWS],
