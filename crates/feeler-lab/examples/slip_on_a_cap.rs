@@ -135,8 +135,7 @@ fn run(experiment: &Experiment, counts: &mut [[Counts; 3]; 2]) -> Result<(), Box
         let half = usize::from(controller.task().stroke() > 2);
         let senses = felt.hand_sense().fingers().zip(&world.fingers);
         for (finger, (sense, truth)) in fingers.iter_mut().zip(senses) {
-            let slipped = &truth.slipped;
-            let way: Vec<_> = slipped.iter().map(|slipped| slipped.way).collect();
+            let way = truth.slipped.clone();
             let (said, truth) = (finger.say(&sense, touch_force), finger.slipped(&way));
             if controller.phase() == Phase::Move {
                 for (count, said) in counts[half].iter_mut().zip(said) {

@@ -1,12 +1,15 @@
 //! Fingertips whose forces are sensed directly.
 
 use super::config::DirectSensingConfig;
-use super::gaussian_noise::GaussianNoise;
+use super::gaussian_noise::{GAUSSIAN_BLOCK, GaussianNoise};
 use super::random::{Purpose, generator};
 use super::rig::SimRig;
 use super::sensor_faults::SensorFaults;
 use feeler::sensor::reading::{SensorError, TactileFrame, TactileSensor};
 use glam::DVec3;
+
+/// Forces whose noise is drawn together: whole blocks of the generator.
+const DRAWN: usize = 2 * GAUSSIAN_BLOCK;
 
 /// A fingertip whose true forces are read, with noise, and no picture is made: for speed.
 pub struct DirectSensor {
@@ -14,10 +17,8 @@ pub struct DirectSensor {
     finger: usize,
     config: DirectSensingConfig,
     noise: GaussianNoise,
-    /// The noise of the newest reading, relative to its standard deviation.
-    drawn: Vec<[f64; 3]>,
     faults: SensorFaults,
-    /// The newest reading.
+    /// The newest reading; its forces only where a fault may want them again.
     newest: TactileFrame,
 }
 
@@ -36,9 +37,20 @@ impl DirectSensor {
             finger,
             config,
             noise: GaussianNoise::new(&mut generator(seed, Purpose::SensorNoise(finger))),
-            drawn: vec![[0.0; 3]; elements],
             faults,
             newest: TactileFrame::unloaded(elements),
+        }
+    }
+
+    fn add_noise(&mut self, forces: &mut [DVec3]) {
+        let [across, along] = [self.config.shear_noise, self.config.normal_noise];
+        for forces in forces.chunks_mut(DRAWN) {
+            let mut drawn = [[0.0; 3]; DRAWN];
+            let drawn = &mut drawn[..forces.len()];
+            self.noise.fill(drawn.as_flattened_mut());
+            for (force, &[x, y, z]) in forces.iter_mut().zip(&*drawn) {
+                *force += DVec3::new(across * x, across * y, along * z);
+            }
         }
     }
 }
@@ -53,18 +65,19 @@ impl TactileSensor for DirectSensor {
         if actual != expected {
             return Err(SensorError::ElementCount { expected, actual });
         }
-        let world = self.rig.world();
-        world.element_forces(self.finger, &mut reading.forces);
-        let arrival = self.faults.expose(world.state().time, &mut reading.forces);
+        let now = {
+            let world = self.rig.world();
+            world.element_forces(self.finger, &mut reading.forces);
+            world.state().time
+        };
+        let arrival = self.faults.expose(now, &mut reading.forces);
         let is_new = arrival.as_ref().is_some_and(|arrival| !arrival.frozen);
         if let Some(arrival) = arrival {
             if is_new {
-                self.noise.fill(self.drawn.as_flattened_mut());
-                let [across, along] = [self.config.shear_noise, self.config.normal_noise];
-                for (force, [x, y, z]) in reading.forces.iter_mut().zip(&self.drawn) {
-                    *force += DVec3::new(across * x, across * y, along * z);
+                self.add_noise(&mut reading.forces);
+                if !self.faults.is_empty() {
+                    self.newest.forces.copy_from_slice(&reading.forces);
                 }
-                self.newest.forces.copy_from_slice(&reading.forces);
             }
             self.newest.sequence = arrival.sequence;
             self.newest.stamp = arrival.stamp;

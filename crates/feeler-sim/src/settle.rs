@@ -5,9 +5,9 @@ use super::contacts::{BLOCK, Block, Column, Share, Vectors};
 use super::model::{Finger, WorldModel};
 use super::object::Object;
 use super::pose::Pose;
-use super::slip::{lost, sticks};
+use super::slip::{Slipped, lost, sticks};
 use super::slips::{Alike, Mask, Slips, slip_together};
-use super::state::{FingerState, ObjectState, Slipped, State};
+use super::state::{FingerState, ObjectState, State};
 use super::step::undeformed;
 use glam::DVec3;
 use multiversion::multiversion;
@@ -100,7 +100,8 @@ pub(super) fn settle(
                 };
                 if let Some(slipped) = slipped {
                     slips += 1;
-                    state.slipped[element] += slipped;
+                    state.slipped[element] += slipped.way;
+                    state.slip_work += slipped.work;
                 }
                 state.forces[element] = force;
             }

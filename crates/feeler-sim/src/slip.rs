@@ -1,7 +1,6 @@
 //! How an overloaded feeler slips (design, section 8).
 
 use super::columnar_feeler::{Anchor, FeelerConfig, Friction, Overload, Tip, split};
-use super::state::Slipped;
 use glam::DVec3;
 
 /// A slipping anchor is followed along the surface in steps; on a cylinder two or three suffice.
@@ -118,6 +117,15 @@ impl Slip {
             rebuilt: 0.0,
         }
     }
+}
+
+/// What a slip took.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Slipped {
+    /// Way of the tip, m, without what it rolled.
+    pub way: f64,
+    /// Work that friction took, J.
+    pub work: f64,
 }
 
 /// What a slip from one anchor to another took. The feeler has no mass and its force falls in proportion,

@@ -3,8 +3,7 @@
 use super::columnar_feeler::{Anchor, FeelerConfig, Friction, Overload, Tip};
 use super::contacts::{BLOCK, Column, Vectors};
 use super::shape::{Side, SurfacePoint};
-use super::slip::{MAX_SLIP_ITERATIONS, Slip, lost};
-use super::state::Slipped;
+use super::slip::{MAX_SLIP_ITERATIONS, Slip, Slipped, lost};
 use glam::DVec3;
 
 /// Some contacts of a block.

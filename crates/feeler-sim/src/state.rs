@@ -72,26 +72,12 @@ pub struct FingerState {
     pub sets: Vec<DVec3>,
     /// Force on what it touches by each feeler, N, in W.
     pub forces: Vec<DVec3>,
-    /// What each feeler lost by slipping since the beginning.
-    pub slipped: Vec<Slipped>,
+    /// How far each feeler's tip has slipped over what it touches since the beginning, m, without what it rolled.
+    pub slipped: Vec<f64>,
+    /// Work that friction took from feelers that slipped, J.
+    pub slip_work: f64,
     /// What spares free feelers the search for a surface.
     pub(super) watch: Watch,
-}
-
-/// How far a feeler has slipped, and what that cost.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Slipped {
-    /// Way of its tip over what it touches, m, without what it rolled.
-    pub way: f64,
-    /// Work that friction took, J.
-    pub work: f64,
-}
-
-impl std::ops::AddAssign for Slipped {
-    fn add_assign(&mut self, more: Self) {
-        self.way += more.way;
-        self.work += more.work;
-    }
 }
 
 /// A feeler that touches.
@@ -159,7 +145,8 @@ impl State {
                 rolled: vec![DMat3::IDENTITY; objects.len()],
                 sets: vec![DVec3::ZERO; elements],
                 forces: vec![DVec3::ZERO; elements],
-                slipped: vec![Slipped::default(); elements],
+                slipped: vec![0.0; elements],
+                slip_work: 0.0,
                 watch: Watch {
                     seen,
                     travelled: 0.0,
@@ -181,11 +168,7 @@ impl State {
 
     /// Work that friction took from all feelers that slipped, J.
     pub fn slip_work(&self) -> f64 {
-        // Of each finger by itself: none waits for another's sum.
-        let of_finger = |finger: &FingerState| -> f64 {
-            finger.slipped.iter().map(|slipped| slipped.work).sum()
-        };
-        self.fingers.iter().map(of_finger).sum()
+        self.fingers.iter().map(|finger| finger.slip_work).sum()
     }
 
     /// Torque on what stands on the torque sensor, N·m.

@@ -172,12 +172,12 @@ impl Judge {
         };
         let [moving, still] = self.detectors.each_mut().map(|d| d.detect(&finger));
         let slipped = &world.state().fingers[0].slipped;
-        for (element, slipped) in slipped.iter().enumerate() {
+        for (element, &slipped) in slipped.iter().enumerate() {
             if self.pressed[element] {
                 self.samples.push(Sample {
                     frame: self.touch.frame.sequence as u32,
                     element: element as u32,
-                    slipped: slipped.way > self.way[element],
+                    slipped: slipped > self.way[element],
                     scores: [
                         self.touch.shear_rate[element],
                         moving[element],
@@ -185,7 +185,7 @@ impl Judge {
                     ],
                 });
             }
-            self.way[element] = slipped.way;
+            self.way[element] = slipped;
             self.pressed[element] = self.truth[element].z > self.touch_force;
         }
     }

@@ -4,7 +4,7 @@ use super::Session;
 use super::held_touch::{FrameTimes, FramesTaken};
 use feeler::hand::MAX_FINGERS;
 use feeler_sim::object::Motion;
-use feeler_sim::state::{FingerState, State};
+use feeler_sim::state::State;
 use feeler_sim::world::World;
 use std::sync::atomic::Ordering;
 
@@ -60,10 +60,9 @@ pub(super) struct SlipMeter {
 impl SlipMeter {
     /// For the fingers of `state`, as far as they have slipped by then; with a `frame_period` (s), from one picture to the next.
     pub fn new(state: &State, frame_period: Option<f64>) -> Self {
-        let ways =
-            |finger: &FingerState| finger.slipped.iter().map(|slipped| slipped.way).collect();
+        let ways = state.fingers.iter().map(|finger| finger.slipped.clone());
         Self {
-            ways: state.fingers.iter().map(ways).collect(),
+            ways: ways.collect(),
             newest: None,
             frames: frame_period.map(FrameTimes::new),
             taken: None,
@@ -104,10 +103,10 @@ impl SlipMeter {
         let fingers = state.fingers.iter().zip(&mut self.ways);
         for (longest, (finger, ways)) in slipped.iter_mut().zip(fingers) {
             let mut most = 0.0;
-            for (before, now) in ways.iter_mut().zip(&finger.slipped) {
-                let way = now.way - *before;
+            for (before, &now) in ways.iter_mut().zip(&finger.slipped) {
+                let way = now - *before;
                 most = if way > most { way } else { most };
-                *before = now.way;
+                *before = now;
             }
             *longest = most;
         }

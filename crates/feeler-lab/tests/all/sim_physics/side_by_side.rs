@@ -12,8 +12,8 @@ fn seen(world: &World) -> String {
         let contacts: Vec<_> = finger.contacts.iter().collect();
         let (forces, slipped) = (&finger.forces, &finger.slipped);
         format!(
-            "{:?} {:?} {contacts:?} {forces:?} {slipped:?} {:?}",
-            finger.joints, finger.tip, finger.sets
+            "{:?} {:?} {contacts:?} {forces:?} {slipped:?} {:?} {:?}",
+            finger.joints, finger.tip, finger.slip_work, finger.sets
         )
     });
     let fingers: Vec<_> = fingers.collect();
