@@ -123,12 +123,20 @@ impl Scene {
         Self { world, fingers }
     }
 
-    /// Steps with the fingers at `joints` (rad) at the end of it.
-    pub fn advance(&mut self, joints: impl Fn(usize) -> DVec3) {
-        for (f, (geometry, _)) in self.fingers.iter().enumerate() {
-            let (position, rotation) = fingertip_pose(geometry, joints(f));
-            self.world
-                .hold_fingertip(f, Some(Pose { position, rotation }));
+    /// Where the fingertips are while the fingers are at `joints`, rad.
+    pub fn poses(&self, joints: impl Fn(usize) -> DVec3) -> Vec<Pose> {
+        let fingers = self.fingers.iter().enumerate();
+        let pose = |(finger, (geometry, _)): (usize, &(FingerGeometry, _))| {
+            let (position, rotation) = fingertip_pose(geometry, joints(finger));
+            Pose { position, rotation }
+        };
+        fingers.map(pose).collect()
+    }
+
+    /// Steps with the fingertips at `poses` at the end of it.
+    pub fn advance(&mut self, poses: &[Pose]) {
+        for (finger, &pose) in poses.iter().enumerate() {
+            self.world.hold_fingertip(finger, Some(pose));
         }
         self.world.step().expect("a step");
     }

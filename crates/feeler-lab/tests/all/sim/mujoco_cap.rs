@@ -28,7 +28,8 @@ fn compare(reference: &Reference, time_step: f64) -> Difference {
         for _ in 0..every {
             steps += 1;
             let time = f64::from(steps) * time_step;
-            scene.advance(|finger| header.joints(finger, time));
+            let poses = scene.poses(|finger| header.joints(finger, time));
+            scene.advance(&poses);
         }
         in_the_end = (scene.cap_angle() - angle) / last;
         if (sample + 1) as f64 * header.sample <= header.converged_until {
