@@ -1,0 +1,91 @@
+//! Rows as strokes.
+
+use feeler_record::Phase;
+use std::ops::Range;
+
+/// One touch-and-release stroke, as ranges of rows.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Stroke {
+    /// Number of the stroke, from 1.
+    pub index: u32,
+    /// All rows of the stroke.
+    pub rows: Range<usize>,
+    /// Rows of its MOVE phase; empty if it has none.
+    pub moving: Range<usize>,
+    /// Whether the recording goes on after MOVE, so that MOVE is known to be over; false, too, where not all rows of a stroke
+    /// that claims are about could be kept.
+    pub whole: bool,
+}
+
+/// Splits rows into strokes: a stroke is a run of rows with one number above 0, without the rows
+/// after the task ended; its MOVE is the longest run of MOVE rows in it.
+pub(crate) fn split_strokes(numbers: &[u32], phases: &[Phase]) -> Vec<Stroke> {
+    let ended = |phase| matches!(phase, Phase::Done | Phase::Stopped);
+    let number = |row: usize| if ended(phases[row]) { 0 } else { numbers[row] };
+    runs(numbers.len(), number)
+        .filter(|(index, _)| *index > 0)
+        .map(|(index, rows)| {
+            let moving = runs(rows.len(), |row| phases[rows.start + row] == Phase::Move)
+                .filter(|(moving, _)| *moving)
+                .map(|(_, run)| rows.start + run.start..rows.start + run.end)
+                .max_by_key(ExactSizeIterator::len)
+                .unwrap_or(rows.start..rows.start);
+            let next = phases.get(moving.end);
+            let whole = next.is_some_and(|&phase| phase != Phase::Stopped);
+            Stroke {
+                index,
+                rows,
+                moving,
+                whole,
+            }
+        })
+        .collect()
+}
+
+/// The runs of equal keys in `0..length`.
+fn runs<K: PartialEq + Copy>(
+    length: usize,
+    key: impl Fn(usize) -> K,
+) -> impl Iterator<Item = (K, Range<usize>)> {
+    let mut start = 0;
+    std::iter::from_fn(move || {
+        let first = (start < length).then(|| key(start))?;
+        let end = (start..length).find(|&i| key(i) != first).unwrap_or(length);
+        let run = start..end;
+        start = end;
+        Some((first, run))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use Phase::{Done, Move, Release, Return, Search, Stopped};
+
+    #[test]
+    fn strokes_are_runs_of_one_number_and_end_with_the_task() {
+        let numbers = [0, 1, 1, 1, 1, 1, 2, 2, 2, 2];
+        let phases = [
+            Search, Search, Move, Move, Release, Return, Search, Move, Return, Done,
+        ];
+        let strokes = split_strokes(&numbers, &phases);
+        assert_eq!(strokes.len(), 2);
+        assert_eq!(
+            (strokes[0].rows.clone(), strokes[0].moving.clone()),
+            (1..6, 2..4)
+        );
+        assert_eq!(
+            (strokes[1].rows.clone(), strokes[1].moving.clone()),
+            (6..9, 7..8)
+        );
+        assert!(strokes.iter().all(|s| s.whole));
+    }
+
+    #[test]
+    fn a_stroke_whose_move_is_cut_off_is_not_whole() {
+        assert!(!split_strokes(&[1, 1, 1], &[Search, Move, Move])[0].whole);
+        assert!(!split_strokes(&[1, 1, 1], &[Search, Move, Stopped])[0].whole);
+        let without_move = &split_strokes(&[1, 1], &[Search, Search])[0];
+        assert!(without_move.moving.is_empty());
+    }
+}
