@@ -13,8 +13,7 @@ use std::io::Write;
 
 /// Most that a joint is turned, degrees.
 const MOST: f64 = 10.0;
-/// Time that a joint may take beyond what its speed says, s, in steps that are made: while the computer misses some, its servo's watchdog
-/// may stop the joint.
+/// Time that a joint may take beyond what its speed says, s.
 const GRACE: f64 = 1.0;
 
 pub fn jog(arguments: &JogArguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
@@ -86,8 +85,8 @@ fn turn(
     }
     let mut pace = Pace::new(period)?;
     let mut left = by.abs() / speed + GRACE;
-    while pace.next_tick(&interrupted).is_some() {
-        left -= period;
+    while let Some(tick) = pace.next_tick(&interrupted) {
+        left -= period * (tick.missed + 1) as f64;
         hand.read(&mut state)?;
         let rest = begin + by - state.joints[finger].position[joint];
         if rest * by <= 0.0 || left <= 0.0 {
