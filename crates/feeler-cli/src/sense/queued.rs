@@ -124,7 +124,7 @@ impl Queued {
         }
     }
 
-    /// What was dropped, in words.
+    /// What was dropped so far, in words.
     fn missing(&self) -> String {
         match (self.dropped, self.dropped_pictures) {
             (frames, 0) => format!("{frames} frames"),
@@ -151,7 +151,7 @@ impl Queued {
         match sent {
             Ok(()) if was_dropping => {
                 let missing = self.missing();
-                (self.say)(&format!("output: goes on; {missing} are missing"));
+                (self.say)(&format!("output: goes on; {missing} are missing so far"));
             }
             Ok(()) => {}
             Err(TrySendError::Full(_)) => {
