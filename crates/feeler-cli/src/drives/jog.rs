@@ -84,7 +84,8 @@ fn turn(
         .into());
     }
     let mut pace = Pace::new(period)?;
-    let mut left = by.abs() / speed + GRACE;
+    let patience = by.abs() / speed + GRACE;
+    let mut left = patience;
     while let Some(tick) = pace.next_tick(&interrupted) {
         left -= period * (tick.missed + 1) as f64;
         hand.read(&mut state)?;
@@ -98,12 +99,17 @@ fn turn(
     hand.read(&mut state)?;
     let end = state.joints[finger].position[joint];
     let (from, to) = (begin.to_degrees(), end.to_degrees());
+    let in_time = left > 0.0;
+    let why = match in_time {
+        true => String::new(),
+        false => format!(", not as far as asked within {patience:.1} s"),
+    };
     writeln!(
         out,
-        "theta{} of finger {finger}: from {from:.2} to {to:.2} deg",
+        "theta{} of finger {finger}: from {from:.2} to {to:.2} deg{why}",
         joint + 1
     )?;
-    Ok(match left > 0.0 && end != begin {
+    Ok(match in_time && end != begin {
         true => Outcome::Done,
         false => Outcome::GivenUp,
     })

@@ -65,7 +65,7 @@ impl DriveHand {
             }
             set(&mut self.bus, joint, ("Torque Enable", registers.torque), 1)?;
         }
-        self.health = (self.clock.now(), 0);
+        (self.asked, self.next_asked) = (self.clock.now(), 0);
         Ok(())
     }
 }

@@ -31,8 +31,10 @@ pub struct DriveHand {
     ids: Vec<u8>,
     /// When the newest joint angles arrived, s of the clock.
     stamp: f64,
-    /// When a servo was last asked for its health, and which one is next.
-    health: (f64, usize),
+    /// When a servo was last asked for its health, s of the clock.
+    asked: f64,
+    /// The servo that is asked next, in turn.
+    next_asked: usize,
     fault: Option<String>,
 }
 
@@ -74,7 +76,8 @@ impl DriveHand {
             servos: Vec::new(),
             ids: config.joints().map(|joint| joint.id).collect(),
             stamp: 0.0,
-            health: (0.0, 0),
+            asked: 0.0,
+            next_asked: 0,
             fault: None,
             config: config.clone(),
         };
@@ -110,11 +113,11 @@ impl DriveHand {
         self.servos.iter().map(|servo| (servo.name, servo.angle))
     }
 
-    /// Turns one joint at `velocity`, rad/s, at most [`JOG_SPEED`], until the next command; all others stand still. For whoever sets a rig
-    /// up; a program that controls a hand has [`Hand::command`].
+    /// Turns one joint at `velocity`, rad/s, at most [`JOG_SPEED`], until the next command; all others stand still. Its servo is asked
+    /// whether it is well, where that is due. For whoever sets a rig up; a program that controls a hand has [`Hand::command`].
     ///
     /// # Errors
-    /// When there is no such joint, or as [`Hand::command`].
+    /// When there is no such joint or `velocity` is too fast; or as [`Hand::command`], and then all motors are stopped.
     pub fn jog(&mut self, finger: usize, joint: usize, velocity: f64) -> Result<(), DriveError> {
         let index = 3 * finger + joint;
         let Some(servo) = self.servos.get(index).filter(|_| joint < 3) else {
@@ -128,7 +131,12 @@ impl DriveHand {
                 limit: JOG_SPEED,
             });
         }
-        self.send(|other| if other == index { velocity } else { 0.0 })
+        let sent = self.send(|other| if other == index { velocity } else { 0.0 });
+        let done = sent.and_then(|()| self.check_health_if_due(index));
+        if let Err(error) = &done {
+            self.fail(error);
+        }
+        done
     }
 
     /// Sends each joint its `velocity`, rad/s, by its number, unless the joint angles that it was made of are too old.
@@ -152,13 +160,7 @@ impl DriveHand {
     fn drive(&mut self, velocity: &[DVec3]) -> Result<(), DriveError> {
         let at = |index: usize| velocity.get(index / 3).map_or(0.0, |v| v[index % 3]);
         self.send(at)?;
-        let now = self.clock.now();
-        let (asked, next) = self.health;
-        if now - asked >= self.config.health_interval {
-            self.health = (now, (next + 1) % self.servos.len().max(1));
-            self.check_health(next, true)?;
-        }
-        Ok(())
+        self.check_health_if_due(self.next_asked)
     }
 
     /// Stops all motors at once, as far as the bus still works, and keeps them stopped.

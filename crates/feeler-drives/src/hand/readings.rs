@@ -74,6 +74,17 @@ impl DriveHand {
         })
     }
 
+    /// Asks servo `index` whether it is well, unless one was asked a short while ago.
+    pub(super) fn check_health_if_due(&mut self, index: usize) -> Result<(), DriveError> {
+        let now = self.clock.now();
+        if now - self.asked < self.config.health_interval {
+            return Ok(());
+        }
+        self.asked = now;
+        self.next_asked = (index + 1) % self.servos.len().max(1);
+        self.check_health(index, true)
+    }
+
     /// Asks a servo whether it is well, and, where it should be `armed`, whether it has its torque and its watchdog.
     pub(super) fn check_health(&mut self, index: usize, armed: bool) -> Result<(), DriveError> {
         let Some(servo) = self.servos.get(index) else {

@@ -321,6 +321,27 @@ fn the_watchdogs_stop_motors_of_a_dead_computer() {
     assert_eq!(rig.goals(), [0.0; 6]);
 }
 
+/// A computer that stood still for that long, be it at the last command of a jog, learns why the joint did not get there.
+#[test]
+fn a_jog_that_came_too_late_says_that_the_watchdog_stopped_it() {
+    for last in [0.1, 0.0] {
+        let mut rig = Rig::new(Protocol::Dynamixel);
+        for _ in 0..5 {
+            rig.hand.read(&mut rig.state).unwrap();
+            rig.hand.jog(0, 1, 0.1).unwrap();
+            rig.emulator.wait(PERIOD);
+        }
+        assert_eq!(rig.goals().iter().filter(|&&goal| goal != 0.0).count(), 1);
+        rig.emulator.wait(0.1);
+        rig.hand.read(&mut rig.state).unwrap();
+        let error = rig.hand.jog(0, 1, last).unwrap_err().to_string();
+        let (joint, why) = ("theta2 of finger 0", "heard nothing for too long");
+        assert!(error.contains(joint) && error.contains(why), "{error}");
+        assert_eq!(rig.hand.fault(), Some(&*error));
+        assert_eq!(rig.goals(), [0.0; 6]);
+    }
+}
+
 #[test]
 fn what_does_not_fit_the_file_is_refused() {
     let refused = |change: &dyn Fn(&mut feeler_drives::config::DrivesConfig), words: &[&str]| {
