@@ -192,12 +192,12 @@ impl MomentsKernel {
         let width = self.width;
         let rows = self.tiles.iter().flat_map(move |tile| {
             let masks = self.masks[tile.first_mask..].iter().take(tile.rows);
-            let first = move |row| tile.offset + row * width;
-            masks.enumerate().map(move |(row, mask)| (first(row), mask))
+            masks.enumerate().map(move |(row, mask)| (tile, row, mask))
         });
-        rows.flat_map(move |(first, mask)| {
+        rows.flat_map(move |(tile, row, mask)| {
             let own = (0..TILE_WIDTH).filter(move |column| mask >> column & 1 == 1);
-            own.map(move |column| ((first + column) % width, (first + column) / width))
+            let pixels = own.map(move |column| tile.pixel(row, column, width));
+            pixels.map(move |pixel| (pixel % width, pixel / width))
         })
     }
 

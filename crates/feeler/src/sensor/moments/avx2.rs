@@ -40,16 +40,24 @@ pub(super) fn all_moments(
             let [left, right] = tile.first_rows.as_chunks::<2>().0[half];
             let first = left.min(right);
             if first < tile.count() {
-                add_half(half_sums(tile, half, first), half, weights, totals);
+                let sums = match tile.bands {
+                    1 | 2 => half_sums::<1, 32>(tile, half, first),
+                    _ => half_sums::<2, 16>(tile, half, first),
+                };
+                add_half(sums, half, weights, totals);
             }
         }
     });
 }
 
-/// The sums of a half's strips over the rows from `first` on.
+/// The sums of a half's strips, which lie in `N` bands, over the rows from `first` on.
 #[inline]
 #[target_feature(enable = "avx2")]
-fn half_sums(tile: &TileRows, half: usize, first: usize) -> [__m256i; SUMS] {
+fn half_sums<const N: usize, const WIDE: usize>(
+    tile: &TileRows,
+    half: usize,
+    first: usize,
+) -> [__m256i; SUMS] {
     let both = _mm256_set1_epi8(1);
     let edge = _mm256_set1_epi32(i32::from_le_bytes([3, 1, 1, 3]));
     let sum = _mm256_set1_epi16(1);
@@ -59,11 +67,9 @@ fn half_sums(tile: &TileRows, half: usize, first: usize) -> [__m256i; SUMS] {
     let mut s0 = zero;
     let mut e0 = _mm256_set1_epi16(i16::MIN);
     let [mut a1, mut a2, mut a3, mut b1, mut b2, mut e1] = [zero; 6];
-    for (pixels, ground) in tile.with_ground(first) {
-        let pixels = &pixels.as_chunks::<32>().0[half];
+    for (parts, ground) in tile.with_ground::<N, WIDE>(32 * half, first) {
         let ground = &ground.0.as_chunks::<32>().0[half];
-        // SAFETY: `pixels` points to 32 bytes that are initialised; any alignment will do.
-        let gray = unsafe { _mm256_loadu_si256(pixels.as_ptr().cast()) };
+        let gray = side_by_side(parts);
         // SAFETY: `ground` points to 32 bytes that are initialised; any alignment will do.
         let ground = unsafe { _mm256_loadu_si256(ground.as_ptr().cast()) };
         let bright = if tile.dark {
@@ -93,6 +99,21 @@ fn half_sums(tile: &TileRows, half: usize, first: usize) -> [__m256i; SUMS] {
     let minus_five = _mm256_set1_epi32((-5 << 16) | 5);
     let d0 = _mm256_add_epi32(twice(b0), _mm256_madd_epi16(s0, minus_five));
     [a0, a1, a2, a3, b0, b1, b2, c0, c1, d0]
+}
+
+/// The 32 pixels of one or two parts of a row.
+#[inline]
+#[target_feature(enable = "avx2")]
+fn side_by_side<const N: usize, const WIDE: usize>(parts: [&[u8; WIDE]; N]) -> __m256i {
+    const { assert!(N * WIDE == 32 && N <= 2) };
+    let part = |part: usize| parts[part].as_ptr();
+    // SAFETY: each part points to `WIDE` bytes that are initialised; any alignment will do.
+    unsafe {
+        match N {
+            1 => _mm256_loadu_si256(part(0).cast()),
+            _ => _mm256_loadu2_m128i(part(1).cast(), part(0).cast()),
+        }
+    }
 }
 
 /// Adds what the sums of a half's strips count for.

@@ -27,14 +27,27 @@ pub(super) fn all_moments(
     next: &[u8],
     moments: &mut [ElementMoments],
 ) {
-    all_elements(kernel, pixels, next, moments, |rows, weights, totals| {
-        add_tile(rows, weights, totals);
-    });
+    all_elements(
+        kernel,
+        pixels,
+        next,
+        moments,
+        |rows, weights, totals| match rows.bands {
+            1 => add_tile::<1, 64>(rows, weights, totals),
+            2 => add_tile::<2, 32>(rows, weights, totals),
+            _ => add_tile::<4, 16>(rows, weights, totals),
+        },
+    );
 }
 
+/// Adds what a tile of `N` bands counts for.
 #[inline]
 #[target_feature(enable = "avx512f,avx512bw,avx512vnni")]
-fn add_tile(tile: &TileRows, weights: &TileWeights, totals: &mut Totals) {
+fn add_tile<const N: usize, const WIDE: usize>(
+    tile: &TileRows,
+    weights: &TileWeights,
+    totals: &mut Totals,
+) {
     let level = _mm512_set1_epi8(tile.level.cast_signed());
     let [k0, k1, k2, k3] = FACTORS;
     let k0 = _mm512_set1_epi32(k0);
@@ -46,9 +59,8 @@ fn add_tile(tile: &TileRows, weights: &TileWeights, totals: &mut Totals) {
     let [mut b0, mut b1, mut b2] = [zero; 3];
     let [mut c0, mut c1] = [zero; 2];
     let mut d0 = zero;
-    for (pixels, &mask) in tile.with_masks() {
-        // SAFETY: `pixels` points to 64 bytes that are initialised; any alignment will do.
-        let gray = unsafe { _mm512_loadu_si512(pixels.as_ptr().cast()) };
+    for (parts, &mask) in tile.with_masks::<N, WIDE>() {
+        let gray = side_by_side(parts);
         let bright = if tile.dark {
             _mm512_maskz_subs_epu8(mask, level, gray)
         } else {
@@ -76,5 +88,28 @@ fn add_tile(tile: &TileRows, weights: &TileWeights, totals: &mut Totals) {
         }
         // SAFETY: `total` is 16 `f32`, the 64 bytes that are written; any alignment will do.
         unsafe { _mm512_storeu_ps(total.as_mut_ptr(), strips) };
+    }
+}
+
+/// The 64 pixels of a row, in one, two or four parts.
+#[inline]
+#[target_feature(enable = "avx512f")]
+fn side_by_side<const N: usize, const WIDE: usize>(parts: [&[u8; WIDE]; N]) -> __m512i {
+    const { assert!(N * WIDE == 64 && N <= 4) };
+    let part = |part: usize| parts[part].as_ptr();
+    // SAFETY: each part points to `WIDE` bytes that are initialised; any alignment will do.
+    unsafe {
+        match N {
+            1 => _mm512_loadu_si512(part(0).cast()),
+            2 => {
+                let left = _mm512_castsi256_si512(_mm256_loadu_si256(part(0).cast()));
+                _mm512_inserti64x4::<1>(left, _mm256_loadu_si256(part(1).cast()))
+            }
+            _ => {
+                let [a, b, c, d] = [0, 1, 2, 3].map(|at| _mm_loadu_si128(part(at).cast()));
+                let row = _mm512_inserti32x4::<1>(_mm512_castsi128_si512(a), b);
+                _mm512_inserti32x4::<3>(_mm512_inserti32x4::<2>(row, c), d)
+            }
+        }
     }
 }

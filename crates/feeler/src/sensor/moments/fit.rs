@@ -8,7 +8,8 @@
 use super::{
     super::subregion::WeightedPixel,
     tile::{
-        QUARTERS, STRIP, STRIPS, SUMS, TILE_ROWS, TILE_WIDTH, Tile, TileWeights, WEIGHTS, basis,
+        QUARTER_WIDTH, QUARTERS, STRIP, STRIPS, SUMS, TILE_ROWS, TILE_WIDTH, Tile, TileWeights,
+        WEIGHTS, basis,
     },
 };
 
@@ -21,6 +22,9 @@ const GOOD_ENOUGH: f64 = 0.125;
 
 /// Rounding of a weight, of its product with a sum and of the total, as `f32`, of each term.
 const ROUNDING: f64 = 4.0 * f32::EPSILON as f64 / 2.0;
+
+/// Folding must save so many rows: for vectors as narrow as a band it saves none, and they have more sums to weigh.
+const LEAST_SAVED: usize = 16;
 
 /// The sums by the degree of their polynomial, the smoothest first.
 const BY_DEGREE: [usize; SUMS] = [0, 1, 4, 2, 5, 7, 3, 6, 8, 9];
@@ -68,12 +72,24 @@ impl Tiling {
         let (Some(first), Some(last)) = (pixels.first(), pixels.last()) else {
             return;
         };
-        let (top, rows) = (first.row, last.row - first.row + 1);
+        let (top, height) = (first.row, last.row - first.row + 1);
+        let bands = bands(pixels, left, height);
+        let (rows, across) = (height.div_ceil(bands), TILE_WIDTH / bands);
+        let in_tile = |pixel| {
+            let WeightedPixel { row, column, .. } = pixel;
+            let band = (row - top) / rows;
+            InTile {
+                row: (row - top) % rows,
+                column: band * across + column - left,
+                pixel,
+            }
+        };
+        let own: Vec<_> = pixels.iter().copied().map(in_tile).collect();
         let weights = (rows <= TILE_ROWS)
-            .then(|| fit(pixels, left, last.row, reach))
+            .then(|| fit(&own, rows, reach))
             .flatten();
         let Some(weights) = weights else {
-            let middle = pixels.partition_point(|pixel| pixel.row < top + rows / 2);
+            let middle = pixels.partition_point(|pixel| pixel.row < top + height / 2);
             let (upper, lower) = pixels.split_at(middle);
             self.add_column(upper, left, width, reach);
             self.add_column(lower, left, width, reach);
@@ -82,41 +98,62 @@ impl Tiling {
         let first_mask = self.masks.len();
         self.masks.resize(first_mask + rows, 0);
         let mut first_rows = [rows; QUARTERS];
-        for pixel in pixels {
-            let (row, column) = (first_mask + pixel.row - top, pixel.column - left);
-            self.masks[row] |= 1 << column;
-            let first_row = &mut first_rows[column * QUARTERS / TILE_WIDTH];
-            *first_row = (*first_row).min(pixel.row - top);
+        for &InTile { row, column, .. } in &own {
+            self.masks[first_mask + row] |= 1 << column;
+            let first_row = &mut first_rows[column / QUARTER_WIDTH];
+            *first_row = (*first_row).min(row);
         }
         self.tiles.push(Tile {
             offset: top * width + left,
             first_mask,
             rows,
+            bands,
+            quarters: std::array::from_fn(|quarter| {
+                let column = quarter * QUARTER_WIDTH;
+                column / across * rows * width + column % across
+            }),
             first_rows,
             weights,
         });
     }
 }
 
-/// The weights of a tile's sums, or nothing if they do not meet those of `pixels` to the tolerance
-/// and the tile has rows to be split.
-fn fit(pixels: &[WeightedPixel], left: usize, last_row: usize, reach: f64) -> Option<TileWeights> {
-    let one_row = pixels.first().is_some_and(|pixel| pixel.row == last_row);
+/// A pixel, and where it lies in its tile.
+struct InTile {
+    row: usize,
+    column: usize,
+    pixel: WeightedPixel,
+}
+
+/// In how many bands `pixels` are folded that lie in so many rows and in the columns from `left` on.
+fn bands(pixels: &[WeightedPixel], left: usize, height: usize) -> usize {
+    let columns = pixels.iter().map(|pixel| pixel.column - left + 1).max();
+    let bands = match columns {
+        Some(1..=16) => 4,
+        Some(17..=32) => 2,
+        _ => 1,
+    };
+    match height - height.div_ceil(bands) {
+        LEAST_SAVED.. => bands,
+        _ => 1,
+    }
+}
+
+/// The weights of the sums of a tile of so many `rows`, or nothing if they do not meet those of its `pixels` to the tolerance and the
+/// tile has rows to be split.
+fn fit(pixels: &[InTile], rows: usize, reach: f64) -> Option<TileWeights> {
     let mut tile = TileWeights([[[0.0; STRIPS]; SUMS]; WEIGHTS]);
     for strip in 0..STRIPS {
-        let start = left + strip * STRIP;
-        let own = pixels
-            .iter()
-            .filter(|p| (start..start + STRIP).contains(&p.column));
+        let own = pixels.iter().filter(|own| own.column / STRIP == strip);
         let targets: Vec<_> = own
-            .map(|pixel| Target {
-                sums: basis(pixel.column - start, last_row - pixel.row + 1),
+            .map(|InTile { row, column, pixel }| Target {
+                sums: basis(column % STRIP, rows - row),
                 weights: [1.0, pixel.point.x, pixel.point.y].map(|factor| pixel.area * factor),
                 tolerance: [1.0, reach, reach].map(|unit| TOLERANCE * unit * pixel.area),
             })
             .collect();
         let weights = least_squares(&targets);
-        if !(one_row || targets.iter().all(|target| met(target, &weights))) {
+        if rows > 1 && !targets.iter().all(|target| met(target, &weights)) {
             return None;
         }
         for (tile, weights) in tile.0.iter_mut().zip(weights) {

@@ -3,7 +3,7 @@
 use super::{
     ElementMoments, MomentsKernel,
     sum::{TileRows, Totals, all_elements},
-    tile::{QUARTERS, Row, STRIP, STRIPS, SUMS, TILE_ROWS, TILE_WIDTH, TileWeights},
+    tile::{QUARTER_WIDTH, QUARTERS, Row, STRIP, STRIPS, SUMS, TILE_ROWS, TILE_WIDTH, TileWeights},
 };
 
 /// Strips side by side: a quarter of a tile.
@@ -34,13 +34,18 @@ pub(super) fn all_moments(
 /// How far the pixels of a tile are off the ground, 0 where they do not belong to the sub-region.
 #[inline(always)]
 fn brighten(tile: &TileRows, bright: &mut [Row; TILE_ROWS]) {
-    for (bright, (pixels, ground)) in bright.iter_mut().zip(tile.with_ground(0)) {
-        for ((bright, &pixel), &ground) in bright.0.iter_mut().zip(pixels).zip(&ground.0) {
-            *bright = if tile.dark {
-                ground.saturating_sub(pixel)
-            } else {
-                pixel.saturating_sub(ground)
-            };
+    for quarter in 0..QUARTERS {
+        let rows = tile.with_ground::<1, QUARTER_WIDTH>(QUARTER_WIDTH * quarter, 0);
+        for (bright, ([pixels], ground)) in bright.iter_mut().zip(rows) {
+            let bright = &mut bright.0.as_chunks_mut::<QUARTER_WIDTH>().0[quarter];
+            let ground = &ground.0.as_chunks::<QUARTER_WIDTH>().0[quarter];
+            for ((bright, &pixel), &ground) in bright.iter_mut().zip(pixels).zip(ground) {
+                *bright = if tile.dark {
+                    ground.saturating_sub(pixel)
+                } else {
+                    pixel.saturating_sub(ground)
+                };
+            }
         }
     }
 }

@@ -6,17 +6,28 @@
 
 use super::{
     ElementMoments, MomentsKernel, Polarity,
-    tile::{QUARTERS, Row, STRIPS, TILE_ROWS, TILE_WIDTH, Tile, TileWeights, WEIGHTS},
+    tile::{
+        QUARTER_WIDTH, QUARTERS, Row, STRIPS, TILE_ROWS, TILE_WIDTH, Tile, TileWeights, WEIGHTS,
+    },
 };
 use glam::DVec2;
 
+/// Where the quarters of a row begin that is in one piece.
+const SIDE_BY_SIDE: [usize; QUARTERS] = [0, QUARTER_WIDTH, 2 * QUARTER_WIDTH, 3 * QUARTER_WIDTH];
+
 /// The rows of one tile in a picture.
+// Narrow vectors need neither its bands nor its level.
+#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 #[derive(Debug, Clone, Copy)]
 pub(super) struct TileRows<'a> {
     /// The pixels from the first row's first one to the last row's last one at least.
     pixels: &'a [u8],
-    /// From where one row begins to where the next one does, no less than a row is wide.
+    /// From where one row begins to where the next one does.
     stride: usize,
+    /// Where each quarter of the columns begins.
+    quarters: [usize; QUARTERS],
+    /// How many bands there are.
+    pub bands: usize,
     /// Which pixels of each row count, the first lowest.
     masks: &'a [u64],
     /// Ground of each pixel, such that what does not count is on it.
@@ -36,45 +47,57 @@ impl<'a> TileRows<'a> {
         self.masks.len()
     }
 
-    /// Each row from the `first` on with what there is `of_rows`.
+    /// `N` parts of each row from the `first` on, each `WIDE` pixels of one band, side by side from the `column` on where a quarter begins,
+    /// with what there is `of_rows`.
     #[inline(always)]
-    fn rows_with<R>(
+    fn rows_with<const N: usize, const WIDE: usize, R>(
         &self,
+        column: usize,
         first: usize,
         of_rows: &'a [R],
-    ) -> impl Iterator<Item = (&'a [u8; TILE_WIDTH], &'a R)> {
+    ) -> impl Iterator<Item = ([&'a [u8; WIDE]; N], &'a R)> {
         let of_rows = of_rows.get(first..).unwrap_or(&[]);
-        let pixels = self.pixels.get(first * self.stride..).unwrap_or(&[]);
-        let to_last = of_rows.len().saturating_sub(1) * self.stride;
-        let whole = pixels.len() >= to_last + TILE_WIDTH;
-        let of_rows = if whole { of_rows } else { &[] };
-        let (pixels, stride) = (pixels.as_ptr(), self.stride);
+        let parts: [usize; N] = std::array::from_fn(|part| {
+            self.quarters[(column + part * WIDE) / QUARTER_WIDTH] + first * self.stride
+        });
+        let to_last = of_rows.len().saturating_sub(1) * self.stride + WIDE;
+        let whole = |&part: &usize| part + to_last <= self.pixels.len();
+        let of_rows = if parts.iter().all(whole) {
+            of_rows
+        } else {
+            &[]
+        };
+        let (pixels, stride) = (self.pixels.as_ptr(), self.stride);
         // One check for all rows: one for each takes a fifth of the time.
         of_rows.iter().enumerate().map(move |(row, of_row)| {
-            // SAFETY: `pixels` has 64 bytes from the start of the last row, so it has them from those before.
-            let pixels = unsafe { &*pixels.add(row * stride).cast() };
-            (pixels, of_row)
+            // SAFETY: the last row has `WIDE` pixels from the start of each part, and so have those before.
+            let part = |part| unsafe { &*pixels.add(part + row * stride).cast() };
+            (parts.map(part), of_row)
         })
     }
 
-    /// Each row from the `first` on, with the ground of its pixels.
+    /// Parts of each row as of [`Self::rows_with`], with the ground of the row's pixels.
     #[inline(always)]
-    pub(super) fn with_ground(
+    pub(super) fn with_ground<const N: usize, const WIDE: usize>(
         &self,
+        column: usize,
         first: usize,
-    ) -> impl Iterator<Item = (&'a [u8; TILE_WIDTH], &'a Row)> {
-        self.rows_with(first, self.grounds)
+    ) -> impl Iterator<Item = ([&'a [u8; WIDE]; N], &'a Row)> {
+        self.rows_with(column, first, self.grounds)
     }
 
-    /// Each row, with a bit for each of its pixels that counts.
+    /// All parts of each row, with a bit for each of its pixels that counts.
+    #[cfg(target_arch = "x86_64")]
     #[inline(always)]
-    pub(super) fn with_masks(&self) -> impl Iterator<Item = (&'a [u8; TILE_WIDTH], &'a u64)> {
-        self.rows_with(0, self.masks)
+    pub(super) fn with_masks<const N: usize, const WIDE: usize>(
+        &self,
+    ) -> impl Iterator<Item = ([&'a [u8; WIDE]; N], &'a u64)> {
+        self.rows_with(0, 0, self.masks)
     }
 }
 
-/// The rows of a tile that is not wholly in the picture, or in one that is narrower than a tile, one right after the other. No more than
-/// what the masks leave out is missing.
+/// The rows of a tile that is not wholly in the picture, or in one that is narrower than a tile, one right after the other, bands side by
+/// side. No more than what the masks leave out is missing.
 #[cold]
 #[inline(never)]
 fn copied<'a>(
@@ -84,9 +107,13 @@ fn copied<'a>(
     copy: &'a mut [[u8; TILE_WIDTH]; TILE_ROWS],
 ) -> &'a [u8] {
     for (row, copy) in copy.iter_mut().enumerate().take(tile.rows) {
-        let rest = pixels.get(tile.offset + row * width..).unwrap_or(&[]);
-        for (copy, &pixel) in copy.iter_mut().zip(rest) {
-            *copy = pixel;
+        let quarters = copy.as_chunks_mut::<QUARTER_WIDTH>().0;
+        for (copy, first) in quarters.iter_mut().zip(tile.quarters) {
+            let first = tile.offset + first + row * width;
+            let rest = pixels.get(first..).unwrap_or(&[]);
+            for (copy, &pixel) in copy.iter_mut().zip(rest) {
+                *copy = pixel;
+            }
         }
     }
     copy.as_flattened()
@@ -115,14 +142,21 @@ pub(super) fn all_elements(
         let mut totals = Totals([[0.0; STRIPS]; WEIGHTS]);
         for tile in kernel.tiles.get(range.clone()).unwrap_or(&[]) {
             let masks = tile.first_mask..tile.first_mask + tile.rows;
-            let end = tile.offset + (tile.rows - 1) * width + TILE_WIDTH;
-            let (own, stride) = match pixels.get(tile.offset..end) {
-                Some(own) if width >= TILE_WIDTH => (own, width),
-                _ => (copied(pixels, tile, width, &mut copy), TILE_WIDTH),
+            let last = tile.quarters[QUARTERS - 1] + (tile.rows - 1) * width;
+            let end = tile.offset + last + QUARTER_WIDTH;
+            let (own, stride, quarters) = match pixels.get(tile.offset..end) {
+                Some(own) if width >= TILE_WIDTH => (own, width, tile.quarters),
+                _ => (
+                    copied(pixels, tile, width, &mut copy),
+                    TILE_WIDTH,
+                    SIDE_BY_SIDE,
+                ),
             };
             let rows = TileRows {
                 pixels: own,
                 stride,
+                quarters,
+                bands: tile.bands,
                 masks: kernel.masks.get(masks.clone()).unwrap_or(&[]),
                 grounds: kernel.grounds.get(masks).unwrap_or(&[]),
                 first_rows: tile.first_rows,
@@ -146,10 +180,11 @@ fn fetch(next: &[u8], tile: &Tile, width: usize) {
     if next.is_empty() {
         return;
     }
-    for row in 0..tile.rows {
+    let across = TILE_WIDTH / tile.bands;
+    for row in 0..tile.rows * tile.bands {
         let first = tile.offset + row * width;
-        // A row of 64 pixels lies in two cache lines.
-        for pixel in [first, first + TILE_WIDTH - 1] {
+        // A row may lie in two cache lines.
+        for pixel in [first, first + across - 1] {
             if let Some(pixel) = next.get(pixel) {
                 prefetch(pixel);
             }

@@ -1,5 +1,8 @@
 //! A tile: a piece of a sub-region, at most 64x64 px, on which the weights are smooth.
 //!
+//! A piece that is at most a half or a quarter as wide is folded: its rows are cut into two or four bands, which lie side by side in its
+//! tile, so that this has that many times fewer rows.
+//!
 //! A tile is sixteen strips side by side, each [`STRIP`] px wide. What is summed of a strip are
 //! integers, so that the order of summation does not matter: with `g` the pixel above the dark
 //! level, `k` its place across the strip and `m` its row counted upwards from the tile's last, which
@@ -30,6 +33,9 @@ pub(super) const STRIPS: usize = TILE_WIDTH / STRIP;
 
 /// Quarters of a tile's columns, of four strips each: what the narrowest vectors hold.
 pub(super) const QUARTERS: usize = 4;
+
+/// Columns of a quarter, px.
+pub(super) const QUARTER_WIDTH: usize = TILE_WIDTH / QUARTERS;
 
 /// Sums of a strip.
 pub(super) const SUMS: usize = 10;
@@ -63,11 +69,23 @@ pub(super) struct Tile {
     pub first_mask: usize,
     /// How many rows it has.
     pub rows: usize,
+    /// How many bands lie side by side in it.
+    pub bands: usize,
+    /// How far the first pixel of each quarter of its columns is from the tile's first in the picture.
+    pub quarters: [usize; QUARTERS],
     /// For each quarter of its columns, the first row with pixels of the sub-region; `rows` if there is none. Rows before it add
     /// nothing to the quarter's sums.
     pub first_rows: [usize; QUARTERS],
     /// What its sums count for.
     pub weights: TileWeights,
+}
+
+impl Tile {
+    /// Where in a picture of `width` columns the pixel is that lies in `row` and `column` of the tile.
+    pub fn pixel(&self, row: usize, column: usize, width: usize) -> usize {
+        let (quarter, column) = (column / QUARTER_WIDTH, column % QUARTER_WIDTH);
+        self.offset + self.quarters[quarter] + row * width + column
+    }
 }
 
 /// The sums of one pixel of gray value 1, `across` px from its strip's left, `m` rows from the
