@@ -23,8 +23,8 @@ const GOOD_ENOUGH: f64 = 0.125;
 /// Rounding of a weight, of its product with a sum and of the total, as `f32`, of each term.
 const ROUNDING: f64 = 4.0 * f32::EPSILON as f64 / 2.0;
 
-/// Folding must save so many rows: for vectors as narrow as a band it saves none, and they have more sums to weigh.
-const LEAST_SAVED: usize = 16;
+/// Folding must save so many rows: more strips' sums are to be weighed for it.
+const LEAST_SAVED: usize = 8;
 
 /// The sums by the degree of their polynomial, the smoothest first.
 const BY_DEGREE: [usize; SUMS] = [0, 1, 4, 2, 5, 7, 3, 6, 8, 9];
@@ -59,11 +59,19 @@ impl Tiling {
         let (Some(first), Some(last)) = (columns().min(), columns().max()) else {
             return;
         };
-        for left in (first..=last).step_by(TILE_WIDTH) {
+        // In columns that are folded without gaps, and none narrower than a quarter of a tile.
+        let mut left = first;
+        while left <= last {
+            let across = match (last - left) / QUARTER_WIDTH {
+                0 => QUARTER_WIDTH,
+                1 | 2 => 2 * QUARTER_WIDTH,
+                _ => TILE_WIDTH,
+            };
             let own = pixels
                 .iter()
-                .filter(|p| (left..left + TILE_WIDTH).contains(&p.column));
+                .filter(|p| (left..left + across).contains(&p.column));
             self.add_column(&own.copied().collect::<Vec<_>>(), left, width, reach);
+            left += across;
         }
     }
 
