@@ -1,4 +1,4 @@
-//! A tile: a piece of a sub-region, at most 64x64 px, on which the weights are smooth.
+//! A tile: a piece of a sub-region on which the weights are smooth, in at most 64x64 px.
 //!
 //! A piece that is at most a half or a quarter as wide is folded: its rows are cut into two or four bands, which lie side by side in its
 //! tile, so that this has that many times fewer rows.
