@@ -12,6 +12,7 @@ use super::{
         WEIGHTS, basis,
     },
 };
+use std::ops::Range;
 
 /// Largest error of a pixel's area, of itself, and of its area times place, of its area times the
 /// distance of the farthest pixel.
@@ -67,28 +68,33 @@ impl Tiling {
                 1 | 2 => 2 * QUARTER_WIDTH,
                 _ => TILE_WIDTH,
             };
-            let own = pixels
-                .iter()
-                .filter(|p| (left..left + across).contains(&p.column));
-            self.add_column(&own.copied().collect::<Vec<_>>(), left, width, reach);
+            let columns = left..left + across;
+            let own = pixels.iter().filter(|p| columns.contains(&p.column));
+            self.add_column(&own.copied().collect::<Vec<_>>(), &columns, width, reach);
             left += across;
         }
     }
 
-    /// Adds the tiles of `pixels`, sorted by row, all in the [`TILE_WIDTH`] columns from `left`.
-    fn add_column(&mut self, pixels: &[WeightedPixel], left: usize, width: usize, reach: f64) {
+    /// Adds the tiles of `pixels`, sorted by row, all in these `columns`, which are as many as a tile has, or a half or a quarter of it.
+    fn add_column(
+        &mut self,
+        pixels: &[WeightedPixel],
+        columns: &Range<usize>,
+        width: usize,
+        reach: f64,
+    ) {
         let (Some(first), Some(last)) = (pixels.first(), pixels.last()) else {
             return;
         };
         let (top, height) = (first.row, last.row - first.row + 1);
-        let bands = bands(pixels, left, height);
+        let bands = bands(columns.len(), height);
         let (rows, across) = (height.div_ceil(bands), TILE_WIDTH / bands);
         let in_tile = |pixel| {
             let WeightedPixel { row, column, .. } = pixel;
             let band = (row - top) / rows;
             InTile {
                 row: (row - top) % rows,
-                column: band * across + column - left,
+                column: band * across + column - columns.start,
                 pixel,
             }
         };
@@ -99,8 +105,8 @@ impl Tiling {
         let Some(weights) = weights else {
             let middle = pixels.partition_point(|pixel| pixel.row < top + height / 2);
             let (upper, lower) = pixels.split_at(middle);
-            self.add_column(upper, left, width, reach);
-            self.add_column(lower, left, width, reach);
+            self.add_column(upper, columns, width, reach);
+            self.add_column(lower, columns, width, reach);
             return;
         };
         let first_mask = self.masks.len();
@@ -112,7 +118,7 @@ impl Tiling {
             *first_row = (*first_row).min(row);
         }
         self.tiles.push(Tile {
-            offset: top * width + left,
+            offset: top * width + columns.start,
             first_mask,
             rows,
             bands,
@@ -133,15 +139,10 @@ struct InTile {
     pixel: WeightedPixel,
 }
 
-/// In how many bands `pixels` are folded that lie in so many rows and in the columns from `left` on.
-fn bands(pixels: &[WeightedPixel], left: usize, height: usize) -> usize {
-    let columns = pixels.iter().map(|pixel| pixel.column - left + 1).max();
-    let bands = match columns {
-        Some(1..=16) => 4,
-        Some(17..=32) => 2,
-        _ => 1,
-    };
-    match height - height.div_ceil(bands) {
+/// In how many bands a piece of so many columns and rows is folded.
+fn bands(columns: usize, rows: usize) -> usize {
+    let bands = TILE_WIDTH / columns;
+    match rows - rows.div_ceil(bands) {
         LEAST_SAVED.. => bands,
         _ => 1,
     }

@@ -108,8 +108,8 @@ fn copied<'a>(
 ) -> &'a [u8] {
     for (row, copy) in copy.iter_mut().enumerate().take(tile.rows) {
         let quarters = copy.as_chunks_mut::<QUARTER_WIDTH>().0;
-        for (copy, first) in quarters.iter_mut().zip(tile.quarters) {
-            let first = tile.offset + first + row * width;
+        for (quarter, copy) in quarters.iter_mut().enumerate() {
+            let first = tile.pixel(row, quarter * QUARTER_WIDTH, width);
             let rest = pixels.get(first..).unwrap_or(&[]);
             for (copy, &pixel) in copy.iter_mut().zip(rest) {
                 *copy = pixel;
@@ -142,8 +142,7 @@ pub(super) fn all_elements(
         let mut totals = Totals([[0.0; STRIPS]; WEIGHTS]);
         for tile in kernel.tiles.get(range.clone()).unwrap_or(&[]) {
             let masks = tile.first_mask..tile.first_mask + tile.rows;
-            let last = tile.quarters[QUARTERS - 1] + (tile.rows - 1) * width;
-            let end = tile.offset + last + QUARTER_WIDTH;
+            let end = tile.pixel(tile.rows - 1, TILE_WIDTH - 1, width) + 1;
             let (own, stride, quarters) = match pixels.get(tile.offset..end) {
                 Some(own) if width >= TILE_WIDTH => (own, width, tile.quarters),
                 _ => (
