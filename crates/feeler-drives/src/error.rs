@@ -183,6 +183,12 @@ pub enum DriveError {
         /// The limit, rad/s.
         limit: f64,
     },
+    /// A hand that a fault has stopped.
+    #[error("it was stopped before, and stays so until it is restarted: {fault}")]
+    Stopped {
+        /// What stopped it.
+        fault: String,
+    },
     /// There is no such joint.
     #[error(
         "finger {finger} and joint {joint}: expected a finger from 0 on that the hand has, and theta1 to theta3"

@@ -102,7 +102,7 @@ fn turn(
     let in_time = left > 0.0;
     let why = match in_time {
         true => String::new(),
-        false => format!(", not as far as asked within {patience:.1} s"),
+        false => format!("; its {patience:.1} s are over"),
     };
     writeln!(
         out,

@@ -117,8 +117,12 @@ impl DriveHand {
     /// whether it is well, where that is due. For whoever sets a rig up; a program that controls a hand has [`Hand::command`].
     ///
     /// # Errors
-    /// When there is no such joint or `velocity` is too fast; or as [`Hand::command`], and then all motors are stopped.
+    /// When a fault has stopped it, there is no such joint or `velocity` is too fast; or as [`Hand::command`], and then all motors are
+    /// stopped.
     pub fn jog(&mut self, finger: usize, joint: usize, velocity: f64) -> Result<(), DriveError> {
+        if let Some(fault) = self.fault.clone() {
+            return Err(DriveError::Stopped { fault });
+        }
         let index = 3 * finger + joint;
         let Some(servo) = self.servos.get(index).filter(|_| joint < 3) else {
             let joint = joint + 1;

@@ -338,6 +338,12 @@ fn a_jog_that_came_too_late_says_that_the_watchdog_stopped_it() {
         let (joint, why) = ("theta2 of finger 0", "heard nothing for too long");
         assert!(error.contains(joint) && error.contains(why), "{error}");
         assert_eq!(rig.hand.fault(), Some(&*error));
+        // Nor does the next one move it, though joint angles are still fresh.
+        let error = rig.hand.jog(0, 1, 0.1).unwrap_err().to_string();
+        assert!(
+            error.contains("until it is restarted") && error.contains(why),
+            "{error}"
+        );
         assert_eq!(rig.goals(), [0.0; 6]);
     }
 }
