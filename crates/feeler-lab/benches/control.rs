@@ -7,7 +7,7 @@ use feeler::control::grasp_slip::{ContactLoss, ContactLossConfig, GraspDrag, Gra
 use feeler::control::law::LawConfig;
 use feeler::control::law::policy::{PolicyConfig, PolicyModel};
 use feeler::control::plan::Plan;
-use feeler::control::sense::{FingerSense, FingertipPose};
+use feeler::control::sense::{FingertipPose, HandSense};
 use feeler::control::touch::FingerTouch;
 use feeler::hand::finger::FingerGeometry;
 use feeler::hand::inverse_kinematics::inverse_kinematics;
@@ -15,7 +15,7 @@ use feeler::hand::{HandCommand, HandState, JointState};
 use feeler::sensor::layout::ElementLayout;
 use feeler::sensor::reading::TactileFrame;
 use feeler_lab::config::{Experiment, ExperimentConfig};
-use glam::{DVec2, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 
 #[path = "../../feeler/tests/support/policy_file.rs"]
 mod policy_file;
@@ -111,33 +111,57 @@ fn decide_in_contact(bencher: Bencher, config: &ExperimentConfig) {
     assert_eq!(controller.stop_reason(), None);
 }
 
-/// One finger's velocity by each control law, while it keeps its grasp.
+/// The velocities of two fingers by each control law, while they keep their grasp.
 #[divan::bench(args = laws())]
 fn law_in_contact(bencher: Bencher, name: &str) {
     let control = config("cap-closing").control;
-    let law = law(name).law(control.reflex(), control.touch_force, ELEMENTS);
-    let mut law = law.expect("a law");
     let layout = ElementLayout::new(&config("cap-closing").sensor.fingertip.layout);
+    let layouts = [layout.clone(), layout];
+    let mut law =
+        (law(name).hand_law(control.reflex(), &control.thresholds(), &layouts)).expect("a law");
+    let mut touches = [FingerTouch::none(ELEMENTS), FingerTouch::none(ELEMENTS)];
     let mut analyzer = FlagAnalyzer::new(control.thresholds(), ELEMENTS);
-    let mut touch = FingerTouch::none(ELEMENTS);
-    touch.frame = in_contact();
-    touch.analyze(&mut analyzer);
-    let plan = Plan {
-        velocity: DVec3::new(0.0, 0.01, 0.0),
-        towards_object: DVec3::X,
+    for touch in &mut touches {
+        touch.frame = in_contact();
+        touch.analyze(&mut analyzer);
+    }
+    // Tips that face each other across the cap.
+    let mut poses = [FingertipPose::default(); 2];
+    poses[0].position.x = -0.032;
+    poses[1].position.x = 0.032;
+    poses[1].rotation = DMat3::from_rotation_z(std::f64::consts::PI);
+    let plan = |sign: f64, keep_grasp| Plan {
+        velocity: sign * DVec3::new(0.0, -0.01, 0.0),
+        towards_object: sign * DVec3::X,
         reflex: true,
-        keep_grasp: true,
+        keep_grasp,
     };
-    bencher.bench_local(|| {
-        touch.frame.sequence += 1;
-        let sense = FingerSense {
-            pose: FingertipPose::default(),
-            joints: JointState::default(),
-            touch: &touch,
-            layout: &layout,
+    let joints = [JointState::default(); 2];
+    let (mut closed, mut velocities) = ([None; 2], [DVec3::ZERO; 2]);
+    let mut step = |keep_grasp: bool, way: f64| {
+        for (touch, pose) in touches.iter_mut().zip(&mut poses) {
+            touch.frame.sequence += 1;
+            touch.frame.stamp += control.period;
+            pose.position.x -= way * pose.position.x.signum();
+        }
+        let hand = HandSense {
+            stamp: 0.0,
+            poses: &poses,
+            joints: &joints,
+            touches: &touches,
+            layouts: &layouts,
+            closed: &[],
         };
-        law.velocity(black_box(&plan), black_box(&sense))
-    });
+        law.observe(black_box(&hand), &mut closed);
+        let plans = [plan(1.0, keep_grasp), plan(-1.0, keep_grasp)];
+        law.velocities(black_box(&plans), black_box(&hand), &mut velocities);
+        velocities
+    };
+    // The fingers close; then they move.
+    for _ in 0..100 {
+        step(false, 1e-5);
+    }
+    bencher.bench_local(|| step(true, 0.0));
 }
 
 /// The flags of one finger.

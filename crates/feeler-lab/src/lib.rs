@@ -5,5 +5,6 @@ pub mod config;
 pub mod environment;
 pub mod experiment;
 pub mod grasps;
+pub mod identify;
 pub mod sensor;
 pub mod sweep;

@@ -386,10 +386,9 @@ impl Trials {
 
 /// Builds the law of every finger, so that a policy that is none is not found out by each trial.
 fn check_law(experiment: &Experiment) -> Result<(), ExperimentError> {
-    let control = experiment.control()?;
-    for layout in layouts(&experiment.config)? {
-        control.law(layout.elements.len())?;
-    }
+    experiment
+        .control()?
+        .hand_law(&layouts(&experiment.config)?)?;
     Ok(())
 }
 

@@ -2,11 +2,12 @@
 
 use super::flags::FlagThresholds;
 use super::law::tri_axial::Reflex;
-use super::law::{Law, LawConfig, LawError};
+use super::law::{HandLaw, LawConfig, LawError};
 use super::limits::LimitsConfig;
 use super::monitor_config::MonitorConfig;
 use super::task::TaskConfig;
 use crate::check::{Checker, MAX};
+use crate::sensor::layout::ElementLayout;
 use serde::{Deserialize, Serialize};
 
 /// Everything that the control law can be tuned by.
@@ -101,12 +102,13 @@ impl ControlConfig {
         }
     }
 
-    /// The control law for one finger of `elements` elements, at rest.
+    /// The control law for a hand whose fingers have the elements of `layouts`, at rest.
     ///
     /// # Errors
-    /// When a policy was not read, or is for other fingertips.
-    pub fn law(&self, elements: usize) -> Result<Box<dyn Law>, LawError> {
-        self.law.law(self.reflex(), self.touch_force, elements)
+    /// If a policy was not read, or is for other fingertips.
+    pub fn hand_law(&self, layouts: &[ElementLayout]) -> Result<Box<dyn HandLaw>, LawError> {
+        self.law
+            .hand_law(self.reflex(), &self.thresholds(), layouts)
     }
 
     /// Requires every value, and those of the task that it is for, to be in its range. Keys are those of an experiment

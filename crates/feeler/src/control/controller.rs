@@ -3,7 +3,7 @@
 pub use super::config::{ControlConfig, RecordingFailure, ResumePolicy};
 
 use super::input_check::{check_count, check_input, check_load};
-use super::law::{Law, LawError};
+use super::law::{FingerLaws, HandLaw, Law, LawError};
 use super::limits::{Admitted, Request};
 use super::monitor::FingerMonitor;
 use super::phase::Phase;
@@ -22,7 +22,6 @@ use glam::DVec3;
 #[derive(Debug, Clone)]
 pub struct FingerControl {
     geometry: FingerGeometry,
-    law: Box<dyn Law>,
     /// The velocity that the control law, or who acts in its place, wants of it, m/s, in W.
     pub velocity: DVec3,
     /// What the limits made of that.
@@ -45,6 +44,11 @@ pub struct Controller {
     poses: Vec<FingertipPose>,
     layouts: Vec<ElementLayout>,
     task: Box<dyn Task>,
+    law: Box<dyn HandLaw>,
+    /// Whether the law considers each finger closed; see [`HandSense::closed`].
+    closed: Vec<Option<bool>>,
+    /// Velocity of each fingertip by the law, m/s, in W.
+    velocities: Vec<DVec3>,
     /// What the task wants of each finger.
     plans: Vec<Plan>,
     /// Whether the newest input was found good and has not been acted on.
@@ -79,22 +83,23 @@ impl Controller {
         let most_gap = config.stale_periods.max(1.5) * config.period;
         let finger = |(geometry, layout): (&FingerGeometry, &ElementLayout)| {
             let elements = layout.elements.len();
-            Ok(FingerControl {
+            FingerControl {
                 geometry: geometry.clone(),
-                law: config.law(elements)?,
                 velocity: DVec3::ZERO,
                 admitted: Admitted::default(),
                 monitor: FingerMonitor::new(config.monitor, elements, most_gap),
-            })
+            }
         };
-        let fingers = fingers.iter().zip(layouts).map(finger);
-        let fingers = fingers.collect::<Result<Vec<_>, _>>()?;
+        let fingers: Vec<_> = fingers.iter().zip(layouts).map(finger).collect();
         let count = fingers.len();
         Ok(Self {
             fingers,
             poses: vec![FingertipPose::default(); count],
             layouts: layouts[..count].to_vec(),
             task,
+            law: config.hand_law(&layouts[..count])?,
+            closed: vec![None; count],
+            velocities: vec![DVec3::ZERO; count],
             plans: vec![Plan::default(); count],
             planned: false,
             stop_reason: None,
@@ -109,9 +114,8 @@ impl Controller {
 
     /// Gives each finger, by its number, the law that `law` makes for it, in place of the one it has.
     pub fn set_laws(&mut self, law: impl Fn(usize) -> Box<dyn Law>) {
-        for (index, finger) in self.fingers.iter_mut().enumerate() {
-            finger.law = law(index);
-        }
+        let laws = (0..self.fingers.len()).map(law).collect();
+        self.law = Box::new(FingerLaws::new(laws));
     }
 
     /// Where each fingertip is, by the encoders, as of the newest decision.
@@ -148,7 +152,10 @@ impl Controller {
         touches: &'a [FingerTouch],
         state: &'a HandState,
     ) -> HandSense<'a> {
-        HandSense::new(state, touches, &self.poses, &self.layouts)
+        HandSense {
+            closed: &self.closed,
+            ..HandSense::new(state, touches, &self.poses, &self.layouts)
+        }
     }
 
     /// Decides what all fingers do for the next control period: what each finger felt and the
@@ -275,6 +282,11 @@ impl Controller {
             return Ok(());
         }
         let hand = HandSense::new(state, touches, &self.poses, &self.layouts);
+        self.law.observe(&hand, &mut self.closed);
+        let hand = HandSense {
+            closed: &self.closed,
+            ..hand
+        };
         self.task.advance(&hand)?;
         for (finger, plan) in self.plans.iter_mut().enumerate() {
             *plan = self.task.plan(finger, &hand);
@@ -285,9 +297,10 @@ impl Controller {
     /// What the law of each finger makes of its plan.
     fn obey_laws(&mut self, touches: &[FingerTouch], state: &HandState) {
         let hand = HandSense::new(state, touches, &self.poses, &self.layouts);
-        let fingers = self.fingers.iter_mut().zip(&self.plans);
-        for ((finger, plan), sense) in fingers.zip(hand.fingers()) {
-            finger.velocity = finger.law.velocity(plan, &sense);
+        self.law
+            .velocities(&self.plans, &hand, &mut self.velocities);
+        for (finger, &velocity) in self.fingers.iter_mut().zip(&self.velocities) {
+            finger.velocity = velocity;
         }
     }
 

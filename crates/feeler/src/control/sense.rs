@@ -79,6 +79,9 @@ pub struct HandSense<'a> {
     pub touches: &'a [FingerTouch],
     /// The elements of each finger.
     pub layouts: &'a [ElementLayout],
+    /// Whether the control law considers each finger closed on the object; `None`, and missing for a finger, if the
+    /// law leaves that to the task.
+    pub closed: &'a [Option<bool>],
 }
 
 impl<'a> HandSense<'a> {
@@ -95,7 +98,19 @@ impl<'a> HandSense<'a> {
             joints: &state.joints,
             touches,
             layouts,
+            closed: &[],
         }
+    }
+
+    /// Whether `finger` has closed on the object: as the control law says, or else if its grasp force is at least
+    /// `grasp_force` (N). `false` if there is no such finger.
+    pub fn has_closed(&self, finger: usize, grasp_force: f64) -> bool {
+        let by_force = || {
+            let touch = self.touches.get(finger);
+            touch.is_some_and(|touch| touch.flags.grasp_force >= grasp_force)
+        };
+        let by_law = self.closed.get(finger).copied().flatten();
+        by_law.unwrap_or_else(by_force)
     }
 
     /// One finger, if there is such a finger.

@@ -19,7 +19,13 @@ fn laws(environment: &Environment) -> Vec<Box<dyn Law>> {
     let control = &environment.experiment().config.control;
     let layouts = environment.layouts().iter();
     layouts
-        .map(|layout| control.law(layout.elements).expect("a law"))
+        .map(|layout| {
+            let law =
+                control
+                    .law
+                    .finger_law(control.reflex(), control.touch_force, layout.elements);
+            law.expect("a law").expect("a law for each finger")
+        })
         .collect()
 }
 

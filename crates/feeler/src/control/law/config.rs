@@ -1,14 +1,16 @@
 //! Which control law, and what it is tuned by.
 
-use super::Law;
 use super::best::{Best, BestConfig};
 use super::missing_shear::{MissingShear, MissingShearConfig};
 use super::normal_only::{NormalOnly, NormalOnlyConfig};
 use super::open_loop::{OpenLoop, OpenLoopConfig};
+use super::pivot::{Pivot, PivotConfig};
 use super::policy::{Policy, PolicyConfig};
 use super::tri_axial::{FingerSpeedEstimator, Reflex};
+use super::{FingerLaws, HandLaw, Law};
 use crate::check::Checker;
 use crate::control::flags::FlagThresholds;
+use crate::sensor::layout::ElementLayout;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
@@ -53,18 +55,21 @@ pub enum LawConfig {
     OpenLoop(OpenLoopConfig),
     /// Grip before slip, with friction learnt from touch.
     Best(BestConfig),
+    /// All fingers turn the object about the pivot that touch has found.
+    Pivot(PivotConfig),
     /// A network that was trained elsewhere, in a file.
     Policy(PolicyConfig),
 }
 
 impl LawConfig {
     /// The names of the laws that need no file.
-    pub const NAMES: [&str; 5] = [
+    pub const NAMES: [&str; 6] = [
         "tri-axial",
         "tri-axial-missing-shear",
         "normal-only",
         "open-loop",
         "best",
+        "pivot",
     ];
 
     /// The law of this name with its defaults, if there is one.
@@ -75,6 +80,7 @@ impl LawConfig {
             "normal-only" => Self::NormalOnly(NormalOnlyConfig::default()),
             "open-loop" => Self::OpenLoop(OpenLoopConfig::default()),
             "best" => Self::Best(BestConfig::default()),
+            "pivot" => Self::Pivot(PivotConfig::default()),
             _ => return None,
         })
     }
@@ -87,6 +93,7 @@ impl LawConfig {
             Self::NormalOnly(_) => "normal-only",
             Self::OpenLoop(_) => "open-loop",
             Self::Best(_) => "best",
+            Self::Pivot(_) => "pivot",
             Self::Policy(_) => "policy",
         }
     }
@@ -104,6 +111,13 @@ impl LawConfig {
             Self::NormalOnly(_) => include_str!("normal_only.rs"),
             Self::OpenLoop(_) => include_str!("open_loop.rs"),
             Self::Best(_) => include_str!("best.rs"),
+            Self::Pivot(_) => concat!(
+                include_str!("pivot/mod.rs"),
+                include_str!("pivot/circle.rs"),
+                include_str!("pivot/finger.rs"),
+                include_str!("pivot/stiffness.rs"),
+                include_str!("pivot/stroke.rs"),
+            ),
             Self::Policy(_) => return None,
         })
     }
@@ -118,23 +132,45 @@ impl LawConfig {
             Self::NormalOnly(law) => law.check(&key, checker),
             Self::OpenLoop(law) => law.check(&key, checker),
             Self::Best(law) => law.check(&key, thresholds, checker),
+            Self::Pivot(law) => law.check(&key, checker),
             // Its file is checked where it is read.
             Self::Policy(_) => {}
         }
     }
 
-    /// The law for one finger of `elements` elements, at rest, which touch where they are pressed harder than `touch_force`
-    /// (F1), N.
+    /// The law for a hand whose fingers have the elements of `layouts`, at rest, which touch and are pressed enough as the
+    /// `thresholds` say.
     ///
     /// # Errors
-    /// When a policy was not read, or is for other fingertips.
-    pub fn law(
+    /// If a policy was not read, or is for other fingertips.
+    pub fn hand_law(
+        &self,
+        reflex: Reflex,
+        thresholds: &FlagThresholds,
+        layouts: &[ElementLayout],
+    ) -> Result<Box<dyn HandLaw>, LawError> {
+        if let Self::Pivot(config) = self {
+            return Ok(Box::new(Pivot::new(config, thresholds, layouts)));
+        }
+        let law = |layout: &ElementLayout| {
+            self.finger_law(reflex, thresholds.touch_force, layout.elements.len())
+        };
+        let laws = layouts.iter().map(law).collect::<Result<Option<_>, _>>()?;
+        Ok(Box::new(FingerLaws::new(laws.unwrap_or_default())))
+    }
+
+    /// The law for one finger of `elements` elements, at rest, which touch where they are pressed harder than `touch_force`
+    /// (F1), N; `None` if the law moves all fingers together.
+    ///
+    /// # Errors
+    /// If a policy was not read, or is for other fingertips.
+    pub fn finger_law(
         &self,
         reflex: Reflex,
         touch_force: f64,
         elements: usize,
-    ) -> Result<Box<dyn Law>, LawError> {
-        Ok(match self {
+    ) -> Result<Option<Box<dyn Law>>, LawError> {
+        Ok(Some(match self {
             Self::TriAxial => Box::new(FingerSpeedEstimator::new(reflex)),
             Self::TriAxialMissingShear(config) => {
                 Box::new(MissingShear::new(config, reflex, touch_force, elements))
@@ -143,7 +179,8 @@ impl LawConfig {
             Self::OpenLoop(config) => Box::new(OpenLoop::new(config.clone())),
             Self::Best(config) => Box::new(Best::new(config.clone(), elements)),
             Self::Policy(config) => Box::new(policy(config, elements)?),
-        })
+            Self::Pivot(_) => return Ok(None),
+        }))
     }
 }
 
@@ -174,6 +211,7 @@ struct Laws {
     normal_only: Option<NormalOnlyConfig>,
     open_loop: Option<OpenLoopConfig>,
     best: Option<BestConfig>,
+    pivot: Option<PivotConfig>,
     policy: Option<PolicyConfig>,
 }
 
@@ -207,6 +245,7 @@ impl<'de> Visitor<'de> for NameOrTable {
             laws.normal_only.map(LawConfig::NormalOnly),
             laws.open_loop.map(LawConfig::OpenLoop),
             laws.best.map(LawConfig::Best),
+            laws.pivot.map(LawConfig::Pivot),
             laws.policy.map(LawConfig::Policy),
         ];
         let mut found = found.into_iter().flatten();

@@ -3,16 +3,19 @@
 
 pub mod best;
 mod config;
+mod finger_laws;
 pub mod missing_shear;
 pub mod normal_only;
 pub mod open_loop;
+pub mod pivot;
 pub mod policy;
 pub mod tri_axial;
 
 pub use config::{LawConfig, LawError};
+pub use finger_laws::FingerLaws;
 
 use super::plan::Plan;
-use super::sense::FingerSense;
+use super::sense::{FingerSense, HandSense};
 use dyn_clone::DynClone;
 use glam::DVec3;
 use std::fmt::Debug;
@@ -29,3 +32,17 @@ pub trait Law: DynClone + Debug + Send {
 }
 
 dyn_clone::clone_trait_object!(Law);
+
+/// A control law for all fingers of a hand together.
+///
+/// It is part of the control path: its methods neither allocate nor panic.
+pub trait HandLaw: DynClone + Debug + Send {
+    /// Takes in what the hand feels at a control step, before the task plans. Writes for each finger whether it has
+    /// closed on the object as far as the law wants; leaves `None` if that is the task's to decide.
+    fn observe(&mut self, _hand: &HandSense<'_>, _closed: &mut [Option<bool>]) {}
+
+    /// Writes the velocity of each fingertip until the next control step, m/s, in W, from its plan in `plans`.
+    fn velocities(&mut self, plans: &[Plan], hand: &HandSense<'_>, velocities: &mut [DVec3]);
+}
+
+dyn_clone::clone_trait_object!(HandLaw);

@@ -62,7 +62,7 @@ impl ScrewTask {
 
     fn check_search(&self, hand: &HandSense<'_>) -> Result<(), StopReason> {
         for (finger, (path, sense)) in self.paths.iter().zip(hand.fingers()).enumerate() {
-            if sense.flags().grasp_force < self.config.grasp_force {
+            if !hand.has_closed(finger, self.config.grasp_force) {
                 let travel = path.approached(sense.pose.position);
                 check_search(finger, travel, self.config.search_limit)?;
             }
@@ -78,7 +78,7 @@ impl Task for ScrewTask {
         match self.phase {
             Phase::Search => {
                 self.check_search(hand)?;
-                if self.all(hand, |_, f| f.flags().grasp_force >= config.grasp_force) {
+                if (0..self.paths.len()).all(|f| hand.has_closed(f, config.grasp_force)) {
                     for (path, finger) in self.paths.iter_mut().zip(hand.poses) {
                         path.stroke_start = finger.position;
                     }
@@ -114,7 +114,7 @@ impl Task for ScrewTask {
         };
         let position = sense.pose.position;
         let velocity = match self.phase {
-            Phase::Search if sense.flags().grasp_force < self.config.grasp_force => {
+            Phase::Search if !hand.has_closed(finger, self.config.grasp_force) => {
                 self.config.search_speed * path.approach
             }
             Phase::Move if path.travelled(position) < self.config.travel => {

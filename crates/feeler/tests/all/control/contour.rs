@@ -81,6 +81,7 @@ fn the_outline_lies_on_the_surface_once_the_friction_is_known() {
                     joints: &[JointState::default()],
                     touches: &[touch],
                     layouts: &[layout()],
+                    closed: &[],
                 };
                 step += 1;
                 task.advance(&hand).expect("no reason to stop");

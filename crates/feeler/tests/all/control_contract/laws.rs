@@ -44,8 +44,9 @@ fn pressing(law: &mut dyn Law, sequence: u64, force: DVec3) -> f64 {
 
 fn law(law: LawConfig) -> Box<dyn Law> {
     let control = config().control;
-    law.law(control.reflex(), control.touch_force, ELEMENTS)
+    law.finger_law(control.reflex(), control.touch_force, ELEMENTS)
         .expect("a law")
+        .expect("a law for each finger")
 }
 
 #[test]

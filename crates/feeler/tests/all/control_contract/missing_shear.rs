@@ -124,8 +124,8 @@ fn nothing_goes_farther_along_than_the_fingertip() {
 fn pressing(shear: &[(u64, f64)]) -> Vec<f64> {
     let law = LawConfig::named("tri-axial-missing-shear").expect("a law");
     let control = config().control;
-    let law = law.law(control.reflex(), control.touch_force, ELEMENTS);
-    let mut law = law.expect("a law");
+    let law = law.finger_law(control.reflex(), control.touch_force, ELEMENTS);
+    let mut law = law.expect("a law").expect("a law for each finger");
     let layout = layout();
     let plan = Plan {
         towards_object: DVec3::X,

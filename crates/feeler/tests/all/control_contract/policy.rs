@@ -261,7 +261,7 @@ fn no_finite_input_gives_a_velocity_that_is_not_finite() {
 #[test]
 fn it_is_for_fingertips_of_its_own_number_of_elements() {
     let control = config().control;
-    let law = |law: LawConfig| law.law(control.reflex(), control.touch_force, ELEMENTS);
+    let law = |law: LawConfig| law.finger_law(control.reflex(), control.touch_force, ELEMENTS);
     let file = "a.safetensors".to_string();
     let error = law(policy_config(&PolicyFile::zero(40, &[]))).map(|_| ());
     let (expected, actual) = (ELEMENTS, 40);

@@ -125,6 +125,7 @@ impl<T: Task> Run<T> {
             joints: &vec![JointState::default(); self.fingers.len()],
             touches: &touches,
             layouts: &layouts,
+            closed: &[],
         };
         self.task.advance(&hand)?;
         let count = self.fingers.len();

@@ -1,0 +1,68 @@
+//! `identified.toml`: the estimates of a probing run, each with its 95 % interval and method.
+
+use serde::{Deserialize, Serialize};
+
+/// Everything that a probing run estimated.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Identified {
+    /// Name of the experiment that was probed.
+    pub experiment: String,
+    /// Seed of the probing run.
+    pub seed: u64,
+    /// Findings that need attention, one sentence each.
+    #[serde(default)]
+    pub warnings: Vec<String>,
+    /// The object that the fingers touched.
+    pub object: ObjectEstimates,
+    /// The fingers, in the hand's order.
+    pub finger: Vec<FingerEstimates>,
+}
+
+/// Estimates of the object.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ObjectEstimates {
+    /// x of the axis about which the object turns, m, in W.
+    pub pivot_x: Estimate,
+    /// y of that axis, m, in W.
+    pub pivot_y: Estimate,
+    /// Radius of the object where the fingers touch it, m.
+    pub radius: Estimate,
+}
+
+/// Estimates of one finger.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FingerEstimates {
+    /// Standard deviation of the noise of one component of an element's force, N.
+    pub force_noise: Estimate,
+    /// Contact stiffness of an element along its axis, N/m.
+    pub normal_stiffness: Estimate,
+    /// Contact stiffness of an element across its axis, N/m.
+    pub shear_stiffness: Estimate,
+    /// Work lost in a cycle of pressing and releasing, relative to the work of pressing.
+    pub hysteresis: Estimate,
+    /// Coefficient of static friction.
+    pub static_friction: Estimate,
+    /// Coefficient of kinetic friction.
+    pub kinetic_friction: Estimate,
+    /// Time constant of the drives, first order, s.
+    pub servo_lag: Estimate,
+    /// Time from a command to the first change of force, s, without the drives' lag.
+    pub dead_time: Estimate,
+}
+
+/// An estimated quantity.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Estimate {
+    /// Best estimate, in SI units.
+    pub value: f64,
+    /// Lower end of its 95 % interval.
+    pub low: f64,
+    /// Upper end of its 95 % interval.
+    pub high: f64,
+    /// How it was estimated, in a few words.
+    pub method: String,
+}

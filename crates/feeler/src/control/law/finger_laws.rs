@@ -1,0 +1,28 @@
+//! A law of its own for each finger, as a law for the hand.
+
+use super::{HandLaw, Law};
+use crate::control::plan::Plan;
+use crate::control::sense::HandSense;
+use glam::DVec3;
+
+/// Moves each finger by a [`Law`] of its own, which receives nothing from the other fingers.
+#[derive(Debug, Clone)]
+pub struct FingerLaws {
+    laws: Vec<Box<dyn Law>>,
+}
+
+impl FingerLaws {
+    /// One law for each finger, in order.
+    pub fn new(laws: Vec<Box<dyn Law>>) -> Self {
+        Self { laws }
+    }
+}
+
+impl HandLaw for FingerLaws {
+    fn velocities(&mut self, plans: &[Plan], hand: &HandSense<'_>, velocities: &mut [DVec3]) {
+        let fingers = self.laws.iter_mut().zip(plans).zip(hand.fingers());
+        for (((law, plan), finger), velocity) in fingers.zip(velocities) {
+            *velocity = law.velocity(plan, &finger);
+        }
+    }
+}

@@ -1,0 +1,329 @@
+//! One finger that closes on the object and turns it about the pivot.
+
+use super::PivotConfig;
+use super::circle::{Circle, CircleFit};
+use super::stiffness::{Stiffness, StiffnessFit};
+use super::stroke::{Course, Lesson, StrokeRecord};
+use crate::control::plan::Plan;
+use crate::control::sense::FingerSense;
+use crate::sensor::layout::ElementLayout;
+use glam::{DVec2, DVec3};
+
+/// An element that is pressed less than this may be noise, N.
+const NOISE: f64 = 0.03;
+/// Part of the newest rate in the low-passed rate of the largest element force.
+const RATE_FILTER: f64 = 0.5;
+/// How far ahead the largest element force is extrapolated, s: about a control period and a drive's lag.
+const LEAD: f64 = 0.03;
+/// The first closing ends when an element is pressed with this, relative to F2.
+const FIRST_CLOSING: f64 = 0.8;
+/// In the first stroke, whose path does not count, an element force is regulated to this, relative to F2…
+const FIRST_FORCE: f64 = 0.95;
+/// …with this gain, 1/s.
+const FIRST_GAIN: f64 = 8.0;
+/// The guard acts at this, relative to F2, while the radius is not settled: in the first two strokes.
+const EARLY_GUARD: f64 = 1.1;
+/// Gain of the guard, 1/s.
+const GUARD_GAIN: f64 = 20.0;
+/// Strokes after which the radius is settled.
+const SETTLED: u32 = 2;
+/// A finger has closed when it is this close to its radius, m.
+const CLOSED_WITHIN: f64 = 2e-5;
+/// Slowest approach, relative to the planned speed.
+const SLOWEST: f64 = 0.1;
+/// A finger that is this far beside where its stroke shall begin waits at the distance below, m.
+const ASIDE: f64 = 2e-4;
+/// Distance from its radius at which it waits, m.
+const WAIT_AT: f64 = 0.004;
+/// Fastest motion to the side while closing, m/s.
+const SIDEWAYS_SPEED: f64 = 0.005;
+
+/// What a plan asks of a finger.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Motion {
+    /// To close on the object.
+    Close,
+    /// To turn it.
+    Turn,
+    /// Anything else.
+    Free,
+}
+
+/// One finger.
+#[derive(Debug, Clone)]
+pub(super) struct Finger {
+    dome_radius: f64,
+    /// F1, N.
+    touch_force: f64,
+    stiffness_fit: StiffnessFit,
+    /// By all closing motions so far.
+    stiffness: Option<Stiffness>,
+    motion: Motion,
+    /// Sequence number of the newest tactile frame.
+    newest: Option<u64>,
+    /// Grasp force, and the largest element force with its low-passed rate: N, N, N/s.
+    grip: f64,
+    force: f64,
+    force_rate: f64,
+    frame_stamp: f64,
+    /// The dome's centre, m, x and y in W.
+    position: DVec2,
+    /// Where the first closing began.
+    home: Option<DVec2>,
+    course: Course,
+    record: StrokeRecord,
+    /// Strokes that taught something.
+    strokes: u32,
+    lesson: Option<Lesson>,
+}
+
+impl Finger {
+    /// A finger with the elements of `layout`, which touch above `touch_force` (F1, N).
+    pub fn new(layout: &ElementLayout, touch_force: f64) -> Self {
+        Self {
+            dome_radius: layout.tip(0).length(),
+            touch_force,
+            stiffness_fit: StiffnessFit::new(layout.elements.len()),
+            stiffness: None,
+            motion: Motion::Free,
+            newest: None,
+            grip: 0.0,
+            force: 0.0,
+            force_rate: 0.0,
+            frame_stamp: 0.0,
+            position: DVec2::ZERO,
+            home: None,
+            course: Course::default(),
+            record: StrokeRecord::new(),
+            strokes: 0,
+            lesson: None,
+        }
+    }
+
+    /// The dome's centre, m, x and y in W.
+    pub fn position(&self) -> DVec2 {
+        self.position
+    }
+
+    /// Where the finger first began to close, m, x and y in W.
+    pub fn home(&self) -> DVec2 {
+        self.home.unwrap_or(self.position)
+    }
+
+    /// m.
+    pub fn dome_radius(&self) -> f64 {
+        self.dome_radius
+    }
+
+    /// What the newest plan asks of it.
+    pub fn motion(&self) -> Motion {
+        self.motion
+    }
+
+    /// Takes in the newest position and forces; adds touching elements to the stiffness while closing, and to `contacts`
+    /// while turning.
+    pub fn feel(&mut self, sense: &FingerSense<'_>, mut contacts: Option<&mut CircleFit>) {
+        self.position = sense.pose.position.truncate();
+        let frame = &sense.touch.frame;
+        if self.newest.replace(frame.sequence) == Some(frame.sequence) {
+            return;
+        }
+        let before = std::mem::take(&mut self.force);
+        self.grip = 0.0;
+        for (index, &force) in frame.forces.iter().enumerate() {
+            if force.z > NOISE && force.is_finite() {
+                self.grip += force.z;
+                self.force = self.force.max(force.z);
+                self.feel_element(sense, index, force, contacts.as_deref_mut());
+            }
+        }
+        let interval = frame.stamp - std::mem::replace(&mut self.frame_stamp, frame.stamp);
+        if interval > 0.0 {
+            let rate = (self.force - before) / interval;
+            self.force_rate += RATE_FILTER * (rate - self.force_rate);
+        }
+    }
+
+    fn feel_element(
+        &mut self,
+        sense: &FingerSense<'_>,
+        index: usize,
+        force: DVec3,
+        contacts: Option<&mut CircleFit>,
+    ) {
+        let Some(element) = sense.layout.elements.get(index) else {
+            return;
+        };
+        let place = || {
+            let tip = sense.pose.rotation * sense.layout.tip(index) + sense.pose.position;
+            (tip, sense.pose.rotation * element.rotation)
+        };
+        match (self.motion, self.stiffness, contacts) {
+            (Motion::Close, ..) => {
+                let (tip, rotation) = place();
+                self.stiffness_fit.add(index, tip, rotation, force);
+            }
+            (Motion::Turn, Some(k), Some(contacts)) if force.z > self.touch_force => {
+                let (tip, rotation) = place();
+                let displaced =
+                    DVec3::new(force.x / k.shear, force.y / k.shear, -force.z / k.normal);
+                contacts.add((tip + rotation * displaced).truncate());
+            }
+            _ => {}
+        }
+    }
+
+    /// Whether a closing finger has closed; `None` if its grasp force is to decide, or if it does not close.
+    pub fn has_closed(
+        &self,
+        config: &PivotConfig,
+        rated_force: f64,
+        circle: Option<Circle>,
+    ) -> Option<bool> {
+        if self.motion != Motion::Close {
+            return None;
+        }
+        match (self.lesson, circle) {
+            (Some(lesson), Some(circle)) => {
+                let left = self.position.distance(circle.centre) - lesson.radius;
+                Some(left < CLOSED_WITHIN || self.force > config.guard_force * rated_force)
+            }
+            _ => (self.force > FIRST_CLOSING * rated_force).then_some(true),
+        }
+    }
+
+    /// Takes in the newest plan: starts and ends closing motions and strokes.
+    pub fn follow(
+        &mut self,
+        plan: &Plan,
+        config: &PivotConfig,
+        rated_force: f64,
+        circle: Option<Circle>,
+    ) {
+        let motion = match (plan.keep_grasp, plan.reflex) {
+            (true, _) => Motion::Turn,
+            (false, true) => Motion::Close,
+            (false, false) => Motion::Free,
+        };
+        let before = std::mem::replace(&mut self.motion, motion);
+        if before == motion {
+            return;
+        }
+        if before == Motion::Turn
+            && let Some(circle) = circle
+        {
+            self.learn(config, rated_force, &circle);
+        }
+        match motion {
+            Motion::Close => {
+                self.stiffness_fit.start();
+                self.home.get_or_insert(self.position);
+            }
+            Motion::Turn => {
+                self.stiffness = self.stiffness_fit.stiffness();
+                self.record = StrokeRecord::new();
+                self.course.start = self.position;
+            }
+            Motion::Free => {}
+        }
+    }
+
+    fn learn(&mut self, config: &PivotConfig, rated_force: f64, circle: &Circle) {
+        self.course.end = self.position;
+        let Some(stiffness) = self.stiffness else {
+            return;
+        };
+        let target = config.peak_force * rated_force;
+        let Some(mut lesson) = self.record.lesson(target, stiffness) else {
+            return;
+        };
+        self.strokes += 1;
+        if self.strokes >= SETTLED {
+            let line = self.course.line_deviation(circle);
+            let record = &self.record;
+            lesson.compliance = record.compliance(lesson.radius, stiffness, config, line);
+            let before = self.lesson.map_or(0.0, |lesson| lesson.compliance);
+            lesson.compliance = lesson.compliance.max(before);
+        }
+        self.lesson = Some(lesson);
+    }
+
+    /// Velocity of a finger that closes, m/s, in W: to its radius, and to the side where its stroke begins relative to
+    /// the pivot as it was planned relative to the middle of the hand, which is `offset` (m) from the pivot.
+    pub fn close(&self, plan: &Plan, config: &PivotConfig, circle: Circle, offset: DVec2) -> DVec3 {
+        let Some(lesson) = self.lesson else {
+            return plan.velocity;
+        };
+        let left = self.position.distance(circle.centre) - lesson.radius;
+        let speed = plan.velocity.length();
+        let slowed = (config.gain * left).clamp(SLOWEST * speed, speed);
+        let approach = plan.velocity.clamp_length_max(slowed);
+        let direction = self.course.direction;
+        let aside = (offset - (self.position - self.home())).dot(direction);
+        if speed == 0.0 || self.grip > 0.0 {
+            return approach;
+        }
+        let sideways = (config.gain * aside).clamp(-SIDEWAYS_SPEED, SIDEWAYS_SPEED) * direction;
+        let waits = aside.abs() > ASIDE && left < WAIT_AT;
+        let approach = if waits { DVec3::ZERO } else { approach };
+        approach + sideways.extend(0.0)
+    }
+
+    /// Velocity of a finger that turns the object, m/s, in W: around the pivot at the planned speed, at the radius that
+    /// the strokes before have taught.
+    pub fn turn(
+        &mut self,
+        plan: &Plan,
+        config: &PivotConfig,
+        rated_force: f64,
+        circle: Circle,
+    ) -> DVec3 {
+        let from_pivot = self.position - circle.centre;
+        let (radius, outward) = (from_pivot.length(), from_pivot.normalize_or_zero());
+        let start = self.course.start - circle.centre;
+        let swept = start.normalize_or_zero().perp_dot(outward).abs().asin();
+        self.record.add(swept, radius, self.grip, self.force);
+        let speed = plan.velocity.length();
+        let planned = plan.velocity.truncate();
+        if speed > 0.0 {
+            self.course.direction = planned / speed;
+        }
+        let tangent = planned.reject_from_normalized(outward).normalize_or_zero();
+        let radial = self.radial_speed(config, rated_force, radius, start.length());
+        (speed * tangent + radial * outward).extend(plan.velocity.z)
+    }
+
+    /// Speed away from the pivot, m/s.
+    fn radial_speed(
+        &self,
+        config: &PivotConfig,
+        rated_force: f64,
+        radius: f64,
+        start_radius: f64,
+    ) -> f64 {
+        let Some(stiffness) = self.stiffness else {
+            return config.gain * (start_radius - radius);
+        };
+        let excess = |share: f64, rate: f64| {
+            (self.force + LEAD * rate - share * rated_force) / stiffness.normal
+        };
+        let wanted = match self.lesson {
+            None => FIRST_GAIN * excess(FIRST_FORCE, self.force_rate),
+            Some(lesson) => {
+                let gives = lesson.compliance * (self.grip - lesson.mean_grip);
+                config.gain * (lesson.radius + gives - radius)
+            }
+        };
+        let guard = if self.strokes < SETTLED {
+            EARLY_GUARD.min(config.guard_force)
+        } else {
+            config.guard_force
+        };
+        let beyond = excess(guard, self.force_rate.max(0.0));
+        if beyond > 0.0 {
+            wanted.max(0.0) + GUARD_GAIN * beyond
+        } else {
+            wanted
+        }
+    }
+}

@@ -1,0 +1,171 @@
+//! Beyond the paper: all fingers turn the object about the pivot that touch has found.
+//!
+//! The law needs no model of the object and no tuning for the hand. While a finger closes, the law measures the contact
+//! stiffness of its feelers ([`stiffness`]). The displaced tips of all touching feelers then lie on the object's surface;
+//! a circle through them ([`circle`]) gives the pivot. In MOVE each fingertip goes around the pivot at a radius that is
+//! learnt from stroke to stroke, so that the hardest pressed element comes close to its rating F2 and not past it
+//! ([`stroke`]).
+//!
+//! The object's axis is taken to be parallel to z of W; positions here are x and y in W.
+
+mod circle;
+mod finger;
+mod stiffness;
+mod stroke;
+
+use super::HandLaw;
+use crate::check::Checker;
+use crate::control::flags::FlagThresholds;
+use crate::control::plan::Plan;
+use crate::control::sense::HandSense;
+use crate::sensor::layout::ElementLayout;
+use circle::{Circle, CircleFit};
+use finger::{Finger, Motion};
+use glam::{DVec2, DVec3};
+use serde::{Deserialize, Serialize};
+
+/// Parameters of the law.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct PivotConfig {
+    /// Largest element force that a stroke aims for, relative to F2.
+    pub peak_force: f64,
+    /// Element force above which a finger retreats from the object, relative to F2; at least `peak_force`.
+    pub guard_force: f64,
+    /// Radial speed per radial error, 1/s.
+    pub gain: f64,
+    /// How far a finger may leave the circle to keep its grasp force level: standard deviation of the radius relative to
+    /// that of the planned straight line.
+    pub path_tolerance: f64,
+}
+
+impl Default for PivotConfig {
+    /// Chosen on hands drawn with the seeds 101 to 107. Drives with a lag of 30 ms and a control period of 10 ms begin to
+    /// swing at a gain of about 30/s.
+    fn default() -> Self {
+        Self {
+            peak_force: 1.15,
+            guard_force: 1.2,
+            gain: 12.0,
+            path_tolerance: 0.25,
+        }
+    }
+}
+
+impl PivotConfig {
+    /// Requires every value of the table `key` to be in its range.
+    pub fn check(&self, key: &str, checker: &mut Checker) {
+        let key = |field: &str| format!("{key}.{field}");
+        checker.between(&key("peak_force"), self.peak_force, 0.1, 10.0);
+        let (peak, most) = (self.peak_force, 10.0);
+        checker.between(&key("guard_force"), self.guard_force, peak, most);
+        checker.between(&key("gain"), self.gain, 0.1, 100.0);
+        checker.between(&key("path_tolerance"), self.path_tolerance, 0.0, 1.0);
+    }
+}
+
+/// The law for one hand, with what it has learnt so far.
+#[derive(Debug, Clone)]
+pub struct Pivot {
+    config: PivotConfig,
+    /// F2, N.
+    rated_force: f64,
+    fingers: Vec<Finger>,
+    /// Contact points so far; `None` before all fingers have closed for the first time.
+    contacts: Option<CircleFit>,
+    /// The circle through them.
+    circle: Option<Circle>,
+}
+
+impl Pivot {
+    /// The law for fingers with the elements of `layouts`, before the first contact. F2 of the `thresholds` is the rated
+    /// force of an element; an element above F1 counts as a contact point.
+    pub fn new(
+        config: &PivotConfig,
+        thresholds: &FlagThresholds,
+        layouts: &[ElementLayout],
+    ) -> Self {
+        let finger = |layout| Finger::new(layout, thresholds.touch_force);
+        Self {
+            config: config.clone(),
+            rated_force: thresholds.over_force,
+            fingers: layouts.iter().map(finger).collect(),
+            contacts: None,
+            circle: None,
+        }
+    }
+
+    /// The pivot, m, x and y in W; `None` before all fingers have closed for the first time.
+    pub fn pivot(&self) -> Option<DVec2> {
+        self.circle.map(|circle| circle.centre)
+    }
+
+    /// Starts the circle fit from where the fingers are: about the middle between several, or as far behind the contact of
+    /// a single finger as its own dome is large.
+    fn start_circle(&mut self, plans: &[Plan]) {
+        let mean = |of: &dyn Fn(&Finger) -> DVec2| {
+            self.fingers.iter().map(of).sum::<DVec2>() / self.fingers.len() as f64
+        };
+        let (centre, radius) = match &self.fingers[..] {
+            [lone] => {
+                let inward = plans.first().map_or(DVec3::ZERO, |p| p.towards_object);
+                let reach = 2.0 * lone.dome_radius();
+                let centre = lone.position() + reach * inward.truncate().normalize_or_zero();
+                (centre, lone.dome_radius())
+            }
+            _ => {
+                let centre = mean(&|finger| finger.position());
+                let clearance = |finger: &Finger| {
+                    DVec2::splat(finger.position().distance(centre) - finger.dome_radius())
+                };
+                (centre, mean(&clearance).x)
+            }
+        };
+        self.contacts = Some(CircleFit::new(centre, radius));
+        self.circle = Some(Circle { centre, radius });
+    }
+
+    /// How far the pivot is from where the plan has it: in the middle of where the fingers started. Zero for one finger,
+    /// whose plan does not tell.
+    fn pivot_offset(&self, circle: &Circle) -> DVec2 {
+        if self.fingers.len() < 2 {
+            return DVec2::ZERO;
+        }
+        let homes: DVec2 = self.fingers.iter().map(Finger::home).sum();
+        circle.centre - homes / self.fingers.len() as f64
+    }
+}
+
+impl HandLaw for Pivot {
+    fn observe(&mut self, hand: &HandSense<'_>, closed: &mut [Option<bool>]) {
+        for (finger, sense) in self.fingers.iter_mut().zip(hand.fingers()) {
+            finger.feel(&sense, self.contacts.as_mut());
+        }
+        self.circle = self.contacts.as_ref().map(CircleFit::circle);
+        for (finger, closed) in self.fingers.iter().zip(closed) {
+            *closed = finger.has_closed(&self.config, self.rated_force, self.circle);
+        }
+    }
+
+    fn velocities(&mut self, plans: &[Plan], _: &HandSense<'_>, velocities: &mut [DVec3]) {
+        let all_grasp = !plans.is_empty() && plans.iter().all(|plan| plan.keep_grasp);
+        if all_grasp && self.contacts.is_none() {
+            self.start_circle(plans);
+        }
+        let circle = self.circle;
+        for (finger, plan) in self.fingers.iter_mut().zip(plans) {
+            finger.follow(plan, &self.config, self.rated_force, circle);
+        }
+        let offset = circle.map_or(DVec2::ZERO, |circle| self.pivot_offset(&circle));
+        let fingers = self.fingers.iter_mut().zip(plans);
+        for ((finger, plan), velocity) in fingers.zip(velocities) {
+            *velocity = match (finger.motion(), circle) {
+                (Motion::Close, Some(circle)) => finger.close(plan, &self.config, circle, offset),
+                (Motion::Turn, Some(circle)) => {
+                    finger.turn(plan, &self.config, self.rated_force, circle)
+                }
+                _ => plan.velocity,
+            };
+        }
+    }
+}

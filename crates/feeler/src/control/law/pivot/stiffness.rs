@@ -1,0 +1,158 @@
+//! Contact stiffness of a fingertip's feelers, measured while the finger closes on the object.
+
+use glam::{DMat3, DVec3};
+
+/// Least sum of squared motion that defines a slope, m².
+const LEAST_MOTION: f64 = 1e-8;
+/// Shear stiffness relative to the normal stiffness where the closing motion does not tell: rubber keeps its volume.
+const USUAL_RATIO: f64 = 0.5;
+/// Range of that ratio.
+const RATIO: (f64, f64) = (0.1, 1.0);
+
+/// Contact stiffness of one feeler, N/m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Stiffness {
+    /// Along the feeler.
+    pub normal: f64,
+    /// Across it.
+    pub shear: f64,
+}
+
+/// Slopes of force over motion, pooled over all elements and closing motions.
+///
+/// A feeler that sticks to an object at rest is a spring: its force changes in proportion to the motion of its undeformed
+/// tip. Each element has an offset of its own, as it touches at a time of its own.
+#[derive(Debug, Clone)]
+pub(super) struct StiffnessFit {
+    elements: Vec<Touched>,
+    /// Slopes of earlier closing motions.
+    normal: Slope,
+    shear: Slope,
+}
+
+/// One element in the present closing motion.
+#[derive(Debug, Clone, Copy, Default)]
+struct Touched {
+    /// Undeformed tip when it began to touch, m, in W.
+    first: DVec3,
+    /// Frames in which it touches, and the means of its motion (m) and force (N) over them, in its frame.
+    frames: f64,
+    motion: DVec3,
+    force: DVec3,
+    normal: Slope,
+    shear: Slope,
+}
+
+/// Sums of a least-squares slope through centred data.
+#[derive(Debug, Clone, Copy, Default)]
+struct Slope {
+    /// Sum of motion², m².
+    motion: f64,
+    /// Sum of motion times force, N·m.
+    product: f64,
+}
+
+impl StiffnessFit {
+    /// A fit for a fingertip of `elements` elements.
+    pub fn new(elements: usize) -> Self {
+        Self {
+            elements: vec![Touched::default(); elements],
+            normal: Slope::default(),
+            shear: Slope::default(),
+        }
+    }
+
+    /// Starts a closing motion, before which no element touches.
+    pub fn start(&mut self) {
+        for touched in &mut self.elements {
+            self.normal.add(touched.normal);
+            self.shear.add(touched.shear);
+            *touched = Touched::default();
+        }
+    }
+
+    /// Adds a frame of a touching element: its undeformed `tip`, m, in W; the `rotation` from its frame to W; and the
+    /// `force` on it, N, in its frame, positive in z where it is pressed.
+    pub fn add(&mut self, element: usize, tip: DVec3, rotation: DMat3, force: DVec3) {
+        let Some(touched) = self.elements.get_mut(element) else {
+            return;
+        };
+        if touched.frames == 0.0 {
+            touched.first = tip;
+        }
+        // Relative to the first contact, so that a turn of the frame does not count as motion.
+        let motion = rotation.transpose() * (tip - touched.first);
+        touched.frames += 1.0;
+        // Centred sums by Welford's update.
+        let (motion_off, force_off) = (motion - touched.motion, force - touched.force);
+        touched.motion += motion_off / touched.frames;
+        touched.force += force_off / touched.frames;
+        let left = motion - touched.motion;
+        touched.normal.motion += motion_off.z * left.z;
+        touched.normal.product += force_off.z * left.z;
+        touched.shear.motion += motion_off.truncate().dot(left.truncate());
+        // Shear is the force on the feeler: against its motion.
+        touched.shear.product -= force_off.truncate().dot(left.truncate());
+    }
+
+    /// The stiffness by all closing motions so far; `None` before one was long enough.
+    pub fn stiffness(&self) -> Option<Stiffness> {
+        let (mut normal, mut shear) = (self.normal, self.shear);
+        for touched in &self.elements {
+            normal.add(touched.normal);
+            shear.add(touched.shear);
+        }
+        let normal = normal.slope()?;
+        let shear = shear.slope().unwrap_or(USUAL_RATIO * normal);
+        Some(Stiffness {
+            normal,
+            shear: shear.clamp(RATIO.0 * normal, RATIO.1 * normal),
+        })
+    }
+}
+
+impl Slope {
+    fn add(&mut self, other: Self) {
+        self.motion += other.motion;
+        self.product += other.product;
+    }
+
+    /// N/m; `None` without enough motion, or if force does not rise with motion.
+    fn slope(self) -> Option<f64> {
+        let slope = self.product / self.motion;
+        (self.motion > LEAST_MOTION && slope > 0.0).then_some(slope)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two elements that touch at different depths and move askew, in frames that turn by 0.1 rad, far from W's origin.
+    #[test]
+    fn springs_have_their_stiffness() {
+        let (normal, shear) = (300.0, 120.0);
+        let mut fit = StiffnessFit::new(2);
+        assert_eq!(fit.stiffness(), None);
+        fit.start();
+        for step in 0..100 {
+            let way = 1e-5 * f64::from(step);
+            let rotation = DMat3::from_rotation_z(1e-3 * f64::from(step));
+            for (element, touches_at) in [(0, 0.0), (1, 3e-4)] {
+                let start = DVec3::new(0.2, -0.1, 0.1) + touches_at * DVec3::new(0.5, 0.0, 1.0);
+                let moved = way - touches_at;
+                if moved >= 0.0 {
+                    let motion = moved * DVec3::new(0.5, 0.0, 1.0);
+                    let own = rotation.transpose() * motion;
+                    let force = DVec3::new(-shear * own.x, -shear * own.y, normal * own.z);
+                    fit.add(element, start + motion, rotation, force);
+                }
+            }
+        }
+        let found = fit.stiffness().expect("a stiffness");
+        assert!((found.normal / normal - 1.0).abs() < 1e-9, "{found:?}");
+        assert!((found.shear / shear - 1.0).abs() < 1e-9, "{found:?}");
+        fit.start();
+        assert_eq!(fit.stiffness(), Some(found));
+    }
+}
