@@ -249,12 +249,11 @@ fn what_makes_no_sense_is_refused_before_anything_runs() {
             &["--set=control.over_force=0.05"],
             &["control.over_force", "touch_force"],
         ),
-        // Its law's own force has to lie between both thresholds.
         (
-            &["--set=control.over_force=0.4"],
+            &["--set=control.law={ best = { element_force = 0.01 } }"],
             &[
-                "control.law.best.element_force = 0.47",
-                "control.over_force (F2) = 0.4",
+                "control.law.best.element_force = 0.01",
+                "more than control.touch_force (F1)",
             ],
         ),
         (

@@ -156,6 +156,7 @@ impl ControlConfig {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::control::law::best::BestConfig;
 
     fn fields(control: &ControlConfig, task: &str) -> Vec<String> {
         let task: TaskConfig = toml::from_str(task).expect("a task");
@@ -179,7 +180,10 @@ mod tests {
         let control = ControlConfig {
             period: f64::NAN,
             over_force: 0.05,
-            law: LawConfig::named("best").expect("a law"),
+            law: LawConfig::Best(BestConfig {
+                element_force: 0.0,
+                ..BestConfig::default()
+            }),
             limits: LimitsConfig {
                 joint_acceleration: 0.0,
                 ..LimitsConfig::default()

@@ -25,7 +25,8 @@ pub struct BestConfig {
     pub margin: f64,
     /// Least grasp force while a grasp is kept, N.
     pub least_grasp_force: f64,
-    /// Force that no element is to exceed, N.
+    /// Force that no element is to exceed, N. Limited to F2 (`control.over_force`) when the law is built, so that one
+    /// value serves hands whose elements are rated differently.
     pub element_force: f64,
     /// An element that leans to the surface stands against it with its shear, too; when it slips, up to
     /// this part of its whole force becomes compression at a stroke.
@@ -57,26 +58,31 @@ impl Default for BestConfig {
 }
 
 impl BestConfig {
-    /// Requires every value of the table `key` to be in its range; elements touch and are pressed enough as the `thresholds`
-    /// say.
+    /// Requires every value of the table `key` to be in its range; elements touch as the `thresholds` say. An element force
+    /// above F2 is valid, see [`Self::limited_to`].
     pub fn check(&self, key: &str, thresholds: &FlagThresholds, checker: &mut Checker) {
         let key = |field: &str| format!("{key}.{field}");
         checker.between(&key("friction"), self.friction, FRICTION.0, FRICTION.1);
         checker.between(&key("learning_rate"), self.learning_rate, 0.0, 1.0);
         checker.between(&key("margin"), self.margin, 1.0, 100.0);
         checker.not_negative(&key("least_grasp_force"), self.least_grasp_force);
-        let (touch, over) = (thresholds.touch_force, thresholds.over_force);
+        let touch = thresholds.touch_force;
         checker.require(
             &key("element_force"),
             self.element_force.to_string(),
-            self.element_force > touch && self.element_force <= over,
-            &format!(
-                "more than control.touch_force (F1) = {touch}, at most control.over_force (F2) = {over}"
-            ),
+            self.element_force > touch && self.element_force.is_finite(),
+            &format!("finite and more than control.touch_force (F1) = {touch}"),
         );
         checker.between(&key("slip_share"), self.slip_share, 0.0, 1.0);
         checker.not_negative(&key("gain"), self.gain);
         checker.not_negative(&key("pressing_speed"), self.pressing_speed);
+    }
+
+    /// Returns the configuration with an element force of at most `over_force` (F2), N.
+    #[must_use]
+    pub fn limited_to(mut self, over_force: f64) -> Self {
+        self.element_force = self.element_force.min(over_force);
+        self
     }
 }
 

@@ -152,10 +152,17 @@ impl LawConfig {
         if let Self::Pivot(config) = self {
             return Ok(Box::new(Pivot::new(config, thresholds, layouts)));
         }
-        let law = |layout: &ElementLayout| {
-            self.finger_law(reflex, thresholds.touch_force, layout.elements.len())
+        let law = match self.clone() {
+            Self::Best(config) => Self::Best(config.limited_to(thresholds.over_force)),
+            other => other,
         };
-        let laws = layouts.iter().map(law).collect::<Result<Option<_>, _>>()?;
+        let finger_law = |layout: &ElementLayout| {
+            law.finger_law(reflex, thresholds.touch_force, layout.elements.len())
+        };
+        let laws = layouts
+            .iter()
+            .map(finger_law)
+            .collect::<Result<Option<_>, _>>()?;
         Ok(Box::new(FingerLaws::new(laws.unwrap_or_default())))
     }
 
@@ -255,5 +262,17 @@ impl<'de> Visitor<'de> for NameOrTable {
                 "one control law expected, as in law.best = { margin = 1.5 }",
             )),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_force_of_best_is_at_most_f2() {
+        let force = |over| BestConfig::default().limited_to(over).element_force;
+        let own = BestConfig::default().element_force;
+        assert_eq!((force(0.5 * own), force(2.0 * own)), (0.5 * own, own));
     }
 }
