@@ -208,6 +208,7 @@ mod tests {
             key: None,
             keys: Vec::new(),
             of: None,
+            power: None,
             range: String::new(),
             why: String::new(),
         };

@@ -11,6 +11,7 @@ pub mod engine;
 pub mod files;
 pub mod interval;
 pub mod key;
+pub mod multiplier;
 pub mod parameter;
 pub mod plan;
 pub mod ranges;

@@ -4,6 +4,7 @@
 use super::SweepError;
 use super::distribution::{Distribution, number_text};
 use super::key::{find, leaves, number};
+use super::multiplier::Multiplier;
 use super::ranges::Entry;
 use crate::config::Experiment;
 use feeler::control::law::LawConfig;
@@ -30,8 +31,8 @@ pub struct Parameter {
     said: String,
     /// The keys that it sets, each to the value times a factor.
     keys: Vec<(String, f64)>,
-    /// A key whose value multiplies them all, and what the experiment has there.
-    of: Option<(String, f64)>,
+    /// What multiplies them all.
+    of: Option<Multiplier>,
 }
 
 impl Parameter {
@@ -79,19 +80,9 @@ impl Parameter {
 
     fn linked(entry: &Entry, said: &str, experiment: &Experiment) -> Result<Self, String> {
         let leaves = leaves(&experiment.config);
-        let of = match &entry.of {
-            None => None,
-            Some(name) => {
-                let (key, value) = find(name, &leaves)?;
-                let value = number(value).filter(|value| *value != 0.0);
-                Some((
-                    key.clone(),
-                    value.ok_or(format!("{key} is 0 or no number"))?,
-                ))
-            }
-        };
+        let of = Multiplier::of_entry(entry, &leaves)?;
         let links = entry.links()?;
-        let scale = |factor: f64| factor * of.as_ref().map_or(1.0, |(_, value)| *value);
+        let scale = |factor: f64| factor * of.as_ref().map_or(1.0, Multiplier::nominal);
         let mut keys = Vec::new();
         let mut nominal: Option<Value> = None;
         for (name, factor) in links {
@@ -122,7 +113,7 @@ impl Parameter {
         said: &str,
         range: &str,
         keys: Vec<(String, f64)>,
-        of: Option<(String, f64)>,
+        of: Option<Multiplier>,
         nominal: &Value,
     ) -> Result<Self, String> {
         let distribution = Distribution::parse(range, number(nominal))?;
@@ -150,7 +141,7 @@ impl Parameter {
         let both = self.keys.iter().find(|(key, _)| sets(key));
         let both = both.map(|_| format!("varies what {} varies already", self.name));
         both.or_else(|| {
-            let (key, _) = self.of.as_ref().filter(|(key, _)| sets(key))?;
+            let Multiplier { key, .. } = self.of.as_ref().filter(|of| sets(&of.key))?;
             let name = &self.name;
             Some(format!(
                 "varies {key}, by which {name} is multiplied: expected it before that"
@@ -171,15 +162,9 @@ impl Parameter {
 
     /// The settings that give it the value that this text says, after `earlier` ones.
     fn settings(&self, value: &str, earlier: &[String]) -> Result<Vec<String>, SweepError> {
-        let of = self.of.as_ref().map(|(key, nominal)| {
-            let set = earlier.iter().rev().find_map(|setting| {
-                let (other, value) = setting.split_once('=')?;
-                value.parse().ok().filter(|_| other == key)
-            });
-            set.unwrap_or(*nominal)
-        });
+        let of = self.of.as_ref().map_or(1.0, |of| of.after(earlier));
         let keys = self.keys.iter().map(|(key, factor)| {
-            let factor = factor * of.unwrap_or(1.0);
+            let factor = factor * of;
             if factor == 1.0 {
                 return Ok(format!("{key}={value}"));
             }

@@ -29,9 +29,12 @@ pub struct Entry {
     /// …or several that belong together.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub keys: Vec<Link>,
-    /// A key whose value it is a multiple of.
+    /// A key whose value it is a multiple of…
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub of: Option<String>,
+    /// …raised to this power: the keys are set to what is drawn, times their factor, times `of^power`. 1 if missing.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub power: Option<f64>,
     /// What it is drawn from, as in `log_uniform(250, 1500)`.
     pub range: String,
     /// Why this range is plausible.
