@@ -75,6 +75,16 @@ pub struct ClaimPart {
     pub holds: bool,
 }
 
+/// What decides whether a claim about screwing a cap holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum DecidedBy {
+    /// The hand: its rubber, law and path, on any cap that turns at first and is closed at last.
+    Hand,
+    /// Beside the hand the paper's bottle and torque sensor.
+    HandAndBottle,
+}
+
 /// One claim.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Claim {
@@ -92,6 +102,9 @@ pub struct Claim {
     pub verdict: Verdict,
     /// Every comparison of the claim.
     pub parts: Vec<ClaimPart>,
+    /// What decides it, or `None` (no key in JSON) for claims of tasks other than screwing a cap.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub decided_by: Option<DecidedBy>,
 }
 
 impl Verdict {
@@ -131,6 +144,14 @@ impl Claim {
             holds: parts.iter().all(|part| part.holds),
             verdict: Verdict::of_parts(&parts),
             parts,
+            decided_by: None,
+        }
+    }
+
+    pub(super) fn decided_by(self, decided_by: DecidedBy) -> Self {
+        Self {
+            decided_by: Some(decided_by),
+            ..self
         }
     }
 }

@@ -5,6 +5,7 @@ pub mod calibration_page;
 pub mod cap;
 pub mod claim;
 pub mod claims;
+mod claims_table;
 pub mod compare_page;
 mod contact;
 mod contour_points;
@@ -33,7 +34,7 @@ pub mod text;
 pub mod thinned;
 pub mod wrench_page;
 
-pub use claim::{Claim, ClaimPart, Relation, Verdict};
+pub use claim::{Claim, ClaimPart, DecidedBy, Relation, Verdict};
 pub use make::{ReportError, ReportOutcome, make};
 pub use run_data::{CapColumns, FingerColumns, RunData, Stroke};
 pub use stroke_pattern::StrokePattern;

@@ -72,9 +72,9 @@ pub struct ReportOutcome {
 }
 
 impl ReportOutcome {
-    /// The claims of the task.
+    /// The claims that the report shows: those of the task, or those of any hand under a law other than the paper's.
     pub fn claims(&self) -> &[Claim] {
-        &self.summary.claims
+        self.summary.shown_claims()
     }
 }
 
@@ -191,10 +191,11 @@ fn draw<T>(
         let given = give(&figures, &summary);
         let table = table.join().unwrap_or_else(|panic| resume_unwind(panic));
         let html = page(recording, data, table, &summary, &figures);
+        let (_, whose) = tasks::shown_claims(recording, &summary);
         Drawn {
             html,
             summary,
-            whose: task.whose(),
+            whose,
             given,
         }
     })

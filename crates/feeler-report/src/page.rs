@@ -1,6 +1,7 @@
 //! `report.html`: one self-contained page for phone, desk and print.
 
-use super::claim::{Claim, ClaimPart, Relation, Verdict};
+use super::claim::{Claim, Verdict};
+use super::claims_table::claims_table;
 use super::document::{Tile, document, tiles};
 use super::figures::Figure;
 use super::make::RECORDING;
@@ -9,7 +10,7 @@ use super::run_data::RunData;
 use super::strokes::StrokeMeasures;
 use super::summary::Summary;
 use super::tasks::{self, TaskReport};
-use super::text::{significant, value};
+use super::text::significant;
 use super::thinned::Thinned;
 use feeler_record::{Phase, Recording, RunFacts, RunState, TaskKind};
 use maud::{Markup, html};
@@ -24,6 +25,7 @@ pub(crate) fn page(
 ) -> String {
     let facts = &recording.facts;
     let task = tasks::of_recording(recording);
+    let (claims, whose) = tasks::shown_claims(recording, summary);
     let name = format!("{}, seed {}", facts.experiment, facts.seed);
     let mark = match (recording.complete, summary.state) {
         (false, _) => "INCOMPLETE: ",
@@ -39,15 +41,15 @@ pub(crate) fn page(
                 "commands here. Replayed was the recording with digest " span.digest { (original) } "."
             }
         }
-        p.verdict { (verdict(recording, summary, task)) }
-        (tiles(&tiles_of(summary)))
+        p.verdict { (verdict(recording, summary, task, (claims, whose))) }
+        (tiles(&tiles_of(summary, claims)))
         div id="scene" {}
         h2 { "Figures" }
         @if let Some(thinned) = &data.thinned { (left_out(thinned, data)) }
         div.figures { @for figure in figures { (figure.markup()) } }
-        @if !summary.claims.is_empty() {
-            h2 { "Claims " (task.whose()) }
-            (claims_table(&summary.claims, data))
+        @if !claims.is_empty() {
+            h2 { "Claims " (whose) }
+            (claims_table(claims, data))
         }
         (task.measured(recording, summary))
         h2 { "The run" }
@@ -97,15 +99,10 @@ fn again(facts: &RunFacts) -> String {
 }
 
 /// What was achieved, as far as it was measured.
-fn tiles_of(summary: &Summary) -> Vec<Tile> {
-    let held = summary.claims.iter().filter(|claim| claim.holds).count();
-    let claims = (!summary.claims.is_empty()).then(|| {
-        Tile::new(
-            format!("{held} of {}", summary.claims.len()),
-            "",
-            "claims hold",
-        )
-    });
+fn tiles_of(summary: &Summary, claims: &[Claim]) -> Vec<Tile> {
+    let held = claims.iter().filter(|claim| claim.holds).count();
+    let claims = (!claims.is_empty())
+        .then(|| Tile::new(format!("{held} of {}", claims.len()), "", "claims hold"));
     let outcome = summary
         .outcome
         .as_ref()
@@ -160,11 +157,16 @@ fn banner(recording: &Recording, summary: &Summary) -> Markup {
 }
 
 /// The run in one paragraph.
-fn verdict(recording: &Recording, summary: &Summary, task: &dyn TaskReport) -> Markup {
-    let total = summary.claims.len();
-    let held = summary.claims.iter().filter(|claim| claim.holds).count();
+fn verdict(
+    recording: &Recording,
+    summary: &Summary,
+    task: &dyn TaskReport,
+    (claims, whose): (&[Claim], &str),
+) -> Markup {
+    let total = claims.len();
+    let held = claims.iter().filter(|claim| claim.holds).count();
     let ids = |wanted: fn(&Claim) -> bool| {
-        let claims = summary.claims.iter().filter(|claim| wanted(claim));
+        let claims = claims.iter().filter(|claim| wanted(claim));
         claims.map(|claim| claim.id).collect::<Vec<_>>().join(", ")
     };
     let failed = ids(|claim| claim.verdict == Verdict::Fails);
@@ -177,9 +179,9 @@ fn verdict(recording: &Recording, summary: &Summary, task: &dyn TaskReport) -> M
         " " (task.verdict(recording, summary)) " "
         @if total == 0 {
         } @else if held == total {
-            span.holds { "All " (total) " claims " (task.whose()) " hold." }
+            span.holds { "All " (total) " claims " (whose) " hold." }
         } @else {
-            (held) " of the " (total) " claims " (task.whose()) " hold"
+            (held) " of the " (total) " claims " (whose) " hold"
             @if !failed.is_empty() { "; " span.fails { "not: " (failed) } }
             @if !unmeasured.is_empty() { "; not measured: " (unmeasured) }
             "."
@@ -188,68 +190,6 @@ fn verdict(recording: &Recording, summary: &Summary, task: &dyn TaskReport) -> M
             " The run ended in " (task.phase) " of stroke " (task.stroke)
             @if !task.reason.is_empty() { ", because " (task.reason) }
             "."
-        }
-    }
-}
-
-/// When a claim's moment is, s: the beginning of MOVE in the stroke that it is about.
-fn moment(claim: &Claim, data: &RunData) -> Option<f64> {
-    let mut moved = data
-        .strokes
-        .iter()
-        .filter(|stroke| !stroke.moving.is_empty());
-    let stroke = match claim.id {
-        "four-peaks" | "first-stroke-torque-rises" => moved.next(),
-        "no-damage" => None,
-        _ => moved.next_back(),
-    }?;
-    data.time.get(stroke.moving.start).copied()
-}
-
-fn claims_table(claims: &[Claim], data: &RunData) -> Markup {
-    html! {
-        div.scroll {
-            table {
-                thead { tr { th { "Claim" } th.number { "Value" } th.number { "Bound" } th { "Holds" } } }
-                @for claim in claims {
-                    tbody.claim data-time=[moment(claim, data)] {
-                        tr {
-                            td colspan="3" { (claim.text) " " span.unit { (claim.id) } }
-                            td { (holds(claim.verdict)) }
-                        }
-                        @for part in &claim.parts { (part_row(part)) }
-                    }
-                }
-            }
-        }
-    }
-}
-
-fn part_row(part: &ClaimPart) -> Markup {
-    let sign = match part.relation {
-        Relation::AtLeast => "≥",
-        Relation::AtMost => "≤",
-        Relation::Below => "<",
-        Relation::Equals => "=",
-        Relation::Within => "±",
-    };
-    html! {
-        tr {
-            td.part { (part.name) }
-            td.number { (value(part.value)) " " span.unit { (part.unit) } }
-            td.number { (sign) " " (significant(part.bound)) " " span.unit { (part.unit) } }
-            // The claim's own mark covers the parts that hold.
-            td { @if !part.holds { (holds(part.verdict())) } }
-        }
-    }
-}
-
-fn holds(verdict: Verdict) -> Markup {
-    html! {
-        @match verdict {
-            Verdict::Holds => span.holds { "✓ yes" },
-            Verdict::Fails => span.fails { "✗ no" },
-            Verdict::NotMeasured => span.unit { "not measured" },
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::cap::CapMeasures;
 use super::claim::Claim;
+use super::claims::of_any_hand;
 use super::run_data::RunData;
 use super::series::{finite, maximum};
 use super::stroke_pattern::StrokePattern;
@@ -42,8 +43,11 @@ pub struct Summary {
     pub outcome: Option<TaskOutcome>,
     /// What the task found out, by name, in SI units.
     pub findings: BTreeMap<FindingName, Option<f64>>,
-    /// The claims of the task.
+    /// The claims of the task; empty if they are those of the paper, and its law or its strokes did not run.
     pub claims: Vec<Claim>,
+    /// The claims of any hand that screws a cap in at least four strokes, under whatever law.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub hand_claims: Vec<Claim>,
     /// How the cap was closed or opened, where that was not merely a count of strokes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cap: Option<CapMeasures>,
@@ -65,6 +69,10 @@ impl Summary {
         let factor = |seconds| finite(recording.readable_until / seconds);
         let strokes = data.stroke_measures();
         let claims = tasks::of_recording(recording).claims(recording, data, &strokes);
+        let hand_claims = match tasks::is_for_any_hand(recording) {
+            true => of_any_hand(data, &strokes),
+            false => Vec::new(),
+        };
         Self {
             experiment: facts.experiment.clone(),
             task: facts.task.clone(),
@@ -86,9 +94,18 @@ impl Summary {
                 .map(|(name, &value)| (name, finite(value)))
                 .collect(),
             claims,
+            hand_claims,
             cap: CapMeasures::new(recording, data),
             cap_angle: (recording.cap.last()).and_then(|cap| finite(cap.angle)),
             digest: recording.digest.to_string(),
+        }
+    }
+
+    /// The claims that a report shows: those of the task or, if there are none, those of any hand.
+    pub fn shown_claims(&self) -> &[Claim] {
+        match self.claims.is_empty() {
+            true => &self.hand_claims,
+            false => &self.claims,
         }
     }
 

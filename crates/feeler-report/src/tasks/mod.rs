@@ -20,6 +20,9 @@ use maud::{Markup, html};
 /// Whose the claims of the screw task are.
 pub(crate) const PAPERS: &str = "of the paper";
 
+/// Whose the claims are that hold a hand to what a user wants of it.
+const ANY_HANDS: &str = "of any hand";
+
 /// The part of a report that a task brings.
 pub trait TaskReport: Sync {
     /// Whose its claims are, after the word "claims".
@@ -83,6 +86,24 @@ pub fn claims_apply(facts: &RunFacts) -> bool {
 pub fn claims_are_shown(facts: &RunFacts) -> bool {
     let too_few = facts.stroke_count < PAPERS_STROKES;
     claims_apply(facts) && !(too_few && of(facts).whose() == PAPERS)
+}
+
+/// Whether the claims of any hand are about a run with this recording: a cap is screwed in as many strokes as the paper's or
+/// more.
+pub(crate) fn is_for_any_hand(recording: &Recording) -> bool {
+    recording.facts.stroke_count >= PAPERS_STROKES && of_recording(recording).whose() == PAPERS
+}
+
+/// The claims that a report shows, and whose they are.
+pub(crate) fn shown_claims<'a>(
+    recording: &Recording,
+    summary: &'a Summary,
+) -> (&'a [Claim], &'static str) {
+    let whose = match summary.claims.is_empty() {
+        true => ANY_HANDS,
+        false => of_recording(recording).whose(),
+    };
+    (summary.shown_claims(), whose)
 }
 
 /// The report of the task of a run with these facts; of one that is not known, as of the first that there was.

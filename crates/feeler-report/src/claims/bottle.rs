@@ -1,0 +1,136 @@
+//! The paper's claims that need its bottle and its torque sensor as well: when the seat comes and how torque goes over time.
+
+use super::measured::{change, ratio};
+use super::{PEAK_ENDS_BELOW, PEAK_RISES_ABOVE, SMOOTHING, samples};
+use crate::claim::{Claim, ClaimPart, DecidedBy, Relation};
+use crate::measures::{LaggedCorrelation, lagged_correlation};
+use crate::run_data::{RunData, Stroke};
+use crate::series::{absolute_rate, count_peaks, mean, moving_mean};
+
+/// Strokes that the paper's experiment makes.
+const STROKES: u32 = 4;
+/// Largest lag at which torque rate and shear rate are compared, s.
+const MAX_LAG: f64 = 0.05;
+
+pub(super) fn four_peaks(data: &RunData) -> Claim {
+    let window = samples(data, SMOOTHING);
+    let peaks = |values: Vec<f64>| {
+        let count = count_peaks(
+            &moving_mean(&values, window),
+            PEAK_RISES_ABOVE,
+            PEAK_ENDS_BELOW,
+        );
+        count.map(|count| count as f64)
+    };
+    let (grasp_force, torque) = match &data.thinned {
+        Some(thinned) => {
+            let count = |peaks: Option<usize>| peaks.map(|count| count as f64);
+            (
+                count(thinned.grasp_force_peaks),
+                count(thinned.torque_peaks),
+            )
+        }
+        None => {
+            let rows = 0..data.time.len();
+            let grasp_force = peaks(rows.map(|row| data.grasp_force(row)).collect());
+            (grasp_force, torque_over_strokes(data).and_then(peaks))
+        }
+    };
+    let bound = f64::from(STROKES);
+    Claim::new(
+        "four-peaks",
+        "Grasp force and torque each show four peaks.",
+        vec![
+            ClaimPart::new("peaks of grasp force", grasp_force, Relation::Equals, bound),
+            ClaimPart::new("peaks of torque", torque, Relation::Equals, bound),
+        ],
+    )
+    .decided_by(DecidedBy::HandAndBottle)
+}
+
+/// Torque from the torque sensor's first sample on, N·m; `None` unless that comes before the first MOVE, and with it before
+/// the first peak.
+fn torque_over_strokes(data: &RunData) -> Option<Vec<f64>> {
+    let torque = data.torque.as_ref()?;
+    let first = torque.iter().position(|torque| torque.is_finite())?;
+    let mut moves = data.strokes.iter().filter(|s| !s.moving.is_empty());
+    let in_time = moves.next().is_none_or(|s| first <= s.moving.start);
+    in_time.then(|| torque[first..].to_vec())
+}
+
+pub(super) fn first_stroke_torque_rises(data: &RunData) -> Claim {
+    let thirds = data.whole_stroke(1).map(|stroke| {
+        let moving = stroke.moving.clone();
+        let third = moving.len() / 3;
+        (
+            moving.start..moving.start + third,
+            moving.end - third..moving.end,
+        )
+    });
+    let first_and_last = |value: &dyn Fn(usize) -> f64| {
+        let (first, last) = thirds.clone()?;
+        Some((mean(first.map(value))?, mean(last.map(value))?))
+    };
+    let torque = data.torque.as_ref();
+    let torque = torque.and_then(|torque| first_and_last(&|row| torque[row]));
+    let torque = torque.and_then(|(a, b)| ratio(b, a));
+    let grasp_force = first_and_last(&|row| data.grasp_force(row)).and_then(|(a, b)| change(a, b));
+    Claim::new(
+        "first-stroke-torque-rises",
+        "In stroke 1 torque rises while grasp force stays level.",
+        vec![
+            ClaimPart::new(
+                "torque, last third of MOVE to first third",
+                torque,
+                Relation::AtLeast,
+                2.0,
+            ),
+            ClaimPart::new(
+                "change of mean grasp force from first third to last",
+                grasp_force,
+                Relation::Within,
+                0.30,
+            ),
+        ],
+    )
+    .decided_by(DecidedBy::HandAndBottle)
+}
+
+pub(super) fn bumps_in_step(data: &RunData) -> Claim {
+    let stretches: Option<Vec<_>> = [3, 4]
+        .map(|index| rates(data, data.whole_stroke(index)?))
+        .into_iter()
+        .collect();
+    let max_lag = (MAX_LAG / data.facts.control_period).round() as usize;
+    let best: Option<LaggedCorrelation> =
+        stretches.and_then(|stretches| lagged_correlation(&stretches, max_lag));
+    let lag = best.map(|best| f64::from(best.lag) * data.facts.control_period);
+    Claim::new(
+        "bumps-in-step",
+        "Bumps of shear rate and of torque are in step (MOVE of strokes 3 and 4).",
+        vec![
+            ClaimPart::new(
+                "correlation of |d torque/dt| with the shear rate",
+                best.map(|best| best.correlation),
+                Relation::AtLeast,
+                0.4,
+            ),
+            ClaimPart::new("lag of torque", lag, Relation::Within, MAX_LAG).in_unit("s"),
+        ],
+    )
+    .decided_by(DecidedBy::HandAndBottle)
+}
+
+/// Shear rate and absolute torque rate over MOVE, treated alike: each is the absolute difference
+/// of one control step to the next (the shear rate is so by its definition), then goes through
+/// the same centred moving mean of [`SMOOTHING`], which takes out the noise of the A/D converter
+/// that a difference brings up. The torque sensor's own delay is left to the lag. `None` without a torque sensor.
+pub fn rates(data: &RunData, stroke: &Stroke) -> Option<(Vec<f64>, Vec<f64>)> {
+    let first = stroke.moving.start.max(1);
+    let rows = first..stroke.moving.end.max(first);
+    let window = samples(data, SMOOTHING);
+    let shear: Vec<f64> = rows.clone().map(|row| data.shear_rate(row)).collect();
+    let torque = data.torque.as_ref()?.get(first - 1..rows.end)?;
+    let torque = absolute_rate(torque, data.facts.control_period);
+    Some((moving_mean(&shear, window), moving_mean(&torque, window)))
+}

@@ -1,0 +1,271 @@
+//! The paper's claims that the hand decides: its rubber, its law and its path, on any cap that turns at first and is closed at
+//! last.
+
+use super::measured::{CLOSED, Measured, change, each_finger, greatest, least, ratio};
+use super::{damage_limit, longest_above};
+use crate::claim::{Claim, ClaimPart, DecidedBy, Relation};
+use crate::measures::distance_between_paths;
+use crate::run_data::RunData;
+use crate::series::mean;
+use crate::stroke_pattern::ALIKE;
+use crate::strokes::{
+    CLOSED_TURN, grasp_force_variation, over_fraction, share, slip_precision, slip_skill,
+};
+
+/// Longest time for which an element may bear more than its damage limit, s.
+const DAMAGE_TIME: f64 = 0.05;
+
+pub(super) fn closed_after_third(measured: &Measured) -> Claim {
+    let peak_torque = measured.compare(3, 4, |m| m.peak_torque, change);
+    let peak_grasp = measured.compare(3, 4, |m| m.peak_grasp_force, change);
+    let cap_turn = measured.compare(1, 4, |m| m.cap_turn, |first, fourth| ratio(fourth, first));
+    Claim::new(
+        "closed-after-third",
+        "Strokes 3 and 4 are alike: the cap is closed after the third.",
+        vec![
+            ClaimPart::new(
+                "change of peak torque from stroke 3 to 4",
+                peak_torque,
+                Relation::Within,
+                ALIKE,
+            ),
+            ClaimPart::new(
+                "change of peak grasp force from stroke 3 to 4",
+                peak_grasp,
+                Relation::Within,
+                ALIKE,
+            ),
+            ClaimPart::new(
+                "cap turn, stroke 4 to stroke 1",
+                cap_turn,
+                Relation::AtMost,
+                CLOSED_TURN,
+            ),
+        ],
+    )
+    .decided_by(DecidedBy::Hand)
+}
+
+pub(super) fn shear_rate_marks_closing(measured: &Measured) -> Claim {
+    let marked = measured.compare(1, 4, |m| m.peak_shear_rate, |a, b| ratio(b, a));
+    Claim::new(
+        "shear-rate-marks-closing",
+        "The shear rate is marked in stroke 4, not in stroke 1.",
+        vec![ClaimPart::new(
+            "99th percentile of the largest element's shear rate over MOVE, stroke 4 to stroke 1",
+            marked,
+            Relation::AtLeast,
+            2.0,
+        )],
+    )
+    .decided_by(DecidedBy::Hand)
+}
+
+/// SLIP against what the simulator knows: raised where a feeler slips, and not all the time.
+pub(super) fn slip_means_slip(data: &RunData) -> Claim {
+    let precision = each_finger(data, &CLOSED, |stroke, finger| {
+        slip_precision(&data.fingers[finger], stroke)
+    });
+    // Where feelers slip most of the time, a flag that is always up is right most of the time.
+    let skill = each_finger(data, &CLOSED, |stroke, finger| {
+        slip_skill(&data.fingers[finger], stroke)
+    });
+    let raised = each_finger(data, &CLOSED, |stroke, finger| {
+        share(
+            stroke
+                .moving
+                .clone()
+                .map(|row| data.fingers[finger].slip[row]),
+        )
+    });
+    Claim::new(
+        "slip-means-slip",
+        "SLIP is raised where a feeler slips (MOVE of strokes 3 and 4; each finger).",
+        vec![
+            ClaimPart::new(
+                "least precision of SLIP against the true slip",
+                least(&precision),
+                Relation::AtLeast,
+                0.9,
+            ),
+            ClaimPart::new(
+                "least gain in precision over a flag raised at random, of what there is to gain",
+                least(&skill),
+                Relation::AtLeast,
+                0.5,
+            ),
+            ClaimPart::new(
+                "least share of MOVE with SLIP",
+                least(&raised),
+                Relation::AtLeast,
+                0.10,
+            ),
+            ClaimPart::new(
+                "greatest share of MOVE with SLIP",
+                greatest(&raised),
+                Relation::AtMost,
+                0.60,
+            ),
+        ],
+    )
+    .decided_by(DecidedBy::Hand)
+}
+
+/// The distance R of the dome's centre from the cap's axis stays the same: against what it would have done on the planned
+/// line, and against stroke 1, where the cap turns along. See [`PathFit`](crate::path_fit::PathFit).
+pub(super) fn path_follows_contour(measured: &Measured) -> Claim {
+    let to_first = measured.each_fit(&CLOSED, |fit, finger| {
+        ratio(fit.radius_std, measured.fit(1, finger)?.radius_std)
+    });
+    Claim::new(
+        "path-follows-contour",
+        "Once closed, the fingertips go round the cap's axis at a constant distance R (strokes 3 and 4; each finger).",
+        vec![
+            radius_to_line(measured),
+            ClaimPart::new(
+                "greatest std of R relative to stroke 1's",
+                greatest(&to_first),
+                Relation::AtMost,
+                0.5,
+            ),
+        ],
+    )
+    .decided_by(DecidedBy::Hand)
+}
+
+/// The path bends as the arc about the cap's axis does, which no straight line does, however tilted. See
+/// [`PathFit::curvature`](crate::path_fit::PathFit::curvature).
+pub(super) fn path_is_curved(measured: &Measured) -> Claim {
+    let [at_least, at_most] = curvature(measured);
+    let first = measured.each_fit(&[1], |fit, _| Some(fit.curvature));
+    Claim::new(
+        "path-is-curved",
+        "The straight segment becomes a curve that fits the cap (each finger).",
+        vec![
+            at_least,
+            at_most,
+            ClaimPart::new(
+                "greatest curvature relative to the arc's, stroke 1",
+                greatest(&first),
+                Relation::AtMost,
+                0.4,
+            ),
+        ],
+    )
+    .decided_by(DecidedBy::Hand)
+}
+
+/// The grip that slips have built up is limited by OVER, within the window of [`PathFit`](crate::path_fit::PathFit).
+pub(super) fn grip_levels_off(data: &RunData) -> Claim {
+    let over = each_finger(data, &CLOSED, |stroke, finger| {
+        over_fraction(data, stroke, finger)
+    });
+    Claim::new(
+        "grip-levels-off",
+        "Once closed, the grasp force levels off, limited by OVER (strokes 3 and 4; each finger).",
+        vec![
+            grip_variation(data),
+            ClaimPart::new(
+                "least share of the window with OVER",
+                least(&over),
+                Relation::AtLeast,
+                0.03,
+            ),
+            ClaimPart::new(
+                "greatest share of the window with OVER",
+                greatest(&over),
+                Relation::AtMost,
+                0.50,
+            ),
+        ],
+    )
+    .decided_by(DecidedBy::Hand)
+}
+
+pub(super) fn path_saturates(measured: &Measured) -> Claim {
+    let data = measured.data;
+    let paths = |index, finger: usize| {
+        let stroke = data.whole_stroke(index)?;
+        Some(&data.fingers[finger].position[stroke.moving.clone()])
+    };
+    let distances: Option<Vec<f64>> = (0..data.fingers.len())
+        .map(|finger| distance_between_paths(paths(3, finger)?, paths(4, finger)?))
+        .collect();
+    let distance = distances.and_then(mean);
+    let bend = measured.measures(4).and_then(|m| m.path_inward_bend);
+    let share = distance.zip(bend).and_then(|(d, bend)| ratio(d, bend));
+    Claim::new(
+        "path-saturates",
+        "The path's modification saturates after closing.",
+        vec![ClaimPart::new(
+            "RMS distance between the paths of strokes 3 and 4, to stroke 4's bend",
+            share,
+            Relation::AtMost,
+            0.15,
+        )],
+    )
+    .decided_by(DecidedBy::Hand)
+}
+
+pub(crate) fn no_damage(data: &RunData) -> Claim {
+    let limit = damage_limit(&data.facts);
+    let longest = longest_above(data, limit);
+    Claim::new(
+        "no-damage",
+        "OVER protects the elements.",
+        vec![
+            ClaimPart::new(
+                "longest time of an element above 1.25 F2",
+                longest,
+                Relation::AtMost,
+                DAMAGE_TIME,
+            )
+            .in_unit("s"),
+        ],
+    )
+    .decided_by(DecidedBy::Hand)
+}
+
+/// Deviation of the distance R from the cap's axis, relative to the planned line's, strokes 3 and 4. See
+/// [`PathFit`](crate::path_fit::PathFit).
+pub(super) fn radius_to_line(measured: &Measured) -> ClaimPart {
+    let to_line = measured.each_fit(&CLOSED, |fit, _| ratio(fit.radius_std, fit.line_radius_std));
+    ClaimPart::new(
+        "greatest std of R relative to the planned line's",
+        greatest(&to_line),
+        Relation::AtMost,
+        0.35,
+    )
+}
+
+/// Curvature of the path relative to the arc's, strokes 3 and 4: not too small, not too large.
+pub(super) fn curvature(measured: &Measured) -> [ClaimPart; 2] {
+    let closed = measured.each_fit(&CLOSED, |fit, _| Some(fit.curvature));
+    [
+        ClaimPart::new(
+            "least curvature relative to the arc's, strokes 3 and 4",
+            least(&closed),
+            Relation::AtLeast,
+            0.5,
+        ),
+        ClaimPart::new(
+            "greatest curvature relative to the arc's, strokes 3 and 4",
+            greatest(&closed),
+            Relation::AtMost,
+            1.5,
+        ),
+    ]
+}
+
+/// Variation of the grasp force within the window of strokes 3 and 4.
+pub(super) fn grip_variation(data: &RunData) -> ClaimPart {
+    let variation = each_finger(data, &CLOSED, |stroke, finger| {
+        grasp_force_variation(data, stroke, finger)
+    });
+    ClaimPart::new(
+        "greatest std of the grasp force relative to its mean",
+        greatest(&variation),
+        Relation::AtMost,
+        0.2,
+    )
+}
