@@ -1,27 +1,23 @@
 //! `feeler compare`
 
-mod laws;
+pub mod laws;
 
-use super::interrupt::watch_for_interrupt;
+use super::contenders::{Contender, contenders, run, under_law};
 use super::trials::TrialArguments;
 use super::{CommandError, Outcome};
 use feeler::control::law::LawConfig;
 use feeler::control::task::TaskConfig;
 use feeler_lab::config::{Experiment, ExperimentConfig};
 use feeler_lab::sweep::comparison::{Candidate, Goal, compare as compare_laws};
-use feeler_lab::sweep::plan::PLAN;
-use feeler_lab::sweep::store::{Store, write_whole};
+use feeler_lab::sweep::store::write_whole;
 use feeler_lab::sweep::trial::Trials;
-use feeler_lab::sweep::{Ended, Plan, Progress, engine};
+use feeler_lab::sweep::{Ended, Plan};
 use feeler_report::compare_page::{ComparePage, compare_page, number};
-use indicatif::{ProgressBar, ProgressStyle};
 use std::io::Write;
 use std::path::PathBuf;
 
 /// Name of the page in a comparison's folder.
 const PAGE: &str = "compare.html";
-/// Trials of one law before it is the next law's turn, so that a comparison that is stopped has pairs.
-const BLOCK: u64 = 32;
 
 const EXAMPLES: &str = "\
 Each law's trials are a sweep of their own, in a folder of the law's name; trial K draws the same under all.
@@ -68,15 +64,6 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-/// One law with its sweep.
-struct Contender {
-    /// Also its folder's.
-    name: String,
-    law: LawConfig,
-    trials: Trials,
-    store: Store,
-}
-
 pub fn compare(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     let goal = goal(arguments)?;
     let (vary, settings) = draws(arguments)?;
@@ -85,17 +72,8 @@ pub fn compare(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Co
         let (law, trials) = plan(arguments, law, &vary, &settings)?;
         plans.push((name, law, trials));
     }
-    let mut contenders = Vec::new();
-    for (name, law, trials) in plans {
-        let store = store(arguments, &name, &trials)?;
-        contenders.push(Contender {
-            name,
-            law,
-            trials,
-            store,
-        });
-    }
-    let ended = run(arguments, &mut contenders)?;
+    let mut contenders = contenders(&arguments.trial, &arguments.out, plans)?;
+    let ended = run(&arguments.trial, &mut contenders)?;
     let page = page(arguments, &contenders, goal);
     let finished = page.trials;
     if finished > 0 {
@@ -187,19 +165,7 @@ fn plan(
     settings: &[String],
 ) -> Result<(LawConfig, Trials), CommandError> {
     let name = &arguments.experiment;
-    let mut experiment = Experiment::load(name, settings)?;
-    let own = &experiment.config.control.law;
-    let setting = match &law {
-        // JSON's text is TOML's, too.
-        LawConfig::Policy(policy) => {
-            let file = serde_json::to_string(&policy.file)?;
-            Some(format!("control.law={{ policy = {{ file = {file} }} }}"))
-        }
-        law => (own.name() != law.name()).then(|| format!("control.law={}", law.name())),
-    };
-    if let Some(setting) = setting {
-        experiment = Experiment::load(name, &[settings, &[setting]].concat())?;
-    }
+    let experiment = under_law(name, settings, &law)?;
     let law = experiment.config.control.law.clone();
     let plan = Plan::new(
         &experiment,
@@ -209,44 +175,6 @@ fn plan(
         arguments.trials,
     )?;
     Ok((law, Trials::new(&plan)?))
-}
-
-/// The folder of one law's sweep.
-fn store(arguments: &Arguments, name: &str, trials: &Trials) -> Result<Store, CommandError> {
-    let folder = arguments.out.join(name);
-    let plan = trials.plan();
-    if !(arguments.trial.resume && folder.join(PLAN).exists()) {
-        return Ok(Store::create(&folder, plan, trials.header())?);
-    }
-    if let Some(difference) = Plan::read(&folder)?.difference(plan) {
-        let folder = folder.display();
-        return Err(format!(
-            "--resume: {folder}: {difference}; expected the comparison that was stopped"
-        )
-        .into());
-    }
-    arguments.trial.store(&folder, trials)
-}
-
-/// Runs what is left, a block of trials of each law after the other.
-fn run(arguments: &Arguments, contenders: &mut [Contender]) -> Result<Ended, CommandError> {
-    let jobs = arguments.trial.jobs();
-    let stop = watch_for_interrupt()?;
-    let mut bar = Bar::new(arguments.trials * contenders.len() as u64);
-    let mut end = 0;
-    while end < arguments.trials {
-        end = (end + BLOCK).min(arguments.trials);
-        for contender in &mut *contenders {
-            bar.law.clone_from(&contender.name);
-            let Contender { trials, store, .. } = contender;
-            if engine::run(trials, store, end, jobs, &stop, &mut bar)? == Ended::Stopped {
-                bar.bar.finish_and_clear();
-                return Ok(Ended::Stopped);
-            }
-        }
-    }
-    bar.bar.finish_and_clear();
-    Ok(Ended::Whole)
 }
 
 fn page(arguments: &Arguments, contenders: &[Contender], goal: Goal) -> ComparePage {
@@ -291,29 +219,4 @@ fn print(page: &ComparePage, out: &mut dyn Write) -> std::io::Result<()> {
         writeln!(out, "{verdict}")?;
     }
     Ok(())
-}
-
-/// How far the comparison is, on a terminal.
-struct Bar {
-    bar: ProgressBar,
-    law: String,
-}
-
-impl Bar {
-    fn new(trials: u64) -> Self {
-        let bar = ProgressBar::new(trials);
-        let style = ProgressStyle::with_template("{bar:32} {pos}/{len} trials, {msg}, {eta} left");
-        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-        Self {
-            bar,
-            law: String::new(),
-        }
-    }
-}
-
-impl Progress for Bar {
-    fn show(&mut self, _finished: u64, _of: u64, _successes: u64) {
-        self.bar.set_message(self.law.clone());
-        self.bar.inc(1);
-    }
 }

@@ -9,6 +9,7 @@ mod camera;
 mod cameras;
 mod check;
 mod compare;
+mod contenders;
 mod drives;
 #[cfg_attr(
     not(all(feature = "drives", target_os = "linux")),

@@ -1,15 +1,20 @@
 //! `feeler robustness`
 
+mod laws;
+
 use super::trials::TrialArguments;
 use super::{CommandError, Outcome};
 use feeler_lab::config::Experiment;
 use feeler_lab::sweep::design::{Design, MAX_ROWS};
-use feeler_lab::sweep::ranges::{self, Ranges};
+use feeler_lab::sweep::ranges::{self, Entry, Ranges};
 use feeler_lab::sweep::robustness::robustness as judge;
 use feeler_lab::sweep::store::{TRIALS, write_whole};
 use feeler_lab::sweep::trial::Trials;
 use feeler_lab::sweep::{Ended, Plan};
-use feeler_report::robustness_page::{RobustnessPage, percent, robustness_page};
+use feeler_report::DecidedBy;
+use feeler_report::robustness_page::{
+    Measure, RobustnessPage, decided_by, percent, robustness_page,
+};
 use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::PathBuf;
@@ -34,6 +39,7 @@ Examples:
   feeler robustness cap-closing --trials 8192 --sensitivity 0 -o shares
   feeler robustness my.toml --ranges my.robustness.toml -o mine
   feeler robustness cap-closing --ranges rubber.toml --sensitivity 0 -o rubber
+  feeler robustness cap-closing --laws tri-axial,best --group apparatus --trials 400 -o laws
   feeler robustness --resume -o robustness                   continue what was stopped
   feeler run --trial robustness 17                           one trial again, with recording and report";
 
@@ -49,6 +55,10 @@ pub struct Arguments {
     /// What varies: all, or these groups of the ranges, as apparatus or tuning.
     #[arg(long, value_name = "GROUP,…", value_delimiter = ',', default_value = ALL)]
     group: Vec<String>,
+    /// Control laws to run side by side on the same hands, as tri-axial,best: the page shows on what share of hands each does
+    /// what a user wants of any hand.
+    #[arg(long, value_name = "LAW,…", value_delimiter = ',', conflicts_with_all = ["controls", "sensitivity"])]
+    laws: Vec<String>,
     /// Number of points at which everything varies; an even number.
     #[arg(long, default_value_t = 2048, value_parser = clap::value_parser!(u64).range(2..=MAX_ROWS))]
     trials: u64,
@@ -69,6 +79,9 @@ pub struct Arguments {
 }
 
 pub fn robustness(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
+    if !arguments.laws.is_empty() {
+        return laws::side_by_side(arguments, out);
+    }
     let plan = plan(arguments)?;
     let trials = Trials::new(&plan)?;
     let folder = &arguments.out;
@@ -145,11 +158,26 @@ fn new_plan(arguments: &Arguments, name: &str) -> Result<Plan, CommandError> {
     }
     let Ranges {
         set: mut settings,
-        parameter: mut entries,
+        parameter,
     } = ranges::load(&arguments.ranges, name)?;
     settings.extend(arguments.trial.settings.clone());
     settings.push(format!("sensing={}", arguments.sensing));
     let experiment = Experiment::load(name, &settings)?;
+    let entries = entries_of_groups(arguments, parameter)?;
+    Ok(Plan::designed(
+        &experiment,
+        name,
+        entries,
+        design,
+        arguments.trial.seed,
+    )?)
+}
+
+/// The ranges of the groups that vary.
+fn entries_of_groups(
+    arguments: &Arguments,
+    mut entries: Vec<Entry>,
+) -> Result<Vec<Entry>, CommandError> {
     let groups: BTreeSet<_> = entries.iter().map(|entry| entry.group.clone()).collect();
     let unknown = (arguments.group.iter()).find(|&group| group != ALL && !groups.contains(group));
     if let Some(group) = unknown {
@@ -161,13 +189,15 @@ fn new_plan(arguments: &Arguments, name: &str) -> Result<Plan, CommandError> {
     }
     let varies = |group: &String| arguments.group.iter().any(|g| g == ALL || g == group);
     entries.retain(|entry| varies(&entry.group));
-    Ok(Plan::designed(
-        &experiment,
-        name,
-        entries,
-        design,
-        arguments.trial.seed,
-    )?)
+    Ok(entries)
+}
+
+/// Requires an even number of trials.
+fn even(trials: u64) -> Result<u64, CommandError> {
+    match trials % 2 {
+        0 => Ok(trials),
+        _ => Err(format!("--trials {trials}: expected an even number").into()),
+    }
 }
 
 /// The shares and what decides them, for a terminal.
@@ -178,12 +208,12 @@ fn print(page: &RobustnessPage, out: &mut dyn Write) -> std::io::Result<()> {
         "{} hands at {} points ({infeasible} are no hands)",
         page.hands, page.rows
     )?;
-    let widest = page
-        .measures
-        .iter()
-        .map(|m| m.name.chars().count())
-        .max()
-        .unwrap_or(0);
+    let name = |measure: &Measure| match measure.decided_by {
+        Some(by @ DecidedBy::HandAndBottle) => format!("{} ({})", measure.name, decided_by(by)),
+        _ => measure.name.clone(),
+    };
+    let widest = page.measures.iter().map(|m| name(m).chars().count()).max();
+    let widest = widest.unwrap_or(0);
     let legend = page.measures.first().map_or(&[][..], |m| &m.shares);
     let names: String = legend
         .iter()
@@ -207,7 +237,7 @@ fn print(page: &RobustnessPage, out: &mut dyn Write) -> std::io::Result<()> {
         writeln!(
             out,
             "{:widest$}{shares}  {}",
-            measure.name,
+            name(measure),
             deciding.join("; ")
         )?;
     }

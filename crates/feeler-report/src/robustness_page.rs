@@ -1,5 +1,6 @@
 //! `robustness.html`: in what share of plausible hands each claim holds, and which parameters decide it.
 
+use super::claim::DecidedBy;
 use super::document::{Tile, document, tiles};
 use super::figures::Figure;
 use super::figures::robustness::{indices_figure, shares_figure, traces_figure};
@@ -11,6 +12,8 @@ use serde::Serialize;
 
 /// What a share is of in which nothing varies but the run's seed.
 pub const NOTHING: &str = "nothing varied";
+/// Name of the measure of all claims that the hand decides.
+pub const ALL_OF_HAND: &str = "all about the hand";
 
 /// What the page shows; as JSON, `robustness.json`.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
@@ -49,6 +52,8 @@ pub struct RobustnessPage {
 pub struct Measure {
     /// What it is called.
     pub name: String,
+    /// What decides it, or `None` (JSON null) for all together and for claims of other tasks.
+    pub decided_by: Option<DecidedBy>,
     /// In what share it holds: with everything varied, each group alone, nothing but the seed.
     pub shares: Vec<Share>,
     /// What decides whether it holds, by factor.
@@ -119,6 +124,9 @@ pub struct RangeRow {
     pub keys: Vec<String>,
     /// The key that it is a multiple of.
     pub of: Option<String>,
+    /// The power to which that key's value is raised, 1 if `None`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub power: Option<f64>,
     /// Its range, as written.
     pub range: String,
     /// The ends of its range, or its choices.
@@ -142,6 +150,11 @@ impl Measure {
 }
 
 impl RobustnessPage {
+    /// The measure of this name.
+    fn measure(&self, name: &str) -> Option<&Measure> {
+        self.measures.iter().find(|measure| measure.name == name)
+    }
+
     /// The share of all together, as a sentence goes.
     pub fn verdict(&self) -> Option<String> {
         let all = self.measures.last()?;
@@ -151,6 +164,9 @@ impl RobustnessPage {
             all.name,
             percent(share.share)
         );
+        if let Some(share) = self.measure(ALL_OF_HAND).and_then(|m| m.shares.first()) {
+            text += &format!(", {ALL_OF_HAND} in {}", percent(share.share));
+        }
         let nothing = all.shares.last().filter(|share| share.of == NOTHING);
         if let Some(nominal) = nothing {
             text += &format!(
@@ -197,7 +213,7 @@ pub fn robustness_page(page: &RobustnessPage) -> String {
         h2 { "How the hands ended" }
         (endings_table(page))
         h2 { "What was varied, and why so far" }
-        (ranges_table(page))
+        (ranges_table(&page.ranges))
         h2 { "One of the hands again" }
         p { "With its recording and report: " code { "feeler run --trial FOLDER TRIAL" }
             "; the trials stand in " code { "trials.csv" } ", all figures of this page in " code { "robustness.json" } "." }
@@ -218,9 +234,11 @@ fn tiles_of(page: &RobustnessPage) -> Vec<Tile> {
     let plausible = all
         .first()
         .map(|s| (share(s), "of plausible hands hold all claims"));
+    let hand = page.measure(ALL_OF_HAND).and_then(|m| m.shares.first());
+    let hand = hand.map(|s| (share(s), "hold all claims about the hand"));
     let nothing = all.iter().rfind(|share| share.of == NOTHING);
     let nominal = nothing.map(|s| (share(s), "with nothing varied but the seed"));
-    let shares = plausible.into_iter().chain(nominal);
+    let shares = plausible.into_iter().chain(hand).chain(nominal);
     let mut tiles: Vec<_> = shares
         .map(|(value, label)| Tile::new(value, "%", label))
         .collect();
@@ -269,14 +287,26 @@ fn shares_table(page: &RobustnessPage) -> Markup {
     html! {
         div.scroll {
             table {
-                thead { tr { th { "holds in (%)" } @for share in of { th.number { (share.of) " (" (share.hands) ")" } } } }
+                thead { tr { th { "holds in (%)" } th { "decided by" } @for share in of { th.number { (share.of) " (" (share.hands) ")" } } } }
                 tbody {
                     @for measure in &page.measures {
-                        tr { td { (measure.name) } @for share in &measure.shares { td.number { (percent(share.share)) } } }
+                        tr {
+                            td { (measure.name) }
+                            td { (measure.decided_by.map_or("", decided_by)) }
+                            @for share in &measure.shares { td.number { (percent(share.share)) } }
+                        }
                     }
                 }
             }
         }
+    }
+}
+
+/// What decides a claim, as a table has it.
+pub fn decided_by(decided_by: DecidedBy) -> &'static str {
+    match decided_by {
+        DecidedBy::Hand => "hand",
+        DecidedBy::HandAndBottle => "hand and bottle",
     }
 }
 
@@ -299,17 +329,17 @@ fn endings_table(page: &RobustnessPage) -> Markup {
     }
 }
 
-fn ranges_table(page: &RobustnessPage) -> Markup {
+pub(crate) fn ranges_table(ranges: &[RangeRow]) -> Markup {
     html! {
         div.scroll {
             table {
                 thead { tr { th { "Parameter" } th { "Group" } th { "Range" } th.number { "Experiment" } th { "Why" } } }
                 tbody {
-                    @for row in &page.ranges {
+                    @for row in ranges {
                         tr {
                             td { (row.name) @if !row.unit.is_empty() { " " span.unit { (row.unit) } } }
                             td { (row.group) }
-                            td { code { (row.range) } @if let Some(of) = &row.of { " × " code { (of) } } }
+                            td { code { (row.range) } (multiplier(row)) }
                             td.number { (short(&row.nominal)) }
                             td { (row.why) }
                         }
@@ -317,6 +347,13 @@ fn ranges_table(page: &RobustnessPage) -> Markup {
                 }
             }
         }
+    }
+}
+
+/// What a range is multiplied with.
+fn multiplier(row: &RangeRow) -> Markup {
+    html! {
+        @if let Some(of) = &row.of { " × " code { (of) } @if let Some(power) = row.power { sup { (power) } } }
     }
 }
 

@@ -8,12 +8,12 @@ use super::design::Scheme;
 use super::distribution::Distribution;
 use super::interval::Estimate;
 use super::sensitivity::{Swap, indices};
-use super::summary::claim_columns;
 use super::table::Table;
 use super::trial::Trials;
+use feeler_report::DecidedBy;
 use feeler_report::figures::sweep::wilson;
 use feeler_report::robustness_page::{
-    Ending, Index, Measure, NOTHING, RangeRow, RobustnessPage, Share, Trace,
+    ALL_OF_HAND, Ending, Index, Measure, NOTHING, RangeRow, RobustnessPage, Share, Trace,
 };
 use feeler_report::sweep_page::Varied;
 use std::collections::BTreeMap;
@@ -23,10 +23,12 @@ const MARGIN: f64 = 1.0;
 /// How many parameters are drawn for each measure.
 const TRACES: usize = 3;
 
-/// What is judged of every hand: a claim, or all of them.
+/// What is judged of every hand: a claim, or several together.
 struct Judged {
     name: String,
-    holds: usize,
+    decided_by: Option<DecidedBy>,
+    /// The columns that must be 1.
+    holds: Vec<usize>,
     /// The columns of its margins: the least counts.
     margins: Vec<usize>,
 }
@@ -44,7 +46,7 @@ pub fn robustness(trials: &Trials, table: &Table) -> RobustnessPage {
     let Some(scheme) = plan.scheme() else {
         return RobustnessPage::default();
     };
-    let judged = judged(table, trials.success());
+    let judged = judged(trials, table);
     let measures = judged.iter().map(|judged| {
         let result = |trial: u64| judged.of(table, trial);
         measure(judged, trials, table, &scheme, &result)
@@ -67,33 +69,43 @@ pub fn robustness(trials: &Trials, table: &Table) -> RobustnessPage {
     }
 }
 
-fn judged(table: &Table, success: &str) -> Vec<Judged> {
-    let column = |name: &str| table.column(name);
-    let claims = claim_columns(table).filter_map(|(name, id)| {
-        let margin = column(&format!("{name}.margin"))?;
+/// The claims that a success requires, those about the hand first, and them together.
+fn judged(trials: &Trials, table: &Table) -> Vec<Judged> {
+    let claims = trials.required_claims().filter_map(|claim| {
         Some(Judged {
-            name: id.replace('-', " "),
-            holds: column(name)?,
-            margins: vec![margin],
+            name: claim.id.replace('-', " "),
+            decided_by: claim.decided_by,
+            holds: vec![table.column(&claim.holds())?],
+            margins: vec![table.column(&claim.margin())?],
         })
     });
-    let mut judged: Vec<_> = claims.collect();
-    if let Some(holds) = column("success") {
-        let name = match judged.is_empty() {
-            true => success.to_string(),
-            false => "all together".to_string(),
-        };
-        let margins = judged.iter().flat_map(|j| j.margins.clone()).collect();
+    let with_bottle = |j: &Judged| j.decided_by == Some(DecidedBy::HandAndBottle);
+    let (others, mut judged): (Vec<_>, Vec<_>) = claims.partition(with_bottle);
+    if !others.is_empty() {
         judged.push(Judged {
-            name,
-            holds,
-            margins,
+            name: ALL_OF_HAND.to_string(),
+            decided_by: Some(DecidedBy::Hand),
+            holds: judged.iter().flat_map(|j| j.holds.clone()).collect(),
+            margins: judged.iter().flat_map(|j| j.margins.clone()).collect(),
+        });
+        judged.extend(others);
+    }
+    if let Some(success) = table.column("success") {
+        let name = match judged.is_empty() {
+            true => trials.success(),
+            false => "all together",
+        };
+        judged.push(Judged {
+            name: name.to_string(),
+            decided_by: None,
+            holds: vec![success],
+            margins: judged.iter().flat_map(|j| j.margins.clone()).collect(),
         });
     }
     judged
 }
 
-fn is_hand(table: &Table, row: &[String]) -> bool {
+pub(super) fn is_hand(table: &Table, row: &[String]) -> bool {
     let outcome = table.column("outcome").and_then(|c| row.get(c));
     outcome.is_some_and(|outcome| outcome != "invalid")
 }
@@ -106,7 +118,7 @@ impl Judged {
         let margin = |column: &usize| row[*column].parse().unwrap_or(-MARGIN);
         let least = self.margins.iter().map(margin).fold(MARGIN, f64::min);
         Some(Result {
-            holds: row[self.holds] == "1",
+            holds: self.holds.iter().all(|&column| row[column] == "1"),
             margin: least.max(-MARGIN),
         })
     }
@@ -143,13 +155,14 @@ fn measure(
     Measure {
         traces: traces(&holds, trials, table, scheme, result),
         name: judged.name.clone(),
+        decided_by: judged.decided_by,
         shares: shares.into_iter().filter(|share| share.hands > 0).collect(),
         holds,
         margin,
     }
 }
 
-fn share(of: &str, hands: u64, holding: u64) -> Share {
+pub(super) fn share(of: &str, hands: u64, holding: u64) -> Share {
     let (low, high) = wilson(holding, hands);
     Share {
         of: of.to_string(),
@@ -250,7 +263,7 @@ fn endings(table: &Table, scheme: &Scheme) -> Vec<Ending> {
     endings
 }
 
-fn ranges(trials: &Trials) -> Vec<RangeRow> {
+pub(super) fn ranges(trials: &Trials) -> Vec<RangeRow> {
     let entries = trials.plan().parameter.iter().zip(trials.parameters());
     let rows = entries.map(|(entry, parameter)| {
         let ends = parameter.distribution.extremes(parameter.whole);
@@ -264,6 +277,7 @@ fn ranges(trials: &Trials) -> Vec<RangeRow> {
             unit: entry.unit.clone(),
             keys: keys.cloned().collect(),
             of: entry.of.clone(),
+            power: entry.power,
             range: entry.range.clone(),
             ends,
             nominal: parameter.nominal.clone(),

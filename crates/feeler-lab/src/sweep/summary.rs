@@ -135,7 +135,7 @@ fn count<'a>(values: impl Iterator<Item = (&'a str, &'a str)>) -> Vec<Counted> {
 
 /// The columns that say whether a claim holds, with the claim's id, unless it is about none of the trials. What else is
 /// known of it stands behind a dot.
-pub(super) fn claim_columns(table: &Table) -> impl Iterator<Item = (&str, &str)> {
+fn claim_columns(table: &Table) -> impl Iterator<Item = (&str, &str)> {
     let columns = table.header.iter();
     let claims = columns.filter_map(|name| Some((name.as_str(), name.strip_prefix("claim.")?)));
     let claims = claims.filter(|(_, id)| !id.contains('.'));

@@ -4,15 +4,15 @@ use super::SweepError;
 use super::design::Scheme;
 use super::parameter::{Parameter, settings};
 use super::plan::Plan;
+use super::success::{ClaimColumns, Criterion};
 use crate::config::Experiment;
 use crate::experiment::truth::Truth;
 use crate::experiment::{ExperimentError, Pictures, Session, layouts, run_facts};
 use feeler::control::phase::Phase;
 use feeler::control::task::TaskConfig;
 use feeler::pace::Unpaced;
-use feeler_record::{FindingName, MemoryRecorder, PolicyFile, Recording, RunLog};
+use feeler_record::{FindingName, MemoryRecorder, PolicyFile, Recording, RunFacts, RunLog};
 use feeler_report::long_run::RunRecorder;
-use feeler_report::strokes::found_closed;
 use feeler_report::{RunData, StrokeMeasures, StrokePattern, Summary, tasks};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -81,10 +81,10 @@ pub struct Trials {
     policy: Option<PolicyFile>,
     parameters: Vec<Parameter>,
     scheme: Option<Scheme>,
-    /// The claims of the task. They have columns whatever the control law, so that tables of different laws compare.
-    claims: Vec<&'static str>,
-    /// Whether they are about all trials, so that a success is one in which they hold.
-    claims_apply: bool,
+    /// The claims that have columns.
+    claims: Vec<ClaimColumns>,
+    /// What makes a trial a success.
+    criterion: Criterion,
     /// What the task may find out.
     findings: Vec<&'static str>,
     /// Whether a cap is screwed until the hand knows what became of it.
@@ -112,12 +112,11 @@ impl Trials {
         config.simulation()?;
         check_law(&experiment)?;
         let screws = matches!(config.task, TaskConfig::Screw(_));
-        // The claims about screwing are the paper's, of a cap that is screwed on.
         let facts = run_facts(config)?;
+        // The claims about screwing are about a cap that is screwed on.
         let claims = if !screws || config.cap().is_some() {
             let nothing = MemoryRecorder::new(&facts)?.into_recording();
-            let claims = tasks::of(&facts).claims(&nothing, &RunData::new(&nothing), &[]);
-            claims.iter().map(|c| c.id).collect()
+            ClaimColumns::of(&Summary::new(&nothing, &RunData::new(&nothing)))
         } else {
             Vec::new()
         };
@@ -130,13 +129,14 @@ impl Trials {
             0
         };
         let laws_differ = parameters.iter().any(|p| p.sets(LAW));
+        let claims_apply = tasks::claims_apply(&facts) && !laws_differ;
         let trials = Self {
             plan: plan.clone(),
             policy: experiment.policy_file()?,
             parameters,
             scheme: plan.scheme(),
+            criterion: criterion(&claims, claims_apply, facts.cap.is_some()),
             claims,
-            claims_apply: tasks::claims_apply(&facts) && !laws_differ,
             findings,
             has_cap: facts.cap.is_some(),
             strokes,
@@ -161,21 +161,25 @@ impl Trials {
         &self.parameters
     }
 
-    fn has_claims(&self) -> bool {
-        !self.claims.is_empty()
+    /// The claims that a success requires; empty if it requires none.
+    pub fn required_claims(&self) -> impl Iterator<Item = &ClaimColumns> {
+        let of_any_hand = match self.criterion {
+            Criterion::Claims => Some(false),
+            Criterion::AnyHand => Some(true),
+            Criterion::FoundClosed | Criterion::ClosedWell | Criterion::Done => None,
+        };
+        let claims = self.claims.iter();
+        claims.filter(move |claim| Some(claim.of_any_hand) == of_any_hand)
+    }
+
+    /// The claims of any hand, if they have columns: those of a cap that is screwed in four strokes or more.
+    pub fn hand_claims(&self) -> impl Iterator<Item = &ClaimColumns> {
+        self.claims.iter().filter(|claim| claim.of_any_hand)
     }
 
     /// What a success is, in words.
     pub fn success(&self) -> &'static str {
-        if self.has_claims() && self.claims_apply {
-            "the task was done and all its claims hold"
-        } else if self.has_claims() {
-            "the task was done and the cap is closed: the last stroke turned it by at most 5 % of the first one's turn"
-        } else if self.has_cap {
-            "the cap was found closed, is tight, and no element was harmed"
-        } else {
-            "the task was done"
-        }
+        self.criterion.words()
     }
 
     /// The names of a row's columns.
@@ -193,8 +197,7 @@ impl Trials {
         ];
         header.extend(fixed.map(String::from));
         for claim in &self.claims {
-            header.push(format!("claim.{claim}"));
-            header.extend(["value", "margin"].map(|what| format!("claim.{claim}.{what}")));
+            header.extend([claim.holds(), claim.value(), claim.margin()]);
         }
         if !self.findings.is_empty() {
             header.push("found".to_string());
@@ -319,41 +322,21 @@ impl Trials {
     /// The columns from `success` to the strokes', by the very code that makes a run's report.
     fn results(&self, outcome: &str, recording: &Recording, data: &RunData) -> Vec<String> {
         let summary = Summary::new(recording, data);
-        let found = summary.outcome.as_ref();
-        let turns: Vec<_> = summary.strokes.iter().map(|s| s.cap_turn).collect();
-        let well = match (&summary.cap, self.claims_apply) {
-            (Some(cap), _) => cap.closed_well(found),
-            (None, true) => summary.claims.iter().all(|claim| claim.holds),
-            // What the claims are not about is judged by what became of the cap.
-            (None, false) => !self.has_claims() || found_closed(&turns),
-        };
-        let success = outcome == "done" && well;
+        let success = outcome == "done" && self.criterion.holds(&summary);
+        let required = self.criterion.claims(&summary);
+        let held = required.iter().filter(|claim| claim.holds).count();
+        let has_angle = self.has_cap || !self.claims.is_empty();
         let mut row = vec![
             flag(success),
             format!("{:?}", summary.sim_time),
             summary.strokes.len().to_string(),
+            number(summary.cap_angle.filter(|_| has_angle)),
+            match required {
+                [] => String::new(),
+                _ => held.to_string(),
+            },
         ];
-        if self.has_claims() && !tasks::claims_apply(&recording.facts) {
-            row.extend([number(summary.cap_angle), String::new()]);
-            row.extend(
-                self.claims
-                    .iter()
-                    .flat_map(|_| [const { String::new() }; 3]),
-            );
-        } else if self.has_claims() {
-            let held = summary.claims.iter().filter(|claim| claim.holds).count();
-            row.extend([number(summary.cap_angle), held.to_string()]);
-            for claim in &summary.claims {
-                row.extend([
-                    flag(claim.holds),
-                    number(claim.value),
-                    number(claim.margin()),
-                ]);
-            }
-        } else {
-            let angle = summary.cap_angle.filter(|_| self.has_cap);
-            row.extend([number(angle), String::new()]);
-        }
+        row.extend(self.claim_fields(&recording.facts, &summary));
         if !self.findings.is_empty() {
             row.push(
                 summary
@@ -381,6 +364,36 @@ impl Trials {
             row.extend(PATTERN.map(|(_, part)| pattern.map(part).map_or_else(String::new, flag)));
         }
         row
+    }
+
+    /// Whether each claim holds, its value and its margin; empty for a claim that is not about this run.
+    fn claim_fields(&self, facts: &RunFacts, summary: &Summary) -> Vec<String> {
+        let applies = tasks::claims_apply(facts);
+        let own = summary.claims.iter().filter(|_| applies);
+        let claims: Vec<_> = own.chain(&summary.hand_claims).collect();
+        let fields = self.claims.iter().flat_map(|columns| {
+            let claim = claims.iter().find(|claim| claim.id == columns.id);
+            claim.map_or([const { String::new() }; 3], |claim| {
+                [
+                    flag(claim.holds),
+                    number(claim.value),
+                    number(claim.margin()),
+                ]
+            })
+        });
+        fields.collect()
+    }
+}
+
+/// What makes a trial a success that has columns for `claims`; those of the task are about all trials if `claims_apply`.
+fn criterion(claims: &[ClaimColumns], claims_apply: bool, has_cap: bool) -> Criterion {
+    let any = |of_any_hand| claims.iter().any(|c| c.of_any_hand == of_any_hand);
+    match (any(false), any(true)) {
+        _ if has_cap => Criterion::ClosedWell,
+        (true, _) if claims_apply => Criterion::Claims,
+        (_, true) => Criterion::AnyHand,
+        (true, false) => Criterion::FoundClosed,
+        (false, false) => Criterion::Done,
     }
 }
 

@@ -9,6 +9,7 @@ pub mod friction;
 mod friction_samples;
 mod from_above;
 mod grid;
+pub mod law_shares;
 pub mod outline;
 pub mod paths;
 mod pen;

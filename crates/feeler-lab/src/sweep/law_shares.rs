@@ -1,0 +1,91 @@
+//! On what share of the same hands each control law does what a user wants of a hand.
+
+use super::robustness::{is_hand, ranges, share};
+use super::success::ClaimColumns;
+use super::table::Table;
+use super::trial::Trials;
+use feeler_report::law_shares_page::{LawShares, LawSharesPage};
+use feeler_report::robustness_page::Share;
+use std::collections::BTreeSet;
+
+/// One law and its trials.
+pub struct LawTrials<'a> {
+    /// Name of the law.
+    pub name: &'a str,
+    /// Its trials. They have the same design and seed as those of the other laws.
+    pub trials: &'a Trials,
+    /// Their rows.
+    pub table: &'a Table,
+}
+
+/// The shares of the hands that all `laws` have finished.
+///
+/// A point of the design is a hand if its experiment is valid under any of the laws. A law that refuses it does not hold
+/// there, and its refusals are counted.
+pub fn law_shares(laws: &[LawTrials<'_>]) -> LawSharesPage {
+    let Some(first) = laws.first() else {
+        return LawSharesPage::default();
+    };
+    let plan = first.trials.plan();
+    let finished = finished(laws);
+    let is_hand_of = |law: &LawTrials<'_>, trial: u64| {
+        let row = law.table.rows.get(&trial);
+        row.is_some_and(|row| is_hand(law.table, row))
+    };
+    let is_any = |trial: &&u64| laws.iter().any(|law| is_hand_of(law, **trial));
+    let hands: Vec<u64> = finished.iter().filter(is_any).copied().collect();
+    let shares = laws.iter().map(|law| LawShares {
+        law: law.name.to_string(),
+        refused: hands.iter().filter(|&&t| !is_hand_of(law, t)).count() as u64,
+        shares: law.shares(&hands),
+    });
+    LawSharesPage {
+        name: plan.origin.clone(),
+        seed: plan.seed,
+        planned: plan.trials,
+        finished: finished.len() as u64,
+        hands: hands.len() as u64,
+        laws: shares.collect(),
+        ranges: ranges(first.trials),
+        experiment: plan.experiment.clone(),
+    }
+}
+
+/// The trials that all laws have finished.
+fn finished(laws: &[LawTrials<'_>]) -> BTreeSet<u64> {
+    let mut trials = laws
+        .iter()
+        .map(|law| law.table.rows.keys().copied().collect::<BTreeSet<u64>>());
+    let first = trials.next().unwrap_or_default();
+    trials.fold(first, |all, own| &all & &own)
+}
+
+impl LawTrials<'_> {
+    /// The share of `hands` on which each claim of any hand holds, and all of them with the task done.
+    fn shares(&self, hands: &[u64]) -> Vec<Share> {
+        let claims: Vec<_> = self.trials.hand_claims().collect();
+        let columns = claims.iter().map(|c| self.table.column(&c.holds()));
+        let columns: Vec<_> = columns.collect();
+        let is = |trial: u64, column: Option<usize>, text: &str| {
+            let field = column.and_then(|c| self.table.rows.get(&trial)?.get(c));
+            field.is_some_and(|field| field == text)
+        };
+        let count = |holds: &dyn Fn(u64) -> bool| hands.iter().filter(|&&t| holds(t)).count();
+        let of = |name: &str, holding: usize| share(name, hands.len() as u64, holding as u64);
+        let each = claims
+            .iter()
+            .zip(&columns)
+            .map(|(claim, &column)| of(&short(claim), count(&|trial| is(trial, column, "1"))));
+        let outcome = self.table.column("outcome");
+        let all = |trial| {
+            is(trial, outcome, "done") && columns.iter().all(|&column| is(trial, column, "1"))
+        };
+        each.chain([of("all five", count(&all))]).collect()
+    }
+}
+
+/// The claim's name beside other claims of any hand.
+fn short(claim: &ClaimColumns) -> String {
+    let id = claim.id.strip_prefix("hand-").unwrap_or(claim.id);
+    id.replace('-', " ")
+}

@@ -1,0 +1,52 @@
+//! Figure of control laws on the same hands: a bar for each law and claim.
+
+use super::super::law_shares_page::LawSharesPage;
+use super::Figure;
+use super::canvas::{WIDTH, finger_colour, sheet};
+use maud::html;
+
+/// Height of the bars of 100 %.
+const HEIGHT: f64 = 220.0;
+/// Left end of the axis.
+const LEFT: f64 = 44.0;
+/// Laws in one line of the legend.
+const PER_LINE: usize = 3;
+
+/// A group of bars for each claim, a bar for each law, with Wilson's interval.
+pub fn law_shares_figure(page: &LawSharesPage, number: u32) -> Figure {
+    let of = page.laws.first().map_or(&[][..], |law| &law.shares);
+    let top = 24.0 * page.laws.len().div_ceil(PER_LINE) as f64 + 14.0;
+    let group = (WIDTH - LEFT - 16.0) / of.len().max(1) as f64;
+    let bar = (group - 14.0) / page.laws.len().max(1) as f64;
+    let y = |share: f64| top + HEIGHT * (1.0 - share);
+    let body = html! {
+        @for (index, law) in page.laws.iter().enumerate() {
+            @let (x, y) = (LEFT + 220.0 * (index % PER_LINE) as f64, 8.0 + 24.0 * (index / PER_LINE) as f64);
+            rect x=(x) y=(y) width="14" height="14" fill=(finger_colour(index)) {}
+            text x=(x + 20.0) y=(y + 12.0) font-size="13" { (law.law) }
+        }
+        @for tick in 0..=4 {
+            @let share = 0.25 * f64::from(tick);
+            line x1=(LEFT) x2=(WIDTH - 16.0) y1=(y(share)) y2=(y(share)) stroke="#d9d9d9" stroke-width="0.8" {}
+            text x=(LEFT - 6.0) y=(y(share) + 4.0) text-anchor="end" font-size="13" { (25 * tick) }
+        }
+        @for (column, share) in of.iter().enumerate() {
+            @let middle = LEFT + group * (column as f64 + 0.5);
+            text x=(middle) y=(y(0.0) + 18.0) text-anchor="middle" font-size="12" { (share.of) }
+        }
+        @for (row, law) in page.laws.iter().enumerate() {
+            @for (column, share) in law.shares.iter().enumerate() {
+                @let x = LEFT + group * column as f64 + 7.0 + bar * row as f64;
+                @let [low, middle, high] = share.share;
+                rect x=(x) y=(y(middle)) width=(bar - 1.0) height=(HEIGHT * middle) fill=(finger_colour(row)) {}
+                line x1=(x + 0.5 * bar) x2=(x + 0.5 * bar) y1=(y(low)) y2=(y(high)) stroke="black" stroke-width="1.2" {}
+            }
+        }
+        line x1=(LEFT) x2=(WIDTH - 16.0) y1=(y(0.0)) y2=(y(0.0)) stroke="black" {}
+    };
+    let title = "Share of hands in which each claim of any hand holds (%)";
+    let caption =
+        "A bar for each law, with Wilson's 95 % interval. All laws ran on the same hands.";
+    let svg = sheet(number, title, y(0.0) + 30.0, body);
+    Figure::still(number, title, caption, svg)
+}
