@@ -1,6 +1,6 @@
 //! No command writes over an input, or over an existing file unless told to.
 
-use crate::program::{folder, run};
+use crate::program::{folder, run, summary};
 use image::{GrayImage, Luma};
 use std::fs;
 use std::path::Path;
@@ -142,17 +142,21 @@ fn init_writes_an_experiment_that_runs_and_never_over_a_file() {
 }
 
 #[test]
-fn another_law_than_the_papers_is_not_held_to_its_claims() {
+fn another_law_than_the_papers_is_held_to_the_claims_of_any_hand() {
     let folder = folder("outputs-best");
     let start = ["run", "cap-closing", "--sensing=direct"];
     let best = ["--set=control.law=best", "--out=best"];
     let said = run(&folder, &[&start[..], &best].concat()).done();
     assert!(
-        !said.contains("claims") && said.contains("final torque"),
+        said.contains("of 5 claims of any hand hold") && said.contains("final torque"),
         "{said}"
     );
     let page = fs::read_to_string(folder.join("best/report.html")).unwrap();
     assert!(!page.contains("claims of the paper") && page.contains("Done."));
+    assert!(page.contains("Claims of any hand") && page.contains("hand-follows-cap"));
+    let summary = summary(&folder.join("best"));
+    assert_eq!(summary["claims"].as_array().map(Vec::len), Some(0));
+    assert_eq!(summary["hand_claims"].as_array().map(Vec::len), Some(5));
     let said = run(&folder, &[&start[..], &["--out=paper"]].concat()).done();
     assert!(said.contains("11 of 11 claims of the paper hold"), "{said}");
 }

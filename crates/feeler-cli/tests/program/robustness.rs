@@ -65,7 +65,10 @@ fn every_point_follows_from_seed_and_number_and_the_page_counts_them() {
     fs::write(folder.join("ranges.toml"), RANGES).unwrap();
     let said = run(&folder, &robustness(&["--jobs=1", "-o=one"])).done();
     assert!(
-        said.contains("all together") && said.contains("are no hands"),
+        said.contains("all together")
+            && said.contains("all about the hand")
+            && said.contains("four peaks (hand and bottle)")
+            && said.contains("are no hands"),
         "{said}"
     );
     run(&folder, &robustness(&["--jobs=2", "-o=two"])).done();
@@ -140,8 +143,12 @@ fn counted(folder: &std::path::Path, table: &[HashMap<String, String>]) {
     let measures = page["measures"].as_array().unwrap();
     let claims = table[0]
         .keys()
-        .filter(|k| k.starts_with("claim.") && k.matches('.').count() == 1);
-    assert_eq!(measures.len(), claims.count() + 1);
+        .filter(|k| k.starts_with("claim.") && k.matches('.').count() == 1)
+        .filter(|k| !k.starts_with("claim.hand-"));
+    // All about the hand, and all together.
+    assert_eq!(measures.len(), claims.count() + 2);
+    let by = |what: &str| measures.iter().filter(|m| m["decided_by"] == what).count();
+    assert_eq!((by("hand"), by("hand_and_bottle")), (9, 3));
     for measure in measures {
         assert_eq!(measure["shares"][0]["hands"], hands);
         assert_eq!(measure["holds"].as_array().unwrap().len(), 7);
@@ -277,4 +284,151 @@ fn files_of_ranges_go_together_and_bring_the_tables_that_they_vary() {
     for table in ["relaxation", "lateral"] {
         assert!(plan.contains(table), "{table}");
     }
+}
+
+/// The points of the design under each of `laws`, for a second.
+fn side_by_side<'a>(laws: &'a str, more: &[&'a str]) -> Vec<&'a str> {
+    let short = [
+        "robustness",
+        "cap-closing",
+        "--ranges=ranges.toml",
+        "--trials=8",
+        "--set=time_limit=1.0",
+        "--seed=3",
+        laws,
+    ];
+    [&short, more].concat()
+}
+
+#[test]
+fn laws_run_side_by_side_on_the_same_hands() {
+    let folder = folder("robustness-laws");
+    fs::write(folder.join("ranges.toml"), RANGES).unwrap();
+    let arguments = side_by_side("--laws=best,tri-axial", &["-o=l"]);
+    let said = run(&folder, &arguments).done();
+    assert!(
+        said.contains("all five") && said.contains("laws.html"),
+        "{said}"
+    );
+    let [best, papers] =
+        ["best", "tri-axial"].map(|law| rows(&folder.join("l").join(law).join("trials.csv")));
+    assert_eq!((best.len(), papers.len()), (8, 8));
+    for (best, papers) in best.iter().zip(&papers) {
+        for name in ["seed", "stiffness", "shear by normal", "speed", "start"] {
+            assert_eq!(best[name], papers[name], "{name}");
+        }
+    }
+    let text = fs::read_to_string(folder.join("l/laws.json")).unwrap();
+    let page: Value = serde_json::from_str(&text).unwrap();
+    let hands = papers
+        .iter()
+        .filter(|row| row["outcome"] != "invalid")
+        .count();
+    assert!(0 < hands && hands < 8, "{hands}");
+    assert_eq!(page["hands"], hands);
+    for (law, name) in page["laws"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .zip(["best", "tri-axial"])
+    {
+        assert_eq!((&law["law"], &law["refused"]), (&name.into(), &0.into()));
+        let shares = law["shares"].as_array().unwrap();
+        let of: Vec<_> = shares
+            .iter()
+            .map(|share| share["of"].as_str().unwrap())
+            .collect();
+        let five = [
+            "follows cap",
+            "path is curved",
+            "grip is steady",
+            "overloads nothing",
+            "closes cap",
+        ];
+        assert_eq!(of, [&five[..], &["all five"]].concat());
+        // After a second no stroke is over, but nothing was harmed.
+        let holding: Vec<_> = shares
+            .iter()
+            .map(|share| share["holding"].as_u64().unwrap())
+            .collect();
+        assert_eq!(holding[0], 0);
+        assert_eq!((holding[4], holding[5]), (0, 0));
+    }
+    let html = fs::read_to_string(folder.join("l/laws.html")).unwrap();
+    for word in [
+        "tri-axial",
+        "overloads nothing",
+        "Wilson",
+        "farther out",
+        "LAW TRIAL",
+    ] {
+        assert!(html.contains(word), "no {word:?}");
+    }
+
+    // As after a stop, and one of the hands again.
+    let whole = fs::read(folder.join("l/best/trials.csv")).unwrap();
+    let lines: Vec<_> = whole.split_inclusive(|&b| b == b'\n').collect();
+    fs::remove_file(folder.join("l/best/trials.csv")).unwrap();
+    fs::write(
+        folder.join("l/best/trials.csv.part"),
+        [lines[0], lines[2]].concat(),
+    )
+    .unwrap();
+    let again = side_by_side("--laws=best,tri-axial", &["-o=l", "--resume"]);
+    run(&folder, &again).done();
+    assert_eq!(whole, fs::read(folder.join("l/best/trials.csv")).unwrap());
+    assert_eq!(
+        text,
+        fs::read_to_string(folder.join("l/laws.json")).unwrap()
+    );
+    let hand = papers
+        .iter()
+        .position(|row| row["outcome"] != "invalid")
+        .unwrap();
+    run(
+        &folder,
+        &["run", "--trial", "l/best", &hand.to_string(), "--out=again"],
+    );
+    assert_eq!(
+        best[hand]["seed"],
+        summary(&folder.join("again"))["seed"].to_string()
+    );
+}
+
+#[test]
+fn laws_that_cannot_be_compared_are_refused_before_anything_runs() {
+    let folder = folder("robustness-laws-refused");
+    fs::write(folder.join("ranges.toml"), RANGES).unwrap();
+    for (laws, more, words) in [
+        (
+            "--laws=tri-axial,worst",
+            &[][..],
+            &[
+                "\"worst\"",
+                "tri-axial, tri-axial-missing-shear, normal-only, open-loop, best",
+            ][..],
+        ),
+        ("--laws=best,best", &[], &["best", "twice"]),
+        (
+            "--laws=best",
+            &["--controls=2"],
+            &["--controls", "cannot be used with"],
+        ),
+        (
+            "--laws=best",
+            &["--group=luck"],
+            &["luck", "apparatus, tuning"],
+        ),
+        (
+            "--laws=best",
+            &["--set=task.screw.strokes=2"],
+            &["claims of any hand", "four strokes"],
+        ),
+    ] {
+        let arguments = side_by_side(laws, &[more, &["-o=l"]].concat());
+        run(&folder, &arguments).refused(words);
+        assert!(!folder.join("l").exists(), "{words:?}");
+    }
+    let alone = ["robustness", "--laws=best", "--resume", "-o=l"];
+    run(&folder, &alone).refused(&["--laws", "expected the experiment"]);
 }

@@ -129,27 +129,45 @@ fn of_law(folder: &Path, name: &str, law: &str, more: &[&str]) -> (String, Rows,
 
 type Rows = Vec<HashMap<String, String>>;
 
+/// The claims of any hand.
+const FIVE: [&str; 5] = [
+    "hand-follows-cap",
+    "hand-path-is-curved",
+    "hand-grip-is-steady",
+    "hand-overloads-nothing",
+    "hand-closes-cap",
+];
+
 #[test]
-fn another_law_is_judged_by_what_became_of_the_cap() {
+fn another_law_is_judged_by_the_claims_of_any_hand() {
     let folder = folder("sweep-law");
     let (papers, _, said) = of_law(&folder, "papers", "tri-axial", &[]);
     assert!(said.contains("all its claims hold"), "{said}");
     let (header, rows, said) = of_law(&folder, "best", "best", &[]);
     assert_eq!(header, papers, "the same columns");
-    assert!(
-        said.contains("3 of 3") && said.contains("the cap is closed"),
-        "{said}"
-    );
+    assert!(said.contains("all five claims of any hand hold"), "{said}");
     for row in &rows {
-        assert_eq!((&*row["outcome"], &*row["success"]), ("done", "1"));
-        assert_eq!(row["claims_held"], "");
-        let claims = row.iter().filter(|(name, _)| name.starts_with("claim."));
-        assert!(
-            claims.clone().count() == 33 && claims.into_iter().all(|(_, value)| value.is_empty())
-        );
+        assert_eq!(row["outcome"], "done");
+        let claims = |wanted: fn(&str) -> bool| -> Vec<&str> {
+            let claims = row.iter().filter(|(name, _)| name.starts_with("claim."));
+            let claims = claims.filter(|(name, _)| wanted(name));
+            claims.map(|(_, value)| value.as_str()).collect()
+        };
+        let papers = claims(|name| !name.starts_with("claim.hand-"));
+        assert!(papers.len() == 33 && papers.iter().all(|value| value.is_empty()));
+        let hand = claims(|name| name.starts_with("claim.hand-"));
+        assert!(hand.len() == 15 && hand.iter().all(|value| !value.is_empty()));
+        let held = FIVE.iter().filter(|id| row[&format!("claim.{id}")] == "1");
+        let held = held.count();
+        assert_eq!(row["claims_held"], held.to_string());
+        assert_eq!(row["success"] == "1", held == 5);
+        // This law closes the cap and harms nothing.
+        for id in ["hand-closes-cap", "hand-overloads-nothing"] {
+            assert_eq!(row[&format!("claim.{id}")], "1", "{id}");
+        }
     }
     let page = document(&folder.join("best/summary.html"));
-    assert!(page.contains("the cap is closed") && !page.contains("Claim holds"));
+    assert!(page.contains("five claims of any hand") && !page.contains("no-damage"));
 
     // A cap that has farther to turn than four strokes take it is not closed, however well they went.
     let open = ["--set=sim.object.cap.motion.thread.seat_angle=9.0"];
@@ -157,7 +175,7 @@ fn another_law_is_judged_by_what_became_of_the_cap() {
     assert!(said.contains("0 of 3"), "{said}");
     assert!(
         rows.iter()
-            .all(|row| row["outcome"] == "done" && row["success"] == "0")
+            .all(|row| row["outcome"] == "done" && row["claim.hand-closes-cap"] == "0")
     );
 
     // Where laws differ from trial to trial, all are judged alike, and the claims counted where they apply.
@@ -173,11 +191,11 @@ fn another_law_is_judged_by_what_became_of_the_cap() {
         "-o=both",
     ];
     let said = run(&folder, &[&arguments[..], &laws].concat()).done();
-    assert!(said.contains("the cap is closed"), "{said}");
+    assert!(said.contains("five claims of any hand"), "{said}");
     let rows = self::rows(&folder.join("both/trials.csv"));
     let held = |law: &str| -> Vec<bool> {
         let rows = rows.iter().filter(|row| row["control.law"].contains(law));
-        rows.map(|row| row["claims_held"].is_empty()).collect()
+        rows.map(|row| row["claim.no-damage"].is_empty()).collect()
     };
     let (papers, best) = (held("tri-axial"), held("best"));
     assert!(!papers.is_empty() && !best.is_empty(), "{rows:?}");
@@ -185,6 +203,13 @@ fn another_law_is_judged_by_what_became_of_the_cap() {
     let page = document(&folder.join("both/summary.html"));
     let of = format!("no-damage</td><td class=\"number\">{}</td>", papers.len());
     assert!(page.contains(&of), "not of {}", papers.len());
+    assert!(page.contains("hand-closes-cap</td><td class=\"number\">6</td>"));
+
+    // Too few strokes for these claims: what became of the cap is left.
+    let two = ["--set=task.screw.strokes=2"];
+    let (header, _, said) = of_law(&folder, "two", "best", &two);
+    assert!(said.contains("the cap is closed"), "{said}");
+    assert!(!header.contains("claim.hand-"));
 }
 
 #[test]

@@ -89,3 +89,74 @@ fn short(claim: &ClaimColumns) -> String {
     let id = claim.id.strip_prefix("hand-").unwrap_or(claim.id);
     id.replace('-', " ")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::Experiment;
+    use crate::sweep::Plan;
+
+    /// Rows of `outcome`, and of the first of the claims of any hand; the other claims hold.
+    fn table(trials: &Trials, rows: &[(&str, &str)]) -> Table {
+        let header = trials.header();
+        let claims: Vec<_> = trials.hand_claims().map(ClaimColumns::holds).collect();
+        let fields = |&(outcome, first): &(&str, &str)| {
+            let field = |name: &String| match name {
+                name if name == "outcome" => outcome.to_string(),
+                name if *name == claims[0] => first.to_string(),
+                name if claims.contains(name) => "1".to_string(),
+                _ => String::new(),
+            };
+            header.iter().map(field).collect()
+        };
+        Table {
+            rows: (0..).zip(rows.iter().map(fields)).collect(),
+            header,
+        }
+    }
+
+    #[test]
+    fn a_law_that_refuses_a_hand_does_not_hold_on_it() {
+        let experiment = Experiment::load("cap-closing", &[]).unwrap();
+        let plan = Plan::new(&experiment, "cap-closing", &[], 0, 5).unwrap();
+        let trials = Trials::new(&plan).unwrap();
+        let rows = [
+            ("done", "1"),
+            ("done", "0"),
+            ("stopped", "1"),
+            ("invalid", ""),
+            ("done", "1"),
+        ];
+        let one = table(&trials, &rows);
+        // Refuses the first hand; the last trial is not finished.
+        let two = table(
+            &trials,
+            &[
+                ("invalid", ""),
+                ("done", "1"),
+                ("done", "1"),
+                ("invalid", ""),
+            ],
+        );
+        let laws = [("one", &one), ("two", &two)].map(|(name, table)| LawTrials {
+            name,
+            trials: &trials,
+            table,
+        });
+        let page = law_shares(&laws);
+        assert_eq!((page.finished, page.hands), (4, 3));
+        let holding = |law: usize| {
+            page.laws[law]
+                .shares
+                .iter()
+                .map(|s| s.holding)
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(holding(0), [2, 3, 3, 3, 3, 1]);
+        // A row that was refused has no claims.
+        assert_eq!((holding(1)[0], holding(1)[5]), (2, 2));
+        assert_eq!((page.laws[0].refused, page.laws[1].refused), (0, 1));
+        assert_eq!(page.laws[1].shares[5].of, "all five");
+        assert_eq!(law_shares(&[]), LawSharesPage::default());
+    }
+}

@@ -159,6 +159,7 @@ mod tests {
     use crate::config::Experiment;
     use crate::sweep::Plan;
     use crate::sweep::design::Design;
+    use crate::sweep::trial::Trials;
 
     #[test]
     fn the_ranges_that_come_with_the_program_hold_what_the_experiment_has() {
@@ -180,6 +181,34 @@ mod tests {
                 let nominal = number(&parameter.nominal);
                 assert!((low..=high).contains(&nominal), "{parameter:?}");
             }
+        }
+    }
+
+    /// Every hand's elements bear what their stiffness lets them, and no law refuses a hand for it.
+    #[test]
+    fn f2_goes_with_the_root_of_the_stiffness_under_any_law() {
+        for law in ["tri-axial", "best"] {
+            let files: [&Path; 0] = [];
+            let ranges = load(&files, "cap-closing").unwrap();
+            let setting = format!("control.law={law}");
+            let experiment = Experiment::load("cap-closing", &[setting]).unwrap();
+            let design = Design {
+                rows: 32,
+                controls: 0,
+                pairs: 0,
+            };
+            let plan = Plan::designed(&experiment, "", ranges.parameter, design, 0).unwrap();
+            let trials = Trials::new(&plan).unwrap();
+            let mut softest = f64::INFINITY;
+            for trial in 0..32 {
+                let config = trials.experiment(trial).unwrap().config;
+                let stiffness = config.simulation().unwrap().feeler.normal_stiffness;
+                let rated = 0.505 * (stiffness / 205.0).sqrt();
+                let to_rated = config.control.over_force / rated;
+                assert!((0.899..1.101).contains(&to_rated), "{to_rated}");
+                softest = softest.min(config.control.over_force);
+            }
+            assert!(softest < 0.45, "below the force of best: {softest}");
         }
     }
 

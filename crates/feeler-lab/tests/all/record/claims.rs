@@ -2,8 +2,10 @@
 
 use crate::support;
 use feeler_record::Recording;
+use feeler_report::claims::of_any_hand;
 use feeler_report::stroke_pattern::Peaks;
 use feeler_report::{RunData, Summary};
+use glam::DVec3;
 use std::path::PathBuf;
 
 fn recording(name: &str, strokes: u32) -> Recording {
@@ -112,7 +114,7 @@ fn the_keys_of_the_summary_are_stable() {
     };
     assert_eq!(
         keys(&json),
-        "cap_angle claims digest experiment final_torque findings outcome peak_element_force real_time_factor \
+        "cap_angle claims digest experiment final_torque findings hand_claims outcome peak_element_force real_time_factor \
          reason seed sensing sim_time state stroke_pattern strokes task version wall_time"
     );
     assert_eq!(
@@ -128,18 +130,21 @@ fn the_keys_of_the_summary_are_stable() {
     );
     assert_eq!(
         keys(&json["claims"][0]),
-        "bound holds id parts text value verdict"
+        "bound decided_by holds id parts text value verdict"
     );
     assert_eq!(
         keys(&json["claims"][0]["parts"][0]),
         "bound holds name relation unit value"
     );
     assert_eq!(json["seed"], u64::MAX);
-    let ids: Vec<_> = (json["claims"].as_array().unwrap().iter())
-        .map(|claim| claim["id"].as_str().unwrap())
-        .collect();
+    let ids = |claims: &str| -> Vec<_> {
+        let claims = json[claims].as_array().unwrap().iter();
+        claims
+            .map(|c| c["id"].as_str().unwrap().to_string())
+            .collect()
+    };
     assert_eq!(
-        ids,
+        ids("claims"),
         [
             "four-peaks",
             "first-stroke-torque-rises",
@@ -154,4 +159,92 @@ fn the_keys_of_the_summary_are_stable() {
             "no-damage",
         ]
     );
+    assert_eq!(
+        ids("hand_claims"),
+        [
+            "hand-follows-cap",
+            "hand-path-is-curved",
+            "hand-grip-is-steady",
+            "hand-overloads-nothing",
+            "hand-closes-cap",
+        ]
+    );
+    let with_bottle = json["claims"].as_array().unwrap().iter();
+    let with_bottle = with_bottle.filter(|claim| claim["decided_by"] == "hand_and_bottle");
+    let with_bottle: Vec<_> = with_bottle
+        .map(|claim| claim["id"].as_str().unwrap())
+        .collect();
+    assert_eq!(
+        with_bottle,
+        ["four-peaks", "first-stroke-torque-rises", "bumps-in-step"]
+    );
+}
+
+/// Whether each claim of any hand holds, and its value.
+fn of_hand(data: &RunData) -> [(bool, Option<f64>); 5] {
+    let claims = of_any_hand(data, &data.stroke_measures());
+    let claims: Vec<_> = claims.iter().map(|c| (c.holds, c.value)).collect();
+    claims.try_into().expect("five claims")
+}
+
+/// One thing of a made-up run is spoilt at a time, and one claim notices.
+#[test]
+fn each_claim_of_any_hand_notices_what_it_is_about() {
+    let recording = recording("any-hand.mcap", 4);
+    let data = RunData::new(&recording);
+    let rating = data.facts.over_force_threshold;
+    let good = of_hand(&data);
+    assert_eq!(good.map(|(holds, _)| holds), [true; 5], "{good:?}");
+    close(good[3].1, 0.7 * 2.3 / rating, 0.01);
+    close(good[4].1, 0.0, 1e-12);
+    let broken = |spoil: &dyn Fn(&mut RunData)| {
+        let mut data = data.clone();
+        spoil(&mut data);
+        of_hand(&data).map(|(holds, _)| !holds)
+    };
+    let fourth = data.whole_stroke(4).expect("stroke 4").clone();
+    let pressed = broken(&|data| data.fingers[1].largest_force[0] = 1.26 * rating);
+    assert_eq!(pressed, [false, false, false, true, false]);
+    let swaying = broken(&|data| {
+        let rows = fourth.moving.clone().enumerate();
+        rows.for_each(|(i, row)| {
+            data.fingers[0].grasp_force[row] *= 1.0 + 0.4 * (0.3 * i as f64).sin();
+        });
+    });
+    assert_eq!(swaying, [false, false, true, false, false]);
+    // The cap goes on turning, or turns back.
+    for turn in [0.03, -0.03] {
+        let turning = broken(&|data| {
+            let last = fourth.rows.end - 1;
+            data.cap.as_mut().expect("a cap").angle[last] += turn;
+        });
+        assert_eq!(turning, [false, false, false, false, true], "{turn}");
+    }
+    // A straight path along the stroke keeps neither the distance nor the curvature.
+    let straight = broken(&|data| {
+        let facts = data.facts.clone();
+        for (finger, columns) in data.fingers.iter_mut().enumerate() {
+            let direction = DVec3::from(facts.stroke_direction[finger]);
+            let start = columns.position[fourth.moving.start];
+            for row in fourth.moving.clone() {
+                let along = (columns.position[row] - start).dot(direction);
+                columns.position[row] = start + along * direction;
+            }
+        }
+    });
+    assert_eq!(straight, [true, true, false, false, false]);
+}
+
+#[test]
+fn what_is_not_known_of_a_hand_does_not_hold() {
+    let recording = recording("any-hand-unfinished.mcap", 2);
+    let unfinished = of_hand(&RunData::new(&recording));
+    let known = unfinished.map(|(holds, value)| (holds, value.is_some()));
+    let (unknown, whole) = ((false, false), (true, true));
+    assert_eq!(known, [unknown, unknown, unknown, whole, unknown]);
+    // Of fewer strokes than the paper's no claim is made.
+    let mut recording = recording;
+    recording.facts.stroke_count = 2;
+    let summary = Summary::new(&recording, &RunData::new(&recording));
+    assert!(summary.hand_claims.is_empty());
 }
