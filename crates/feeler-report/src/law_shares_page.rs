@@ -3,7 +3,8 @@
 use super::document::{Tile, document, tiles};
 use super::figures::law_shares::law_shares_figure;
 use super::page_data::PageData;
-use super::robustness_page::{RangeRow, Share, percent, ranges_table};
+use super::ranges_table::{RangeRow, ranges_table};
+use super::robustness_page::{Share, percent};
 use super::text::significant;
 use maud::{Markup, html};
 use serde::Serialize;

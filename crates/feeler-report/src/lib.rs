@@ -21,6 +21,7 @@ mod page;
 pub mod page_data;
 pub mod path_fit;
 mod peaks;
+pub mod ranges_table;
 pub mod robustness_page;
 pub mod rows;
 pub mod run_data;

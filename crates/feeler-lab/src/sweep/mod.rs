@@ -20,6 +20,7 @@ pub mod robustness;
 pub mod sensitivity;
 pub mod slip_score;
 pub mod store;
+mod stroke_columns;
 pub mod success;
 pub mod summary;
 pub mod table;

@@ -12,8 +12,9 @@ use super::table::Table;
 use super::trial::Trials;
 use feeler_report::DecidedBy;
 use feeler_report::figures::sweep::wilson;
+use feeler_report::ranges_table::RangeRow;
 use feeler_report::robustness_page::{
-    ALL_OF_HAND, Ending, Index, Measure, NOTHING, RangeRow, RobustnessPage, Share, Trace,
+    ALL_OF_HAND, Ending, Index, Measure, NOTHING, RobustnessPage, Share, Trace,
 };
 use feeler_report::sweep_page::Varied;
 use std::collections::BTreeMap;

@@ -4,6 +4,7 @@ use super::SweepError;
 use super::design::Scheme;
 use super::parameter::{Parameter, settings};
 use super::plan::Plan;
+use super::stroke_columns::{MEASURES, PATTERN, PATTERN_STROKES};
 use super::success::{ClaimColumns, Criterion};
 use crate::config::Experiment;
 use crate::experiment::truth::Truth;
@@ -13,7 +14,7 @@ use feeler::control::task::TaskConfig;
 use feeler::pace::Unpaced;
 use feeler_record::{FindingName, MemoryRecorder, PolicyFile, Recording, RunFacts, RunLog};
 use feeler_report::long_run::RunRecorder;
-use feeler_report::{RunData, StrokeMeasures, StrokePattern, Summary, tasks};
+use feeler_report::{RunData, Summary, tasks};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use sha2::{Digest as _, Sha256};
@@ -25,55 +26,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 const LAW: &str = "control.law";
 /// Most strokes that have columns of their own.
 const MAX_STROKES: u32 = 8;
-
-/// A measure of one stroke: its column and where it comes from.
-type Measure = (&'static str, fn(&StrokeMeasures) -> Option<f64>);
-
-/// What each stroke measures, in SI units; [`StrokeMeasures`] defines each.
-const MEASURES: [Measure; 15] = [
-    ("peak_torque", |m| m.peak_torque),
-    ("mean_grasp_force", |m| m.mean_grasp_force),
-    ("peak_grasp_force", |m| m.peak_grasp_force),
-    ("cap_turn", |m| m.cap_turn),
-    ("peak_shear_rate", |m| m.peak_shear_rate),
-    ("slip_fraction", |m| m.slip_fraction),
-    ("path_inward_bend", |m| m.path_inward_bend),
-    ("slip_precision", |m| m.slip_precision),
-    ("true_slip_fraction", |m| m.true_slip_fraction),
-    ("grasp_force_variation", |m| m.grasp_force_variation),
-    ("over_fraction", |m| m.over_fraction),
-    ("path_radius_std", |m| m.path_radius_std),
-    ("line_radius_std", |m| m.line_radius_std),
-    ("path_curvature", |m| m.path_curvature),
-    ("peak_element_force", |m| m.peak_element_force),
-];
-
-/// A part of the pattern of the strokes: its column and where it comes from.
-type Part = (&'static str, fn(&StrokePattern) -> bool);
-
-/// Whether the strokes go up and down as in the paper's Fig. 8, part by part; [`StrokePattern`] defines each.
-const PATTERN: [Part; 10] = [
-    ("fig8.grasp.second_below_first", |p| {
-        p.grasp_force.second_below_first
-    }),
-    ("fig8.grasp.last_above_first", |p| {
-        p.grasp_force.last_above_first
-    }),
-    ("fig8.grasp.last_alike", |p| p.grasp_force.last_alike),
-    ("fig8.grasp", |p| p.grasp_force.whole()),
-    ("fig8.torque.second_below_first", |p| {
-        p.torque.second_below_first
-    }),
-    ("fig8.torque.last_above_first", |p| {
-        p.torque.last_above_first
-    }),
-    ("fig8.torque.last_alike", |p| p.torque.last_alike),
-    ("fig8.torque", |p| p.torque.whole()),
-    ("fig8.second_below_first", StrokePattern::second_below_first),
-    ("fig8", StrokePattern::whole),
-];
-/// How many strokes the pattern is of.
-const PATTERN_STROKES: u32 = 4;
 
 /// The trials of a sweep, ready to run on any thread.
 pub struct Trials {

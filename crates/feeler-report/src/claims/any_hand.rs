@@ -1,8 +1,8 @@
 //! What a user wants of any hand that screws a cap, whatever its control law.
 
 use super::DAMAGE_FORCE;
-use super::hand::{curvature, grip_variation, radius_to_line};
 use super::measured::{Measured, ratio};
+use super::parts::{curvature, grip_variation, radius_to_line};
 use crate::claim::{Claim, ClaimPart, DecidedBy, Relation};
 use crate::run_data::RunData;
 use crate::series::maximum;

@@ -8,12 +8,13 @@ mod any_hand;
 mod bottle;
 mod hand;
 mod measured;
+mod parts;
 
 pub use any_hand::of_any_hand;
 pub use bottle::rates;
 pub(crate) use hand::no_damage;
 
-use super::claim::Claim;
+use super::claim::{Claim, DecidedBy};
 use super::run_data::RunData;
 use super::strokes::StrokeMeasures;
 use super::thinned::Pressed;
@@ -45,7 +46,7 @@ pub fn claims(data: &RunData, strokes: &[StrokeMeasures]) -> Vec<Claim> {
         hand::path_is_curved(&measured),
         hand::grip_levels_off(data),
         hand::path_saturates(&measured),
-        no_damage(data),
+        no_damage(data).decided_by(DecidedBy::Hand),
     ]
 }
 

@@ -1,0 +1,50 @@
+//! Parts that claims of the paper and of any hand have in common.
+
+use super::measured::{CLOSED, Measured, each_finger, greatest, least, ratio};
+use crate::claim::{ClaimPart, Relation};
+use crate::run_data::RunData;
+use crate::strokes::grasp_force_variation;
+
+/// Deviation of the distance R from the cap's axis, relative to the planned line's, strokes 3 and 4. See
+/// [`PathFit`](crate::path_fit::PathFit).
+pub(super) fn radius_to_line(measured: &Measured) -> ClaimPart {
+    let to_line = measured.each_fit(&CLOSED, |fit, _| ratio(fit.radius_std, fit.line_radius_std));
+    ClaimPart::new(
+        "greatest std of R relative to the planned line's",
+        greatest(&to_line),
+        Relation::AtMost,
+        0.35,
+    )
+}
+
+/// Curvature of the path relative to the arc's, strokes 3 and 4: not too small, not too large.
+pub(super) fn curvature(measured: &Measured) -> [ClaimPart; 2] {
+    let closed = measured.each_fit(&CLOSED, |fit, _| Some(fit.curvature));
+    [
+        ClaimPart::new(
+            "least curvature relative to the arc's, strokes 3 and 4",
+            least(&closed),
+            Relation::AtLeast,
+            0.5,
+        ),
+        ClaimPart::new(
+            "greatest curvature relative to the arc's, strokes 3 and 4",
+            greatest(&closed),
+            Relation::AtMost,
+            1.5,
+        ),
+    ]
+}
+
+/// Variation of the grasp force within the window of strokes 3 and 4.
+pub(super) fn grip_variation(data: &RunData) -> ClaimPart {
+    let variation = each_finger(data, &CLOSED, |stroke, finger| {
+        grasp_force_variation(data, stroke, finger)
+    });
+    ClaimPart::new(
+        "greatest std of the grasp force relative to its mean",
+        greatest(&variation),
+        Relation::AtMost,
+        0.2,
+    )
+}
