@@ -10,7 +10,7 @@ const HEIGHT: f64 = 220.0;
 /// Left end of the axis.
 const LEFT: f64 = 44.0;
 /// Laws in one line of the legend.
-const PER_LINE: usize = 3;
+const PER_LINE: usize = 2;
 
 /// A group of bars for each claim, a bar for each law, with Wilson's interval.
 pub fn law_shares_figure(page: &LawSharesPage, number: u32) -> Figure {
@@ -21,7 +21,7 @@ pub fn law_shares_figure(page: &LawSharesPage, number: u32) -> Figure {
     let y = |share: f64| top + HEIGHT * (1.0 - share);
     let body = html! {
         @for (index, law) in page.laws.iter().enumerate() {
-            @let (x, y) = (LEFT + 220.0 * (index % PER_LINE) as f64, 8.0 + 24.0 * (index / PER_LINE) as f64);
+            @let (x, y) = (LEFT + 210.0 * (index % PER_LINE) as f64, 8.0 + 24.0 * (index / PER_LINE) as f64);
             rect x=(x) y=(y) width="14" height="14" fill=(finger_colour(index)) {}
             text x=(x + 20.0) y=(y + 12.0) font-size="13" { (law.law) }
         }
@@ -32,7 +32,10 @@ pub fn law_shares_figure(page: &LawSharesPage, number: u32) -> Figure {
         }
         @for (column, share) in of.iter().enumerate() {
             @let middle = LEFT + group * (column as f64 + 0.5);
-            text x=(middle) y=(y(0.0) + 18.0) text-anchor="middle" font-size="12" { (share.of) }
+            // Two lines, so that neighbours do not overlap.
+            @let (first, last) = share.of.rsplit_once(' ').unwrap_or((&share.of, ""));
+            text x=(middle) y=(y(0.0) + 16.0) text-anchor="middle" font-size="12" { (first) }
+            text x=(middle) y=(y(0.0) + 30.0) text-anchor="middle" font-size="12" { (last) }
         }
         @for (row, law) in page.laws.iter().enumerate() {
             @for (column, share) in law.shares.iter().enumerate() {
@@ -47,6 +50,6 @@ pub fn law_shares_figure(page: &LawSharesPage, number: u32) -> Figure {
     let title = "Share of hands in which each claim of any hand holds (%)";
     let caption =
         "A bar for each law, with Wilson's 95 % interval. All laws ran on the same hands.";
-    let svg = sheet(number, title, y(0.0) + 30.0, body);
+    let svg = sheet(number, title, y(0.0) + 42.0, body);
     Figure::still(number, title, caption, svg)
 }
