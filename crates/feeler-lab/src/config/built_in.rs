@@ -20,8 +20,9 @@ macro_rules! built_in {
 }
 
 /// The experiments that come with the program.
-pub const BUILT_IN: [BuiltIn; 13] = built_in![
+pub const BUILT_IN: [BuiltIn; 14] = built_in![
     "cap-closing",
+    "any-hand",
     "cap-opening",
     "cap-until-closed",
     "cap-closing-pins",

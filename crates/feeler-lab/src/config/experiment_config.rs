@@ -26,6 +26,10 @@ pub struct ExperimentConfig {
     /// Random seed.
     #[serde(default)]
     pub seed: u64,
+    /// Seed that the hand in this file was drawn for, if every seed draws another plausible hand; see
+    /// [`plausible_hand`](crate::sweep::plausible::plausible_hand). Drawn anew if it differs from `seed`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub plausible_hand: Option<i64>,
     /// Whether simulated forces go through rendered pictures.
     #[serde(default)]
     pub sensing: Sensing,

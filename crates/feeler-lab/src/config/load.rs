@@ -7,6 +7,7 @@ use super::experiment_config::ExperimentConfig;
 use super::missing::missing;
 use super::settings::put;
 use super::words::in_words;
+use crate::sweep::plausible::plausible_hand;
 use feeler::sensor::fingertip::FingertipConfig;
 use feeler::sensor::made_for::sha256;
 use feeler_record::PolicyFile;
@@ -91,13 +92,39 @@ impl Experiment {
             let origin = origin.to_string();
             return Err(ConfigError::OutOfRange { origin, problems });
         }
-        Ok(Self {
+        let experiment = Self {
             config,
             toml,
             folder,
             calibrations: BTreeMap::new(),
             policy: None,
-        })
+        };
+        match experiment.redrawn_hand()? {
+            None => Ok(experiment),
+            // What is set goes before what is drawn.
+            Some(drawn) => Self::parse(
+                &experiment.toml,
+                origin,
+                &[&drawn[..], settings].concat(),
+                experiment.folder,
+            ),
+        }
+    }
+
+    /// The settings of the plausible hand of this seed; `None` if the experiment draws none, or has it already.
+    fn redrawn_hand(&self) -> Result<Option<Vec<String>>, ConfigError> {
+        // A seed in a file is a TOML integer.
+        let seed = self.config.seed as i64;
+        if self.config.plausible_hand.is_none_or(|drawn| drawn == seed) {
+            return Ok(None);
+        }
+        let drawn = plausible_hand(self, self.config.seed);
+        let mut settings = drawn.map_err(|error| ConfigError::Setting {
+            setting: format!("plausible_hand={seed}"),
+            message: error.to_string(),
+        })?;
+        settings.push(format!("plausible_hand={seed}"));
+        Ok(Some(settings))
     }
 
     /// The same with `settings` put in, too.

@@ -15,6 +15,7 @@ pub mod law_shares;
 pub mod multiplier;
 pub mod parameter;
 pub mod plan;
+pub mod plausible;
 pub mod ranges;
 pub mod robustness;
 pub mod sensitivity;
