@@ -72,7 +72,7 @@ fn name(file: &Path) -> Result<&str, CommandError> {
 }
 
 /// The calibration files that are not beside `file` yet, as they may be of an experiment that was begun before.
-fn missing(
+pub(super) fn missing(
     file: &Path,
     texts: &BTreeMap<String, String>,
 ) -> Result<Vec<(PathBuf, String)>, CommandError> {

@@ -48,6 +48,7 @@ mod throttle;
 #[cfg(feature = "top")]
 pub mod top;
 mod trials;
+mod tune;
 mod urdf;
 mod view;
 mod warnings;
@@ -79,6 +80,7 @@ Examples:
   feeler sweep cap-closing --sensing direct --vary 'friction=uniform(0.3,1.2)' -o sweep
   feeler compare cap-closing -o compare       the paper's control law against others, on the same trials
   feeler robustness cap-closing -o robustness how much of it is luck of parameters
+  feeler tune my.toml --identified identified.toml --search 60 -o tuned.toml
   feeler locate untouched.png -o layout.toml --preview found.png
   feeler sense pictures/ --calibration my.calibration.toml -o forces.csv
   feeler sense xela_sensor1.csv --taxels uskin-4x4 -o forces.csv
@@ -111,6 +113,8 @@ enum Command {
     Compare(compare::Arguments),
     /// Vary uncertain parameters over plausible ranges: how often each claim holds, and what decides it.
     Robustness(robustness::Arguments),
+    /// Tune control and task of a screwing hand for its identified values; a new experiment file.
+    Tune(tune::Arguments),
     /// Score slip detectors against the simulator's truth; a page with their characteristics.
     ScoreSlip(score_slip::Arguments),
     /// Simulate grasps that hold or slip, as recordings with labels, for training slip detectors.
@@ -217,6 +221,7 @@ fn run_command(command: Command, out: &mut dyn Write) -> Result<Outcome, Command
         Command::Sweep(arguments) => sweep::sweep(&arguments, out),
         Command::Compare(arguments) => compare::compare(&arguments, out),
         Command::Robustness(arguments) => robustness::robustness(&arguments, out),
+        Command::Tune(arguments) => tune::tune(&arguments, out),
         Command::ScoreSlip(arguments) => score_slip::score_slip(&arguments, out),
         Command::SimulateGrasps(arguments) => simulate_grasps::simulate_grasps(&arguments, out),
         Command::List(arguments) => list::list(&arguments, out),

@@ -143,3 +143,45 @@ impl Drop for Working {
         self.0.finish_and_clear();
     }
 }
+
+/// A search with a budget of time, of runs, or of both.
+pub struct Search {
+    bar: ProgressBar,
+    start: Instant,
+    seconds: Option<f64>,
+    runs: Option<u64>,
+}
+
+impl Search {
+    /// A bar over the budget; hidden unless standard error is a terminal.
+    pub fn new(seconds: Option<f64>, runs: Option<u64>) -> Self {
+        let bar = ProgressBar::new(PARTS);
+        let style = ProgressStyle::with_template("{bar:32} {msg}, {elapsed}");
+        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+        bar.set_message("simulating");
+        bar.enable_steady_tick(TICK);
+        Self {
+            bar,
+            start: Instant::now(),
+            seconds,
+            runs,
+        }
+    }
+
+    /// Shows the number of finished runs and the best score.
+    pub fn show(&self, finished: u64, score: f64) {
+        let elapsed = self.start.elapsed().as_secs_f64();
+        let time = self.seconds.map_or(0.0, |seconds| elapsed / seconds);
+        let runs = self.runs.map_or(0.0, |runs| finished as f64 / runs as f64);
+        let part = PARTS as f64 * time.max(runs).min(1.0);
+        self.bar.set_position(part as u64);
+        self.bar
+            .set_message(format!("{finished} runs, score {score:.2}"));
+    }
+}
+
+impl Drop for Search {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}

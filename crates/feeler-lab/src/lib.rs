@@ -8,3 +8,4 @@ pub mod grasps;
 pub mod identify;
 pub mod sensor;
 pub mod sweep;
+pub mod tune;

@@ -34,6 +34,7 @@ pub mod sweep_page;
 pub mod tasks;
 pub mod text;
 pub mod thinned;
+pub mod tune_page;
 pub mod wrench_page;
 
 pub use claim::{Claim, ClaimPart, DecidedBy, Relation, Verdict};

@@ -49,6 +49,7 @@ mod simulated_grasps;
 #[path = "../../../feeler-lab/tests/support/skip.rs"]
 mod skip;
 mod sweep;
+mod tune;
 mod urdf;
 
 use assert_no_alloc::AllocDisabler;

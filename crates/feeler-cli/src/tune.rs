@@ -1,0 +1,149 @@
+//! `feeler tune`
+
+use super::init::missing;
+use super::interrupt::watch_for_interrupt;
+use super::part_file::{Outputs, Overwrite};
+use super::progress::Search;
+use super::trials::{jobs, parse_seed};
+use super::{CommandError, Outcome};
+use feeler_lab::config::Experiment;
+use feeler_lab::tune::hand::read_identified;
+use feeler_lab::tune::outcome::{TuneOptions, tune as tuned};
+use feeler_lab::tune::search::{Budget, GENERATION};
+use feeler_report::robustness_page::percent;
+use feeler_report::tune_page::{TunePage, tune_page};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// Longest search, s: a week.
+const MAX_SECONDS: f64 = 604_800.0;
+
+const EXAMPLES: &str = "\
+The rules and their reasons are in docs/tuning.md. The written experiment differs from the given one in the tuned values alone, each with a
+comment that says where it came from. A search is simulated in [sim] of the experiment; a page with the predicted success is written
+beside the output. Ctrl-C ends a search and keeps the best settings so far.
+
+Examples:
+  feeler tune my.toml --identified identified.toml -o tuned.toml
+  feeler tune my.toml --identified identified.toml --search 60 -o tuned.toml
+  feeler tune my.toml --identified identified.toml --evaluations 6000 -o tuned.toml     the same settings each time";
+
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Arguments {
+    /// An experiment file with [task.screw], or the name of a built-in experiment.
+    experiment: String,
+    /// Identified values of this experiment's hand (TOML). Required: `feeler tune` does not identify a hand itself yet.
+    #[arg(long, value_name = "FILE")]
+    identified: PathBuf,
+    /// Duration of a search that improves the rules' settings in simulation, s.
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    search: Option<f64>,
+    /// Largest number of runs that the search simulates, which makes it reproducible.
+    #[arg(long, value_name = "RUNS", value_parser = clap::value_parser!(u64).range(GENERATION..=1_000_000_000))]
+    evaluations: Option<u64>,
+    /// Rated force of a sensing element, N [default: that of equal elastic energy, 0.505 N at 205 N/m]
+    #[arg(long, value_name = "N", value_parser = force)]
+    rated_force: Option<f64>,
+    /// Random seed.
+    #[arg(long, default_value_t = 0, value_parser = parse_seed)]
+    seed: u64,
+    /// Number of simulated runs at a time [default: one for each core]
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1024))]
+    jobs: Option<u64>,
+    /// The tuned experiment file; its page is written beside it.
+    #[arg(short, long, value_name = "FILE.toml")]
+    output: PathBuf,
+    #[command(flatten)]
+    overwrite: Overwrite,
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    let number = text
+        .parse()
+        .ok()
+        .filter(|s: &f64| *s > 0.0 && *s <= MAX_SECONDS);
+    number.ok_or_else(|| format!("expected a duration above 0 s, at most {MAX_SECONDS} s"))
+}
+
+fn force(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|f: &f64| *f > 0.0 && *f <= 1e3);
+    number.ok_or_else(|| "expected a force above 0 N, at most 1000 N".to_string())
+}
+
+pub fn tune(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
+    let output = &arguments.output;
+    let page_path = output.with_extension("html");
+    if page_path == *output {
+        let output = output.display();
+        return Err(format!("--output {output}: expected a name that ends in .toml").into());
+    }
+    let experiment = Experiment::load(&arguments.experiment, &[])?;
+    let identified = read_identified(&arguments.identified, &experiment)?;
+    let inputs = [Path::new(&arguments.experiment), &arguments.identified].map(Some);
+    let mut outputs = Outputs::new(arguments.overwrite, inputs);
+    let calibrations = missing(output, &experiment.calibration_texts()?)?;
+    let file = outputs.create(output, "--output")?;
+    let page_file = outputs.create(&page_path, "--output")?;
+    let stop = watch_for_interrupt()?;
+    let bar = Search::new(arguments.search, arguments.evaluations);
+    let mut show = |runs, score| bar.show(runs, score);
+    let tuned = tuned(
+        &experiment,
+        &identified,
+        &options(arguments),
+        &stop,
+        &mut show,
+    )?;
+    drop(bar);
+    for (path, text) in &calibrations {
+        outputs
+            .create(path, "calibration")?
+            .finish(text.as_bytes())?;
+    }
+    page_file.finish(tune_page(&tuned.page).as_bytes())?;
+    file.finish(tuned.experiment.toml.as_bytes())?;
+    print(&tuned.page, out)?;
+    for path in calibrations
+        .iter()
+        .map(|(path, _)| path)
+        .chain([output, &page_path])
+    {
+        writeln!(out, "{}", path.display())?;
+    }
+    if tuned.interrupted {
+        writeln!(out, "interrupted: the best settings so far are kept")?;
+        return Ok(Outcome::GivenUp);
+    }
+    Ok(Outcome::Done)
+}
+
+fn options(arguments: &Arguments) -> TuneOptions {
+    let (time, runs) = (arguments.search, arguments.evaluations);
+    let searches = time.is_some() || runs.is_some();
+    TuneOptions {
+        rated_force: arguments.rated_force,
+        search: searches.then(|| Budget {
+            time: time.map(Duration::from_secs_f64),
+            runs,
+        }),
+        seed: arguments.seed,
+        jobs: jobs(arguments.jobs),
+    }
+}
+
+/// The settings and the predicted success, for a terminal.
+fn print(page: &TunePage, out: &mut dyn Write) -> std::io::Result<()> {
+    for row in &page.settings {
+        writeln!(
+            out,
+            "{} = {} {} (was {})",
+            row.key, row.after, row.unit, row.before
+        )?;
+    }
+    if let Some(predicted) = page.predicted() {
+        writeln!(out, "predicted success: {}", percent(predicted))?;
+    }
+    Ok(())
+}

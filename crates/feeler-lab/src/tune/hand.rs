@@ -1,0 +1,184 @@
+//! The hand that settings are computed for: identified values, checked, with what the experiment itself defines.
+
+use super::TuneError;
+use crate::config::Experiment;
+use crate::identify::{Estimate, FingerEstimates, Identified};
+use feeler::check::Checker;
+use feeler::control::task::TaskConfig;
+use feeler::control::task::screw::ScrewConfig;
+use std::fs;
+use std::path::Path;
+
+/// Rated force of an element (N) of the reference stiffness (N/m).
+const RATED: (f64, f64) = (0.505, 205.0);
+
+/// Quantities that the rules use, SI units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hand {
+    /// Contact stiffness of an element along its axis, N/m.
+    pub normal_stiffness: f64,
+    /// Contact stiffness of an element across its axis, N/m.
+    pub shear_stiffness: f64,
+    /// Coefficient of static friction.
+    pub static_friction: f64,
+    /// Coefficient of kinetic friction.
+    pub kinetic_friction: f64,
+    /// Time constant of the drives, s.
+    pub servo_lag: f64,
+    /// Standard deviation of the noise of one component of an element's force, N.
+    pub force_noise: f64,
+    /// Distance of a dome's centre from the object's axis at the first touch, m.
+    pub contact_radius: f64,
+    /// Largest force that an element is rated for, N.
+    pub rated_force: f64,
+    /// Control period, s.
+    pub period: f64,
+    /// Axis about which the object turns, m, x and y in W.
+    pub pivot: [f64; 2],
+}
+
+impl Hand {
+    /// The hand of `experiment` as it was `identified`. Values of several fingers are averaged, as they share one
+    /// `[control]`. Without `rated_force` (N), [`rated_force`] estimates it.
+    ///
+    /// # Errors
+    /// If the experiment has no `[task.screw]` that counts its strokes under the paper's law.
+    pub fn new(
+        experiment: &Experiment,
+        identified: &Identified,
+        rated: Option<f64>,
+    ) -> Result<Self, TuneError> {
+        screw(experiment)?;
+        let mean = |estimate: fn(&FingerEstimates) -> &Estimate| {
+            let values = identified.finger.iter().map(|f| estimate(f).value);
+            values.sum::<f64>() / identified.finger.len() as f64
+        };
+        let normal_stiffness = mean(|f| &f.normal_stiffness);
+        let dome_radius = experiment.fingertip(None)?.layout.dome_radius;
+        let object = &identified.object;
+        Ok(Self {
+            normal_stiffness,
+            shear_stiffness: mean(|f| &f.shear_stiffness),
+            static_friction: mean(|f| &f.static_friction),
+            kinetic_friction: mean(|f| &f.kinetic_friction),
+            servo_lag: mean(|f| &f.servo_lag),
+            force_noise: mean(|f| &f.force_noise),
+            contact_radius: object.radius.value + dome_radius,
+            rated_force: rated.unwrap_or_else(|| rated_force(normal_stiffness)),
+            period: experiment.config.control.period,
+            pivot: [object.pivot_x.value, object.pivot_y.value],
+        })
+    }
+}
+
+/// Rated force (N) of an element of `normal_stiffness` (N/m): the force at which it stores as much elastic energy,
+/// F²/(2 k), as the reference element does at its rating.
+pub fn rated_force(normal_stiffness: f64) -> f64 {
+    let (force, stiffness) = RATED;
+    force * (normal_stiffness / stiffness).sqrt()
+}
+
+/// The screw task of `experiment`.
+///
+/// # Errors
+/// If the task is another one, or its law is not the paper's.
+pub fn screw(experiment: &Experiment) -> Result<&ScrewConfig, TuneError> {
+    let config = &experiment.config;
+    let refuse = |message: String| TuneError::Untunable {
+        name: config.name.clone(),
+        message,
+    };
+    let TaskConfig::Screw(screw) = &config.task else {
+        let task = config.task.name();
+        return Err(refuse(format!(
+            "its task is {task}; expected an experiment with [task.screw]"
+        )));
+    };
+    let law = config.control.law.name();
+    if law != PAPERS_LAW || !config.task.takes_law() {
+        return Err(refuse(format!(
+            "its control law is {law:?}, its strokes end {:?}; expected {PAPERS_LAW:?} and strokes that are counted, which the rules are for",
+            screw.until
+        )));
+    }
+    Ok(screw)
+}
+
+/// The law that the rules are for.
+const PAPERS_LAW: &str = "tri-axial";
+
+/// Reads the identified values of the hand of `experiment`.
+///
+/// # Errors
+/// If the file cannot be read, a value is out of its range, or the values are of another experiment.
+pub fn read_identified(path: &Path, experiment: &Experiment) -> Result<Identified, TuneError> {
+    let text = fs::read_to_string(path).map_err(|source| TuneError::Read {
+        path: path.to_path_buf(),
+        source,
+    })?;
+    let refuse = |message: String| TuneError::Identified {
+        path: path.to_path_buf(),
+        message: message.trim_end().to_string(),
+    };
+    let identified: Identified = toml::from_str(&text).map_err(|e| refuse(e.to_string()))?;
+    let name = &experiment.config.name;
+    if identified.experiment != *name {
+        return Err(refuse(format!(
+            "values of the experiment {:?}; expected those of {name:?}",
+            identified.experiment
+        )));
+    }
+    let (found, expected) = (identified.finger.len(), experiment.config.hand.finger.len());
+    if found != expected {
+        return Err(refuse(format!(
+            "values of {found} fingers; expected {expected}, as the hand of {name} has"
+        )));
+    }
+    let mut checker = Checker::default();
+    check(&identified, &mut checker);
+    let problems = checker.problems();
+    if problems.is_empty() {
+        return Ok(identified);
+    }
+    let lines = problems.iter().map(|problem| format!("\n  {problem}"));
+    Err(refuse(format!(
+        "out of range:{}",
+        lines.collect::<String>()
+    )))
+}
+
+/// Requires every estimate to be physically possible.
+fn check(identified: &Identified, checker: &mut Checker) {
+    let object = &identified.object;
+    let mut estimates = vec![
+        ("object.pivot_x".to_string(), &object.pivot_x, -10.0, 10.0),
+        ("object.pivot_y".to_string(), &object.pivot_y, -10.0, 10.0),
+        ("object.radius".to_string(), &object.radius, 1e-3, 1.0),
+    ];
+    for (index, finger) in identified.finger.iter().enumerate() {
+        let own = [
+            ("force_noise", &finger.force_noise, 0.0, 10.0),
+            ("normal_stiffness", &finger.normal_stiffness, 1.0, 1e6),
+            ("shear_stiffness", &finger.shear_stiffness, 1.0, 1e6),
+            ("static_friction", &finger.static_friction, 0.01, 10.0),
+            ("kinetic_friction", &finger.kinetic_friction, 0.01, 10.0),
+            ("servo_lag", &finger.servo_lag, 0.0, 1.0),
+        ];
+        let own = own.map(|(key, e, low, high)| (format!("finger[{index}].{key}"), e, low, high));
+        estimates.extend(own);
+    }
+    for (
+        key,
+        Estimate {
+            value, low, high, ..
+        },
+        least,
+        most,
+    ) in estimates
+    {
+        checker.between(&format!("{key}.value"), *value, least, most);
+        let ordered = low.is_finite() && high.is_finite() && low <= value && value <= high;
+        let expected = format!("low <= {value} <= high");
+        checker.require(&key, format!("[{low}, {high}]"), ordered, &expected);
+    }
+}

@@ -1,0 +1,217 @@
+//! The settings that are tuned, computed by the rules and put into an experiment.
+
+use super::hand::Hand;
+use super::rules::{RULES, SETTINGS, groups};
+use crate::config::ExperimentConfig;
+use feeler::control::task::TaskConfig;
+use glam::DVec2;
+
+/// Largest travel of a stroke, m: "within 10 mm" (paper, section V.B).
+const MAX_TRAVEL: f64 = 0.010;
+/// Share of `control.limits.fingertip_speed` that a commanded speed may take.
+const MAX_SPEED_SHARE: f64 = 0.9;
+/// F1 relative to F2, as in the reference experiment.
+const TOUCH: f64 = 0.2;
+/// Significant digits of a setting.
+const DIGITS: usize = 4;
+
+/// Settings of `[control]` and `[task.screw]`, SI units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// F2, N.
+    pub over_force: f64,
+    /// v_m, m/s.
+    pub move_speed: f64,
+    /// dr, N/s.
+    pub slip_threshold: f64,
+    /// v_r, m/s.
+    pub recompression_speed: f64,
+    /// Grasp force below which a moving finger is re-compressed, N.
+    pub minimum_grasp_force: f64,
+    /// Grasp force at which a searching finger stops, N.
+    pub grasp_force: f64,
+    /// v_0, m/s.
+    pub search_speed: f64,
+    /// Length of the stroke, m.
+    pub travel: f64,
+    /// Distance by which the stroke begins before the point where it is tangent to the object, m.
+    pub start: f64,
+    /// F1, N.
+    pub touch_force: f64,
+}
+
+impl Settings {
+    /// The settings for `hand`, with the coefficient of each rule times the exponential of its entry of `offsets`:
+    /// zeros for the rules themselves. `fingertip_speed` (m/s) is the limit of commanded speeds.
+    pub fn new(hand: &Hand, offsets: &[f64; SETTINGS], fingertip_speed: f64) -> Self {
+        let groups = groups(hand);
+        let mut ratios = [0.0; SETTINGS];
+        for ((ratio, rule), offset) in ratios.iter_mut().zip(&RULES).zip(offsets) {
+            *ratio = rule.value(&groups) * offset.exp();
+        }
+        let [
+            over,
+            speed,
+            slip,
+            recompression,
+            weak,
+            grasp,
+            search,
+            travel,
+            start,
+        ] = ratios;
+        let most = MAX_SPEED_SHARE * fingertip_speed;
+        let over_force = hand.rated_force * over.min(1.0);
+        let move_speed = (speed * hand.contact_radius / hand.period).min(most);
+        let settings = Self {
+            over_force,
+            move_speed,
+            slip_threshold: slip * hand.shear_stiffness * move_speed,
+            recompression_speed: (recompression * move_speed).min(most),
+            minimum_grasp_force: weak * over_force,
+            grasp_force: grasp * over_force,
+            search_speed: (search * move_speed).min(most),
+            travel: (travel * hand.contact_radius).min(MAX_TRAVEL),
+            start: start * hand.contact_radius,
+            touch_force: TOUCH * over_force,
+        };
+        settings.rounded()
+    }
+
+    fn rounded(self) -> Self {
+        Self {
+            over_force: rounded(self.over_force),
+            move_speed: rounded(self.move_speed),
+            slip_threshold: rounded(self.slip_threshold),
+            recompression_speed: rounded(self.recompression_speed),
+            minimum_grasp_force: rounded(self.minimum_grasp_force),
+            grasp_force: rounded(self.grasp_force),
+            search_speed: rounded(self.search_speed),
+            travel: rounded(self.travel),
+            start: rounded(self.start),
+            touch_force: rounded(self.touch_force),
+        }
+    }
+
+    /// Puts the settings into `config`, a screw task about an object that turns about `pivot` (m, x and y in W).
+    pub fn apply(&self, config: &mut ExperimentConfig, pivot: [f64; 2]) {
+        let control = &mut config.control;
+        control.over_force = self.over_force;
+        control.touch_force = self.touch_force;
+        control.slip_threshold = self.slip_threshold;
+        control.recompression_speed = self.recompression_speed;
+        control.minimum_grasp_force = self.minimum_grasp_force;
+        let TaskConfig::Screw(screw) = &mut config.task else {
+            return;
+        };
+        screw.grasp_force = self.grasp_force;
+        screw.search_speed = self.search_speed;
+        screw.move_speed = self.move_speed;
+        screw.travel = self.travel;
+        for finger in &mut screw.finger {
+            finger.home = home(finger.home, finger.stroke, pivot, self.start);
+        }
+    }
+}
+
+/// The `home` of a finger (m, in W), moved along its `stroke` so that the stroke begins `start` before the point where
+/// it is tangent to an object about `pivot`.
+fn home(home: [f64; 3], stroke: [f64; 3], pivot: [f64; 2], start: f64) -> [f64; 3] {
+    let along = DVec2::new(stroke[0], stroke[1]).normalize_or_zero();
+    let from_pivot = DVec2::new(home[0] - pivot[0], home[1] - pivot[1]);
+    let moved = from_pivot - (from_pivot.dot(along) + start) * along;
+    let place = |x: f64| (x * 1e6).round() / 1e6;
+    [
+        place(pivot[0] + moved.x),
+        place(pivot[1] + moved.y),
+        home[2],
+    ]
+}
+
+/// `value` with [`DIGITS`] significant digits.
+fn rounded(value: f64) -> f64 {
+    let text = format!("{value:.*e}", DIGITS - 1);
+    text.parse().unwrap_or(value)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HAND: Hand = Hand {
+        normal_stiffness: 205.0,
+        shear_stiffness: 127.0,
+        static_friction: 1.14,
+        kinetic_friction: 0.78,
+        servo_lag: 0.0125,
+        force_noise: 0.002,
+        contact_radius: 0.032,
+        rated_force: 0.505,
+        period: 0.01,
+        pivot: [0.0, 0.0],
+    };
+
+    /// Other units of length, force and time change no group, and settings by their own units alone.
+    #[test]
+    fn rules_are_dimensionally_consistent() {
+        let (metre, newton, second) = (0.7, 3.0, 1.25);
+        let scaled = Hand {
+            normal_stiffness: HAND.normal_stiffness * newton / metre,
+            shear_stiffness: HAND.shear_stiffness * newton / metre,
+            servo_lag: HAND.servo_lag * second,
+            force_noise: HAND.force_noise * newton,
+            contact_radius: HAND.contact_radius * metre,
+            rated_force: HAND.rated_force * newton,
+            period: HAND.period * second,
+            ..HAND
+        };
+        for (a, b) in groups(&HAND).into_iter().zip(groups(&scaled)) {
+            assert!((a / b - 1.0).abs() < 1e-12, "{a} {b}");
+        }
+        let (a, b) = (
+            Settings::new(&HAND, &[0.0; SETTINGS], 1e3),
+            Settings::new(&scaled, &[0.0; SETTINGS], 1e3),
+        );
+        let pairs = [
+            (a.over_force * newton, b.over_force),
+            (a.move_speed * metre / second, b.move_speed),
+            (a.slip_threshold * newton / second, b.slip_threshold),
+            (
+                a.recompression_speed * metre / second,
+                b.recompression_speed,
+            ),
+            (a.minimum_grasp_force * newton, b.minimum_grasp_force),
+            (a.grasp_force * newton, b.grasp_force),
+            (a.search_speed * metre / second, b.search_speed),
+            (a.travel * metre, b.travel),
+            (a.start * metre, b.start),
+            (a.touch_force * newton, b.touch_force),
+        ];
+        for (expected, scaled) in pairs {
+            // Four significant digits each.
+            assert!(
+                (scaled / expected - 1.0).abs() < 2e-3,
+                "{expected} {scaled}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_stroke_begins_before_the_tangent_point_of_an_object_off_its_place() {
+        let moved = home(
+            [-0.038, 0.00195, 0.1],
+            [0.0, -2.0, 0.0],
+            [0.001, 0.002],
+            0.003,
+        );
+        assert_eq!(moved, [-0.038, 0.005, 0.1]);
+    }
+
+    #[test]
+    fn settings_respect_rating_paper_and_limits() {
+        let settings = Settings::new(&HAND, &[3.0; SETTINGS], 0.05);
+        assert_eq!(settings.over_force, HAND.rated_force);
+        assert_eq!(settings.travel, 0.010);
+        assert_eq!(settings.move_speed, 0.045);
+    }
+}
