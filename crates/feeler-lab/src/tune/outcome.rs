@@ -5,7 +5,7 @@ use super::hand::Hand;
 use super::judge::CLAIM_IDS;
 use super::predict::Prediction;
 use super::rules::SETTINGS;
-use super::search::{Budget, Problem, search};
+use super::search::{Budget, Found, Problem, search};
 use super::settings::Settings;
 use super::uncertainty::Uncertainty;
 use super::write::{Change, Origin, changes, tuned};
@@ -53,15 +53,13 @@ pub fn tune(
     progress: &mut dyn FnMut(u64, f64),
 ) -> Result<Tuned, TuneError> {
     let hand = Hand::new(experiment, identified, options.rated_force)?;
-    let limit = experiment.config.control.limits.fingertip_speed;
-    let rules = Settings::new(&hand, &[0.0; SETTINGS], limit);
+    let fingertip_speed = experiment.config.control.limits.fingertip_speed;
     if experiment.config.sim.is_none() && options.search.is_none() {
+        let rules = Settings::new(&hand, &[0.0; SETTINGS], fingertip_speed);
         let changes = changes(experiment, &rules, hand.pivot)?;
-        let page = page(experiment, options, &changes);
-        let experiment = tuned(experiment, &changes, Origin::Rules)?;
         return Ok(Tuned {
-            experiment,
-            page,
+            experiment: tuned(experiment, &changes, Origin::Rules)?,
+            page: page(experiment, options, &changes),
             interrupted: false,
         });
     }
@@ -69,7 +67,7 @@ pub fn tune(
     let problem = Problem {
         hand,
         uncertainty: &uncertainty,
-        fingertip_speed: limit,
+        fingertip_speed,
         jobs: options.jobs,
         stop,
     };
@@ -77,38 +75,61 @@ pub fn tune(
         Some(budget) => Some(search(&problem, budget, options.seed, progress)?),
         None => None,
     };
-    // What was found until Ctrl-C is judged all the same; a second one is the system's.
-    let interrupted = stop.swap(false, Ordering::Relaxed);
-    let predict = |settings: Option<&Settings>| Prediction::new(&problem, settings, PREDICTED);
-    let (before, by_rules) = (predict(None)?, predict(Some(&rules))?);
-    let by_search = match &found {
-        Some(found) => predict(Some(&found.settings))?,
-        None => None,
-    };
-    let rules_are_better = match (&by_rules, &by_search) {
-        (Some(by_rules), Some(by_search)) => by_rules.score() >= by_search.score(),
-        _ => false,
-    };
-    let (settings, after, origin) = match &found {
-        Some(found) if !rules_are_better => (found.settings, by_search, Origin::Search),
-        _ => (rules, by_rules.clone(), Origin::Rules),
-    };
-    let changes = changes(experiment, &settings, hand.pivot)?;
+    // What was found until Ctrl-C is judged all the same; a second one leaves that out.
+    let mut interrupted = stop.swap(false, Ordering::Relaxed);
+    let choice = Choice::new(&problem, found)?;
+    interrupted |= stop.load(Ordering::Relaxed);
+    let changes = changes(experiment, &choice.settings, hand.pivot)?;
     let mut page = page(experiment, options, &changes);
     page.runs = found.map_or(0, |found| found.runs);
-    page.by_search = origin == Origin::Search;
-    if let (Some(before), Some(by_rules), Some(after)) = (before, by_rules, after) {
+    page.by_search = choice.origin == Origin::Search;
+    if let Some([before, by_rules, after]) = &choice.predictions {
         page.draws = PREDICTED;
-        page.successes = [&before, &by_rules, &after].map(Prediction::successes);
-        page.claims = claim_rows(&before, &after);
-        page.costs = cost_rows(&uncertainty, &after);
+        page.successes = [before, by_rules, after].map(Prediction::successes);
+        page.claims = claim_rows(before, after);
+        page.costs = cost_rows(&uncertainty, after);
     }
-    let experiment = tuned(experiment, &changes, origin)?;
     Ok(Tuned {
-        experiment,
+        experiment: tuned(experiment, &changes, choice.origin)?,
         page,
         interrupted,
     })
+}
+
+/// The better settings of rules and search.
+struct Choice {
+    settings: Settings,
+    origin: Origin,
+    /// With the experiment's own settings, by the rules, with the chosen ones; `None` if they were interrupted.
+    predictions: Option<[Prediction; 3]>,
+}
+
+impl Choice {
+    /// Compares the rules with what was `found`. Without predictions, what was found is taken.
+    fn new(problem: &Problem<'_>, found: Option<Found>) -> Result<Self, TuneError> {
+        let rules = problem.settings(&[0.0; SETTINGS]);
+        let candidate = found.map_or(rules, |found| found.settings);
+        let predict = |settings: Option<&Settings>| Prediction::new(problem, settings, PREDICTED);
+        let predicted = [None, Some(&rules), Some(&candidate)].map(predict);
+        let [before, by_rules, by_search] = predicted;
+        let predictions = (before?.zip(by_rules?).zip(by_search?))
+            .map(|((before, by_rules), by_search)| [before, by_rules, by_search]);
+        let is_better =
+            |[_, by_rules, by_search]: &[Prediction; 3]| by_search.score() > by_rules.score();
+        if found.is_some() && predictions.as_ref().is_none_or(is_better) {
+            return Ok(Self {
+                settings: candidate,
+                origin: Origin::Search,
+                predictions,
+            });
+        }
+        Ok(Self {
+            settings: rules,
+            origin: Origin::Rules,
+            predictions: predictions
+                .map(|[before, by_rules, _]| [before, by_rules.clone(), by_rules]),
+        })
+    }
 }
 
 /// A page without predictions.
