@@ -63,7 +63,7 @@ fn the_tuned_file_differs_in_tuned_values_alone_and_runs() {
     let page = document(&folder.join("tuned.html"));
     for word in [
         "predicted success",
-        "control.over_force",
+        "control.slip_threshold",
         "pivot y",
         "path-is-curved",
     ] {
