@@ -45,7 +45,7 @@ fn main() -> Result<(), AnyError> {
     let hands = hands(count, hand_seed)?;
     let (mut by_rules, mut by_search) = (Vec::new(), Vec::new());
     for (index, hand) in hands.iter().enumerate() {
-        let seed = hand_seed << 20 | index as u64;
+        let seed = (hand_seed << 20) | index as u64;
         let identified = identified(hand, seed)?;
         let known = Hand::new(hand, &identified, None)?;
         let limit = hand.config.control.limits.fingertip_speed;

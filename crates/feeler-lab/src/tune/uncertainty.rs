@@ -1,7 +1,7 @@
 //! What remains uncertain of an identified hand, and draws of it.
 
 use super::TuneError;
-use crate::config::Experiment;
+use crate::config::{ConfigError, Experiment};
 use crate::identify::{Estimate, FingerEstimates, Identified};
 use crate::sweep::SweepError;
 use crate::sweep::parameter::{Parameter, settings};
@@ -92,7 +92,7 @@ impl Uncertainty {
         &self,
         index: u64,
         attempt: u64,
-    ) -> Result<Result<Draw, Box<crate::config::ConfigError>>, SweepError> {
+    ) -> Result<Result<Draw, Box<ConfigError>>, SweepError> {
         let random = |name: &str| generator(self.seed, index, &format!("tune {attempt} {name}"));
         let draw = |p: &Parameter| p.distribution.draw(&mut random(&p.name), p.whole);
         let texts: Vec<String> = self.parameters.iter().map(draw).collect();
