@@ -168,6 +168,7 @@ fn identified_entries(identified: &Identified, cap: &str) -> Vec<Entry> {
             .map(|key| Link { key, factor: 1.0 })
             .collect(),
         of: None,
+        power: None,
         range: format!("uniform({low:?}, {high:?})"),
         why: "95 % interval of the identified value".to_string(),
     };

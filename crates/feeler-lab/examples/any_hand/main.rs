@@ -1,0 +1,181 @@
+//! On how many plausible hands a control law works, and what torque it reaches, with caps of other shapes and places.
+//!
+//! ```sh
+//! cargo run --release --example any_hand -- pivot 200 5000 3
+//! cargo run --release --example any_hand -- tri-axial 200 5000 3 middle
+//! ```
+//!
+//! Arguments: the law; number of hands; number of the first hand; runs of each hand, which differ in their seeds; and any of
+//! the names of [`Variant`] (default: all). A hand counts if all five claims of any hand hold in each of its runs. Torque is
+//! that to which the cap is tightened, relative to the largest one that a circular path reaches without overload
+//! ([`oracle`]); that takes ten runs of a hand, and only the middle variant has it.
+
+mod oracle;
+mod variant;
+
+use feeler_lab::config::Experiment;
+use feeler_lab::experiment::truth::Truth;
+use feeler_lab::experiment::{Pictures, Session};
+use feeler_record::RunLog;
+use feeler_report::Summary;
+use feeler_report::claims::of_any_hand;
+use feeler_report::figures::sweep::wilson;
+use feeler_report::long_run::RunRecorder;
+use std::error::Error;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
+use variant::Variant;
+
+type AnyError = Box<dyn Error + Send + Sync>;
+
+/// What came of a run.
+struct Outcome {
+    /// Whether each claim of any hand holds.
+    holds: Vec<bool>,
+    /// Torque to which the cap is tightened, N·m.
+    torque: f64,
+    /// Whether no element was overloaded.
+    unharmed: bool,
+}
+
+fn main() -> Result<(), AnyError> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let [law, hands, first, runs, variants @ ..] = &arguments[..] else {
+        return Err("expected: LAW HANDS FIRST_HAND RUNS [VARIANT…]".into());
+    };
+    let (hands, first, runs) = (
+        hands.parse::<u64>()?,
+        first.parse::<u64>()?,
+        runs.parse::<u64>()?,
+    );
+    println!("| cap | follows | curved | grip | no overload | closed | all five, every run |");
+    println!("|---|---|---|---|---|---|---|");
+    for variant in Variant::chosen(variants)? {
+        let of_hands = in_parallel(first..first + hands, |hand| {
+            (0..runs)
+                .map(|run| of_run(law, variant, hand, run))
+                .collect::<Result<Vec<_>, _>>()
+        })?;
+        println!("{}", row(variant, &of_hands));
+    }
+    let middle = Variant::chosen(variants)?.contains(&Variant::Middle);
+    if middle {
+        let ratios = in_parallel(first..first + hands, |hand| torque_ratio(law, hand))?;
+        print_torque(ratios.into_iter().flatten().collect());
+    }
+    Ok(())
+}
+
+/// The table's row of a variant.
+fn row(variant: Variant, hands: &[Vec<Outcome>]) -> String {
+    let share = |holds: &dyn Fn(&Outcome) -> bool| {
+        let count = hands.iter().filter(|runs| runs.iter().all(holds)).count();
+        let (low, high) = wilson(count as u64, hands.len() as u64);
+        let percent = |share: f64| 100.0 * share;
+        let part = percent(count as f64 / hands.len() as f64);
+        format!("{part:.1} [{:.1}, {:.1}]", percent(low), percent(high))
+    };
+    let claims = (0..5).map(|claim| share(&|outcome| outcome.holds[claim]));
+    let all = share(&|outcome| outcome.holds.iter().all(|holds| *holds));
+    let cells: Vec<_> = claims.chain([all]).collect();
+    format!("| {} | {} |", variant.name(), cells.join(" | "))
+}
+
+/// One run of a hand. Its seed differs from the hand's, so that the bottle's place and friction vary from run to run.
+fn of_run(law: &str, variant: Variant, hand: u64, run: u64) -> Result<Outcome, AnyError> {
+    let experiment = experiment(law, variant, hand, run)?;
+    let mut session = Session::drawing(&experiment, Pictures::Sensed)?;
+    outcome(&mut session, &experiment, variant)
+}
+
+/// The experiment of a hand under `law`.
+fn experiment(law: &str, variant: Variant, hand: u64, run: u64) -> Result<Experiment, AnyError> {
+    let drawn = Experiment::load("any-hand", &[format!("seed={hand}")])?;
+    let mut settings = variant.settings(&drawn, hand);
+    // The hand is drawn; a seed of its own for each run must not draw another.
+    let seed = hand + 1_000_000 * (run + 1);
+    settings.extend([format!("seed={seed}"), format!("plausible_hand={seed}")]);
+    settings.push(format!("control.law={law}"));
+    Ok(drawn.with_settings(&settings)?)
+}
+
+/// Runs a session to its end.
+fn outcome(
+    session: &mut Session,
+    experiment: &Experiment,
+    variant: Variant,
+) -> Result<Outcome, AnyError> {
+    let facts = session.facts(&experiment.config);
+    let mut log = RunLog::new(RunRecorder::new(&facts)?, &facts)?;
+    while !session.finished() {
+        let instruments = session.step()?;
+        instruments.record(session.control_loop(), &mut log)?;
+    }
+    let (recording, data) = log.into_recorder().finish();
+    let strokes = data.stroke_measures();
+    let claims = of_any_hand(&data, &strokes);
+    let mut holds: Vec<_> = claims.iter().map(|claim| claim.holds).collect();
+    if variant == Variant::Opening {
+        // In place of closing: the last stroke turns the cap, by at least half of what the fingers' way about it is.
+        let turn = Summary::new(&recording, &data)
+            .strokes
+            .last()
+            .and_then(|s| s.cap_turn);
+        holds[4] = turn.is_some_and(|turn| turn < -0.15);
+    }
+    Ok(Outcome {
+        unharmed: holds[3],
+        holds,
+        torque: Truth::of(session).cap_torque.unwrap_or(0.0),
+    })
+}
+
+/// Torque reached by `law` over the oracle's, if a circular path turns the cap at all.
+fn torque_ratio(law: &str, hand: u64) -> Result<Option<f64>, AnyError> {
+    let experiment = experiment(law, Variant::Middle, hand, 0)?;
+    let reached = of_run(law, Variant::Middle, hand, 0)?.torque;
+    let most = oracle::largest_torque(&experiment)?;
+    Ok(most.map(|most| reached / most))
+}
+
+fn print_torque(mut ratios: Vec<f64>) {
+    ratios.sort_by(f64::total_cmp);
+    let at = |part: f64| ratios[((ratios.len() - 1) as f64 * part) as usize];
+    if !ratios.is_empty() {
+        println!(
+            "\ntorque over the oracle's, {} hands: 10 % {:.3}, median {:.3}, 90 % {:.3}",
+            ratios.len(),
+            at(0.1),
+            at(0.5),
+            at(0.9)
+        );
+    }
+}
+
+/// What `work` makes of each hand, in order, on all processors.
+fn in_parallel<T: Send>(
+    hands: std::ops::Range<u64>,
+    work: impl Fn(u64) -> Result<T, AnyError> + Sync,
+) -> Result<Vec<T>, AnyError> {
+    let (next, results) = (AtomicU64::new(hands.start), Mutex::new(Vec::new()));
+    std::thread::scope(|scope| {
+        for _ in 0..std::thread::available_parallelism().map_or(1, usize::from) {
+            scope.spawn(|| {
+                loop {
+                    let hand = next.fetch_add(1, Ordering::Relaxed);
+                    if hand >= hands.end {
+                        return;
+                    }
+                    let result = work(hand);
+                    results
+                        .lock()
+                        .expect("no thread panics")
+                        .push((hand, result));
+                }
+            });
+        }
+    });
+    let mut results = results.into_inner()?;
+    results.sort_by_key(|(hand, _)| *hand);
+    results.into_iter().map(|(_, result)| result).collect()
+}
