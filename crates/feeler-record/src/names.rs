@@ -15,6 +15,8 @@ text_enum! {
         Carry = "carry",
         /// Slides over a flat specimen and measures its friction.
         FrictionScan = "friction_scan",
+        /// Touches, presses, shears and slides, to identify hand and object.
+        Probe = "probe",
     }
 }
 

@@ -142,6 +142,23 @@ impl Experiment {
         })
     }
 
+    /// The same experiment with `config` in place of its values; its text has no comments.
+    ///
+    /// # Errors
+    /// When a value is out of its range.
+    pub fn with_config(&self, config: ExperimentConfig) -> Result<Self, ConfigError> {
+        let problems = check(&config);
+        if !problems.is_empty() {
+            let origin = config.name;
+            return Err(ConfigError::OutOfRange { origin, problems });
+        }
+        Ok(Self {
+            toml: toml::to_string(&config).unwrap_or_else(|e| e.to_string()),
+            config,
+            ..self.clone()
+        })
+    }
+
     /// SHA-256 of all values, settings included; not of comments, order or layout of the text.
     pub fn sha256(&self) -> String {
         // Every value of an experiment came from TOML, or stands for one that can.

@@ -33,6 +33,10 @@ fn facts_with(config: &ExperimentConfig, layouts: &[ElementLayout]) -> RunFacts 
             fingers.map(|path| (path.approach, path.stroke)).collect()
         }
         TaskConfig::FrictionScan(scan) => vec![(scan.approach, scan.slide)],
+        TaskConfig::Probe(probe) => {
+            let fingers = probe.finger.iter();
+            fingers.map(|path| (path.approach, path.stroke)).collect()
+        }
         // Where these go is told by what they feel.
         TaskConfig::Contour(_) | TaskConfig::Carry(_) => Vec::new(),
     };

@@ -13,6 +13,14 @@ pub enum StopReason {
         /// How far it was to come at most, m.
         limit: f64,
     },
+    /// A finger has lost the object that it pressed.
+    #[error(
+        "finger {finger} lost the object while it sheared or slid: expected an object that reaches as far along its axis as the finger slides"
+    )]
+    ContactLost {
+        /// The finger.
+        finger: usize,
+    },
     /// What arrived is for another number of fingers.
     #[error("the hand has {expected} fingers, the {what} that arrived are of {actual}")]
     FingerCount {

@@ -6,6 +6,7 @@ use super::cap_config::Until;
 use super::carry::{Carry, CarryConfig};
 use super::contour::{Contour, ContourConfig};
 use super::friction_scan::{FrictionScan, FrictionScanConfig};
+use super::probe::{Probe, ProbeConfig};
 use super::screw::{ScrewConfig, ScrewTask};
 use crate::check::Checker;
 use crate::control::flags::FlagThresholds;
@@ -24,6 +25,8 @@ pub enum TaskConfig {
     Carry(CarryConfig),
     /// Slides over a flat specimen and measures its friction.
     FrictionScan(FrictionScanConfig),
+    /// Touches, presses, shears and slides at three places, to identify hand and object.
+    Probe(ProbeConfig),
 }
 
 impl TaskConfig {
@@ -37,6 +40,7 @@ impl TaskConfig {
             Self::Contour(config) => Box::new(Contour::new(config)),
             Self::Carry(config) => Box::new(Carry::new(config)),
             Self::FrictionScan(config) => Box::new(FrictionScan::new(config)),
+            Self::Probe(config) => Box::new(Probe::new(config)),
         }
     }
 
@@ -47,6 +51,7 @@ impl TaskConfig {
             Self::Contour(_) => "contour",
             Self::Carry(_) => "carry",
             Self::FrictionScan(_) => "friction_scan",
+            Self::Probe(_) => "probe",
         }
     }
 
@@ -57,6 +62,7 @@ impl TaskConfig {
             Self::Contour(config) => vec![config.home],
             Self::Carry(config) => config.finger.iter().map(|finger| finger.home).collect(),
             Self::FrictionScan(config) => vec![config.home],
+            Self::Probe(config) => config.finger.iter().map(|path| path.home).collect(),
         }
     }
 
@@ -66,6 +72,7 @@ impl TaskConfig {
             Self::Screw(config) => config.strokes,
             Self::Contour(_) | Self::Carry(_) => 1,
             Self::FrictionScan(config) => config.strokes,
+            Self::Probe(_) => Probe::PLACES,
         }
     }
 
@@ -91,6 +98,7 @@ impl TaskConfig {
         match self {
             Self::Screw(screw) => screw.check(&key, checker),
             Self::FrictionScan(scan) => scan.check(&key, period, thresholds, checker),
+            Self::Probe(probe) => probe.check(&key, thresholds, checker),
             Self::Contour(contour) => {
                 contour.check(&key, checker);
                 self.check_homes(&key, limits, checker);
@@ -120,6 +128,7 @@ impl TaskConfig {
         match self {
             Self::Screw(config) => config.grasp_force,
             Self::FrictionScan(config) => config.load,
+            Self::Probe(config) => config.press_force,
             Self::Contour(config) => config.contact_force,
             Self::Carry(config) => config.grip_force,
         }
@@ -134,6 +143,7 @@ struct Tasks {
     contour: Option<ContourConfig>,
     carry: Option<CarryConfig>,
     friction_scan: Option<FrictionScanConfig>,
+    probe: Option<ProbeConfig>,
 }
 
 impl TryFrom<Tasks> for TaskConfig {
@@ -145,6 +155,7 @@ impl TryFrom<Tasks> for TaskConfig {
             tasks.contour.map(Self::Contour),
             tasks.carry.map(Self::Carry),
             tasks.friction_scan.map(Self::FrictionScan),
+            tasks.probe.map(Self::Probe),
         ];
         let mut found = found.into_iter().flatten();
         match (found.next(), found.next()) {

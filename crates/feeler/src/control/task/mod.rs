@@ -25,6 +25,7 @@ mod config;
 pub mod contour;
 pub mod friction_scan;
 mod homing;
+pub mod probe;
 pub mod screw;
 mod screw_config;
 mod search;

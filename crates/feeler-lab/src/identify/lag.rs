@@ -1,0 +1,122 @@
+//! Lag of the drives: commanded joint velocities against joint angles.
+
+use super::noise::Measured;
+use super::trace::FingerTrace;
+use glam::DVec3;
+
+/// Duration of the stretches in which the model's joint angles have an offset of their own, s: a drive may drift.
+const STRETCH: f64 = 1.0;
+/// Greatest lag and delay that are tried, s.
+const MOST_LAG: f64 = 0.2;
+const MOST_DELAY: f64 = 0.1;
+
+/// Lag and delay of a finger's drives.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DriveLag {
+    /// Time constant, first order, s.
+    pub lag: Measured,
+    /// Delay from a command to the begin of motion, s.
+    pub delay: Measured,
+}
+
+/// Joint velocity and angle of a first-order drive.
+#[derive(Debug, Clone, Copy, Default)]
+struct Drive {
+    velocity: DVec3,
+    angle: DVec3,
+}
+
+impl Drive {
+    /// Follows the velocity `command` for `time`, exactly, with the time constant `lag`.
+    fn follow(&mut self, command: DVec3, time: f64, lag: f64) {
+        let decay = (-time / lag).exp();
+        let behind = self.velocity - command;
+        self.angle += command * time + behind * lag * (1.0 - decay);
+        self.velocity = command + behind * decay;
+    }
+}
+
+/// Joint angles less those of the model, m about their mean in each stretch; flat over rows and joints.
+fn residuals(trace: &FingerTrace, lag: f64, delay: f64) -> Vec<f64> {
+    let rows = &trace.rows;
+    let mut drive = Drive::default();
+    let mut differences = Vec::with_capacity(rows.len());
+    let command_at = |index: usize, back: usize| match index.checked_sub(back) {
+        Some(index) => rows[index].command,
+        None => DVec3::ZERO,
+    };
+    for (index, row) in rows.iter().enumerate() {
+        differences.push(row.joints - drive.angle);
+        let Some(next) = rows.get(index + 1) else { break };
+        let period = next.time - row.time;
+        // For the first part of the period the older command is still effective.
+        let back = (delay / period) as usize;
+        let older = delay - back as f64 * period;
+        drive.follow(command_at(index, back + 1), older, lag);
+        drive.follow(command_at(index, back), period - older, lag);
+    }
+    let mut flat = Vec::with_capacity(3 * rows.len());
+    let mut from = 0;
+    while from < rows.len() {
+        let end = rows[from..].partition_point(|row| row.time < rows[from].time + STRETCH);
+        let stretch = &differences[from..from + end];
+        let mean = stretch.iter().sum::<DVec3>() / stretch.len() as f64;
+        flat.extend(stretch.iter().flat_map(|d| (*d - mean).to_array()));
+        from += end;
+    }
+    flat
+}
+
+fn squares(residuals: &[f64]) -> f64 {
+    residuals.iter().map(|r| r * r).sum()
+}
+
+/// Estimates lag and delay by least squares; `None` if the drives hardly moved.
+pub fn drive_lag(trace: &FingerTrace) -> Option<DriveLag> {
+    let moved = trace.rows.iter().any(|row| row.command.length() > 1e-3);
+    if !moved {
+        return None;
+    }
+    let mut best = (0.01, 0.0);
+    let mut least = squares(&residuals(trace, best.0, best.1));
+    // A grid that is refined about the best so far: the cost has one valley, along lag plus delay.
+    let mut span = (MOST_LAG, MOST_DELAY);
+    for _ in 0..14 {
+        let centre = best;
+        for step in [(-1.0, 0.0), (1.0, 0.0), (0.0, -1.0), (0.0, 1.0), (-1.0, 1.0), (1.0, -1.0)] {
+            let lag = (centre.0 + step.0 * span.0).clamp(1e-4, MOST_LAG);
+            let delay = (centre.1 + step.1 * span.1).clamp(0.0, MOST_DELAY);
+            let cost = squares(&residuals(trace, lag, delay));
+            if cost < least {
+                (least, best) = (cost, (lag, delay));
+            }
+        }
+        if best == centre {
+            span = (span.0 / 2.0, span.1 / 2.0);
+        }
+    }
+    Some(with_deviations(trace, best))
+}
+
+/// Standard deviations by the curvature of the cost at its minimum.
+fn with_deviations(trace: &FingerTrace, (lag, delay): (f64, f64)) -> DriveLag {
+    let at = residuals(trace, lag, delay);
+    let by = 5e-4;
+    let slope = |lag, delay| -> Vec<f64> {
+        let moved = residuals(trace, lag, delay);
+        moved.iter().zip(&at).map(|(m, a)| (m - a) / by).collect()
+    };
+    let (by_lag, by_delay) = (slope(lag + by, delay), slope(lag, delay + by));
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let (ll, dd, ld) = (dot(&by_lag, &by_lag), dot(&by_delay, &by_delay), dot(&by_lag, &by_delay));
+    let variance = squares(&at) / (at.len() as f64 - 2.0).max(1.0);
+    let determinant = (ll * dd - ld * ld).max(f64::MIN_POSITIVE);
+    let measured = |value, other: f64| Measured {
+        value,
+        deviation: (variance * other / determinant).sqrt(),
+    };
+    DriveLag {
+        lag: measured(lag, dd),
+        delay: measured(delay, ll),
+    }
+}

@@ -1,0 +1,62 @@
+//! From an experiment to the probing run of its hand.
+
+use super::IdentifyError;
+use super::trace::Trace;
+use crate::config::{Experiment, ExperimentConfig};
+use crate::experiment::{Pictures, Session};
+use feeler::control::law::LawConfig;
+use feeler::control::phase::Phase;
+use feeler::control::task::TaskConfig;
+use feeler::control::task::probe::ProbeConfig;
+
+/// The experiment with a probe along the rectangles of its screw task in place of the task. An experiment whose task is a probe
+/// already stays as it is.
+///
+/// # Errors
+/// If it has another task, or the probe does not suit it.
+pub fn probing(experiment: &Experiment) -> Result<Experiment, IdentifyError> {
+    let config = &experiment.config;
+    let finger = match &config.task {
+        TaskConfig::Probe(_) => return Ok(experiment.clone()),
+        TaskConfig::Screw(screw) => screw.finger.clone(),
+        other => return Err(IdentifyError::NoRectangle { task: other.name() }),
+    };
+    let mut probing = ExperimentConfig {
+        task: TaskConfig::Probe(ProbeConfig::gentle(finger, config.control.over_force)),
+        ..config.clone()
+    };
+    probing.control.law = LawConfig::default();
+    Ok(experiment.with_config(probing)?)
+}
+
+/// Probes the simulated hand of `experiment`, whose task is that of [`probing`].
+///
+/// # Errors
+/// If the run cannot be set up, or the hand stopped before the routine was over.
+pub fn probe(experiment: &Experiment) -> Result<Trace, IdentifyError> {
+    let config = &experiment.config;
+    let probe = probe_of(config)?;
+    let mut session = Session::drawing(experiment, Pictures::Sensed)?;
+    let mut trace = Trace::new(probe, config.control.period, session.layouts());
+    while !session.finished() {
+        session.step()?;
+        trace.push(session.control_loop());
+    }
+    let controller = session.control_loop().controller();
+    match controller.stop_reason() {
+        Some(reason) => Err(IdentifyError::Stopped {
+            reason: reason.clone(),
+        }),
+        None if controller.phase() != Phase::Done => Err(IdentifyError::TimeOver {
+            limit: config.time_limit,
+        }),
+        None => Ok(trace),
+    }
+}
+
+fn probe_of(config: &ExperimentConfig) -> Result<&ProbeConfig, IdentifyError> {
+    match &config.task {
+        TaskConfig::Probe(probe) => Ok(probe),
+        other => Err(IdentifyError::NoRectangle { task: other.name() }),
+    }
+}

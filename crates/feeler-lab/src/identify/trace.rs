@@ -1,0 +1,108 @@
+//! What a probing run records of each finger: what a real hand has, too.
+
+use feeler::control::control_loop::ControlLoop;
+use feeler::control::sense::FingertipPose;
+use feeler::control::task::probe::{ProbeConfig, Step};
+use feeler::control::touch::TouchSource;
+use feeler::hand::Hand;
+use feeler::sensor::layout::ElementLayout;
+use glam::DVec3;
+
+/// A probing run, control step by control step.
+#[derive(Debug, Clone)]
+pub struct Trace {
+    /// The routine.
+    pub probe: ProbeConfig,
+    /// Control period, s.
+    pub period: f64,
+    /// The fingers, in the hand's order.
+    pub fingers: Vec<FingerTrace>,
+}
+
+/// One finger of a probing run.
+#[derive(Debug, Clone)]
+pub struct FingerTrace {
+    /// Its elements.
+    pub layout: ElementLayout,
+    /// Unit vector towards the object, in W.
+    pub approach: DVec3,
+    /// Unit vector along the object's axis, in W.
+    pub axis: DVec3,
+    /// Control steps, in order.
+    pub rows: Vec<Row>,
+}
+
+/// One finger at one control step.
+#[derive(Debug, Clone)]
+pub struct Row {
+    /// Time, s.
+    pub time: f64,
+    /// Step of the routine.
+    pub step: Step,
+    /// Place that is probed, from 0.
+    pub place: u32,
+    /// Joint velocities commanded from now on, rad/s.
+    pub command: DVec3,
+    /// Joint angles, rad.
+    pub joints: DVec3,
+    /// Fingertip by the joint angles.
+    pub pose: FingertipPose,
+    /// Latest force on each element, N, in its frame; see [`TactileFrame`](feeler::sensor::reading::TactileFrame).
+    pub forces: Vec<DVec3>,
+}
+
+impl Row {
+    /// Tip of the undeformed `element`, m, in W.
+    pub fn tip(&self, layout: &ElementLayout, element: usize) -> DVec3 {
+        self.pose.position + self.pose.rotation * layout.tip(element)
+    }
+
+    /// Greatest force `F_z` on an element, N.
+    pub fn greatest(&self) -> f64 {
+        self.forces.iter().fold(0.0, |most, force| most.max(force.z))
+    }
+}
+
+impl Trace {
+    /// A trace without rows of a hand whose fingers have the elements of `layouts`.
+    pub fn new(probe: &ProbeConfig, period: f64, layouts: &[ElementLayout]) -> Self {
+        let fingers = probe.finger.iter().zip(layouts).map(|(path, layout)| {
+            let approach = DVec3::from_array(path.approach).normalize_or_zero();
+            let stroke = DVec3::from_array(path.stroke).reject_from_normalized(approach);
+            FingerTrace {
+                layout: layout.clone(),
+                approach,
+                axis: approach.cross(stroke).normalize_or_zero(),
+                rows: Vec::new(),
+            }
+        });
+        Self {
+            probe: probe.clone(),
+            period,
+            fingers: fingers.collect(),
+        }
+    }
+
+    /// Adds the latest control step of `control_loop`.
+    pub fn push<S: TouchSource, H: Hand>(&mut self, control_loop: &ControlLoop<S, H>) {
+        let controller = control_loop.controller();
+        let task = controller.task();
+        let number = task.findings().first().map_or(0.0, |step| step.value);
+        let step = Step::ALL.get(number as usize).copied().unwrap_or_default();
+        let state = control_loop.state();
+        let command = control_loop.command().joint_velocity();
+        let hand = controller.poses().iter().zip(&state.joints).zip(command);
+        let sensed = hand.zip(control_loop.touches());
+        for (finger, (((&pose, joints), &command), touch)) in self.fingers.iter_mut().zip(sensed) {
+            finger.rows.push(Row {
+                time: state.stamp,
+                step,
+                place: task.stroke() - 1,
+                command,
+                joints: joints.position,
+                pose,
+                forces: touch.frame.forces.clone(),
+            });
+        }
+    }
+}
