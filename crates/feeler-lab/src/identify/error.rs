@@ -1,5 +1,6 @@
 //! Reasons why a hand was not identified.
 
+use super::estimate::EstimateError;
 use crate::config::ConfigError;
 use crate::experiment::ExperimentError;
 use feeler::control::stop_reason::StopReason;
@@ -34,13 +35,6 @@ pub enum IdentifyError {
         limit: f64,
     },
     /// A quantity cannot be estimated from the run.
-    #[error("finger {finger}: {quantity} cannot be estimated: {reason}")]
-    NotEnough {
-        /// The finger.
-        finger: usize,
-        /// The quantity.
-        quantity: &'static str,
-        /// What the run lacks, and what to do.
-        reason: &'static str,
-    },
+    #[error(transparent)]
+    Estimate(#[from] EstimateError),
 }

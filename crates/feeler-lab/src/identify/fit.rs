@@ -15,8 +15,7 @@ impl Stretch {
         self.rows.push((row, value));
     }
 
-    /// Number of samples.
-    pub fn len(&self) -> usize {
+    fn len(&self) -> usize {
         self.rows.len()
     }
 
@@ -45,6 +44,20 @@ pub struct Fit {
 }
 
 impl Fit {
+    /// Fits those of `stretches` together that fit alone: whose residual is at most twice that of the best one. An element that
+    /// slips stands out.
+    pub fn of_consistent(stretches: Vec<Stretch>, used: usize) -> Option<(Self, Vec<Stretch>)> {
+        let alone = stretches.into_iter().filter_map(|stretch| {
+            let fit = Self::of(std::slice::from_ref(&stretch), used)?;
+            Some((fit.residual, stretch))
+        });
+        let alone: Vec<_> = alone.collect();
+        let least = alone.iter().map(|(residual, _)| *residual).fold(f64::INFINITY, f64::min);
+        let kept = alone.into_iter().filter(|(residual, _)| *residual <= 2.0 * least);
+        let kept: Vec<_> = kept.map(|(_, stretch)| stretch).collect();
+        Some((Self::of(&kept, used)?, kept))
+    }
+
     /// Fits all `stretches` together, with the first `used` regressors; `None` if they do not determine the coefficients.
     pub fn of(stretches: &[Stretch], used: usize) -> Option<Self> {
         let (mut normal, mut right) = (DMat3::ZERO, DVec3::ZERO);

@@ -9,6 +9,9 @@ const STRETCH: f64 = 1.0;
 /// Greatest lag and delay that are tried, s.
 const MOST_LAG: f64 = 0.2;
 const MOST_DELAY: f64 = 0.1;
+const LEAST_LAG: f64 = 1e-4;
+/// Accuracy of the search for the least cost, s.
+const ACCURACY: f64 = 5e-5;
 
 /// Lag and delay of a finger's drives.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -77,46 +80,60 @@ pub fn drive_lag(trace: &FingerTrace) -> Option<DriveLag> {
     if !moved {
         return None;
     }
-    let mut best = (0.01, 0.0);
-    let mut least = squares(&residuals(trace, best.0, best.1));
-    // A grid that is refined about the best so far: the cost has one valley, along lag plus delay.
-    let mut span = (MOST_LAG, MOST_DELAY);
-    for _ in 0..14 {
-        let centre = best;
-        for step in [(-1.0, 0.0), (1.0, 0.0), (0.0, -1.0), (0.0, 1.0), (-1.0, 1.0), (1.0, -1.0)] {
-            let lag = (centre.0 + step.0 * span.0).clamp(1e-4, MOST_LAG);
-            let delay = (centre.1 + step.1 * span.1).clamp(0.0, MOST_DELAY);
-            let cost = squares(&residuals(trace, lag, delay));
-            if cost < least {
-                (least, best) = (cost, (lag, delay));
-            }
-        }
-        if best == centre {
-            span = (span.0 / 2.0, span.1 / 2.0);
-        }
-    }
-    Some(with_deviations(trace, best))
+    let cost = |lag: f64, delay: f64| squares(&residuals(trace, lag, delay));
+    let lag_at = |delay: f64| least_of((LEAST_LAG, MOST_LAG), |lag| cost(lag, delay));
+    let delay = least_of((0.0, MOST_DELAY), |delay| cost(lag_at(delay), delay));
+    let best = (lag_at(delay), delay);
+    let curvature = Curvature::at(trace, best);
+    let (lag, delay) = best;
+    Some(DriveLag {
+        lag: Measured { value: lag, deviation: curvature.deviations.0 },
+        delay: Measured { value: delay, deviation: curvature.deviations.1 },
+    })
 }
 
-/// Standard deviations by the curvature of the cost at its minimum.
-fn with_deviations(trace: &FingerTrace, (lag, delay): (f64, f64)) -> DriveLag {
-    let at = residuals(trace, lag, delay);
-    let by = 5e-4;
-    let slope = |lag, delay| -> Vec<f64> {
-        let moved = residuals(trace, lag, delay);
-        moved.iter().zip(&at).map(|(m, a)| (m - a) / by).collect()
-    };
-    let (by_lag, by_delay) = (slope(lag + by, delay), slope(lag, delay + by));
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let (ll, dd, ld) = (dot(&by_lag, &by_lag), dot(&by_delay, &by_delay), dot(&by_lag, &by_delay));
-    let variance = squares(&at) / (at.len() as f64 - 2.0).max(1.0);
-    let determinant = (ll * dd - ld * ld).max(f64::MIN_POSITIVE);
-    let measured = |value, other: f64| Measured {
-        value,
-        deviation: (variance * other / determinant).sqrt(),
-    };
-    DriveLag {
-        lag: measured(lag, dd),
-        delay: measured(delay, ll),
+/// Argument of the least value of `cost` between two ends, by golden section: there is one valley.
+fn least_of((mut low, mut high): (f64, f64), cost: impl Fn(f64) -> f64) -> f64 {
+    const GOLDEN: f64 = 0.618_033_988_749_894_9;
+    let inner = |low: f64, high: f64| (high - GOLDEN * (high - low), low + GOLDEN * (high - low));
+    let (mut a, mut b) = inner(low, high);
+    let (mut at_a, mut at_b) = (cost(a), cost(b));
+    while high - low > ACCURACY {
+        if at_a <= at_b {
+            (high, b, at_b) = (b, a, at_a);
+            a = inner(low, high).0;
+            at_a = cost(a);
+        } else {
+            (low, a, at_a) = (a, b, at_b);
+            b = inner(low, high).1;
+            at_b = cost(b);
+        }
+    }
+    0.5 * (low + high)
+}
+
+/// Shape of the cost about a lag and a delay.
+struct Curvature {
+    /// Standard deviations of lag and delay at the minimum.
+    deviations: (f64, f64),
+}
+
+impl Curvature {
+    fn at(trace: &FingerTrace, (lag, delay): (f64, f64)) -> Self {
+        let at = residuals(trace, lag, delay);
+        let by = 2e-4;
+        let slope = |lag, delay| -> Vec<f64> {
+            let moved = residuals(trace, lag, delay);
+            moved.iter().zip(&at).map(|(m, a)| (m - a) / by).collect()
+        };
+        let (by_lag, by_delay) = (slope(lag + by, delay), slope(lag, delay + by));
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let (ll, dd) = (dot(&by_lag, &by_lag), dot(&by_delay, &by_delay));
+        let ld = dot(&by_lag, &by_delay);
+        let determinant = (ll * dd - ld * ld).max(f64::MIN_POSITIVE);
+        let variance = squares(&at) / (at.len() as f64 - 2.0).max(1.0);
+        Self {
+            deviations: ((variance * dd / determinant).sqrt(), (variance * ll / determinant).sqrt()),
+        }
     }
 }

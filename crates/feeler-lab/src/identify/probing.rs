@@ -37,7 +37,7 @@ pub fn probe(experiment: &Experiment) -> Result<Trace, IdentifyError> {
     let config = &experiment.config;
     let probe = probe_of(config)?;
     let mut session = Session::drawing(experiment, Pictures::Sensed)?;
-    let mut trace = Trace::new(probe, config.control.period, session.layouts());
+    let mut trace = Trace::new(probe, &config.control, session.layouts());
     while !session.finished() {
         session.step()?;
         trace.push(session.control_loop());

@@ -1,5 +1,6 @@
 //! What a probing run records of each finger: what a real hand has, too.
 
+use feeler::control::controller::ControlConfig;
 use feeler::control::control_loop::ControlLoop;
 use feeler::control::sense::FingertipPose;
 use feeler::control::task::probe::{ProbeConfig, Step};
@@ -15,6 +16,8 @@ pub struct Trace {
     pub probe: ProbeConfig,
     /// Control period, s.
     pub period: f64,
+    /// F1: force above which an element touches, N.
+    pub touch_force: f64,
     /// The fingers, in the hand's order.
     pub fingers: Vec<FingerTrace>,
 }
@@ -65,7 +68,7 @@ impl Row {
 
 impl Trace {
     /// A trace without rows of a hand whose fingers have the elements of `layouts`.
-    pub fn new(probe: &ProbeConfig, period: f64, layouts: &[ElementLayout]) -> Self {
+    pub fn new(probe: &ProbeConfig, control: &ControlConfig, layouts: &[ElementLayout]) -> Self {
         let fingers = probe.finger.iter().zip(layouts).map(|(path, layout)| {
             let approach = DVec3::from_array(path.approach).normalize_or_zero();
             let stroke = DVec3::from_array(path.stroke).reject_from_normalized(approach);
@@ -78,7 +81,8 @@ impl Trace {
         });
         Self {
             probe: probe.clone(),
-            period,
+            period: control.period,
+            touch_force: control.touch_force,
             fingers: fingers.collect(),
         }
     }

@@ -59,7 +59,7 @@ defaults! {
     slide_force: f64 = 0.2,
     slide_depth: f64 = 0.0006,
     slide_travel: f64 = 0.005,
-    spacing: f64 = 0.004,
+    spacing: f64 = 0.003,
     clearance: f64 = 0.002,
     return_speed: f64 = 0.020,
     tip_radius: [f64; 2] = [0.001, 0.0025],

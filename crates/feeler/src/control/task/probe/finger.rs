@@ -11,9 +11,9 @@ use glam::DVec3;
 
 /// Number of places that are probed.
 pub(super) const PLACES: u32 = 3;
-/// Displacement while the elements stick, relative to their depth: the shear force stays below 0.45 of the normal force even where
+/// Displacement while the elements stick, relative to their depth: the shear force stays below 0.35 of the normal force even where
 /// shear is nearly as stiff as compression.
-const SHEAR: f64 = 0.45;
+const SHEAR: f64 = 0.35;
 /// Rate of sliding and shearing, in depths per second.
 const SLIDE_RATE: f64 = 5.0;
 /// Longest time of sliding at one place, s.

@@ -1,0 +1,201 @@
+//! From the trace of a probing run to estimates with intervals.
+
+use super::contact::contacts;
+use super::friction::{Friction, friction, slides};
+use super::identified::{Estimate, FingerEstimates, Identified, ObjectEstimates};
+use super::lag::drive_lag;
+use super::noise::{Measured, force_noise};
+use super::pivot::{Circle, Stiffness, circle};
+use super::stiffness::{ContactFit, contact_fit};
+use super::trace::{FingerTrace, Trace};
+use super::warnings::warnings;
+
+/// Half the width of a 95 % interval, in standard deviations.
+const NORMAL: f64 = 1.96;
+/// Noise by which a force must exceed zero to be that of a touching element, in standard deviations, and the least such force, N.
+const TOUCHES: f64 = 6.0;
+const LEAST_TOUCH: f64 = 0.06;
+
+// Errors of the models, calibrated on plausible simulated hands: factors on standard deviations, and deviations that no
+// averaging reduces.
+const NORMAL_STIFFNESS: f64 = 0.006;
+const SHEAR_STIFFNESS: f64 = 0.01;
+const HYSTERESIS: (f64, f64) = (1.3, 0.0005);
+const DELAY: (f64, f64) = (1.5, 1e-4);
+const LAG: f64 = 1e-4;
+const FRICTION: (f64, f64) = (1.3, 0.003);
+const PIVOT: (f64, f64) = (0.2, 1e-6);
+const RADIUS: f64 = 1.0;
+
+/// A quantity that the run does not determine.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{what} cannot be estimated: {reason}")]
+pub struct EstimateError {
+    /// The quantity, with its finger.
+    pub what: String,
+    /// What the run lacks, and what to do.
+    pub reason: &'static str,
+}
+
+/// What was fitted to a trace: for plots and warnings.
+#[derive(Debug, Clone)]
+pub struct Fits {
+    /// Stiffness of each finger.
+    pub stiffness: Vec<Stiffness>,
+    /// Noise of the forces of each finger, N.
+    pub noise: Vec<f64>,
+    /// Circle through the tips.
+    pub circle: Circle,
+}
+
+/// Estimates all quantities of the probing run `trace` of `experiment` with `seed`.
+///
+/// # Errors
+/// If the run does not determine one of them.
+pub fn estimate(trace: &Trace, experiment: &str, seed: u64) -> Result<(Identified, Fits), EstimateError> {
+    let mut pressed = Vec::new();
+    for (finger, own) in trace.fingers.iter().enumerate() {
+        pressed.push(Pressed::of(own, finger, trace)?);
+    }
+    let touching: Vec<_> = trace.fingers.iter().zip(&pressed).collect();
+    let touching: Vec<_> = touching
+        .into_iter()
+        .map(|(own, pressed)| (own, pressed.stiffness(), least_touch(pressed.noise.value)))
+        .collect();
+    let circle = circle(&touching).ok_or(EstimateError {
+        what: "the pivot".to_string(),
+        reason: "too few elements touched; expected a round object between the fingers, as wide as the probe's spacing or more",
+    })?;
+    let mut finger = Vec::new();
+    for (index, (own, pressed)) in trace.fingers.iter().zip(&pressed).enumerate() {
+        let slides = slides(own, &circle, pressed.stiffness(), pressed.noise.value);
+        let friction = friction(&slides).ok_or_else(|| EstimateError {
+            what: format!("the friction of finger {index}"),
+            reason: "no element slid; raise task.probe.slide_travel or lower task.probe.slide_depth",
+        })?;
+        finger.push(pressed.estimates(&friction));
+    }
+    let mut identified = Identified {
+        experiment: experiment.to_string(),
+        seed,
+        warnings: Vec::new(),
+        object: object(&circle, trace.probe.tip_radius),
+        finger,
+    };
+    identified.warnings = warnings(&identified, trace);
+    let fits = Fits {
+        stiffness: pressed.iter().map(Pressed::stiffness).collect(),
+        noise: pressed.iter().map(|pressed| pressed.noise.value).collect(),
+        circle,
+    };
+    Ok((identified, fits))
+}
+
+/// Force above which an element touches for sure, N.
+pub fn least_touch(noise: f64) -> f64 {
+    (TOUCHES * noise).max(LEAST_TOUCH)
+}
+
+/// What one finger shows without the other ones.
+struct Pressed {
+    noise: Measured,
+    contact: ContactFit,
+    lag: Measured,
+    delay: Measured,
+}
+
+impl Pressed {
+    fn of(own: &FingerTrace, finger: usize, trace: &Trace) -> Result<Self, EstimateError> {
+        let missing = |what: &str, reason| EstimateError {
+            what: format!("{what} of finger {finger}"),
+            reason,
+        };
+        let noise = force_noise(own).ok_or_else(|| {
+            missing("the force noise", "fewer than ten frames at rest; raise the rate of the sensor")
+        })?;
+        let drive = drive_lag(own)
+            .ok_or_else(|| missing("the lag", "the drives were given no command"))?;
+        let [smallest, largest] = trace.probe.tip_radius;
+        let force = (3.0 * least_touch(noise.value)).min(0.5 * trace.probe.press_force);
+        let contacts = contacts(own, force, 0.5 * (smallest + largest));
+        let contact = contact_fit(&contacts).ok_or_else(|| {
+            missing(
+                "the contact stiffness",
+                "no element was pressed and sheared without slipping; raise task.probe.press_force",
+            )
+        })?;
+        Ok(Self {
+            noise,
+            contact,
+            lag: drive.lag,
+            delay: drive.delay,
+        })
+    }
+
+    fn stiffness(&self) -> Stiffness {
+        Stiffness {
+            normal: self.contact.normal.value,
+            shear: self.contact.shear.value,
+        }
+    }
+
+    fn estimates(&self, friction: &Friction) -> FingerEstimates {
+        let contact = &self.contact;
+        let delay = Measured {
+            value: self.delay.value + contact.delay.value,
+            deviation: self.delay.deviation.hypot(contact.delay.deviation),
+        };
+        let relative = |measured: Measured, floor: f64| (measured, (1.0, floor * measured.value));
+        let (normal, normal_error) = relative(contact.normal, NORMAL_STIFFNESS);
+        let (shear, shear_error) = relative(contact.shear, SHEAR_STIFFNESS);
+        let ratio = "ratio of shear to normal force while sliding";
+        FingerEstimates {
+            force_noise: interval(self.noise, (1.0, 0.0), "variance at rest"),
+            normal_stiffness: interval(normal, normal_error, "slope of force over depth"),
+            shear_stiffness: interval(shear, shear_error, "slope of force over shear"),
+            hysteresis: from_zero(interval(contact.hysteresis, HYSTERESIS, "loop of press and release")),
+            static_friction: interval(friction.static_friction, FRICTION, ratio),
+            kinetic_friction: interval(friction.kinetic_friction, FRICTION, ratio),
+            servo_lag: from_zero(interval(self.lag, (1.0, LAG), "joint angles over commands")),
+            dead_time: from_zero(interval(delay, DELAY, "joint angles over commands, forces over depth")),
+        }
+    }
+}
+
+/// Pivot and radius from the circle on which the centres of rounded tips lie, whose own radius is between two ends, m.
+fn object(circle: &Circle, [smallest, largest]: [f64; 2]) -> ObjectEstimates {
+    let method = "circle through pressed tips";
+    let tip = 0.5 * (smallest + largest);
+    let mut radius = circle.radius;
+    radius.value -= tip;
+    let mut radius = interval(radius, (RADIUS, 0.0), "circle through pressed tips, less the tip's radius");
+    // Any tip radius between both ends is as likely as any other.
+    let half = (0.5 * 0.95 * (largest - smallest)).hypot(0.5 * (radius.high - radius.low));
+    (radius.low, radius.high) = (radius.value - half, radius.value + half);
+    ObjectEstimates {
+        pivot_x: interval(circle.x, PIVOT, method),
+        pivot_y: interval(circle.y, PIVOT, method),
+        radius,
+    }
+}
+
+/// The 95 % interval of a quantity whose standard deviation is `factor` times the measured one, and `floor` beside that.
+fn interval(measured: Measured, (factor, floor): (f64, f64), method: &str) -> Estimate {
+    let half = NORMAL * (factor * measured.deviation).hypot(floor);
+    Estimate {
+        value: measured.value,
+        low: measured.value - half,
+        high: measured.value + half,
+        method: method.to_string(),
+    }
+}
+
+/// An estimate of what cannot be negative.
+fn from_zero(estimate: Estimate) -> Estimate {
+    Estimate {
+        value: estimate.value.max(0.0),
+        low: estimate.low.max(0.0),
+        high: estimate.high.max(0.0),
+        ..estimate
+    }
+}

@@ -1,0 +1,189 @@
+//! Friction: the ratio of shear and normal force while a finger slides along the object's axis.
+
+use super::pivot::{Circle, Stiffness, pushed_tip};
+use super::noise::Measured;
+use super::trace::{FingerTrace, Row};
+use feeler::control::task::probe::Step;
+
+/// Coefficients of friction of one finger's elements.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Friction {
+    /// While an element sticks.
+    pub static_friction: Measured,
+    /// While it slips.
+    pub kinetic_friction: Measured,
+}
+
+/// A fall of the ratio counts as a slip if it exceeds this many standard deviations of a difference of two samples.
+const FALL: f64 = 5.0 * std::f64::consts::SQRT_2;
+/// Least number of samples before and after the first slip.
+const LEAST_SAMPLES: usize = 8;
+
+/// Ratio of shear to normal force of one sliding element, sample by sample.
+#[derive(Debug, Clone, Default)]
+pub struct Slide {
+    /// Times since the slide began, s.
+    pub time: Vec<f64>,
+    /// Ratios; negative while the shear force still points along the motion.
+    pub ratio: Vec<f64>,
+    /// Standard deviation of the noise of a ratio.
+    pub noise: f64,
+    /// First sample after the first slip.
+    pub onset: usize,
+}
+
+/// The slides of a finger, one for each place: of the element that carries most. The forces have the standard deviation `noise`, N.
+pub fn slides(
+    trace: &FingerTrace,
+    circle: &Circle,
+    stiffness: Stiffness,
+    noise: f64,
+) -> Vec<Slide> {
+    let places = trace.rows.iter().map(|row| row.place).max().unwrap_or(0);
+    (0..=places)
+        .filter_map(|place| slide(trace, place, circle, stiffness, noise))
+        .collect()
+}
+
+fn slide(
+    trace: &FingerTrace,
+    place: u32,
+    circle: &Circle,
+    stiffness: Stiffness,
+    noise: f64,
+) -> Option<Slide> {
+    let slides = |row: &Row| row.place == place && row.step == Step::Slide;
+    let first = trace.rows.iter().position(slides)?;
+    let last = trace.rows.iter().rposition(slides)?;
+    let rows = &trace.rows[first..=last];
+    let way = (rows[rows.len() - 1].pose.position - rows[0].pose.position).dot(trace.axis);
+    let way = way.signum() * trace.axis;
+    let load = |element: usize| -> f64 { rows.iter().map(|row| row.forces[element].z).sum() };
+    let elements = 0..trace.layout.elements.len();
+    let element = elements.max_by(|&a, &b| f64::total_cmp(&load(a), &load(b)))?;
+    let mut slide = Slide::default();
+    for (index, row) in (first..).zip(rows) {
+        let tip = pushed_tip(trace, index, element, stiffness).truncate();
+        let outward = (tip - circle.centre()).normalize_or_zero().extend(0.0);
+        let force = trace.layout.elements[element].force_on_fingertip(row.forces[element]);
+        let force = row.pose.rotation * force;
+        let normal = force.dot(outward);
+        if normal < 2.0 * noise {
+            continue;
+        }
+        // Friction on the feeler acts against its motion.
+        let shear = force - normal * outward;
+        let along = -shear.dot(way);
+        let across = (shear.length_squared() - along * along).max(0.0);
+        let shear = along.signum() * (along * along + across - noise * noise).max(0.0).sqrt();
+        slide.time.push(row.time - rows[0].time);
+        slide.ratio.push(if across.sqrt() > along.abs() { along } else { shear } / normal);
+        slide.noise += noise * noise * (1.0 + (along / normal).powi(2)) / normal.powi(2);
+    }
+    slide.noise = (slide.noise / slide.time.len().max(1) as f64).sqrt();
+    slide.onset = onset(&slide.ratio)?;
+    Some(slide)
+}
+
+/// First sample after the first slip: where a line before it and a constant after it fit best. `None` if the ratio never stops rising.
+fn onset(ratio: &[f64]) -> Option<usize> {
+    // It falls while what pressing left behind is undone.
+    let begin = (0..ratio.len()).min_by(|&a, &b| f64::total_cmp(&ratio[a], &ratio[b]))?;
+    let rising = &ratio[begin..];
+    let latest = rising.len().checked_sub(LEAST_SAMPLES)?;
+    let cost = |at: usize| misfit(&rising[..at], true) + misfit(&rising[at..], false);
+    let best = (LEAST_SAMPLES..=latest).map(|at| (cost(at), at));
+    let (_, at) = best.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    (at < latest).then_some(begin + at)
+}
+
+/// Sum of squares about the mean, or about a line.
+fn misfit(values: &[f64], line: bool) -> f64 {
+    let count = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    let middle = 0.5 * (count - 1.0);
+    let (mut yy, mut xy, mut xx) = (0.0, 0.0, 0.0);
+    for (index, value) in values.iter().enumerate() {
+        let (x, y) = (index as f64 - middle, value - mean);
+        yy += y * y;
+        xy += x * y;
+        xx += x * x;
+    }
+    if line { yy - xy * xy / xx } else { yy }
+}
+
+/// Both coefficients from the slides of one finger; `None` if the elements never slid.
+///
+/// An element sticks and slips in turn: the ratio rises to static friction and falls to kinetic friction. Clear falls show both;
+/// where noise hides them, the mean of the ratio and its variance do, as it rises evenly in between.
+pub fn friction(slides: &[Slide]) -> Option<Friction> {
+    let falls = by_falls(slides);
+    falls.or_else(|| by_spread(slides))
+}
+
+fn by_falls(slides: &[Slide]) -> Option<Friction> {
+    let (mut before, mut after, mut rise) = (Vec::new(), Vec::new(), Vec::new());
+    let mut noise = 0.0_f64;
+    for slide in slides {
+        noise = noise.max(slide.noise);
+        let from = slide.onset.saturating_sub(4);
+        for pair in slide.ratio[from..].windows(2) {
+            if pair[0] - pair[1] > FALL * slide.noise {
+                before.push(pair[0]);
+                after.push(pair[1]);
+            } else {
+                rise.push(pair[1] - pair[0]);
+            }
+        }
+    }
+    if before.len() < 3 {
+        return None;
+    }
+    // A fall is anywhere between two samples: on average the ratio rises by half a sample's share before it, and after it.
+    let rise = mean(&rise);
+    let (highest, lowest) = (mean(&before) + 0.5 * rise, mean(&after) - 0.5 * rise);
+    if highest - lowest < 2.0 * FALL * noise {
+        return None;
+    }
+    let each = noise.hypot(rise / 12_f64.sqrt());
+    let deviation = each / (before.len() as f64).sqrt();
+    Some(Friction::new(highest, lowest, deviation))
+}
+
+fn by_spread(slides: &[Slide]) -> Option<Friction> {
+    let (mut sum, mut squares, mut own, mut count) = (0.0, 0.0, 0.0, 0.0);
+    for slide in slides {
+        let sliding = &slide.ratio[slide.onset..];
+        sum += sliding.iter().sum::<f64>();
+        count += sliding.len() as f64;
+        own += slide.noise.powi(2) * sliding.len() as f64;
+    }
+    if count < 2.0 * LEAST_SAMPLES as f64 {
+        return None;
+    }
+    let mean = sum / count;
+    for slide in slides {
+        squares += slide.ratio[slide.onset..].iter().map(|r| (r - mean).powi(2)).sum::<f64>();
+    }
+    let (total, own) = (squares / (count - 1.0), own / count);
+    let half = (3.0 * (total - own)).max(0.0).sqrt();
+    // The variance is known to sqrt(2 / count) of itself.
+    let variance = total * (2.0 / count).sqrt();
+    let spread = (3.0 * variance).sqrt().min(1.5 * variance / half.max(f64::MIN_POSITIVE));
+    let deviation = spread.hypot((total / count).sqrt());
+    Some(Friction::new(mean + half, mean - half, deviation))
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
+}
+
+impl Friction {
+    fn new(highest: f64, lowest: f64, deviation: f64) -> Self {
+        let measured = |value| Measured { value, deviation };
+        Self {
+            static_friction: measured(highest),
+            kinetic_friction: measured(lowest),
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! Contact stiffness, hysteresis and delay of the forces: slopes of force over displacement while elements stick.
+
+use super::contact::{Contact, Sample};
+use super::fit::{Fit, Stretch};
+use super::noise::Measured;
+use feeler::control::task::probe::Step;
+use glam::DVec3;
+
+/// What pressing, releasing and shearing show of one finger's elements.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContactFit {
+    /// Stiffness along the element's axis, N/m.
+    pub normal: Measured,
+    /// Stiffness across it, N/m.
+    pub shear: Measured,
+    /// Work lost in a cycle, relative to the work of pressing.
+    pub hysteresis: Measured,
+    /// Delay of the forces behind the joint angles, s.
+    pub delay: Measured,
+}
+
+/// Fits the contacts of one finger; `None` if they do not determine the stiffness.
+///
+/// `F_z = k_n (z - d dz/dt) + h s` with the direction of motion `s`, and a constant for each contact: a delay `d` shifts
+/// the force in proportion to the speed, friction inside the rubber by a constant `h`; pressing at two speeds separates both.
+pub fn contact_fit(contacts: &[Contact]) -> Option<ContactFit> {
+    let normal = contacts.iter().map(normal_stretch).collect();
+    let shear = contacts.iter().flat_map(shear_stretches).collect();
+    let (along, normal) = Fit::of_consistent(normal, 3)?;
+    let (across, shear) = Fit::of_consistent(shear, 2)?;
+    let [stiffness, lagging, friction] = along.coefficients.to_array();
+    if !(stiffness > 0.0 && across.coefficients.x > 0.0) {
+        return None;
+    }
+    let load = mean_load(contacts);
+    Some(ContactFit {
+        normal: Measured {
+            value: stiffness,
+            deviation: along.deviations.x.hypot(spread(&normal, 3, stiffness)),
+        },
+        shear: Measured {
+            value: across.coefficients.x,
+            deviation: (across.deviations.x).hypot(spread(&shear, 2, across.coefficients.x)),
+        },
+        // The loop is 2 h wide, and the work of pressing is the mean load times its length.
+        hysteresis: Measured {
+            value: 2.0 * friction / load,
+            deviation: 2.0 * along.deviations.z / load,
+        },
+        delay: Measured {
+            value: -lagging / stiffness,
+            deviation: along.deviations.y / stiffness,
+        },
+    })
+}
+
+fn direction(step: Step) -> f64 {
+    match step {
+        Step::Press | Step::PressFast => 1.0,
+        Step::Release | Step::Ease => -1.0,
+        _ => 0.0,
+    }
+}
+
+fn is_pressed_or_released(sample: &&Sample) -> bool {
+    direction(sample.step) != 0.0
+}
+
+fn normal_stretch(contact: &Contact) -> Stretch {
+    let mut stretch = Stretch::default();
+    for sample in contact.samples.iter().filter(is_pressed_or_released) {
+        let row = DVec3::new(sample.moved.z, sample.rate.z, direction(sample.step));
+        stretch.add(row, sample.force.z);
+    }
+    stretch
+}
+
+/// Both components of shear as one series: they share the stiffness, and their constants differ.
+fn shear_stretches(contact: &Contact) -> [Stretch; 2] {
+    let mut stretches = [Stretch::default(), Stretch::default()];
+    let sheared = |sample: &&Sample| matches!(sample.step, Step::Shear | Step::ShearBack);
+    for sample in contact.samples.iter().filter(sheared) {
+        for (axis, stretch) in stretches.iter_mut().enumerate() {
+            let row = DVec3::new(sample.moved[axis], sample.rate[axis], 0.0);
+            stretch.add(row, -sample.force[axis]);
+        }
+    }
+    stretches
+}
+
+/// Mean `F_z` of the elements while they are pressed, N.
+fn mean_load(contacts: &[Contact]) -> f64 {
+    let samples = contacts.iter().flat_map(|contact| &contact.samples);
+    let pressed = samples.filter(|sample| direction(sample.step) > 0.0);
+    let (sum, count) = pressed.fold((0.0, 0.0), |(sum, count), sample| {
+        (sum + sample.force.z, count + 1.0)
+    });
+    sum / f64::max(count, 1.0)
+}
+
+/// Standard deviation of the first coefficient by its spread over the contacts about the `pooled` one.
+fn spread(stretches: &[Stretch], used: usize, pooled: f64) -> f64 {
+    let fits = stretches.iter().filter_map(|stretch| Fit::of(std::slice::from_ref(stretch), used));
+    let (mut weights, mut squares, mut count) = (0.0, 0.0, 0.0);
+    for fit in fits.filter(|fit| fit.deviations.x < pooled) {
+        let weight = fit.deviations.x.max(1e-3 * pooled).powi(-2);
+        weights += weight;
+        squares += weight * (fit.coefficients.x - pooled).powi(2);
+        count += 1.0;
+    }
+    if count < 2.0 {
+        return 0.0;
+    }
+    (squares / weights / (count - 1.0)).sqrt()
+}

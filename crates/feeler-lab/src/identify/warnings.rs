@@ -1,0 +1,122 @@
+//! Findings that need attention, in sentences.
+
+use super::identified::{Estimate, FingerEstimates, Identified};
+use super::trace::Trace;
+use glam::{DVec2, DVec3};
+
+/// Factor by which fingers of one hand may differ.
+const ALIKE: f64 = 1.3;
+/// Factor by which F1 should exceed the noise.
+const ABOVE_NOISE: f64 = 5.0;
+/// Coefficient of kinetic friction below which a fingertip hardly grips.
+const LITTLE_FRICTION: f64 = 0.3;
+/// Share of the work of pressing above which hysteresis shows in the control.
+const MUCH_HYSTERESIS: f64 = 0.3;
+/// Control periods that commands may be late.
+const LATE_PERIODS: f64 = 3.0;
+/// Distance of the object's axis from the middle of the homes that is still as laid out, m.
+const OFF_CENTRE: f64 = 0.002;
+
+/// Every warning about `identified`, which was estimated from `trace`.
+pub fn warnings(identified: &Identified, trace: &Trace) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let mut fingers = identified.finger.iter().enumerate();
+    if let Some((_, first)) = fingers.next() {
+        for (index, finger) in fingers {
+            warnings.extend(differences(first, (index, finger)));
+        }
+    }
+    for (index, finger) in identified.finger.iter().enumerate() {
+        warnings.extend(of_finger(index, finger, trace));
+    }
+    warnings.extend(off_centre(identified, trace));
+    warnings
+}
+
+fn differences(
+    first: &FingerEstimates,
+    (index, finger): (usize, &FingerEstimates),
+) -> Vec<String> {
+    let compared = [
+        (
+            "as stiff along its elements",
+            &finger.normal_stiffness,
+            &first.normal_stiffness,
+            "check how its fingertip is mounted, and its calibration",
+        ),
+        (
+            "as stiff across its elements",
+            &finger.shear_stiffness,
+            &first.shear_stiffness,
+            "check its calibration",
+        ),
+        (
+            "as rough",
+            &finger.kinetic_friction,
+            &first.kinetic_friction,
+            "look for wear and dirt on both fingertips",
+        ),
+        (
+            "as slow to follow commands",
+            &finger.servo_lag,
+            &first.servo_lag,
+            "compare the settings of the drives",
+        ),
+    ];
+    let differing = compared.into_iter().filter_map(|(what, own, other, advice)| {
+        let ratio = own.value / other.value;
+        let apart = own.low > other.high || own.high < other.low;
+        (apart && !(1.0 / ALIKE..=ALIKE).contains(&ratio))
+            .then(|| format!("finger {index} is {ratio:.1} times {what} as finger 0: {advice}"))
+    });
+    differing.collect()
+}
+
+fn of_finger(index: usize, finger: &FingerEstimates, trace: &Trace) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let (noise, touch) = (finger.force_noise.value, trace.touch_force);
+    if touch < ABOVE_NOISE * noise {
+        warnings.push(format!(
+            "the force noise of finger {index}, {:.1} mN, is more than a fifth of control.touch_force = {touch} N: raise that to {:.2} N or more",
+            1e3 * noise,
+            ABOVE_NOISE * noise
+        ));
+    }
+    let friction = finger.kinetic_friction.value;
+    if friction < LITTLE_FRICTION {
+        warnings.push(format!(
+            "finger {index} has a kinetic friction of only {friction:.2}: clean its fingertip and the object"
+        ));
+    }
+    if finger.hysteresis.low > MUCH_HYSTERESIS {
+        warnings.push(format!(
+            "finger {index} loses {:.0} % of the work of pressing: its contact stiffness depends on speed",
+            1e2 * finger.hysteresis.value
+        ));
+    }
+    let late = finger.dead_time.value;
+    if late > LATE_PERIODS * trace.period {
+        warnings.push(format!(
+            "the forces of finger {index} follow commands after {:.0} ms, {:.1} control periods: look for delays in camera and drives",
+            1e3 * late,
+            late / trace.period
+        ));
+    }
+    warnings
+}
+
+fn off_centre(identified: &Identified, trace: &Trace) -> Option<String> {
+    let homes = trace.probe.finger.iter().map(|path| DVec3::from_array(path.home));
+    // One finger's home says nothing about where the axis is.
+    let count = trace.probe.finger.len();
+    let middle = homes.sum::<DVec3>().truncate() / count as f64;
+    let at = |estimate: &Estimate| estimate.value;
+    let pivot = DVec2::new(at(&identified.object.pivot_x), at(&identified.object.pivot_y));
+    let off = pivot.distance(middle);
+    (count > 1 && off > OFF_CENTRE).then(|| {
+        format!(
+            "the object's axis is {:.1} mm off the middle of the fingers' homes: move the object or the homes",
+            1e3 * off
+        )
+    })
+}
