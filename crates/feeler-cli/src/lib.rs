@@ -20,6 +20,7 @@ mod export;
 mod flush;
 #[cfg(any(feature = "top", feature = "view", feature = "ros2"))]
 mod history;
+mod identify;
 mod init;
 mod interrupt;
 mod link;
@@ -81,6 +82,7 @@ Examples:
   feeler compare cap-closing -o compare       the paper's control law against others, on the same trials
   feeler robustness cap-closing -o robustness how much of it is luck of parameters
   feeler tune my.toml --identified identified.toml --search 60 -o tuned.toml
+  feeler identify cap-closing                 estimate a hand and its object by touch
   feeler locate untouched.png -o layout.toml --preview found.png
   feeler sense pictures/ --calibration my.calibration.toml -o forces.csv
   feeler sense xela_sensor1.csv --taxels uskin-4x4 -o forces.csv
@@ -115,6 +117,8 @@ enum Command {
     Robustness(robustness::Arguments),
     /// Tune control and task of a screwing hand for its identified values; a new experiment file.
     Tune(tune::Arguments),
+    /// Probe a hand: estimate stiffness, friction, lag, and the object's pivot and radius, with intervals.
+    Identify(identify::Arguments),
     /// Score slip detectors against the simulator's truth; a page with their characteristics.
     ScoreSlip(score_slip::Arguments),
     /// Simulate grasps that hold or slip, as recordings with labels, for training slip detectors.
@@ -222,6 +226,7 @@ fn run_command(command: Command, out: &mut dyn Write) -> Result<Outcome, Command
         Command::Compare(arguments) => compare::compare(&arguments, out),
         Command::Robustness(arguments) => robustness::robustness(&arguments, out),
         Command::Tune(arguments) => tune::tune(&arguments, out),
+        Command::Identify(arguments) => identify::identify(&arguments, out),
         Command::ScoreSlip(arguments) => score_slip::score_slip(&arguments, out),
         Command::SimulateGrasps(arguments) => simulate_grasps::simulate_grasps(&arguments, out),
         Command::List(arguments) => list::list(&arguments, out),

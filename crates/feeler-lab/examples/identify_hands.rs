@@ -58,8 +58,14 @@ fn main() -> Result<(), AnyError> {
             }
         }
     }
-    println!("{} hands, {failed} failed, longest {longest:.1} s, greatest force {hardest:.2} F2", hands.len());
-    println!("{:28} {:>9} {:>9} {:>9} {:>9}", "quantity", "covered %", "bias", "median", "95th");
+    println!(
+        "{} hands, {failed} failed, longest {longest:.1} s, greatest force {hardest:.2} F2",
+        hands.len()
+    );
+    println!(
+        "{:28} {:>9} {:>9} {:>9} {:>9}",
+        "quantity", "covered %", "bias", "median", "95th"
+    );
     for (name, checked) in &quantities {
         print(name, checked);
     }
@@ -73,7 +79,12 @@ fn print(name: &str, checked: &[Checked]) {
     let mut errors: Vec<f64> = checked.iter().map(|c| c.error.abs()).collect();
     errors.sort_by(f64::total_cmp);
     let quantile = |q: f64| errors[((errors.len() - 1) as f64 * q).round() as usize];
-    println!("{name:28} {:9.1} {bias:9.4} {:9.4} {:9.4}", 100.0 * covered, quantile(0.5), quantile(0.95));
+    println!(
+        "{name:28} {:9.1} {bias:9.4} {:9.4} {:9.4}",
+        100.0 * covered,
+        quantile(0.5),
+        quantile(0.95)
+    );
 }
 
 /// Plausible hands of `seed`, with F2 as a workshop would set it.
@@ -128,11 +139,31 @@ fn check(identified: &Identified, probing: &Experiment) -> Result<Vec<Checked>, 
         let noise = sim.direct_sensing.normal_noise;
         all.extend([
             compare("force noise, %", &finger.force_noise, noise, 0.01 * noise),
-            compare("normal stiffness, %", &finger.normal_stiffness, normal, 0.01 * normal),
-            compare("shear stiffness, %", &finger.shear_stiffness, shear, 0.01 * shear),
+            compare(
+                "normal stiffness, %",
+                &finger.normal_stiffness,
+                normal,
+                0.01 * normal,
+            ),
+            compare(
+                "shear stiffness, %",
+                &finger.shear_stiffness,
+                shear,
+                0.01 * shear,
+            ),
             compare("hysteresis, %", &finger.hysteresis, 0.0, 0.01),
-            compare("static friction", &finger.static_friction, feeler.static_friction, 1.0),
-            compare("kinetic friction", &finger.kinetic_friction, feeler.kinetic_friction, 1.0),
+            compare(
+                "static friction",
+                &finger.static_friction,
+                feeler.static_friction,
+                1.0,
+            ),
+            compare(
+                "kinetic friction",
+                &finger.kinetic_friction,
+                feeler.kinetic_friction,
+                1.0,
+            ),
             compare("servo lag, ms", &finger.servo_lag, sim.servo.lag, 1e-3),
             compare("dead time, ms", &finger.dead_time, latency.sum(), 1e-3),
         ]);

@@ -13,6 +13,7 @@ mod document;
 pub mod figures;
 pub mod grasp_slip_page;
 pub mod law_shares_page;
+pub mod identify_page;
 pub mod live_page;
 pub mod long_run;
 pub mod make;

@@ -29,7 +29,9 @@ pub enum IdentifyError {
         reason: StopReason,
     },
     /// The time limit of the experiment ended the run.
-    #[error("the probe was not over at the experiment's time_limit = {limit} s; expected a limit of 30 s or more")]
+    #[error(
+        "the probe was not over at the experiment's time_limit = {limit} s; expected a limit of 30 s or more"
+    )]
     TimeOver {
         /// The limit, s.
         limit: f64,

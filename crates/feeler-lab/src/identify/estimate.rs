@@ -1,7 +1,7 @@
 //! From the trace of a probing run to estimates with intervals.
 
-use super::contact::contacts;
-use super::friction::{Friction, friction, slides};
+use super::contact::{Contact, contacts};
+use super::friction::{Friction, Slide, friction, slides};
 use super::identified::{Estimate, FingerEstimates, Identified, ObjectEstimates};
 use super::lag::drive_lag;
 use super::noise::{Measured, force_noise};
@@ -16,15 +16,18 @@ const NORMAL: f64 = 1.96;
 const TOUCHES: f64 = 6.0;
 const LEAST_TOUCH: f64 = 0.06;
 
+/// Number of times that forces and poses are aligned: the fit shows a delay to first order only.
+const ALIGNMENTS: usize = 3;
+
 // Errors of the models, calibrated on plausible simulated hands: factors on standard deviations, and deviations that no
 // averaging reduces.
 const NORMAL_STIFFNESS: f64 = 0.006;
-const SHEAR_STIFFNESS: f64 = 0.01;
-const HYSTERESIS: (f64, f64) = (1.3, 0.0005);
+const SHEAR_STIFFNESS: f64 = 0.0085;
+const HYSTERESIS: (f64, f64) = (1.0, 0.0003);
 const DELAY: (f64, f64) = (1.5, 1e-4);
-const LAG: f64 = 1e-4;
-const FRICTION: (f64, f64) = (1.3, 0.003);
-const PIVOT: (f64, f64) = (0.2, 1e-6);
+const LAG: f64 = 7e-5;
+const FRICTION: (f64, f64) = (0.85, 0.0015);
+const PIVOT: (f64, f64) = (0.19, 4e-7);
 const RADIUS: f64 = 1.0;
 
 /// A quantity that the run does not determine.
@@ -37,43 +40,58 @@ pub struct EstimateError {
     pub reason: &'static str,
 }
 
-/// What was fitted to a trace: for plots and warnings.
+/// What was fitted to a trace, for plots.
 #[derive(Debug, Clone)]
 pub struct Fits {
-    /// Stiffness of each finger.
-    pub stiffness: Vec<Stiffness>,
-    /// Noise of the forces of each finger, N.
-    pub noise: Vec<f64>,
     /// Circle through the tips.
-    pub circle: Circle,
+    pub(super) circle: Circle,
+    /// The fingers, in order.
+    pub(super) fingers: Vec<FingerFits>,
+}
+
+/// What was fitted to the trace of a finger.
+#[derive(Debug, Clone)]
+pub(super) struct FingerFits {
+    /// Contacts that stick.
+    pub contacts: Vec<Contact>,
+    /// Slides, one for each place.
+    pub slides: Vec<Slide>,
 }
 
 /// Estimates all quantities of the probing run `trace` of `experiment` with `seed`.
 ///
 /// # Errors
 /// If the run does not determine one of them.
-pub fn estimate(trace: &Trace, experiment: &str, seed: u64) -> Result<(Identified, Fits), EstimateError> {
+pub fn estimate(
+    trace: &Trace,
+    experiment: &str,
+    seed: u64,
+) -> Result<(Identified, Fits), EstimateError> {
     let mut pressed = Vec::new();
     for (finger, own) in trace.fingers.iter().enumerate() {
         pressed.push(Pressed::of(own, finger, trace)?);
     }
-    let touching: Vec<_> = trace.fingers.iter().zip(&pressed).collect();
-    let touching: Vec<_> = touching
-        .into_iter()
-        .map(|(own, pressed)| (own, pressed.stiffness(), least_touch(pressed.noise.value)))
+    let touching: Vec<_> = pressed
+        .iter()
+        .map(|own| (&own.aligned, own.stiffness(), least_touch(own.noise.value)))
         .collect();
     let circle = circle(&touching).ok_or(EstimateError {
         what: "the pivot".to_string(),
         reason: "too few elements touched; expected a round object between the fingers, as wide as the probe's spacing or more",
     })?;
-    let mut finger = Vec::new();
-    for (index, (own, pressed)) in trace.fingers.iter().zip(&pressed).enumerate() {
-        let slides = slides(own, &circle, pressed.stiffness(), pressed.noise.value);
+    let (mut finger, mut fingers) = (Vec::new(), Vec::new());
+    for (index, pressed) in pressed.iter().enumerate() {
+        let noise = pressed.noise.value;
+        let slides = slides(&pressed.aligned, &circle, pressed.stiffness(), noise);
         let friction = friction(&slides).ok_or_else(|| EstimateError {
             what: format!("the friction of finger {index}"),
             reason: "no element slid; raise task.probe.slide_travel or lower task.probe.slide_depth",
         })?;
         finger.push(pressed.estimates(&friction));
+        fingers.push(FingerFits {
+            contacts: pressed.contacts.clone(),
+            slides,
+        });
     }
     let mut identified = Identified {
         experiment: experiment.to_string(),
@@ -83,11 +101,7 @@ pub fn estimate(trace: &Trace, experiment: &str, seed: u64) -> Result<(Identifie
         finger,
     };
     identified.warnings = warnings(&identified, trace);
-    let fits = Fits {
-        stiffness: pressed.iter().map(Pressed::stiffness).collect(),
-        noise: pressed.iter().map(|pressed| pressed.noise.value).collect(),
-        circle,
-    };
+    let fits = Fits { circle, fingers };
     Ok((identified, fits))
 }
 
@@ -98,6 +112,10 @@ pub fn least_touch(noise: f64) -> f64 {
 
 /// What one finger shows without the other ones.
 struct Pressed {
+    /// Contacts that stick.
+    contacts: Vec<Contact>,
+    /// The trace with the forces at the poses that they belong to.
+    aligned: FingerTrace,
     noise: Measured,
     contact: ContactFit,
     lag: Measured,
@@ -111,24 +129,39 @@ impl Pressed {
             reason,
         };
         let noise = force_noise(own).ok_or_else(|| {
-            missing("the force noise", "fewer than ten frames at rest; raise the rate of the sensor")
-        })?;
-        let drive = drive_lag(own)
-            .ok_or_else(|| missing("the lag", "the drives were given no command"))?;
-        let [smallest, largest] = trace.probe.tip_radius;
-        let force = (3.0 * least_touch(noise.value)).min(0.5 * trace.probe.press_force);
-        let contacts = contacts(own, force, 0.5 * (smallest + largest));
-        let contact = contact_fit(&contacts).ok_or_else(|| {
             missing(
-                "the contact stiffness",
-                "no element was pressed and sheared without slipping; raise task.probe.press_force",
+                "the force noise",
+                "fewer than ten frames at rest; raise the rate of the sensor",
             )
         })?;
+        let drive =
+            drive_lag(own).ok_or_else(|| missing("the lag", "the drives were given no command"))?;
+        let [smallest, largest] = trace.probe.tip_radius;
+        let force = (3.0 * least_touch(noise.value)).min(0.5 * trace.probe.press_force);
+        let mut aligned = own.clone();
+        let (mut delay, mut fitted) = (0.0, None);
+        for _ in 0..ALIGNMENTS {
+            let contacts = contacts(&aligned, force, 0.5 * (smallest + largest));
+            let mut fit = contact_fit(&contacts).ok_or_else(|| {
+                missing(
+                    "the contact stiffness",
+                    "no element was pressed and sheared without slipping; raise task.probe.press_force",
+                )
+            })?;
+            fit.delay.value += delay;
+            delay = fit.delay.value.max(0.0);
+            aligned = own.aligned(delay);
+            fitted = Some((fit, contacts));
+        }
+        let (contact, contacts) =
+            fitted.ok_or_else(|| missing("the contact stiffness", "nothing was fitted"))?;
         Ok(Self {
             noise,
             contact,
             lag: drive.lag,
             delay: drive.delay,
+            aligned,
+            contacts,
         })
     }
 
@@ -153,11 +186,19 @@ impl Pressed {
             force_noise: interval(self.noise, (1.0, 0.0), "variance at rest"),
             normal_stiffness: interval(normal, normal_error, "slope of force over depth"),
             shear_stiffness: interval(shear, shear_error, "slope of force over shear"),
-            hysteresis: from_zero(interval(contact.hysteresis, HYSTERESIS, "loop of press and release")),
+            hysteresis: from_zero(interval(
+                contact.hysteresis,
+                HYSTERESIS,
+                "loop of press and release",
+            )),
             static_friction: interval(friction.static_friction, FRICTION, ratio),
             kinetic_friction: interval(friction.kinetic_friction, FRICTION, ratio),
             servo_lag: from_zero(interval(self.lag, (1.0, LAG), "joint angles over commands")),
-            dead_time: from_zero(interval(delay, DELAY, "joint angles over commands, forces over depth")),
+            dead_time: from_zero(interval(
+                delay,
+                DELAY,
+                "joint angles over commands, forces over depth",
+            )),
         }
     }
 }
@@ -168,7 +209,11 @@ fn object(circle: &Circle, [smallest, largest]: [f64; 2]) -> ObjectEstimates {
     let tip = 0.5 * (smallest + largest);
     let mut radius = circle.radius;
     radius.value -= tip;
-    let mut radius = interval(radius, (RADIUS, 0.0), "circle through pressed tips, less the tip's radius");
+    let mut radius = interval(
+        radius,
+        (RADIUS, 0.0),
+        "circle through pressed tips, less the tip's radius",
+    );
     // Any tip radius between both ends is as likely as any other.
     let half = (0.5 * 0.95 * (largest - smallest)).hypot(0.5 * (radius.high - radius.low));
     (radius.low, radius.high) = (radius.value - half, radius.value + half);

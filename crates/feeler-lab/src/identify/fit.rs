@@ -2,6 +2,9 @@
 
 use glam::{DMat3, DVec3};
 
+/// Greatest standard deviation of the first coefficient, relative to it, of a stretch that shows it at all.
+const EXCITED: f64 = 0.2;
+
 /// Samples of one stretch of a run: rows of up to three regressors, and the value that they explain but for a constant of the
 /// stretch.
 #[derive(Debug, Clone, Default)]
@@ -49,11 +52,17 @@ impl Fit {
     pub fn of_consistent(stretches: Vec<Stretch>, used: usize) -> Option<(Self, Vec<Stretch>)> {
         let alone = stretches.into_iter().filter_map(|stretch| {
             let fit = Self::of(std::slice::from_ref(&stretch), used)?;
-            Some((fit.residual, stretch))
+            let is_excited = fit.deviations.x <= EXCITED * fit.coefficients.x.abs();
+            is_excited.then_some((fit.residual, stretch))
         });
         let alone: Vec<_> = alone.collect();
-        let least = alone.iter().map(|(residual, _)| *residual).fold(f64::INFINITY, f64::min);
-        let kept = alone.into_iter().filter(|(residual, _)| *residual <= 2.0 * least);
+        let least = alone
+            .iter()
+            .map(|(residual, _)| *residual)
+            .fold(f64::INFINITY, f64::min);
+        let kept = alone
+            .into_iter()
+            .filter(|(residual, _)| *residual <= 2.0 * least);
         let kept: Vec<_> = kept.map(|(_, stretch)| stretch).collect();
         Some((Self::of(&kept, used)?, kept))
     }

@@ -1,7 +1,7 @@
 //! Friction: the ratio of shear and normal force while a finger slides along the object's axis.
 
-use super::pivot::{Circle, Stiffness, pushed_tip};
 use super::noise::Measured;
+use super::pivot::{Circle, Stiffness, pushed_tip};
 use super::trace::{FingerTrace, Row};
 use feeler::control::task::probe::Step;
 
@@ -77,7 +77,13 @@ fn slide(
         let across = (shear.length_squared() - along * along).max(0.0);
         let shear = along.signum() * (along * along + across - noise * noise).max(0.0).sqrt();
         slide.time.push(row.time - rows[0].time);
-        slide.ratio.push(if across.sqrt() > along.abs() { along } else { shear } / normal);
+        slide.ratio.push(
+            if across.sqrt() > along.abs() {
+                along
+            } else {
+                shear
+            } / normal,
+        );
         slide.noise += noise * noise * (1.0 + (along / normal).powi(2)) / normal.powi(2);
     }
     slide.noise = (slide.noise / slide.time.len().max(1) as f64).sqrt();
@@ -163,13 +169,18 @@ fn by_spread(slides: &[Slide]) -> Option<Friction> {
     }
     let mean = sum / count;
     for slide in slides {
-        squares += slide.ratio[slide.onset..].iter().map(|r| (r - mean).powi(2)).sum::<f64>();
+        squares += slide.ratio[slide.onset..]
+            .iter()
+            .map(|r| (r - mean).powi(2))
+            .sum::<f64>();
     }
     let (total, own) = (squares / (count - 1.0), own / count);
     let half = (3.0 * (total - own)).max(0.0).sqrt();
     // The variance is known to sqrt(2 / count) of itself.
     let variance = total * (2.0 / count).sqrt();
-    let spread = (3.0 * variance).sqrt().min(1.5 * variance / half.max(f64::MIN_POSITIVE));
+    let spread = (3.0 * variance)
+        .sqrt()
+        .min(1.5 * variance / half.max(f64::MIN_POSITIVE));
     let deviation = spread.hypot((total / count).sqrt());
     Some(Friction::new(mean + half, mean - half, deviation))
 }

@@ -19,6 +19,16 @@ pub struct Identified {
     pub finger: Vec<FingerEstimates>,
 }
 
+impl Identified {
+    /// The text of `identified.toml`.
+    ///
+    /// # Errors
+    /// If a value cannot be written as TOML.
+    pub fn to_toml(&self) -> Result<String, toml::ser::Error> {
+        toml::to_string(self)
+    }
+}
+
 /// Estimates of the object.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -50,7 +50,9 @@ fn residuals(trace: &FingerTrace, lag: f64, delay: f64) -> Vec<f64> {
     };
     for (index, row) in rows.iter().enumerate() {
         differences.push(row.joints - drive.angle);
-        let Some(next) = rows.get(index + 1) else { break };
+        let Some(next) = rows.get(index + 1) else {
+            break;
+        };
         let period = next.time - row.time;
         // For the first part of the period the older command is still effective.
         let back = (delay / period) as usize;
@@ -87,8 +89,14 @@ pub fn drive_lag(trace: &FingerTrace) -> Option<DriveLag> {
     let curvature = Curvature::at(trace, best);
     let (lag, delay) = best;
     Some(DriveLag {
-        lag: Measured { value: lag, deviation: curvature.deviations.0 },
-        delay: Measured { value: delay, deviation: curvature.deviations.1 },
+        lag: Measured {
+            value: lag,
+            deviation: curvature.deviations.0,
+        },
+        delay: Measured {
+            value: delay,
+            deviation: curvature.deviations.1,
+        },
     })
 }
 
@@ -133,7 +141,10 @@ impl Curvature {
         let determinant = (ll * dd - ld * ld).max(f64::MIN_POSITIVE);
         let variance = squares(&at) / (at.len() as f64 - 2.0).max(1.0);
         Self {
-            deviations: ((variance * dd / determinant).sqrt(), (variance * ll / determinant).sqrt()),
+            deviations: (
+                (variance * dd / determinant).sqrt(),
+                (variance * ll / determinant).sqrt(),
+            ),
         }
     }
 }

@@ -11,6 +11,7 @@ mod friction;
 pub mod identified;
 mod lag;
 mod noise;
+mod page;
 mod pivot;
 mod probing;
 mod stiffness;
@@ -18,7 +19,8 @@ pub mod trace;
 mod warnings;
 
 pub use error::IdentifyError;
-pub use estimate::{EstimateError, estimate};
+pub use estimate::{EstimateError, Fits, estimate};
 pub use identified::{Estimate, FingerEstimates, Identified, ObjectEstimates};
+pub use page::page;
 pub use probing::{probe, probing};
 pub use trace::Trace;

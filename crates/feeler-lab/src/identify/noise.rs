@@ -17,7 +17,11 @@ pub struct Measured {
 /// The variance of each component of each element about its mean, averaged over all of them. The spread of these variances gives
 /// the standard deviation of the average.
 pub fn force_noise(trace: &FingerTrace) -> Option<Measured> {
-    let rest: Vec<_> = trace.rows.iter().filter(|row| row.step == Step::Rest).collect();
+    let rest: Vec<_> = trace
+        .rows
+        .iter()
+        .filter(|row| row.step == Step::Rest)
+        .collect();
     if rest.len() < 10 {
         return None;
     }

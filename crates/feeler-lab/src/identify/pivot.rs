@@ -41,12 +41,7 @@ impl Circle {
 }
 
 /// Tip of `element` where the force on it has pushed it, m, in W.
-pub fn pushed_tip(
-    trace: &FingerTrace,
-    row: usize,
-    element: usize,
-    stiffness: Stiffness,
-) -> DVec3 {
+pub fn pushed_tip(trace: &FingerTrace, row: usize, element: usize, stiffness: Stiffness) -> DVec3 {
     let row = &trace.rows[row];
     let force = row.forces[element];
     let pushed = DVec3::new(
@@ -125,7 +120,9 @@ pub fn fit_circle(points: Vec<(usize, DVec2)>) -> Option<Circle> {
         centre += step.truncate();
         radius += step.z;
     }
-    let misses = points.iter().map(|(_, p)| (p.distance(origin + centre) - radius).powi(2));
+    let misses = points
+        .iter()
+        .map(|(_, p)| (p.distance(origin + centre) - radius).powi(2));
     let variance = misses.sum::<f64>() / (count - 3.0).max(1.0) + LEAST_DEVIATION.powi(2);
     let measured = |value: f64, unit: f64| Measured {
         value,

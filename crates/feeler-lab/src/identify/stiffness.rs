@@ -100,7 +100,9 @@ fn mean_load(contacts: &[Contact]) -> f64 {
 
 /// Standard deviation of the first coefficient by its spread over the contacts about the `pooled` one.
 fn spread(stretches: &[Stretch], used: usize, pooled: f64) -> f64 {
-    let fits = stretches.iter().filter_map(|stretch| Fit::of(std::slice::from_ref(stretch), used));
+    let fits = stretches
+        .iter()
+        .filter_map(|stretch| Fit::of(std::slice::from_ref(stretch), used));
     let (mut weights, mut squares, mut count) = (0.0, 0.0, 0.0);
     for fit in fits.filter(|fit| fit.deviations.x < pooled) {
         let weight = fit.deviations.x.max(1e-3 * pooled).powi(-2);

@@ -1,7 +1,7 @@
 //! What a probing run records of each finger: what a real hand has, too.
 
-use feeler::control::controller::ControlConfig;
 use feeler::control::control_loop::ControlLoop;
+use feeler::control::controller::ControlConfig;
 use feeler::control::sense::FingertipPose;
 use feeler::control::task::probe::{ProbeConfig, Step};
 use feeler::control::touch::TouchSource;
@@ -62,7 +62,47 @@ impl Row {
 
     /// Greatest force `F_z` on an element, N.
     pub fn greatest(&self) -> f64 {
-        self.forces.iter().fold(0.0, |most, force| most.max(force.z))
+        self.forces
+            .iter()
+            .fold(0.0, |most, force| most.max(force.z))
+    }
+}
+
+impl FingerTrace {
+    /// The same forces beside the pose and step of `delay` seconds before, to which they belong.
+    #[must_use]
+    pub fn aligned(&self, delay: f64) -> Self {
+        let shifted = |(index, row): (usize, &Row)| {
+            let time = row.time - delay;
+            let after = self.rows[..=index].partition_point(|row| row.time < time);
+            let (before, after) = (
+                &self.rows[after.saturating_sub(1)],
+                &self.rows[after.min(index)],
+            );
+            let period = after.time - before.time;
+            let part = if period > 0.0 {
+                (time - before.time) / period
+            } else {
+                1.0
+            };
+            let part = part.clamp(0.0, 1.0);
+            let nearest = if part < 0.5 { before } else { after };
+            let (from, to) = (before.pose, after.pose);
+            Row {
+                step: nearest.step,
+                place: nearest.place,
+                pose: FingertipPose {
+                    position: from.position.lerp(to.position, part),
+                    // They differ by milliradians.
+                    rotation: from.rotation * (1.0 - part) + to.rotation * part,
+                },
+                ..row.clone()
+            }
+        };
+        Self {
+            rows: self.rows.iter().enumerate().map(shifted).collect(),
+            ..self.clone()
+        }
     }
 }
 

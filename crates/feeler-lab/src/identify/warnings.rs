@@ -33,10 +33,7 @@ pub fn warnings(identified: &Identified, trace: &Trace) -> Vec<String> {
     warnings
 }
 
-fn differences(
-    first: &FingerEstimates,
-    (index, finger): (usize, &FingerEstimates),
-) -> Vec<String> {
+fn differences(first: &FingerEstimates, (index, finger): (usize, &FingerEstimates)) -> Vec<String> {
     let compared = [
         (
             "as stiff along its elements",
@@ -63,12 +60,14 @@ fn differences(
             "compare the settings of the drives",
         ),
     ];
-    let differing = compared.into_iter().filter_map(|(what, own, other, advice)| {
-        let ratio = own.value / other.value;
-        let apart = own.low > other.high || own.high < other.low;
-        (apart && !(1.0 / ALIKE..=ALIKE).contains(&ratio))
-            .then(|| format!("finger {index} is {ratio:.1} times {what} as finger 0: {advice}"))
-    });
+    let differing = compared
+        .into_iter()
+        .filter_map(|(what, own, other, advice)| {
+            let ratio = own.value / other.value;
+            let apart = own.low > other.high || own.high < other.low;
+            (apart && !(1.0 / ALIKE..=ALIKE).contains(&ratio))
+                .then(|| format!("finger {index} is {ratio:.1} times {what} as finger 0: {advice}"))
+        });
     differing.collect()
 }
 
@@ -106,12 +105,19 @@ fn of_finger(index: usize, finger: &FingerEstimates, trace: &Trace) -> Vec<Strin
 }
 
 fn off_centre(identified: &Identified, trace: &Trace) -> Option<String> {
-    let homes = trace.probe.finger.iter().map(|path| DVec3::from_array(path.home));
+    let homes = trace
+        .probe
+        .finger
+        .iter()
+        .map(|path| DVec3::from_array(path.home));
     // One finger's home says nothing about where the axis is.
     let count = trace.probe.finger.len();
     let middle = homes.sum::<DVec3>().truncate() / count as f64;
     let at = |estimate: &Estimate| estimate.value;
-    let pivot = DVec2::new(at(&identified.object.pivot_x), at(&identified.object.pivot_y));
+    let pivot = DVec2::new(
+        at(&identified.object.pivot_x),
+        at(&identified.object.pivot_y),
+    );
     let off = pivot.distance(middle);
     (count > 1 && off > OFF_CENTRE).then(|| {
         format!(

@@ -10,6 +10,7 @@ mod friction_samples;
 mod from_above;
 mod grid;
 pub mod law_shares;
+pub mod identify;
 pub mod outline;
 pub mod paths;
 mod pen;

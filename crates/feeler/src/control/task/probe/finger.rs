@@ -194,7 +194,8 @@ impl Finger {
         // Along the approach the finger moves as the step says; across it, it keeps its line.
         let across = back.reject_from_normalized(self.approach);
         let along = |speed: f64| speed * self.approach + across;
-        let shear = |rate: f64| direction * rate * self.axis + back.reject_from_normalized(self.axis);
+        let shear =
+            |rate: f64| direction * rate * self.axis + back.reject_from_normalized(self.axis);
         match step {
             Step::Travel => homeward(waiting - position, config.return_speed),
             Step::Approach => along(config.search_speed),
@@ -218,9 +219,7 @@ impl Finger {
             .clamp(-config.press_speed, config.press_speed);
         let stray = (self.from - position).dot(self.stroke);
         let back = homeward(stray * self.stroke, config.press_speed);
-        direction * SLIDE_RATE * self.slide_depth(config) * self.axis
-            + press * self.approach
-            + back
+        direction * SLIDE_RATE * self.slide_depth(config) * self.axis + press * self.approach + back
     }
 
     /// Unit vector towards the object, in W.

@@ -46,7 +46,10 @@ impl Probe {
 
     /// The task at its beginning.
     pub fn new(config: &ProbeConfig) -> Self {
-        let homes = config.finger.iter().map(|path| DVec3::from_array(path.home));
+        let homes = config
+            .finger
+            .iter()
+            .map(|path| DVec3::from_array(path.home));
         let centre = homes.sum::<DVec3>() / config.finger.len().max(1) as f64;
         let fingers = config.finger.iter().enumerate();
         Self {

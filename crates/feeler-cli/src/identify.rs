@@ -1,0 +1,104 @@
+//! `feeler identify`
+
+use super::part_file::{Outputs, Overwrite};
+use super::{CommandError, Outcome};
+use feeler_lab::config::Experiment;
+use feeler_lab::identify::{estimate, page, probe, probing};
+use feeler_report::identify_page::{IdentifyPage, identify_page};
+use std::fs::create_dir_all;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+/// Names of the files in the folder.
+const ESTIMATES: &str = "identified.toml";
+const PAGE: &str = "identify.html";
+
+const EXAMPLES: &str = "\
+The fingers touch, press, shear and slide at three places, along the rectangles of [task.screw] or as [task.probe] says; less than half
+a minute of simulated time. identified.toml has each estimate with its 95 % interval; identify.html has the probes and fits, too.
+
+Examples:
+  feeler identify cap-closing
+  feeler identify my.toml --sensing direct --seed 7 --out runs/identified
+  feeler identify my.toml --set sim.feeler.normal_stiffness=400 --force";
+
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Arguments {
+    /// An experiment file, or the name of a built-in experiment, with [task.screw] or [task.probe].
+    experiment: String,
+    /// Random seed.
+    #[arg(long, value_parser = crate::trials::parse_seed)]
+    seed: Option<u64>,
+    /// Where forces come from: rendered camera pictures, or the feelers themselves plus noise.
+    #[arg(long, value_parser = ["image", "direct"])]
+    sensing: Option<String>,
+    /// Set any value of the experiment, as in sim.servo.lag=0.02.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    settings: Vec<String>,
+    /// The folder of estimates and page [default: runs/NAME-identified]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    overwrite: Overwrite,
+}
+
+pub fn identify(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
+    let mut settings = arguments.settings.clone();
+    settings.extend(arguments.seed.map(|seed| format!("seed={seed}")));
+    settings.extend(arguments.sensing.as_ref().map(|s| format!("sensing={s}")));
+    let experiment = probing(&Experiment::load(&arguments.experiment, &settings)?)?;
+    let config = &experiment.config;
+    let default = || Path::new("runs").join(format!("{}-identified", config.name));
+    let folder = arguments.out.clone().unwrap_or_else(default);
+    check_new(&folder, arguments.overwrite)?;
+
+    let (identified, fits) = estimate(&probe(&experiment)?, &config.name, config.seed)?;
+    let page = page(&identified, &fits);
+    let files = [
+        (ESTIMATES, identified.to_toml()?),
+        (PAGE, identify_page(&page)),
+    ];
+    create_dir_all(&folder).map_err(|e| format!("--out {}: {e}", folder.display()))?;
+    let input = Some(Path::new(&arguments.experiment));
+    let mut outputs = Outputs::new(arguments.overwrite, [input]);
+    for (name, text) in files {
+        let file = outputs.create(&folder.join(name), "--out")?;
+        file.finish(text.as_bytes())?;
+    }
+    print(&page, out)?;
+    for name in [ESTIMATES, PAGE] {
+        writeln!(out, "{}", folder.join(name).display())?;
+    }
+    Ok(Outcome::Done)
+}
+
+/// Refuses a folder that has estimates, before the hand moves.
+fn check_new(folder: &Path, overwrite: Overwrite) -> Result<(), CommandError> {
+    let taken = [ESTIMATES, PAGE].map(|name| folder.join(name));
+    let found = taken.iter().find(|path| path.exists());
+    match found.filter(|_| !overwrite.force) {
+        Some(found) => Err(format!(
+            "--out {}: exists already; expected a new folder, or --force to replace it",
+            found.display()
+        )
+        .into()),
+        None => Ok(()),
+    }
+}
+
+fn print(page: &IdentifyPage, out: &mut dyn Write) -> io::Result<()> {
+    for row in &page.rows {
+        let name = format!("{}, {}", row.quantity, row.of);
+        let [value, low, high] = row.value;
+        let unit = row.unit;
+        writeln!(
+            out,
+            "{name:26} {value:9.3}   {low:9.3} to {high:9.3} {unit}"
+        )?;
+    }
+    for warning in &page.warnings {
+        writeln!(out, "warning: {warning}")?;
+    }
+    Ok(())
+}

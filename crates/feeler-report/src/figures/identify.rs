@@ -1,0 +1,128 @@
+//! Figures of a probing run: raw probes, and what was fitted to them.
+
+use super::super::identify_page::{FingerProbes, IdentifyPage};
+use super::Figure;
+use super::canvas::{Pen, airy, dots, finger_colour, line, panel, range};
+use super::drawing::tiled;
+
+/// Most dots of one series: more show no more.
+const DOTS: usize = 400;
+/// Grey of what was fitted.
+const FITTED: &str = "#555555";
+const HEIGHT: f64 = 240.0;
+
+/// Points of a finger.
+type PointsOf = fn(&FingerProbes) -> &[(f64, f64)];
+
+/// `F_z` over depth.
+pub fn depth_figure(page: &IdentifyPage, number: u32) -> Figure {
+    let caption = "The most loaded element, pressed and released at two speeds. Line: the contact stiffness along its axis.";
+    let labels = ["depth (mm)", "F_z (N)"];
+    slope_figure(page, (number, "Pressing"), |f| &f.depth, 0, labels, caption)
+}
+
+/// Shear force over displacement.
+pub fn shear_figure(page: &IdentifyPage, number: u32) -> Figure {
+    let caption = "The same element, sheared along the object's axis while it sticks. Line: the contact stiffness across its axis.";
+    let labels = ["shear displacement (mm)", "shear force (N)"];
+    slope_figure(page, (number, "Shearing"), |f| &f.shear, 1, labels, caption)
+}
+
+fn slope_figure(
+    page: &IdentifyPage,
+    (number, title): (u32, &str),
+    points: PointsOf,
+    stiffness: usize,
+    [x_label, y_label]: [&str; 2],
+    caption: &str,
+) -> Figure {
+    let panels = page.fingers.iter().enumerate().map(|(index, finger)| {
+        let points: Vec<_> = points(finger).iter().map(|p| (1e3 * p.0, p.1)).collect();
+        let x = range(points.iter().map(|p| p.0)).unwrap_or((0.0, 1.0));
+        let y = range(points.iter().map(|p| p.1)).unwrap_or((0.0, 1.0));
+        let count = points.len().max(1) as f64;
+        let mean = points.iter().fold((0.0, 0.0), |sum, p| {
+            (sum.0 + p.0 / count, sum.1 + p.1 / count)
+        });
+        let slope = 1e-3 * finger.stiffness[stiffness];
+        let fitted = [x.0, x.1].map(|at| (at, mean.1 + slope * (at - mean.0)));
+        let plots = vec![
+            dots(&points, DOTS, finger_colour(index), 1.8),
+            line(fitted, Pen::solid(FITTED, 1.4)),
+        ];
+        (
+            plots,
+            panel(airy(x), airy(y), x_label, y_label).with_ticks(4),
+        )
+    });
+    let panels = panels.collect();
+    let drawing = tiled((number, title), &legend(page), panels, 2, HEIGHT);
+    Figure::drawn(number, title, caption, Some(drawing))
+}
+
+/// Ratio of shear to normal force over time.
+pub fn slide_figure(page: &IdentifyPage, number: u32) -> Figure {
+    let panels = page.fingers.iter().enumerate().map(|(index, finger)| {
+        let all = || finger.slides.iter().flatten();
+        let x = range(all().map(|p| p.0)).unwrap_or((0.0, 1.0));
+        let coefficients = finger.friction.into_iter();
+        let y = range(all().map(|p| p.1).chain(coefficients)).unwrap_or((0.0, 1.0));
+        let mut plots: Vec<_> = finger
+            .slides
+            .iter()
+            .map(|slide| line(slide.iter().copied(), Pen::solid(finger_colour(index), 1.0)))
+            .collect();
+        for coefficient in finger.friction {
+            let fitted = [(x.0, coefficient), (x.1, coefficient)];
+            plots.push(line(fitted, Pen::solid(FITTED, 1.4)));
+        }
+        let layout = panel(
+            airy(x),
+            airy(y),
+            "time in the slide (s)",
+            "shear / normal force",
+        );
+        (plots, layout.with_ticks(4))
+    });
+    let (title, panels) = ("Sliding", panels.collect());
+    let caption = "The most loaded element at each place: it sticks, and then sticks and slips in turn between both coefficients of friction (lines).";
+    let drawing = tiled((number, title), &legend(page), panels, 2, HEIGHT);
+    Figure::drawn(number, title, caption, Some(drawing))
+}
+
+/// Tips that touch, and the circle through them.
+pub fn circle_figure(page: &IdentifyPage, number: u32) -> Figure {
+    let [x, y, radius] = page.circle.map(|length| 1e3 * length);
+    let turn = (0..=120).map(|step| f64::from(step) / 120.0 * std::f64::consts::TAU);
+    let around = turn.map(|angle| (x + radius * angle.cos(), y + radius * angle.sin()));
+    let mut plots = vec![line(around, Pen::solid(FITTED, 1.2))];
+    for (index, finger) in page.fingers.iter().enumerate() {
+        let tips: Vec<_> = finger.tips.iter().map(|p| (1e3 * p.0, 1e3 * p.1)).collect();
+        plots.push(dots(&tips, DOTS, finger_colour(index), 2.4));
+    }
+    plots.push(dots(&[(x, y)], DOTS, FITTED, 3.0));
+    let reach = 1.15 * radius;
+    let layout = panel(
+        (x - reach, x + reach),
+        (y - reach, y + reach),
+        "x (mm)",
+        "y (mm)",
+    );
+    let title = "Object, along its axis";
+    let caption = "Centres of the tips that touch, one dot for each element and place, where the forces have pushed them; the circle through them, and its centre, the pivot. \
+        The object's radius is less by that of a tip.";
+    let drawing = tiled(
+        (number, title),
+        &legend(page),
+        vec![(plots, layout)],
+        1,
+        440.0,
+    );
+    Figure::drawn(number, title, caption, Some(drawing))
+}
+
+fn legend(page: &IdentifyPage) -> Vec<(&'static str, Pen)> {
+    let mut legend = super::canvas::finger_legend(page.fingers.len(), 2.0);
+    legend.push(("fitted", Pen::solid(FITTED, 1.4)));
+    legend
+}
