@@ -244,3 +244,44 @@ fn from_zero(estimate: Estimate) -> Estimate {
         ..estimate
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_interval_is_of_both_deviations() {
+        let measured = Measured {
+            value: 5.0,
+            deviation: 0.3,
+        };
+        let estimate = interval(measured, (1.0, 0.4), "method");
+        assert!((estimate.high - 5.0 - 1.96 * 0.5).abs() < 1e-12);
+        assert!((5.0 - estimate.low - 1.96 * 0.5).abs() < 1e-12);
+        let clipped = from_zero(Estimate {
+            value: -0.1,
+            low: -0.5,
+            ..estimate
+        });
+        assert_eq!((clipped.value, clipped.low), (0.0, 0.0));
+    }
+
+    #[test]
+    fn the_objects_radius_is_less_by_the_tips() {
+        let exact = |value| Measured {
+            value,
+            deviation: 0.0,
+        };
+        let circle = Circle {
+            x: exact(0.001),
+            y: exact(0.0),
+            radius: exact(0.016),
+            points: Vec::new(),
+        };
+        let known = object(&circle, [0.002, 0.002]).radius;
+        assert!((known.value - 0.014).abs() < 1e-12 && (known.high - known.low).abs() < 1e-12);
+        let unknown = object(&circle, [0.001, 0.003]).radius;
+        assert!((unknown.value - 0.014).abs() < 1e-12);
+        assert!((unknown.high - 0.01495).abs() < 1e-12, "{unknown:?}");
+    }
+}

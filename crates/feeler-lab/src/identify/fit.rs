@@ -104,3 +104,52 @@ impl Fit {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A stretch of `y = 3 a - 2 b + 0.5 c + constant` with regressors that are independent of each other.
+    fn stretch(constant: f64) -> Stretch {
+        let mut stretch = Stretch::default();
+        for index in 0..40 {
+            let t = f64::from(index);
+            let row = DVec3::new(t, (0.7 * t).sin(), (t % 3.0) - 1.0);
+            stretch.add(row, row.dot(DVec3::new(3.0, -2.0, 0.5)) + constant);
+        }
+        stretch
+    }
+
+    #[test]
+    fn coefficients_of_exact_samples_are_exact_whatever_the_constants() {
+        let fit = Fit::of(&[stretch(1.0), stretch(-7.0)], 3).expect("a fit");
+        let expected = DVec3::new(3.0, -2.0, 0.5);
+        assert!((fit.coefficients - expected).length() < 1e-9, "{fit:?}");
+        assert!(fit.residual < 1e-5, "{fit:?}");
+    }
+
+    #[test]
+    fn regressors_that_do_not_vary_determine_nothing() {
+        let mut flat = Stretch::default();
+        for index in 0..10 {
+            flat.add(DVec3::X, f64::from(index));
+        }
+        assert_eq!(Fit::of(&[flat], 1), None);
+        assert_eq!(Fit::of(&[], 3), None);
+    }
+
+    #[test]
+    fn a_stretch_that_does_not_fit_is_left_out() {
+        let mut slipped = stretch(0.0);
+        for (_, value) in &mut slipped.rows[20..] {
+            *value -= 30.0;
+        }
+        let mut noisy = stretch(2.0);
+        for (index, (_, value)) in noisy.rows.iter_mut().enumerate() {
+            *value += if index % 2 == 0 { 0.01 } else { -0.01 };
+        }
+        let (fit, kept) = Fit::of_consistent(vec![noisy, slipped], 3).expect("a fit");
+        assert_eq!(kept.len(), 1);
+        assert!((fit.coefficients.x - 3.0).abs() < 1e-3, "{fit:?}");
+    }
+}

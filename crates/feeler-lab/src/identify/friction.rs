@@ -198,3 +198,70 @@ impl Friction {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    /// A slide that rises by `rise` a sample, sticks up to `highest` and slips back to `lowest`.
+    fn sawtooth((highest, lowest, rise): (f64, f64, f64), noise: f64) -> Slide {
+        let mut ratio = Vec::new();
+        let (mut exact, mut seed) = (-0.1, 0.0_f64);
+        for _ in 0..300 {
+            exact += rise;
+            if exact > highest {
+                exact = lowest + (exact - highest) % (highest - lowest);
+            }
+            // Gaussian noise by Box and Muller, from a low-discrepancy sequence.
+            seed += 1.0;
+            let (u, v) = ((0.618_034 * seed).fract(), (0.754_878 * seed).fract());
+            let normal = (-2.0 * (1.0 - u).ln()).sqrt() * (TAU * v).cos();
+            ratio.push(exact + noise * normal);
+        }
+        Slide {
+            time: (0..300).map(|index| 0.01 * f64::from(index)).collect(),
+            onset: onset(&ratio).expect("it slides"),
+            ratio,
+            noise,
+        }
+    }
+
+    #[test]
+    fn clear_falls_show_both_coefficients() {
+        let slides = [1.2, 1.21].map(|highest| sawtooth((highest, 0.8, 0.013), 0.002));
+        let found = friction(&slides).expect("it slides");
+        // A fall is anywhere within a sample's rise.
+        assert!(
+            (found.static_friction.value - 1.205).abs() < 0.013,
+            "{found:?}"
+        );
+        assert!(
+            (found.kinetic_friction.value - 0.8).abs() < 0.013,
+            "{found:?}"
+        );
+    }
+
+    #[test]
+    fn falls_that_noise_hides_show_in_the_spread() {
+        let slides = [0.011, 0.013, 0.017].map(|rise| sawtooth((0.9, 0.75, rise), 0.05));
+        let found = friction(&slides).expect("it slides");
+        let (fixed, sliding) = (found.static_friction, found.kinetic_friction);
+        assert!(
+            (fixed.value - 0.9).abs() < 3.0 * fixed.deviation,
+            "{found:?}"
+        );
+        assert!(
+            (sliding.value - 0.75).abs() < 3.0 * sliding.deviation,
+            "{found:?}"
+        );
+        assert!(fixed.deviation < 0.03, "{found:?}");
+    }
+
+    #[test]
+    fn what_only_rises_does_not_slide() {
+        let rising: Vec<_> = (0..200).map(|index| 0.004 * f64::from(index)).collect();
+        assert_eq!(onset(&rising), None);
+        assert_eq!(friction(&[]), None);
+    }
+}

@@ -148,3 +148,75 @@ impl Curvature {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::trace::Row;
+    use super::*;
+    use feeler::control::sense::FingertipPose;
+    use feeler::control::task::probe::Step;
+    use feeler::sensor::layout::{ElementLayout, LayoutConfig};
+
+    /// Joints that follow changing commands, in steps of a tenth of a millisecond, with this lag and delay.
+    fn trace(lag: f64, delay: f64) -> FingerTrace {
+        let command_at = |time: f64| match time {
+            time if time < 0.0 => DVec3::ZERO,
+            time => {
+                0.05 * DVec3::new(
+                    (3.0 * time).sin().signum(),
+                    0.4,
+                    (7.0 * time).cos().signum(),
+                )
+            }
+        };
+        let (mut drive, mut rows) = (Drive::default(), Vec::new());
+        for index in 0..600 {
+            let time = 0.01 * f64::from(index);
+            rows.push(Row {
+                time,
+                step: Step::Rest,
+                place: 0,
+                command: command_at(time),
+                joints: drive.angle,
+                pose: FingertipPose::default(),
+                forces: Vec::new(),
+            });
+            for part in 0..100 {
+                // Commands change at control steps only.
+                let since = time + 1e-4 * f64::from(part) + 5e-5 - delay;
+                drive.follow(command_at((since / 0.01).floor() * 0.01), 1e-4, lag);
+            }
+        }
+        FingerTrace {
+            layout: ElementLayout::new(&LayoutConfig::default()),
+            approach: DVec3::X,
+            axis: DVec3::Z,
+            rows,
+        }
+    }
+
+    #[test]
+    fn lag_and_delay_of_exact_joints_are_found() {
+        for (lag, delay) in [(0.003, 0.0), (0.03, 0.0), (0.012, 0.017)] {
+            let found = drive_lag(&trace(lag, delay)).expect("it moves");
+            // The search ends within 0.05 ms; lag and delay replace each other in part.
+            assert!(
+                (found.lag.value - lag).abs() < 3e-4,
+                "{lag} {delay} {found:?}"
+            );
+            assert!(
+                (found.delay.value - delay).abs() < 3e-4,
+                "{lag} {delay} {found:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_finger_that_rests_has_no_lag() {
+        let mut trace = trace(0.01, 0.0);
+        for row in &mut trace.rows {
+            row.command = DVec3::ZERO;
+        }
+        assert_eq!(drive_lag(&trace), None);
+    }
+}

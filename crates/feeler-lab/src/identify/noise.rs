@@ -42,3 +42,54 @@ pub fn force_noise(trace: &FingerTrace) -> Option<Measured> {
     let deviation = (spread / all).sqrt() / (2.0 * value.max(f64::MIN_POSITIVE));
     Some(Measured { value, deviation })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::trace::Row;
+    use super::*;
+    use feeler::control::sense::FingertipPose;
+    use feeler::sensor::layout::{ElementLayout, LayoutConfig};
+    use glam::DVec3;
+
+    fn trace(rows: usize) -> FingerTrace {
+        let layout = ElementLayout::new(&LayoutConfig::default());
+        let row = |index: usize| {
+            let noise = if index.is_multiple_of(2) {
+                0.003
+            } else {
+                -0.003
+            };
+            Row {
+                time: 0.01 * index as f64,
+                step: Step::Rest,
+                place: 0,
+                command: DVec3::ZERO,
+                joints: DVec3::ZERO,
+                pose: FingertipPose::default(),
+                // Each element with an offset of its own, which is no noise.
+                forces: (0..layout.elements.len())
+                    .map(|element| DVec3::splat(noise + 0.1 * element as f64))
+                    .collect(),
+            }
+        };
+        FingerTrace {
+            rows: (0..rows).map(row).collect(),
+            layout: layout.clone(),
+            approach: DVec3::X,
+            axis: DVec3::Z,
+        }
+    }
+
+    #[test]
+    fn noise_is_the_deviation_about_each_elements_mean() {
+        let noise = force_noise(&trace(100)).expect("a noise");
+        // All deviate by 3 mN: of 100 samples, the unbiased variance is 100/99 of that.
+        assert!((noise.value - 0.003 * (100.0_f64 / 99.0).sqrt()).abs() < 1e-12);
+        assert!(noise.deviation < 1e-12, "{noise:?}");
+    }
+
+    #[test]
+    fn few_frames_say_nothing() {
+        assert_eq!(force_noise(&trace(9)), None);
+    }
+}

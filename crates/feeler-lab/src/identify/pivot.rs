@@ -142,3 +142,32 @@ fn solve(normal: DMat3, right: DVec3) -> Option<DVec3> {
     let scale = normal.x_axis.x * normal.y_axis.y * normal.z_axis.z;
     (normal.determinant() > 1e-12 * scale).then(|| normal.inverse() * right)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_on_a_circle_give_it_back() {
+        let centre = DVec2::new(0.0003, -0.0002);
+        let on = |finger: usize, angle: f64| {
+            (
+                finger,
+                centre + 0.016 * DVec2::new(angle.cos(), angle.sin()),
+            )
+        };
+        let angles = [-0.2, 0.0, 0.2];
+        let points = angles.map(|a| on(0, a)).into_iter();
+        let points = points.chain(angles.map(|a| on(1, std::f64::consts::PI + a)));
+        let circle = fit_circle(points.collect()).expect("a circle");
+        assert!(circle.centre().distance(centre) < 1e-9, "{circle:?}");
+        assert!((circle.radius.value - 0.016).abs() < 1e-9, "{circle:?}");
+    }
+
+    #[test]
+    fn points_on_a_line_give_no_circle() {
+        let points = (0..6).map(|index| (0, DVec2::new(0.001 * f64::from(index), 0.0)));
+        assert_eq!(fit_circle(points.collect()), None);
+        assert_eq!(fit_circle(Vec::new()), None);
+    }
+}

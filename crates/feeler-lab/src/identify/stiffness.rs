@@ -115,3 +115,60 @@ fn spread(stretches: &[Stretch], used: usize, pooled: f64) -> f64 {
     }
     (squares / weights / (count - 1.0)).sqrt()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A contact with stiffness 200 and 100 N/m that is pressed, released, pressed twice as fast, sheared and eased. Its forces lag by
+    /// `delay` and differ by `2 friction` between pressing and releasing.
+    fn contact(delay: f64, friction: f64) -> Contact {
+        let steps = [
+            (Step::Press, DVec3::new(0.0, 0.0, 0.0015), 100),
+            (Step::Release, DVec3::new(0.0, 0.0, -0.0015), 80),
+            (Step::PressFast, DVec3::new(0.0, 0.0, 0.003), 40),
+            (Step::Shear, DVec3::new(0.002, 0.001, 0.0), 20),
+            (Step::ShearBack, DVec3::new(-0.002, -0.001, 0.0), 20),
+            (Step::Ease, DVec3::new(0.0, 0.0, -0.003), 40),
+        ];
+        let mut moved = DVec3::new(0.0, 0.0, 0.0003);
+        let mut samples = Vec::new();
+        for (step, rate, count) in steps {
+            for _ in 0..count {
+                moved += 0.01 * rate;
+                let behind = moved - delay * rate;
+                let force = DVec3::new(-100.0 * behind.x, -100.0 * behind.y, 200.0 * behind.z);
+                samples.push(Sample {
+                    time: 0.01 * samples.len() as f64,
+                    step,
+                    moved,
+                    rate,
+                    force: force + DVec3::Z * friction * direction(step),
+                });
+            }
+        }
+        Contact {
+            element: 0,
+            place: 0,
+            samples,
+        }
+    }
+
+    #[test]
+    fn stiffness_delay_and_hysteresis_of_exact_forces_are_exact() {
+        for (delay, friction) in [(0.0, 0.0), (0.012, 0.0), (0.004, 0.01)] {
+            let contacts = [contact(delay, friction)];
+            let fit = contact_fit(&contacts).expect("a fit");
+            assert!((fit.normal.value - 200.0).abs() < 1e-6, "{fit:?}");
+            assert!((fit.shear.value - 100.0).abs() < 1e-6, "{fit:?}");
+            assert!((fit.delay.value - delay).abs() < 1e-9, "{fit:?}");
+            let lost = 2.0 * friction / mean_load(&contacts);
+            assert!((fit.hysteresis.value - lost).abs() < 1e-9, "{fit:?}");
+        }
+    }
+
+    #[test]
+    fn nothing_pressed_gives_no_stiffness() {
+        assert_eq!(contact_fit(&[]), None);
+    }
+}
