@@ -23,6 +23,7 @@ mod gap;
 mod hands;
 #[path = "../../../feeler-link/tests/support/how_many.rs"]
 mod how_many;
+mod identify;
 mod interrupted;
 mod locate;
 mod lying_sensors;

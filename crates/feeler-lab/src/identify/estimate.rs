@@ -24,10 +24,10 @@ const ALIGNMENTS: usize = 3;
 const NORMAL_STIFFNESS: f64 = 0.006;
 const SHEAR_STIFFNESS: f64 = 0.0085;
 const HYSTERESIS: (f64, f64) = (1.0, 0.0003);
-const DELAY: (f64, f64) = (1.5, 1e-4);
+const DELAY: (f64, f64) = (1.15, 8e-5);
 const LAG: f64 = 7e-5;
-const FRICTION: (f64, f64) = (0.85, 0.0015);
-const PIVOT: (f64, f64) = (0.19, 4e-7);
+const FRICTION: (f64, f64) = (1.0, 0.0018);
+const PIVOT: (f64, f64) = (0.21, 4e-7);
 const RADIUS: f64 = 1.0;
 
 /// A quantity that the run does not determine.

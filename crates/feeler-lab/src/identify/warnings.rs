@@ -126,3 +126,89 @@ fn off_centre(identified: &Identified, trace: &Trace) -> Option<String> {
         )
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::identified::ObjectEstimates;
+    use super::*;
+    use feeler::control::controller::ControlConfig;
+    use feeler::control::task::probe::ProbeConfig;
+    use feeler::control::task::screw::FingerPathConfig;
+
+    fn exactly(value: f64) -> Estimate {
+        Estimate {
+            value,
+            low: 0.99 * value,
+            high: 1.01 * value,
+            method: String::new(),
+        }
+    }
+
+    fn finger() -> FingerEstimates {
+        FingerEstimates {
+            force_noise: exactly(0.002),
+            normal_stiffness: exactly(205.0),
+            shear_stiffness: exactly(127.0),
+            hysteresis: exactly(0.0),
+            static_friction: exactly(1.1),
+            kinetic_friction: exactly(0.8),
+            servo_lag: exactly(0.012),
+            dead_time: exactly(0.0),
+        }
+    }
+
+    fn warnings_of(second: FingerEstimates, pivot_x: f64) -> Vec<String> {
+        let path = |x: f64| FingerPathConfig {
+            home: [x, 0.0, 0.1],
+            approach: [-x.signum(), 0.0, 0.0],
+            stroke: [0.0, x.signum(), 0.0],
+        };
+        let probe = ProbeConfig::gentle(vec![path(-0.038), path(0.038)], 0.5);
+        let trace = Trace::new(&probe, &ControlConfig::default(), &[]);
+        let identified = Identified {
+            experiment: "a-hand".to_string(),
+            seed: 0,
+            warnings: Vec::new(),
+            object: ObjectEstimates {
+                pivot_x: exactly(pivot_x),
+                pivot_y: exactly(0.0),
+                radius: exactly(0.014),
+            },
+            finger: vec![finger(), second],
+        };
+        warnings(&identified, &trace)
+    }
+
+    #[test]
+    fn a_hand_as_laid_out_gives_no_warning() {
+        assert_eq!(warnings_of(finger(), 0.0003), Vec::<String>::new());
+    }
+
+    #[test]
+    fn each_finding_is_one_sentence_with_advice() {
+        let odd = FingerEstimates {
+            normal_stiffness: exactly(410.0),
+            force_noise: exactly(0.05),
+            dead_time: exactly(0.05),
+            ..finger()
+        };
+        let found = warnings_of(odd, 0.003);
+        assert_eq!(
+            found[0],
+            "finger 1 is 2.0 times as stiff along its elements as finger 0: check how its fingertip is mounted, and its calibration"
+        );
+        assert!(
+            found[1].starts_with("the force noise of finger 1, 50.0 mN, is"),
+            "{found:?}"
+        );
+        assert!(
+            found[2].starts_with("the forces of finger 1 follow commands after 50 ms"),
+            "{found:?}"
+        );
+        assert!(
+            found[3].starts_with("the object's axis is 3.0 mm off the middle"),
+            "{found:?}"
+        );
+        assert_eq!(found.len(), 4);
+    }
+}
