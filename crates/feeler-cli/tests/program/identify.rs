@@ -83,7 +83,7 @@ fn late_forces_and_a_stiff_finger_are_found() {
             "identify",
             "cap-closing",
             "--sensing=direct",
-            "--set=sim.fault=[{kind={camera_latency={finger=1,delay=0.03}}}]",
+            "--set=sim.fault=[{kind={camera_latency={finger=1,delay=0.04}}}]",
             "--set=control.stale_periods=8",
             "--out=late",
         ],
@@ -92,7 +92,7 @@ fn late_forces_and_a_stiff_finger_are_found() {
     let text = fs::read_to_string(folder.join("late").join(NAMES[0])).expect("a file");
     let found = toml_of(&text);
     assert!(
-        (found.finger[1].dead_time.value - 0.03).abs() < 0.004,
+        (found.finger[1].dead_time.value - 0.04).abs() < 0.004,
         "{text}"
     );
     assert!(found.finger[0].dead_time.value < 0.004, "{text}");

@@ -10,8 +10,6 @@ const RATE_ROWS: usize = 2;
 /// One sample of a touching element.
 #[derive(Debug, Clone, Copy)]
 pub struct Sample {
-    /// Time, s.
-    pub time: f64,
     /// Step of the routine.
     pub step: Step,
     /// Displacement of the undeformed tip since the first contact, m, in the element's frame.
@@ -25,10 +23,6 @@ pub struct Sample {
 /// The samples of one element at one place, up to the end of easing: it sticks.
 #[derive(Debug, Clone)]
 pub struct Contact {
-    /// The element.
-    pub element: usize,
-    /// The place, from 0.
-    pub place: u32,
     /// In order of time.
     pub samples: Vec<Sample>,
 }
@@ -55,11 +49,7 @@ pub fn contacts(trace: &FingerTrace, force: f64, tip_radius: f64) -> Vec<Contact
         for element in 0..trace.layout.elements.len() {
             let samples = samples(trace, (first, last), element, (force / 3.0, tip_radius));
             if samples.iter().any(|sample| sample.force.z >= force) {
-                contacts.push(Contact {
-                    element,
-                    place,
-                    samples,
-                });
+                contacts.push(Contact { samples });
             }
         }
     }
@@ -93,7 +83,6 @@ fn samples(
             let after = &rows[(index + RATE_ROWS).min(rows.len() - 1)];
             let time = (after.time - before.time).max(f64::MIN_POSITIVE);
             Sample {
-                time: rows[index].time,
                 step: rows[index].step,
                 moved: displacement(&rows[index]),
                 rate: (displacement(after) - displacement(before)) / time,

@@ -235,12 +235,14 @@ fn interval(measured: Measured, (factor, floor): (f64, f64), method: &str) -> Es
     }
 }
 
-/// An estimate of what cannot be negative.
+/// An estimate of what cannot be negative. Where noise makes it so, its interval begins at 0 and stays half as wide.
 fn from_zero(estimate: Estimate) -> Estimate {
+    let half = estimate.high - estimate.value;
+    let value = estimate.value.max(0.0);
     Estimate {
-        value: estimate.value.max(0.0),
+        value,
         low: estimate.low.max(0.0),
-        high: estimate.high.max(0.0),
+        high: value + half,
         ..estimate
     }
 }
@@ -264,6 +266,7 @@ mod tests {
             ..estimate
         });
         assert_eq!((clipped.value, clipped.low), (0.0, 0.0));
+        assert!(clipped.high > 0.0, "{clipped:?}");
     }
 
     #[test]

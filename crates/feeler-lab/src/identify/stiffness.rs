@@ -139,7 +139,6 @@ mod tests {
                 let behind = moved - delay * rate;
                 let force = DVec3::new(-100.0 * behind.x, -100.0 * behind.y, 200.0 * behind.z);
                 samples.push(Sample {
-                    time: 0.01 * samples.len() as f64,
                     step,
                     moved,
                     rate,
@@ -147,11 +146,7 @@ mod tests {
                 });
             }
         }
-        Contact {
-            element: 0,
-            place: 0,
-            samples,
-        }
+        Contact { samples }
     }
 
     #[test]
