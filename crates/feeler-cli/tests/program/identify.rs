@@ -23,7 +23,7 @@ fn it_estimates_the_reference_hand_and_writes_a_page() {
     let command = ["identify", "cap-closing", "--sensing", "direct"];
     let printed = run(&folder, &command).done();
     assert!(
-        printed.contains("pivot x, object") && !printed.contains("warning"),
+        printed.contains("pivot, x, object") && !printed.contains("warning"),
         "{printed}"
     );
 
