@@ -175,7 +175,7 @@ fn in_parallel<T: Send>(
             });
         }
     });
-    let mut results = results.into_inner()?;
+    let mut results = results.into_inner().expect("no thread panics");
     results.sort_by_key(|(hand, _)| *hand);
     results.into_iter().map(|(_, result)| result).collect()
 }

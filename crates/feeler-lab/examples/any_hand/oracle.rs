@@ -81,7 +81,7 @@ struct Circle {
 }
 
 impl Circle {
-    fn from_axis(&self, position: DVec3) -> DVec3 {
+    fn off_axis(&self, position: DVec3) -> DVec3 {
         (position - self.axis).with_z(0.0)
     }
 
@@ -101,11 +101,11 @@ impl Task for Circle {
             |finger: usize| DVec3::from(config.finger[finger].approach),
             |finger: usize| DVec3::from(config.finger[finger].stroke),
         );
-        let arrived = |_, at| self.from_axis(at).length() <= self.radius + 2e-5;
+        let arrived = |_: usize, at: DVec3| self.off_axis(at).length() <= self.radius + 2e-5;
         let travelled = |finger: usize, at: DVec3| {
             (at - self.starts[finger]).dot(stroke(finger)) >= config.travel
         };
-        let detached = |finger: usize, at| (at - home(finger)).dot(approach(finger)) <= 0.0;
+        let detached = |finger: usize, at: DVec3| (at - home(finger)).dot(approach(finger)) <= 0.0;
         let at_home = |finger: usize, at: DVec3| at.distance(home(finger)) <= config.home_tolerance;
         match self.phase {
             Phase::Search if self.all(hand, arrived) => {
@@ -128,8 +128,8 @@ impl Task for Circle {
         let path = &self.config.finger[finger];
         let (approach, stroke) = (DVec3::from(path.approach), DVec3::from(path.stroke));
         let position = hand.poses[finger].position;
-        let outward = self.from_axis(position).normalize();
-        let error = self.from_axis(position).length() - self.radius;
+        let outward = self.off_axis(position).normalize();
+        let error = self.off_axis(position).length() - self.radius;
         let velocity = match self.phase {
             Phase::Search => (GAIN * error).clamp(-0.004, 0.004) * approach,
             Phase::Move if (position - self.starts[finger]).dot(stroke) < self.config.travel => {

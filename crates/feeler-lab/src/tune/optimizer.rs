@@ -101,21 +101,21 @@ impl<const N: usize> Optimizer<N> {
         self.generation += 1;
         let keep = 1.0 - rates.step;
         let gain = (rates.step * (2.0 - rates.step) * rates.parents).sqrt();
-        for i in 0..N {
-            self.mean[i] += self.scale(i) * shift[i];
-            self.step_path[i] = keep * self.step_path[i] + gain * shift[i];
+        for (i, shift) in shift.iter().enumerate() {
+            self.mean[i] += self.scale(i) * shift;
+            self.step_path[i] = keep * self.step_path[i] + gain * shift;
         }
         let length = self.step_path.iter().map(|p| p * p).sum::<f64>().sqrt();
         let settled = (1.0 - keep.powi(2 * self.generation)).sqrt();
         let moves = length / settled < (1.4 + 2.0 / (N as f64 + 1.0)) * rates.length;
         let gain =
             f64::from(u8::from(moves)) * (rates.path * (2.0 - rates.path) * rates.parents).sqrt();
-        for i in 0..N {
-            let (path, variance) = (&mut self.variance_path[i], &mut self.variance[i]);
-            *path = (1.0 - rates.path) * *path + gain * variance.sqrt() * shift[i];
+        let paths = self.variance_path.iter_mut().zip(&mut self.variance);
+        for ((path, variance), (shift, square)) in paths.zip(shift.iter().zip(&squares)) {
+            *path = (1.0 - rates.path) * *path + gain * variance.sqrt() * shift;
             *variance = (1.0 - rates.rank_one - rates.rank_mu) * *variance
                 + rates.rank_one * *path * *path
-                + rates.rank_mu * *variance * squares[i];
+                + rates.rank_mu * *variance * square;
         }
         self.step *= ((length / rates.length - 1.0) * rates.step / rates.damping).exp();
     }
