@@ -7,6 +7,7 @@ use super::progress::Search;
 use super::trials::{jobs, parse_seed};
 use super::{CommandError, Outcome};
 use feeler_lab::config::Experiment;
+use feeler_lab::identify::{Identified, estimate, probe, probing};
 use feeler_lab::tune::hand::read_identified;
 use feeler_lab::tune::outcome::{TuneOptions, tune as tuned};
 use feeler_lab::tune::search::{Budget, GENERATION};
@@ -25,6 +26,7 @@ comment that says where it came from. A search is simulated in [sim] of the expe
 beside the output. Ctrl-C ends a search and keeps the best settings so far.
 
 Examples:
+  feeler tune cap-closing -o tuned.toml                                             of the simulated hand
   feeler tune my.toml --identified identified.toml -o tuned.toml
   feeler tune my.toml --identified identified.toml --search 60 -o tuned.toml
   feeler tune my.toml --identified identified.toml --evaluations 6000 -o tuned.toml     the same settings each time";
@@ -34,9 +36,9 @@ Examples:
 pub struct Arguments {
     /// An experiment file with [task.screw], or the name of a built-in experiment.
     experiment: String,
-    /// Identified values of this experiment's hand (TOML). Required: `feeler tune` does not identify a hand itself yet.
+    /// Identified values of this experiment's hand, as `feeler identify` writes them [default: those of probing the simulated hand]
     #[arg(long, value_name = "FILE")]
-    identified: PathBuf,
+    identified: Option<PathBuf>,
     /// Duration of a search that improves the rules' settings in simulation, s.
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     search: Option<f64>,
@@ -72,6 +74,13 @@ fn force(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| "expected a force above 0 N, at most 1000 N".to_string())
 }
 
+/// The values of the simulated hand, by a probing run.
+fn probed(experiment: &Experiment) -> Result<Identified, CommandError> {
+    let trace = probe(&probing(experiment)?)?;
+    let config = &experiment.config;
+    Ok(estimate(&trace, &config.name, config.seed)?.0)
+}
+
 pub fn tune(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     let output = &arguments.output;
     let page_path = output.with_extension("html");
@@ -80,8 +89,12 @@ pub fn tune(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comma
         return Err(format!("--output {output}: expected a name that ends in .toml").into());
     }
     let experiment = Experiment::load(&arguments.experiment, &[])?;
-    let identified = read_identified(&arguments.identified, &experiment)?;
-    let inputs = [Path::new(&arguments.experiment), &arguments.identified].map(Some);
+    let file = arguments.identified.as_deref();
+    let identified = match file {
+        Some(file) => read_identified(file, &experiment)?,
+        None => probed(&experiment)?,
+    };
+    let inputs = [Some(Path::new(&arguments.experiment)), file];
     let mut outputs = Outputs::new(arguments.overwrite, inputs);
     let calibrations = missing(output, &experiment.calibration_texts()?)?;
     let file = outputs.create(output, "--output")?;

@@ -122,7 +122,6 @@ fn bad_input_is_refused() {
     refused(one, &["values of 1 fingers", "expected 2"]);
     refused("seed = 1", &["bad.toml", "experiment"]);
     let good = "--identified=identified.toml";
-    run(&folder, &["tune", "my.toml", "-o=t.toml"]).refused(&["--identified"]);
     run(
         &folder,
         &["tune", "my.toml", "--identified=none.toml", "-o=t.toml"],

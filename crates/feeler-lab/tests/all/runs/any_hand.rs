@@ -1,0 +1,85 @@
+//! Plausible hands under the law that needs no tuning.
+
+use feeler_lab::config::Experiment;
+use feeler_lab::experiment::{Pictures, Session};
+use feeler_record::RunLog;
+use feeler_report::Summary;
+use feeler_report::long_run::RunRecorder;
+
+fn load(settings: &[&str]) -> Experiment {
+    let settings: Vec<_> = settings.iter().map(ToString::to_string).collect();
+    Experiment::load("any-hand", &settings).expect("an experiment")
+}
+
+fn stiffness(experiment: &Experiment) -> f64 {
+    let sim = experiment.config.sim.as_ref().expect("a simulated rig");
+    sim.feeler.normal_stiffness
+}
+
+/// The claims that do not hold.
+fn broken(experiment: &Experiment) -> Vec<String> {
+    let mut session = Session::drawing(experiment, Pictures::Sensed).expect("a session");
+    let facts = session.facts(&experiment.config);
+    let recorder = RunRecorder::new(&facts).expect("a recorder");
+    let mut log = RunLog::new(recorder, &facts).expect("a log");
+    while !session.finished() {
+        let instruments = session.step().expect("a step");
+        instruments
+            .record(session.control_loop(), &mut log)
+            .expect("a record");
+    }
+    let (recording, data) = log.into_recorder().finish();
+    let summary = Summary::new(&recording, &data);
+    assert_eq!(summary.hand_claims.len(), 5);
+    let broken = summary.hand_claims.iter().filter(|claim| !claim.holds);
+    broken.map(|claim| claim.id.to_string()).collect()
+}
+
+/// On 98 % of hands all five claims hold: of 40, that three or fewer fail has a probability of 99 %. The hands are those of these
+/// seeds each time.
+#[test]
+fn the_law_pivot_works_on_plausible_hands_that_it_was_not_tuned_for() {
+    let hands = (0..40).map(|seed| broken(&load(&[&format!("seed={seed}")])));
+    let failing: Vec<_> = hands.filter(|broken| !broken.is_empty()).collect();
+    assert!(failing.len() <= 3, "{failing:?}");
+}
+
+/// The paper's law is not, and the claims say so.
+#[test]
+fn the_papers_law_fails_on_most_of_them() {
+    let hands = (0..20).map(|seed| {
+        let seed = format!("seed={seed}");
+        broken(&load(&[&seed, "control.law=tri-axial"]))
+    });
+    let failing = hands.filter(|broken| !broken.is_empty()).count();
+    assert!(failing >= 14, "{failing}");
+}
+
+#[test]
+fn a_seed_draws_its_hand_and_what_is_set_goes_before() {
+    let hands = [1, 2, 1].map(|seed| load(&[&format!("seed={seed}")]));
+    assert_eq!(hands[0], hands[2]);
+    assert_ne!(stiffness(&hands[0]), stiffness(&hands[1]));
+    // F2 is the rating of feelers of that stiffness, 10 % apart at most.
+    for hand in &hands {
+        let rating = 0.505 * (stiffness(hand) / 205.0).sqrt();
+        let share = hand.config.control.over_force / rating;
+        assert!((0.9..=1.1).contains(&share), "{share}");
+    }
+    // What a run writes is the hand, and stays it.
+    let again = Experiment::parse(&hands[1].toml, "run", &[], None).expect("the same");
+    assert_eq!(stiffness(&again), stiffness(&hands[1]));
+    let other = again.with_settings(&["seed=1".into()]).expect("another");
+    assert_eq!(stiffness(&other), stiffness(&hands[0]));
+    let set = load(&["seed=2", "sim.feeler.normal_stiffness=300"]);
+    assert_eq!(stiffness(&set), 300.0);
+    let servo = |e: &Experiment| e.config.sim.as_ref().map(|sim| sim.servo);
+    assert_eq!(servo(&set), servo(&hands[1]));
+}
+
+#[test]
+fn an_experiment_without_what_is_drawn_is_refused() {
+    let settings = ["plausible_hand=-1".to_string()];
+    let error = Experiment::load("contour", &settings).expect_err("no cap");
+    assert!(error.to_string().contains("plausible_hand"), "{error}");
+}
