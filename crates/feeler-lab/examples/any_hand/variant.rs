@@ -4,6 +4,7 @@ use super::AnyError;
 use feeler::control::task::TaskConfig;
 use feeler_lab::config::Experiment;
 use feeler_sim::shape::ShapeConfig;
+use glam::DVec3;
 use std::f64::consts::TAU;
 
 /// How a cap differs from that of `any-hand`.
@@ -21,15 +22,18 @@ pub enum Variant {
     Sizes,
     /// It is tightened to 20 mN·m, and to be opened.
     Opening,
+    /// Three fingers at 120 degrees turn it, each with the rectangle and base of `any-hand`.
+    ThreeFingers,
 }
 
-const ALL: [Variant; 6] = [
+const ALL: [Variant; 7] = [
     Variant::Middle,
     Variant::OffCentre,
     Variant::Oval,
     Variant::Knurled,
     Variant::Sizes,
     Variant::Opening,
+    Variant::ThreeFingers,
 ];
 
 /// Height of all caps, m.
@@ -47,6 +51,15 @@ impl Variant {
             Self::Knurled => "knurled",
             Self::Sizes => "sizes",
             Self::Opening => "opening",
+            Self::ThreeFingers => "three-fingers",
+        }
+    }
+
+    /// The experiment that it changes.
+    pub fn experiment(self) -> &'static str {
+        match self {
+            Self::ThreeFingers => "three-fingers",
+            _ => "any-hand",
         }
     }
 
@@ -92,6 +105,7 @@ impl Variant {
                 )]
             }
             Self::Opening => opening(experiment),
+            Self::ThreeFingers => three_fingers(experiment),
         }
     }
 }
@@ -115,6 +129,28 @@ fn opening(experiment: &Experiment) -> Vec<String> {
             let key = format!("task.screw.finger.{index}");
             settings.push(format!("{key}.home.1={}", -finger.home[1]));
             settings.push(format!("{key}.stroke.1={}", -finger.stroke[1]));
+        }
+    }
+    settings
+}
+
+/// The rectangle and base of `any-hand` for each finger, turned about the world's z.
+fn three_fingers(experiment: &Experiment) -> Vec<String> {
+    let mut settings = ["travel=0.0075", "search_limit=0.022"]
+        .map(|setting| format!("task.screw.{setting}"))
+        .to_vec();
+    settings.push("time_limit=90".to_string());
+    if let TaskConfig::Screw(screw) = &experiment.config.task {
+        for (index, finger) in screw.finger.iter().enumerate() {
+            let (approach, stroke) = (DVec3::from(finger.approach), DVec3::from(finger.stroke));
+            let home = (-0.046 * approach - 0.002 * stroke).with_z(0.098);
+            let base = (-0.1615 * approach).with_z(0.051);
+            settings.push(format!(
+                "task.screw.finger.{index}.home={:?}",
+                home.to_array()
+            ));
+            let key = format!("hand.finger.{index}.base_position");
+            settings.push(format!("{key}={:?}", base.to_array()));
         }
     }
     settings

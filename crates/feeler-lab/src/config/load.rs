@@ -101,13 +101,12 @@ impl Experiment {
         };
         match experiment.redrawn_hand()? {
             None => Ok(experiment),
-            // What is set goes before what is drawn.
-            Some(drawn) => Self::parse(
-                &experiment.toml,
-                origin,
-                &[&drawn[..], settings].concat(),
-                experiment.folder,
-            ),
+            // What is set takes precedence over what is drawn, except for which hand was drawn.
+            Some(drawn) => {
+                let seed = format!("plausible_hand={}", experiment.config.seed);
+                let settings = [&drawn[..], settings, &[seed]].concat();
+                Self::parse(&experiment.toml, origin, &settings, experiment.folder)
+            }
         }
     }
 
@@ -119,11 +118,10 @@ impl Experiment {
             return Ok(None);
         }
         let drawn = plausible_hand(self, self.config.seed);
-        let mut settings = drawn.map_err(|error| ConfigError::Setting {
+        let settings = drawn.map_err(|error| ConfigError::Setting {
             setting: format!("plausible_hand={seed}"),
             message: error.to_string(),
         })?;
-        settings.push(format!("plausible_hand={seed}"));
         Ok(Some(settings))
     }
 

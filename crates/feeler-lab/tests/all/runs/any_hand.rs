@@ -71,9 +71,12 @@ fn a_seed_draws_its_hand_and_what_is_set_goes_before() {
     assert_eq!(stiffness(&again), stiffness(&hands[1]));
     let other = again.with_settings(&["seed=1".into()]).expect("another");
     assert_eq!(stiffness(&other), stiffness(&hands[0]));
+    // Whatever hand the file is said to have, that of the seed is drawn.
+    let forced = load(&["plausible_hand=-1", "seed=2"]);
+    assert_eq!(forced, hands[1]);
     let set = load(&["seed=2", "sim.feeler.normal_stiffness=300"]);
     assert_eq!(stiffness(&set), 300.0);
-    let servo = |e: &Experiment| e.config.sim.as_ref().map(|sim| sim.servo);
+    let servo = |e: &Experiment| e.config.sim.as_ref().map(|sim| sim.servo.clone());
     assert_eq!(servo(&set), servo(&hands[1]));
 }
 
