@@ -1,6 +1,6 @@
 //! Tuning: settings of `[control]` and `[task.screw]` from the identified values of a hand.
 //!
-//! [`rules`] compute the settings from dimensionless groups, [`search`] improves them in simulation, [`write`] puts them
+//! [`rules`] compute the settings from dimensionless groups, [`search`] improves them in simulation, [`mod@write`] puts them
 //! into the experiment's text.
 
 pub mod hand;
