@@ -37,8 +37,8 @@ dyn_clone::clone_trait_object!(Law);
 ///
 /// It is part of the control path: its methods neither allocate nor panic.
 pub trait HandLaw: DynClone + Debug + Send {
-    /// Takes in what the hand feels at a control step, before the task plans. Writes for each finger whether it has
-    /// closed on the object as far as the law wants; leaves `None` if that is the task's to decide.
+    /// Updates the law with the hand's state and forces, before the task plans. Writes for each finger whether it has
+    /// closed on the object; `None` leaves that decision to the task. The default does nothing.
     fn observe(&mut self, _hand: &HandSense<'_>, _closed: &mut [Option<bool>]) {}
 
     /// Writes the velocity of each fingertip until the next control step, m/s, in W, from its plan in `plans`.

@@ -38,14 +38,14 @@ const WAIT_AT: f64 = 0.004;
 /// Fastest motion to the side while closing, m/s.
 const SIDEWAYS_SPEED: f64 = 0.005;
 
-/// What a plan asks of a finger.
+/// Kind of motion that a plan requests of a finger.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Motion {
-    /// To close on the object.
+    /// Closing on the object.
     Close,
-    /// To turn it.
+    /// Turning the object about the pivot.
     Turn,
-    /// Anything else.
+    /// Any other motion, without contact control.
     Free,
 }
 
@@ -56,7 +56,7 @@ pub(super) struct Finger {
     /// F1, N.
     touch_force: f64,
     stiffness_fit: StiffnessFit,
-    /// By all closing motions so far.
+    /// Contact stiffness from all closing motions so far; `None` before the first.
     stiffness: Option<Stiffness>,
     motion: Motion,
     /// Sequence number of the newest tactile frame.
@@ -68,11 +68,11 @@ pub(super) struct Finger {
     frame_stamp: f64,
     /// The dome's centre, m, x and y in W.
     position: DVec2,
-    /// Where the first closing began.
+    /// Position at which the first closing motion began, m; `None` before it.
     home: Option<DVec2>,
     course: Course,
     record: StrokeRecord,
-    /// Strokes that taught something.
+    /// Number of strokes from which a lesson was computed.
     strokes: u32,
     lesson: Option<Lesson>,
 }
@@ -110,17 +110,17 @@ impl Finger {
         self.home.unwrap_or(self.position)
     }
 
-    /// m.
+    /// Radius of the dome at the tips of the unloaded feelers, m.
     pub fn dome_radius(&self) -> f64 {
         self.dome_radius
     }
 
-    /// What the newest plan asks of it.
+    /// Kind of motion that the latest plan requests.
     pub fn motion(&self) -> Motion {
         self.motion
     }
 
-    /// Takes in the newest position and forces; adds touching elements to the stiffness while closing, and to `contacts`
+    /// Updates the finger with the latest position and forces. Adds touching elements to the stiffness while closing, and to `contacts`
     /// while turning.
     pub fn feel(&mut self, sense: &FingerSense<'_>, mut contacts: Option<&mut CircleFit>) {
         self.position = sense.pose.position.truncate();
@@ -173,7 +173,8 @@ impl Finger {
         }
     }
 
-    /// Whether a closing finger has closed; `None` if its grasp force is to decide, or if it does not close.
+    /// Returns whether a closing finger has reached its radius or its force limit; `None` if the finger is not closing, or
+    /// if the task's grasp force decides.
     pub fn has_closed(
         &self,
         config: &PivotConfig,
@@ -192,7 +193,7 @@ impl Finger {
         }
     }
 
-    /// Takes in the newest plan: starts and ends closing motions and strokes.
+    /// Updates the kind of motion from the latest plan; starts and ends closing motions and strokes.
     pub fn follow(
         &mut self,
         plan: &Plan,

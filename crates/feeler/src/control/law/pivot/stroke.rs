@@ -1,4 +1,4 @@
-//! What one finger felt over a MOVE, and what it does better in the next.
+//! Record of one finger's MOVE, and the radius and compliance of its next stroke computed from it.
 
 use super::PivotConfig;
 use super::circle::Circle;
@@ -38,13 +38,13 @@ struct Sector {
     most_force: f64,
 }
 
-/// One finger's MOVE, by the angle about the pivot.
+/// Radius and forces of one finger's MOVE, in sectors of the angle about the pivot.
 #[derive(Debug, Clone)]
 pub(super) struct StrokeRecord {
     sectors: [Sector; SECTORS],
 }
 
-/// What a finger does in its next stroke.
+/// Parameters of a finger's next stroke.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Lesson {
     /// Distance of the dome's centre from the pivot, m.
@@ -87,7 +87,8 @@ impl StrokeRecord {
         self.sectors.iter().filter(|sector| sector.samples > 0.0)
     }
 
-    /// What the next stroke is to do so that no element exceeds `target` (N); `None` if this one was too short to tell.
+    /// Radius and grasp force of the next stroke for a largest element force of `target` (N); `None` if this stroke was too
+    /// short.
     pub fn lesson(&self, target: f64, stiffness: Stiffness) -> Option<Lesson> {
         if self.sectors().count() < FEWEST_SECTORS {
             return None;
