@@ -5,10 +5,11 @@ use super::friction::{Friction, Slide, friction, slides};
 use super::identified::{Estimate, FingerEstimates, Identified, ObjectEstimates};
 use super::lag::drive_lag;
 use super::noise::{Measured, force_noise};
-use super::pivot::{Circle, Stiffness, circle};
+use super::pivot::{Circle, circle};
 use super::stiffness::{ContactFit, contact_fit};
 use super::trace::{FingerTrace, Trace};
 use super::warnings::warnings;
+use feeler::control::feeler_shape::Stiffness;
 
 /// Half the width of a 95 % interval, in standard deviations.
 const NORMAL: f64 = 1.96;

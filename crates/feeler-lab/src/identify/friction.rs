@@ -1,8 +1,9 @@
 //! Friction: the ratio of shear and normal force while a finger slides along the object's axis.
 
 use super::noise::Measured;
-use super::pivot::{Circle, Stiffness, pushed_tip};
+use super::pivot::{Circle, pushed_tip};
 use super::trace::{FingerTrace, Row};
+use feeler::control::feeler_shape::Stiffness;
 use feeler::control::task::probe::Step;
 
 /// Coefficients of friction of one finger's elements.

@@ -2,6 +2,7 @@
 
 use super::noise::Measured;
 use super::trace::FingerTrace;
+use feeler::control::feeler_shape::Stiffness;
 use feeler::control::task::probe::Step;
 use glam::{DMat3, DVec2, DVec3};
 use std::collections::BTreeMap;
@@ -10,15 +11,6 @@ use std::collections::BTreeMap;
 const LEAST_CONTACTS: usize = 5;
 /// Standard deviation of a contact's place that is assumed at least, m.
 const LEAST_DEVIATION: f64 = 2e-5;
-
-/// Stiffness of a finger's elements along and across their axis, N/m.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stiffness {
-    /// Along.
-    pub normal: f64,
-    /// Across.
-    pub shear: f64,
-}
 
 /// Circle on which the centres of the rounded tips lie, along the object's axis.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,13 +36,8 @@ impl Circle {
 pub fn pushed_tip(trace: &FingerTrace, row: usize, element: usize, stiffness: Stiffness) -> DVec3 {
     let row = &trace.rows[row];
     let force = row.forces[element];
-    let pushed = DVec3::new(
-        force.x / stiffness.shear,
-        force.y / stiffness.shear,
-        -force.z / stiffness.normal,
-    );
     let frame = row.pose.rotation * trace.layout.elements[element].rotation;
-    row.tip(&trace.layout, element) + frame * pushed
+    row.tip(&trace.layout, element) + frame * stiffness.displacement(force)
 }
 
 /// The mean tip of each contact: of one element at one place.

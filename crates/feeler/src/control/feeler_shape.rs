@@ -17,6 +17,27 @@ pub struct FeelerShape {
     pub tip_radius: f64,
 }
 
+/// Contact stiffness of one feeler, N/m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stiffness {
+    /// Along its axis.
+    pub normal: f64,
+    /// Across its axis.
+    pub shear: f64,
+}
+
+impl Stiffness {
+    /// Displacement of the tip by a `force` on the feeler, m: force (N) and displacement in the element's frame, with the
+    /// force in z positive where the feeler is pressed, back along z.
+    pub fn displacement(&self, force: DVec3) -> DVec3 {
+        DVec3::new(
+            force.x / self.shear,
+            force.y / self.shear,
+            -force.z / self.normal,
+        )
+    }
+}
+
 impl Default for FeelerShape {
     /// The nominal rubber of the reference experiment's fingertip.
     fn default() -> Self {
@@ -37,6 +58,14 @@ impl FeelerShape {
             ("tip_radius", self.tip_radius),
         ];
         checker.all_positive(key, &positive);
+    }
+
+    /// Its contact stiffness.
+    pub fn stiffness(&self) -> Stiffness {
+        Stiffness {
+            normal: self.normal_stiffness,
+            shear: self.shear_stiffness,
+        }
     }
 
     /// Centre of the deformed tip of `element`, m, in W: where the tip is without load, and how far the

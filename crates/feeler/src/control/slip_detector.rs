@@ -128,11 +128,7 @@ impl SlipDetector {
 /// its force before was `last`.
 fn foretold_force(feeler: &FeelerShape, [before, now]: &[FingertipPose; 2], last: DVec3) -> DVec3 {
     // How far the tip is pushed off its rest, in its own frame: back along z, along its shear across it.
-    let pushed = DVec3::new(
-        last.x / feeler.shear_stiffness,
-        last.y / feeler.shear_stiffness,
-        -last.z / feeler.normal_stiffness,
-    );
+    let pushed = feeler.stiffness().displacement(last);
     let held = before.position + before.rotation * pushed;
     // The tip's sphere rolls as the fingertip turns, on a surface that faces the feeler.
     let twice = before.rotation.x_axis.cross(now.rotation.x_axis)

@@ -2,8 +2,9 @@
 
 use super::PivotConfig;
 use super::circle::{Circle, CircleFit};
-use super::stiffness::{Stiffness, StiffnessFit};
+use super::stiffness::StiffnessFit;
 use super::stroke::{Course, Lesson, StrokeRecord};
+use crate::control::feeler_shape::Stiffness;
 use crate::control::plan::Plan;
 use crate::control::sense::FingerSense;
 use crate::sensor::layout::ElementLayout;
@@ -165,9 +166,7 @@ impl Finger {
             }
             (Motion::Turn, Some(k), Some(contacts)) if force.z > self.touch_force => {
                 let (tip, rotation) = place();
-                let displaced =
-                    DVec3::new(force.x / k.shear, force.y / k.shear, -force.z / k.normal);
-                contacts.add((tip + rotation * displaced).truncate());
+                contacts.add((tip + rotation * k.displacement(force)).truncate());
             }
             _ => {}
         }

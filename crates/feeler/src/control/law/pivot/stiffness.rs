@@ -1,5 +1,6 @@
 //! Contact stiffness of a fingertip's feelers, measured while the finger closes on the object.
 
+use crate::control::feeler_shape::Stiffness;
 use glam::{DMat3, DVec3};
 
 /// Least sum of squared motion that defines a slope, m².
@@ -8,15 +9,6 @@ const LEAST_MOTION: f64 = 1e-8;
 const USUAL_RATIO: f64 = 0.5;
 /// Range of that ratio.
 const RATIO: (f64, f64) = (0.1, 1.0);
-
-/// Contact stiffness of one feeler, N/m.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Stiffness {
-    /// Along the feeler.
-    pub normal: f64,
-    /// Across it.
-    pub shear: f64,
-}
 
 /// Slopes of force over motion, pooled over all elements and closing motions.
 ///

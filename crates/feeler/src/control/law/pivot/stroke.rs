@@ -2,7 +2,7 @@
 
 use super::PivotConfig;
 use super::circle::Circle;
-use super::stiffness::Stiffness;
+use crate::control::feeler_shape::Stiffness;
 use glam::DVec2;
 
 /// Angle about the pivot that one sector of a stroke covers, rad.
