@@ -7,8 +7,6 @@
 
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::{Pictures, Session};
-use feeler_record::RunLog;
-use feeler_report::long_run::RunRecorder;
 use feeler_report::{Claim, tasks};
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -52,14 +50,8 @@ fn main() -> Result<(), AnyError> {
 fn claims(name: &str, settings: &[String]) -> Result<Vec<Claim>, AnyError> {
     let experiment = Experiment::load(name, settings)?;
     let mut session = Session::drawing(&experiment, Pictures::Sensed)?;
-    let facts = session.facts(&experiment.config);
-    let mut log = RunLog::new(RunRecorder::new(&facts)?, &facts)?;
-    while !session.finished() {
-        let instruments = session.step()?;
-        instruments.record(session.control_loop(), &mut log)?;
-    }
-    let (recording, data) = log.into_recorder().finish();
-    Ok(tasks::of(&facts).claims(&recording, &data, &data.stroke_measures()))
+    let (recording, data) = session.run_in_memory(&experiment.config)?;
+    Ok(tasks::of(&recording.facts).claims(&recording, &data, &data.stroke_measures()))
 }
 
 fn print(runs: &BTreeMap<u64, Vec<Claim>>) {

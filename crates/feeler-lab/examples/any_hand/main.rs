@@ -16,11 +16,8 @@ mod variant;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::truth::Truth;
 use feeler_lab::experiment::{Pictures, Session};
-use feeler_record::RunLog;
-use feeler_report::Summary;
 use feeler_report::claims::of_any_hand;
 use feeler_report::figures::sweep::wilson;
-use feeler_report::long_run::RunRecorder;
 use std::error::Error;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -48,6 +45,7 @@ fn main() -> Result<(), AnyError> {
         first.parse::<u64>()?,
         runs.parse::<u64>()?,
     );
+    let mut middle = Vec::new();
     println!("| cap | follows | curved | grip | no overload | closed | all five, every run |");
     println!("|---|---|---|---|---|---|---|");
     for variant in Variant::chosen(variants)? {
@@ -57,11 +55,16 @@ fn main() -> Result<(), AnyError> {
                 .collect::<Result<Vec<_>, _>>()
         })?;
         println!("{}", row(variant, &of_hands));
+        if variant == Variant::Middle {
+            middle = of_hands;
+        }
     }
-    let middle = Variant::chosen(variants)?.contains(&Variant::Middle);
-    if middle {
-        let ratios = in_parallel(first..first + hands, |hand| torque_ratio(law, hand))?;
-        print_torque(ratios.into_iter().flatten().collect());
+    if !middle.is_empty() {
+        let most = in_parallel(first..first + hands, |hand| {
+            oracle::largest_torque(&experiment(law, Variant::Middle, hand, 0)?)
+        })?;
+        let ratio = |(runs, most): (&Vec<Outcome>, Option<f64>)| Some(runs.first()?.torque / most?);
+        print_torque(middle.iter().zip(most).filter_map(ratio).collect());
     }
     Ok(())
 }
@@ -107,22 +110,13 @@ fn outcome(
     experiment: &Experiment,
     variant: Variant,
 ) -> Result<Outcome, AnyError> {
-    let facts = session.facts(&experiment.config);
-    let mut log = RunLog::new(RunRecorder::new(&facts)?, &facts)?;
-    while !session.finished() {
-        let instruments = session.step()?;
-        instruments.record(session.control_loop(), &mut log)?;
-    }
-    let (recording, data) = log.into_recorder().finish();
+    let (_, data) = session.run_in_memory(&experiment.config)?;
     let strokes = data.stroke_measures();
     let claims = of_any_hand(&data, &strokes);
     let mut holds: Vec<_> = claims.iter().map(|claim| claim.holds).collect();
     if variant == Variant::Opening {
         // In place of closing: the last stroke turns the cap, by at least half of what the fingers' way about it is.
-        let turn = Summary::new(&recording, &data)
-            .strokes
-            .last()
-            .and_then(|s| s.cap_turn);
+        let turn = strokes.last().and_then(|stroke| stroke.cap_turn);
         holds[4] = turn.is_some_and(|turn| turn < -0.15);
     }
     Ok(Outcome {
@@ -130,14 +124,6 @@ fn outcome(
         holds,
         torque: Truth::of(session).cap_torque.unwrap_or(0.0),
     })
-}
-
-/// Torque reached by `law` over the oracle's, if a circular path turns the cap at all.
-fn torque_ratio(law: &str, hand: u64) -> Result<Option<f64>, AnyError> {
-    let experiment = experiment(law, Variant::Middle, hand, 0)?;
-    let reached = of_run(law, Variant::Middle, hand, 0)?.torque;
-    let most = oracle::largest_torque(&experiment)?;
-    Ok(most.map(|most| reached / most))
 }
 
 fn print_torque(mut ratios: Vec<f64>) {

@@ -6,6 +6,7 @@ pub mod driven;
 pub mod driven_rig;
 mod facts;
 mod held_touch;
+mod in_memory;
 mod instruments;
 pub mod linked;
 pub mod played_rig;
@@ -42,7 +43,7 @@ use feeler::pace::{Schedule, Tick};
 use feeler::sensor::fingertip::{Fingertip, FingertipError};
 use feeler::sensor::layout::ElementLayout;
 use feeler::sensor::sensing::SensingError;
-use feeler_record::RunFacts;
+use feeler_record::{RecordError, RunFacts};
 use feeler_sim::error::SimError;
 use feeler_sim::optics_config::OpticsError;
 use feeler_sim::rig::{SimHand, SimRig};
@@ -126,6 +127,9 @@ pub enum ExperimentError {
     /// The loop could not go round.
     #[error(transparent)]
     Control(#[from] ControlError),
+    /// A message could not be recorded.
+    #[error(transparent)]
+    Record(#[from] RecordError),
 }
 
 /// A fingertip's sensor, of whichever kind.

@@ -4,8 +4,6 @@ use super::TuneError;
 use crate::config::Experiment;
 use crate::experiment::{Pictures, Session};
 use feeler::control::phase::Phase;
-use feeler_record::RunLog;
-use feeler_report::long_run::RunRecorder;
 use feeler_report::tasks;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::channel;
@@ -61,16 +59,10 @@ pub fn judge(experiment: &Experiment) -> Result<Margins, TuneError> {
     let Ok(mut session) = Session::drawing(experiment, Pictures::Sensed) else {
         return Ok(FAILED);
     };
-    let facts = session.facts(&experiment.config);
-    let mut log = RunLog::new(RunRecorder::new(&facts)?, &facts)?;
-    while !session.finished() {
-        let instruments = session.step()?;
-        instruments.record(session.control_loop(), &mut log)?;
-    }
+    let (recording, data) = session.run_in_memory(&experiment.config)?;
     if session.control_loop().controller().phase() != Phase::Done {
         return Ok(FAILED);
     }
-    let (recording, data) = log.into_recorder().finish();
     let strokes = data.stroke_measures();
     let claims = tasks::of_recording(&recording).claims(&recording, &data, &strokes);
     Ok(Margins(CLAIM_IDS.map(|id| {

@@ -55,9 +55,6 @@ pub enum TuneError {
     /// The experiment cannot be run.
     #[error(transparent)]
     Experiment(#[from] ExperimentError),
-    /// A run cannot be recorded in memory.
-    #[error(transparent)]
-    Record(#[from] feeler_record::RecordError),
     /// The plausible ranges are not valid.
     #[error(transparent)]
     Sweep(#[from] SweepError),

@@ -2,9 +2,7 @@
 
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::{Pictures, Session};
-use feeler_record::RunLog;
 use feeler_report::Summary;
-use feeler_report::long_run::RunRecorder;
 
 fn load(settings: &[&str]) -> Experiment {
     let settings: Vec<_> = settings.iter().map(ToString::to_string).collect();
@@ -19,16 +17,8 @@ fn stiffness(experiment: &Experiment) -> f64 {
 /// The claims that do not hold.
 fn broken(experiment: &Experiment) -> Vec<String> {
     let mut session = Session::drawing(experiment, Pictures::Sensed).expect("a session");
-    let facts = session.facts(&experiment.config);
-    let recorder = RunRecorder::new(&facts).expect("a recorder");
-    let mut log = RunLog::new(recorder, &facts).expect("a log");
-    while !session.finished() {
-        let instruments = session.step().expect("a step");
-        instruments
-            .record(session.control_loop(), &mut log)
-            .expect("a record");
-    }
-    let (recording, data) = log.into_recorder().finish();
+    let ran = session.run_in_memory(&experiment.config);
+    let (recording, data) = ran.expect("a run");
     let summary = Summary::new(&recording, &data);
     assert_eq!(summary.hand_claims.len(), 5);
     let broken = summary.hand_claims.iter().filter(|claim| !claim.holds);

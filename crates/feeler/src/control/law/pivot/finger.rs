@@ -82,7 +82,7 @@ impl Finger {
     /// A finger with the elements of `layout`, which touch above `touch_force` (F1, N).
     pub fn new(layout: &ElementLayout, touch_force: f64) -> Self {
         Self {
-            dome_radius: layout.tip(0).length(),
+            dome_radius: layout.dome_radius,
             touch_force,
             stiffness_fit: StiffnessFit::new(layout.elements.len()),
             stiffness: None,

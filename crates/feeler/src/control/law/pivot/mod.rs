@@ -95,17 +95,9 @@ impl Pivot {
         }
     }
 
-    /// The pivot, m, x and y in W; `None` before all fingers have closed for the first time.
-    pub fn pivot(&self) -> Option<DVec2> {
-        self.circle.map(|circle| circle.centre)
-    }
-
     /// Starts the circle fit from where the fingers are: about the middle between several, or as far behind the contact of
     /// a single finger as its own dome is large.
     fn start_circle(&mut self, plans: &[Plan]) {
-        let mean = |of: &dyn Fn(&Finger) -> DVec2| {
-            self.fingers.iter().map(of).sum::<DVec2>() / self.fingers.len() as f64
-        };
         let (centre, radius) = match &self.fingers[..] {
             [lone] => {
                 let inward = plans.first().map_or(DVec3::ZERO, |p| p.towards_object);
@@ -113,12 +105,12 @@ impl Pivot {
                 let centre = lone.position() + reach * inward.truncate().normalize_or_zero();
                 (centre, lone.dome_radius())
             }
-            _ => {
-                let centre = mean(&|finger| finger.position());
-                let clearance = |finger: &Finger| {
-                    DVec2::splat(finger.position().distance(centre) - finger.dome_radius())
-                };
-                (centre, mean(&clearance).x)
+            fingers => {
+                let count = fingers.len() as f64;
+                let centre = fingers.iter().map(Finger::position).sum::<DVec2>() / count;
+                let clearance =
+                    |finger: &Finger| finger.position().distance(centre) - finger.dome_radius();
+                (centre, fingers.iter().map(clearance).sum::<f64>() / count)
             }
         };
         self.contacts = Some(CircleFit::new(centre, radius));

@@ -1,0 +1,27 @@
+//! A run from beginning to end that is recorded in memory.
+
+use super::{ExperimentError, Session};
+use crate::config::ExperimentConfig;
+use feeler_record::{Recording, RunLog};
+use feeler_report::RunData;
+use feeler_report::long_run::RunRecorder;
+
+impl Session {
+    /// Makes steps until the run is [`finished`](Self::finished); returns its recording and the columns of its report.
+    /// `config` is that of the session's experiment.
+    ///
+    /// # Errors
+    /// If a sensor or the hand fails, or a message cannot be recorded.
+    pub fn run_in_memory(
+        &mut self,
+        config: &ExperimentConfig,
+    ) -> Result<(Recording, RunData), ExperimentError> {
+        let facts = self.facts(config);
+        let mut log = RunLog::new(RunRecorder::new(&facts)?, &facts)?;
+        while !self.finished() {
+            let instruments = self.step()?;
+            instruments.record(self.control_loop(), &mut log)?;
+        }
+        Ok(log.into_recorder().finish())
+    }
+}
