@@ -55,8 +55,8 @@ pub struct Arguments {
     /// What varies: all, or these groups of the ranges, as apparatus or tuning.
     #[arg(long, value_name = "GROUP,…", value_delimiter = ',', default_value = ALL)]
     group: Vec<String>,
-    /// Control laws to run side by side on the same hands, as tri-axial,best: the page shows on what share of hands each does
-    /// what a user wants of any hand.
+    /// Control laws to run side by side on the same hands, as tri-axial,best: the page shows the share of hands on which each
+    /// meets the five claims of any hand.
     #[arg(long, value_name = "LAW,…", value_delimiter = ',', conflicts_with_all = ["controls", "sensitivity"])]
     laws: Vec<String>,
     /// Number of points at which everything varies; an even number.

@@ -1,4 +1,4 @@
-//! `laws.html`: on what share of the same hands each control law does what a user wants of a hand.
+//! `laws.html`: share of the same hands on which each control law meets the claims of any hand.
 
 use super::document::{Tile, document, tiles};
 use super::figures::law_shares::law_shares_figure;

@@ -53,7 +53,7 @@ pub struct Fits {
 /// What was fitted to the trace of a finger.
 #[derive(Debug, Clone)]
 pub(super) struct FingerFits {
-    /// Contacts that stick.
+    /// Intervals in which an element sticks to the object.
     pub contacts: Vec<Contact>,
     /// Slides, one for each place.
     pub slides: Vec<Slide>,
@@ -106,14 +106,14 @@ pub fn estimate(
     Ok((identified, fits))
 }
 
-/// Force above which an element touches for sure, N.
+/// Force above which an element counts as touching, N, from the standard deviation of the `noise`, N.
 pub fn least_touch(noise: f64) -> f64 {
     (TOUCHES * noise).max(LEAST_TOUCH)
 }
 
 /// What one finger shows without the other ones.
 struct Pressed {
-    /// Contacts that stick.
+    /// Intervals in which an element sticks to the object.
     contacts: Vec<Contact>,
     /// The trace with the forces at the poses that they belong to.
     aligned: FingerTrace,

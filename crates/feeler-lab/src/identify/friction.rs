@@ -121,8 +121,9 @@ fn misfit(values: &[f64], line: bool) -> f64 {
 
 /// Both coefficients from the slides of one finger; `None` if the elements never slid.
 ///
-/// An element sticks and slips in turn: the ratio rises to static friction and falls to kinetic friction. Clear falls show both;
-/// where noise hides them, the mean of the ratio and its variance do, as it rises evenly in between.
+/// An element sticks and slips in turn: the ratio rises to static friction and falls to kinetic friction. Both coefficients
+/// follow from clear falls. If noise hides these, they follow from mean and variance of the ratio, which rises linearly from one
+/// to the other.
 pub fn friction(slides: &[Slide]) -> Option<Friction> {
     let falls = by_falls(slides);
     falls.or_else(|| by_spread(slides))

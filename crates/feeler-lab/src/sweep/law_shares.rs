@@ -1,4 +1,4 @@
-//! On what share of the same hands each control law does what a user wants of a hand.
+//! Share of the same hands on which each control law meets the claims of any hand.
 
 use super::robustness::{is_hand, ranges, share};
 use super::success::ClaimColumns;

@@ -105,7 +105,8 @@ struct Choice {
 }
 
 impl Choice {
-    /// Compares the rules with what was `found`. Without predictions, what was found is taken.
+    /// Chooses between the settings by the rules and those `found` by a search, by their predicted scores; the latter if the
+    /// predictions were interrupted.
     fn new(problem: &Problem<'_>, found: Option<Found>) -> Result<Self, TuneError> {
         let rules = problem.settings(&[0.0; SETTINGS]);
         let candidate = found.map_or(rules, |found| found.settings);

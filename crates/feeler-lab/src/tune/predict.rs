@@ -8,7 +8,7 @@ use super::settings::Settings;
 /// Margins of some settings, and of the experiment as it is, over the same draws.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Prediction {
-    /// Margins of each run.
+    /// Margins of the five claims in each simulated run.
     pub margins: Vec<Margins>,
     /// Drawn values of each run.
     pub values: Vec<Vec<f64>>,

@@ -30,9 +30,9 @@ pub fn groups(hand: &Hand) -> [f64; GROUPS] {
 /// A power law in the groups.
 #[derive(Debug, Clone, Copy)]
 pub struct Rule {
-    /// What the rule sets, with what it is relative to.
+    /// Quantity that the rule gives, as a ratio, such as `v_r / v_m`.
     pub name: &'static str,
-    /// Why it is so.
+    /// Physical reason for the ratio.
     pub reason: &'static str,
     coefficient: f64,
     exponents: [f64; GROUPS],
@@ -42,7 +42,7 @@ impl Rule {
     /// The rule's value for a hand with these `groups`.
     pub fn value(&self, groups: &[f64; GROUPS]) -> f64 {
         let powers = groups.iter().zip(REFERENCE).zip(self.exponents);
-        // A hand without lag or noise is taken for one with little of it.
+        // Lag and noise of zero count as small ones, since a power of zero may be infinite.
         let powers = powers.map(|((g, reference), e)| (g / reference).max(0.05).powf(e));
         self.coefficient * powers.product::<f64>()
     }

@@ -62,7 +62,7 @@ const SCREW: [Setting<ScrewConfig>; 4] = [
     ("travel", "m", |c| c.travel, 7),
 ];
 
-/// The rule of the stroke's start.
+/// Index of the rule for the start of the stroke.
 const START: usize = 8;
 
 /// The values that `settings` change in `experiment`, whose object turns about `pivot` (m, x and y in W).

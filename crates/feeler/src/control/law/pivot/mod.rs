@@ -64,7 +64,7 @@ impl PivotConfig {
     }
 }
 
-/// The law for one hand, with what it has learnt so far.
+/// Control law of one hand, with its estimates of stiffness, pivot and radius.
 #[derive(Debug, Clone)]
 pub struct Pivot {
     config: PivotConfig,
@@ -95,8 +95,8 @@ impl Pivot {
         }
     }
 
-    /// Starts the circle fit from where the fingers are: about the middle between several, or as far behind the contact of
-    /// a single finger as its own dome is large.
+    /// Starts the circle fit with a prior from the fingers' positions: the circle between several fingertips, or one as large
+    /// as its own dome in front of a single fingertip.
     fn start_circle(&mut self, plans: &[Plan]) {
         let (centre, radius) = match &self.fingers[..] {
             [lone] => {
@@ -117,8 +117,7 @@ impl Pivot {
         self.circle = Some(Circle { centre, radius });
     }
 
-    /// How far the pivot is from where the plan has it: in the middle of where the fingers started. Zero for one finger,
-    /// whose plan does not tell.
+    /// Offset of the pivot from the centre of the fingers' start positions, m; zero for a single finger.
     fn pivot_offset(&self, circle: &Circle) -> DVec2 {
         if self.fingers.len() < 2 {
             return DVec2::ZERO;

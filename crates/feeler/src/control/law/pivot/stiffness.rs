@@ -5,7 +5,7 @@ use glam::{DMat3, DVec3};
 
 /// Least sum of squared motion that defines a slope, m².
 const LEAST_MOTION: f64 = 1e-8;
-/// Shear stiffness relative to the normal stiffness where the closing motion does not tell: rubber keeps its volume.
+/// Shear stiffness relative to the normal stiffness if the closing motion has no shear: typical of incompressible rubber.
 const USUAL_RATIO: f64 = 0.5;
 /// Range of that ratio.
 const RATIO: (f64, f64) = (0.1, 1.0);

@@ -9,7 +9,7 @@ use glam::DVec2;
 const SECTOR: f64 = 0.0125;
 /// Sectors of a stroke; the last one covers whatever comes after it, too.
 const SECTORS: usize = 64;
-/// Fewer sectors than this tell nothing.
+/// Least number of sectors of a stroke that is long enough to learn from.
 const FEWEST_SECTORS: usize = 5;
 /// A finger that felt less than its target advances by the missing force over the stiffness, divided by this: friction
 /// tilts feelers, so that force rises faster with depth than their stiffness says.
@@ -107,7 +107,8 @@ impl StrokeRecord {
         })
     }
 
-    /// Compliance that levels the grasp force on a circle of `radius` (m), m/N, as far as the path stays within the tolerance.
+    /// Radial compliance that levels the grasp force on a circle of `radius` (m), m/N, limited by the path tolerance relative to
+    /// `line_deviation` (m), the standard deviation of the radius on the planned line.
     pub fn compliance(
         &self,
         radius: f64,
