@@ -136,6 +136,8 @@ impl Finger {
                 self.grip += force.z;
                 self.force = self.force.max(force.z);
                 self.feel_element(sense, index, force, contacts.as_deref_mut());
+            } else {
+                self.stiffness_fit.release(index);
             }
         }
         let interval = frame.stamp - std::mem::replace(&mut self.frame_stamp, frame.stamp);

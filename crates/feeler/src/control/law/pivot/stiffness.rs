@@ -22,7 +22,7 @@ pub(super) struct StiffnessFit {
     shear: Slope,
 }
 
-/// One element in the present closing motion.
+/// The present contact of one element.
 #[derive(Debug, Clone, Copy, Default)]
 struct Touched {
     /// Undeformed tip when it began to touch, m, in W.
@@ -56,10 +56,20 @@ impl StiffnessFit {
 
     /// Starts a closing motion, before which no element touches.
     pub fn start(&mut self) {
-        for touched in &mut self.elements {
-            self.normal.add(touched.normal);
-            self.shear.add(touched.shear);
-            *touched = Touched::default();
+        for element in 0..self.elements.len() {
+            self.release(element);
+        }
+    }
+
+    /// Ends a contact of an element. The next one has an offset of its own, so that a force that was only noise does not
+    /// count with all the motion after it.
+    pub fn release(&mut self, element: usize) {
+        if let Some(touched) = self.elements.get_mut(element)
+            && touched.frames > 0.0
+        {
+            let ended = std::mem::take(touched);
+            self.normal.add(ended.normal);
+            self.shear.add(ended.shear);
         }
     }
 
