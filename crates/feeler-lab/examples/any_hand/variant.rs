@@ -136,14 +136,14 @@ fn opening(experiment: &Experiment) -> Vec<String> {
 
 /// The rectangle and base of `any-hand` for each finger, turned about the world's z.
 fn three_fingers(experiment: &Experiment) -> Vec<String> {
-    let mut settings = ["travel=0.0075", "search_limit=0.022"]
+    let mut settings = ["travel=0.0068", "search_limit=0.022"]
         .map(|setting| format!("task.screw.{setting}"))
         .to_vec();
     settings.push("time_limit=90".to_string());
     if let TaskConfig::Screw(screw) = &experiment.config.task {
         for (index, finger) in screw.finger.iter().enumerate() {
             let (approach, stroke) = (DVec3::from(finger.approach), DVec3::from(finger.stroke));
-            let home = (-0.046 * approach - 0.002 * stroke).with_z(0.098);
+            let home = (-0.046 * approach - 0.002 * stroke).with_z(0.0965);
             let base = (-0.1615 * approach).with_z(0.051);
             settings.push(format!(
                 "task.screw.finger.{index}.home={:?}",

@@ -2,8 +2,9 @@
 
 use super::PivotConfig;
 use super::circle::{Circle, CircleFit};
+use super::course::Course;
 use super::stiffness::StiffnessFit;
-use super::stroke::{Course, Lesson, StrokeRecord};
+use super::stroke::{Lesson, Sample, StrokeRecord};
 use crate::control::feeler_shape::Stiffness;
 use crate::control::plan::Plan;
 use crate::control::sense::FingerSense;
@@ -28,6 +29,12 @@ const EARLY_GUARD: f64 = 1.1;
 const GUARD_GAIN: f64 = 20.0;
 /// Strokes after which the radius is settled.
 const SETTLED: u32 = 2;
+/// Largest element force to aim for, relative to F2, while the object has not yet resisted being turned: when it does, the
+/// force rises although the path stays.
+const LOOSE_FORCE: f64 = 1.0;
+/// Part of a change of the object's surface that the radius follows. An object that turned with the finger brings all of
+/// the change along, one that stood still none.
+const SURFACE_PART: f64 = 0.5;
 /// A finger has closed when it is this close to its radius, m.
 const CLOSED_WITHIN: f64 = 2e-5;
 /// Slowest approach, relative to the planned speed.
@@ -50,6 +57,15 @@ pub(super) enum Motion {
     Free,
 }
 
+/// First contact of a closing motion.
+#[derive(Debug, Clone, Copy)]
+struct Onset {
+    /// The dome's centre, m, x and y in W.
+    position: DVec2,
+    /// Largest element force, N.
+    force: f64,
+}
+
 /// One finger.
 #[derive(Debug, Clone)]
 pub(super) struct Finger {
@@ -67,10 +83,15 @@ pub(super) struct Finger {
     force: f64,
     force_rate: f64,
     frame_stamp: f64,
+    /// Force on the fingertip, N, x and y in W.
+    resultant: DVec2,
     /// The dome's centre, m, x and y in W.
     position: DVec2,
     /// Position at which the first closing motion began, m; `None` before it.
     home: Option<DVec2>,
+    /// First contact of the latest closing motion, and of the one before it.
+    onset: Option<Onset>,
+    onset_before: Option<Onset>,
     course: Course,
     record: StrokeRecord,
     /// Number of strokes from which a lesson was computed.
@@ -92,8 +113,11 @@ impl Finger {
             force: 0.0,
             force_rate: 0.0,
             frame_stamp: 0.0,
+            resultant: DVec2::ZERO,
             position: DVec2::ZERO,
             home: None,
+            onset: None,
+            onset_before: None,
             course: Course::default(),
             record: StrokeRecord::new(),
             strokes: 0,
@@ -129,6 +153,7 @@ impl Finger {
         if self.newest.replace(frame.sequence) == Some(frame.sequence) {
             return;
         }
+        self.resultant = sense.resultant().truncate();
         let before = std::mem::take(&mut self.force);
         self.grip = 0.0;
         for (index, &force) in frame.forces.iter().enumerate() {
@@ -139,6 +164,12 @@ impl Finger {
             } else {
                 self.stiffness_fit.release(index);
             }
+        }
+        if self.motion == Motion::Close && self.force > self.touch_force {
+            self.onset.get_or_insert(Onset {
+                position: self.position,
+                force: self.force,
+            });
         }
         let interval = frame.stamp - std::mem::replace(&mut self.frame_stamp, frame.stamp);
         if interval > 0.0 {
@@ -187,7 +218,7 @@ impl Finger {
         }
         match (self.lesson, circle) {
             (Some(lesson), Some(circle)) => {
-                let left = self.position.distance(circle.centre) - lesson.radius;
+                let left = self.position.distance(circle.centre) - self.radius(&lesson, &circle);
                 Some(left < CLOSED_WITHIN || self.force > config.guard_force * rated_force)
             }
             _ => (self.force > FIRST_CLOSING * rated_force).then_some(true),
@@ -219,6 +250,7 @@ impl Finger {
         match motion {
             Motion::Close => {
                 self.stiffness_fit.start();
+                self.onset_before = self.onset.take().or(self.onset_before);
                 self.home.get_or_insert(self.position);
             }
             Motion::Turn => {
@@ -235,19 +267,39 @@ impl Finger {
         let Some(stiffness) = self.stiffness else {
             return;
         };
-        let target = config.peak_force * rated_force;
-        let Some(mut lesson) = self.record.lesson(target, stiffness) else {
-            return;
+        let target = self.next_target(config, rated_force);
+        // The radius is still a guess in the second stroke: it stays on the circle.
+        let settled = self.strokes + 1 >= SETTLED;
+        let line = if settled {
+            self.course.line_deviation(circle)
+        } else {
+            0.0
         };
-        self.strokes += 1;
-        if self.strokes >= SETTLED {
-            let line = self.course.line_deviation(circle);
-            let record = &self.record;
-            lesson.compliance = record.compliance(lesson.radius, stiffness, config, line);
-            let before = self.lesson.map_or(0.0, |lesson| lesson.compliance);
-            lesson.compliance = lesson.compliance.max(before);
+        let tolerance = config.path_tolerance * line;
+        if let Some(lesson) = self.record.lesson(target, stiffness, tolerance) {
+            self.strokes += 1;
+            self.lesson = Some(lesson);
         }
-        self.lesson = Some(lesson);
+    }
+
+    /// Largest element force that the next stroke aims for, N.
+    fn next_target(&self, config: &PivotConfig, rated_force: f64) -> f64 {
+        let target = config.peak_force * rated_force;
+        if !self.record.resisted() {
+            return target.min(LOOSE_FORCE * rated_force);
+        }
+        target
+    }
+
+    /// Radius of the present stroke, m: as `lesson` has it, moved along with the object's surface where contact began.
+    fn radius(&self, lesson: &Lesson, circle: &Circle) -> f64 {
+        let (Some(now), Some(before), Some(k)) = (self.onset, self.onset_before, self.stiffness)
+        else {
+            return lesson.radius;
+        };
+        let surface =
+            |onset: Onset| onset.position.distance(circle.centre) + onset.force / k.normal;
+        lesson.radius + SURFACE_PART * (surface(now) - surface(before))
     }
 
     /// Velocity of a finger that closes, m/s, in W: to its radius, and to the side where its stroke begins relative to
@@ -256,7 +308,7 @@ impl Finger {
         let Some(lesson) = self.lesson else {
             return plan.velocity;
         };
-        let left = self.position.distance(circle.centre) - lesson.radius;
+        let left = self.position.distance(circle.centre) - self.radius(&lesson, &circle);
         let speed = plan.velocity.length();
         let slowed = (config.gain * left).clamp(SLOWEST * speed, speed);
         let approach = plan.velocity.clamp_length_max(slowed);
@@ -284,27 +336,30 @@ impl Finger {
         let (radius, outward) = (from_pivot.length(), from_pivot.normalize_or_zero());
         let start = self.course.start - circle.centre;
         let swept = start.normalize_or_zero().perp_dot(outward).abs().asin();
-        self.record.add(swept, radius, self.grip, self.force);
         let speed = plan.velocity.length();
         let planned = plan.velocity.truncate();
         if speed > 0.0 {
             self.course.direction = planned / speed;
         }
         let tangent = planned.reject_from_normalized(outward).normalize_or_zero();
-        let radial = self.radial_speed(config, rated_force, radius, start.length());
+        self.record.add(Sample {
+            swept,
+            radius,
+            grip: self.grip,
+            force: self.force,
+            tangential: -self.resultant.dot(tangent),
+        });
+        let planned = self
+            .lesson
+            .map_or(start.length(), |lesson| self.radius(&lesson, &circle));
+        let radial = self.radial_speed(config, rated_force, planned - radius);
         (speed * tangent + radial * outward).extend(plan.velocity.z)
     }
 
-    /// Speed away from the pivot, m/s.
-    fn radial_speed(
-        &self,
-        config: &PivotConfig,
-        rated_force: f64,
-        radius: f64,
-        start_radius: f64,
-    ) -> f64 {
+    /// Speed away from the pivot, m/s, of a finger that is `inside` (m) its circle.
+    fn radial_speed(&self, config: &PivotConfig, rated_force: f64, inside: f64) -> f64 {
         let Some(stiffness) = self.stiffness else {
-            return config.gain * (start_radius - radius);
+            return config.gain * inside;
         };
         let excess = |share: f64, rate: f64| {
             (self.force + LEAD * rate - share * rated_force) / stiffness.normal
@@ -313,7 +368,7 @@ impl Finger {
             None => FIRST_GAIN * excess(FIRST_FORCE, self.force_rate),
             Some(lesson) => {
                 let gives = lesson.compliance * (self.grip - lesson.mean_grip);
-                config.gain * (lesson.radius + gives - radius)
+                config.gain * (inside + gives)
             }
         };
         let guard = if self.strokes < SETTLED {

@@ -9,6 +9,7 @@
 //! The object's axis is taken to be parallel to z of W; positions here are x and y in W.
 
 mod circle;
+mod course;
 mod finger;
 mod stiffness;
 mod stroke;
@@ -45,7 +46,7 @@ impl Default for PivotConfig {
     fn default() -> Self {
         Self {
             peak_force: 1.15,
-            guard_force: 1.2,
+            guard_force: 1.18,
             gain: 12.0,
             path_tolerance: 0.25,
         }

@@ -1,9 +1,6 @@
 //! Record of one finger's MOVE, and the radius and compliance of its next stroke computed from it.
 
-use super::PivotConfig;
-use super::circle::Circle;
 use crate::control::feeler_shape::Stiffness;
-use glam::DVec2;
 
 /// Angle about the pivot that one sector of a stroke covers, rad.
 const SECTOR: f64 = 0.0125;
@@ -13,17 +10,23 @@ const SECTORS: usize = 64;
 const FEWEST_SECTORS: usize = 5;
 /// A finger that felt less than its target advances by the missing force over the stiffness, divided by this: friction
 /// tilts feelers, so that force rises faster with depth than their stiffness says.
-const ADVANCE: f64 = 2.0;
-/// Relative variation of the grasp force that a finger tolerates without leaving the circle.
-const LEVEL_GRIP: f64 = 0.1;
-/// Number of elements that share the load where a finger leaves the circle to keep its grasp force level.
-const SHARING: f64 = 2.0;
-/// Largest radial compliance, relative to that of one feeler.
-const MOST_SOFTNESS: f64 = 0.5;
+const ADVANCE: f64 = 1.5;
+/// Relative variation of the grasp force that counts as much as a path that deviates by all of its tolerance.
+const GRIP_TOLERANCE: f64 = 0.15;
+/// A stroke whose variation and deviation are both below this, relative to their tolerances, needs no more compliance.
+const GOOD_ENOUGH: f64 = 0.6;
+/// Radial compliances to choose from: multiples of this, relative to the compliance of one feeler.
+const COMPLIANCE_STEP: f64 = 0.05;
+/// Number of multiples.
+const COMPLIANCE_STEPS: u32 = 10;
+/// Fixed-point iterations for the path of a compliant finger.
+const ITERATIONS: u32 = 8;
+/// Part of the samples at the beginning of a stroke, where forces still build up, that the variation leaves out.
+const BUILD_UP: f64 = 0.2;
 /// Elements that share a load are counted as grasp force over the largest force, but no less than this, N.
 const LEAST_FORCE: f64 = 0.05;
-/// Part of the travel over which a path is compared with the planned line.
-const WINDOW: (f64, f64) = (0.25, 0.98);
+/// An object resists if the tangential force on a fingertip exceeds this, relative to its grasp force.
+const RESISTS: f64 = 0.5;
 
 /// Means and maxima over one sector.
 #[derive(Debug, Clone, Copy, Default)]
@@ -38,10 +41,26 @@ struct Sector {
     most_force: f64,
 }
 
+/// One control step of a MOVE.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sample {
+    /// Angle swept about the pivot since MOVE began, rad.
+    pub swept: f64,
+    /// Distance of the dome's centre from the pivot, m.
+    pub radius: f64,
+    /// Grasp force, N.
+    pub grip: f64,
+    /// Largest element force, N.
+    pub force: f64,
+    /// Tangential force on the fingertip against its motion, N.
+    pub tangential: f64,
+}
+
 /// Radius and forces of one finger's MOVE, in sectors of the angle about the pivot.
 #[derive(Debug, Clone)]
 pub(super) struct StrokeRecord {
     sectors: [Sector; SECTORS],
+    resisted: bool,
 }
 
 /// Parameters of a finger's next stroke.
@@ -55,12 +74,14 @@ pub(super) struct Lesson {
     pub compliance: f64,
 }
 
-/// Where a MOVE began and ended, m, x and y in W, and its planned direction.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Course {
-    pub start: DVec2,
-    pub end: DVec2,
-    pub direction: DVec2,
+/// What a stroke with a given compliance is expected to be like.
+#[derive(Debug, Clone, Copy)]
+struct Forecast {
+    lesson: Lesson,
+    /// Standard deviation of the radius, m.
+    path_deviation: f64,
+    /// Standard deviation of the grasp force relative to its mean.
+    grip_variation: f64,
 }
 
 impl StrokeRecord {
@@ -68,91 +89,105 @@ impl StrokeRecord {
     pub fn new() -> Self {
         Self {
             sectors: [Sector::default(); SECTORS],
+            resisted: false,
         }
     }
 
-    /// Adds a control step: the angle swept since MOVE began, rad; the distance from the pivot, m; the grasp force and the
-    /// largest element force, N.
-    pub fn add(&mut self, swept: f64, radius: f64, grip: f64, force: f64) {
-        let index = ((swept / SECTOR).max(0.0) as usize).min(SECTORS - 1);
+    /// Adds a control step.
+    pub fn add(&mut self, sample: Sample) {
+        let index = ((sample.swept / SECTOR).max(0.0) as usize).min(SECTORS - 1);
         let sector = &mut self.sectors[index];
         sector.samples += 1.0;
-        sector.radius += (radius - sector.radius) / sector.samples;
-        sector.grip += (grip - sector.grip) / sector.samples;
-        sector.mean_force += (force - sector.mean_force) / sector.samples;
-        sector.most_force = sector.most_force.max(force);
+        sector.radius += (sample.radius - sector.radius) / sector.samples;
+        sector.grip += (sample.grip - sector.grip) / sector.samples;
+        sector.mean_force += (sample.force - sector.mean_force) / sector.samples;
+        sector.most_force = sector.most_force.max(sample.force);
+        self.resisted |= sample.tangential > RESISTS * sample.grip.max(LEAST_FORCE);
     }
 
-    fn sectors(&self) -> impl Iterator<Item = &Sector> {
-        self.sectors.iter().filter(|sector| sector.samples > 0.0)
+    /// Whether the object resisted being turned in some part of the stroke.
+    pub fn resisted(&self) -> bool {
+        self.resisted
     }
 
-    /// Radius and grasp force of the next stroke for a largest element force of `target` (N); `None` if this stroke was too
-    /// short.
-    pub fn lesson(&self, target: f64, stiffness: Stiffness) -> Option<Lesson> {
+    /// Radius of the next stroke for a largest element force of `target` (N) and the compliance that suits it best;
+    /// `None` if this stroke was too short. `path_tolerance` (m) is the standard deviation of the radius that a path may
+    /// have.
+    ///
+    /// A stiff finger follows the circle, and its grasp force varies; a compliant one leaves the circle to keep the force
+    /// level. The compliance makes the larger of both, relative to their tolerances, as small as possible.
+    pub fn lesson(&self, target: f64, stiffness: Stiffness, path_tolerance: f64) -> Option<Lesson> {
         if self.sectors().count() < FEWEST_SECTORS {
             return None;
         }
+        let forecasts = (0..=COMPLIANCE_STEPS).map(|step| {
+            let relative = COMPLIANCE_STEP * f64::from(step);
+            self.forecast(target, stiffness, relative / stiffness.normal)
+        });
+        let cost = |forecast: &Forecast| {
+            let path = forecast.path_deviation / path_tolerance.max(1e-9);
+            let grip = forecast.grip_variation / GRIP_TOLERANCE;
+            path.max(grip).max(GOOD_ENOUGH)
+        };
+        // The first of equals: the stiffest.
+        let best = forecasts.min_by(|a, b| cost(a).total_cmp(&cost(b)))?;
+        Some(best.lesson)
+    }
+
+    /// Forecast of a stroke with a `compliance` (m/N) whose largest element force is `target` (N), if every sector is a
+    /// spring about what was recorded.
+    fn forecast(&self, target: f64, stiffness: Stiffness, compliance: f64) -> Forecast {
         let allowed = |sector: &Sector| {
             let excess = sector.most_force - target;
             let slope = stiffness.normal * if excess > 0.0 { 1.0 } else { ADVANCE };
             sector.radius + excess / slope
         };
-        let radius = self.sectors().map(allowed).fold(0.0, f64::max);
-        let (mean_grip, _) = self.grip_at(radius, stiffness);
-        Some(Lesson {
-            radius,
-            mean_grip,
-            compliance: 0.0,
-        })
-    }
-
-    /// Radial compliance that levels the grasp force on a circle of `radius` (m), m/N, limited by the path tolerance relative to
-    /// `line_deviation` (m), the standard deviation of the radius on the planned line.
-    pub fn compliance(
-        &self,
-        radius: f64,
-        stiffness: Stiffness,
-        config: &PivotConfig,
-        line_deviation: f64,
-    ) -> f64 {
-        let (mean, deviation) = self.grip_at(radius, stiffness);
-        let variation = deviation / mean.max(LEAST_FORCE);
-        let wanted = ((variation / LEVEL_GRIP - 1.0) / SHARING).clamp(0.0, MOST_SOFTNESS);
-        let most = config.path_tolerance * line_deviation / deviation.max(1e-3);
-        (wanted / stiffness.normal).min(most)
-    }
-
-    /// Mean and standard deviation of the grasp force that is expected on a circle of `radius` (m), N.
-    fn grip_at(&self, radius: f64, stiffness: Stiffness) -> (f64, f64) {
-        let grip = |sector: &Sector| {
-            let deeper = sector.radius - radius;
+        let grip = |sector: &Sector, radius: f64, compliance: f64, mean: f64| {
             let sharing = sector.grip / sector.mean_force.max(LEAST_FORCE);
-            (sector.grip + sharing * stiffness.normal * deeper).max(0.0)
+            let spring = sharing * stiffness.normal;
+            let rigid = (sector.grip + spring * (sector.radius - radius)).max(0.0);
+            (rigid + spring * compliance * mean) / (1.0 + spring * compliance)
         };
-        let samples: f64 = self.sectors().map(|sector| sector.samples).sum();
-        let mean = self.sectors().map(|s| s.samples * grip(s)).sum::<f64>() / samples;
-        let square = |sector: &Sector| sector.samples * (grip(sector) - mean).powi(2);
-        let variance = self.sectors().map(square).sum::<f64>() / samples;
-        (mean, variance.sqrt())
-    }
-}
-
-impl Course {
-    /// Standard deviation of the distance from the pivot that the planned straight line would have, m: with
-    /// `R ≈ R_0 + u²/2R` at the distance u along the line from the foot of the pivot's perpendicular.
-    pub fn line_deviation(&self, circle: &Circle) -> f64 {
-        let along = |point: DVec2| (point - circle.centre).dot(self.direction);
-        let (first, last) = (along(self.start), along(self.end));
-        let [a, b] = [WINDOW.0, WINDOW.1].map(|part| first + part * (last - first));
-        let mean_power = |n: i32| (b.powi(n + 1) - a.powi(n + 1)) / (f64::from(n + 1) * (b - a));
-        let variance = mean_power(4) - mean_power(2).powi(2);
-        let deviation = variance.max(0.0).sqrt() / (2.0 * self.start.distance(circle.centre));
-        if deviation.is_finite() {
-            deviation
-        } else {
-            0.0
+        let mut radius = self.sectors().map(allowed).fold(0.0, f64::max);
+        let (mut mean, mut deviation) = self.moments(|sector| grip(sector, radius, 0.0, 0.0));
+        for _ in 0..ITERATIONS {
+            let centre = |sector: &Sector| {
+                allowed(sector) - compliance * (grip(sector, radius, compliance, mean) - mean)
+            };
+            let needed = self.sectors().map(centre).fold(0.0, f64::max);
+            radius += 0.5 * (needed - radius);
+            (mean, deviation) = self.moments(|sector| grip(sector, radius, compliance, mean));
         }
+        Forecast {
+            lesson: Lesson {
+                radius,
+                mean_grip: mean,
+                compliance,
+            },
+            path_deviation: compliance * deviation,
+            grip_variation: deviation / mean.max(LEAST_FORCE),
+        }
+    }
+
+    /// Mean and standard deviation of `value` over the samples after the build-up.
+    fn moments(&self, value: impl Fn(&Sector) -> f64) -> (f64, f64) {
+        let all: f64 = self.sectors().map(|sector| sector.samples).sum();
+        let (mut passed, mut samples, mut sum, mut square) = (0.0, 0.0, 0.0, 0.0);
+        for sector in self.sectors() {
+            passed += sector.samples;
+            if passed > BUILD_UP * all {
+                let value = value(sector);
+                samples += sector.samples;
+                sum += sector.samples * value;
+                square += sector.samples * value * value;
+            }
+        }
+        let mean = sum / samples;
+        (mean, (square / samples - mean * mean).max(0.0).sqrt())
+    }
+
+    fn sectors(&self) -> impl Iterator<Item = &Sector> {
+        self.sectors.iter().filter(|sector| sector.samples > 0.0)
     }
 }
 
@@ -170,83 +205,90 @@ mod tests {
         let mut record = StrokeRecord::new();
         for step in 0..100 {
             let force = force(step / 5);
-            record.add(
-                SECTOR * (step as f64 + 0.5) / 5.0,
-                0.032,
-                2.0 * force,
+            record.add(Sample {
+                swept: SECTOR * (step as f64 + 0.5) / 5.0,
+                radius: 0.032,
+                grip: 2.0 * force,
                 force,
-            );
+                tangential: 0.1,
+            });
         }
         record
     }
 
+    /// The lesson of a record whose finger may not leave the circle.
+    fn on_circle(record: &StrokeRecord, target: f64) -> Lesson {
+        record.lesson(target, STIFFNESS, 0.0).expect("a lesson")
+    }
+
     #[test]
     fn the_hardest_pressed_sector_decides_the_radius() {
-        let mut forces = record(|k| if k == 7 { 0.5 } else { 0.3 });
-        let lesson = forces.lesson(0.4, STIFFNESS).expect("a lesson");
-        assert!(
-            (lesson.radius - (0.032 + 0.1 / 200.0)).abs() < 1e-12,
-            "{lesson:?}"
-        );
-        // Too little force: half of what the stiffness says.
-        forces = record(|_| 0.3);
-        let lesson = forces.lesson(0.4, STIFFNESS).expect("a lesson");
-        assert!(
-            (lesson.radius - (0.032 - 0.05 / 200.0)).abs() < 1e-12,
-            "{lesson:?}"
-        );
-        // Two elements share the load: 100 mN more on the largest are 200 mN more grip; here half of that.
-        assert!((lesson.mean_grip - 0.7).abs() < 1e-12, "{lesson:?}");
+        let lesson = on_circle(&record(|k| if k == 7 { 0.5 } else { 0.3 }), 0.4);
+        let expected = 0.032 + 0.1 / 200.0;
+        assert!((lesson.radius - expected).abs() < 1e-12, "{lesson:?}");
+        // Too little force: two thirds of what the stiffness says.
+        let lesson = on_circle(&record(|_| 0.3), 0.4);
+        let expected = 0.032 - 0.1 / ADVANCE / 200.0;
+        assert!((lesson.radius - expected).abs() < 1e-12, "{lesson:?}");
+        // Two elements share the load: 100 mN more on the largest are 200 mN more grip; here two thirds of that.
+        let expected = 0.6 + 0.2 / ADVANCE;
+        assert!((lesson.mean_grip - expected).abs() < 1e-12, "{lesson:?}");
     }
 
     #[test]
     fn a_short_stroke_teaches_nothing() {
         let mut short = StrokeRecord::new();
-        short.add(0.0, 0.032, 1.0, 0.5);
-        assert_eq!(short.lesson(0.4, STIFFNESS), None);
+        short.add(Sample {
+            swept: 0.0,
+            radius: 0.032,
+            grip: 1.0,
+            force: 0.5,
+            tangential: 0.0,
+        });
+        assert_eq!(short.lesson(0.4, STIFFNESS, 0.0), None);
     }
 
     #[test]
     fn only_an_uneven_grip_makes_the_finger_compliant() {
-        let config = PivotConfig::default();
-        let compliance =
-            |record: &StrokeRecord, line| record.compliance(0.032, STIFFNESS, &config, line);
+        let compliance = |record: &StrokeRecord, tolerance| {
+            let lesson = record.lesson(0.6, STIFFNESS, tolerance).expect("a lesson");
+            lesson.compliance * STIFFNESS.normal
+        };
         assert_eq!(compliance(&record(|_| 0.4), 1.0), 0.0);
         let uneven = record(|k| if k % 2 == 0 { 0.3 } else { 0.5 });
-        // Standard deviation 0.2 N of a mean of 0.8 N: 2.5 times what is level.
-        assert!((compliance(&uneven, 1.0) - 0.5 / 200.0).abs() < 1e-12);
-        // The path may leave the circle by a quarter of the line's 0.1 mm.
-        assert!((compliance(&uneven, 1e-4) - 0.25 * 1e-4 / 0.2).abs() < 1e-12);
+        // As much as there is if the path does not matter.
+        let most = COMPLIANCE_STEP * f64::from(COMPLIANCE_STEPS);
+        assert!((compliance(&uneven, 1.0) - most).abs() < 1e-12);
+        // Springs of 400 N/m whose forces differ by ±0.2 N about a mean of about 0.9 N: with a compliance of 0.1/200 m/N
+        // ±0.167 N and ±0.083 mm; 0.19 of the mean, 1.2 times the tolerance. A path tolerance of 0.067 mm balances them.
+        let balanced = compliance(&uneven, 0.083e-3 / 1.2);
+        assert!(
+            (balanced - 0.1).abs() < COMPLIANCE_STEP + 1e-9,
+            "{balanced}"
+        );
     }
 
-    /// Against the distance of points on the line, one by one.
+    /// A sector of 400 N/m that felt 0.2 N more than the rest keeps `0.2/(1 + 400 c)` of it with the compliance c.
     #[test]
-    fn the_planned_line_has_the_deviation_of_its_points() {
-        let circle = Circle {
-            centre: DVec2::new(0.001, 0.002),
-            radius: 0.016,
-        };
-        let course = Course {
-            start: DVec2::new(-0.033, 0.004),
-            end: DVec2::new(-0.0325, -0.0045),
-            direction: DVec2::NEG_Y,
-        };
-        // The line passes through where the window begins; its distance from the pivot there is that of the circle.
-        let radii: Vec<f64> = (0..=1000)
-            .map(|k| {
-                let part = WINDOW.0 + (WINDOW.1 - WINDOW.0) * f64::from(k) / 1000.0;
-                let point = course.start + 0.0085 * part * course.direction;
-                point.distance(circle.centre)
-            })
-            .collect();
-        let mean = radii.iter().sum::<f64>() / radii.len() as f64;
-        let variance = radii.iter().map(|r| (r - mean).powi(2)).sum::<f64>() / radii.len() as f64;
-        // The next term of the root is (u/2R)² of the first: 1 %.
-        let found = course.line_deviation(&circle);
-        assert!(
-            (found / variance.sqrt() - 1.0).abs() < 0.01,
-            "{found} {}",
-            variance.sqrt()
-        );
+    fn a_forecast_is_that_of_springs() {
+        let uneven = record(|k| if k % 2 == 0 { 0.3 } else { 0.4 });
+        let compliance = 0.25 / 200.0;
+        let forecast = uneven.forecast(0.4, STIFFNESS, compliance);
+        let deviation = forecast.path_deviation / compliance;
+        assert!((deviation - 0.1 / 1.5).abs() < 2e-3, "{deviation}");
+    }
+
+    #[test]
+    fn an_object_resists_if_the_tangential_force_is_large() {
+        let mut loose = record(|_| 0.3);
+        assert!(!loose.resisted());
+        loose.add(Sample {
+            swept: 0.1,
+            radius: 0.032,
+            grip: 1.0,
+            force: 0.5,
+            tangential: 0.6,
+        });
+        assert!(loose.resisted());
     }
 }
