@@ -3,6 +3,7 @@
 use super::progress::Reading;
 use super::{CommandError, Outcome};
 use feeler_report::cap::CapMeasures;
+use feeler_report::criterion::Success;
 use feeler_report::make::{RECORDING, ReportError, ReportOutcome, make_with};
 use feeler_report::{Summary, Verdict};
 use std::io::{self, Write};
@@ -67,6 +68,9 @@ pub fn print_outcome(made: &ReportOutcome, out: &mut dyn Write) -> io::Result<()
         writeln!(out, "{}", achieved.join(", "))?;
     }
     print_claims(made, out)?;
+    if let Some(judged) = summary.success.and_then(Success::beyond_claims) {
+        writeln!(out, "{judged}")?;
+    }
     writeln!(out, "{}", made.report_path.display())
 }
 

@@ -8,6 +8,8 @@ use serde::Serialize;
 
 /// A closed cap is tight from this share of the torque that friction allows.
 pub const TIGHT: f64 = 0.7;
+/// A cap that was found open has turned by at least this share of what was felt: 5 % is how well turns are felt.
+pub const TURNED_AS_FELT: f64 = 0.9;
 /// An element is damaged that stays over its damage limit for longer than this, s.
 pub const DAMAGE_TIME: f64 = 0.05;
 
@@ -103,9 +105,21 @@ impl CapMeasures {
     pub fn closed_well(&self, outcome: Option<&TaskOutcome>) -> bool {
         outcome == Some(&TaskOutcome::Closed)
             && self.torque_ratio.is_some_and(|ratio| ratio >= TIGHT)
-            && self
-                .time_over_damage
-                .is_some_and(|time| time <= DAMAGE_TIME)
+            && self.harmed_nothing()
+    }
+
+    /// Whether the cap was found open, has turned as far as was felt, and no element was harmed.
+    pub fn opened_well(&self, outcome: Option<&TaskOutcome>) -> bool {
+        let sum = |turn: fn(&FeltStroke) -> Option<f64>| self.strokes.iter().map(turn).sum();
+        let (felt, turned): (Option<f64>, Option<f64>) = (sum(|s| s.felt_turn), sum(|s| s.turn));
+        outcome == Some(&TaskOutcome::Open)
+            && (turned.zip(felt)).is_some_and(|(turned, felt)| turned >= TURNED_AS_FELT * felt)
+            && self.harmed_nothing()
+    }
+
+    fn harmed_nothing(&self) -> bool {
+        let time = self.time_over_damage;
+        time.is_some_and(|time| time <= DAMAGE_TIME)
     }
 }
 

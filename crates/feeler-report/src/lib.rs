@@ -9,6 +9,7 @@ mod claims_table;
 pub mod compare_page;
 mod contact;
 mod contour_points;
+pub mod criterion;
 mod document;
 pub mod figures;
 pub mod grasp_slip_page;

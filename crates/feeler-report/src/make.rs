@@ -1,6 +1,7 @@
 //! Makes a run's report from its recording.
 
 use super::claim::Claim;
+use super::criterion::Success;
 use super::figures::Figure;
 use super::long_run;
 use super::page::page;
@@ -182,6 +183,7 @@ fn draw<T>(
     thread::scope(|scope| {
         let table = scope.spawn(|| RunTable::new(data));
         let mut summary = Summary::new(recording, data);
+        summary.success = Success::of(&recording.facts, &summary);
         // A table of trials has the same columns for every law; a report holds to the paper only what is like it.
         if !tasks::claims_are_shown(&recording.facts) {
             summary.claims.clear();

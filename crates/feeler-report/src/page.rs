@@ -2,6 +2,7 @@
 
 use super::claim::{Claim, Verdict};
 use super::claims_table::claims_table;
+use super::criterion::Success;
 use super::document::{Tile, document, tiles};
 use super::figures::Figure;
 use super::make::RECORDING;
@@ -186,6 +187,7 @@ fn verdict(
             @if !unmeasured.is_empty() { "; not measured: " (unmeasured) }
             "."
         }
+        @if let Some(judged) = summary.success.and_then(Success::beyond_claims) { " " (capitalised(judged)) "." }
         @if let Some(task) = recording.task.last().filter(|task| task.phase != Phase::Done) {
             " The run ended in " (task.phase) " of stroke " (task.stroke)
             @if !task.reason.is_empty() { ", because " (task.reason) }
@@ -195,8 +197,8 @@ fn verdict(
 }
 
 /// With a capital at the beginning, as a sentence has it.
-fn capitalised(state: RunState) -> String {
-    let text = state.to_string();
+fn capitalised(text: impl ToString) -> String {
+    let text = text.to_string();
     let mut letters = text.chars();
     let first = letters.next().map(|letter| letter.to_ascii_uppercase());
     first.into_iter().chain(letters).collect()

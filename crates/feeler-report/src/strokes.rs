@@ -24,6 +24,19 @@ pub fn found_closed(turns: &[Option<f64>]) -> bool {
         .is_some_and(|(first, last)| first > 0.0 && last <= CLOSED_TURN * first)
 }
 
+/// Whether every stroke of a run, which turned the cap by `turns` (rad, as far as known), turned it: by more than a stroke that
+/// finds it closed ([`CLOSED_TURN`]).
+pub fn turned(turns: &[Option<f64>]) -> bool {
+    let Some(&Some(first)) = turns.first() else {
+        return false;
+    };
+    let least = CLOSED_TURN * first;
+    first > 0.0
+        && turns
+            .iter()
+            .all(|turn| turn.is_some_and(|turn| turn > least))
+}
+
 /// The measures of one stroke; `None` (JSON null) where the recording does not define them.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct StrokeMeasures {

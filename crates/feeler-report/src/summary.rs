@@ -3,6 +3,7 @@
 use super::cap::CapMeasures;
 use super::claim::Claim;
 use super::claims::of_any_hand;
+use super::criterion::Success;
 use super::run_data::RunData;
 use super::series::{finite, maximum};
 use super::stroke_pattern::StrokePattern;
@@ -51,6 +52,9 @@ pub struct Summary {
     /// How the cap was closed or opened, where that was not merely a count of strokes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cap: Option<CapMeasures>,
+    /// Whether the run was a success, as a report judges it; `None` (no key in JSON) before that, and where nobody knows.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub success: Option<Success>,
     /// Angle the cap has turned at the end, rad, positive = closing.
     pub cap_angle: Option<f64>,
     /// Largest torque of the last stroke, N·m, where an object is screwed.
@@ -96,6 +100,7 @@ impl Summary {
             claims,
             hand_claims,
             cap: CapMeasures::new(recording, data),
+            success: None,
             cap_angle: (recording.cap.last()).and_then(|cap| finite(cap.angle)),
             digest: recording.digest.to_string(),
         }

@@ -67,9 +67,10 @@ class Run:
         return getattr(self.recording, name)
 
     def __repr__(self) -> str:
-        claims = self.summary.get("claims") or []
+        claims = self.summary.get("claims") or self.summary.get("hand_claims") or []
         held = sum(bool(claim["holds"]) for claim in claims)
-        return f"Run({str(self.folder)!r}, {self.summary.get('sim_time')} s, {held} of {len(claims)} claims hold)"
+        verdict = f"{held} of {len(claims)} claims hold" if claims else self.summary.get("outcome") or self.summary["state"]
+        return f"Run({str(self.folder)!r}, {self.summary.get('sim_time')} s, {verdict})"
 
     def _repr_html_(self) -> str:
         """The figures, and a link to the report, for a notebook."""

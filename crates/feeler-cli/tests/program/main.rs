@@ -52,6 +52,7 @@ mod skip;
 mod sweep;
 mod tune;
 mod urdf;
+mod verdicts;
 
 use assert_no_alloc::AllocDisabler;
 

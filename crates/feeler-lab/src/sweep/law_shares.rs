@@ -1,7 +1,7 @@
 //! Share of the same hands on which each control law meets the claims of any hand.
 
+use super::claim_columns::ClaimColumns;
 use super::robustness::{is_hand, ranges, share};
-use super::success::ClaimColumns;
 use super::table::Table;
 use super::trial::Trials;
 use feeler_report::law_shares_page::{LawShares, LawSharesPage};

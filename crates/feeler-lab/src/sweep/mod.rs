@@ -4,6 +4,7 @@
 //! determine. So it comes out the same whatever ran before it, beside it, or on another machine. The trials of
 //! a [`design`] fill the space of what varies instead; they, too, follow from seed and number alone.
 
+pub mod claim_columns;
 pub mod comparison;
 pub mod design;
 pub mod distribution;
@@ -22,7 +23,6 @@ pub mod sensitivity;
 pub mod slip_score;
 pub mod store;
 mod stroke_columns;
-pub mod success;
 pub mod summary;
 pub mod table;
 pub mod trial;

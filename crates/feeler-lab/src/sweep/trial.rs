@@ -1,11 +1,11 @@
 //! One trial: what it draws, how it runs, and the row it makes.
 
 use super::SweepError;
+use super::claim_columns::ClaimColumns;
 use super::design::Scheme;
 use super::parameter::{Parameter, settings};
 use super::plan::Plan;
 use super::stroke_columns::{MEASURES, PATTERN, PATTERN_STROKES};
-use super::success::{ClaimColumns, Criterion};
 use crate::config::Experiment;
 use crate::experiment::truth::Truth;
 use crate::experiment::{ExperimentError, Pictures, Session, layouts, run_facts};
@@ -13,6 +13,7 @@ use feeler::control::phase::Phase;
 use feeler::control::task::TaskConfig;
 use feeler::pace::Unpaced;
 use feeler_record::{FindingName, MemoryRecorder, PolicyFile, Recording, RunFacts, RunLog};
+use feeler_report::criterion::Criterion;
 use feeler_report::long_run::RunRecorder;
 use feeler_report::{RunData, Summary, tasks};
 use rand::{RngExt, SeedableRng};
@@ -66,7 +67,8 @@ impl Trials {
         let screws = matches!(config.task, TaskConfig::Screw(_));
         let facts = run_facts(config)?;
         // The claims about screwing are about a cap that is screwed on.
-        let claims = if !screws || config.cap().is_some() {
+        let has_claims = !screws || config.cap().is_some();
+        let claims = if has_claims {
             let nothing = MemoryRecorder::new(&facts)?.into_recording();
             ClaimColumns::of(&Summary::new(&nothing, &RunData::new(&nothing)))
         } else {
@@ -81,13 +83,15 @@ impl Trials {
             0
         };
         let laws_differ = parameters.iter().any(|p| p.sets(LAW));
-        let claims_apply = tasks::claims_apply(&facts) && !laws_differ;
         let trials = Self {
             plan: plan.clone(),
             policy: experiment.policy_file()?,
             parameters,
             scheme: plan.scheme(),
-            criterion: criterion(&claims, claims_apply, facts.cap.is_some()),
+            criterion: match has_claims {
+                true => Criterion::of(&facts, laws_differ),
+                false => Criterion::Done,
+            },
             claims,
             findings,
             has_cap: facts.cap.is_some(),
@@ -115,13 +119,8 @@ impl Trials {
 
     /// The claims that a success requires; empty if it requires none.
     pub fn required_claims(&self) -> impl Iterator<Item = &ClaimColumns> {
-        let of_any_hand = match self.criterion {
-            Criterion::Claims => Some(false),
-            Criterion::AnyHand => Some(true),
-            Criterion::FoundClosed | Criterion::ClosedWell | Criterion::Done => None,
-        };
         let claims = self.claims.iter();
-        claims.filter(move |claim| Some(claim.of_any_hand) == of_any_hand)
+        claims.filter(|claim| self.criterion.requires(claim.id, claim.of_any_hand))
     }
 
     /// The claims of any hand, if they have columns: those of a cap that is screwed in four strokes or more.
@@ -283,7 +282,7 @@ impl Trials {
             format!("{:?}", summary.sim_time),
             summary.strokes.len().to_string(),
             number(summary.cap_angle.filter(|_| has_angle)),
-            match required {
+            match &required[..] {
                 [] => String::new(),
                 _ => held.to_string(),
             },
@@ -334,18 +333,6 @@ impl Trials {
             })
         });
         fields.collect()
-    }
-}
-
-/// What makes a trial a success that has columns for `claims`; those of the task are about all trials if `claims_apply`.
-fn criterion(claims: &[ClaimColumns], claims_apply: bool, has_cap: bool) -> Criterion {
-    let any = |of_any_hand| claims.iter().any(|c| c.of_any_hand == of_any_hand);
-    match (any(false), any(true)) {
-        _ if has_cap => Criterion::ClosedWell,
-        (true, _) if claims_apply => Criterion::Claims,
-        (_, true) => Criterion::AnyHand,
-        (true, false) => Criterion::FoundClosed,
-        (false, false) => Criterion::Done,
     }
 }
 

@@ -8,6 +8,11 @@ use crate::run_data::RunData;
 use crate::series::maximum;
 use crate::strokes::{CLOSED_TURN, StrokeMeasures};
 
+/// Id of the claim that no element is overloaded.
+pub const OVERLOADS_NOTHING: &str = "hand-overloads-nothing";
+/// Id of the claim that the cap is closed at last.
+pub const CLOSES_CAP: &str = "hand-closes-cap";
+
 /// The claims about any hand, for a run of at least four strokes that measure `strokes`.
 ///
 /// Bounds that the paper's claims also have are the same. What compares with stroke 1, or asks for SLIP or OVER, is left
@@ -31,12 +36,12 @@ pub fn of_any_hand(data: &RunData, strokes: &[StrokeMeasures]) -> Vec<Claim> {
             vec![grip_variation(data)],
         ),
         Claim::new(
-            "hand-overloads-nothing",
+            OVERLOADS_NOTHING,
             "No element is ever overloaded.",
             vec![peak_to_rating(data, strokes)],
         ),
         Claim::new(
-            "hand-closes-cap",
+            CLOSES_CAP,
             "The last stroke finds the cap closed.",
             vec![last_turn(data, strokes)],
         ),

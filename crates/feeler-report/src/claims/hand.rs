@@ -11,6 +11,8 @@ use crate::series::mean;
 use crate::stroke_pattern::ALIKE;
 use crate::strokes::{CLOSED_TURN, over_fraction, share, slip_precision, slip_skill};
 
+/// Id of the claim that no element is harmed.
+pub const NO_DAMAGE: &str = "no-damage";
 /// Longest time for which an element may bear more than its damage limit, s.
 const DAMAGE_TIME: f64 = 0.05;
 
@@ -210,7 +212,7 @@ pub(crate) fn no_damage(data: &RunData) -> Claim {
     let limit = damage_limit(&data.facts);
     let longest = longest_above(data, limit);
     Claim::new(
-        "no-damage",
+        NO_DAMAGE,
         "OVER protects the elements.",
         vec![
             ClaimPart::new(

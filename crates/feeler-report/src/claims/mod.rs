@@ -11,8 +11,9 @@ mod measured;
 mod parts;
 
 pub use any_hand::of_any_hand;
+pub(crate) use any_hand::{CLOSES_CAP, OVERLOADS_NOTHING};
 pub use bottle::rates;
-pub(crate) use hand::no_damage;
+pub(crate) use hand::{NO_DAMAGE, no_damage};
 
 use super::claim::{Claim, DecidedBy};
 use super::run_data::RunData;

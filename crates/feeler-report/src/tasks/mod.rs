@@ -73,7 +73,17 @@ fn shown<S>(strokes: &[S]) -> (Vec<&S>, Markup) {
 const PAPERS_LAW: &str = "tri-axial";
 
 /// The strokes that the paper's claims are about.
-const PAPERS_STROKES: u32 = 4;
+pub(crate) const PAPERS_STROKES: u32 = 4;
+
+/// Fingers of the paper's hand, and elements of each of its fingertips (section II).
+const PAPERS_FINGERS: usize = 2;
+const PAPERS_ELEMENTS: usize = 41;
+
+/// Whether runs with these facts are of a hand like the paper's, as far as is known: the bounds of its claims were chosen for that.
+pub(crate) fn is_papers_hand(facts: &RunFacts) -> bool {
+    let mut elements = facts.hand.iter().map(|finger| finger.element_tips.len());
+    facts.fingers == PAPERS_FINGERS && elements.all(|count| count == PAPERS_ELEMENTS)
+}
 
 /// Whether the claims of the task are about runs with these facts: those of the paper only where its law ran.
 pub fn claims_apply(facts: &RunFacts) -> bool {

@@ -1,0 +1,94 @@
+//! A trial of every built-in experiment is a success by what the experiment is for.
+
+use crate::program::{folder, run, summary};
+
+const PAPERS: &str = "the task was done and all its claims hold";
+const CLOSED: &str =
+    "the task was done, the last stroke found the cap closed, and no element was overloaded";
+
+/// Each built-in experiment and what its description promises.
+const EXPERIMENTS: [(&str, &str); 14] = [
+    ("cap-closing", PAPERS),
+    ("any-hand", "all five claims of any hand hold"),
+    (
+        "cap-opening",
+        "the cap was found open, has turned as far as was felt",
+    ),
+    ("cap-until-closed", "the cap was found closed, is tight"),
+    ("cap-closing-pins", CLOSED),
+    ("cap-closing-fibres", CLOSED),
+    ("cap-closing-gel", CLOSED),
+    ("three-fingers", CLOSED),
+    ("contour", PAPERS),
+    ("friction-scan", PAPERS),
+    ("slide-box", PAPERS),
+    ("slide-box-two", PAPERS),
+    ("lift", PAPERS),
+    ("bench-rig", "every stroke turned the cap"),
+];
+
+#[test]
+fn every_built_in_experiment_succeeds_at_what_it_is_for() {
+    let folder = folder("verdicts");
+    let listed = run(&folder, &["list"]).done();
+    for (experiment, words) in EXPERIMENTS {
+        assert!(listed.contains(experiment));
+        let out = format!("-o={experiment}");
+        let arguments = [
+            "sweep",
+            experiment,
+            "--trials=1",
+            "--sensing=direct",
+            "--seed=7",
+            &out,
+        ];
+        let said = run(&folder, &arguments).done();
+        let good = said.contains("1 of 1 trials succeeded") && said.contains(words);
+        assert!(good, "{experiment}: {said}");
+    }
+    let built_in = listed.lines().take_while(|line| !line.is_empty());
+    assert_eq!(built_in.count(), EXPERIMENTS.len());
+}
+
+#[test]
+fn a_report_judges_as_a_sweep_does() {
+    let folder = folder("verdicts-run");
+    let thread = "sim.object.cap.motion.thread";
+    let tight = format!("--set={thread}.seat_angle=-0.5");
+    let far = format!("--set={thread}.seat_angle=9.0");
+    let nothing = "--set=seed=3";
+    let cases: [(&str, &str, &str, bool); 6] = [
+        ("cap-opening", nothing, "found open", true),
+        ("cap-opening", &tight, "found open", false),
+        ("bench-rig", nothing, "every stroke turned the cap", true),
+        ("three-fingers", nothing, "found the cap closed", true),
+        ("cap-closing", nothing, "all its claims hold", true),
+        ("cap-closing", &far, "all its claims hold", false),
+    ];
+    for (number, (experiment, setting, words, met)) in cases.into_iter().enumerate() {
+        let out = format!("{number}");
+        let ended = run(
+            &folder,
+            &[
+                "run",
+                experiment,
+                "--sensing=direct",
+                setting,
+                "--out",
+                &out,
+            ],
+        );
+        let success = &summary(&folder.join(&out))["success"];
+        assert_eq!(success["met"], met, "{experiment} {setting}: {ended:?}");
+        let criterion = success["criterion"].as_str().expect("a criterion");
+        assert!(criterion.contains(words), "{criterion}");
+        if !words.contains("claims") {
+            let line = ended
+                .stdout
+                .lines()
+                .find(|line| line.starts_with("success: "));
+            let yes = line.expect("a verdict").starts_with("success: yes");
+            assert_eq!(yes, met, "{ended:?}");
+        }
+    }
+}
