@@ -2,6 +2,7 @@
 
 use crate::errors::refused;
 use crate::interrupt::interruptible;
+use feeler_record::picture_reader::PictureReader;
 use feeler_record::recording::PictureAt;
 use feeler_record::wire::Vector3;
 use feeler_record::{self as record, FingerStep, NO_ELEMENT, Step, Steps};
@@ -123,14 +124,14 @@ impl Recording {
         pictures: &[PictureAt],
         stop: &AtomicBool,
     ) -> Result<((usize, usize), Vec<u8>), String> {
-        let mut file =
-            File::open(&self.path).map_err(|e| format!("{}: {e}", self.path.display()))?;
+        let file = File::open(&self.path).map_err(|e| format!("{}: {e}", self.path.display()))?;
+        let mut reader = PictureReader::new(file);
         let (mut size, mut pixels) = (None, Vec::new());
         for at in pictures
             .iter()
             .take_while(|_| !stop.load(Ordering::Relaxed))
         {
-            let picture = at.read(&mut file)?;
+            let picture = reader.read(*at)?;
             let (width, height) = *size.get_or_insert((picture.width, picture.height));
             if (picture.width, picture.height) != (width, height) {
                 let (actual_width, actual_height) = (picture.width, picture.height);

@@ -75,6 +75,12 @@ def test_errors_have_the_programs_words(tmp_path: Path) -> None:
         feeler.read(tmp_path / "text.mcap")
 
 
+def test_a_folder_is_read_by_its_recording(closing: feeler.Run, tmp_path: Path) -> None:
+    assert feeler.read(closing.folder).digest == closing.recording.digest
+    with pytest.raises(FileNotFoundError, match=r"recording\.mcap"):
+        feeler.read(tmp_path)
+
+
 def test_progress_is_told(tmp_path: Path) -> None:
     told: list[float] = []
     feeler.run("cap-closing", sensing="image", settings={"time_limit": 1.5}, out=tmp_path / "run", progress=told.append)

@@ -2,29 +2,33 @@
 
 use super::progress::Reading;
 use super::{CommandError, Outcome};
+use feeler_lab::experiment::run_folder::{self, RunFolderError};
 use feeler_report::cap::CapMeasures;
 use feeler_report::criterion::Success;
-use feeler_report::make::{RECORDING, ReportError, ReportOutcome, make_with};
+use feeler_report::make::{RECORDING, ReportError, ReportOutcome, make_into, make_with};
 use feeler_report::{Summary, Verdict};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// The run's folder, or the recording in it.
+    /// The run's folder, or a recording (FILE.mcap). The report of a recording that is not called recording.mcap is written into a
+    /// folder beside it: that of z.mcap into z.
     run: PathBuf,
 }
 
 pub fn report(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
-    let folder = folder(&arguments.run)?;
-    let made = made(folder)?;
+    let (recording, folder) = find(&arguments.run)?;
+    let reading = Reading::new();
+    let made = make_into(&recording, &folder, &mut |share| reading.show(share))?;
+    drop(reading);
     print_outcome(&made, out)?;
     if let Some(problem) = &made.problem {
         let readable_until = made.readable_until;
         return Err(format!(
             "{}: the recording is incomplete ({problem}); the report shows the run up to \
              {readable_until:.2} s and says so",
-            folder.display()
+            arguments.run.display()
         )
         .into());
     }
@@ -37,19 +41,29 @@ pub fn made(folder: &Path) -> Result<ReportOutcome, ReportError> {
     make_with(folder, &mut |share| reading.show(share))
 }
 
-/// The folder of the run that is meant by `path`.
-fn folder(path: &Path) -> Result<&Path, CommandError> {
-    if path.join(RECORDING).exists() {
-        return Ok(path);
+/// The recording that is meant by `path`, and the folder of its report: its own or, if it has another name than in a run's folder, a
+/// new one beside it.
+fn find(path: &Path) -> Result<(PathBuf, PathBuf), CommandError> {
+    let recording = run_folder::recording(path)?;
+    if recording.ends_with(RECORDING) {
+        let folder = recording.parent().unwrap_or(Path::new("")).to_path_buf();
+        return Ok((recording, folder));
     }
-    match path.parent() {
-        Some(folder) if path.is_file() && path.ends_with(RECORDING) => Ok(folder),
-        _ => Err(format!(
-            "{}: there is no recording; expected the folder of a run, with {RECORDING} in it",
-            path.display()
+    if recording
+        .extension()
+        .is_none_or(|extension| extension != "mcap")
+    {
+        return Err(RunFolderError::NoRecording { path: recording }.into());
+    }
+    let folder = recording.with_extension("");
+    if folder.join(RECORDING).exists() {
+        let (recording, folder) = (recording.display(), folder.display());
+        return Err(format!(
+            "{recording}: its report would be written into {folder}, which is the folder of another run; rename the recording"
         )
-        .into()),
+        .into());
     }
+    Ok((recording, folder))
 }
 
 /// Prints how the run ended and what was achieved, then how far it reproduces the paper, and where to read more.

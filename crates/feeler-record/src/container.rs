@@ -12,6 +12,9 @@ use std::fs::File;
 use std::io::{BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
+/// What the name of the library that wrote a file begins with: ours.
+pub(super) const LIBRARY: &str = "feeler ";
+
 /// How rosbag2 learns how a channel is to be published, and what it is to do with one whose messages hold from then on:
 /// keep the last for whoever comes later.
 const QOS: &str = "offered_qos_profiles";
@@ -48,7 +51,7 @@ impl Container {
         let file = File::create(path).map_err(|source| file_error(path, source))?;
         let writer = options
             .profile("ros2")
-            .library(concat!("feeler ", env!("CARGO_PKG_VERSION")))
+            .library(format!("{LIBRARY}{}", env!("CARGO_PKG_VERSION")))
             // Noise does not compress: LZ4 took off an eighth for a third of the run's time.
             .compression(None)
             .disable_seeking(true)

@@ -3,7 +3,9 @@
 
 mod batch;
 pub mod channels;
+mod chunk;
 mod closing;
+mod collector;
 mod container;
 pub mod digest;
 pub mod error;
@@ -14,11 +16,13 @@ pub mod model;
 pub mod names;
 mod newest;
 pub mod options;
+pub mod picture_reader;
 mod read;
 pub mod recorded_camera;
 pub mod recorder;
 pub mod recording;
 pub mod replay;
+mod rewritten;
 pub mod ros;
 pub mod run_end;
 pub mod run_log;

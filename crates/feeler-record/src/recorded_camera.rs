@@ -2,14 +2,12 @@
 
 use super::channels::nanoseconds;
 use super::error::RecordError;
-use super::image::picture;
+use super::picture_reader::PictureReader;
 use super::recording::{PictureAt, Recording};
-use crate::ros::CompressedImage;
-use crate::wire::cdr;
 use feeler::sensor::camera::{Camera, CameraError, check_frame_size};
 use feeler::sensor::frame::{Frame, Picture};
 use std::fs::File;
-use std::io::{Read, Seek, SeekFrom};
+use std::io::{Read, Seek};
 use std::path::Path;
 
 /// Gives at every control step the picture that one finger's sensor saw then, with its sequence number and
@@ -19,7 +17,7 @@ use std::path::Path;
 /// for.
 #[derive(Debug)]
 pub struct RecordedCamera<F = File> {
-    file: F,
+    file: PictureReader<F>,
     /// Sequence number and stamp (s) of what each step saw.
     seen: std::vec::IntoIter<(u64, f64)>,
     pictures: std::vec::IntoIter<PictureAt>,
@@ -53,7 +51,7 @@ impl<F: Read + Seek> RecordedCamera<F> {
         });
         let pictures = record.map_or(Vec::new(), |record| record.pictures.clone());
         Self {
-            file,
+            file: PictureReader::new(file),
             seen: seen.into_iter(),
             pictures: pictures.into_iter(),
             newest: None,
@@ -69,7 +67,7 @@ impl<F: Read + Seek> RecordedCamera<F> {
         let Some(&at) = self.pictures.as_slice().first() else {
             return Ok(None);
         };
-        let picture = at.read(&mut self.file).map_err(CameraError::Failed)?;
+        let picture = self.file.read(at).map_err(CameraError::Failed)?;
         Ok(Some((picture.width, picture.height)))
     }
 
@@ -86,23 +84,9 @@ impl<F: Read + Seek> RecordedCamera<F> {
                     "the picture of {stamp} s expected on record, {found}"
                 ))
             })?;
-        at.read(&mut self.file)
+        self.file
+            .read(at)
             .map_err(|reason| CameraError::Failed(format!("the picture of {stamp} s: {reason}")))
-    }
-}
-
-impl PictureAt {
-    /// Reads the picture from the recording's `file`.
-    ///
-    /// # Errors
-    /// What was expected and what was found, in words.
-    pub fn read(self, file: &mut (impl Read + Seek)) -> Result<Picture, String> {
-        let failed = |e: std::io::Error| e.to_string();
-        file.seek(SeekFrom::Start(self.offset)).map_err(failed)?;
-        let mut bytes = vec![0; self.length];
-        file.read_exact(&mut bytes).map_err(failed)?;
-        let image: CompressedImage = cdr::decode(&bytes).map_err(|e| e.to_string())?;
-        picture(&image)
     }
 }
 

@@ -9,6 +9,7 @@ use super::facts::RunFacts;
 use super::newest::older_than_newest;
 use super::options::PolicyFile;
 use super::run_end::{RunEnd, RunState};
+use super::scan::Place;
 use std::collections::BTreeMap;
 
 /// What one finger recorded, each list in the order of time.
@@ -33,11 +34,28 @@ pub struct FingerRecord {
 pub struct PictureAt {
     /// Time of the picture, ns.
     pub log_time: u64,
-    /// Where its message begins in the file, bytes from the start.
+    /// Where its message begins: bytes from the start of the file, or of what a compressed chunk holds.
     pub offset: u64,
     /// Length of the message, bytes.
     pub length: usize,
+    /// Where the body of that chunk begins, bytes from the start of the file; `None` if the picture is in no compressed chunk.
+    pub chunk: Option<u64>,
 }
+
+impl PictureAt {
+    /// Of the message of `length` bytes in the record with this body.
+    pub(super) fn new(log_time: u64, record: Place, length: usize) -> Self {
+        Self {
+            log_time,
+            offset: record.offset + MESSAGE_HEAD,
+            length,
+            chunk: record.chunk,
+        }
+    }
+}
+
+/// What stands before a message's bytes in its record: channel, sequence number and two times.
+const MESSAGE_HEAD: u64 = 2 + 4 + 8 + 8;
 
 /// A place in a recording where messages are missing.
 #[derive(Debug, Clone, Copy, PartialEq)]

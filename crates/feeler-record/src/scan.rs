@@ -5,29 +5,40 @@
 //! no length is believed beyond the bytes that are there, and what was read before a fault stays.
 //! No more than one record of the file is in memory at a time: pictures make recordings large.
 
-use ::mcap::records::Record;
+use super::chunk::{MAX_CHUNK, Unpacked, unpack};
+use ::mcap::records::{Record, op};
 use ::mcap::{MAGIC, parse_record};
-use std::io::Read;
+use std::io::{self, Read};
 
-const CHUNK: u8 = 0x06;
-const ATTACHMENT: u8 = 0x09;
-const DATA_END: u8 = 0x0F;
 /// Bytes of an attachment's checksum.
 const CHECKSUM: usize = 4;
 /// Opcode and length before every record's body.
-const RECORD_HEAD: usize = 9;
-/// What stands in a chunk before its records: two times, size, checksum, the length of no compression's
-/// name, length.
-const CHUNK_HEAD: usize = 8 + 8 + 8 + 4 + 4 + 8;
-/// Longest record, bytes. Our chunks are of half a MiB and a picture.
+pub(super) const RECORD_HEAD: usize = 9;
+/// Longest record that is no chunk, bytes.
 const MAX_RECORD: u64 = 64 << 20;
 
 /// What is found in a file.
 pub enum Found<'a> {
-    /// A record, and where its body begins in the file, bytes from the start.
-    Record(Record<'a>, u64),
+    /// A record, and where its body begins.
+    Record(Record<'a>, Place),
     /// A chunk that is of no use: why, in words. What follows it is found, too.
     Damage(String),
+}
+
+/// Where the body of a record begins.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Place {
+    /// Bytes from the start of the file or, of a record in a compressed chunk, of what the chunk holds.
+    pub offset: u64,
+    /// Where the body of that chunk begins, bytes from the start of the file; `None` of a record that is not compressed.
+    pub chunk: Option<u64>,
+}
+
+impl Place {
+    /// How far in the file it is, bytes from the start.
+    pub fn in_file(self) -> u64 {
+        self.chunk.unwrap_or(self.offset)
+    }
 }
 
 /// Takes what is found.
@@ -47,41 +58,63 @@ pub fn scan(file: &mut dyn Read, visit: &mut Visit<'_>) -> Result<(), String> {
     let mut offset = MAGIC.len() as u64;
     loop {
         let at = |reason: String| format!("at byte {offset}: {reason}");
-        let opcode = read_record(file, &mut body).map_err(at)?;
+        let (opcode, length) = read_record(file, &mut body).map_err(at)?;
         let start = offset + RECORD_HEAD as u64;
         match opcode {
-            DATA_END => return Ok(()),
-            CHUNK => match check_chunk(&body) {
-                Ok(data) => visit_chunk(data, start, visit).map_err(at)?,
+            op::DATA_END => return Ok(()),
+            op::CHUNK => match unpack(&body) {
+                Ok(chunk) => visit_chunk(&chunk, start, visit).map_err(at)?,
                 Err(reason) => visit(Found::Damage(at(reason)))?,
             },
+            // Of someone else's that is too long to be ours, only the length was read.
+            op::ATTACHMENT if length > MAX_RECORD => {}
             _ => {
                 let record = parse(opcode, &body).map_err(at)?;
-                visit(Found::Record(record, start)).map_err(at)?;
+                let place = Place {
+                    offset: start,
+                    chunk: None,
+                };
+                visit(Found::Record(record, place)).map_err(at)?;
             }
         }
-        offset = start + body.len() as u64;
+        offset = start + length;
     }
 }
 
-/// Reads one record's body; its opcode.
-fn read_record(file: &mut dyn Read, body: &mut Vec<u8>) -> Result<u8, String> {
+/// Reads one record's body; its opcode and length. An attachment that is too long is passed over.
+pub(super) fn read_record(
+    mut file: &mut dyn Read,
+    body: &mut Vec<u8>,
+) -> Result<(u8, u64), String> {
     read_up_to(file, RECORD_HEAD as u64, body)?;
     let (&opcode, length) = body
         .split_first()
         .ok_or("the file ends without its end mark")?;
     let length = length.first_chunk::<8>().ok_or(CUT)?;
     let length = u64::from_le_bytes(*length);
-    if length > MAX_RECORD {
-        return Err(format!(
-            "a record of at most {MAX_RECORD} bytes expected, one of {length} found"
-        ));
+    let most = if opcode == op::CHUNK {
+        MAX_CHUNK
+    } else {
+        MAX_RECORD
+    };
+    let read = match opcode {
+        op::ATTACHMENT if length > most => {
+            io::copy(&mut (&mut file).take(length), &mut io::sink()).map_err(|e| e.to_string())?
+        }
+        _ if length > most => {
+            return Err(format!(
+                "a record of at most {most} bytes expected, one of {length} found"
+            ));
+        }
+        _ => {
+            read_up_to(file, length, body)?;
+            body.len() as u64
+        }
+    };
+    match read == length {
+        true => Ok((opcode, length)),
+        false => Err(CUT.into()),
     }
-    read_up_to(file, length, body)?;
-    if body.len() as u64 != length {
-        return Err(CUT.into());
-    }
-    Ok(opcode)
 }
 
 const CUT: &str = "the file ends within a record";
@@ -94,7 +127,7 @@ fn read_up_to(file: &mut dyn Read, length: u64, bytes: &mut Vec<u8>) -> Result<(
 }
 
 /// Opcode, body and length with head of the first record.
-fn split_record(bytes: &[u8]) -> Option<(u8, &[u8], usize)> {
+pub(super) fn split_record(bytes: &[u8]) -> Option<(u8, &[u8], usize)> {
     let (&opcode, rest) = bytes.split_first()?;
     let (length, rest) = rest.split_first_chunk::<8>()?;
     let length = usize::try_from(u64::from_le_bytes(*length)).ok()?;
@@ -103,9 +136,9 @@ fn split_record(bytes: &[u8]) -> Option<(u8, &[u8], usize)> {
 }
 
 /// Parses a record whose body may be anything.
-fn parse(opcode: u8, body: &[u8]) -> Result<Record<'_>, String> {
+pub(super) fn parse(opcode: u8, body: &[u8]) -> Result<Record<'_>, String> {
     // The library takes it for granted that an attachment's checksum follows its head.
-    if opcode == ATTACHMENT && attachment_rest(body).is_none_or(|rest| rest.len() < CHECKSUM) {
+    if opcode == op::ATTACHMENT && attachment_rest(body).is_none_or(|rest| rest.len() < CHECKSUM) {
         return Err("an attachment that is too short for its head and checksum".into());
     }
     parse_record(opcode, body).map_err(|e| e.to_string())
@@ -123,41 +156,23 @@ fn attachment_rest(body: &[u8]) -> Option<&[u8]> {
     length.get(8..)
 }
 
-/// The records of a chunk, if it is not damaged.
-fn check_chunk(body: &[u8]) -> Result<&[u8], String> {
-    let Record::Chunk { header, data } = parse(CHUNK, body)? else {
-        return Err("a chunk expected".into());
-    };
-    if !header.compression.is_empty() {
-        let found = header.compression;
-        return Err(format!(
-            "an uncompressed chunk expected, one compressed by {found:?} found"
-        ));
-    }
-    let records = CHUNK_HEAD..CHUNK_HEAD + data.len();
-    let data = body.get(records).ok_or("a chunk ends before its records")?;
-    let (expected, actual) = (header.uncompressed_crc, crc32fast::hash(data));
-    // No checksum is written as 0.
-    if expected != 0 && expected != actual {
-        return Err(format!(
-            "a chunk with checksum {expected:08x} expected, {actual:08x} found"
-        ));
-    }
-    let mut rest = data;
-    while !rest.is_empty() {
-        let (opcode, body, length) = split_record(rest).ok_or("a chunk ends within a record")?;
-        parse(opcode, body)?;
-        rest = &rest[length..];
-    }
-    Ok(data)
-}
-
 /// Visits the records of a chunk whose body begins at `start`.
-fn visit_chunk(data: &[u8], start: u64, visit: &mut Visit<'_>) -> Result<(), String> {
-    let mut rest = data;
+fn visit_chunk(chunk: &Unpacked<'_>, start: u64, visit: &mut Visit<'_>) -> Result<(), String> {
+    let records = &chunk.records;
+    let mut rest = &records[..];
     while let Some((opcode, body, length)) = split_record(rest) {
-        let offset = data.len() - rest.len() + RECORD_HEAD + CHUNK_HEAD;
-        visit(Found::Record(parse(opcode, body)?, start + offset as u64))?;
+        let inside = (records.len() - rest.len() + RECORD_HEAD) as u64;
+        let place = match chunk.start {
+            Some(before) => Place {
+                offset: start + before as u64 + inside,
+                chunk: None,
+            },
+            None => Place {
+                offset: inside,
+                chunk: Some(start),
+            },
+        };
+        visit(Found::Record(parse(opcode, body)?, place))?;
         rest = &rest[length..];
     }
     Ok(())

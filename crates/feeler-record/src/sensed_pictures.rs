@@ -2,7 +2,7 @@
 
 use super::channels::{Moments, nanoseconds};
 use super::error::RecordError;
-use super::read::MESSAGE_HEAD;
+use super::picture_reader::PictureReader;
 use super::recording::PictureAt;
 use super::scan::{Found, scan};
 use super::sensed::MOMENTS;
@@ -31,7 +31,7 @@ struct SensedFrame {
 #[derive(Debug)]
 pub struct SensedPictures {
     path: PathBuf,
-    file: File,
+    file: PictureReader<File>,
     frames: Vec<SensedFrame>,
     next: usize,
     /// Why there may have been more.
@@ -77,7 +77,7 @@ impl SensedPictures {
         let problem = index.damage.take().or(scanned.err());
         Ok(Self {
             path: path.to_path_buf(),
-            file: open()?,
+            file: PictureReader::new(open()?),
             frames: index.frames(),
             next: 0,
             problem,
@@ -102,7 +102,7 @@ impl SensedPictures {
         let count = self.frames.len();
         let frame = self.frames.get(index);
         let frame = frame.ok_or_else(|| format!("picture {index} of {count} asked for"))?;
-        frame.picture.read(&mut self.file)
+        self.file.read(frame.picture)
     }
 }
 
@@ -164,16 +164,13 @@ impl Index {
             Found::Record(Record::Channel(channel), _) if is_image(&channel.topic) => {
                 self.images.insert(channel.id);
             }
-            Found::Record(Record::Message { header, data }, offset) => {
+            Found::Record(Record::Message { header, data }, place) => {
                 if self.moments.contains(&header.channel_id) {
                     let moments: Moments = cdr::decode(&data).map_err(|e| e.to_string())?;
                     self.sensed.push((moments.sequence, moments.stamp));
                 } else if self.images.contains(&header.channel_id) {
-                    self.pictures.push(PictureAt {
-                        log_time: header.log_time,
-                        offset: offset + MESSAGE_HEAD,
-                        length: data.len(),
-                    });
+                    let at = PictureAt::new(header.log_time, place, data.len());
+                    self.pictures.push(at);
                 }
             }
             Found::Damage(reason) => {

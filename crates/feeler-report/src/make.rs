@@ -100,8 +100,30 @@ pub fn make_with(
     progress: &mut dyn FnMut(f64),
 ) -> Result<ReportOutcome, ReportError> {
     let run_dir = run_dir.as_ref();
-    let (recording, data) = read(run_dir, progress)?;
-    make_of(run_dir, &recording, &data)
+    make_into(&run_dir.join(RECORDING), run_dir, progress)
+}
+
+/// Like [`make_with`], but of the recording at `path`, into `folder`, which is made if it is missing. It may be that of the recording or
+/// one beside it.
+///
+/// # Errors
+/// As of [`make`].
+pub fn make_into(
+    path: &Path,
+    folder: &Path,
+    progress: &mut dyn FnMut(f64),
+) -> Result<ReportOutcome, ReportError> {
+    let (recording, data) = read(path, folder, progress)?;
+    fs::create_dir_all(folder).map_err(|source| ReportError::Write {
+        path: folder.to_path_buf(),
+        source,
+    })?;
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let link = match path.parent() == Some(folder) {
+        true => name.into_owned(),
+        false => format!("../{name}"),
+    };
+    write_report(folder, &link, &recording, &data)
 }
 
 /// The same of a `recording` whose rows are `data`, and which need not be read again.
@@ -113,11 +135,21 @@ pub fn make_of(
     recording: &Recording,
     data: &RunData,
 ) -> Result<ReportOutcome, ReportError> {
+    write_report(run_dir, RECORDING, recording, data)
+}
+
+/// Writes the report of a recording into `run_dir`, from which `link` leads to it.
+fn write_report(
+    run_dir: &Path,
+    link: &str,
+    recording: &Recording,
+    data: &RunData,
+) -> Result<ReportOutcome, ReportError> {
     // Should anything go wrong from here on, no earlier report is left beside half of a new one.
     let [report_path, summary_path] = [REPORT, SUMMARY].map(|name| run_dir.join(name));
     remove(&report_path)?;
     remove(&summary_path)?;
-    let drawn = draw(recording, data, |figures, summary| {
+    let drawn = draw(recording, data, link, |figures, summary| {
         write_figures(&run_dir.join(FIGURES), figures)?;
         let json = summary.to_json().map_err(|e| ReportError::Write {
             path: summary_path.clone(),
@@ -151,7 +183,7 @@ pub fn page_of(recording: &Recording) -> String {
 
 /// The same of a recording whose rows are `data`.
 pub fn page_of_rows(recording: &Recording, data: &RunData) -> String {
-    draw(recording, data, |_, _| ()).html
+    draw(recording, data, RECORDING, |_, _| ()).html
 }
 
 /// The page of the recording at `path`. Writes nothing.
@@ -178,6 +210,7 @@ struct Drawn<T> {
 fn draw<T>(
     recording: &Recording,
     data: &RunData,
+    link: &str,
     give: impl FnOnce(&[Figure], &Summary) -> T,
 ) -> Drawn<T> {
     thread::scope(|scope| {
@@ -192,7 +225,7 @@ fn draw<T>(
         let figures = task.figures(recording, data);
         let given = give(&figures, &summary);
         let table = table.join().unwrap_or_else(|panic| resume_unwind(panic));
-        let html = page(recording, data, table, &summary, &figures);
+        let html = page((recording, link), data, table, &summary, &figures);
         let (_, whose) = tasks::shown_claims(recording, &summary);
         Drawn {
             html,
@@ -218,12 +251,13 @@ fn write_figures(directory: &Path, figures: &[Figure]) -> Result<(), ReportError
     })
 }
 
-/// Reads the recording, or sets aside the report that it cannot back any more.
+/// Reads the recording at `path`, or sets aside the report in `run_dir` that it cannot back any more.
 fn read(
+    path: &Path,
     run_dir: &Path,
     progress: &mut dyn FnMut(f64),
 ) -> Result<(Recording, RunData), ReportError> {
-    let error = match long_run::read(run_dir.join(RECORDING), progress) {
+    let error = match long_run::read(path, progress) {
         Ok(read) => return Ok(read),
         Err(error) => error,
     };

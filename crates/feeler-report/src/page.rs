@@ -5,7 +5,6 @@ use super::claims_table::claims_table;
 use super::criterion::Success;
 use super::document::{Tile, document, tiles};
 use super::figures::Figure;
-use super::make::RECORDING;
 use super::page_data::{PageData, Rows, RunTable};
 use super::run_data::RunData;
 use super::strokes::StrokeMeasures;
@@ -16,9 +15,9 @@ use super::thinned::Thinned;
 use feeler_record::{Phase, Recording, RunFacts, RunState, TaskKind};
 use maud::{Markup, html};
 
-/// The page, as HTML text; the rows of `data` are in `table`.
+/// The page, as HTML text, from which `link` leads to the recording; the rows of `data` are in `table`.
 pub(crate) fn page(
-    recording: &Recording,
+    (recording, link): (&Recording, &str),
     data: &RunData,
     table: (RunTable, Rows),
     summary: &Summary,
@@ -55,7 +54,7 @@ pub(crate) fn page(
         (task.measured(recording, summary))
         h2 { "The run" }
         p {
-            "Everything on record: " a href=(RECORDING) { (RECORDING) } " (Rerun, Foxglove, RViz and Python read it). "
+            "Everything on record: " a href=(link) { (link) } " (Rerun, Foxglove, RViz and Python read it). "
             "The same run again: " code { (again(facts)) } "."
         }
         (facts_table(facts, summary))

@@ -82,6 +82,8 @@ class Recording:
     def __init__(self, path: PathLike) -> None:
         """Reads the recording at ``path``, as far as it goes; see :func:`read`."""
         self.path = Path(path)
+        if self.path.is_dir():
+            self.path /= "recording.mcap"
         self._recording = _core.Recording(self.path)
 
     @cached_property
@@ -218,7 +220,9 @@ def _flat_name(name: str, index: tuple[int, ...], shape: tuple[int, ...], per_fi
 
 
 def read(path: PathLike) -> Recording:
-    """Reads a recording (``recording.mcap``), as far as it goes.
+    """Reads a recording, as far as it goes: that in a run's folder (``recording.mcap``), or a file of any name.
+
+    It may have been written anew by other tools, compressed by Zstandard or LZ4.
 
     Raises
     ------

@@ -27,6 +27,7 @@ mod identify;
 mod interrupted;
 mod locate;
 mod lying_sensors;
+mod named_recording;
 mod outputs;
 mod policy;
 #[path = "../../../feeler/tests/support/policy_file.rs"]

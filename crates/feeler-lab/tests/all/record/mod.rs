@@ -13,5 +13,6 @@ mod recorded_camera;
 mod recording;
 mod replay;
 mod report;
+mod rewritten;
 mod strokes;
 mod viewers;

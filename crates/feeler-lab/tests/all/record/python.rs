@@ -8,6 +8,11 @@ use std::process::Command;
 /// What `references/<script>` prints of the recording at `path`; nothing where the Python named by `FEELER_PYTHON` (default
 /// `python3`) has not the `modules`.
 pub fn read_by(script: &str, modules: &[&str], path: &Path) -> Option<Value> {
+    run(script, modules, &[path])
+}
+
+/// The same with several paths.
+pub fn run(script: &str, modules: &[&str], paths: &[&Path]) -> Option<Value> {
     let python = std::env::var("FEELER_PYTHON").unwrap_or_else(|_| "python3".into());
     let modules = modules.join(", ");
     let probe = Command::new(&python)
@@ -19,7 +24,7 @@ pub fn read_by(script: &str, modules: &[&str], path: &Path) -> Option<Value> {
     }
     let output = Command::new(&python)
         .arg(format!("references/{script}"))
-        .arg(path)
+        .args(paths)
         .output()
         .unwrap();
     let errors = String::from_utf8_lossy(&output.stderr);

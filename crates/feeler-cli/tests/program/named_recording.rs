@@ -1,0 +1,40 @@
+//! A recording that is not called recording.mcap, and reports of it.
+
+use crate::program::{document, folder, run, summary};
+use std::fs;
+
+#[test]
+fn a_recording_under_another_name_is_reported_beside_it() {
+    let folder = folder("named-recording");
+    let arguments = [
+        "run",
+        "cap-closing",
+        "--sensing=direct",
+        "--set=time_limit=2",
+        "--out=x",
+    ];
+    let _ = run(&folder, &arguments);
+    let of_run = summary(&folder.join("x"));
+    for name in ["z.mcap", "x/copy.of.it.mcap"] {
+        fs::copy(folder.join("x/recording.mcap"), folder.join(name)).expect("a copy");
+    }
+    fs::create_dir(folder.join("here")).expect("a folder");
+    fs::rename(folder.join("z.mcap"), folder.join("here/z.mcap")).expect("a recording");
+    for (name, report, link) in [
+        ("here/z.mcap", "here/z", "../z.mcap"),
+        ("x/copy.of.it.mcap", "x/copy.of.it", "../copy.of.it.mcap"),
+        ("x/recording.mcap", "x", "recording.mcap"),
+    ] {
+        let said = run(&folder, &["report", name]).done();
+        assert!(said.contains(&format!("{report}/report.html")), "{said}");
+        assert_eq!(summary(&folder.join(report)), of_run);
+        let page = document(&folder.join(report).join("report.html"));
+        assert!(page.contains(&format!("href=\"{link}\"")), "{name}");
+    }
+    // The report of another run is left alone.
+    fs::copy(folder.join("here/z.mcap"), folder.join("x.mcap")).expect("a copy");
+    run(&folder, &["report", "x.mcap"]).refused(&["x.mcap", "another run", "rename"]);
+    fs::write(folder.join("no.mcap"), "no recording").expect("a file");
+    run(&folder, &["report", "no.mcap"]).refused(&["no.mcap", "magic bytes"]);
+    assert!(!folder.join("no").exists());
+}

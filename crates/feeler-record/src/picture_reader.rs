@@ -1,0 +1,75 @@
+//! Reads pictures that were left in a recording's file.
+
+use super::chunk::unpack;
+use super::image::picture;
+use super::recording::PictureAt;
+use super::scan::{RECORD_HEAD, read_record};
+use crate::ros::CompressedImage;
+use crate::wire::cdr;
+use ::mcap::records::op;
+use feeler::sensor::frame::Picture;
+use std::io::{Read, Seek, SeekFrom};
+
+/// A recording's file, and the compressed chunk of the newest picture: a chunk holds many.
+#[derive(Debug)]
+pub struct PictureReader<F> {
+    file: F,
+    /// Where the chunk's body begins in the file, and what it holds.
+    chunk: Option<(u64, Vec<u8>)>,
+}
+
+impl<F: Read + Seek> PictureReader<F> {
+    /// A reader of pictures in `file`.
+    pub fn new(file: F) -> Self {
+        Self { file, chunk: None }
+    }
+
+    /// Reads the picture at `at`.
+    ///
+    /// # Errors
+    /// What was expected and what was found, in words.
+    pub fn read(&mut self, at: PictureAt) -> Result<Picture, String> {
+        let image: CompressedImage = match at.chunk {
+            Some(start) => {
+                let records = self.chunk(start)?;
+                let message = usize::try_from(at.offset).ok();
+                let message = message.and_then(|offset| records.get(offset..)?.get(..at.length));
+                cdr::decode(message.ok_or("its chunk ends before it")?)
+            }
+            None => {
+                self.seek(at.offset)?;
+                let mut bytes = vec![0; at.length];
+                self.file
+                    .read_exact(&mut bytes)
+                    .map_err(|e| e.to_string())?;
+                cdr::decode(&bytes)
+            }
+        }
+        .map_err(|e| e.to_string())?;
+        picture(&image)
+    }
+
+    /// What the chunk holds whose body begins at `start`.
+    fn chunk(&mut self, start: u64) -> Result<&[u8], String> {
+        if self
+            .chunk
+            .as_ref()
+            .is_none_or(|(newest, _)| *newest != start)
+        {
+            self.chunk = None;
+            self.seek(start.saturating_sub(RECORD_HEAD as u64))?;
+            let mut body = Vec::new();
+            let (opcode, _) = read_record(&mut self.file, &mut body)?;
+            if opcode != op::CHUNK {
+                return Err("its chunk expected, another record found".into());
+            }
+            self.chunk = Some((start, unpack(&body)?.records.into_owned()));
+        }
+        Ok(self.chunk.as_ref().map_or(&[], |(_, records)| records))
+    }
+
+    fn seek(&mut self, offset: u64) -> Result<(), String> {
+        let sought = self.file.seek(SeekFrom::Start(offset));
+        sought.map(|_| ()).map_err(|e| e.to_string())
+    }
+}
