@@ -9,6 +9,7 @@ mod camera;
 mod cameras;
 mod check;
 mod compare;
+mod completions;
 mod contenders;
 mod drives;
 #[cfg_attr(
@@ -18,11 +19,13 @@ mod drives;
 mod emulated;
 mod export;
 mod flush;
+mod help;
 #[cfg(any(feature = "top", feature = "view", feature = "ros2"))]
 mod history;
 mod identify;
 mod init;
 mod interrupt;
+mod json;
 mod link;
 mod list;
 mod locate;
@@ -171,6 +174,10 @@ enum Command {
     Urdf(urdf::Arguments),
     /// Sense forces: from pictures, a camera or a recorded run to a table of the force on each element.
     Sense(Box<sense::Arguments>),
+    /// Print completions of commands and options for a shell.
+    Completions(completions::CompletionsArguments),
+    /// Print a page of the manual, for man: feeler man | man -l -
+    Man(completions::ManArguments),
 }
 
 /// What a subcommand ends with when its input was good.
@@ -216,7 +223,7 @@ fn command_line() -> clap::Command {
         argument.allow_negative_numbers(is_option)
     };
     let subcommand = move |command: clap::Command| command.mut_args(negative);
-    Arguments::command().mut_subcommands(subcommand)
+    help::grouped(Arguments::command().mut_subcommands(subcommand))
 }
 
 fn run_command(command: Command, out: &mut dyn Write) -> Result<Outcome, CommandError> {
@@ -253,6 +260,8 @@ fn run_command(command: Command, out: &mut dyn Write) -> Result<Outcome, Command
         Command::Schema(arguments) => schema::schema(&arguments, out),
         Command::Urdf(arguments) => urdf::print(&arguments, out),
         Command::Sense(arguments) => sense::sense(&arguments),
+        Command::Completions(arguments) => completions::completions(&arguments, out),
+        Command::Man(arguments) => completions::man(&arguments, out),
     }
 }
 

@@ -1,15 +1,56 @@
 //! `feeler list`
 
+use super::json::{self, Json};
 use super::{CommandError, Outcome};
 use feeler::sensor::taxel::{BUILT_IN_TAXELS, BuiltInTaxels};
 use feeler_lab::config::{BUILT_IN, Experiment};
+use serde::Serialize;
 use std::io::Write;
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Print the layout of a built-in taxel array instead, to start from.
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", conflicts_with = "json")]
     taxels: Option<String>,
+    #[command(flatten)]
+    json: Json,
+}
+
+/// What can be named: an experiment or a taxel array.
+#[derive(Serialize)]
+struct Named {
+    name: &'static str,
+    description: String,
+}
+
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Listed {
+    experiments: Vec<Named>,
+    taxels: Vec<Named>,
+}
+
+impl Listed {
+    fn new() -> Result<Self, CommandError> {
+        let experiment = |name| -> Result<Named, CommandError> {
+            let description = Experiment::load(name, &[])?.config.description;
+            Ok(Named { name, description })
+        };
+        let array = |built_in: BuiltInTaxels| -> Result<Named, CommandError> {
+            Ok(Named {
+                name: built_in.name,
+                description: built_in.layout()?.description,
+            })
+        };
+        let experiments = BUILT_IN.into_iter().map(|b| experiment(b.name));
+        Ok(Self {
+            experiments: experiments.collect::<Result<_, _>>()?,
+            taxels: BUILT_IN_TAXELS
+                .into_iter()
+                .map(array)
+                .collect::<Result<_, _>>()?,
+        })
+    }
 }
 
 pub fn list(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
@@ -20,15 +61,17 @@ pub fn list(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comma
         write!(out, "{}", built_in.text)?;
         return Ok(Outcome::Done);
     }
-    for built_in in BUILT_IN {
-        let experiment = Experiment::load(built_in.name, &[])?;
-        let description = &experiment.config.description;
-        writeln!(out, "{:18} {description}", built_in.name)?;
+    let listed = Listed::new()?;
+    if arguments.json.json {
+        json::print(&listed, out)?;
+        return Ok(Outcome::Done);
+    }
+    for Named { name, description } in listed.experiments {
+        writeln!(out, "{name:18} {description}")?;
     }
     writeln!(out, "\nTaxel arrays, for feeler sense --taxels:")?;
-    for built_in in BUILT_IN_TAXELS {
-        let description = built_in.layout()?.description;
-        writeln!(out, "{:18} {description}", built_in.name)?;
+    for Named { name, description } in listed.taxels {
+        writeln!(out, "{name:18} {description}")?;
     }
     Ok(Outcome::Done)
 }

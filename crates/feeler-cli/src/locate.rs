@@ -1,5 +1,6 @@
 //! `feeler locate`
 
+use super::json::{self, Json};
 use super::locate_preview::preview;
 use super::part_file::{Outputs, Overwrite};
 use super::progress::{Steps, Working};
@@ -11,7 +12,8 @@ use feeler::sensor::{
 };
 use feeler_lab::config::Experiment;
 use feeler_sources::picture::read_picture;
-use std::io::Write;
+use serde::Serialize;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
@@ -61,6 +63,29 @@ pub struct Arguments {
         num_args = 1
     )]
     axis_px: Vec<f64>,
+    #[command(flatten)]
+    json: Json,
+}
+
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Found<'a> {
+    /// The file of the layout, and that of the preview.
+    layout: &'a Path,
+    preview: Option<&'a Path>,
+    elements: usize,
+    /// `bright` or `dark`.
+    polarity: String,
+    spots_per_element: usize,
+    spot_diameter_px: f64,
+    spacing_px: f64,
+    width_px: usize,
+    height_px: usize,
+    /// Grey level up to which (bright spots) or from which (dark ones) a pixel is ground.
+    ground: u8,
+    /// Rings on the dome.
+    rings: Option<usize>,
+    warnings: Vec<String>,
 }
 
 fn distance(text: &str) -> Result<f64, String> {
@@ -102,34 +127,57 @@ pub fn locate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Com
         preview(&reference, &layout).write_to(&mut png, image::ImageFormat::Png)?;
         file.finish(png.get_ref())?;
     }
-    let polarity = located.polarity;
-    let spots = match located.spots_per_element {
+    let rings = layout.elements.iter().filter_map(|e| e.ring).max();
+    // Only the layout is sorted by rings; the indices that warnings name are those of the layout.
+    let warnings = in_layout_order(&located, &layout);
+    let found = Found {
+        layout: &arguments.output,
+        preview: arguments.preview.as_deref(),
+        elements: located.elements.len(),
+        polarity: located.polarity.to_string(),
+        spots_per_element: located.spots_per_element,
+        spot_diameter_px: located.spot_diameter_px,
+        spacing_px: located.spacing_px,
+        width_px: layout.width,
+        height_px: layout.height,
+        ground: layout.dark_level,
+        rings: rings.map(|last| last + 1),
+        warnings: warnings.iter().map(ToString::to_string).collect(),
+    };
+    match arguments.json.json {
+        true => json::print(&found, out)?,
+        false => say(&found, located.polarity, out)?,
+    }
+    Ok(Outcome::Done)
+}
+
+fn say(found: &Found<'_>, polarity: Polarity, out: &mut dyn Write) -> io::Result<()> {
+    let spots = match found.spots_per_element {
         1 => format!("{polarity} spots"),
         count => format!("groups of {count} {polarity} spots"),
     };
     writeln!(
         out,
-        "{} elements ({spots} of {:.1} px), {:.1} px apart, in {} px; ground {} gray level {}",
-        located.elements.len(),
-        located.spot_diameter_px,
-        located.spacing_px,
-        format_args!("{}x{}", layout.width, layout.height),
+        "{} elements ({spots} of {:.1} px), {:.1} px apart, in {}x{} px; ground {} gray level {}",
+        found.elements,
+        found.spot_diameter_px,
+        found.spacing_px,
+        found.width_px,
+        found.height_px,
         if polarity.is_bright() {
             "up to"
         } else {
             "from"
         },
-        layout.dark_level,
+        found.ground,
     )?;
-    if let Some(rings) = layout.elements.iter().filter_map(|e| e.ring).max() {
-        writeln!(out, "{} rings on the dome", rings + 1)?;
+    if let Some(rings) = found.rings {
+        writeln!(out, "{rings} rings on the dome")?;
     }
-    // Only the layout is sorted by rings; the indices that warnings name are those of the layout.
-    for warning in in_layout_order(&located, &layout) {
+    for warning in &found.warnings {
         writeln!(out, "warning: {warning}")?;
     }
-    writeln!(out, "{}", arguments.output.display())?;
-    Ok(Outcome::Done)
+    writeln!(out, "{}", found.layout.display())
 }
 
 /// The warnings with the indices that elements have in the layout.

@@ -7,6 +7,7 @@ use super::page_data::PageData;
 use super::slip_page::Roc;
 use super::text::significant;
 use maud::html;
+use serde::Serialize;
 
 /// What the page shows.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,7 +30,7 @@ pub struct GraspSlipPage {
 
 /// How a detector did. Estimates stand between the ends of their 95 % confidence intervals, which are not numbers where one
 /// group has no interval.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct GraspDetector {
     /// The detector.
     pub name: &'static str,
@@ -46,6 +47,7 @@ pub struct GraspDetector {
     /// How many it says nothing of.
     pub unknown: usize,
     /// It over all thresholds.
+    #[serde(skip)]
     pub curve: Roc,
     /// Which recordings it called wrongly, with how many of their frames where frames are labelled.
     pub wrong: Vec<String>,
@@ -54,7 +56,7 @@ pub struct GraspDetector {
 }
 
 /// How a detector does with thresholds of other recordings.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct GraspTransfer {
     /// The threshold that they alone choose.
     pub threshold: f64,

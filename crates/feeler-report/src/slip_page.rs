@@ -6,6 +6,7 @@ use super::figures::slip::roc_figure;
 use super::page_data::PageData;
 use super::text::significant;
 use maud::html;
+use serde::Serialize;
 
 /// What the page shows.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,7 +29,7 @@ pub struct SlipPage {
 
 /// How a detector did with one threshold. Estimates stand between the ends of their 95 % confidence intervals, which are
 /// not numbers where one trial has no interval.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct OperatingPoint {
     /// The detector.
     pub name: &'static str,

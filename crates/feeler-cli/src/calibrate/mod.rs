@@ -5,16 +5,20 @@ mod loads;
 mod page;
 mod wrench;
 
+use super::json::{self, Json};
 use super::part_file::{Outputs, Overwrite};
 use super::progress::{Steps, Working};
 use super::sense::sensor::named_sensor;
 use super::{CommandError, Outcome};
 use feeler::sensor::calibration::{Calibration, FullScale, explained};
 use feeler::sensor::calibration_fit::{ElementRecord, ModelChoice, fit};
+use feeler::sensor::calibration_quality::ElementQuality;
 use feeler::sensor::calibration_report::CalibrationReport;
+use feeler::sensor::wrench::quality::AxisQuality;
 use feeler_lab::config::Experiment;
 use feeler_lab::sensor::LoadsFile;
 use feeler_sim::calibration_bench::{CalibrationBenchConfig, load_simulated};
+use serde::Serialize;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -83,6 +87,23 @@ pub struct Arguments {
     /// Write the simulated pictures and their LOADS.csv into this folder, which must not hold any yet.
     #[arg(long, value_name = "DIR", requires = "simulated")]
     write_loads: Option<PathBuf>,
+    #[command(flatten)]
+    json: Json,
+}
+
+/// What `--json` prints: the files, and how well held-out loads are predicted.
+#[derive(Serialize)]
+struct Calibrated<'a> {
+    calibration: &'a Path,
+    page: &'a Path,
+    /// `elements`: each element by itself; `wrench`: the whole fingertip.
+    of: &'static str,
+    /// What shares of full scale refer to.
+    full_scale: Option<FullScale>,
+    /// Of each element, in the order of the layout.
+    elements: Vec<&'a ElementQuality>,
+    /// Of each component of the wrench.
+    components: &'a [AxisQuality],
 }
 
 /// The model of this name.
@@ -151,6 +172,19 @@ pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, 
     }
     page_file.finish(page::page(&calibration, &records, &source).as_bytes())?;
     file.finish(calibration.to_toml()?.as_bytes())?;
+    if arguments.json.json {
+        let elements = calibration.elements.iter();
+        let calibrated = Calibrated {
+            calibration: output,
+            page: &page_path,
+            of: "elements",
+            full_scale: Some(calibration.full_scale),
+            elements: elements.map(|element| &element.quality).collect(),
+            components: &[],
+        };
+        json::print(&calibrated, out)?;
+        return Ok(Outcome::Done);
+    }
     print(arguments, &calibration, out)?;
     writeln!(out, "{}\n{}", output.display(), page_path.display())?;
     Ok(Outcome::Done)

@@ -3,7 +3,10 @@
 mod page;
 mod table;
 
-use super::{Arguments, CommandError, Outcome, experiment_name, live, page_path, refuse_existing};
+use super::{
+    Arguments, Calibrated, CommandError, Outcome, experiment_name, live, page_path, refuse_existing,
+};
+use crate::json;
 use crate::part_file::Outputs;
 use crate::progress::{Steps, Working};
 use crate::sense::sensor::named_sensor;
@@ -56,6 +59,18 @@ pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, 
     let source = forces.name();
     page_file.finish(page::page(&fitted, forces.recordings(), &source).as_bytes())?;
     file.finish(fitted.calibration.to_toml()?.as_bytes())?;
+    if arguments.json.json {
+        let calibrated = Calibrated {
+            calibration: output,
+            page: &page_path,
+            of: "wrench",
+            full_scale: None,
+            elements: Vec::new(),
+            components: &fitted.calibration.quality,
+        };
+        json::print(&calibrated, out)?;
+        return Ok(Outcome::Done);
+    }
     write!(out, "{}", table::table(&fitted.calibration))?;
     writeln!(out, "{}\n{}", output.display(), page_path.display())?;
     Ok(Outcome::Done)

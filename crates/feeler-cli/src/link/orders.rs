@@ -2,6 +2,7 @@
 
 use super::caller::{Caller, Heeded, INTERVAL, STEADY};
 use super::{LinkArguments, door, rig_name};
+use crate::json::{self, Json};
 use crate::{CommandError, Outcome};
 use feeler_link::endpoints::LinkError;
 use feeler_link::message::{HandMode, PROTOCOL, ResumeMessage, StopInForce, StopMessage};
@@ -11,6 +12,7 @@ use feeler_link::printable::printable;
 use feeler_link::right::Right;
 use feeler_link::stop_wire::StopAnswer;
 use feeler_link::topic::Topic;
+use serde::Serialize;
 use std::io::Write;
 use std::time::{Duration, Instant};
 
@@ -31,7 +33,38 @@ pub struct StopArguments {
     #[arg(long, default_value = BY)]
     from: String,
     #[command(flatten)]
+    json: Json,
+    #[command(flatten)]
     link: LinkArguments,
+}
+
+/// What came of an order to stop; what `--json` prints.
+#[derive(Default, Serialize)]
+struct Stopped {
+    /// Whether the hand stands still.
+    stands_still: bool,
+    /// Whether it waits for its rig, and will stand still when it is there.
+    waits_for_rig: bool,
+    /// Number of the stop, by which it is resumed; `None` if the hand gave none.
+    number: Option<u64>,
+    /// Why the hand stands still, in its own words.
+    reason: String,
+    /// All of that in a sentence.
+    message: String,
+}
+
+impl Stopped {
+    /// Prints it. The order was heeded if the hand stands still or will.
+    fn print(&self, json: Json, out: &mut dyn Write) -> Result<Outcome, CommandError> {
+        match json.json {
+            true => json::print(self, out)?,
+            false => writeln!(out, "{}", self.message)?,
+        }
+        Ok(match self.stands_still || self.waits_for_rig {
+            true => Outcome::Done,
+            false => Outcome::GivenUp,
+        })
+    }
 }
 
 #[derive(Debug, clap::Args)]
@@ -94,6 +127,11 @@ pub fn to_resume<'a>(stops: &'a [StopInForce], from: &str) -> Option<&'a StopInF
 
 /// Tells the hand of a rig to stop, and says whether it stands still.
 pub fn stop(arguments: &StopArguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
+    told_to_stop(arguments)?.print(arguments.json, out)
+}
+
+/// Tells the hand of a rig to stop.
+fn told_to_stop(arguments: &StopArguments) -> Result<Stopped, CommandError> {
     let link = arguments.link.with_right(&[Right::Order, Right::Stop])?;
     let rig = &rig_name(&arguments.rig)?;
     let (order, id) = Order::stop(&arguments.from);
@@ -104,7 +142,7 @@ pub fn stop(arguments: &StopArguments, out: &mut dyn Write) -> Result<Outcome, C
         let start = Instant::now();
         while !caller.hears(INTERVAL / 4, |_| true) {
             if let Ok(answer) = door.try_recv() {
-                return said_at_door(&answer, out);
+                return Ok(said_at_door(answer));
             }
             if start.elapsed() > LONGEST {
                 return Err(unheard(rig));
@@ -116,53 +154,57 @@ pub fn stop(arguments: &StopArguments, out: &mut dyn Write) -> Result<Outcome, C
     let heeded = caller.order(&order, DOOR_NEXT, is_so)?;
     let mode = caller.mode();
     let stop = mode.stops.iter().find(|stop| stop.id == id);
-    let number = stop.map_or(0, |stop| stop.number);
-    match heeded {
+    let number = stop.map(|stop| stop.number);
+    let words = number.unwrap_or(0);
+    let told = |message: &str| Stopped {
+        message: message.to_string(),
+        ..Stopped::default()
+    };
+    Ok(match heeded {
         // It heeds a stop when it begins.
-        Heeded::Steadily if mode.is_waiting() => writeln!(
-            out,
-            "the hand waits for its rig, and will stand still when it is there (stop {number})"
-        )?,
-        Heeded::Steadily => writeln!(
-            out,
-            "the hand stands still: {} (stop {number}, for {STEADY:?} so far)",
-            mode.stopped
-        )?,
-        Heeded::Undone => {
-            writeln!(out, "the hand stood still, and somebody resumed it at once")?;
-            return Ok(Outcome::GivenUp);
-        }
-        Heeded::Not => {
-            if let Ok(answer) = door.recv_timeout(LONGEST) {
-                return said_at_door(&answer, out);
-            }
-            writeln!(
-                out,
-                "the hand was told to stop, but does not say that it does"
-            )?;
-            return Ok(Outcome::GivenUp);
-        }
-    }
-    Ok(Outcome::Done)
+        Heeded::Steadily if mode.is_waiting() => Stopped {
+            waits_for_rig: true,
+            number,
+            message: format!(
+                "the hand waits for its rig, and will stand still when it is there (stop {words})"
+            ),
+            ..Stopped::default()
+        },
+        Heeded::Steadily => Stopped {
+            stands_still: true,
+            number,
+            message: format!(
+                "the hand stands still: {} (stop {words}, for {STEADY:?} so far)",
+                mode.stopped
+            ),
+            reason: mode.stopped,
+            ..Stopped::default()
+        },
+        Heeded::Undone => told("the hand stood still, and somebody resumed it at once"),
+        Heeded::Not => match door.recv_timeout(LONGEST) {
+            Ok(answer) => said_at_door(answer),
+            Err(_) => told("the hand was told to stop, but does not say that it does"),
+        },
+    })
 }
 
-/// Says what the stop door answered.
-fn said_at_door(answer: &StopAnswer, out: &mut dyn Write) -> Result<Outcome, CommandError> {
-    let number = answer.order;
-    match answer.stopped.as_str() {
-        "" => writeln!(
-            out,
-            "the hand took stop {number}, which is not in force now: somebody resumed it, or the hand hangs"
-        )?,
-        stopped => writeln!(
-            out,
-            "the hand stands still: {stopped} (stop {number}, by its stop door)"
-        )?,
+/// What the stop door answered.
+fn said_at_door(answer: StopAnswer) -> Stopped {
+    let (number, reason) = (answer.order, answer.stopped);
+    Stopped {
+        stands_still: !reason.is_empty(),
+        waits_for_rig: false,
+        number: Some(number),
+        message: match reason.as_str() {
+            "" => format!(
+                "the hand took stop {number}, which is not in force now: somebody resumed it, or the hand hangs"
+            ),
+            stopped => {
+                format!("the hand stands still: {stopped} (stop {number}, by its stop door)")
+            }
+        },
+        reason,
     }
-    Ok(match answer.stopped.is_empty() {
-        true => Outcome::GivenUp,
-        false => Outcome::Done,
-    })
 }
 
 fn unheard(rig: &str) -> CommandError {

@@ -13,6 +13,7 @@ mod taxels;
 mod tracks;
 mod videos;
 
+use super::json::Json;
 use super::part_file::Overwrite;
 use super::{CommandError, Outcome};
 use feeler_lab::config::BUILT_IN;
@@ -54,6 +55,8 @@ pub struct Arguments {
     out: PathBuf,
     #[command(flatten)]
     overwrite: Overwrite,
+    #[command(flatten)]
+    json: Json,
 }
 
 pub fn score_slip(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {

@@ -1,6 +1,7 @@
 //! `feeler score-slip RECORDINGS LABELS`: against the labels of recordings.
 
 use super::super::bounded::parse_rate;
+use super::super::json;
 use super::super::part_file::Outputs;
 use super::collected::{Collected, Found};
 use super::notes::Notes;
@@ -13,6 +14,7 @@ use feeler_report::grasp_slip_page::{
     GraspDetector, GraspSlipPage, GraspTransfer, grasp_slip_page,
 };
 use feeler_report::slip_page::Roc;
+use serde_json::json;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -136,6 +138,15 @@ pub fn score(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comm
     let scores = scores_csv(&collected.scored, of_frames, others.is_some());
     scores_file.finish(scores.as_bytes())?;
     page_file.finish(grasp_slip_page(&page).as_bytes())?;
+    if arguments.json.json {
+        let (labelled, slips, groups) = page.counts;
+        let scored = json!({
+            "page": page_path, "scores": scores_path, "of": page.of, "labelled": labelled, "slips": slips,
+            "groups": groups, "detectors": page.detectors, "notes": page.notes,
+        });
+        json::print(&scored, out)?;
+        return Ok(Outcome::Done);
+    }
     say(&page, out)?;
     writeln!(out, "{}\n{}", page_path.display(), scores_path.display())?;
     Ok(Outcome::Done)

@@ -1,5 +1,6 @@
 //! `feeler score-slip [EXPERIMENT]`: against the simulator's truth.
 
+use super::super::json;
 use super::super::part_file::Outputs;
 use super::super::progress::Steps;
 use super::{Arguments, CommandError, Outcome, PAGE, make_folder};
@@ -7,6 +8,7 @@ use feeler_lab::config::Experiment;
 use feeler_lab::experiment::slip_bench::{DETECTORS, Sample, trial};
 use feeler_lab::sweep::slip_score::{operating_point, roc, tune};
 use feeler_report::slip_page::{COLUMNS, SlipPage, slip_page};
+use serde_json::json;
 use std::io::Write;
 use std::path::Path;
 
@@ -52,6 +54,11 @@ pub fn score(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comm
             .collect(),
     };
     file.finish(slip_page(&page).as_bytes())?;
+    if arguments.json.json {
+        let scored = json!({ "page": path, "frames": page.counts.0, "slips": page.counts.1, "detectors": page.points });
+        json::print(&scored, out)?;
+        return Ok(Outcome::Done);
+    }
     for point in &page.points {
         writeln!(out, "{}", point.name)?;
         for (column, field) in COLUMNS.iter().zip(point.fields()) {

@@ -16,6 +16,7 @@ mod contour;
 mod export;
 mod faults;
 mod fingertips;
+mod for_programs;
 mod friction_scan;
 mod fuzz_corpus;
 #[cfg(unix)]

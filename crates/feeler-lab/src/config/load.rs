@@ -1,5 +1,6 @@
 //! From a name or a file, and what the command line sets, to an experiment.
 
+use super::blame::{Blamed, to_blame};
 use super::built_in::BUILT_IN;
 use super::check::check;
 use super::error::ConfigError;
@@ -78,15 +79,22 @@ impl Experiment {
             put(&mut document, full.as_ref(), setting)?;
         }
         let toml = document.to_string();
-        let config: ExperimentConfig = toml::from_str(&toml).map_err(|e| {
-            to_blame(text, settings).unwrap_or_else(|| match missing_keys(&toml, &e) {
-                keys if keys.is_empty() => syntax(in_words(&e.to_string())),
-                keys => ConfigError::Missing {
-                    origin: origin.to_string(),
-                    keys,
-                },
-            })
-        })?;
+        let config: ExperimentConfig = match toml::from_str(&toml) {
+            Ok(config) => config,
+            Err(e) => {
+                return match to_blame(text, settings) {
+                    Some(Blamed::Meant(settings)) => Self::parse(text, origin, &settings, folder),
+                    Some(Blamed::Wrong(error)) => Err(error),
+                    None => Err(match missing_keys(&toml, &e) {
+                        keys if keys.is_empty() => syntax(in_words(&e.to_string())),
+                        keys => ConfigError::Missing {
+                            origin: origin.to_string(),
+                            keys,
+                        },
+                    }),
+                };
+            }
+        };
         let problems = check(&config);
         if !problems.is_empty() {
             let origin = origin.to_string();
@@ -183,30 +191,13 @@ impl Experiment {
 }
 
 /// A good `text` with all defaults, where `settings` need it.
-fn with_defaults(text: &str, settings: &[String]) -> Option<DocumentMut> {
+pub(super) fn with_defaults(text: &str, settings: &[String]) -> Option<DocumentMut> {
     let is_index = |part: &str| part.trim().parse::<usize>().is_ok();
     let key = |setting: &'_ String| setting.split('=').next().map(str::to_string);
     let mut keys = settings.iter().filter_map(key);
     keys.any(|key| key.split('.').any(is_index)).then_some(())?;
     let config: ExperimentConfig = toml::from_str(text).ok()?;
     toml::to_string(&config).ok()?.parse().ok()
-}
-
-/// The first of `settings` with which a good `text` is good no more.
-fn to_blame(text: &str, settings: &[String]) -> Option<ConfigError> {
-    toml::from_str::<ExperimentConfig>(text).ok()?;
-    let mut document: DocumentMut = text.parse().ok()?;
-    let full = with_defaults(text, settings);
-    settings.iter().find_map(|setting| {
-        if let Err(error) = put(&mut document, full.as_ref(), setting) {
-            return Some(error);
-        }
-        let read = toml::from_str::<ExperimentConfig>(&document.to_string());
-        read.err().map(|e| ConfigError::Setting {
-            setting: setting.clone(),
-            message: in_words(e.message()),
-        })
-    })
 }
 
 /// The keys that `toml` lacks, where that is what the parser stopped at.

@@ -1,6 +1,7 @@
 //! The experiment file: one documented struct, read from TOML, checked once, turned once into
 //! runtime objects.
 
+mod blame;
 mod built_in;
 mod calibrations;
 mod check;
@@ -8,6 +9,7 @@ mod describe;
 mod error;
 mod experiment_config;
 mod in_short;
+pub mod key;
 mod load;
 mod missing;
 mod place;

@@ -1,9 +1,9 @@
 //! The files that a sweep's trials read, for machines that do not have them.
 
 use super::SweepError;
-use super::key::leaves;
 use super::parameter::settings;
 use super::plan::Plan;
+use crate::config::key::leaves;
 use crate::config::{Experiment, Sensing, built_in_calibration};
 use std::collections::BTreeMap;
 use std::fs;

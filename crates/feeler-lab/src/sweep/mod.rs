@@ -11,7 +11,6 @@ pub mod distribution;
 pub mod engine;
 pub mod files;
 pub mod interval;
-pub mod key;
 pub mod law_shares;
 pub mod multiplier;
 pub mod parameter;

@@ -1,7 +1,7 @@
 //! A key whose value, raised to a power, multiplies what is drawn.
 
-use super::key::{find, number};
 use super::ranges::Entry;
+use crate::config::key::{find, number};
 use toml::Value;
 
 /// The value of a key of the experiment, raised to a power.

@@ -3,10 +3,10 @@
 
 use super::SweepError;
 use super::distribution::{Distribution, number_text};
-use super::key::{find, leaves, number};
 use super::multiplier::Multiplier;
 use super::ranges::Entry;
 use crate::config::Experiment;
+use crate::config::key::{find, leaves, number};
 use feeler::control::law::LawConfig;
 use toml::Value;
 

@@ -1,0 +1,52 @@
+//! Which setting makes a good experiment bad, and what may be meant by it.
+
+use super::error::ConfigError;
+use super::experiment_config::ExperimentConfig;
+use super::key::{find, leaves};
+use super::load::with_defaults;
+use super::settings::put;
+use super::words::in_words;
+use toml_edit::DocumentMut;
+
+/// What is to be done about settings with which a good text is good no more.
+pub(super) enum Blamed {
+    /// These are meant: the first of no use has part of a key, instead of which it has the whole key now.
+    Meant(Vec<String>),
+    /// The first of no use, and why.
+    Wrong(ConfigError),
+}
+
+/// The first of `settings` with which a good `text` is good no more.
+pub(super) fn to_blame(text: &str, settings: &[String]) -> Option<Blamed> {
+    let config = toml::from_str::<ExperimentConfig>(text).ok()?;
+    let mut document: DocumentMut = text.parse().ok()?;
+    let full = with_defaults(text, settings);
+    settings.iter().enumerate().find_map(|(place, setting)| {
+        if let Err(error) = put(&mut document, full.as_ref(), setting) {
+            return Some(Blamed::Wrong(error));
+        }
+        let read = toml::from_str::<ExperimentConfig>(&document.to_string());
+        let message = in_words(read.err()?.message());
+        let wrong = |message| {
+            let setting = setting.clone();
+            Some(Blamed::Wrong(ConfigError::Setting { setting, message }))
+        };
+        let (name, value) = setting.split_once('=')?;
+        let name = name.trim();
+        let Some(unknown) = message.strip_prefix("unknown field `") else {
+            return wrong(message);
+        };
+        // Of a longer key, only the beginning shows that it is part of one.
+        let first = name.split('.').next().unwrap_or(name).trim();
+        let is_part = unknown.starts_with(&format!("{first}`"));
+        match find(name, &leaves(&config)) {
+            Ok((key, _)) if is_part => {
+                let mut meant = settings.to_vec();
+                meant[place] = format!("{key}={value}");
+                Some(Blamed::Meant(meant))
+            }
+            Ok((key, _)) => wrong(format!("{message}; {key} is a key")),
+            Err(suggestion) => wrong(format!("{message}; {suggestion}")),
+        }
+    })
+}
