@@ -21,6 +21,9 @@ pub struct EnvironmentSpec {
     parts: Vec<Vec<(&'static str, &'static str, usize, usize)>>,
     /// How large each number of an action can be before a limit changes it.
     action_bounds: Vec<f64>,
+    /// Least and greatest of each number of an observation.
+    low: Vec<f32>,
+    high: Vec<f32>,
     /// What is told beside the reward, with units.
     info_names: Vec<&'static str>,
     /// Control period, s.
@@ -43,7 +46,10 @@ impl EnvironmentSpec {
         });
         let config = &environment.experiment().config;
         let period = config.control.period;
+        let (low, high) = environment.observation_bounds();
         Self {
+            low,
+            high,
             parts: parts.collect(),
             action_bounds: environment.action_bounds(),
             info_names: environment.info_names(),
@@ -104,6 +110,24 @@ impl SingleEnvironment {
         let mut guard = lock(&self.0)?;
         let environment = &mut *guard;
         let seed = py.detach(|| environment.reset(seed)).map_err(refused)?;
+        copy(environment.observation(), observation.as_slice_mut()?)?;
+        copy(environment.info(), info.as_slice_mut()?)?;
+        Ok(seed)
+    }
+
+    /// Begins the episode that comes so many after that of `seed` where no other seed is given. Its seed.
+    fn reset_to(
+        &self,
+        py: Python<'_>,
+        seed: u64,
+        following: u64,
+        mut observation: PyReadwriteArray1<'_, f32>,
+        mut info: PyReadwriteArray1<'_, f64>,
+    ) -> PyResult<u64> {
+        let mut guard = lock(&self.0)?;
+        let environment = &mut *guard;
+        let seed = py.detach(|| environment.reset_to(seed, following));
+        let seed = seed.map_err(refused)?;
         copy(environment.observation(), observation.as_slice_mut()?)?;
         copy(environment.info(), info.as_slice_mut()?)?;
         Ok(seed)

@@ -18,12 +18,13 @@ pub struct Layout {
 
 #[pymethods]
 impl Layout {
-    /// The layout that `text` (TOML) says.
+    /// The layout that `text` (TOML) says, of whose pictures there were `warnings`.
     #[staticmethod]
-    fn parse(text: &str) -> PyResult<Self> {
+    #[pyo3(signature = (text, warnings = Vec::new()))]
+    fn parse(text: &str, warnings: Vec<String>) -> PyResult<Self> {
         Ok(Self {
             layout: LocatedLayout::from_toml(text).map_err(refused)?,
-            warnings: Vec::new(),
+            warnings,
         })
     }
 

@@ -11,6 +11,7 @@ use feeler::sensor::frame::Picture;
 use feeler::sensor::sensing::{ElementReading, Reference, SensingChain, SensingError};
 use feeler_lab::config::Experiment;
 use feeler_lab::sensor::SensorGeometry;
+use glam::DVec2;
 use numpy::{
     PyArray1, PyArray2, PyArray3, PyArrayMethods as _, PyReadonlyArray3, PyReadwriteArray2,
     PyReadwriteArray3, PyUntypedArrayMethods as _,
@@ -36,6 +37,8 @@ pub struct Sensor {
     /// Whether what is sensed depends on the frames before.
     in_order: bool,
     places: Places,
+    /// What displacements count from, if that was set.
+    reference: Option<Reference>,
 }
 
 #[pymethods]
@@ -79,6 +82,7 @@ impl Sensor {
             template: chain,
             in_order: drift_correction,
             places,
+            reference: None,
         })
     }
 
@@ -136,13 +140,20 @@ impl Sensor {
             chain.sense(&picture, &mut sensed).map_err(refused)?;
             readings.push(sensed);
         }
-        let reference = Reference::mean(readings.iter().map(Vec::as_slice));
-        chain.set_reference(reference).map_err(refused)?;
-        Ok(Self {
-            chains: Mutex::new(vec![chain.clone()]),
-            template: chain,
-            in_order: self.in_order,
-            places: self.places.clone(),
+        self.counting_from(Reference::mean(readings.iter().map(Vec::as_slice)))
+    }
+
+    /// The mean centroids that displacements count from, if they were set: column and row of each element; none for one that was dark.
+    fn reference(&self) -> Option<Vec<Option<(f64, f64)>>> {
+        let centroids = self.reference.as_ref()?.centroids.iter();
+        Some(centroids.map(|c| c.map(|c| (c.x, c.y))).collect())
+    }
+
+    /// The same sensor, whose displacements count from these centroids.
+    fn with_reference_at(&self, centroids: Vec<Option<(f64, f64)>>) -> PyResult<Self> {
+        let centroids = centroids.into_iter();
+        self.counting_from(Reference {
+            centroids: centroids.map(|c| c.map(DVec2::from)).collect(),
         })
     }
 
@@ -193,6 +204,18 @@ impl Sensor {
 }
 
 impl Sensor {
+    fn counting_from(&self, reference: Reference) -> PyResult<Self> {
+        let mut chain = self.template.clone();
+        chain.set_reference(reference.clone()).map_err(refused)?;
+        Ok(Self {
+            chains: Mutex::new(vec![chain.clone()]),
+            template: chain,
+            in_order: self.in_order,
+            places: self.places.clone(),
+            reference: Some(reference),
+        })
+    }
+
     fn sense_on(
         &self,
         threads: usize,

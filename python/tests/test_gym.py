@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import copy
 import multiprocessing
 import os
+import pickle
 import warnings
 from typing import Any
 
@@ -25,9 +27,52 @@ SHORT: dict[str, feeler.Value] = {"time_limit": 0.5}
 def test_gymnasium_knows_and_accepts_each(name: str) -> None:
     env = gymnasium.make(f"feeler/{name}-v0", render_mode="rgb_array").unwrapped
     with warnings.catch_warnings():
-        # That a force has no bounds is so.
-        warnings.filterwarnings("ignore", message=".*(infinity|not within).*")
+        warnings.filterwarnings("ignore", message=".*not within.*")
         check_env(env)
+
+
+@pytest.mark.parametrize("kind", ["flat", "dict"])
+def test_observations_have_finite_bounds(kind: Any) -> None:
+    env = TactileEnv("cap-closing", observation=kind)
+    spaces = env.observation_space
+    boxes = list(spaces.values()) if isinstance(spaces, gymnasium.spaces.Dict) else [spaces]
+    for box in boxes:
+        assert isinstance(box, gymnasium.spaces.Box) and np.isfinite(box.low).all() and np.isfinite(box.high).all()
+    observation, _ = env.reset(seed=1)
+    while env.observation_space.contains(observation):
+        observation, _, terminated, truncated, _ = env.step(env.guide())
+        if terminated or truncated:
+            return
+    pytest.fail("an observation out of its bounds")
+
+
+@pytest.mark.parametrize("copied", [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))])
+def test_a_copy_goes_on_as_the_environment_does(copied: Any) -> None:
+    env = TactileEnv("cap-closing", vary={"friction": "uniform(0.5,1.2)"}, settings={"time_limit": 3.0})
+    env.reset(seed=4)
+    env.reset()
+    for _ in range(150):
+        env.step(env.guide())
+    other = copied(env)
+    for _ in range(50):
+        action = env.guide()
+        np.testing.assert_array_equal(other.guide(), action)
+        mine, others = env.step(action), other.step(action)
+        np.testing.assert_array_equal(mine[0], others[0])
+        assert mine[1:] == others[1:]
+    # So do the episodes that follow.
+    assert env.reset()[1]["seed"] == other.reset()[1]["seed"]
+    fresh = copied(TactileEnv("lift", settings=SHORT))
+    np.testing.assert_array_equal(fresh.reset(seed=2)[0], TactileEnv("lift", settings=SHORT).reset(seed=2)[0])
+
+
+def test_settings_may_be_nested() -> None:
+    nested = TactileEnv(settings={"control": {"limits": {"fingertip_speed": 0.02}}, "time_limit": 1.0})
+    flat = TactileEnv(settings={"control.limits.fingertip_speed": 0.02, "time_limit": 1.0})
+    assert nested.action_space == flat.action_space
+    assert nested.action_space != TactileEnv(settings={"time_limit": 1.0}).action_space
+    with pytest.raises(ValueError, match=r"control\.touch_force = -1"):
+        TactileEnv(settings={"control": {"touch_force": -1}})
 
 
 @pytest.mark.parametrize("name", EXPERIMENTS)

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import copy
+import pickle
 import threading
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import feeler
 import numpy as np
@@ -191,3 +195,20 @@ def test_elements_are_where_they_are_found(tip: feeler.Fingertip, frames: Frames
     assert flat.centres.shape == (41, 2)
     with pytest.raises(ValueError, match="located without a dome"):
         _ = flat.tips
+
+
+@pytest.mark.parametrize("copied", [copy.deepcopy, lambda thing: pickle.loads(pickle.dumps(thing))])
+def test_fingertips_calibrations_and_layouts_are_copied(
+    copied: Callable[[Any], Any], tip: feeler.Fingertip, frames: Frames
+) -> None:
+    calibration = feeler.Calibration.load(CALIBRATION)
+    assert copied(calibration).report() == calibration.report()
+    other = copied(tip)
+    np.testing.assert_array_equal(other.sense(frames).force, tip.sense(frames).force)
+    assert other.thresholds == tip.thresholds
+    layout = feeler.locate(frames[:5])
+    other = copied(layout)
+    np.testing.assert_array_equal(other.centres, layout.centres)
+    assert other.warnings == layout.warnings and repr(other) == repr(layout)
+    located = feeler.Fingertip(layout=layout).with_reference(frames[:5])
+    np.testing.assert_array_equal(copied(located).sense(frames).displacement, located.sense(frames).displacement)

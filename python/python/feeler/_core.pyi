@@ -46,9 +46,16 @@ class EnvironmentSpec:
         How large each number of an action can be before a limit changes it.
         """
     @property
+    def high(self, /) -> list[float]: ...
+    @property
     def info_names(self, /) -> list[str]:
         """
         What is told beside the reward, with units.
+        """
+    @property
+    def low(self, /) -> list[float]:
+        """
+        Least and greatest of each number of an observation.
         """
     @property
     def max_steps(self, /) -> int:
@@ -171,9 +178,9 @@ class Layout:
     @property
     def has_dome(self, /) -> bool: ...
     @staticmethod
-    def parse(text: str) -> Layout:
+    def parse(text: str, warnings: SupportsGetItem[int, str] = ...) -> Layout:
         """
-        The layout that `text` (TOML) says.
+        The layout that `text` (TOML) says, of whose pictures there were `warnings`.
         """
     @property
     def picture_size(self, /) -> tuple[int, int]:
@@ -349,6 +356,10 @@ class Sensor:
         """
         Columns and rows of the pictures, px.
         """
+    def reference(self, /) -> list[tuple[float, float] | None] | None:
+        """
+        The mean centroids that displacements count from, if they were set: column and row of each element; none for one that was dark.
+        """
     def rotations(self, /) -> Incomplete | None:
         """
         From each element's frame `E_i` to `T` [E, 3, 3]; none if the dome is not known.
@@ -365,6 +376,10 @@ class Sensor:
     def with_reference(self, /, frames: Incomplete) -> Sensor:
         """
         The same sensor, whose displacements count from the mean centroids in `frames` [N, H, W].
+        """
+    def with_reference_at(self, /, centroids: SupportsGetItem[int, tuple[SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex] | None]) -> Sensor:
+        """
+        The same sensor, whose displacements count from these centroids.
         """
 
 @final
@@ -429,6 +444,10 @@ class SingleEnvironment:
     def reset(self, /, seed: SupportsIndex | None, observation: Incomplete, info: Incomplete) -> int:
         """
         Begins the episode of `seed`, or of one that follows from the last one given. Its seed.
+        """
+    def reset_to(self, /, seed: SupportsIndex, following: SupportsIndex, observation: Incomplete, info: Incomplete) -> int:
+        """
+        Begins the episode that comes so many after that of `seed` where no other seed is given. Its seed.
         """
     def spec(self, /) -> EnvironmentSpec: ...
     def step(self, /, action: Incomplete, observation: Incomplete, info: Incomplete) -> tuple[float, bool, bool]:

@@ -3,14 +3,22 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
-Value = bool | int | float | str | list["Value"]
+Value = bool | int | float | str | list["Value"] | Mapping[str, "Value"]
 
 
 def as_settings(settings: Mapping[str, Value] | None) -> list[str]:
-    """``{"control.slip_threshold": 2.5}`` as ``["control.slip_threshold=2.5"]``."""
-    return [f"{key}={_as_toml(value)}" for key, value in (settings or {}).items()]
+    """``{"control": {"slip_threshold": 2.5}}`` as ``["control.slip_threshold=2.5"]``; keys may also be whole, as in that."""
+    return [f"{key}={_as_toml(value)}" for key, value in _flat(settings or {})]
+
+
+def _flat(settings: Mapping[str, Value]) -> Iterator[tuple[str, Value]]:
+    for key, value in settings.items():
+        if isinstance(value, Mapping) and value:
+            yield from ((f"{key}.{below}", single) for below, single in _flat(value))
+        else:
+            yield str(key), value
 
 
 def _as_toml(value: Value) -> str:
@@ -22,5 +30,7 @@ def _as_toml(value: Value) -> str:
         case str():
             # A string of JSON is one of TOML.
             return json.dumps(value, ensure_ascii=False)
+        case Mapping():
+            return "{" + ", ".join(f"{json.dumps(key)} = {_as_toml(part)}" for key, part in value.items()) + "}"
         case _:
             return "[" + ", ".join(_as_toml(part) for part in value) + "]"

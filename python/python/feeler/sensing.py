@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
@@ -155,6 +155,9 @@ class Layout:
     def __len__(self) -> int:
         return self._layout.element_count
 
+    def __reduce__(self) -> tuple[Callable[..., Layout], tuple[str, list[str]]]:
+        return _restored_layout, (self._layout.to_toml(), self.warnings)
+
     def __repr__(self) -> str:
         width, height = self._layout.picture_size
         return f"Layout({len(self)} elements in {width}x{height} px)"
@@ -195,6 +198,9 @@ class Calibration:
         """Errors, repeatability, hysteresis and resolution, ring by ring."""
         return self._calibration.report()
 
+    def __reduce__(self) -> tuple[Callable[..., Calibration], tuple[str]]:
+        return _restored_calibration, (self._calibration.to_toml(),)
+
     def __repr__(self) -> str:
         return f"Calibration({self.model}, {self._calibration.element_count} elements)\n{self.report()}"
 
@@ -202,10 +208,11 @@ class Calibration:
 class Fingertip:
     """Senses the pictures of one fingertip.
 
-    It may be used from several threads at once, unless drift is corrected, which goes by the order of frames.
+    It may be used from several threads at once, unless drift is corrected, which goes by the order of frames. A copy, as
+    ``pickle`` and ``copy`` make it, begins to correct drift anew.
     """
 
-    __slots__ = ("_sensor", "thresholds")
+    __slots__ = ("_made_of", "_sensor", "thresholds")
 
     def __init__(
         self,
@@ -247,6 +254,7 @@ class Fingertip:
             raise ValueError("expected a calibration, a layout or an experiment")
         if drift_correction and calibration is None:
             raise ValueError("drift_correction: expected a calibration, which says what is without drift")
+        self._made_of = (calibration, layout, experiment, finger, drift_correction, max_saturated)
         self._sensor = _core.Sensor(
             None if calibration is None else calibration._calibration,
             None if layout is None else layout._layout,
@@ -336,10 +344,17 @@ class Fingertip:
 
         Forces count from the calibration's own reference.
         """
+        return self._with(self._sensor.with_reference(self._frames(frames)))
+
+    def _with(self, sensor: _core.Sensor) -> Fingertip:
         changed = object.__new__(Fingertip)
-        changed._sensor = self._sensor.with_reference(self._frames(frames))
+        changed._made_of = self._made_of
+        changed._sensor = sensor
         changed.thresholds = self.thresholds
         return changed
+
+    def __reduce__(self) -> tuple[Callable[..., Fingertip], tuple[Any, ...]]:
+        return _restored_fingertip, (self._made_of, self.thresholds, self._sensor.reference())
 
     def sense(
         self,
@@ -411,6 +426,30 @@ class Fingertip:
         height, width = self.picture_shape
         forces = "calibrated" if self.is_calibrated else "without forces"
         return f"Fingertip({self.element_count} elements in {width}x{height} px, {forces})"
+
+
+def _restored_layout(text: str, warnings: list[str]) -> Layout:
+    return Layout(_core.Layout.parse(text, warnings))
+
+
+def _restored_calibration(text: str) -> Calibration:
+    return Calibration(_core.Calibration.parse(text))
+
+
+def _restored_fingertip(
+    made_of: tuple[Any, ...], thresholds: Thresholds, reference: list[tuple[float, float] | None] | None
+) -> Fingertip:
+    calibration, layout, experiment, finger, drift_correction, max_saturated = made_of
+    fingertip = Fingertip(
+        calibration,
+        layout=layout,
+        experiment=experiment,
+        finger=finger,
+        drift_correction=drift_correction,
+        max_saturated=max_saturated,
+        thresholds=thresholds,
+    )
+    return fingertip if reference is None else fingertip._with(fingertip._sensor.with_reference_at(reference))
 
 
 def _on_dome(places: FloatArray | None) -> FloatArray:

@@ -39,6 +39,18 @@ impl Episodes {
         &self.experiment
     }
 
+    /// Makes the experiment that of the episode that comes so many after that of `seed`.
+    pub fn skip_to(&mut self, seed: u64, following: u64) -> Result<u64, EnvironmentError> {
+        if following == 0 {
+            return self.next(Some(seed));
+        }
+        self.seeds = generator(seed, 0, SEEDS);
+        for _ in 1..following {
+            self.seeds.random::<u64>();
+        }
+        self.next(None)
+    }
+
     /// Makes the experiment that of the episode of `seed`, or of the next seed that follows from the last one given.
     ///
     /// What varies draws what trial 0 of a sweep of that seed would; so do seeds that nobody gives.

@@ -10,6 +10,7 @@
 //! hand is stopped with a reason; it is cut off at the experiment's time limit.
 
 mod action;
+mod bounds;
 mod episodes;
 mod error;
 mod goal;
@@ -118,6 +119,21 @@ impl Environment {
     pub fn reset(&mut self, seed: Option<u64>) -> Result<u64, EnvironmentError> {
         self.under_way = false;
         let seed = self.episodes.next(seed)?;
+        self.begin(seed)
+    }
+
+    /// Begins the episode that comes so many after that of `seed` where no other seed is given; with 0, that of `seed`. Its number.
+    ///
+    /// # Errors
+    /// As [`Self::reset`].
+    pub fn reset_to(&mut self, seed: u64, following: u64) -> Result<u64, EnvironmentError> {
+        self.under_way = false;
+        let seed = self.episodes.skip_to(seed, following)?;
+        self.begin(seed)
+    }
+
+    /// Begins the episode of `seed`, which the experiment is of.
+    fn begin(&mut self, seed: u64) -> Result<u64, EnvironmentError> {
         let experiment = self.episodes.experiment();
         self.session = Session::drawing(experiment, Pictures::Sensed)?;
         let layouts = observation_layouts(&self.session);

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from gymnasium import spaces
@@ -21,15 +21,6 @@ Observation = NDArray[np.float32] | dict[str, NDArray[np.float32]]
 PICTURE_SHAPE = (360, 480, 3)
 """Rows, columns and colours of a rendered picture."""
 
-_RANGES = {
-    "touch": (0.0, 1.0),
-    "slip": (0.0, 1.0),
-    "over": (0.0, 1.0),
-    "reflex": (0.0, 1.0),
-    "keep_grasp": (0.0, 1.0),
-    "towards_object": (-1.0, 1.0),
-}
-
 
 class Spaces:
     """The spaces of an environment, and the way from its flat numbers to a dictionary."""
@@ -44,26 +35,16 @@ class Spaces:
         self.info_names = spec.info_names
         bounds = np.array(spec.action_bounds)
         self.action = spaces.Box(-bounds, bounds, dtype=np.float64)
-        self.observation: spaces.Box | spaces.Dict = self._flat() if kind == "flat" else self._dict()
-
-    def _flat(self) -> spaces.Box:
-        low = np.full(self.length, -np.inf, dtype=np.float32)
-        high = np.full(self.length, np.inf, dtype=np.float32)
-        for finger in self.parts:
-            for name, _, start, stop in finger:
-                if name in _RANGES:
-                    low[start:stop], high[start:stop] = _RANGES[name]
-        return spaces.Box(low, high, dtype=np.float32)
+        self._low, self._high = (np.array(bound, dtype=np.float32) for bound in (spec.low, spec.high))
+        flat = spaces.Box(self._low, self._high, dtype=np.float32)
+        self.observation: spaces.Box | spaces.Dict = flat if kind == "flat" else self._dict()
 
     def _dict(self) -> spaces.Dict:
         lengths = {stop - start for finger in self.parts for name, _, start, stop in finger if name == "forces"}
         if len(lengths) > 1:
             raise ValueError('observation = "dict": expected fingers with the same number of elements; use "flat"')
-        boxes: dict[str, spaces.Space[Any]] = {}
-        for name, _, start, stop in self.parts[0]:
-            low, high = _RANGES.get(name, (-np.inf, np.inf))
-            boxes[name] = spaces.Box(low, high, self._shape(name, stop - start), np.float32)
-        return spaces.Dict(boxes)
+        low, high = self._parts(self._low), self._parts(self._high)
+        return spaces.Dict({name: spaces.Box(low[name], high[name], dtype=np.float32) for name in low})
 
     def _shape(self, name: str, length: int) -> tuple[int, ...]:
         if name == "forces":
@@ -72,8 +53,9 @@ class Spaces:
 
     def observe(self, flat: NDArray[np.float32]) -> Observation:
         """The observation of flat numbers [..., L]: themselves, or parts of them by name [..., F, ...]."""
-        if self.kind == "flat":
-            return flat
+        return flat if self.kind == "flat" else self._parts(flat)
+
+    def _parts(self, flat: NDArray[np.float32]) -> dict[str, NDArray[np.float32]]:
         leading = flat.shape[:-1]
         of_fingers = flat.reshape(*leading, self.fingers, -1)
         return {

@@ -31,6 +31,9 @@ class TactileEnv(gymnasium.Env[Observation, NDArray[np.float64]]):
 
     Actions are float64 [3F]: velocities of the fingertips in T (``fingertip``) or W (``world``), m/s, or of the joints
     (``joints``), rad/s. What exceeds the limits is clipped; what is not finite is refused.
+
+    It can be pickled and copied, as for processes of joblib, Ray or multiprocessing. The copy makes the steps of the episode
+    under way again.
     """
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 100}  # noqa: RUF012 (as in the base class)
@@ -69,8 +72,10 @@ class TactileEnv(gymnasium.Env[Observation, NDArray[np.float64]]):
         if render_mode is not None and render_mode not in self.metadata["render_modes"]:
             raise ValueError(f"render_mode = {render_mode!r}: expected None or one of {self.metadata['render_modes']}")
         self.render_mode = render_mode
-        lines, varied = as_settings(settings), expressions(vary)
-        self._environment = _core.SingleEnvironment(str(experiment), lines, varied, action)
+        self._made_of = (str(experiment), as_settings(settings), expressions(vary), action)
+        self._environment = _core.SingleEnvironment(*self._made_of)
+        self._episode: tuple[int, int] | None = None
+        self._actions: list[NDArray[np.float64]] = []
         spec = self._environment.spec()
         self._spaces = Spaces(spec, observation)
         self.observation_space = cast("gymnasium.Space[Observation]", self._spaces.observation)
@@ -92,6 +97,10 @@ class TactileEnv(gymnasium.Env[Observation, NDArray[np.float64]]):
             seed = int(self.np_random.integers(2**63))
         flat = np.empty(self._spaces.length, dtype=np.float32)
         own = self._environment.reset(seed, flat, self._info)
+        # The seed last given, and which of the episodes that follow from it this is.
+        given, following = self._episode or (own, -1)
+        self._episode = (given, following + 1) if seed is None else (own, 0)
+        self._actions = []
         return self._spaces.observe(flat), {"seed": own, **self._spaces.info(self._info)}
 
     def step(self, action: ArrayLike) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
@@ -109,6 +118,7 @@ class TactileEnv(gymnasium.Env[Observation, NDArray[np.float64]]):
         if numbers.shape != self.action_space.shape:
             raise ValueError(f"action: expected float64 {list(self.action_space.shape or ())}, got {list(numbers.shape)}")
         reward, terminated, truncated = self._environment.step(numbers, flat, self._info)
+        self._actions.append(numbers.copy())
         info: dict[str, Any] = self._spaces.info(self._info)
         if terminated and (reason := self._environment.stop_reason()) is not None:
             info["stop_reason"] = reason
@@ -127,3 +137,19 @@ class TactileEnv(gymnasium.Env[Observation, NDArray[np.float64]]):
         action = np.empty(self.action_space.shape or ())
         self._environment.guide(action)
         return action
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What a copy is made of: an episode under way is its seed and its actions, which determine it."""
+        return {name: value for name, value in self.__dict__.items() if name != "_environment"}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Makes the environment again, and the episode under way up to its newest step."""
+        self.__dict__.update(state)
+        self._environment = _core.SingleEnvironment(*self._made_of)
+        if self._episode is None:
+            return
+        flat = np.empty(self._spaces.length, dtype=np.float32)
+        info = np.empty_like(self._info)
+        self._environment.reset_to(*self._episode, flat, info)
+        for action in self._actions:
+            self._environment.step(action, flat, info)

@@ -5,6 +5,8 @@ use feeler_lab::config::Experiment;
 use feeler_lab::environment::{ActionKind, Environment, EnvironmentConfig};
 use feeler_lab::sweep::plan::Plan;
 use feeler_lab::sweep::trial::Trials;
+use rand::{RngExt as _, SeedableRng as _};
+use rand_pcg::Pcg64;
 
 /// Observation of the episode of `seed` after a tenth of a second of the plan.
 fn observed(environment: &mut Environment, seed: Option<u64>) -> Vec<f32> {
@@ -179,4 +181,64 @@ fn what_makes_no_sense_is_refused_in_words() {
     let error = (0..20).find_map(|seed| environment.reset(Some(seed)).err());
     let error = error.expect("an episode with other elements").to_string();
     assert!(error.contains("288 numbers"), "{error}");
+}
+
+/// With random actions within their bounds, in episodes that vary.
+#[test]
+fn observations_are_within_finite_bounds() {
+    for (experiment, kind) in [
+        ("cap-closing", ActionKind::Fingertip),
+        ("cap-until-closed", ActionKind::Joints),
+        ("lift", ActionKind::World),
+        ("slide-box-two", ActionKind::World),
+        ("contour", ActionKind::Joints),
+    ] {
+        let config = EnvironmentConfig {
+            action: kind,
+            vary: vec!["friction=relative(0.5,1.5)".into()],
+            ..config(experiment, &["time_limit=4"])
+        };
+        let mut environment = Environment::new(&config).expect("an environment");
+        let (low, high) = environment.observation_bounds();
+        assert!(low.iter().chain(&high).all(|bound| bound.is_finite()));
+        assert_eq!(low.len(), environment.observation().len());
+        let bounds = environment.action_bounds();
+        let mut random = Pcg64::seed_from_u64(7);
+        for seed in 0..3 {
+            environment.reset(Some(seed)).expect("an episode");
+            let mut guided = vec![0.0; bounds.len()];
+            loop {
+                environment.guide(&mut guided).expect("an action");
+                // Towards what the task plans, so that objects are touched, and beside it.
+                let action = guided.iter().zip(&bounds);
+                let action = action.map(|(guided, bound)| {
+                    (guided + random.random_range(-0.3..0.3) * bound).clamp(-bound, *bound)
+                });
+                let action: Vec<f64> = action.collect();
+                let step = environment.step(&action).expect("a step");
+                let observation = environment.observation().iter().zip(low.iter().zip(&high));
+                for (place, (number, (low, high))) in observation.enumerate() {
+                    assert!(
+                        (low..=high).contains(&number),
+                        "{experiment} {place}: {number} of {low} to {high}"
+                    );
+                }
+                if step.terminated || step.truncated {
+                    break;
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn an_episode_that_follows_is_found_again() {
+    let mut environment = environment("cap-closing", &[]);
+    let seeds = [Some(5), None, None, None].map(|seed| environment.reset(seed).expect("a seed"));
+    let after = environment.reset(None).expect("a seed");
+    for (following, seed) in seeds.into_iter().enumerate() {
+        let own = environment.reset_to(5, following as u64).expect("a seed");
+        assert_eq!(own, seed);
+    }
+    assert_eq!(environment.reset(None).expect("a seed"), after);
 }

@@ -1,0 +1,101 @@
+//! Between what bounds the numbers of an observation are.
+//!
+//! They follow from the experiment: no feeler is compressed by more than the dome's diameter, nor drags more than friction holds;
+//! joints are within their limits; velocities are what limits admit of an action within its own bounds. What varies from episode to
+//! episode (stiffness, friction) has [`VARIED`] times as much room.
+
+use super::Environment;
+use crate::config::ExperimentConfig;
+use feeler::hand::finger::FingerGeometry;
+
+/// Room for what varies, relative to the experiment's own values.
+const VARIED: f64 = 2.0;
+/// Room for noise of forces: standard deviations of each.
+const NOISE: f64 = 10.0;
+/// Room for noise of joints, relative to their ranges and speeds.
+const JOINT_NOISE: f64 = 0.1;
+
+/// The bounds of one finger.
+struct Bounds<'a> {
+    config: &'a ExperimentConfig,
+    geometry: &'a FingerGeometry,
+    finger: usize,
+    elements: usize,
+}
+
+impl Environment {
+    /// Least and greatest of each number of an [`observation`](Self::observation), all finite.
+    pub fn observation_bounds(&self) -> (Vec<f32>, Vec<f32>) {
+        let controller = self.session.control_loop().controller();
+        let fingers = controller.fingers().iter().zip(&self.layouts).enumerate();
+        let numbers = fingers.flat_map(|(finger, (control, layout))| {
+            let bounds = Bounds {
+                config: &self.experiment().config,
+                geometry: control.geometry(),
+                finger,
+                elements: layout.elements,
+            };
+            let parts = layout.parts().into_iter();
+            parts.flat_map(move |part| bounds.of_part(part.name, part.range.len()))
+        });
+        numbers.map(|(low, high)| (low as f32, high as f32)).unzip()
+    }
+}
+
+impl Bounds<'_> {
+    /// Those of the numbers of a part.
+    fn of_part(&self, part: &str, length: usize) -> Vec<(f64, f64)> {
+        let both = |most: f64| (-most, most);
+        let joint = |joint: usize| {
+            let finger = &self.config.hand.finger[self.finger];
+            let lower = finger.joint_lower_deg[joint].to_radians();
+            let upper = finger.joint_upper_deg[joint].to_radians();
+            let room = JOINT_NOISE * (upper - lower);
+            (lower - room, upper + room)
+        };
+        let speed = |joint: usize| {
+            let finger = &self.config.hand.finger[self.finger];
+            both((1.0 + JOINT_NOISE) * finger.joint_speed_limit[joint])
+        };
+        match part {
+            "forces" => {
+                let [shear, normal] = self.forces();
+                let element = [both(shear), both(shear), both(normal)];
+                element.into_iter().cycle().take(length).collect()
+            }
+            "grasp_force" => vec![both(self.elements as f64 * self.forces()[1])],
+            "joint_angles" => (0..length).map(joint).collect(),
+            "joint_velocities" => (0..length).map(speed).collect(),
+            "last_action" | "planned_velocity" => vec![both(self.fingertip_speed()); length],
+            "towards_object" => vec![both(1.0); length],
+            // Flags, and what a plan asks for.
+            _ => vec![(0.0, 1.0); length],
+        }
+    }
+
+    /// Largest shear force and compression of an element, N.
+    fn forces(&self) -> [f64; 2] {
+        let sensor = &self.config.sensor;
+        let diameter = 2.0 * sensor.fingertip(self.finger).layout.dome_radius;
+        let sim = self.config.sim.as_ref();
+        let feeler = sim.map(|sim| &sim.feeler);
+        let (stiffness, friction) = feeler.map_or((0.0, 0.0), |feeler| {
+            (feeler.normal_stiffness, feeler.static_friction)
+        });
+        let noise = sim.map_or(0.0, |sim| {
+            let noise = &sim.direct_sensing;
+            NOISE * noise.normal_noise.max(noise.shear_noise)
+        });
+        let normal = VARIED * stiffness * diameter;
+        [friction.max(1.0) * normal + noise, normal + noise]
+    }
+
+    /// Largest speed of the fingertip along an axis, m/s: what the limits admit along each of three axes, or what the joints at their
+    /// speed limits make of the finger's reach.
+    fn fingertip_speed(&self) -> f64 {
+        let limit = 3_f64.sqrt() * self.config.control.limits.fingertip_speed;
+        let reach: f64 = self.geometry.links().iter().sum();
+        let speeds = self.config.hand.finger[self.finger].joint_speed_limit;
+        limit.max(reach * speeds.iter().sum::<f64>())
+    }
+}
