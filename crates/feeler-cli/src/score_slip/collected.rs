@@ -8,7 +8,7 @@ use super::recorded::RecordedArguments;
 use super::scores::Scored;
 use super::sources::{Kind, Source, find};
 use super::taxels::TaxelTables;
-use super::tracks::TrackTables;
+use super::tracks::{TrackTables, is_tracks};
 use super::videos::Videos;
 use crate::progress::Steps;
 use feeler_lab::grasps::{DETECTORS, Detector, DetectorTrace, GraspRecording, Labelled, Untouched};
@@ -25,22 +25,33 @@ pub struct Read {
 /// What reads recordings.
 struct Reader {
     taxels: Option<TaxelTables>,
+    /// Whether tables may be of tracks, too, where there are taxels.
+    either: bool,
     tracks: TrackTables,
     /// Where there are any.
     videos: Option<Videos>,
 }
 
 impl Reader {
-    fn new(arguments: &RecordedArguments, sources: &[Source]) -> Result<Self, CommandError> {
+    /// For what `arguments` say of the recordings to be scored, or of `others`.
+    fn new(
+        arguments: &RecordedArguments,
+        sources: &[Source],
+        others: bool,
+    ) -> Result<Self, CommandError> {
         let taxels = arguments.taxels.as_deref();
         let taxels = taxels
             .map(|name| TaxelTables::new(name, arguments))
             .transpose()?;
         let video = |source: &Source| source.kind() == Kind::Video;
-        let videos = sources.iter().any(video).then(|| Videos::new(arguments));
+        // What is said of the pictures of the recordings to be scored is not true of others.
+        let plain = RecordedArguments::default();
+        let pictures = if others { &plain } else { arguments };
+        let videos = sources.iter().any(video).then(|| Videos::new(pictures));
         Ok(Self {
             taxels,
-            tracks: TrackTables::new(arguments),
+            either: others,
+            tracks: TrackTables::new(pictures),
             videos: videos.transpose()?,
         })
     }
@@ -48,9 +59,15 @@ impl Reader {
     fn read(&self, source: &Source, notes: &mut Notes) -> Result<Vec<Read>, CommandError> {
         match (source.kind(), &self.videos, &self.taxels) {
             (Kind::Video, Some(videos), _) => videos.read(source, notes),
-            (_, _, Some(tables)) => tables.read(source, notes),
+            (_, _, Some(tables)) if self.is_of_taxels(source) => tables.read(source, notes),
             _ => self.tracks.read(source, notes),
         }
+    }
+
+    /// Whether a recording is of taxels.
+    fn is_of_taxels(&self, source: &Source) -> bool {
+        let is_table = source.kind() == Kind::Table && self.taxels.is_some();
+        is_table && !(self.either && source.tables.iter().all(|table| is_tracks(table)))
     }
 
     /// Unit of the vectors.
@@ -66,13 +83,14 @@ pub struct Found<'a> {
     sources: Vec<Source>,
     labels: Option<Labels>,
     reader: Reader,
-    arguments: &'a RecordedArguments,
+    /// Name of the table of labels in each recording's folder.
+    frame_labels: Option<&'a str>,
     /// Whether frames are labelled.
     pub of_frames: bool,
 }
 
 impl<'a> Found<'a> {
-    /// Those at `path`, with `labels` or labels of frames.
+    /// Those at `path` that are to be scored, with `labels` or labels of frames.
     ///
     /// # Errors
     /// When there are none, or the labels cannot be read.
@@ -82,19 +100,46 @@ impl<'a> Found<'a> {
         arguments: &'a RecordedArguments,
         notes: &mut Notes,
     ) -> Result<Self, CommandError> {
-        let group = arguments.group.as_deref();
+        Self::find(path, labels, (arguments, false), notes)
+    }
+
+    /// Others at `path`: tables of tracks and videos about which nothing else is said, or tables of the taxels of those to be scored.
+    ///
+    /// # Errors
+    /// When there are none, or the labels cannot be read.
+    pub fn others(
+        path: &'a Path,
+        labels: &Path,
+        arguments: &'a RecordedArguments,
+        notes: &mut Notes,
+    ) -> Result<Self, CommandError> {
+        Self::find(path, Some(labels), (arguments, true), notes)
+    }
+
+    fn find(
+        path: &'a Path,
+        labels: Option<&Path>,
+        (arguments, others): (&'a RecordedArguments, bool),
+        notes: &mut Notes,
+    ) -> Result<Self, CommandError> {
+        let group = arguments.group.as_deref().filter(|_| !others);
         let known = labels.map(|labels| Labels::read(labels, group, notes));
         let known = known.transpose()?;
-        let others: Vec<_> = labels.into_iter().collect();
-        let sources = find(path, &arguments.tables, &others, notes)?;
+        let no_recordings: Vec<_> = labels.into_iter().collect();
+        let sources = match find(path, &arguments.tables, &no_recordings, notes) {
+            Err(_) if others => find(path, &[], &no_recordings, notes)?,
+            found => found?,
+        };
+        let in_folders = sources.iter().any(|source| source.folder.is_some());
+        let frame_labels = arguments.frame_labels.as_deref();
+        let frame_labels = frame_labels.filter(|_| !others || in_folders);
         Ok(Self {
-            reader: Reader::new(arguments, &sources)?,
-            of_frames: arguments.frame_labels.is_some()
-                || known.as_ref().is_some_and(|k| k.of_frames),
+            reader: Reader::new(arguments, &sources, others)?,
+            of_frames: frame_labels.is_some() || known.as_ref().is_some_and(|k| k.of_frames),
             labels: known,
             path,
             sources,
-            arguments,
+            frame_labels,
         })
     }
 
@@ -119,6 +164,7 @@ impl<'a> Found<'a> {
             groups: BTreeMap::new(),
             noise: Vec::new(),
             in_spacings: true,
+            of_taxels: true,
         };
         let bar = Steps::new(self.sources.len());
         let read = |source: &Source| {
@@ -131,9 +177,10 @@ impl<'a> Found<'a> {
             notes.extend(own);
             match read {
                 Ok(recordings) => {
+                    collected.of_taxels &= self.reader.is_of_taxels(source);
                     for read in &recordings {
                         let labels = self.labels.as_mut();
-                        collected.add(read, source, self.arguments, labels, notes)?;
+                        collected.add(read, source, self.frame_labels, labels, notes)?;
                     }
                 }
                 Err(error) => notes.add("unreadable", || {
@@ -165,6 +212,8 @@ pub struct Collected {
     noise: Vec<f64>,
     /// Whether loads are in spacings of a pattern, and not in a sensor's own unit.
     pub in_spacings: bool,
+    /// Whether all are of taxels.
+    pub of_taxels: bool,
 }
 
 impl Collected {
@@ -173,7 +222,7 @@ impl Collected {
         &mut self,
         read: &Read,
         source: &Source,
-        arguments: &RecordedArguments,
+        frame_labels: Option<&str>,
         labels: Option<&mut Labels>,
         notes: &mut Notes,
     ) -> Result<(), CommandError> {
@@ -184,7 +233,7 @@ impl Collected {
         let known = labels.map(|labels| labels.of(&names));
         let is_listed = known.as_ref().is_none_or(Option::is_some);
         let (group, mut label) = known.flatten().unwrap_or_else(|| (name.to_owned(), None));
-        if let Some(file) = &arguments.frame_labels {
+        if let Some(file) = frame_labels {
             label = match source.folder.as_ref().map(|folder| folder.join(file)) {
                 Some(path) if path.is_file() => Some(read_frames(&path, notes)?),
                 Some(path) => {

@@ -2,7 +2,11 @@
 
 use super::CommandError;
 use super::notes::Notes;
+use feeler::sensor::table::{Header, NumberColumn, Quantity, Table};
+use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap};
+use std::fmt::Display;
+use std::io::{BufReader, Read};
 use std::path::Path;
 
 /// Names of the column that names the recording, where it is not the first.
@@ -37,34 +41,39 @@ impl Labels {
     /// # Errors
     /// When it cannot be read, or a column is missing.
     pub fn read(path: &Path, group: Option<&str>, notes: &mut Notes) -> Result<Self, CommandError> {
-        let mut table = Table::open(path)?;
-        let name = NAMES.iter().find_map(|name| table.find(name)).unwrap_or(0);
-        let slip = table.column(SLIP)?;
+        let mut table = LabelTable::open(path)?;
+        let names = NAMES
+            .iter()
+            .map(|name| table.find(name))
+            .collect::<Result<Vec<_>, _>>()?;
+        let name = names.into_iter().flatten().next().unwrap_or(0);
         let group = group.map(|group| table.column(group)).transpose()?;
-        let frame = table.find(FRAME);
+        let frame = table.find(FRAME)?;
         let mut labels = Self {
             of_frames: frame.is_some(),
             ..Self::default()
         };
-        while let Some(row) = table.next(notes) {
-            let name = row.cell(name);
+        while table.next(notes) {
+            let row = &table;
+            let name = &*row.cell(name);
             if name.is_empty() {
                 notes.add("unnamed", || {
                     row.odd("a label without the name of a recording, left out")
                 });
                 continue;
             }
-            let own_group = group.map_or(name, |group| row.cell(group));
+            let own_group = group.map_or(name.into(), |group| row.cell(group));
             let known = labels.recordings.entry(name.to_owned());
-            let (known_group, label) = known.or_insert_with(|| (own_group.to_owned(), None));
-            if own_group != known_group {
+            let (known_group, label) =
+                known.or_insert_with(|| (own_group.clone().into_owned(), None));
+            if own_group != *known_group {
                 notes.add("groups", || {
                     row.odd(&format!(
                         "{name} is in another group than before, where it stays"
                     ))
                 });
             }
-            let Some(slip) = row.slip(slip, notes) else {
+            let Some(slip) = row.slip(notes) else {
                 continue;
             };
             match (frame, &mut *label) {
@@ -82,7 +91,7 @@ impl Labels {
                     });
                 }
                 (Some(frame), label) => {
-                    let Ok(frame) = row.cell(frame).parse::<usize>() else {
+                    let Some(frame) = row.frame(frame) else {
                         notes.add("frame", || {
                             row.odd("a frame that is no number from 0, left out")
                         });
@@ -126,21 +135,21 @@ impl Labels {
 /// # Errors
 /// When the table cannot be read, or has no column `slip`.
 pub fn read_frames(path: &Path, notes: &mut Notes) -> Result<Label, CommandError> {
-    let mut table = Table::open(path)?;
-    let slip = table.column(SLIP)?;
-    let frame = table.find(FRAME);
+    let mut table = LabelTable::open(path)?;
+    let frame = table.find(FRAME)?;
     let mut frames = BTreeMap::new();
     let mut number = 0;
-    while let Some(row) = table.next(notes) {
-        let own = frame.map_or(Ok(number), |frame| row.cell(frame).parse());
+    while table.next(notes) {
+        let row = &table;
+        let own = frame.map_or(Some(number), |frame| row.frame(frame));
         number += 1;
-        let Ok(own) = own else {
+        let Some(own) = own else {
             notes.add("frame", || {
                 row.odd("a frame that is no number from 0, left out")
             });
             continue;
         };
-        if let Some(slip) = row.slip(slip, notes) {
+        if let Some(slip) = row.slip(notes) {
             frames.insert(own, slip);
         }
     }
@@ -148,94 +157,72 @@ pub fn read_frames(path: &Path, notes: &mut Notes) -> Result<Label, CommandError
 }
 
 /// A table of labels.
-struct Table {
+struct LabelTable {
     name: String,
-    header: Vec<String>,
-    rows: csv::StringRecordsIntoIter<std::io::BufReader<Box<dyn std::io::Read + Send>>>,
+    table: Table<BufReader<Box<dyn Read + Send>>>,
+    slip: NumberColumn,
 }
 
-impl Table {
+impl LabelTable {
     fn open(path: &Path) -> Result<Self, CommandError> {
         let name = path.display().to_string();
         let refused =
-            |what: &str| format!("{name}: {what}; expected a table with a column {SLIP:?}");
-        let stream = crate::table_file::open(path).map_err(|e| refused(&e.to_string()))?;
-        let mut reader = csv::ReaderBuilder::new()
-            .flexible(true)
-            .trim(csv::Trim::All)
-            .from_reader(stream);
-        let header = reader.headers().map_err(|e| refused(&e.to_string()))?;
-        let header = header.iter();
-        let header = header
-            .map(|h| h.trim_start_matches('\u{feff}').to_owned())
-            .collect();
-        Ok(Self {
-            name,
-            header,
-            rows: reader.into_records(),
-        })
+            |what: &dyn Display| format!("{name}: {what}; expected a table with a column {SLIP:?}");
+        let stream = crate::table_file::open(path).map_err(|e| refused(&e))?;
+        let mut table = Table::open(stream).map_err(|e| refused(&e))?;
+        let slip = table
+            .number_column(SLIP, Quantity::Any)
+            .map_err(|e| refused(&e))?;
+        let slip = slip.ok_or_else(|| no_column(&name, SLIP, table.header()))?;
+        Ok(Self { name, table, slip })
     }
 
-    fn find(&self, column: &str) -> Option<usize> {
-        self.header.iter().position(|name| name == column)
+    /// The column called `column`, if there is one.
+    fn find(&self, column: &str) -> Result<Option<usize>, CommandError> {
+        let found = self.table.column(column);
+        found.map_err(|e| format!("{}: {e}", self.name).into())
     }
 
     fn column(&self, column: &str) -> Result<usize, CommandError> {
-        self.find(column).ok_or_else(|| {
-            let header = self.header.join(",");
-            format!(
-                "{}: no column {column:?}; expected one beside {header}",
-                self.name
-            )
-            .into()
-        })
+        let found = self.find(column)?;
+        found.ok_or_else(|| no_column(&self.name, column, self.table.header()))
     }
 
-    /// The next row that can be read.
-    fn next(&mut self, notes: &mut Notes) -> Option<Row> {
+    /// Goes to the next row that can be read, if there is one.
+    fn next(&mut self, notes: &mut Notes) -> bool {
         loop {
-            let record = self.rows.next()?;
-            let line = self.rows.reader().position().line();
-            match record {
-                Ok(cells) if cells.iter().all(str::is_empty) => {}
-                Ok(cells) => {
-                    let line = cells.position().map_or(line, csv::Position::line);
-                    let name = self.name.clone();
-                    return Some(Row { name, line, cells });
-                }
+            match self.table.advance() {
+                Ok(there_is) => return there_is,
                 Err(error) => {
                     notes.add("row", || {
                         format!("{}: {error}; the row is left out", self.name)
                     });
                     // A stream that fails goes on failing.
-                    if error.is_io_error() {
-                        return None;
+                    if !error.is_of_a_row() {
+                        return false;
                     }
                 }
             }
         }
     }
-}
 
-struct Row {
-    name: String,
-    line: u64,
-    cells: csv::StringRecord,
-}
+    fn cell(&self, column: usize) -> Cow<'_, str> {
+        self.table.text(column)
+    }
 
-impl Row {
-    fn cell(&self, column: usize) -> &str {
-        self.cells.get(column).unwrap_or("")
+    /// The frame in a column, from 0.
+    fn frame(&self, column: usize) -> Option<usize> {
+        usize::try_from(self.table.whole(column)?).ok()
     }
 
     fn odd(&self, what: &str) -> String {
-        format!("{}, line {}: {what}", self.name, self.line)
+        format!("{}, line {}: {what}", self.name, self.table.line())
     }
 
-    /// The label, if there is one.
-    fn slip(&self, column: usize, notes: &mut Notes) -> Option<bool> {
-        let cell = self.cell(column);
-        match cell.parse::<f64>() {
+    /// The row's label, if there is one.
+    fn slip(&self, notes: &mut Notes) -> Option<bool> {
+        let cell = self.table.number_text(self.slip);
+        match self.table.number(self.slip) {
             Ok(0.0) => return Some(false),
             Ok(1.0) => return Some(true),
             _ if cell.is_empty() => notes.add("no label", || self.odd("no label, left out")),
@@ -245,4 +232,9 @@ impl Row {
         }
         None
     }
+}
+
+fn no_column(table: &str, column: &str, header: &Header) -> CommandError {
+    let header = header.shown();
+    format!("{table}: no column {column:?}; expected one beside {header}").into()
 }

@@ -48,8 +48,8 @@ pub struct RecordedArguments {
     /// Frames are labelled: in each recording's folder, a table of this name has a column `slip`, a row for each frame.
     #[arg(long, value_name = "FILE")]
     pub frame_labels: Option<String>,
-    /// Judge with thresholds of other recordings, too, as those of `feeler simulate-grasps`: tables of `feeler sense` or videos,
-    /// and their labels.
+    /// Judge with thresholds of other recordings, too, and their labels: tables of `feeler sense`, as those of `feeler
+    /// simulate-grasps`, videos, or, with --taxels, tables of the same array in files or folders as those of RECORDINGS.
     #[arg(long, num_args = 2, value_names = ["RECORDINGS", "LABELS"])]
     pub thresholds_from: Vec<PathBuf>,
 }
@@ -82,13 +82,12 @@ pub fn score(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comm
     let mut notes = Notes::default();
     let labels = arguments.labels.as_deref();
     let found = Found::new(Path::new(&arguments.source), labels, recorded, &mut notes)?;
-    // Read as they are: what is said of the recordings to be scored is not true of them.
-    let plain = RecordedArguments::default();
     let [other_path, other_labels] = match recorded.thresholds_from.as_slice() {
         [path, labels] => [Some(path.as_path()), Some(labels.as_path())],
         _ => [None; 2],
     };
-    let others = other_path.map(|path| Found::new(path, other_labels, &plain, &mut notes));
+    let others = other_path.zip(other_labels);
+    let others = others.map(|(path, labels)| Found::others(path, labels, recorded, &mut notes));
     let others = others.transpose()?;
     if others
         .as_ref()
@@ -228,10 +227,11 @@ fn judge(
 }
 
 /// Whether a detector's numbers mean the same on both: drag is in deviations of the noise, and the load in spacings, where both
-/// are of patterns. All others are in a sensor's own unit.
+/// are of patterns. All others are in a sensor's own unit, which is the same where both are of one kind of taxel array.
 fn is_comparable(detector: Detector, one: &Collected, other: &Collected) -> bool {
     match detector {
         Detector::Drag => true,
+        _ if one.of_taxels && other.of_taxels => true,
         Detector::ContactLoss => one.in_spacings && other.in_spacings,
         _ => false,
     }

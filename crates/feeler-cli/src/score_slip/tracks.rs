@@ -7,9 +7,11 @@ use super::recorded::RecordedArguments;
 use super::sources::Source;
 use crate::table_file::open;
 use feeler::sensor::located_layout::{LocatedLayout, MAX_LOCATED_ELEMENTS};
+use feeler::sensor::table::{NumberColumn, Quantity, Table, TableError};
 use feeler_lab::grasps::{GraspFrame, GraspRecording, Picture, Untouched};
 use glam::DVec2;
 use std::fs;
+use std::io::BufRead;
 use std::path::{Path, PathBuf};
 
 /// Pairs of columns that hold what moves, in the order in which they are looked for.
@@ -102,120 +104,207 @@ impl TrackTables {
     /// The frames, and whether they hold displacements, not forces.
     fn read_frames(
         &self,
-        table: &Path,
+        path: &Path,
         notes: &mut Notes,
     ) -> Result<(Vec<GraspFrame>, bool), CommandError> {
-        let refused = |what: &dyn std::fmt::Display| format!("{}: {what}", table.display());
-        let stream = open(table).map_err(|e| refused(&e))?;
-        let mut reader = csv::ReaderBuilder::new()
-            .flexible(true)
-            .trim(csv::Trim::All)
-            .from_reader(stream);
-        let header = reader.headers().map_err(|e| refused(&e))?.clone();
-        let find = |name: &str| header.iter().position(|column| column == name);
-        let (Some(frame), Some(element)) = (find("frame"), find("element")) else {
-            let what = "no columns frame and element in its header; expected a table of `feeler sense`, or --taxels";
-            return Err(refused(&what).into());
-        };
-        let vector = VECTORS
-            .iter()
-            .position(|[x, y]| find(x).is_some() && find(y).is_some());
-        let Some((kind, x, y)) = vector.and_then(|kind| {
-            let [x, y] = VECTORS[kind];
-            Some((kind, find(x)?, find(y)?))
-        }) else {
-            return Err(refused(&"no columns u_x and u_y, nor f_x and f_y").into());
-        };
-        let normal = find("f_z").filter(|_| VECTORS[kind] == ["f_x", "f_y"]);
-        let stamp = find("stamp").filter(|_| self.rate.is_none());
-        if stamp.is_none() && self.rate.is_none() {
-            return Err(refused(&"no column stamp; expected one, or --rate").into());
-        }
-        let mut frames: Vec<(u64, GraspFrame)> = Vec::new();
-        let mut cells = csv::StringRecord::new();
+        let refused = |what: &dyn std::fmt::Display| format!("{}: {what}", path.display());
+        let stream = open(path).map_err(|e| refused(&e))?;
+        let mut table = Table::open(stream).map_err(|e| refused(&e))?;
+        let columns = Columns::find(&mut table, self.rate);
+        let columns = columns.map_err(|what| refused(&what))?;
+        let mut frames = Frames::default();
         loop {
-            match reader.read_record(&mut cells) {
+            match table.advance() {
                 Ok(true) => {}
                 Ok(false) => break,
                 Err(error) => {
                     notes.add("row", || {
                         refused(&format_args!("{error}; the row is left out"))
                     });
-                    if error.is_io_error() {
+                    if !error.is_of_a_row() {
                         break;
                     }
                     continue;
                 }
             }
-            let line = cells.position().map_or(0, csv::Position::line);
-            let odd = |what: &str| refused(&format_args!("line {line}: {what}"));
-            let cell = |column: usize| cells.get(column).unwrap_or("");
-            let element = cell(element)
-                .parse()
-                .ok()
-                .filter(|&e: &usize| e < MAX_LOCATED_ELEMENTS);
-            let (Ok(number), Some(element)) = (cell(frame).parse::<u64>(), element) else {
-                notes.add("cells", || odd("no frame and element, left out"));
-                continue;
-            };
-            let known = stamp.map_or(self.rate.map(|rate| number as f64 / rate), |stamp| {
-                cell(stamp).parse().ok()
-            });
-            let known = known.filter(|stamp: &f64| stamp.is_finite());
-            if frames.last().is_none_or(|(newest, _)| *newest != number) {
-                if known.is_none() {
-                    notes.add("stamp", || {
-                        odd("no time; its frame is taken at that of the one before")
-                    });
-                }
-                let before = frames.last().map_or(0.0, |(_, frame)| frame.stamp);
-                let stamp = known.unwrap_or(before);
-                if frames
-                    .last()
-                    .is_some_and(|(newest, frame)| number < *newest || stamp <= frame.stamp)
-                {
-                    notes.add("back", || {
-                        odd("the frame or its time goes back or stands still; kept")
-                    });
-                }
-                frames.push((
-                    number,
-                    GraspFrame {
-                        stamp,
-                        shear: Vec::new(),
-                        normal: Vec::new(),
-                    },
-                ));
-            }
-            let number = |column: usize| {
-                let value = cell(column).parse::<f64>();
-                value.ok().filter(|value| value.is_finite())
-            };
-            let vector = number(x).zip(number(y));
-            if vector.is_none() && !(cell(x).is_empty() && cell(y).is_empty()) {
-                notes.add("number", || {
-                    odd("a cell that is no number; nothing is known of its element in this frame")
+            let mut odd = |kind: &str, what: &str| {
+                notes.add(kind, || {
+                    refused(&format_args!("line {}: {what}", table.line()))
                 });
-            }
-            if let Some((_, frame)) = frames.last_mut() {
-                if frame.shear.len() <= element {
-                    frame.shear.resize(element + 1, DVec2::NAN);
-                }
-                if !frame.shear[element].is_nan() {
-                    notes.add("element twice", || {
-                        odd("the element stands twice in its frame; the last counts")
-                    });
-                }
-                frame.shear[element] = vector.map_or(DVec2::NAN, |(x, y)| DVec2::new(x, y));
-                if let Some(normal) = normal {
-                    frame.normal.resize(frame.shear.len(), f64::NAN);
-                    frame.normal[element] = number(normal).unwrap_or(f64::NAN);
-                }
-            }
+            };
+            frames.take(&table, &columns, &mut odd);
         }
-        Ok((
-            frames.into_iter().map(|(_, frame)| frame).collect(),
-            kind == 0,
-        ))
+        if frames.0.is_empty() {
+            return Err(refused(&"no row with a frame and an element can be read").into());
+        }
+        let frames = frames.0.into_iter().map(|(_, frame)| frame);
+        Ok((frames.collect(), columns.are_places))
+    }
+}
+
+/// Whether the table at `path` is one of tracks: it has a frame and an element in each row.
+pub fn is_tracks(path: &Path) -> bool {
+    let table = open(path).ok().and_then(|stream| Table::open(stream).ok());
+    table.is_some_and(|table| {
+        let there = |name| matches!(table.column(name), Ok(Some(_)));
+        there("frame") && there("element")
+    })
+}
+
+/// Where the columns are.
+struct Columns {
+    frame: usize,
+    element: usize,
+    /// What moves, or pulls.
+    vector: [NumberColumn; 2],
+    /// Whether that is in a picture.
+    are_places: bool,
+    normal: Option<NumberColumn>,
+    clock: Clock,
+}
+
+/// Where the times of frames are from.
+enum Clock {
+    Rate(f64),
+    Stamp(NumberColumn),
+}
+
+impl Columns {
+    /// In a table, whose frames come at a `rate` if it is given.
+    ///
+    /// # Errors
+    /// If one is missing.
+    fn find<R: BufRead>(table: &mut Table<R>, rate: Option<f64>) -> Result<Self, String> {
+        let words = |e: TableError| e.to_string();
+        let frame = table.column("frame").map_err(words)?;
+        let element = table.column("element").map_err(words)?;
+        let Some((frame, element)) = frame.zip(element) else {
+            let (header, separator) = (table.header().shown(), table.separator());
+            return Err(format!(
+                "no columns frame and element in its header {header:?}, read with {separator} between cells; expected a table of \
+                 `feeler sense`, or --taxels"
+            ));
+        };
+        let mut number = |name, quantity| table.number_column(name, quantity).map_err(words);
+        let mut vector = None;
+        for (kind, [x, y]) in VECTORS.into_iter().enumerate() {
+            let both = number(x, Quantity::Any)?.zip(number(y, Quantity::Any)?);
+            vector = vector.or(both.map(|(x, y)| (kind == 0, [x, y])));
+        }
+        let (are_places, vector) = vector.ok_or("no columns u_x and u_y, nor f_x and f_y")?;
+        let normal = if are_places {
+            None
+        } else {
+            number("f_z", Quantity::Any)?
+        };
+        let clock = match rate {
+            Some(rate) => Clock::Rate(rate),
+            None => Clock::Stamp(
+                number("stamp", Quantity::Time)?
+                    .ok_or("no column stamp; expected one, or --rate")?,
+            ),
+        };
+        Ok(Self {
+            frame,
+            element,
+            vector,
+            are_places,
+            normal,
+            clock,
+        })
+    }
+}
+
+/// Frames by number.
+#[derive(Default)]
+struct Frames(Vec<(u64, GraspFrame)>);
+
+impl Frames {
+    /// Takes the newest row of a table; calls `odd` with the kind and the words of what is.
+    fn take<R: BufRead>(
+        &mut self,
+        table: &Table<R>,
+        columns: &Columns,
+        odd: &mut impl FnMut(&str, &str),
+    ) {
+        let element = table.whole(columns.element);
+        let element = element
+            .and_then(|e| usize::try_from(e).ok())
+            .filter(|&e| e < MAX_LOCATED_ELEMENTS);
+        let (Some(number), Some(element)) = (table.whole(columns.frame), element) else {
+            return odd("cells", "no frame and element, left out");
+        };
+        if self.0.last().is_none_or(|(newest, _)| *newest != number) {
+            self.begin(number, table, &columns.clock, odd);
+        }
+        let finite = |column| table.number(column).ok().filter(|value| value.is_finite());
+        let [x, y] = columns.vector.map(finite);
+        let vector = x.zip(y);
+        if vector.is_none()
+            && columns
+                .vector
+                .iter()
+                .any(|&column| !table.number_text(column).is_empty())
+        {
+            odd(
+                "number",
+                "a cell that is no number; nothing is known of its element in this frame",
+            );
+        }
+        let Some((_, frame)) = self.0.last_mut() else {
+            return;
+        };
+        if frame.shear.len() <= element {
+            frame.shear.resize(element + 1, DVec2::NAN);
+        }
+        if !frame.shear[element].is_nan() {
+            odd(
+                "element twice",
+                "the element stands twice in its frame; the last counts",
+            );
+        }
+        frame.shear[element] = vector.map_or(DVec2::NAN, |(x, y)| DVec2::new(x, y));
+        if let Some(normal) = columns.normal {
+            frame.normal.resize(frame.shear.len(), f64::NAN);
+            frame.normal[element] = finite(normal).unwrap_or(f64::NAN);
+        }
+    }
+
+    /// Begins the frame of this number.
+    fn begin<R: BufRead>(
+        &mut self,
+        number: u64,
+        table: &Table<R>,
+        clock: &Clock,
+        odd: &mut impl FnMut(&str, &str),
+    ) {
+        let known = match *clock {
+            Clock::Rate(rate) => Some(number as f64 / rate),
+            Clock::Stamp(stamp) => table.number(stamp).ok(),
+        };
+        let known = known.filter(|stamp| stamp.is_finite());
+        if known.is_none() {
+            odd(
+                "stamp",
+                "no time; its frame is taken at that of the one before",
+            );
+        }
+        let before = self.0.last();
+        let stamp = known.unwrap_or(before.map_or(0.0, |(_, frame)| frame.stamp));
+        if before.is_some_and(|(newest, frame)| number < *newest || stamp <= frame.stamp) {
+            odd(
+                "back",
+                "the frame or its time goes back or stands still; kept",
+            );
+        }
+        let (shear, normal) = (Vec::new(), Vec::new());
+        self.0.push((
+            number,
+            GraspFrame {
+                stamp,
+                shear,
+                normal,
+            },
+        ));
     }
 }

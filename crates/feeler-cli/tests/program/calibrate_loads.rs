@@ -59,6 +59,91 @@ fn pictures_and_forces_on_disk_make_a_calibration() {
     run(&folder, &again).refused(&["--write-loads loads/LOADS.csv", "exists already"]);
 }
 
+/// Text as UTF-16, least significant byte first.
+fn wide(text: &str) -> Vec<u8> {
+    let marked = std::iter::once(0xfeff).chain(text.encode_utf16());
+    marked.flat_map(u16::to_le_bytes).collect()
+}
+
+/// Loads as spreadsheets and sensors write them make the calibration of the loads as feeler writes them.
+#[test]
+fn loads_of_other_programs_make_the_same_calibration() {
+    let (folder, _) = simulated("loads-of-others", "20");
+    let loads = fs::read_to_string(folder.join("loads/LOADS.csv")).unwrap();
+    let calibrate = |bytes: &[u8]| {
+        fs::write(folder.join("loads/OTHER.csv"), bytes).unwrap();
+        let arguments = ["calibrate", "loads/OTHER.csv", "--force", "-o", "o.toml"];
+        run(&folder, &arguments).done();
+        fs::read_to_string(folder.join("o.toml")).unwrap()
+    };
+    let expected = calibrate(loads.as_bytes());
+    let (header, rows) = loads.split_once('\n').unwrap();
+    assert_eq!(header, "picture,element,f_x,f_y,f_z,column,row,x_angle");
+    // Of the points in a row, the first is that of the picture's name.
+    let comma = |row: &str| row.replace('.', ",").replacen(",png", ".png", 1);
+    let german: String = rows
+        .lines()
+        .map(|row| comma(&row.replace(',', ";")) + "\r\n")
+        .collect();
+    let names = "\"Picture\";Element;Fx [N];FY;fz (N);Column;Row;\"X-Angle\"\r\n;;[N];[N];[N];px;px;rad\r\n\r\n";
+    let german = names.to_owned() + &german;
+    assert!(calibrate(format!("\u{feff}{german}").as_bytes()) == expected);
+    assert!(calibrate(&wide(&german.replace(';', "\t"))) == expected);
+    let quoted = |row: &str| format!("\"{}\"\n", row.replace(',', "\",\""));
+    assert!(calibrate(loads.lines().map(quoted).collect::<String>().as_bytes()) == expected);
+}
+
+/// What may mean two things, or is no table, is refused with what was found and what to do.
+#[test]
+fn loads_that_may_mean_two_things_are_refused() {
+    let folder = folder("loads-that-may-mean-two-things");
+    let cases: [(&[u8], &[&str]); 8] = [
+        (
+            b"picture,element,f_x,f_y,f_z\na.png,0,0,1,0,2,0,5\n",
+            &[
+                "line 2: 8 cells; expected 5",
+                "decimal commas",
+                "a semicolon or a tab",
+            ],
+        ),
+        (
+            b"picture;element;f_x;f_y;f_z\na.png;0;1,234;0;0\n",
+            &[
+                "line 2: f_x = \"1,234\"",
+                "a decimal comma or divide thousands",
+            ],
+        ),
+        (
+            b"picture;element;f_x;f_y;f_z\na.png;0;1,5;0.5;0\n",
+            &[
+                "line 2: f_y = \"0.5\"",
+                "a decimal point, line 2 has a decimal comma",
+            ],
+        ),
+        (
+            b"picture,element,Fx,FX,f_y,f_z\n",
+            &["\"Fx\", \"FX\" may all be f_x"],
+        ),
+        (
+            b"picture,element,f_x,f_y,Fz [lbf]\n",
+            &["\"Fz [lbf]\" is in \"lbf\"", "expected N, mN or kN"],
+        ),
+        (
+            b"picture element f_x f_y f_z\n",
+            &["no column \"picture\"", "read with a comma between cells"],
+        ),
+        (b"PK\x03\x04\x14\x00", &["a workbook", "save it as CSV"]),
+        (
+            b"picture,element,f_x,f_y,f_z\n\"a.png,0,0,0,1\n",
+            &["line 2: a quote is not closed"],
+        ),
+    ];
+    for (bytes, words) in cases {
+        fs::write(folder.join("LOADS.csv"), bytes).unwrap();
+        run(&folder, &["calibrate", "LOADS.csv", "-o", "b.toml"]).refused(words);
+    }
+}
+
 #[test]
 fn a_recording_of_what_was_sensed_makes_the_same_calibration_as_its_pictures() {
     let (folder, _) = simulated("recorded-loads", "30");
@@ -258,14 +343,20 @@ fn loads_that_cannot_be_used_are_named() {
     let head = "picture,element,f_x,f_y,f_z\n";
     let unloaded = "00000.png,,0,0,0\n";
     let cases: [(String, &[&str]); 12] = [
-        (String::new(), &["no column \"picture\""]),
+        (String::new(), &["the table is empty", "expected a header"]),
         (head.into(), &["no loads"]),
         (
             good.replacen("f_z", "force", 1),
             &["no column \"f_z\"", "picture,element,f_x,f_y,force"],
         ),
-        (good.replacen(row, "00000.png,", 1), &["line: 2", "8"]),
-        (good.replacen(row, "00000.png,0,nan,1,", 1), &["line: 2"]),
+        (
+            good.replacen(row, "00000.png,", 1),
+            &["line 2: 7 cells; expected 8"],
+        ),
+        (
+            good.replacen(row, "00000.png,0,nan,1,", 1),
+            &["line 2: 10 cells; expected 8"],
+        ),
         (
             format!("{head}00000.png,0,1,nan,1\n"),
             &["line 2", "f_y = \"nan\"", "finite number"],

@@ -70,6 +70,43 @@ const CALIBRATE: [&str; 7] = [
     "wrench.toml",
 ];
 
+/// Forces as a spreadsheet writes them make the calibration of the forces as this test writes them.
+#[test]
+fn forces_of_other_programs_make_the_same_calibration() {
+    let folder = measured("wrench-of-others");
+    let calibrate = || {
+        let ended = run(&folder, &[&CALIBRATE[..], &["--force"]].concat());
+        assert_eq!(ended.status, Some(0), "{ended:?}");
+        fs::read_to_string(folder.join("wrench.toml")).unwrap()
+    };
+    let expected = calibrate();
+    let forces = fs::read_to_string(folder.join("FORCES.csv")).unwrap();
+    let german = forces
+        .replace(',', ";")
+        .replace('.', ",")
+        .replace(",png", ".png");
+    let german = german.replacen(
+        "picture;f_x;f_y;f_z;m_z\n",
+        "Picture;FX;Fy [N];Force Z;Mz (Nm)\n;N;N;N;\n",
+        1,
+    );
+    let wide = std::iter::once(0xfeff)
+        .chain(german.encode_utf16())
+        .flat_map(u16::to_be_bytes);
+    fs::write(folder.join("FORCES.csv"), wide.collect::<Vec<_>>()).unwrap();
+    assert!(calibrate() == expected);
+    fs::write(
+        folder.join("FORCES.csv"),
+        forces
+            .replace(',', "; ")
+            .replacen("f_x", "Tx", 1)
+            .replacen("f_y", "F_Y [m]", 1),
+    )
+    .unwrap();
+    run(&folder, &[&CALIBRATE[..], &["--force"]].concat())
+        .refused(&["\"F_Y [m]\" is in \"m\"", "expected N, mN or kN"]);
+}
+
 #[test]
 fn total_forces_make_a_calibration_that_senses_them() {
     let folder = measured("wrench");

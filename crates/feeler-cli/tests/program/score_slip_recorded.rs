@@ -6,7 +6,7 @@ use crate::skip::skipped;
 use std::fmt::Write as _;
 use std::fs;
 use std::io::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 /// Frames of a made-up grasp, at 25 Hz, and the frame at which a slipped one is lost.
@@ -165,6 +165,53 @@ fn a_loss_is_told_from_shaking_and_the_largest_speed_tells_nothing() {
 }
 
 #[test]
+fn tracks_and_labels_of_other_programs_are_scored_alike() {
+    let folder = folder("score-slip-of-others");
+    grasps(&folder);
+    let expected = run(&folder, &SCORED).done();
+    let german = |path: PathBuf, from: &str, to: &str| {
+        let text = fs::read_to_string(&path).unwrap();
+        assert!(text.starts_with(from), "{text:.80}");
+        let text = text
+            .replacen(from, to, 1)
+            .replace(',', ";")
+            .replace('.', ",")
+            .replace('\n', "\r\n");
+        let units = std::iter::once(0xfeff).chain(text.encode_utf16());
+        fs::write(path, units.flat_map(u16::to_le_bytes).collect::<Vec<_>>()).unwrap();
+    };
+    for table in fs::read_dir(folder.join("tracks")).unwrap() {
+        german(
+            table.unwrap().path(),
+            "frame,stamp,element",
+            "Frame,\"Stamp [s]\",ELEMENT",
+        );
+    }
+    german(
+        folder.join("labels.csv"),
+        "video,object,slip",
+        "Video,Object,Slip",
+    );
+    let again = run(&folder, &[&SCORED[..], &["--out=again"]].concat()).done();
+    assert_eq!(expected.replace("slip/s", "again/s"), again);
+    assert_eq!(
+        fs::read(folder.join("slip/scores.csv")).unwrap(),
+        fs::read(folder.join("again/scores.csv")).unwrap()
+    );
+    // Decimal commas between commas: no column is taken for another.
+    let path = folder.join("tracks/0-hold.csv");
+    let table = tracks(0, false);
+    let (header, rows) = table.split_once('\n').unwrap();
+    fs::write(&path, format!("{header}\n{}", rows.replace('.', ","))).unwrap();
+    let ended = run(&folder, &[&SCORED[..], &["--out=third"]].concat());
+    assert!(
+        ended.stderr.contains("if numbers have decimal commas"),
+        "{ended:?}"
+    );
+    assert!(ended.stdout.starts_with("11 recordings"), "{ended:?}");
+}
+
+#[test]
 fn without_a_layout_contact_is_unknown_and_that_is_said() {
     let folder = folder("score-slip-unknown");
     grasps(&folder);
@@ -315,6 +362,87 @@ fn frames_of_several_arrays_are_scored_by_their_own_labels() {
         .concat(),
     )
     .refused(&["--table"]);
+}
+
+/// The line of a detector that is judged with a threshold of others.
+const TRANSFERRED: &str = "threshold of others";
+
+/// Thresholds of one set of taxel tables, in folders with labels of frames, judge another; tracks may choose them, too.
+#[test]
+fn thresholds_are_taken_from_tables_of_taxels() {
+    let folder = folder("score-slip-taxels-from");
+    fs::write(folder.join("two.toml"), LAYOUT).unwrap();
+    for (name, slips) in [("a", true), ("bb", false), ("ccc", true)] {
+        dragged(&folder, name, slips);
+    }
+    fs::create_dir(folder.join("flat")).unwrap();
+    for (index, name) in ["a", "bb", "ccc"].into_iter().enumerate() {
+        let table = folder.join(format!("grasps/{name}/array0.csv"));
+        fs::copy(table, folder.join(format!("flat/{index}.csv"))).unwrap();
+    }
+    fs::write(folder.join("labels.csv"), "recording,slip\n0,1\n1,0\n2,1\n").unwrap();
+    let judged = |arguments: [&str; 4]| {
+        let [recordings, labels, others, their_labels] = arguments;
+        let start = [
+            "score-slip",
+            recordings,
+            labels,
+            "--taxels=two.toml",
+            "--force",
+        ];
+        let ended = run(
+            &folder,
+            &[&start[..], &["--thresholds-from", others, their_labels]].concat(),
+        );
+        assert_eq!(ended.status, Some(0), "{ended:?}");
+        ended.stdout
+    };
+    let text = judged(["flat", "labels.csv", "flat", "labels.csv"]);
+    // The thresholds of the same recordings: right in all that they were chosen for.
+    for detector in ["drag", "shear rate (the paper's rule)"] {
+        assert_eq!(
+            number(&text, detector, "right with it (%)"),
+            100.0,
+            "{text}"
+        );
+    }
+    // Frames of folders, by the labels in each; LABELS names the recordings.
+    fs::write(
+        folder.join("names.csv"),
+        "recording,slip\na,1\nbb,0\nccc,1\n",
+    )
+    .unwrap();
+    let arguments = [
+        "score-slip",
+        "grasps",
+        "--taxels=two.toml",
+        "--table=array0.csv",
+        "--table=array1.csv",
+        "--frame-labels=slip.csv",
+        "--force",
+        "--thresholds-from",
+        "grasps",
+        "names.csv",
+    ];
+    let text = run(&folder, &arguments).stdout;
+    assert!(
+        text.starts_with("600 frames in 3 groups")
+            && text.contains("thresholds of grasps: 600 frames"),
+        "{text}"
+    );
+    // Tracks choose thresholds of drag for taxels, too, as the noise of each is its unit; of no other.
+    fs::copy(folder.join("labels.csv"), folder.join("flat.csv")).unwrap();
+    grasps(&folder);
+    let text = judged(["flat", "flat.csv", "tracks", "labels.csv"]);
+    assert!(
+        text.contains("thresholds of tracks: 12 recordings"),
+        "{text}"
+    );
+    assert!(
+        text.split_once("drag\n").unwrap().1.contains(TRANSFERRED),
+        "{text}"
+    );
+    assert_eq!(text.matches(TRANSFERRED).count(), 1, "{text}");
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! The file of loads that a calibration is fitted to: which picture was taken under which forces.
 //!
-//! CSV with the columns `picture, element, f_x, f_y, f_z` in any order, others ignored: a picture's
+//! A [`table`](super::table) with the columns `picture, element, f_x, f_y, f_z` in any order, others ignored: a picture's
 //! file, relative to the CSV; the index of an element; the force on it in its frame `E_i`, N. A
 //! picture may have a row for each of several elements. A row of zero force says that the element was not
 //! loaded; a row without an element (and without a force, or with a zero one) says so of all elements.
@@ -18,10 +18,15 @@ use super::{
     calibration_fit::{ElementRecord, LoadSample},
     moments::ElementMoments,
     seen::SeenElement,
+    table::{NumberColumn, NumberError, Quantity, Table, TableError},
 };
 use glam::{DVec2, DVec3};
 use place::{NamedPlace, Places};
-use std::{collections::HashMap, io::Read};
+use std::{
+    collections::HashMap,
+    io::{BufRead, BufReader, Read},
+    ops::Range,
+};
 
 /// The columns that there must be.
 pub const COLUMNS: [&str; 5] = ["picture", "element", "f_x", "f_y", "f_z"];
@@ -32,18 +37,20 @@ pub const PLACE_COLUMNS: [&str; 3] = ["column", "row", "x_angle"];
 /// Why loads cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum LoadsError {
-    /// The text is no CSV, or a row has too few or too many fields.
-    #[error("not a CSV file: {0}; expected the columns picture, element, f_x, f_y, f_z")]
-    Csv(#[from] csv::Error),
+    /// The table, or a row of it, cannot be read.
+    #[error(transparent)]
+    Table(#[from] TableError),
     /// A column is not in the header.
     #[error(
-        "no column {column:?} in the header {header:?}; expected picture, element, f_x, f_y, f_z"
+        "no column {column:?} in the header {header:?}, read with {separator} between cells; expected picture, element, f_x, f_y, f_z"
     )]
     Column {
         /// The column that is missing.
         column: &'static str,
         /// The header as it is.
         header: String,
+        /// What stands between its cells, in words.
+        separator: &'static str,
     },
     /// There are no rows.
     #[error("no loads: at least one row expected below the header")]
@@ -125,23 +132,19 @@ pub struct LoadedPicture {
 /// Names line, field, value and what was expected.
 pub fn read_loads(text: impl Read, seen: &[SeenElement]) -> Result<Vec<LoadedPicture>, LoadsError> {
     let elements = seen.len();
-    let mut reader = csv::ReaderBuilder::new()
-        .trim(csv::Trim::All)
-        .comment(Some(b'#'))
-        .from_reader(text);
-    let columns = Columns::of(reader.headers()?)?;
+    let mut table = Table::open(BufReader::new(text))?;
+    let columns = Columns::of(&mut table)?;
     let mut by_place = Places::new(seen);
     let mut pictures: Vec<LoadedPicture> = Vec::new();
     let mut places = HashMap::new();
     let mut lines = HashMap::new();
-    for record in reader.records() {
-        let record = record?;
-        let line = record.position().map_or(0, csv::Position::line);
-        let row = Row::parse(line, &columns.fields(&record), &mut by_place)?;
+    while table.advance()? {
+        let line = table.line();
+        let row = Row::parse(&table, &columns, &mut by_place)?;
         let picture = row.picture;
-        let place = *places.entry(picture.to_owned()).or_insert_with(|| {
+        let place = *places.entry(picture.clone()).or_insert_with(|| {
             pictures.push(LoadedPicture {
-                picture: picture.to_owned(),
+                picture: picture.clone(),
                 line,
                 forces: vec![None; elements],
             });
@@ -149,7 +152,6 @@ pub fn read_loads(text: impl Read, seen: &[SeenElement]) -> Result<Vec<LoadedPic
         });
         for element in row.elements {
             if let Some(before) = lines.insert((place, element), line) {
-                let picture = picture.to_owned();
                 return Err(LoadsError::Twice {
                     line,
                     before,
@@ -168,91 +170,86 @@ pub fn read_loads(text: impl Read, seen: &[SeenElement]) -> Result<Vec<LoadedPic
 
 /// Where in a row the fields are.
 struct Columns {
-    always: [Option<usize>; COLUMNS.len()],
-    place: [Option<usize>; PLACE_COLUMNS.len()],
+    picture: usize,
+    element: Option<usize>,
+    force: [NumberColumn; 3],
+    /// Column and row of a place; `None` unless the table has both.
+    place: Option<[NumberColumn; 2]>,
+    x_angle: Option<NumberColumn>,
 }
 
 impl Columns {
-    fn of(header: &csv::StringRecord) -> Result<Self, LoadsError> {
-        let find = |column: &str| header.iter().position(|name| name == column);
-        let (always, mut place) = (COLUMNS.map(find), PLACE_COLUMNS.map(find));
-        // A place is both.
-        let has_place = place[0].is_some() && place[1].is_some();
-        if !has_place {
-            (place[0], place[1]) = (None, None);
+    fn of<R: BufRead>(table: &mut Table<R>) -> Result<Self, LoadsError> {
+        let [picture, element, force @ ..] = COLUMNS;
+        let [column, row, x_angle] = PLACE_COLUMNS;
+        let place = table.number_column(column, Quantity::Pixels)?;
+        let place = place.zip(table.number_column(row, Quantity::Pixels)?);
+        let missing = |table: &Table<R>, column| LoadsError::Column {
+            column,
+            header: table.header().shown(),
+            separator: table.separator(),
+        };
+        let picture = table
+            .column(picture)?
+            .ok_or_else(|| missing(table, picture))?;
+        let element_column = table.column(element)?;
+        if element_column.is_none() && place.is_none() {
+            return Err(missing(table, element));
         }
-        let missing = always.into_iter().zip(COLUMNS);
-        let mut missing =
-            missing.filter(|&(at, column)| at.is_none() && !(has_place && column == "element"));
-        match missing.next() {
-            Some((_, column)) => Err(LoadsError::Column {
-                column,
-                header: header.iter().collect::<Vec<_>>().join(","),
-            }),
-            None => Ok(Self { always, place }),
-        }
-    }
-
-    fn fields<'a>(&self, record: &'a csv::StringRecord) -> Fields<'a> {
-        let field = |column: Option<usize>| record.get(column?);
-        let [picture, element, x, y, z] =
-            self.always.map(|column| field(column).unwrap_or_default());
-        let [column, row, x_angle] = self.place.map(field);
-        Fields {
+        let mut axis = |name| {
+            let column = table.number_column(name, Quantity::Force)?;
+            column.ok_or_else(|| missing(table, name))
+        };
+        Ok(Self {
             picture,
-            element,
-            force: [x, y, z],
-            place: column.zip(row),
-            x_angle: x_angle.unwrap_or_default(),
-        }
+            element: element_column,
+            force: [axis(force[0])?, axis(force[1])?, axis(force[2])?],
+            place: place.map(|(column, row)| [column, row]),
+            x_angle: table.number_column(x_angle, Quantity::Angle)?,
+        })
+    }
+
+    /// Whether nothing of a row says of which element it is.
+    fn name_none<R: BufRead>(&self, table: &Table<R>) -> bool {
+        let mut place = self.place.iter().flatten();
+        self.element
+            .is_none_or(|element| table.text(element).is_empty())
+            && place.all(|&column| table.number_text(column).is_empty())
     }
 }
 
-/// The texts of one row.
-struct Fields<'a> {
-    picture: &'a str,
-    element: &'a str,
-    force: [&'a str; 3],
-    /// Column and row, where the file has them.
-    place: Option<(&'a str, &'a str)>,
-    x_angle: &'a str,
-}
-
-impl Fields<'_> {
-    /// Whether the row speaks of all elements.
-    fn names_none(&self) -> bool {
-        self.element.is_empty() && self.place.is_none_or(|place| place == ("", ""))
-    }
-}
-
-/// One row: a force on one element, or none on all of them.
-struct Row<'a> {
-    picture: &'a str,
-    elements: std::ops::Range<usize>,
+/// One row.
+struct Row {
+    picture: String,
+    elements: Range<usize>,
     force: DVec3,
 }
 
-impl<'a> Row<'a> {
-    fn parse(line: u64, fields: &Fields<'a>, by_place: &mut Places) -> Result<Self, LoadsError> {
-        let picture = fields.picture;
+impl Row {
+    /// The newest row of `table`.
+    fn parse<R: BufRead>(
+        table: &Table<R>,
+        columns: &Columns,
+        by_place: &mut Places,
+    ) -> Result<Self, LoadsError> {
+        let field = Field { table };
+        let picture = table.text(columns.picture).into_owned();
         if picture.is_empty() {
-            return Err(wrong(line, "picture", picture, "the file of a picture"));
+            return Err(field.wrong("picture", &picture, "the file of a picture"));
         }
-        let all = fields.names_none();
-        let mut newtons = [0.0; 3];
-        let components = fields.force.into_iter().zip(["f_x", "f_y", "f_z"]);
-        for (newton, (text, field)) in newtons.iter_mut().zip(components) {
-            *newton = match number(text) {
-                Some(number) if all && number != 0.0 => {
-                    let expected = "0 N or nothing, as no element is named";
-                    return Err(wrong(line, field, text, expected));
-                }
-                Some(number) => number,
-                None if all && text.is_empty() => 0.0,
-                None => return Err(wrong(line, field, text, "a finite number, N")),
-            };
+        let all = columns.name_none(table);
+        let mut force = DVec3::ZERO;
+        for (axis, (&column, name)) in columns.force.iter().zip(["f_x", "f_y", "f_z"]).enumerate() {
+            let text = table.number_text(column);
+            if all && text.is_empty() {
+                continue;
+            }
+            force[axis] = field.number(name, column, "a finite number, N")?;
+            if all && force[axis] != 0.0 {
+                let expected = "0 N or nothing, as no element is named";
+                return Err(field.wrong(name, &text, expected));
+            }
         }
-        let force = DVec3::from_array(newtons);
         if all {
             let elements = 0..by_place.element_count();
             return Ok(Self {
@@ -261,58 +258,85 @@ impl<'a> Row<'a> {
                 force,
             });
         }
-        let element = element_of(line, fields, by_place)?;
-        let turned = match (fields.x_angle, number(fields.x_angle)) {
-            ("", _) => force,
-            (_, Some(angle)) => by_place.turned(element, force, angle),
-            (text, None) => {
-                return Err(wrong(
-                    line,
-                    "x_angle",
-                    text,
-                    "a finite number, rad, or nothing",
-                ));
-            }
-        };
+        let element = element_of(&field, columns, by_place)?;
+        let angle = columns
+            .x_angle
+            .filter(|&column| !table.number_text(column).is_empty());
+        if let Some(column) = angle {
+            let angle = field.number("x_angle", column, "a finite number, rad, or nothing")?;
+            force = by_place.turned(element, force, angle);
+        }
         Ok(Self {
             picture,
             elements: element..element + 1,
-            force: turned,
+            force,
         })
     }
 }
 
-/// The layout's element that a row speaks of, by its place if the file has places.
-fn element_of(line: u64, fields: &Fields, by_place: &mut Places) -> Result<usize, LoadsError> {
-    let name = fields.element;
-    let Some((column, row)) = fields.place else {
+/// The layout's element that a row is about, by its place if the file has places.
+fn element_of<R: BufRead>(
+    field: &Field<R>,
+    columns: &Columns,
+    by_place: &mut Places,
+) -> Result<usize, LoadsError> {
+    let table = field.table;
+    let name = columns
+        .element
+        .map(|element| table.text(element))
+        .unwrap_or_default();
+    let Some([column, row]) = columns.place else {
         let count = by_place.element_count();
-        let index = name.parse::<usize>().ok().filter(|&index| index < count);
+        let index = columns.element.and_then(|element| table.whole(element));
+        let index = index
+            .and_then(|index| usize::try_from(index).ok())
+            .filter(|&index| index < count);
         let expected = format!("an element from 0 to {}", count.saturating_sub(1));
-        return index.ok_or_else(|| wrong(line, "element", name, &expected));
+        return index.ok_or_else(|| field.wrong("element", &name, &expected));
     };
-    let pixels = |field, text| {
-        let expected = "a finite number, px, as there is a column for it";
-        number(text).ok_or_else(|| wrong(line, field, text, expected))
+    let pixels = |name, column| {
+        field.number(
+            name,
+            column,
+            "a finite number, px, as there is a column for it",
+        )
     };
     let place_px = DVec2::new(pixels("column", column)?, pixels("row", row)?);
     by_place.find(NamedPlace {
-        line,
-        name,
+        line: table.line(),
+        name: &name,
         place_px,
     })
 }
 
-fn number(text: &str) -> Option<f64> {
-    text.parse::<f64>().ok().filter(|number| number.is_finite())
+/// The newest row of a table, whose fields may be wrong.
+struct Field<'a, R> {
+    table: &'a Table<R>,
 }
 
-fn wrong(line: u64, field: &'static str, value: &str, expected: &str) -> LoadsError {
-    LoadsError::Field {
-        line,
-        field,
-        value: value.to_owned(),
-        expected: expected.to_owned(),
+impl<R: BufRead> Field<'_, R> {
+    /// The finite number in a column.
+    fn number(
+        &self,
+        name: &'static str,
+        column: NumberColumn,
+        expected: &str,
+    ) -> Result<f64, LoadsError> {
+        let why = match self.table.number(column) {
+            Ok(number) if number.is_finite() => return Ok(number),
+            Ok(_) | Err(NumberError::NotANumber) => expected.to_owned(),
+            Err(error) => format!("{expected}; {error}"),
+        };
+        Err(self.wrong(name, &self.table.number_text(column), &why))
+    }
+
+    fn wrong(&self, field: &'static str, value: &str, expected: &str) -> LoadsError {
+        LoadsError::Field {
+            line: self.table.line(),
+            field,
+            value: value.to_owned(),
+            expected: expected.to_owned(),
+        }
     }
 }
 

@@ -4,7 +4,7 @@
 //! through the dewarp of [`dome`]) → forces ([`calibration`]) → [`reading`]. [`sensing`] is the whole
 //! chain, which also works without a calibration; [`optical`] puts it behind a camera.
 //!
-//! Three-axis arrays of other makers have no pictures: [`taxel`] reads their tables.
+//! Three-axis arrays of other makers have no pictures: [`taxel`] reads their tables. Tables of all kinds are read by [`table`].
 
 pub mod calibration;
 pub mod calibration_error;
@@ -39,6 +39,7 @@ pub mod seen;
 pub mod sensing;
 pub mod separable;
 pub mod subregion;
+pub mod table;
 pub mod taxel;
 pub mod track;
 pub mod wrench;

@@ -49,6 +49,34 @@ fn sense(folder: &Path, more: &[&str]) -> Ended {
 }
 
 #[test]
+fn a_table_of_another_program_is_sensed_alike() {
+    let folder = prepare("taxels-of-others", PILLARS);
+    let german = TABLE.replace(',', ";").replace('.', ",");
+    let german = german
+        .replacen("p0_x;p0_y;p0_z", "P0_X [N];\"p0 y\";p0-z", 1)
+        .replace('\n', "\r\n");
+    let wide = german.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    for bytes in [
+        german.clone().into_bytes(),
+        german.replace(';', "\t").into_bytes(),
+        wide,
+    ] {
+        fs::write(folder.join("forces.csv"), bytes).unwrap();
+        let ended = sense(&folder, &[]);
+        assert_eq!(
+            (ended.status, ended.stdout.as_str()),
+            (Some(0), WRITTEN),
+            "{ended:?}"
+        );
+    }
+    fs::write(folder.join("forces.csv"), german.replace("[N]", "[mN]")).unwrap();
+    sense(&folder, &[]).refused(&[
+        "\"P0_X [mN]\" is in \"mN\"",
+        "expected N, the unit in the layout",
+    ]);
+}
+
+#[test]
 fn a_packed_table_is_unpacked() {
     let folder = prepare("taxels-packed", PILLARS);
     let packed = fs::File::create(folder.join("forces.csv.gz")).unwrap();

@@ -31,8 +31,11 @@ fn what_is_wrong_is_named() {
     for (text, words) in [
         ("picture,element,f_x,f_y\n", "no column \"f_z\""),
         (head, "no loads"),
-        ("", "no column"),
-        ("picture,element,f_x,f_y,f_z\na,0,1,2\n", "line: 2"),
+        ("", "the table is empty"),
+        (
+            "picture,element,f_x,f_y,f_z\na,0,1,2\n",
+            "line 2: 4 cells; expected 5",
+        ),
         (
             "picture,element,f_x,f_y,f_z\na,3,1,2,3\n",
             "line 2: element = \"3\"; expected an element from 0 to 2",
@@ -40,6 +43,18 @@ fn what_is_wrong_is_named() {
         (
             "picture,element,f_x,f_y,f_z\na,-1,1,2,3\n",
             "element = \"-1\"",
+        ),
+        (
+            "picture;element;f_x;f_y;f_z\na;0;1,234;2;3\n",
+            "line 2: f_x = \"1,234\"; expected a finite number, N; its comma may be a decimal comma or divide thousands",
+        ),
+        (
+            "picture;element;f_x;f_y;f_z\na;0;1,5;2.5;3\n",
+            "f_y = \"2.5\"; expected a finite number, N; it has a decimal point, line 2 has a decimal comma",
+        ),
+        (
+            "picture;element;f_x;f_y\n",
+            "no column \"f_z\" in the header \"picture,element,f_x,f_y\", read with a semicolon",
         ),
         (
             "picture,element,f_x,f_y,f_z\na,0,1,NaN,3\n",
@@ -60,6 +75,15 @@ fn what_is_wrong_is_named() {
         assert!(message.contains(words), "{message}");
     }
     let _ = read_loads(&b"\xff\xfe\n\xff,,"[..], &seen()).unwrap_err();
+}
+
+#[test]
+fn units_and_names_of_other_programs_are_understood() {
+    let text = "Picture;Element;Fx [mN];FY;F_Z;column;row;X angle\n;;;N;kN;px;;deg\nb;2,0;500;0,25;0,001;30,0;50,0;0,0\n";
+    let pictures = read_loads(text.as_bytes(), &seen()).unwrap();
+    let expected = DVec3::new(0.25, -0.5, 1.0);
+    let force = pictures[0].forces[2].unwrap();
+    assert!(force.abs_diff_eq(expected, 1e-12), "{force}");
 }
 
 const PLACED: &str = "picture,f_x,f_y,f_z,column,row,x_angle\n";

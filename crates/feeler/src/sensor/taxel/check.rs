@@ -106,8 +106,8 @@ impl TaxelLayout {
         let delimiter = columns.delimiter;
         checker.require(
             "columns.delimiter",
-            format!("{delimiter:?}"),
-            [',', ';', '\t', ' '].contains(&delimiter),
+            format!("{:?}", delimiter.unwrap_or_default()),
+            delimiter.is_none_or(|delimiter| [',', ';', '\t', ' '].contains(&delimiter)),
             "a comma, a semicolon, a tab or a space",
         );
         if let Some(names) = &columns.without_header {

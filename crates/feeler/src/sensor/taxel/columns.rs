@@ -1,11 +1,9 @@
 //! Which column of a table is what.
 
-use super::{TaxelError, TaxelLayout};
-use std::borrow::Cow;
-use std::collections::HashSet;
-
-/// Longest header in an error message, characters.
-const SHOWN: usize = 200;
+use super::{TaxelError, TaxelLayout, TaxelUnit, TimeUnit};
+use crate::sensor::table::{
+    Cells, Header, Quantity, TableError, are_units, is_no_unit, without_brackets,
+};
 
 /// What a column is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -24,27 +22,13 @@ pub enum Role {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Columns {
     /// Their names.
-    pub names: Vec<String>,
+    pub header: Header,
     /// What each is for.
     pub roles: Vec<Role>,
-}
-
-/// The cells of a line.
-pub fn cells(line: &[u8], delimiter: char) -> impl Iterator<Item = &[u8]> {
-    // A layout's delimiter is one byte.
-    let delimiter = delimiter as u8;
-    line.split(move |&byte| byte == delimiter)
-        .filter(move |cell| delimiter != b' ' || !cell.is_empty())
-        .map(|cell| {
-            let cell = cell.trim_ascii();
-            let quoted = cell.strip_prefix(b"\"");
-            quoted.and_then(|c| c.strip_suffix(b"\"")).unwrap_or(cell)
-        })
-}
-
-/// The number in a cell, if there is one.
-pub fn number(cell: &[u8]) -> Option<f64> {
-    std::str::from_utf8(cell).ok()?.trim().parse().ok()
+    /// Unit of values, by the layout.
+    unit: TaxelUnit,
+    /// Unit of the time, by the layout.
+    time: TimeUnit,
 }
 
 impl TaxelLayout {
@@ -102,61 +86,120 @@ fn is_of_taxel(pattern: &str) -> bool {
 }
 
 impl Columns {
-    /// Finds the columns of `layout` among `names`; that of the time, if the table is `timed` by it.
+    /// Finds the columns of `layout` in a `header`; that of the time, if the table is `timed` by it.
     ///
     /// # Errors
-    /// When a column is missing, there twice, or meant for two things.
-    pub fn find(layout: &TaxelLayout, names: Vec<String>, timed: bool) -> Result<Self, TaxelError> {
+    /// If a column is missing, there twice, meant for two things, or in another unit.
+    pub fn find(layout: &TaxelLayout, header: Header, timed: bool) -> Result<Self, TaxelError> {
+        let time = layout.columns.time.as_ref();
         let mut columns = Self {
-            roles: vec![Role::Other; names.len()],
-            names,
+            roles: vec![Role::Other; header.names().len()],
+            header,
+            unit: layout.unit,
+            time: time.map_or(TimeUnit::S, |time| time.unit),
         };
         for taxel in 0..layout.taxels.len() {
             for (axis, name) in layout.columns_of(taxel).iter().enumerate() {
-                let names = &columns.names;
+                let names = columns.header.names();
                 let missing = |error| other_prefix(names, layout, name).unwrap_or(error);
                 let place = columns.place(name).map_err(missing)?;
-                columns.give(place, Role::Value { taxel, axis })?;
+                columns.give(place, Role::Value { taxel, axis }, name)?;
             }
         }
-        if let Some(time) = layout.columns.time.as_ref().filter(|_| timed) {
+        if let Some(time) = time.filter(|_| timed) {
             let place = columns.place(&time.column)?;
-            columns.give(place, Role::Time)?;
+            columns.give(place, Role::Time, &time.column)?;
         }
         if let Some(sequence) = &layout.columns.sequence {
             let place = columns.place(sequence)?;
-            columns.give(place, Role::Sequence)?;
+            columns.give(place, Role::Sequence, sequence)?;
         }
         Ok(columns)
     }
 
-    /// Whether a line of these cells is the header of a table for `layout`: a column of it is there, or would be with
-    /// another prefix.
-    pub fn is_header(layout: &TaxelLayout, cells: &[String]) -> bool {
-        let there: HashSet<&str> = cells.iter().map(String::as_str).collect();
-        let named = |name: &String| there.contains(name.as_str());
+    /// Whether this is the header of a table for `layout`: a column of it is there, or would be with another prefix.
+    pub fn is_header(layout: &TaxelLayout, header: &Header) -> bool {
+        let named = |name: &String| !matches!(header.find(name), Ok(None));
         let mut taxels = 0..layout.taxels.len();
         taxels.any(|taxel| layout.columns_of(taxel).iter().any(named))
-            || other_prefix(cells, layout, &layout.first_column()).is_some()
+            || other_prefix(header.names(), layout, &layout.first_column()).is_some()
     }
 
     fn place(&self, name: &str) -> Result<usize, TaxelError> {
-        let mut places = self.names.iter().enumerate().filter(|(_, n)| *n == name);
-        match (places.next(), places.count()) {
-            (Some((place, _)), 0) => Ok(place),
-            (first, others) => Err(TaxelError::Column {
-                column: name.to_owned(),
-                expected: "one",
-                actual: usize::from(first.is_some()) + others,
-                header: shortened(&self.names.join(",")).into_owned(),
+        let actual = match self.header.find(name) {
+            Ok(Some(place)) => return Ok(place),
+            Err(TableError::Several { names, .. }) => names.len(),
+            _ => 0,
+        };
+        Err(TaxelError::Column {
+            column: name.to_owned(),
+            expected: "one",
+            actual,
+            header: self.header.shown(),
+        })
+    }
+
+    /// Whether cells below the header are the columns' units.
+    ///
+    /// # Errors
+    /// If one is not that of the layout.
+    pub fn are_units(&self, cells: &Cells) -> Result<bool, TaxelError> {
+        let numbers = || {
+            let cells = self.roles.iter().zip(cells.iter()).enumerate();
+            cells.filter(|(_, (role, _))| matches!(role, Role::Time | Role::Value { .. }))
+        };
+        let text = |cell| without_brackets(str::from_utf8(cell).unwrap_or("?"));
+        if cells.count() != self.roles.len()
+            || !are_units(numbers().map(|(_, (_, cell))| text(cell)))
+        {
+            return Ok(false);
+        }
+        for (place, (&role, cell)) in numbers() {
+            let unit = text(cell);
+            if !is_no_unit(unit) {
+                self.check_unit(place, role, unit)?;
+            }
+        }
+        Ok(true)
+    }
+
+    /// Refuses a unit in the table that is not the layout's.
+    fn check_unit(&self, place: usize, role: Role, unit: &str) -> Result<(), TaxelError> {
+        let is_same =
+            |quantity: Quantity, size| quantity.scale(unit).is_some_and(|scale| scale == size);
+        let (fits, expected) = match (role, self.unit) {
+            (Role::Time, _) => (
+                is_same(Quantity::Time, self.time.seconds()),
+                self.time.name(),
+            ),
+            (Role::Value { .. }, TaxelUnit::Newton) => (is_same(Quantity::Force, 1.0), "N"),
+            (Role::Value { .. }, TaxelUnit::Counts) => {
+                (Quantity::Force.scale(unit).is_none(), "counts")
+            }
+            _ => (true, ""),
+        };
+        match fits {
+            true => Ok(()),
+            false => Err(TaxelError::Unit {
+                column: self.header.names()[place].clone(),
+                unit: unit.to_owned(),
+                expected,
             }),
         }
     }
 
-    fn give(&mut self, place: usize, role: Role) -> Result<(), TaxelError> {
+    /// Gives the column at `place` the role of the layout's column `name`.
+    fn give(&mut self, place: usize, role: Role, name: &str) -> Result<(), TaxelError> {
+        let column = &self.header.names()[place];
         if self.roles[place] != Role::Other {
-            let column = self.names[place].clone();
+            let column = column.clone();
             return Err(TaxelError::TwoMeanings { column });
+        }
+        // What looks like a unit in the layout's own name is part of the name.
+        if column != name
+            && let Some(unit) = self.header.unit(place)
+        {
+            self.check_unit(place, role, unit)?;
         }
         self.roles[place] = role;
         Ok(())
@@ -178,12 +221,4 @@ fn other_prefix(names: &[String], layout: &TaxelLayout, missing: &str) -> Option
         column: missing.to_owned(),
         prefixes,
     })
-}
-
-/// The first characters of a long text.
-pub fn shortened(text: &str) -> Cow<'_, str> {
-    match text.char_indices().nth(SHOWN) {
-        Some((end, _)) => Cow::Owned(format!("{}…", &text[..end])),
-        None => Cow::Borrowed(text),
-    }
 }

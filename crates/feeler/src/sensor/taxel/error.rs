@@ -33,6 +33,16 @@ pub enum TaxelError {
         /// The header as it is.
         header: String,
     },
+    /// A column is in another unit than the layout says.
+    #[error("column {column:?} is in {unit:?}; expected {expected}, the unit in the layout")]
+    Unit {
+        /// The column.
+        column: String,
+        /// Its unit.
+        unit: String,
+        /// The unit that the layout gives.
+        expected: &'static str,
+    },
     /// The columns are there with other prefixes.
     #[error("no column {column:?} in the header; expected another prefix: {}", .prefixes.join(" or "))]
     Prefix {

@@ -1,8 +1,10 @@
 //! Where a table begins.
 
-use super::columns::{Columns, cells, number, shortened};
-use super::lines::{Line, Lines};
+use super::columns::Columns;
 use super::{Place, TaxelError, TaxelLayout, Trouble, Troubles};
+use crate::sensor::table::{
+    Cells, Decimals, Header, Line, Lines, NumberError, separator_of, shortened,
+};
 use std::io::BufRead;
 
 /// Lines in which a header is looked for.
@@ -14,13 +16,13 @@ pub fn is_comment(text: &[u8]) -> bool {
     text.is_empty() || text.starts_with(b"#")
 }
 
-/// Finds the columns: in a header, or, where the newest line is a row already, in the layout.
+/// Finds the columns: in a header, or, where the newest line is a row already, in the layout. The cells are split as in that line.
 pub fn find_header<R: BufRead>(
     lines: &mut Lines<R>,
     layout: &TaxelLayout,
     timed: bool,
     troubles: &mut Troubles,
-) -> Result<(Columns, bool), TaxelError> {
+) -> Result<(Columns, Cells, bool), TaxelError> {
     let mut first = None;
     let mut seen = 0;
     while seen < HEADER_LINES {
@@ -34,17 +36,22 @@ pub fn find_header<R: BufRead>(
             continue;
         }
         seen += 1;
-        let lossy = String::from_utf8_lossy(text);
-        first.get_or_insert_with(|| shortened(&lossy).into_owned());
-        let names: Vec<_> = cells(lossy.as_bytes(), layout.columns.delimiter)
-            .map(|cell| String::from_utf8_lossy(cell).into_owned())
-            .collect();
-        if Columns::is_header(layout, &names) {
-            return Ok((Columns::find(layout, names, timed)?, false));
+        first.get_or_insert_with(|| shortened(&String::from_utf8_lossy(text)));
+        // A layout's delimiter is one byte; what has semicolons and tabs is no header.
+        let separator = layout.columns.delimiter.map(|delimiter| delimiter as u8);
+        let separator = separator.or_else(|| separator_of(text)).unwrap_or(b',');
+        let mut cells = Cells::new(separator);
+        cells.split(text);
+        let names = cells
+            .iter()
+            .map(|cell| String::from_utf8_lossy(cell).into_owned());
+        let header = Header::new(names.collect());
+        if Columns::is_header(layout, &header) {
+            return Ok((Columns::find(layout, header, timed)?, cells, false));
         }
-        if is_numbers(&names) {
-            let columns = without_header(layout, timed, (number, names.len()))?;
-            return Ok((columns, true));
+        if is_numbers(&cells) {
+            let columns = without_header(layout, timed, (number, cells.count()))?;
+            return Ok((columns, cells, true));
         }
         let place = Place {
             line: number,
@@ -60,10 +67,17 @@ pub fn find_header<R: BufRead>(
 }
 
 /// Whether these are the cells of a row of numbers, some of which may be missing.
-fn is_numbers(cells: &[String]) -> bool {
-    let is_number = |cell: &String| number(cell.as_bytes()).is_some();
+fn is_numbers(cells: &Cells) -> bool {
     let numbers = cells.iter().filter(|cell| is_number(cell)).count();
     numbers > 0 && cells.iter().all(|cell| cell.is_empty() || is_number(cell))
+}
+
+/// Whether a cell has a number, or one that may be read in two ways.
+pub fn is_number(cell: &[u8]) -> bool {
+    !matches!(
+        Decimals::default().parse(cell),
+        Err(NumberError::NotANumber)
+    )
 }
 
 fn without_header(
@@ -84,6 +98,6 @@ fn without_header(
             line,
         });
     }
-    let names = layout.names_without_header();
-    Columns::find(layout, names, timed)
+    let header = Header::new(layout.names_without_header());
+    Columns::find(layout, header, timed)
 }

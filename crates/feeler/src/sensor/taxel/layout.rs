@@ -66,17 +66,13 @@ pub struct ColumnNames {
     /// The column whose value changes where another sequence begins, without load again.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sequence: Option<String>,
-    /// What stands between two cells.
-    #[serde(default = "comma")]
-    pub delimiter: char,
+    /// What stands between two cells; without it, a comma, a semicolon or a tab, whichever the header has.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub delimiter: Option<char>,
     /// All columns of a table that has no header, in order; those with `{n}` one after the other are there for
     /// every taxel in turn.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub without_header: Option<Vec<String>>,
-}
-
-fn comma() -> char {
-    ','
 }
 
 /// The column of the time.

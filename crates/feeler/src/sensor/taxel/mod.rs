@@ -23,7 +23,6 @@ mod columns;
 mod error;
 mod header;
 mod layout;
-mod lines;
 mod row;
 mod rows;
 mod sensor;
@@ -32,13 +31,13 @@ mod troubles;
 mod units;
 mod zero;
 
+pub use super::table::MAX_LINE;
 pub use built_in::{BUILT_IN_TAXELS, BuiltInTaxels};
 pub use chain::TaxelChain;
 pub use error::TaxelError;
 pub use layout::{
     ColumnNames, TAXEL_LAYOUT_VERSION, Taxel, TaxelDrift, TaxelLayout, TimeColumn, ZeroConfig,
 };
-pub use lines::MAX_LINE;
 pub use rows::{TaxelRow, TaxelRows};
 pub use sensor::TaxelSensor;
 pub use troubles::{Place, Seen, Trouble, Troubles};

@@ -1,7 +1,9 @@
 //! From a line to the numbers in it.
 
-use super::columns::{Columns, Role, cells, number};
+use super::columns::{Columns, Role};
+use super::header::is_number;
 use super::{Place, Trouble, Troubles};
+use crate::sensor::table::{Cells, Decimals, NumberError};
 use glam::DVec3;
 use std::hash::{DefaultHasher, Hash, Hasher};
 
@@ -12,7 +14,7 @@ const LATEST: f64 = 1e11;
 
 /// What a line says.
 #[derive(Debug, Clone, Default)]
-pub struct Cells {
+pub struct Values {
     /// The columns x, y, z of each taxel; not a number where one of the three is none.
     pub values: Vec<DVec3>,
     /// The time in its column's unit, where there is one to be read.
@@ -21,9 +23,11 @@ pub struct Cells {
     pub sequence: Vec<u8>,
     /// Of all that stands in the taxels' columns, to tell repeated rows; none where the cells are not the columns'.
     pub hash: Option<u64>,
+    /// Decimal mark of the table.
+    decimals: Decimals,
 }
 
-impl Cells {
+impl Values {
     /// For `taxels` taxels; names of sequences up to `longest` bytes take no memory.
     pub fn new(taxels: usize, longest: usize) -> Self {
         Self {
@@ -31,22 +35,23 @@ impl Cells {
             time: None,
             sequence: Vec::with_capacity(longest),
             hash: None,
+            decimals: Decimals::default(),
         }
     }
 
-    /// Reads line `number` of a table of `columns`. Whether it is a row; what is wrong with it is counted.
+    /// Reads the `cells` of a `line` of a table of `columns`. Whether it is a row; what is wrong with it is counted.
     pub fn read(
         &mut self,
-        (columns, delimiter): (&Columns, char),
-        (line, text): (u64, &[u8]),
+        columns: &Columns,
+        (line, cells): (u64, &Cells),
         troubles: &mut Troubles,
     ) -> bool {
         self.values.fill(DVec3::NAN);
         (self.time, self.hash) = (None, None);
         self.sequence.clear();
         let place = Place { line, column: None };
-        if cells(text, delimiter).count() != columns.roles.len() {
-            let is_row = cells(text, delimiter).any(|cell| number(cell).is_some());
+        if !cells.is_whole() || cells.count() != columns.roles.len() {
+            let is_row = cells.iter().any(is_number);
             let trouble = match is_row {
                 true => Trouble::CellCount,
                 false => Trouble::NotARow,
@@ -54,21 +59,24 @@ impl Cells {
             troubles.count(trouble, place);
             return is_row;
         }
+        let numbers = cells.iter().zip(&columns.roles);
+        let numbers = numbers.filter(|(_, role)| matches!(role, Role::Time | Role::Value { .. }));
+        self.decimals.look(line, numbers.map(|(cell, _)| cell));
         let mut hasher = DefaultHasher::new();
-        for (index, (cell, &role)) in cells(text, delimiter).zip(&columns.roles).enumerate() {
+        for (index, (cell, &role)) in cells.iter().zip(&columns.roles).enumerate() {
             let column = Some(index);
             let mut count = |trouble| troubles.count(trouble, Place { line, column });
             match role {
                 Role::Other => {}
                 Role::Sequence if cell.is_empty() => count(Trouble::Empty),
                 Role::Sequence => self.sequence.extend_from_slice(cell),
-                Role::Time => match number(cell).filter(|time| time.abs() <= LATEST * 1e9) {
-                    Some(time) => self.time = Some(time),
-                    None => count(Trouble::TimeUnreadable),
+                Role::Time => match self.decimals.parse(cell) {
+                    Ok(time) if time.abs() <= LATEST * 1e9 => self.time = Some(time),
+                    _ => count(Trouble::TimeUnreadable),
                 },
                 Role::Value { taxel, axis } => {
                     cell.hash(&mut hasher);
-                    match value(cell) {
+                    match self.value(cell) {
                         Ok(value) => self.values[taxel][axis] = value,
                         Err(trouble) => count(trouble),
                     }
@@ -83,14 +91,15 @@ impl Cells {
         }
         true
     }
-}
 
-fn value(cell: &[u8]) -> Result<f64, Trouble> {
-    match number(cell) {
-        Some(value) if value.abs() <= LARGEST => Ok(value),
-        Some(_) => Err(Trouble::NotFinite),
-        None if cell.is_empty() => Err(Trouble::Empty),
-        None => Err(Trouble::NotANumber),
+    fn value(&self, cell: &[u8]) -> Result<f64, Trouble> {
+        match self.decimals.parse(cell) {
+            Ok(value) if value.abs() <= LARGEST => Ok(value),
+            Ok(_) => Err(Trouble::NotFinite),
+            Err(_) if cell.is_empty() => Err(Trouble::Empty),
+            Err(NumberError::NotANumber) => Err(Trouble::NotANumber),
+            Err(_) => Err(Trouble::DecimalMark),
+        }
     }
 }
 

@@ -2,10 +2,10 @@
 
 use super::columns::{Columns, Role};
 use super::header::{find_header, is_comment};
-use super::lines::{Line, Lines, MAX_LINE};
-use super::row::{Cells, is_time};
+use super::row::{Values, is_time};
 use super::times::Times;
 use super::{Place, TaxelError, TaxelLayout, Trouble, Troubles};
+use crate::sensor::table::{Cells, Line, Lines, MAX_LINE};
 use glam::DVec3;
 use std::io::{self, BufRead};
 
@@ -47,14 +47,16 @@ enum Clock {
 #[derive(Debug)]
 pub struct TaxelRows<R> {
     lines: Lines<R>,
-    delimiter: char,
+    cells: Cells,
     columns: Columns,
     header: Vec<u8>,
+    /// Whether units may follow.
+    is_below_header: bool,
     /// Whether the newest line is a row that was found in looking for a header.
     is_waiting: bool,
     clock: Clock,
     times: Times,
-    cells: Cells,
+    values: Values,
     /// The hash of the row before.
     before: Option<u64>,
     sequence: Vec<u8>,
@@ -74,8 +76,7 @@ impl<R: BufRead> TaxelRows<R> {
         let timed = matches!(clock, Clock::Column(_));
         let mut troubles = Troubles::default();
         let mut lines = Lines::new(stream);
-        let delimiter = layout.columns.delimiter;
-        let (columns, is_waiting) = find_header(&mut lines, layout, timed, &mut troubles)?;
+        let (columns, cells, is_waiting) = find_header(&mut lines, layout, timed, &mut troubles)?;
         let header = match is_waiting {
             true => Vec::new(),
             false => lines.text().to_vec(),
@@ -83,13 +84,14 @@ impl<R: BufRead> TaxelRows<R> {
         let taxels = layout.taxels.len();
         Ok(Self {
             lines,
-            delimiter,
+            cells,
             columns,
             header,
+            is_below_header: !is_waiting,
             is_waiting,
             clock,
             times: Times::default(),
-            cells: Cells::new(taxels, MAX_LINE),
+            values: Values::new(taxels, MAX_LINE),
             before: None,
             sequence: Vec::with_capacity(MAX_LINE),
             next: 0,
@@ -100,7 +102,7 @@ impl<R: BufRead> TaxelRows<R> {
     /// Fills `row` with the next; whether there is one.
     ///
     /// # Errors
-    /// When the stream cannot be read.
+    /// When the stream cannot be read, or the row below the header has other units than the layout.
     pub fn next(&mut self, row: &mut TaxelRow) -> io::Result<bool> {
         while self.next_line()? {
             let text = self.lines.text();
@@ -113,8 +115,15 @@ impl<R: BufRead> TaxelRows<R> {
                 self.troubles.count(Trouble::HeaderAgain, place);
                 continue;
             }
-            let table = (&self.columns, self.delimiter);
-            if self.cells.read(table, (line, text), &mut self.troubles) {
+            self.cells.split(text);
+            if std::mem::take(&mut self.is_below_header) {
+                let are_units = self.columns.are_units(&self.cells);
+                if are_units.map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))? {
+                    continue;
+                }
+            }
+            let cells = (line, &self.cells);
+            if self.values.read(&self.columns, cells, &mut self.troubles) {
                 self.take(line, row);
                 return Ok(true);
             }
@@ -139,31 +148,31 @@ impl<R: BufRead> TaxelRows<R> {
 
     /// Makes `row` of the cells that were read.
     fn take(&mut self, line: u64, row: &mut TaxelRow) {
-        let named = !self.cells.sequence.is_empty();
-        row.starts_sequence = self.next == 0 || named && self.cells.sequence != self.sequence;
+        let named = !self.values.sequence.is_empty();
+        row.starts_sequence = self.next == 0 || named && self.values.sequence != self.sequence;
         if row.starts_sequence {
             self.times.restart();
         }
         if named {
-            std::mem::swap(&mut self.sequence, &mut self.cells.sequence);
+            std::mem::swap(&mut self.sequence, &mut self.values.sequence);
         }
         row.number = self.next;
         row.stamp = match self.clock {
             Clock::Rate(rate) => self.next as f64 / rate,
             Clock::Column(unit) => self.time(line, unit),
         };
-        let before = std::mem::replace(&mut self.before, self.cells.hash);
-        if !row.starts_sequence && before.is_some() && before == self.cells.hash {
+        let before = std::mem::replace(&mut self.before, self.values.hash);
+        if !row.starts_sequence && before.is_some() && before == self.values.hash {
             self.count(Trouble::Repeated, line);
         }
         row.values.clear();
-        row.values.extend_from_slice(&self.cells.values);
+        row.values.extend_from_slice(&self.values.values);
         self.next += 1;
     }
 
     /// The time of the row in `line`, s.
     fn time(&mut self, line: u64, unit: f64) -> f64 {
-        let time = self.cells.time.map(|time| time * unit);
+        let time = self.values.time.map(|time| time * unit);
         let Some(time) = time.filter(|&time| is_time(time)) else {
             // Counted where the cell was read, but for one that is out of range in its unit.
             if time.is_some() {
@@ -208,7 +217,7 @@ impl<R: BufRead> TaxelRows<R> {
 
     /// Names of the columns.
     pub fn columns(&self) -> &[String] {
-        &self.columns.names
+        self.columns.header.names()
     }
 
     /// The column x of a taxel, from 0.

@@ -17,6 +17,8 @@ pub enum Trouble {
     Empty,
     /// A cell is no number.
     NotANumber,
+    /// A cell has another decimal mark than the cells before, or a comma that may divide thousands.
+    DecimalMark,
     /// A cell is not finite, or larger than any sensor counts.
     NotFinite,
     /// The readings of a row are those of the one before it.
@@ -35,13 +37,14 @@ pub enum Trouble {
 
 impl Trouble {
     /// All kinds.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::NotARow,
         Self::TooLong,
         Self::HeaderAgain,
         Self::CellCount,
         Self::Empty,
         Self::NotANumber,
+        Self::DecimalMark,
         Self::NotFinite,
         Self::Repeated,
         Self::TimeUnreadable,
@@ -80,6 +83,11 @@ impl Trouble {
             Self::NotANumber => [
                 "cell that is no number",
                 "cells that are no numbers",
+                no_force,
+            ],
+            Self::DecimalMark => [
+                "number whose decimal mark is not clear, or not that of the numbers before",
+                "numbers whose decimal mark is not clear, or not that of the numbers before",
                 no_force,
             ],
             Self::NotFinite => [

@@ -39,6 +39,16 @@ pub enum TimeUnit {
 }
 
 impl TimeUnit {
+    /// As it is written: `s`, `ms`, `us` or `ns`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::S => "s",
+            Self::Ms => "ms",
+            Self::Us => "us",
+            Self::Ns => "ns",
+        }
+    }
+
     /// Seconds in it.
     pub fn seconds(self) -> f64 {
         match self {

@@ -1,37 +1,33 @@
 //! The file of measured wrenches: which picture was taken under which total force and torque.
 //!
-//! CSV with a column `picture` (a file, relative to the CSV; or `FILE.mcap@TIME`, the frame of a recording at a time in s), or with
+//! A [`table`](crate::sensor::table) with a column `picture` (a file, relative to the CSV; or `FILE.mcap@TIME`, the frame of a recording at a time in s), or with
 //! `recording` (an .mcap file) and `time` (s) instead; and at least one of `f_x, f_y, f_z` (N) and `m_x, m_y, m_z` (N m), in any order,
 //! others ignored. A cell is empty where nothing was measured. A column `recording` beside `picture` says which pictures belong
 //! together; without one, names do ([`recordings`](super::recordings)).
 
 use super::recordings::{number_names, recordings};
 use super::{AXES, MeasuredWrench, WrenchAxis};
-use std::io::Read;
+use crate::sensor::table::{NumberColumn, NumberError, Quantity, Table, TableError};
+use std::io::{BufRead, BufReader, Read};
 
 /// Why measured wrenches cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum ForcesError {
-    /// The text is no CSV, or a row has too few or too many fields.
-    #[error(
-        "not a CSV file: {0}; expected the columns picture (or recording, time) and f_x, f_y, f_z, m_x, m_y, m_z or some of them"
-    )]
-    Csv(#[from] csv::Error),
+    /// The table, or a row of it, cannot be read.
+    #[error(transparent)]
+    Table(#[from] TableError),
     /// A column is not in the header.
     #[error(
-        "no column {column} in the header {header:?}; expected picture (or recording, time) and f_x, f_y, f_z, m_x, m_y, m_z or some of them"
+        "no column {column} in the header {header:?}, read with {separator} between cells; expected picture (or recording, time) and \
+         f_x, f_y, f_z, m_x, m_y, m_z or some of them"
     )]
     Column {
         /// The column that is missing.
         column: &'static str,
         /// The header as it is.
         header: String,
-    },
-    /// A column is there twice.
-    #[error("column {column:?} is twice in the header; expected once")]
-    ColumnTwice {
-        /// The column.
-        column: String,
+        /// What stands between its cells, in words.
+        separator: &'static str,
     },
     /// There are no rows.
     #[error("no forces: at least one row expected below the header")]
@@ -46,7 +42,7 @@ pub enum ForcesError {
         /// What stands there.
         value: String,
         /// What should.
-        expected: &'static str,
+        expected: String,
     },
 }
 
@@ -76,37 +72,26 @@ pub struct MeasuredForces {
 struct Columns {
     picture: Option<usize>,
     recording: Option<usize>,
-    time: Option<usize>,
-    axes: [Option<usize>; AXES],
+    time: Option<NumberColumn>,
+    axes: [Option<NumberColumn>; AXES],
 }
 
 impl Columns {
-    fn of(header: &csv::StringRecord) -> Result<Self, ForcesError> {
-        let place = |column: &str| -> Result<Option<usize>, ForcesError> {
-            let mut found = header
-                .iter()
-                .enumerate()
-                .filter(|(_, name)| *name == column);
-            match (found.next(), found.next()) {
-                (_, Some(_)) => Err(ForcesError::ColumnTwice {
-                    column: column.into(),
-                }),
-                (first, None) => Ok(first.map(|(place, _)| place)),
-            }
-        };
+    fn of<R: BufRead>(table: &mut Table<R>) -> Result<Self, ForcesError> {
         let mut axes = [None; AXES];
         for (found, axis) in axes.iter_mut().zip(WrenchAxis::ALL) {
-            *found = place(axis.name())?;
+            *found = table.number_column(axis.name(), axis.quantity())?;
         }
         let columns = Self {
-            picture: place("picture")?,
-            recording: place("recording")?,
-            time: place("time")?,
+            picture: table.column("picture")?,
+            recording: table.column("recording")?,
+            time: table.number_column("time", Quantity::Time)?,
             axes,
         };
         let missing = |column| ForcesError::Column {
             column,
-            header: header.iter().collect::<Vec<_>>().join(","),
+            header: table.header().shown(),
+            separator: table.separator(),
         };
         match columns {
             Self {
@@ -123,6 +108,33 @@ impl Columns {
             columns => Ok(columns),
         }
     }
+
+    /// Name of the newest row's picture.
+    fn picture<R: BufRead>(
+        &self,
+        table: &Table<R>,
+        time: Option<f64>,
+    ) -> Result<String, ForcesError> {
+        let text =
+            |column: Option<usize>| column.map(|column| table.text(column)).unwrap_or_default();
+        let picture = match (self.picture, time) {
+            (None, Some(time)) => format!("{}@{time}", text(self.recording)),
+            _ => text(self.picture).into_owned(),
+        };
+        if !picture.is_empty() && !picture.starts_with('@') {
+            return Ok(picture);
+        }
+        Err(ForcesError::Field {
+            line: table.line(),
+            field: if self.picture.is_some() {
+                "picture"
+            } else {
+                "recording"
+            },
+            value: text(self.picture).into_owned(),
+            expected: "the file of a picture or a recording".into(),
+        })
+    }
 }
 
 /// Reads measured wrenches.
@@ -130,54 +142,31 @@ impl Columns {
 /// # Errors
 /// Names line, field, value and what was expected.
 pub fn read_forces(text: impl Read) -> Result<MeasuredForces, ForcesError> {
-    let mut reader = csv::ReaderBuilder::new()
-        .trim(csv::Trim::All)
-        .comment(Some(b'#'))
-        .from_reader(text);
-    let columns = Columns::of(&reader.headers()?.clone())?;
+    let mut table = Table::open(BufReader::new(text))?;
+    let columns = Columns::of(&mut table)?;
     let mut pictures = Vec::new();
     let mut named = Vec::new();
     let mut times = Vec::new();
-    for record in reader.records() {
-        let record = record?;
-        let line = record.position().map_or(0, csv::Position::line);
-        let field = |column: Option<usize>| column.and_then(|c| record.get(c)).unwrap_or("");
-        let recording = field(columns.recording);
-        let time = match columns.time.map(|_| field(columns.time)) {
-            Some(time) if columns.picture.is_none() => Some(number(line, "time", time)?),
-            Some(time) => time.parse().ok().filter(|time: &f64| time.is_finite()),
+    while table.advance()? {
+        let time = match columns.time {
+            Some(time) if columns.picture.is_none() => Some(number(&table, "time", time)?),
+            Some(time) => table.number(time).ok().filter(|time| time.is_finite()),
             None => None,
         };
-        let picture = match (columns.picture, time) {
-            (None, Some(time)) => format!("{recording}@{time}"),
-            _ => field(columns.picture).to_owned(),
-        };
-        let what = if columns.picture.is_some() {
-            "picture"
-        } else {
-            "recording"
-        };
-        if picture.is_empty() || picture.starts_with('@') {
-            return Err(wrong(
-                line,
-                what,
-                field(columns.picture),
-                "the file of a picture or a recording",
-            ));
-        }
+        let picture = columns.picture(&table, time)?;
         let mut wrench = [None; AXES];
         for ((value, column), axis) in wrench.iter_mut().zip(columns.axes).zip(WrenchAxis::ALL) {
-            let text = field(column);
-            *value = match text {
-                "" => None,
-                text => Some(number(line, axis.name(), text)?),
-            };
+            let column = column.filter(|&column| !table.number_text(column).is_empty());
+            *value = column
+                .map(|column| number(&table, axis.name(), column))
+                .transpose()?;
         }
-        named.push(recording.to_owned());
+        let recording = columns.recording.map(|column| table.text(column));
+        named.push(recording.unwrap_or_default().into_owned());
         times.push(time);
         pictures.push(MeasuredPicture {
             picture,
-            line,
+            line: table.line(),
             recording: 0,
             wrench,
         });
@@ -222,28 +211,26 @@ fn in_order(
     }
 }
 
-fn number(line: u64, field: &'static str, text: &str) -> Result<f64, ForcesError> {
+/// The number in a column of the newest row.
+fn number<R: BufRead>(
+    table: &Table<R>,
+    field: &'static str,
+    column: NumberColumn,
+) -> Result<f64, ForcesError> {
     /// Far beyond any force or time, and far below where sums of squares overflow.
     const LARGEST: f64 = 1e12;
-    let number = text.parse::<f64>().ok();
-    let number = number.filter(|number| number.abs() <= LARGEST);
-    number.ok_or_else(|| {
-        wrong(
-            line,
-            field,
-            text,
-            "a finite number, or nothing where it was not measured",
-        )
-    })
-}
-
-fn wrong(line: u64, field: &'static str, value: &str, expected: &'static str) -> ForcesError {
-    ForcesError::Field {
-        line,
+    const EXPECTED: &str = "a finite number, or nothing where it was not measured";
+    let expected = match table.number(column) {
+        Ok(number) if number.abs() <= LARGEST => return Ok(number),
+        Ok(_) | Err(NumberError::NotANumber) => EXPECTED.into(),
+        Err(error) => format!("{EXPECTED}; {error}"),
+    };
+    Err(ForcesError::Field {
+        line: table.line(),
         field,
-        value: value.to_owned(),
+        value: table.number_text(column).into_owned(),
         expected,
-    }
+    })
 }
 
 #[cfg(test)]
@@ -265,6 +252,10 @@ mod tests {
             (x, y, z, forces.pictures[1].line),
             (Some(0.5), None, Some(-1.0), 2)
         );
+        let text = "Recording;Time [ms];Torque Z [mNm]\nx.mcap;1500;2,5\n";
+        let forces = read_forces(text.as_bytes()).unwrap();
+        assert_eq!(forces.pictures[0].picture, "x.mcap@1.5");
+        assert_eq!(forces.pictures[0].wrench[5], Some(0.0025));
         let text = "recording,time,m_z\nx.mcap,2.5,1\nx.mcap,1.5,2\n";
         let forces = read_forces(text.as_bytes()).unwrap();
         assert_eq!(forces.pictures[0].picture, "x.mcap@1.5");
@@ -276,7 +267,15 @@ mod tests {
             ("f_x\n1\n", "no column picture"),
             ("recording,f_x\na,1\n", "no column time"),
             ("picture,force\na,1\n", "no column f_x"),
-            ("picture,f_x,f_x\na,1,2\n", "\"f_x\" is twice"),
+            (
+                "picture,f_x,f_x\na,1,2\n",
+                "columns \"f_x\", \"f_x\" may all be f_x",
+            ),
+            (
+                "picture,Mx [N]\na,1\n",
+                "column \"Mx [N]\" is in \"N\"; expected Nm",
+            ),
+            ("picture,f_x\na,0,5\n", "if numbers have decimal commas"),
             ("picture,f_x\n", "no forces"),
             (
                 "picture,f_x\na,inf\n",
@@ -285,7 +284,7 @@ mod tests {
             ("picture,f_x\na,1 N\n", "f_x = \"1 N\""),
             ("picture,f_x\n,1\n", "picture = \"\""),
             ("recording,time,f_x\na.mcap,,1\n", "time = \"\""),
-            ("picture,f_x\na\n", "line: 2"),
+            ("picture,f_x\na\n", "line 2: 1 cells; expected 2"),
         ] {
             let message = read_forces(text.as_bytes()).unwrap_err().to_string();
             assert!(message.contains(words), "{message}");

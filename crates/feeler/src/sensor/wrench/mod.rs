@@ -32,6 +32,7 @@ pub use estimator::{WrenchEstimate, WrenchEstimator};
 pub use fit::{WrenchFit, WrenchSample, fit};
 pub use sensor::WrenchSensor;
 
+use super::table::Quantity;
 use serde::{Deserialize, Serialize};
 
 /// Number of components of a wrench.
@@ -80,6 +81,14 @@ impl WrenchAxis {
     /// Name of its column.
     pub fn name(self) -> &'static str {
         ["f_x", "f_y", "f_z", "m_x", "m_y", "m_z"][self as usize]
+    }
+
+    /// What it is of.
+    pub fn quantity(self) -> Quantity {
+        match self {
+            Self::ForceX | Self::ForceY | Self::ForceZ => Quantity::Force,
+            Self::TorqueX | Self::TorqueY | Self::TorqueZ => Quantity::Torque,
+        }
     }
 
     /// Its unit.

@@ -203,6 +203,67 @@ fn wrong_headers_are_told() {
     ));
 }
 
+/// The same frames, whichever program wrote the table.
+#[test]
+fn tables_of_other_programs_are_read() {
+    let plain = format!("{HEADER}0.5,-1,2.25,3,4,5\n7,8,9,10,11,12.75\n");
+    let (expected, _) = sensed(&newtons(), plain.as_bytes());
+    let german = plain.replace(',', ";").replace('.', ",");
+    let units = "T0_X [N];t0 y;t0-z;t1_x;t1_y;T1_Z\r\n[N];N;-;N;N;N\r\n";
+    for text in [
+        german.clone(),
+        german.replace(';', "\t"),
+        plain.replace('\n', "\r"),
+        german.replace(&HEADER.replace(',', ";"), units),
+    ] {
+        let wide: Vec<u8> = text.encode_utf16().flat_map(u16::to_le_bytes).collect();
+        for bytes in [text.as_bytes(), &wide] {
+            let (frames, troubles) = sensed(&newtons(), bytes);
+            assert_eq!(troubles, [], "{text}");
+            assert_eq!(format!("{frames:?}"), format!("{expected:?}"), "{text}");
+        }
+    }
+}
+
+#[test]
+fn numbers_that_are_not_clear_and_other_units_are_not_guessed() {
+    let header = HEADER.replace(',', ";");
+    let (frames, troubles) = sensed(
+        &newtons(),
+        format!("{header}1,234;0;0;0;0;0\n1,5;0;0;2.5;0;0\n").as_bytes(),
+    );
+    assert_eq!(troubles, [(Trouble::DecimalMark, 2, 2)]);
+    assert_eq!(
+        [
+            frames[0].is_valid(0),
+            frames[1].is_valid(0),
+            frames[1].is_valid(1)
+        ],
+        [false, true, false]
+    );
+    // Decimal commas between commas make more cells: no force of any.
+    let (frames, troubles) = sensed(
+        &newtons(),
+        format!("{HEADER}0,5,1,5,2,5,3,5,4,5,5,5\n").as_bytes(),
+    );
+    assert_eq!(
+        (frames[0].is_valid(0), &*troubles),
+        (false, &[(Trouble::CellCount, 1, 2)][..])
+    );
+    let message = refused(&newtons(), &HEADER.replace("t0_x", "T0x [mN]")).to_string();
+    assert_eq!(
+        message,
+        "column \"T0x [mN]\" is in \"mN\"; expected N, the unit in the layout"
+    );
+    let table = format!("{HEADER}mN,mN,mN,mN,mN,mN\n1,2,3,4,5,6\n");
+    let mut sensor = TaxelSensor::open(table.as_bytes(), &newtons(), None).unwrap();
+    let error = sensor
+        .read(&mut TactileFrame::unloaded(2))
+        .unwrap_err()
+        .to_string();
+    assert!(error.contains("is in \"mN\"; expected N"), "{error}");
+}
+
 /// Gives its bytes out a few at a time, and is interrupted between.
 struct Trickle<'a>(&'a [u8], usize, bool);
 
@@ -234,7 +295,7 @@ proptest! {
     ) {
         let table = [format!("time,{HEADER}").as_bytes(), &bytes].concat();
         let (frames, troubles) = sensed(&timed(TimeUnit::Ns), &table);
-        let lines = bytes.split(|&b| b == b'\n').count() as u64;
+        let lines = bytes.split(|&b| matches!(b, b'\n' | b'\r')).count() as u64;
         let skipped: u64 = troubles.iter().filter(|t| t.0.is_skipped()).map(|t| t.1).sum();
         prop_assert!(frames.len() as u64 + skipped <= lines);
         for force in frames.iter().flat_map(|frame| &frame.forces) {

@@ -1,0 +1,130 @@
+//! Names of columns.
+
+use super::TableError;
+use super::unit::name_and_unit;
+use std::collections::HashMap;
+
+/// Longest header in an error message, characters.
+const SHOWN: usize = 200;
+
+/// Names of the columns, and where each is.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Header {
+    names: Vec<String>,
+    /// Columns by name, as it is written; the first, and how many there are.
+    exact: HashMap<String, (usize, usize)>,
+    /// Columns by name, as [`plain`] has it.
+    plain: HashMap<String, Vec<usize>>,
+}
+
+impl Header {
+    /// The columns of these names.
+    pub fn new(names: Vec<String>) -> Self {
+        let mut exact = HashMap::new();
+        let mut by_plain: HashMap<_, Vec<_>> = HashMap::new();
+        for (index, name) in names.iter().enumerate() {
+            exact.entry(name.clone()).or_insert((index, 0)).1 += 1;
+            by_plain.entry(plain(name)).or_default().push(index);
+        }
+        Self {
+            names,
+            exact,
+            plain: by_plain,
+        }
+    }
+
+    /// Names of the columns, as they are in the table.
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// The column called `name`: as it is written, or else in other letters, as `Fx [N]` for `f_x`. `None` if there is none.
+    ///
+    /// # Errors
+    /// If it may be one of several.
+    pub fn find(&self, name: &str) -> Result<Option<usize>, TableError> {
+        if let Some(&(index, 1)) = self.exact.get(name) {
+            return Ok(Some(index));
+        }
+        match self.plain.get(&plain(name)).map(Vec::as_slice) {
+            None | Some([]) => Ok(None),
+            Some([index]) => Ok(Some(*index)),
+            Some(several) => Err(TableError::Several {
+                column: name.to_owned(),
+                names: several
+                    .iter()
+                    .map(|&index| self.names[index].clone())
+                    .collect(),
+            }),
+        }
+    }
+
+    /// Unit of the column at `index`, as its name has it; `None` without one.
+    pub fn unit(&self, index: usize) -> Option<&str> {
+        name_and_unit(self.names.get(index)?).1
+    }
+
+    /// The names in one line, shortened if there are many.
+    pub fn shown(&self) -> String {
+        shortened(&self.names.join(","))
+    }
+}
+
+/// The first characters of a long text.
+pub fn shortened(text: &str) -> String {
+    match text.char_indices().nth(SHOWN) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text.to_owned(),
+    }
+}
+
+/// A column's name without unit, case and what joins words; `force` is `f` before an axis, `torque` and `moment` are `m`.
+fn plain(name: &str) -> String {
+    let (name, _) = name_and_unit(name);
+    let letters = name.chars().filter(|c| !matches!(c, '_' | '-' | '.' | ' '));
+    let letters: String = letters.flat_map(char::to_lowercase).collect();
+    for (word, letter) in [("force", 'f'), ("torque", 'm'), ("moment", 'm')] {
+        if let Some(axis @ ("x" | "y" | "z")) = letters.strip_prefix(word) {
+            return format!("{letter}{axis}");
+        }
+    }
+    letters
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn find(names: &[&str], name: &str) -> Result<Option<usize>, String> {
+        let header = Header::new(names.iter().map(ToString::to_string).collect());
+        header.find(name).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn columns_are_found_however_they_are_written() {
+        for written in [
+            "f_x", "Fx", "FX", "fx", "F_X", "f_x [N]", "Fx (mN)", "F_x/N", "Force X", "force_x",
+            "f.x", "fx_N",
+        ] {
+            assert_eq!(find(&["picture", written], "f_x"), Ok(Some(1)), "{written}");
+        }
+        assert_eq!(find(&["Torque X [Nm]"], "m_x"), Ok(Some(0)));
+        assert_eq!(find(&["Picture"], "picture"), Ok(Some(0)));
+        assert_eq!(find(&["X-Angle (deg)"], "x_angle"), Ok(Some(0)));
+        for other in ["f_xx", "f", "offset_x", "f_x_counts", ""] {
+            assert_eq!(find(&[other], "f_x"), Ok(None), "{other}");
+        }
+    }
+
+    #[test]
+    fn one_of_several_is_not_guessed() {
+        assert_eq!(find(&["Fx", "f_x"], "f_x"), Ok(Some(1)));
+        let several = find(&["Fx", "FX"], "f_x").unwrap_err();
+        assert_eq!(
+            several,
+            "columns \"Fx\", \"FX\" may all be f_x; expected one"
+        );
+        let twice = find(&["f_x", "f_x"], "f_x").unwrap_err();
+        assert!(twice.contains("\"f_x\", \"f_x\""), "{twice}");
+    }
+}

@@ -1,0 +1,159 @@
+//! Units of columns.
+
+/// What the numbers in a column are of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Quantity {
+    /// A force, N.
+    Force,
+    /// A torque, N m.
+    Torque,
+    /// A time, s.
+    Time,
+    /// An angle, rad.
+    Angle,
+    /// A place in a picture, px.
+    Pixels,
+    /// Anything, in whatever unit the table has it.
+    Any,
+}
+
+/// Names of units, what they are of, and their size in the unit that feeler uses.
+const UNITS: [(&str, Quantity, f64); 27] = [
+    ("N", Quantity::Force, 1.0),
+    ("mN", Quantity::Force, 1e-3),
+    ("kN", Quantity::Force, 1e3),
+    ("newton", Quantity::Force, 1.0),
+    ("newtons", Quantity::Force, 1.0),
+    ("Nm", Quantity::Torque, 1.0),
+    ("N m", Quantity::Torque, 1.0),
+    ("N*m", Quantity::Torque, 1.0),
+    ("N·m", Quantity::Torque, 1.0),
+    ("N-m", Quantity::Torque, 1.0),
+    ("mNm", Quantity::Torque, 1e-3),
+    ("Nmm", Quantity::Torque, 1e-3),
+    ("N-mm", Quantity::Torque, 1e-3),
+    ("N mm", Quantity::Torque, 1e-3),
+    ("s", Quantity::Time, 1.0),
+    ("sec", Quantity::Time, 1.0),
+    ("ms", Quantity::Time, 1e-3),
+    ("us", Quantity::Time, 1e-6),
+    ("µs", Quantity::Time, 1e-6),
+    ("ns", Quantity::Time, 1e-9),
+    ("rad", Quantity::Angle, 1.0),
+    ("deg", Quantity::Angle, std::f64::consts::PI / 180.0),
+    ("degrees", Quantity::Angle, std::f64::consts::PI / 180.0),
+    ("°", Quantity::Angle, std::f64::consts::PI / 180.0),
+    ("px", Quantity::Pixels, 1.0),
+    ("pixel", Quantity::Pixels, 1.0),
+    ("pixels", Quantity::Pixels, 1.0),
+];
+
+impl Quantity {
+    /// The unit called `name` in the unit that feeler uses; `None` if it is no unit of this quantity.
+    pub fn scale(self, name: &str) -> Option<f64> {
+        if self == Self::Any {
+            return Some(1.0);
+        }
+        let own = UNITS
+            .iter()
+            .find(|(unit, of, _)| *of == self && *unit == name);
+        own.map(|(.., scale)| *scale)
+    }
+
+    /// Units in words.
+    pub fn units(self) -> &'static str {
+        match self {
+            Self::Force => "N, mN or kN",
+            Self::Torque => "Nm, mNm or Nmm",
+            Self::Time => "s, ms, us or ns",
+            Self::Angle => "rad or deg",
+            Self::Pixels => "px",
+            Self::Any => "any unit",
+        }
+    }
+}
+
+/// Whether cells below the header are units: one at least, and dashes or nothing elsewhere.
+pub fn are_units<'a>(cells: impl Iterator<Item = &'a str>) -> bool {
+    let mut is_named = false;
+    for cell in cells.map(without_brackets) {
+        let is_known = is_known(cell);
+        is_named |= is_known;
+        if !is_known && !is_no_unit(cell) {
+            return false;
+        }
+    }
+    is_named
+}
+
+/// Whether a cell below the header says that its column has no unit, or nothing.
+pub fn is_no_unit(cell: &str) -> bool {
+    matches!(cell, "" | "-")
+}
+
+/// A name without the brackets around it.
+pub fn without_brackets(cell: &str) -> &str {
+    let inside = |open, close| cell.strip_prefix(open)?.strip_suffix(close);
+    inside('[', ']')
+        .or_else(|| inside('(', ')'))
+        .unwrap_or(cell)
+        .trim()
+}
+
+/// A column's name and its unit, as in `f_x [N]`, `Fx (N)`, `Fx/N`, `time_ms`; `None` without one.
+pub fn name_and_unit(column: &str) -> (&str, Option<&str>) {
+    let bracketed = [('[', ']'), ('(', ')')]
+        .into_iter()
+        .find_map(|(open, close)| {
+            let (name, unit) = column.strip_suffix(close)?.rsplit_once(open)?;
+            Some((name, unit))
+        });
+    let known = || {
+        let (name, unit) = column.rsplit_once(['/', '_', ' '])?;
+        is_known(unit.trim()).then_some((name.trim_end_matches([' ', '/']), unit))
+    };
+    match bracketed.or_else(known) {
+        Some((name, unit)) => (
+            name.trim(),
+            Some(unit.trim()).filter(|unit| !unit.is_empty()),
+        ),
+        None => (column, None),
+    }
+}
+
+fn is_known(unit: &str) -> bool {
+    UNITS.iter().any(|(name, ..)| *name == unit)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_are_split_into_name_and_unit() {
+        for (column, expected) in [
+            ("f_x", ("f_x", None)),
+            ("Fx [N]", ("Fx", Some("N"))),
+            ("Fx(mN)", ("Fx", Some("mN"))),
+            ("F_x / N", ("F_x", Some("N"))),
+            ("time_ms", ("time", Some("ms"))),
+            ("Mx [N m]", ("Mx", Some("N m"))),
+            ("f_x [lbf]", ("f_x", Some("lbf"))),
+            ("f_x []", ("f_x", None)),
+            ("0_x", ("0_x", None)),
+        ] {
+            assert_eq!(name_and_unit(column), expected);
+        }
+    }
+
+    #[test]
+    fn units_are_of_one_quantity() {
+        assert_eq!(Quantity::Force.scale("mN"), Some(1e-3));
+        assert_eq!(Quantity::Force.scale("Nm"), None);
+        assert_eq!(Quantity::Angle.scale("deg"), Some(1f64.to_radians()));
+        assert_eq!(Quantity::Any.scale("furlong"), Some(1.0));
+        let are_units = |cells: &[&str]| super::are_units(cells.iter().copied());
+        assert!(are_units(&["[N]", "-", "(mN)", ""]));
+        assert!(!are_units(&["-", ""]) && !are_units(&["N", "7"]) && !are_units(&["N", "a.png"]));
+    }
+}
