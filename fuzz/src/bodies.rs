@@ -13,6 +13,7 @@ use feeler::sensor::calibration::Calibration;
 use feeler::sensor::camera::{Camera, CameraError};
 use feeler::sensor::frame::Frame;
 use feeler::sensor::layout::ElementLayout;
+use feeler::sensor::live_calibration::ForceAxes;
 use feeler::sensor::loads::read_loads;
 use feeler::sensor::located_layout::LocatedLayout;
 use feeler::sensor::moments::ElementMoments;
@@ -235,7 +236,7 @@ pub fn loads(bytes: &[u8]) -> bool {
         centre_px: DVec2::new(column, 0.0),
         x_angle: column,
     });
-    let Ok(pictures) = read_loads(bytes, &seen) else {
+    let Ok(pictures) = read_loads(bytes, &seen, ForceAxes::default()) else {
         return false;
     };
     for picture in &pictures {

@@ -8,6 +8,8 @@ use feeler::sensor::calibration_fit::{ElementRecord, ModelChoice, fit};
 use feeler::sensor::calibration_quality::FullScale;
 use feeler::sensor::calibration_report::CalibrationReport;
 use feeler::sensor::frame::Picture;
+use feeler::sensor::live_calibration::ForceAxes;
+use feeler::sensor::load_check::{ELEMENT_RANGE, check_axes, check_magnitude, check_numbers};
 use feeler::sensor::loads::RecordBuilder;
 use feeler::sensor::moments::ElementMoments;
 use feeler_lab::config::Experiment;
@@ -117,10 +119,16 @@ impl Fit<'_> {
 #[pyfunction]
 pub fn calibrate_file(py: Python<'_>, path: PathBuf, how: Fit<'_>) -> PyResult<Calibration> {
     let geometry = how.geometry()?;
-    let loads = LoadsFile::read(&path, &geometry.seen).map_err(refused)?;
-    let measure = |_: &_| loads.measure(&geometry, || {});
-    let records = interruptible(py, measure, |_| Ok(()))?.map_err(refused)?;
-    how.fit(py, geometry, &records)
+    let loads = LoadsFile::read(&path, &geometry.seen, ForceAxes::default()).map_err(refused)?;
+    loads.check_magnitude().map_err(refused)?;
+    let measure = |_: &_| {
+        let measured = loads.measure(&geometry, || {})?;
+        loads.check(&measured).map(|()| measured)
+    };
+    let measured = interruptible(py, measure, |_| Ok(()))?.map_err(refused)?;
+    let calibration = how.fit(py, geometry, &measured.records())?;
+    let checked = loads.check_offsets(&measured, &calibration.0);
+    checked.map_err(refused).map(|()| calibration)
 }
 
 /// Fits a calibration to `frames` [N, H, W] under `forces` [N, E, 3], N; not a number where a force is not known.
@@ -157,7 +165,14 @@ pub fn calibrate_frames(
         let loads: Vec<_> = loads.chunks_exact(3).map(known).collect();
         builder.add(&loads, &moments);
     }
-    how.fit(py, geometry, &builder.finish())
+    let pictures = builder.pictures();
+    let forces = pictures.iter().flat_map(|picture| &picture.forces);
+    let forces = forces.copied().flatten();
+    check_magnitude("an element", forces, ELEMENT_RANGE).map_err(refused)?;
+    let records = builder.records();
+    let check = |_: &_| check_numbers(pictures).and_then(|()| check_axes(&records));
+    interruptible(py, check, |_| Ok(()))?.map_err(refused)?;
+    how.fit(py, geometry, &records)
 }
 
 /// Why no more pictures are taken.

@@ -524,7 +524,8 @@ def calibrate(
     Parameters
     ----------
     loads
-        CSV file with the columns picture (relative to the file), element, f_x, f_y, f_z (N).
+        Table with the columns picture (relative to the file), element, f_x, f_y, f_z (N): the force on the finger, f_z
+        positive when pressed.
     frames, forces
         Instead of a file: uint8 [N, H, W], and the force on each element in each frame [N, E, 3], N; zero where it is
         not loaded, not a number where nothing is known of it.
@@ -539,7 +540,8 @@ def calibrate(
     Raises
     ------
     OSError, ValueError
-        When a file cannot be read, or the loads do not determine a calibration.
+        When a file cannot be read, the loads do not determine a calibration, or the pictures contradict them: signs, axes,
+        numbers of elements, and loads below 0.01 N or above 20 N.
     """
     normal, shear = full_scale if full_scale is not None else (None, None)
     how = {

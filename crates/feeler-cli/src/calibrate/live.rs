@@ -50,11 +50,6 @@ pub struct LiveArguments {
     /// ros2:/TOPIC?connect=tcp/HOST:PORT&domain=NUMBER
     #[arg(long, value_name = "ADDRESS", requires = "live")]
     force_sensor: Option<ForceAddress>,
-    /// The force sensor's axes that are x, y and z of the fingertip, as in z,x,y: of a fingertip of known dome x is its axis,
-    /// outward; of a layout without one, x is to the right in the picture, y down and z away from the camera. With --wrench, z is
-    /// the fingertip's axis, outward, so that pressing makes f_z negative.
-    #[arg(long, value_name = "AXES", default_value = "x,y,z", requires = "live")]
-    force_axes: ForceAxes,
     /// Frames per second that the camera is asked for.
     #[arg(long, value_name = "HZ", default_value_t = 30.0, requires = "live", value_parser = crate::bounded::parse_rate)]
     rate: f64,
@@ -148,6 +143,7 @@ pub fn guide(
         .ok_or("--live: expected --force-sensor, too")?;
     let camera = live.live.as_deref().unwrap_or(Path::new("-"));
     let goal = goal(arguments);
+    let axes = arguments.axes.of_sensor()?;
     let work: Box<dyn Work + '_> = match arguments.wrench {
         true => Box::new(Whole::open(folder, sensor, goal)?),
         false => Box::new(Elements::open(folder, sensor, goal, arguments.model)?),
@@ -162,7 +158,7 @@ pub fn guide(
     let interrupted = watch_for_interrupt()?;
     let mut guided = Guided {
         sensor,
-        axes: live.force_axes,
+        axes,
         began,
         exposed_since,
         waiting: VecDeque::new(),

@@ -1,5 +1,7 @@
 //! `feeler calibrate`
 
+mod axes;
+mod checks;
 mod live;
 mod loads;
 mod page;
@@ -10,13 +12,15 @@ use super::part_file::{Outputs, Overwrite};
 use super::progress::{Steps, Working};
 use super::sense::sensor::named_sensor;
 use super::{CommandError, Outcome};
-use feeler::sensor::calibration::{Calibration, FullScale, explained};
+use axes::AxesArguments;
+use feeler::sensor::calibration::{Calibration, FullScale};
 use feeler::sensor::calibration_fit::{ElementRecord, ModelChoice, fit};
 use feeler::sensor::calibration_quality::ElementQuality;
 use feeler::sensor::calibration_report::CalibrationReport;
+use feeler::sensor::live_calibration::ForceAxes;
 use feeler::sensor::wrench::quality::AxisQuality;
 use feeler_lab::config::Experiment;
-use feeler_lab::sensor::LoadsFile;
+use feeler_lab::sensor::{LoadsFile, SensorGeometry};
 use feeler_sim::calibration_bench::{CalibrationBenchConfig, load_simulated};
 use serde::Serialize;
 use std::io::{self, Write};
@@ -29,8 +33,8 @@ const MAX_LOADS: i64 = 20_000;
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// The file of loads: CSV with the columns picture (relative to the file), element, f_x, f_y, f_z
-    /// (N, in the element's frame); a row of zero force, or without an element, is an unloaded picture. Columns column and
+    /// The file of loads: a table with the columns picture (relative to the file), element, f_x, f_y, f_z
+    /// (N, on the finger in the element's frame, f_z positive when pressed); a row of zero force, or without an element, is an unloaded picture. Columns column and
     /// row (px) tell elements by their places; x_angle (rad) is where x of the force's frame points in the picture.
     /// With --simulated, the experiment. With --wrench, the file of measured forces: picture, f_x, f_y, f_z (N) and, if
     /// they were measured, m_x, m_y, m_z (N m), on the whole fingertip.
@@ -42,9 +46,15 @@ pub struct Arguments {
     /// Calibrate the total force on the fingertip, where no single element can be loaded: by all elements together.
     #[arg(long, conflicts_with_all = ["simulated", "verbose", "loads", "model"])]
     wrench: bool,
-    /// Keep what the pictures explain nothing of.
+    /// Keep what the pictures explain nothing of, or contradict.
     #[arg(long)]
     force_fit: bool,
+    #[command(flatten)]
+    axes: AxesArguments,
+    /// The loads are as large, or as small, as the table says: an element may bear less than 0.01 N or more than 20 N, a fingertip less than
+    /// 0.05 N or more than 200 N.
+    #[arg(long, conflicts_with = "simulated")]
+    confirm_loads: bool,
     /// The experiment whose fingertip it is: a file, or the name of a built-in one [default: cap-closing]
     #[arg(long, value_name = "EXPERIMENT")]
     experiment: Option<String>,
@@ -137,13 +147,8 @@ pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, 
         refuse_existing(arguments, [output, &page_path])?;
         live::guide(arguments, folder, &sensor)?;
     }
-    let csv = arguments.input.as_ref().filter(|_| !arguments.simulated);
-    let csv = csv.map(|input| match live::folder(arguments) {
-        Some(folder) => folder.join(live::LOADS),
-        None => PathBuf::from(input),
-    });
-    let loads = csv.map(|csv| LoadsFile::read(&csv, &sensor.seen));
-    let loads = loads.transpose()?;
+    let axes = columns(arguments);
+    let loads = loads_file(arguments, &sensor, axes)?;
     let files = loads.as_ref().map_or_else(Vec::new, LoadsFile::files);
     let inputs = files.iter().map(|path| Some(path.as_path()));
     let named = [Some(Path::new(experiment_name)), layout];
@@ -151,10 +156,19 @@ pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, 
     // Opened first, for calibrating takes its time.
     let file = outputs.create(output, "--output")?;
     let page_file = outputs.create(&page_path, "--output")?;
-    let (records, source, full_scale) = match &loads {
-        Some(loads) => {
-            let progress = Steps::new(loads.picture_count());
-            let records = loads.measure(&sensor, || progress.advance())?;
+    let measured = loads.as_ref().map(|loads| {
+        let progress = Steps::new(loads.picture_count());
+        let measured = loads.measure(&sensor, || progress.advance())?;
+        drop(progress);
+        if !arguments.force_fit {
+            checks::before_fitting(loads, &measured, axes)?;
+        }
+        Ok::<_, CommandError>((loads, measured))
+    });
+    let measured = measured.transpose()?;
+    let (records, source, full_scale) = match &measured {
+        Some((loads, measured)) => {
+            let records = measured.records();
             let full_scale = FullScale::of_loads(&records);
             (records, loads.name(), full_scale)
         }
@@ -168,7 +182,10 @@ pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, 
     let calibration = fit(sensor.made_for, &records, arguments.model, full_scale)?;
     drop(fitting);
     if !arguments.force_fit {
-        refuse_noise(&calibration, &records)?;
+        checks::noise(&calibration, &records)?;
+        if let Some((loads, measured)) = &measured {
+            checks::offsets(loads, measured, &calibration)?;
+        }
     }
     page_file.finish(page::page(&calibration, &records, &source).as_bytes())?;
     file.finish(calibration.to_toml()?.as_bytes())?;
@@ -190,26 +207,33 @@ pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, 
     Ok(Outcome::Done)
 }
 
-/// Refuses a calibration that is fitted to noise.
-fn refuse_noise(calibration: &Calibration, records: &[ElementRecord]) -> Result<(), CommandError> {
-    /// Part of the variance of loads that must be explained.
-    const LEAST: f64 = 0.2;
-    let explained = explained(calibration, records);
-    let axes = ["f_x", "f_y", "f_z"].into_iter().zip(explained.to_array());
-    let unexplained: Vec<String> = axes
-        .filter(|(_, part)| *part < LEAST)
-        .map(|(axis, part)| format!("{axis} (held-out R² {part:.2})"))
-        .collect();
-    if unexplained.is_empty() {
-        return Ok(());
+/// The columns of the loads that are x, y and z of an element.
+fn columns(arguments: &Arguments) -> ForceAxes {
+    match live::folder(arguments) {
+        // Those of the force sensor are turned already.
+        Some(_) => ForceAxes::default(),
+        None => arguments.axes.of_columns(),
     }
-    Err(format!(
-        "the pictures explain nothing of {}, at least {LEAST} expected: are the elements numbered as in the layout, \
-         where `feeler locate --preview` draws the numbers, or named by their places (columns column, row)? --force-fit keeps \
-         it all the same",
-        unexplained.join(", ")
-    )
-    .into())
+}
+
+/// The loads on disk; `None` if they are simulated.
+fn loads_file(
+    arguments: &Arguments,
+    sensor: &SensorGeometry,
+    axes: ForceAxes,
+) -> Result<Option<LoadsFile>, CommandError> {
+    let Some(input) = arguments.input.as_ref().filter(|_| !arguments.simulated) else {
+        return Ok(None);
+    };
+    let csv = match live::folder(arguments) {
+        Some(folder) => folder.join(live::LOADS),
+        None => PathBuf::from(input),
+    };
+    let loads = LoadsFile::read(&csv, &sensor.seen, axes)?;
+    if !arguments.confirm_loads {
+        checks::magnitude(&loads)?;
+    }
+    Ok(Some(loads))
 }
 
 /// Refuses outputs that would be refused when they are made.

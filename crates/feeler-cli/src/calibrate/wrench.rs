@@ -3,6 +3,7 @@
 mod page;
 mod table;
 
+use super::checks::CONFIRM;
 use super::{
     Arguments, Calibrated, CommandError, Outcome, experiment_name, live, page_path, refuse_existing,
 };
@@ -35,6 +36,10 @@ pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, 
         None => measured(arguments)?,
     };
     let forces = ForcesFile::read(&csv)?;
+    if !arguments.confirm_loads {
+        let checked = forces.check_magnitude();
+        checked.map_err(|error| format!("{}: {error}{CONFIRM}", csv.display()))?;
+    }
     let files = forces.files();
     let inputs = files.iter().map(|path| Some(path.as_path()));
     let named = [Some(Path::new(experiment_name)), layout];
@@ -80,6 +85,10 @@ pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, 
 fn measured(arguments: &Arguments) -> Result<PathBuf, CommandError> {
     if arguments.full_scale_normal.is_some() || arguments.full_scale_shear.is_some() {
         let message = "--full-scale-normal, --full-scale-shear: expected --live beside --wrench, which has no full scale itself";
+        return Err(message.into());
+    }
+    if arguments.axes.are_given() {
+        let message = "--force-axes: expected --live beside --wrench, which takes a table's forces in the frame in which they were measured";
         return Err(message.into());
     }
     let csv = arguments.input.as_deref();

@@ -1,6 +1,7 @@
 //! The program end to end: what a user gives it, what it prints, writes and exits with.
 
 mod bad_input;
+mod calibrate_checks;
 mod calibrate_live;
 mod calibrate_live_wrench;
 mod calibrate_loads;

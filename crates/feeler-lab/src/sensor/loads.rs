@@ -3,7 +3,12 @@
 
 use super::SensorGeometry;
 use super::recorded::{NamedFrame, NamedFrames, files_of};
-use feeler::sensor::calibration_fit::ElementRecord;
+use feeler::sensor::calibration::Calibration;
+use feeler::sensor::live_calibration::ForceAxes;
+use feeler::sensor::load_check::{
+    ELEMENT_RANGE, LoadCheckError, check_axes, check_magnitude, check_numbers, check_offsets,
+    check_unloaded,
+};
 use feeler::sensor::loads::{COLUMNS, LoadedPicture, LoadsError, RecordBuilder, read_loads};
 use feeler::sensor::moments::ElementMoments;
 use feeler::sensor::seen::SeenElement;
@@ -30,6 +35,14 @@ pub enum LoadsFileError {
         /// What is wrong with it.
         source: LoadsError,
     },
+    /// The pictures contradict it.
+    #[error("{}: {source}", csv.display())]
+    Contradicted {
+        /// The file.
+        csv: PathBuf,
+        /// What they contradict.
+        source: LoadCheckError,
+    },
     /// A picture that it names cannot be used.
     #[error("{}: line {line}: picture = {picture:?}: {what}", csv.display())]
     Picture {
@@ -51,17 +64,18 @@ pub struct LoadsFile {
 }
 
 impl LoadsFile {
-    /// Reads the file of loads at `csv`, on a sensor whose elements are `seen` so.
+    /// Reads the file of loads at `csv`, on a sensor whose elements are `seen` so; `axes` are the columns, with their signs, that are x, y and
+    /// z of an element.
     ///
     /// # Errors
     /// When it cannot be read, or is no such file.
-    pub fn read(csv: &Path, seen: &[SeenElement]) -> Result<Self, LoadsFileError> {
+    pub fn read(csv: &Path, seen: &[SeenElement], axes: ForceAxes) -> Result<Self, LoadsFileError> {
         let csv = csv.to_path_buf();
         let file = match File::open(&csv) {
             Ok(file) => file,
             Err(source) => return Err(LoadsFileError::File { csv, source }),
         };
-        match read_loads(file, seen) {
+        match read_loads(file, seen, axes) {
             Ok(pictures) => Ok(Self { csv, pictures }),
             Err(source) => Err(LoadsFileError::Loads { csv, source }),
         }
@@ -74,8 +88,7 @@ impl LoadsFile {
 
     /// All files that are read: the file of loads, and the pictures and recordings that it names.
     pub fn files(&self) -> Vec<PathBuf> {
-        let names = self.pictures.iter().map(|loaded| loaded.picture.as_str());
-        files_of(&self.csv, names)
+        files_of(&self.csv, self.picture_names())
     }
 
     /// Number of pictures.
@@ -94,8 +107,52 @@ impl LoadsFile {
         }
     }
 
-    /// Takes the moments of all pictures, and of the recordings at their times, with `sensor`; calls `measured` after each. One
-    /// record for each element.
+    /// Refuses loads that no soft element bears, or that no picture shows.
+    ///
+    /// # Errors
+    /// Names the largest load and the likely unit.
+    pub fn check_magnitude(&self) -> Result<(), LoadsFileError> {
+        let forces = self.pictures.iter().flat_map(|picture| &picture.forces);
+        let forces = forces.copied().flatten();
+        self.checked(check_magnitude("an element", forces, ELEMENT_RANGE))
+    }
+
+    /// Refuses loads that the pictures contradict: numbers of elements, signs and axes, zeros of recordings.
+    ///
+    /// # Errors
+    /// Names what they contradict, and the likely cause.
+    pub fn check(&self, measured: &RecordBuilder) -> Result<(), LoadsFileError> {
+        let pictures = measured.pictures();
+        self.checked(check_numbers(pictures))?;
+        self.checked(check_axes(&measured.records()))?;
+        self.checked(check_unloaded(pictures, self.picture_names()))
+    }
+
+    /// Refuses loads that are off the `calibration` fitted to them by another constant in one recording than in another.
+    ///
+    /// # Errors
+    /// Names column, recordings and the difference.
+    pub fn check_offsets(
+        &self,
+        measured: &RecordBuilder,
+        calibration: &Calibration,
+    ) -> Result<(), LoadsFileError> {
+        let names = self.picture_names();
+        self.checked(check_offsets(calibration, measured.pictures(), names))
+    }
+
+    fn checked(&self, result: Result<(), LoadCheckError>) -> Result<(), LoadsFileError> {
+        result.map_err(|source| LoadsFileError::Contradicted {
+            csv: self.csv.clone(),
+            source,
+        })
+    }
+
+    fn picture_names(&self) -> impl Iterator<Item = &str> {
+        self.pictures.iter().map(|loaded| loaded.picture.as_str())
+    }
+
+    /// Takes the moments of all pictures, and of the recordings at their times, with `sensor`; calls `measured` after each.
     ///
     /// # Errors
     /// Names the line of the picture that cannot be used, and what was expected.
@@ -103,7 +160,7 @@ impl LoadsFile {
         &self,
         sensor: &SensorGeometry,
         mut measured: impl FnMut(),
-    ) -> Result<Vec<ElementRecord>, LoadsFileError> {
+    ) -> Result<RecordBuilder, LoadsFileError> {
         let elements = sensor.kernel.element_count();
         let mut builder = RecordBuilder::new(elements);
         let mut moments = vec![ElementMoments::default(); elements];
@@ -126,6 +183,6 @@ impl LoadsFile {
             builder.add(&loaded.forces, &moments);
             measured();
         }
-        Ok(builder.finish())
+        Ok(builder)
     }
 }

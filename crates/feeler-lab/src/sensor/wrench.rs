@@ -4,6 +4,7 @@
 use super::geometry::read_text;
 use super::recorded::{NamedFrame, NamedFrames, files_of};
 use super::{GeometryError, SensorGeometry};
+use feeler::sensor::load_check::{FINGERTIP_RANGE, LoadCheckError, check_magnitude};
 use feeler::sensor::moments::ElementMoments;
 use feeler::sensor::sensing::{ElementReading, SensingChain, SensingError};
 use feeler::sensor::wrench::features::usable;
@@ -93,6 +94,19 @@ impl ForcesFile {
                 measured(DVec3::new(x, y, z));
             }
         }
+    }
+
+    /// Refuses forces that no soft fingertip bears, or that no picture shows.
+    ///
+    /// # Errors
+    /// Names the largest force and the likely unit.
+    pub fn check_magnitude(&self) -> Result<(), LoadCheckError> {
+        let pictures = self.forces.pictures.iter();
+        let forces = pictures.map(|picture| {
+            let [x, y, z, ..] = picture.wrench.map(Option::unwrap_or_default);
+            DVec3::new(x, y, z)
+        });
+        check_magnitude("the fingertip", forces, FINGERTIP_RANGE)
     }
 
     /// Number of pictures.

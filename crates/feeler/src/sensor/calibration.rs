@@ -10,7 +10,7 @@ pub use super::calibration_quality::{ElementQuality, FullScale, HeldOutError, ex
 pub use super::coupled::CoupledMap;
 pub use super::made_for::{LengthUnit, MadeFor};
 pub use super::separable::{CURVE_TERMS, ForceCurve, SeparableMap};
-use super::{fingertip::FingertipConfig, moments::ElementMoments};
+use super::{calibration_signs::check_signs, fingertip::FingertipConfig, moments::ElementMoments};
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
@@ -256,7 +256,8 @@ impl Calibration {
         self.elements
             .iter()
             .enumerate()
-            .try_for_each(|(index, element)| element.check(index))
+            .try_for_each(|(index, element)| element.check(index))?;
+        check_signs(&self.elements)
     }
 
     /// Turns `moments` into `forces`, element by element, N, whatever their validity. Neither allocates

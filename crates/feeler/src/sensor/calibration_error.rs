@@ -56,6 +56,21 @@ pub enum CalibrationError {
         /// How many arrived.
         actual: usize,
     },
+    /// Forces point against what pictures show.
+    #[error(
+        "{force} is reversed in {reversed} of {elements} elements: the calibration would report {} (expected {}); its loads had the \
+         wrong sign or axis, `feeler calibrate` makes one of loads that fit the pictures",
+        if *force == "f_z" { "tension where an element is pressed" } else { "shear against the way in which an element is dragged" },
+        if *force == "f_z" { "compression, which is positive when pressed" } else { "shear along the displacement of the centroid" }
+    )]
+    Reversed {
+        /// The component of the force.
+        force: &'static str,
+        /// Elements in which it is reversed.
+        reversed: usize,
+        /// All elements.
+        elements: usize,
+    },
     /// A number in the calibration is not usable, or an element's loads do not determine one.
     #[error("element {element}: {what}")]
     Unusable {

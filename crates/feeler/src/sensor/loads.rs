@@ -13,15 +13,16 @@
 //! that where it is missing.
 
 mod place;
+mod records;
 
 use super::{
-    calibration_fit::{ElementRecord, LoadSample},
-    moments::ElementMoments,
+    live_calibration::ForceAxes,
     seen::SeenElement,
     table::{NumberColumn, NumberError, Quantity, Table, TableError},
 };
 use glam::{DVec2, DVec3};
 use place::{NamedPlace, Places};
+pub use records::{RecordBuilder, TakenPicture};
 use std::{
     collections::HashMap,
     io::{BufRead, BufReader, Read},
@@ -126,11 +127,16 @@ pub struct LoadedPicture {
     pub forces: Vec<Option<DVec3>>,
 }
 
-/// Reads the loads of a fingertip whose elements the camera sees as `seen`, picture by picture; forces in the frames of these.
+/// Reads the loads of a fingertip whose elements the camera sees as `seen`, picture by picture; forces in the frames of these. `axes` are
+/// the columns, with their signs, that are x, y and z of an element.
 ///
 /// # Errors
 /// Names line, field, value and what was expected.
-pub fn read_loads(text: impl Read, seen: &[SeenElement]) -> Result<Vec<LoadedPicture>, LoadsError> {
+pub fn read_loads(
+    text: impl Read,
+    seen: &[SeenElement],
+    axes: ForceAxes,
+) -> Result<Vec<LoadedPicture>, LoadsError> {
     let elements = seen.len();
     let mut table = Table::open(BufReader::new(text))?;
     let columns = Columns::of(&mut table)?;
@@ -140,7 +146,7 @@ pub fn read_loads(text: impl Read, seen: &[SeenElement]) -> Result<Vec<LoadedPic
     let mut lines = HashMap::new();
     while table.advance()? {
         let line = table.line();
-        let row = Row::parse(&table, &columns, &mut by_place)?;
+        let row = Row::parse(&table, &columns, &mut by_place, axes)?;
         let picture = row.picture;
         let place = *places.entry(picture.clone()).or_insert_with(|| {
             pictures.push(LoadedPicture {
@@ -231,6 +237,7 @@ impl Row {
         table: &Table<R>,
         columns: &Columns,
         by_place: &mut Places,
+        axes: ForceAxes,
     ) -> Result<Self, LoadsError> {
         let field = Field { table };
         let picture = table.text(columns.picture).into_owned();
@@ -259,6 +266,7 @@ impl Row {
             });
         }
         let element = element_of(&field, columns, by_place)?;
+        force = axes.to_fingertip(force);
         let angle = columns
             .x_angle
             .filter(|&column| !table.number_text(column).is_empty());
@@ -337,42 +345,6 @@ impl<R: BufRead> Field<'_, R> {
             value: value.to_owned(),
             expected: expected.to_owned(),
         }
-    }
-}
-
-/// What is known of each element from pictures and their moments, for a fit.
-///
-/// All loads are both fitted and looked at for repetitions; errors are found by cross-validation.
-#[derive(Debug, Clone, PartialEq)]
-pub struct RecordBuilder {
-    records: Vec<ElementRecord>,
-}
-
-impl RecordBuilder {
-    /// For `elements` elements.
-    pub fn new(elements: usize) -> Self {
-        Self {
-            records: vec![ElementRecord::default(); elements],
-        }
-    }
-
-    /// Adds a picture's forces and the moments of all elements in it, from wherever they come.
-    pub fn add(&mut self, forces: &[Option<DVec3>], moments: &[ElementMoments]) {
-        for ((record, force), &moments) in self.records.iter_mut().zip(forces).zip(moments) {
-            let Some(force) = *force else { continue };
-            let sample = LoadSample { force, moments };
-            if force == DVec3::ZERO {
-                record.unloaded.push(moments);
-            } else {
-                record.fitted.push(sample);
-            }
-            record.cycled.push(sample);
-        }
-    }
-
-    /// The records, one for each element.
-    pub fn finish(self) -> Vec<ElementRecord> {
-        self.records
     }
 }
 

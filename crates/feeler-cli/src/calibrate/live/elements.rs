@@ -7,7 +7,7 @@ use super::{LOADS, Work};
 use feeler::sensor::calibration::FullScale;
 use feeler::sensor::calibration_fit::ModelChoice;
 use feeler::sensor::frame::Picture;
-use feeler::sensor::live_calibration::{Coverage, Goal, LiveCalibration, Seen, Wrench};
+use feeler::sensor::live_calibration::{Coverage, ForceAxes, Goal, LiveCalibration, Seen, Wrench};
 use feeler::sensor::loads::{COLUMNS, PLACE_COLUMNS};
 use feeler::sensor::moments::ElementMoments;
 use feeler_lab::sensor::{LoadsFile, SensorGeometry};
@@ -36,7 +36,7 @@ impl<'a> Elements<'a> {
         let (mut kept, has_rows) = Folder::open(path, LOADS, &columns.join(","))?;
         let mut coverage = vec![Coverage::default(); sensor.seen.len()];
         if has_rows {
-            let loads = LoadsFile::read(kept.table(), &sensor.seen)?;
+            let loads = LoadsFile::read(kept.table(), &sensor.seen, ForceAxes::default())?;
             kept.count(loads.picture_count());
             loads.each_force(|element, force| {
                 coverage[element].count(force, &goal);

@@ -10,7 +10,7 @@ fn seen() -> [SeenElement; 3] {
 }
 
 fn refused(text: &str) -> String {
-    read_loads(text.as_bytes(), &seen())
+    read_loads(text.as_bytes(), &seen(), ForceAxes::default())
         .unwrap_err()
         .to_string()
 }
@@ -18,7 +18,7 @@ fn refused(text: &str) -> String {
 #[test]
 fn pictures_are_gathered_from_rows() {
     let text = "f_z,picture,element,f_x,f_y,note\n# no load\n0,a.png,,,0,\n1.5,b.png,2,0.1,-0.2,x\n0,b.png,0,0,0,\n";
-    let pictures = read_loads(text.as_bytes(), &seen()).unwrap();
+    let pictures = read_loads(text.as_bytes(), &seen(), ForceAxes::default()).unwrap();
     assert_eq!(pictures[0].forces, [Some(DVec3::ZERO); 3]);
     let force = DVec3::new(0.1, -0.2, 1.5);
     assert_eq!(pictures[1].forces, [Some(DVec3::ZERO), None, Some(force)]);
@@ -74,13 +74,13 @@ fn what_is_wrong_is_named() {
         let message = refused(text);
         assert!(message.contains(words), "{message}");
     }
-    let _ = read_loads(&b"\xff\xfe\n\xff,,"[..], &seen()).unwrap_err();
+    let _ = read_loads(&b"\xff\xfe\n\xff,,"[..], &seen(), ForceAxes::default()).unwrap_err();
 }
 
 #[test]
 fn units_and_names_of_other_programs_are_understood() {
     let text = "Picture;Element;Fx [mN];FY;F_Z;column;row;X angle\n;;;N;kN;px;;deg\nb;2,0;500;0,25;0,001;30,0;50,0;0,0\n";
-    let pictures = read_loads(text.as_bytes(), &seen()).unwrap();
+    let pictures = read_loads(text.as_bytes(), &seen(), ForceAxes::default()).unwrap();
     let expected = DVec3::new(0.25, -0.5, 1.0);
     let force = pictures[0].forces[2].unwrap();
     assert!(force.abs_diff_eq(expected, 1e-12), "{force}");
@@ -91,7 +91,7 @@ const PLACED: &str = "picture,f_x,f_y,f_z,column,row,x_angle\n";
 #[test]
 fn elements_are_told_by_their_places() {
     let text = format!("{PLACED}a,,,,,,\nb,1,2,3,21,49,\nb,0.5,0,1,34,48,0\n");
-    let pictures = read_loads(text.as_bytes(), &seen()).unwrap();
+    let pictures = read_loads(text.as_bytes(), &seen(), ForceAxes::default()).unwrap();
     assert_eq!(pictures[0].forces, [Some(DVec3::ZERO); 3]);
     let [first, second, third] = pictures[1].forces[..] else {
         panic!("three elements expected");
@@ -102,17 +102,19 @@ fn elements_are_told_by_their_places() {
     assert!(third.unwrap().abs_diff_eq(expected, 1e-12), "{third:?}");
     // Names do not matter, as long as each is one element's.
     let text = "picture,element,f_x,f_y,f_z,column,row\na,7,1,2,3,10,50\nb,7,1,2,3,11,50\nb,0,1,2,3,30,50\n";
-    let pictures = read_loads(text.as_bytes(), &seen()).unwrap();
+    let pictures = read_loads(text.as_bytes(), &seen(), ForceAxes::default()).unwrap();
     assert!(pictures[1].forces[0].is_some() && pictures[1].forces[2].is_some());
     // One of the two is no place.
     let text = "picture,element,f_x,f_y,f_z,row\na,2,1,2,3,nonsense\n";
-    assert!(read_loads(text.as_bytes(), &seen()).unwrap()[0].forces[2].is_some());
+    assert!(
+        read_loads(text.as_bytes(), &seen(), ForceAxes::default()).unwrap()[0].forces[2].is_some()
+    );
 }
 
 #[test]
 fn a_frame_turned_as_the_layouts_leaves_forces_as_they_are() {
     let text = format!("{PLACED}b,0.1,0.7,3,30,50,{FRAC_PI_2}\n");
-    let pictures = read_loads(text.as_bytes(), &seen()).unwrap();
+    let pictures = read_loads(text.as_bytes(), &seen(), ForceAxes::default()).unwrap();
     assert_eq!(pictures[0].forces[2], Some(DVec3::new(0.1, 0.7, 3.0)));
 }
 

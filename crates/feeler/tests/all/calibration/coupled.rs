@@ -90,6 +90,25 @@ fn coefficients(orders: [usize; 3], seed: u64) -> [Vec<f64>; 3] {
     })
 }
 
+/// The same, each component negated that falls from the least to the greatest of its own input: such a calibration is refused.
+fn rising(mut own: [Vec<f64>; 3]) -> [Vec<f64>; 3] {
+    let [g, x, y] = RANGES;
+    let half = 0.5 * g[1];
+    let ends = [
+        [[half, x[0], 0.0], [half, x[1], 0.0]],
+        [[half, 0.0, y[0]], [half, 0.0, y[1]]],
+        [[g[0], 0.0, 0.0], [g[1], 0.0, 0.0]],
+    ];
+    let rises = ends.map(|ends| ends.map(|at| force(&own, inputs(at))));
+    for (axis, (component, [low, high])) in own.iter_mut().zip(rises).enumerate() {
+        let sign = if high[axis] < low[axis] { -1.0 } else { 1.0 };
+        component
+            .iter_mut()
+            .for_each(|coefficient| *coefficient *= sign);
+    }
+    own
+}
+
 fn map([shear_x, shear_y, normal]: [Vec<f64>; 3]) -> CoupledMap {
     let [growth_range, x_range, y_range] = RANGES;
     CoupledMap {
@@ -127,7 +146,7 @@ fn each_coefficient_is_that_of_its_power_of_the_scaled_inputs() {
 fn a_force_of_so_many_terms_gets_so_many_and_is_found_again() {
     for n in 0..4 {
         let orders = [SHEAR_ORDERS[n], SHEAR_ORDERS[3 - n], NORMAL_ORDERS[n]];
-        let own = coefficients(orders, n as u64);
+        let own = rising(coefficients(orders, n as u64));
         let mut rng = Pcg64::seed_from_u64(5);
         // Noise that is no more than a ten-thousandth of the force, so that exactness is no reason for a longer model.
         let places = places(300, 6);

@@ -111,7 +111,7 @@ fn records_are_gathered_picture_by_picture() {
     let [rest, pressed] = [Inputs::default(), inputs([0.5, 0.1, 0.0])].map(moments);
     builder.add(&[Some(DVec3::ZERO), Some(DVec3::Z)], &[rest, pressed]);
     builder.add(&[None, Some(DVec3::ZERO)], &[pressed, rest]);
-    let records = builder.finish();
+    let records = builder.records();
     let counts = |r: &ElementRecord| {
         [
             r.unloaded.len(),

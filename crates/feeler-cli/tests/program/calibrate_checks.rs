@@ -1,0 +1,395 @@
+//! `feeler calibrate LOADS.csv` with loads that the pictures contradict: refused in words, or converted as the options say, to the same
+//! calibration as that of the loads as they were.
+
+use crate::program::{experiment, folder, rows, run};
+use glam::DVec3;
+use std::collections::HashMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+type Row = HashMap<String, String>;
+/// A force as a wrong table has it.
+type Turned = fn(DVec3) -> DVec3;
+
+/// A simulated bench: its folder, its rows, and the calibration of its loads.
+struct Bench {
+    folder: PathBuf,
+    rows: Vec<Row>,
+    expected: String,
+}
+
+const COLUMNS: [&str; 8] = [
+    "picture", "element", "f_x", "f_y", "f_z", "column", "row", "x_angle",
+];
+
+impl Bench {
+    fn new(name: &str) -> Self {
+        let folder = folder(name);
+        let arguments = [
+            "calibrate",
+            "--simulated",
+            "--loads",
+            "30",
+            "--write-loads",
+            "loads",
+            "-o",
+            "a.toml",
+        ];
+        run(&folder, &arguments).done();
+        let rows = rows(&folder.join("loads/LOADS.csv"));
+        let mut bench = Self {
+            folder,
+            rows,
+            expected: String::new(),
+        };
+        bench.expected = bench.calibrated(|_| {}, &[]);
+        bench
+    }
+
+    /// Writes the rows, each changed.
+    fn write(&self, header: [&str; 8], change: impl Fn(&mut Row)) {
+        let mut text = header.join(",") + "\n";
+        for row in &self.rows {
+            let mut row = row.clone();
+            change(&mut row);
+            text += &(COLUMNS.map(|column| row[column].clone()).join(",") + "\n");
+        }
+        fs::write(self.folder.join("loads/CHANGED.csv"), text).unwrap();
+    }
+
+    fn calibrate(&self, options: &[&str]) -> crate::program::Ended {
+        let start = ["calibrate", "loads/CHANGED.csv", "--force", "-o", "c.toml"];
+        run(&self.folder, &[&start[..], options].concat())
+    }
+
+    /// The calibration of changed rows.
+    fn calibrated(&self, change: impl Fn(&mut Row), options: &[&str]) -> String {
+        self.write(COLUMNS, change);
+        self.calibrate(options).done();
+        fs::read_to_string(self.folder.join("c.toml")).unwrap()
+    }
+
+    /// Asserts that changed rows are refused.
+    fn refuses(&self, change: impl Fn(&mut Row), options: &[&str], words: &[&str]) {
+        let _ = fs::remove_file(self.folder.join("c.toml"));
+        self.write(COLUMNS, change);
+        self.calibrate(options).refused(words);
+        assert!(!self.folder.join("c.toml").exists());
+    }
+}
+
+fn force(row: &Row) -> DVec3 {
+    DVec3::from_array(["f_x", "f_y", "f_z"].map(|column| row[column].parse().unwrap()))
+}
+
+fn set(row: &mut Row, force: DVec3) {
+    for (column, number) in ["f_x", "f_y", "f_z"].into_iter().zip(force.to_array()) {
+        row.insert(column.into(), number.to_string());
+    }
+}
+
+/// The rows with another force in each.
+fn with(change: impl Fn(DVec3) -> DVec3) -> impl Fn(&mut Row) {
+    move |row| set(row, change(force(row)))
+}
+
+#[test]
+fn signs_and_axes_that_the_pictures_contradict_are_refused_or_converted() {
+    let bench = Bench::new("checks-axes");
+    let cases: [(Turned, &[&str], &str); 5] = [
+        (
+            |f| DVec3::new(f.x, f.y, -f.z),
+            &["--force-axes", "x,y,-z"],
+            "the spots grow where f_z is negative; expected compression",
+        ),
+        (
+            |f| -f,
+            &["--force-on", "object"],
+            "do these act on the object?",
+        ),
+        (
+            |f| DVec3::new(f.x, -f.y, f.z),
+            &["--force-axes", "x,-y,z"],
+            "the spots move against f_y",
+        ),
+        (
+            |f| DVec3::new(f.y, f.x, f.z),
+            &["--force-axes", "y,x,z"],
+            "follow f_y, f_x and f_z",
+        ),
+        (
+            |f| DVec3::new(f.z, f.x, f.y),
+            &["--force-axes", "y,z,x"],
+            "follow f_y, f_z and f_x",
+        ),
+    ];
+    for (change, converted, words) in cases {
+        let option = converted.join(" ");
+        bench.refuses(
+            with(change),
+            &[],
+            &[
+                "CHANGED.csv: in 41 of 41 elements, the first of them 0",
+                words,
+                &option,
+            ],
+        );
+        assert!(
+            bench.calibrated(with(change), converted) == bench.expected,
+            "{option}"
+        );
+    }
+    // The wrong conversion is refused, too, with the right one.
+    let tension = |f: DVec3| DVec3::new(f.x, f.y, -f.z);
+    bench.refuses(
+        with(tension),
+        &["--force-on", "object"],
+        &[
+            "the spots move against f_x and f_y",
+            "--force-axes x,y,-z instead converts",
+        ],
+    );
+    bench.refuses(
+        with(|f| f),
+        &["--force-on", "object"],
+        &["--force-axes x,y,z instead"],
+    );
+    // No option keeps compression that would be reported as tension.
+    for reversed in [tension, |f: DVec3| -f] {
+        bench.refuses(
+            with(reversed),
+            &["--force-fit"],
+            &["f_z is reversed in 41 of 41 elements"],
+        );
+    }
+}
+
+#[test]
+fn elements_that_the_pictures_contradict_are_refused() {
+    let bench = Bench::new("checks-elements");
+    let numbered = |row: &mut Row, number: usize| {
+        row.insert("element".into(), number.to_string());
+        for column in ["column", "row", "x_angle"] {
+            row.insert(column.into(), String::new());
+        }
+    };
+    let header = ["picture", "element", "f_x", "f_y", "f_z", "-", "-", "-"];
+    let refuses = |change: &dyn Fn(&mut Row), words: &[&str]| {
+        bench.write(header, change);
+        bench.calibrate(&[]).refused(words);
+    };
+    let number = |row: &Row| row["element"].parse::<usize>().unwrap();
+    let exchanged = |row: &mut Row| {
+        let element = number(row);
+        numbered(
+            row,
+            match element {
+                3 => 7,
+                7 => 3,
+                other => other,
+            },
+        );
+    };
+    refuses(
+        &exchanged,
+        &[
+            "the loads of element 3 are not what the pictures show of it",
+            "but of element 7",
+        ],
+    );
+    let shifted = |row: &mut Row| {
+        let element = (number(row) + 1) % 41;
+        numbered(row, element);
+    };
+    refuses(
+        &shifted,
+        &["but of element 40", "numbered as in the layout"],
+    );
+    // Forces in the picture's axes, and no angle that says so; with it, they are turned.
+    let seen = |row: &mut Row| {
+        let angle: f64 = row["x_angle"].parse().unwrap();
+        let force = force(row);
+        set(row, glam::DMat3::from_rotation_z(angle) * force);
+    };
+    refuses(
+        &|row: &mut Row| {
+            seen(row);
+            let element = number(row);
+            numbered(row, element);
+        },
+        &["elements, the first of them", "x_angle"],
+    );
+    bench.calibrated(
+        |row| {
+            seen(row);
+            row.insert("x_angle".into(), "0".into());
+        },
+        &[],
+    );
+    // A single one that is mirrored.
+    bench.refuses(
+        |row| {
+            if row["element"] == "5" {
+                set(row, force(row) * DVec3::new(-1.0, 1.0, 1.0));
+            }
+        },
+        &[],
+        &[
+            "in 1 of 41 elements, the first of them 5",
+            "the spots move against f_x",
+        ],
+    );
+}
+
+#[test]
+fn loads_that_no_soft_element_bears_are_refused_unless_confirmed() {
+    let bench = Bench::new("checks-units");
+    let times = |factor: f64| with(move |force| factor * force);
+    bench.refuses(
+        times(1e3),
+        &[],
+        &[
+            "the largest load on an element is 2",
+            "expected 0.01 to 20 N",
+            "are these mN?",
+            "--confirm-loads",
+        ],
+    );
+    bench.refuses(
+        times(1e-3),
+        &[],
+        &["expected 0.01 to 20 N", "are these kN?"],
+    );
+    let confirmed = bench.calibrated(times(1e3), &["--confirm-loads"]);
+    let normal = |text: &str| {
+        text.parse::<toml::Table>().unwrap()["full_scale"]["normal"]
+            .as_float()
+            .unwrap()
+    };
+    assert!(
+        (normal(&confirmed) - 1e3 * normal(&bench.expected)).abs() < 1.0,
+        "{}",
+        normal(&confirmed)
+    );
+    // A unit in the header converts.
+    let header = [
+        "picture", "element", "Fx [mN]", "Fy [mN]", "Fz [mN]", "column", "row", "x_angle",
+    ];
+    bench.write(header, times(1e3));
+    bench.calibrate(&[]).done();
+    let converted = fs::read_to_string(bench.folder.join("c.toml")).unwrap();
+    assert!((normal(&converted) - normal(&bench.expected)).abs() < 0.0011);
+    // Of the whole fingertip.
+    fs::write(
+        bench.folder.join("FORCES.csv"),
+        "picture,f_z\nloads/00000.png,-3000\n",
+    )
+    .unwrap();
+    let wrench = ["calibrate", "FORCES.csv", "--wrench", "-o", "w.toml"];
+    run(&bench.folder, &wrench).refused(&[
+        "on the fingertip is 3000 N; expected 0.05 to 200 N",
+        "are these mN?",
+    ]);
+    run(
+        &bench.folder,
+        &[&wrench[..], &["--force-axes", "x,y,-z"]].concat(),
+    )
+    .refused(&["--force-axes: expected --live"]);
+}
+
+/// Every other picture, in a recording of its own.
+fn in_two_recordings(bench: &Bench, shift: i64) {
+    let loads = bench.folder.join("loads");
+    fs::create_dir_all(loads.join("later")).unwrap();
+    for number in 0.. {
+        let name = format!("{number:05}.png");
+        let Ok(picture) = image::open(loads.join(&name)) else {
+            break;
+        };
+        let picture = picture.to_luma8();
+        let moved = image::GrayImage::from_fn(picture.width(), picture.height(), |x, y| {
+            let x = (i64::from(x) - shift).clamp(0, i64::from(picture.width()) - 1);
+            *picture.get_pixel(x as u32, y)
+        });
+        moved.save(loads.join("later").join(&name)).unwrap();
+    }
+}
+
+fn is_later(row: &Row) -> bool {
+    row["picture"]
+        .trim_end_matches(".png")
+        .parse::<usize>()
+        .unwrap()
+        % 2
+        == 1
+}
+
+#[test]
+fn recordings_with_different_zeros_are_refused() {
+    let bench = Bench::new("checks-zeros");
+    in_two_recordings(&bench, 0);
+    let offset = |offset: DVec3| {
+        move |row: &mut Row| {
+            if is_later(row) {
+                set(row, force(row) + offset);
+                let picture = format!("later/{}", row["picture"]);
+                row.insert("picture".into(), picture);
+            }
+        }
+    };
+    assert!(bench.calibrated(offset(DVec3::ZERO), &[]) == bench.expected);
+    let words = [
+        "f_z of recording \"later\" is +0.1",
+        "off that of \".\"",
+        "the zero of the force sensor has changed",
+    ];
+    bench.refuses(offset(0.1 * DVec3::Z), &[], &words);
+    bench.calibrated(offset(0.1 * DVec3::Z), &["--force-fit"]);
+    // The camera has moved.
+    in_two_recordings(&bench, 6);
+    let words = [
+        "pictures without load of recordings",
+        "the camera, the light or the fingertip has changed",
+    ];
+    bench.refuses(offset(DVec3::ZERO), &[], &words);
+}
+
+/// Negates all numbers in the lines of a calibration that begin so.
+fn negated(text: &str, key: &str) -> String {
+    let negate = |line: &str| match line.strip_prefix(&format!("{key} = [")) {
+        Some(numbers) => {
+            let numbers = numbers.trim_end_matches(']').split(", ");
+            let numbers: Vec<_> = numbers
+                .map(|n| (-n.parse::<f64>().unwrap()).to_string())
+                .collect();
+            format!("{key} = [{}]\n", numbers.join(", "))
+        }
+        None => format!("{line}\n"),
+    };
+    text.lines().map(negate).collect()
+}
+
+/// A calibration of reversed loads, as older versions made them: no program takes it.
+#[test]
+fn calibrations_of_reversed_loads_are_refused_wherever_they_are_used() {
+    let folder = folder("checks-reversed");
+    experiment(&folder, "", "");
+    let path = folder.join("reference-fingertip.coupled.calibration.toml");
+    let text = fs::read_to_string(&path).unwrap();
+    for (key, words) in [
+        (
+            "normal",
+            "f_z is reversed in 41 of 41 elements: the calibration would report tension where an element is pressed",
+        ),
+        (
+            "shear_y",
+            "f_y is reversed in 41 of 41 elements: the calibration would report shear against",
+        ),
+    ] {
+        fs::write(&path, negated(&text, key)).unwrap();
+        run(&folder, &["run", "my.toml", "--out", "run"])
+            .refused(&[words, "`feeler calibrate` makes one"]);
+        assert!(!Path::new(&folder.join("run/recording.mcap")).exists());
+        run(&folder, &["check", "my.toml"]).refused(&[words]);
+    }
+}

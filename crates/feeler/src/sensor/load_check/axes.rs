@@ -1,0 +1,204 @@
+//! Signs and axes of forces, by growth and displacement.
+
+use super::{LoadCheckError, unloaded_mean};
+use crate::sensor::{
+    calibration::Inputs, calibration_fit::ElementRecord, live_calibration::ForceAxes,
+};
+use glam::{DMat3, DVec3};
+use std::collections::BTreeMap;
+
+/// Loads of an element from which anything is concluded.
+const LEAST_LOADS: usize = 8;
+/// Least determinant of the correlations of `f_x`, `f_y` and `f_z`: below, one follows from the others, and effects are not told apart.
+const LEAST_DETERMINANT: f64 = 0.05;
+/// Part of an input's variance that the forces must explain.
+const LEAST_EXPLAINED: f64 = 0.5;
+/// By how much the standardized effects of other axes must exceed those of the given ones.
+const DECISIVE: f64 = 0.5;
+
+/// Names of the columns.
+const COLUMNS: [&str; 3] = ["f_x", "f_y", "f_z"];
+
+/// Which column, with which sign, each of x, y and z is by the pictures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct SeenAxes([(usize, bool); 3]);
+
+/// The orders of three columns.
+const ORDERS: [[usize; 3]; 6] = [
+    [0, 1, 2],
+    [1, 0, 2],
+    [2, 1, 0],
+    [0, 2, 1],
+    [1, 2, 0],
+    [2, 0, 1],
+];
+
+impl SeenAxes {
+    /// As the table has it.
+    const GIVEN: Self = Self([(0, false), (1, false), (2, false)]);
+
+    fn is_reordered(self) -> bool {
+        self.0
+            .iter()
+            .zip(0..)
+            .any(|(&(column, _), axis)| column != axis)
+    }
+
+    /// The axes that turn the forces into what they should be.
+    fn converting(self) -> ForceAxes {
+        ForceAxes::of_rows(self.0.map(|(column, is_negative)| {
+            let axis = [DVec3::X, DVec3::Y, DVec3::Z][column];
+            if is_negative { -axis } else { axis }
+        }))
+    }
+
+    /// What is wrong with the columns, and the likely cause.
+    fn what(self, f_z_is_negative: bool) -> String {
+        if self.is_reordered() {
+            let [x, y, z] = self.0.map(|(column, is_negative)| {
+                let sign = if is_negative { "-" } else { "" };
+                format!("{sign}{}", COLUMNS[column])
+            });
+            return format!(
+                "the displacement of the spots along x and y and their growth follow {x}, {y} and {z}; expected f_x, f_y and f_z: are \
+                 axes exchanged?"
+            );
+        }
+        let is_negative = self.0.map(|(_, is_negative)| is_negative);
+        let shear = match is_negative {
+            [true, true, _] => "f_x and f_y",
+            [true, false, _] => "f_x",
+            _ => "f_y",
+        };
+        match (is_negative, f_z_is_negative) {
+            ([true, true, true], true) => "the spots grow where f_z is negative, and move against f_x and f_y; expected forces on the \
+                                           finger: do these act on the object?"
+                .into(),
+            ([false, false, true], true) => "the spots grow where f_z is negative; expected compression, which is positive when \
+                                             pressed: does z point out of the finger?"
+                .into(),
+            ([_, _, true], false) => "the spots shrink where f_z is positive; expected spots that grow when pressed: is f_z a tension, \
+                                      or are bright and dark exchanged in the layout?"
+                .into(),
+            ([_, _, is_tension], _) => format!(
+                "the spots move against {shear}{}; expected x and y as in the layout: is an axis mirrored, as up instead of down in the \
+                 picture, or do the forces act on the object?",
+                if is_tension { ", and grow where f_z is negative" } else { "" }
+            ),
+        }
+    }
+}
+
+/// Refuses loads whose signs or axes are not those that the pictures show, on any element of which they tell.
+///
+/// Growth and displacement are regressed on the three forces; the axes that explain them best must be the given ones.
+///
+/// # Errors
+/// Names the columns, in how many elements, and the likely cause.
+pub fn check_axes(records: &[ElementRecord]) -> Result<(), LoadCheckError> {
+    let seen: Vec<_> = records
+        .iter()
+        .enumerate()
+        .filter_map(|(element, record)| Some((element, seen_axes(record)?)))
+        .collect();
+    let mut by_axes: BTreeMap<SeenAxes, Vec<usize>> = BTreeMap::new();
+    for &(element, axes) in &seen {
+        by_axes.entry(axes).or_default().push(element);
+    }
+    by_axes.remove(&SeenAxes::GIVEN);
+    let Some((&axes, elements)) = by_axes.iter().max_by_key(|(_, elements)| elements.len()) else {
+        return Ok(());
+    };
+    let forces = elements
+        .iter()
+        .flat_map(|&element| &records[element].fitted);
+    let f_z_is_negative = forces.map(|sample| sample.force.z).sum::<f64>() < 0.0;
+    let (contradicted, judged) = (elements.len(), seen.len());
+    Err(LoadCheckError::Axes {
+        contradicted,
+        judged,
+        first: elements[0],
+        what: match 2 * contradicted > judged {
+            true => axes.what(f_z_is_negative),
+            false => {
+                axes.what(f_z_is_negative)
+                    + " Or are these elements numbered otherwise than in the layout, or their forces in other axes (x_angle)?"
+            }
+        },
+        axes: (2 * contradicted > judged).then(|| Box::new(axes.converting())),
+    })
+}
+
+/// The axes that an element's pictures show; `None` if they do not tell.
+fn seen_axes(record: &ElementRecord) -> Option<SeenAxes> {
+    let unloaded = unloaded_mean(record.unloaded.iter())?;
+    let loads: Vec<_> = record
+        .fitted
+        .iter()
+        .map(|sample| {
+            let Inputs {
+                growth,
+                displacement,
+            } = Inputs::relative(&sample.moments, unloaded.integrated_gray, unloaded.centroid);
+            (sample.force, displacement.extend(growth))
+        })
+        .collect();
+    if loads.len() < LEAST_LOADS
+        || !loads
+            .iter()
+            .all(|(force, input)| force.is_finite() && input.is_finite())
+    {
+        return None;
+    }
+    let (effects, explained) = effects(&loads)?;
+    // Of the displacements and the growth (rows), along which column (columns) each grows most.
+    let total = |order: [usize; 3]| {
+        (0..3)
+            .map(|axis| effects.row(axis)[order[axis]].abs())
+            .sum::<f64>()
+    };
+    let order = ORDERS
+        .into_iter()
+        .max_by(|&a, &b| total(a).total_cmp(&total(b)))?;
+    let axes = SeenAxes([0, 1, 2].map(|axis| (order[axis], effects.row(axis)[order[axis]] < 0.0)));
+    let given: f64 = (0..3).map(|axis| effects.row(axis)[axis]).sum();
+    let differs = |axis: usize| axes.0[axis] != SeenAxes::GIVEN.0[axis];
+    let is_known = (0..3).all(|axis| !differs(axis) || explained[axis] > LEAST_EXPLAINED);
+    match axes {
+        SeenAxes::GIVEN => Some(axes),
+        _ if is_known && total(order) - given > DECISIVE => Some(axes),
+        _ => None,
+    }
+}
+
+/// Effects of the forces (columns) on the inputs (rows), in standard deviations of each, by least squares; and the part of each
+/// input's variance that is explained. `None` if the forces do not vary by themselves.
+fn effects(loads: &[(DVec3, DVec3)]) -> Option<(DMat3, DVec3)> {
+    let mean_square = |of: &dyn Fn(&(DVec3, DVec3)) -> DVec3| {
+        let sum: DVec3 = loads.iter().map(|load| of(load) * of(load)).sum();
+        sum / loads.len() as f64
+    };
+    let scales = [mean_square(&|load| load.0), mean_square(&|load| load.1)]
+        .map(|square| DVec3::from_array(square.to_array().map(f64::sqrt)));
+    let [force_scale, input_scale] = scales;
+    if !(force_scale.cmpgt(DVec3::ZERO).all() && input_scale.cmpgt(DVec3::ZERO).all()) {
+        return None;
+    }
+    let outer = |a: DVec3, b: DVec3| DMat3::from_cols(a * b.x, a * b.y, a * b.z);
+    let (mut of_forces, mut of_both) = (DMat3::ZERO, DMat3::ZERO);
+    for &(force, input) in loads {
+        let (force, input) = (force / force_scale, input / input_scale);
+        of_forces += outer(force, force);
+        of_both += outer(input, force);
+    }
+    let count = loads.len() as f64;
+    let (of_forces, of_both) = (of_forces * (1.0 / count), of_both * (1.0 / count));
+    if of_forces.determinant() < LEAST_DETERMINANT {
+        return None;
+    }
+    let effects = of_both * of_forces.inverse();
+    // The inputs' mean squares are 1.
+    let explained =
+        DVec3::from_array([0, 1, 2].map(|axis| effects.row(axis).dot(of_both.row(axis))));
+    Some((effects, explained))
+}

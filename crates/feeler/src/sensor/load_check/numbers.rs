@@ -1,0 +1,75 @@
+//! Numbers of elements, by whose growth follows whose loads.
+
+use super::{LoadCheckError, TakenPicture};
+use glam::DVec3;
+
+/// Loads of an element from which anything is concluded.
+const LEAST_LOADS: usize = 8;
+/// Correlation of loads and growth above which an element is the one that is loaded, and below which it is not.
+const IS_LOADED: f64 = 0.8;
+const IS_NOT_LOADED: f64 = 0.4;
+
+/// Refuses loads of an element whose growth does not follow them while that of another one does.
+///
+/// # Errors
+/// Names both.
+pub fn check_numbers(pictures: &[TakenPicture]) -> Result<(), LoadCheckError> {
+    let elements = pictures.first().map_or(0, |picture| picture.moments.len());
+    for element in 0..elements {
+        // Pictures without load have all elements in common.
+        let is_loaded = |force: &DVec3| *force != DVec3::ZERO;
+        let loads: Vec<_> = pictures
+            .iter()
+            .filter_map(|picture| Some((picture.forces[element].filter(is_loaded)?.z, picture)))
+            .collect();
+        if loads.len() < LEAST_LOADS {
+            continue;
+        }
+        let compressions: Vec<_> = loads.iter().map(|(compression, _)| *compression).collect();
+        let correlation = |other: usize| {
+            let grays = loads
+                .iter()
+                .map(|(_, picture)| picture.moments[other].integrated_gray);
+            correlation(&compressions, &grays.collect::<Vec<_>>())
+        };
+        let own = correlation(element);
+        // Against the growth is a matter of signs, not of numbers.
+        if own.abs() > IS_NOT_LOADED {
+            continue;
+        }
+        let others = (0..elements).map(|other| (other, correlation(other)));
+        let follows = others.max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()));
+        if let Some((shown, other)) = follows.filter(|(_, other)| other.abs() > IS_LOADED) {
+            return Err(LoadCheckError::Number {
+                element,
+                own,
+                shown,
+                other,
+            });
+        }
+    }
+    Ok(())
+}
+
+/// Pearson's correlation; 0 where one does not vary.
+fn correlation(a: &[f64], b: &[f64]) -> f64 {
+    let count = a.len() as f64;
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / count;
+    let (mean_a, mean_b) = (mean(a), mean(b));
+    let sums = a.iter().zip(b).map(|(a, b)| {
+        DVec3::new(
+            (a - mean_a) * (b - mean_b),
+            (a - mean_a).powi(2),
+            (b - mean_b).powi(2),
+        )
+    });
+    let DVec3 {
+        x: both,
+        y: of_a,
+        z: of_b,
+    } = sums.sum();
+    match (of_a * of_b).sqrt() {
+        spread if spread > 0.0 => both / spread,
+        _ => 0.0,
+    }
+}

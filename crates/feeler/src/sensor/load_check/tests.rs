@@ -1,0 +1,295 @@
+use super::*;
+use crate::sensor::{
+    calibration::{FullScale, LengthUnit, MadeFor},
+    calibration_fit::{ElementRecord, ModelChoice, fit},
+    live_calibration::ForceAxes,
+    loads::RecordBuilder,
+};
+use glam::DVec2;
+use proptest::prelude::*;
+
+const ELEMENTS: usize = 3;
+const PICTURES: usize = 60;
+
+/// Even numbers from -1 to 1 without any pattern.
+fn noise(number: usize) -> f64 {
+    let mut state = (number as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    state = (state ^ (state >> 31)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    ((state >> 11) as f64) / ((1_u64 << 52) as f64) - 1.0
+}
+
+/// What bears on an element in a picture, N; nothing in every sixth.
+fn load(picture: usize, element: usize) -> DVec3 {
+    let [x, y, z] = [0, 1, 2].map(|axis| noise(97 * (9 * picture + 3 * element + axis)));
+    match picture % 6 {
+        0 => DVec3::ZERO,
+        _ => DVec3::new(0.5 * x, 0.5 * y, 1.0 + z),
+    }
+}
+
+/// Moments of an element that grows by half and moves by a pixel under a newton, with a little noise.
+fn moments(picture: usize, element: usize) -> ElementMoments {
+    let force = load(picture, element);
+    let noise = |number: usize| 0.01 * noise(7 * (picture * ELEMENTS + element) + number + 100_000);
+    ElementMoments {
+        integrated_gray: 1000.0 * (1.0 + 0.5 * force.z + noise(0)),
+        centroid: DVec2::new(50.0 + force.x + noise(1), 40.0 + force.y + noise(2)),
+    }
+}
+
+/// All pictures, with the forces that `table` makes of a picture, an element and what bears on it.
+fn taken(table: impl Fn(usize, usize, DVec3) -> DVec3) -> RecordBuilder {
+    let mut builder = RecordBuilder::new(ELEMENTS);
+    for picture in 0..PICTURES {
+        let forces = [0, 1, 2].map(|element| Some(table(picture, element, load(picture, element))));
+        builder.add(&forces, &[0, 1, 2].map(|element| moments(picture, element)));
+    }
+    builder
+}
+
+fn all_checks(taken: &RecordBuilder) -> Result<(), LoadCheckError> {
+    check_numbers(taken.pictures())?;
+    check_axes(&taken.records())?;
+    check_unloaded(taken.pictures(), names().iter().map(String::as_str))
+}
+
+/// Of two recordings, in turn.
+fn names() -> Vec<String> {
+    (0..PICTURES)
+        .map(|picture| format!("{}/{picture}.png", ["a", "b"][picture % 2]))
+        .collect()
+}
+
+/// Every exchange and every sign of axes is told, with the axes that convert it.
+#[test]
+fn every_exchange_and_sign_of_axes_is_told() {
+    let mut count = 0;
+    for order in ["x,y,z", "y,x,z", "z,y,x", "x,z,y", "y,z,x", "z,x,y"] {
+        for signs in 0..8 {
+            let axis = |(index, axis): (usize, &str)| {
+                if signs >> index & 1 == 1 {
+                    format!("-{axis}")
+                } else {
+                    axis.into()
+                }
+            };
+            let name = order
+                .split(',')
+                .enumerate()
+                .map(axis)
+                .collect::<Vec<_>>()
+                .join(",");
+            let axes: ForceAxes = name.parse().unwrap();
+            let taken = taken(|_, _, force| axes.to_fingertip(force));
+            match check_axes(&taken.records()) {
+                Ok(()) => assert_eq!(name, "x,y,z"),
+                Err(LoadCheckError::Axes {
+                    contradicted,
+                    judged,
+                    first,
+                    axes: Some(seen),
+                    ..
+                }) => {
+                    assert_eq!((contradicted, judged, first), (ELEMENTS, ELEMENTS, 0));
+                    assert_eq!(seen.after(axes), ForceAxes::default(), "{name}");
+                    count += 1;
+                }
+                Err(error) => panic!("{name}: {error}"),
+            }
+        }
+    }
+    assert_eq!(count, 47);
+}
+
+#[test]
+fn the_likely_cause_is_named() {
+    for (axes, words) in [
+        (
+            "x,y,-z",
+            "grow where f_z is negative; expected compression, which is positive when pressed: does z point out",
+        ),
+        (
+            "-x,-y,-z",
+            "grow where f_z is negative, and move against f_x and f_y; expected forces on the finger: do these act on the object?",
+        ),
+        (
+            "x,-y,z",
+            "move against f_y; expected x and y as in the layout: is an axis mirrored",
+        ),
+        (
+            "-x,y,-z",
+            "move against f_x, and grow where f_z is negative",
+        ),
+        (
+            "y,x,z",
+            "follow f_y, f_x and f_z; expected f_x, f_y and f_z: are axes exchanged?",
+        ),
+        ("-z,y,x", "follow f_z, f_y and -f_x"),
+    ] {
+        let axes: ForceAxes = axes.parse().unwrap();
+        let error =
+            check_axes(&taken(|_, _, force| axes.to_fingertip(force)).records()).unwrap_err();
+        assert!(error.to_string().contains(words), "{error}");
+    }
+    // A sensor that dims under compression, or negative pictures.
+    let mut records = taken(|_, _, force| force).records();
+    for sample in records.iter_mut().flat_map(|record| &mut record.fitted) {
+        sample.moments.integrated_gray = 2000.0 - sample.moments.integrated_gray;
+    }
+    let error = check_axes(&records).unwrap_err().to_string();
+    assert!(error.contains("shrink where f_z is positive"), "{error}");
+}
+
+#[test]
+fn a_single_element_in_other_axes_is_told() {
+    let turned = |_, element, force: DVec3| {
+        if element == 1 {
+            DVec3::new(-force.y, force.x, force.z)
+        } else {
+            force
+        }
+    };
+    let error = check_axes(&taken(turned).records()).unwrap_err();
+    assert!(
+        matches!(
+            error,
+            LoadCheckError::Axes {
+                contradicted: 1,
+                first: 1,
+                axes: None,
+                ..
+            }
+        ),
+        "{error}"
+    );
+    assert!(error.to_string().contains("x_angle"), "{error}");
+}
+
+#[test]
+fn exchanged_elements_are_told() {
+    let taken = taken(|picture, element, _| load(picture, [0, 2, 1][element]));
+    let error = check_numbers(taken.pictures()).unwrap_err();
+    assert!(
+        matches!(
+            error,
+            LoadCheckError::Number {
+                element: 1,
+                shown: 2,
+                ..
+            }
+        ),
+        "{error}"
+    );
+}
+
+#[test]
+fn what_does_not_tell_is_no_contradiction() {
+    // Few loads; loads along one line; loads that no picture shows.
+    let mut few = RecordBuilder::new(ELEMENTS);
+    let turned = taken(|_, _, force| -force);
+    for picture in &turned.pictures()[..7] {
+        few.add(&picture.forces, &picture.moments);
+    }
+    assert_eq!(all_checks(&few), Ok(()));
+    let line = taken(|_, _, force| DVec3::new(-0.3, 0.2, 1.0) * force.z);
+    assert_eq!(check_axes(&line.records()), Ok(()));
+    let unrelated = taken(|picture, element, _| load(picture + 1000, element));
+    assert_eq!(check_axes(&unrelated.records()), Ok(()));
+    assert_eq!(check_numbers(unrelated.pictures()), Ok(()));
+    assert_eq!(all_checks(&RecordBuilder::new(0)), Ok(()));
+    assert_eq!(check_axes(&[ElementRecord::default()]), Ok(()));
+}
+
+#[test]
+fn magnitudes_have_a_range() {
+    let check = |force: f64| {
+        check_magnitude(
+            "an element",
+            [DVec3::Z, force * DVec3::X].into_iter().skip(1),
+            ELEMENT_RANGE,
+        )
+    };
+    assert!(check(0.0).is_ok() && check(0.02).is_ok() && check(19.0).is_ok());
+    let error = check(1234.567).unwrap_err().to_string();
+    assert_eq!(
+        error,
+        "the largest load on an element is 1230 N; expected 0.01 to 20 N, as soft silicone bears about 1 N/mm²: are these mN?"
+    );
+    assert!(
+        check(0.002)
+            .unwrap_err()
+            .to_string()
+            .ends_with("are these kN?")
+    );
+}
+
+/// Forces in the pictures of recording b are off, or the pictures are.
+#[test]
+fn zeros_of_recordings_are_compared() {
+    let made_for = MadeFor::layout("a few elements", ELEMENTS, LengthUnit::Pixel);
+    let offsets = |offset: DVec3| {
+        let taken = taken(|picture, _, force| {
+            if picture % 2 == 1 {
+                force + offset
+            } else {
+                force
+            }
+        });
+        let calibration = fit(
+            made_for.clone(),
+            &taken.records(),
+            ModelChoice::Separable,
+            FullScale::default(),
+        )
+        .unwrap();
+        check_offsets(
+            &calibration,
+            taken.pictures(),
+            names().iter().map(String::as_str),
+        )
+    };
+    assert_eq!(offsets(DVec3::ZERO), Ok(()));
+    match offsets(DVec3::new(0.0, -0.2, 0.0)).unwrap_err() {
+        LoadCheckError::Offset {
+            column,
+            one,
+            other,
+            offset,
+            ..
+        } => {
+            assert_eq!((column, &*one, &*other), ("f_y", "a", "b"));
+            assert!((offset - 0.2).abs() < 0.02, "{offset}");
+        }
+        error => panic!("{error}"),
+    }
+    let shifted = |shift: f64| {
+        let mut builder = RecordBuilder::new(ELEMENTS);
+        for (number, picture) in taken(|_, _, force| force).pictures().iter().enumerate() {
+            let mut moments = picture.moments.clone();
+            moments
+                .iter_mut()
+                .for_each(|m| m.centroid.x += shift * (number % 2) as f64);
+            builder.add(&picture.forces, &moments);
+        }
+        check_unloaded(builder.pictures(), names().iter().map(String::as_str))
+    };
+    // Of a range of 1 px under load, and 0.3 px more by the shift itself.
+    assert_eq!(shifted(0.05), Ok(()));
+    assert!(
+        matches!(shifted(0.3), Err(LoadCheckError::Unloaded { percent, .. }) if (20.0..25.0).contains(&percent))
+    );
+}
+
+proptest! {
+    /// Whatever the numbers are, checks end.
+    #[test]
+    fn any_numbers_are_checked(numbers in proptest::collection::vec(proptest::array::uniform6(any::<f64>()), 0..40)) {
+        let mut builder = RecordBuilder::new(1);
+        for [x, y, z, gray, column, row] in numbers {
+            let moments = ElementMoments { integrated_gray: gray, centroid: DVec2::new(column, row) };
+            builder.add(&[Some(DVec3::new(x, y, z))], &[moments]);
+            builder.add(&[Some(DVec3::ZERO)], &[moments]);
+        }
+        let _ = all_checks(&builder);
+    }
+}
