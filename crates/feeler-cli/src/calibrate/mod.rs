@@ -51,8 +51,7 @@ pub struct Arguments {
     force_fit: bool,
     #[command(flatten)]
     axes: AxesArguments,
-    /// The loads are as large, or as small, as the table says: an element may bear less than 0.01 N or more than 20 N, a fingertip less than
-    /// 0.05 N or more than 200 N.
+    /// Accept loads out of the usual range: 0.01 to 20 N on an element, with --wrench 0.05 to 200 N on the fingertip.
     #[arg(long, conflicts_with = "simulated")]
     confirm_loads: bool,
     /// The experiment whose fingertip it is: a file, or the name of a built-in one [default: cap-closing]

@@ -89,7 +89,7 @@ impl SeenAxes {
     }
 }
 
-/// Refuses loads whose signs or axes are not those that the pictures show, on any element of which they tell.
+/// Refuses loads whose signs or axes are not those that the pictures show, on any element whose pictures determine them.
 ///
 /// Growth and displacement are regressed on the three forces; the axes that explain them best must be the given ones.
 ///
@@ -129,7 +129,7 @@ pub fn check_axes(records: &[ElementRecord]) -> Result<(), LoadCheckError> {
     })
 }
 
-/// The axes that an element's pictures show; `None` if they do not tell.
+/// The axes that an element's pictures show; `None` if they do not determine them.
 fn seen_axes(record: &ElementRecord) -> Option<SeenAxes> {
     let unloaded = unloaded_mean(record.unloaded.iter())?;
     let loads: Vec<_> = record

@@ -46,7 +46,7 @@ pub enum LoadCheckError {
     Axes {
         /// Elements that contradict them alike.
         contradicted: usize,
-        /// Elements that tell.
+        /// Elements whose pictures determine the axes.
         judged: usize,
         /// The first.
         first: usize,

@@ -1,8 +1,8 @@
 //! Whether loads can be what the pictures show.
 //!
 //! A calibration is fitted to whatever a table says. Where the table is wrong in an ordinary way (signs, axes, units, numbers of elements,
-//! zeros), the fit may be as good as ever and the forces wrong in use. The pictures tell some of it, as the spot of an element grows
-//! when it is pressed, and its centroid moves the way it is dragged:
+//! zeros), the fit may be as good as ever and the forces wrong in use. Part of that shows in the pictures, as the spot of an element
+//! grows when it is pressed, and its centroid moves the way it is dragged:
 //!
 //! - [`check_magnitude`]: loads that no soft element bears, or that no picture shows;
 //! - [`check_numbers`]: loads of one element that are what the picture shows of another;
@@ -22,8 +22,8 @@ pub use zeros::{check_offsets, check_unloaded};
 use super::{loads::TakenPicture, moments::ElementMoments};
 use glam::DVec3;
 
-/// Smallest and largest force, N, that is the largest on a single element. Below, no camera tells a load from noise; above, the few
-/// square millimetres of silicone of an element are flat, at some 1 N/mm².
+/// Range, N, of the largest force on a single element. Less is lost in the noise of pictures; under more, the few square millimetres of
+/// silicone of an element are flat, at some 1 N/mm².
 pub const ELEMENT_RANGE: [f64; 2] = [0.01, 20.0];
 /// Like [`ELEMENT_RANGE`], but of a whole fingertip, whose contact is some square centimetres.
 pub const FINGERTIP_RANGE: [f64; 2] = [0.05, 200.0];

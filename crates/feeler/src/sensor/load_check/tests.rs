@@ -10,6 +10,7 @@ use proptest::prelude::*;
 
 const ELEMENTS: usize = 3;
 const PICTURES: usize = 60;
+const HALF: usize = PICTURES / 2;
 
 /// Even numbers from -1 to 1 without any pattern.
 fn noise(number: usize) -> f64 {
@@ -53,10 +54,10 @@ fn all_checks(taken: &RecordBuilder) -> Result<(), LoadCheckError> {
     check_unloaded(taken.pictures(), names().iter().map(String::as_str))
 }
 
-/// Of two recordings, in turn.
+/// Of two recordings, one after the other.
 fn names() -> Vec<String> {
     (0..PICTURES)
-        .map(|picture| format!("{}/{picture}.png", ["a", "b"][picture % 2]))
+        .map(|picture| format!("{}/{picture}.png", ["a", "b"][picture / HALF]))
         .collect()
 }
 
@@ -183,7 +184,7 @@ fn exchanged_elements_are_told() {
 }
 
 #[test]
-fn what_does_not_tell_is_no_contradiction() {
+fn loads_that_determine_nothing_are_no_contradiction() {
     // Few loads; loads along one line; loads that no picture shows.
     let mut few = RecordBuilder::new(ELEMENTS);
     let turned = taken(|_, _, force| -force);
@@ -229,7 +230,7 @@ fn zeros_of_recordings_are_compared() {
     let made_for = MadeFor::layout("a few elements", ELEMENTS, LengthUnit::Pixel);
     let offsets = |offset: DVec3| {
         let taken = taken(|picture, _, force| {
-            if picture % 2 == 1 {
+            if picture >= HALF {
                 force + offset
             } else {
                 force
@@ -268,15 +269,15 @@ fn zeros_of_recordings_are_compared() {
             let mut moments = picture.moments.clone();
             moments
                 .iter_mut()
-                .for_each(|m| m.centroid.x += shift * (number % 2) as f64);
+                .for_each(|m| m.centroid.x += shift * (number / HALF) as f64);
             builder.add(&picture.forces, &moments);
         }
         check_unloaded(builder.pictures(), names().iter().map(String::as_str))
     };
-    // Of a range of 1 px under load, and 0.3 px more by the shift itself.
+    // A shift of 0.3 px in a range of 1 px under load, to which the shift itself adds up to 0.3 px, and noise some hundredths.
     assert_eq!(shifted(0.05), Ok(()));
     assert!(
-        matches!(shifted(0.3), Err(LoadCheckError::Unloaded { percent, .. }) if (20.0..25.0).contains(&percent))
+        matches!(shifted(0.3), Err(LoadCheckError::Unloaded { percent, .. }) if (22.0..31.0).contains(&percent))
     );
 }
 

@@ -16,7 +16,7 @@ const LARGEST_OF_ERRORS: f64 = 1.5;
 /// Names of the columns.
 const COLUMNS: [&str; 3] = ["f_x", "f_y", "f_z"];
 
-/// Refuses pictures without load that differ between recordings, which the pictures' `names` tell apart, by more than a tenth of what
+/// Refuses pictures without load that differ between recordings, distinguished by the pictures' `names`, by more than a tenth of what
 /// the loads cause, in more than half of the elements that are in both.
 ///
 /// # Errors
