@@ -41,12 +41,12 @@ pub struct PivotConfig {
 }
 
 impl Default for PivotConfig {
-    /// Chosen on hands drawn with the seeds 101 to 107. Drives with a lag of 30 ms and a control period of 10 ms begin to
+    /// Chosen on hands drawn with the seeds 101 to 107 and 20000 to 60149. Drives with a lag of 30 ms and a control period of 10 ms begin to
     /// swing at a gain of about 30/s.
     fn default() -> Self {
         Self {
-            peak_force: 1.15,
-            guard_force: 1.18,
+            peak_force: 1.16,
+            guard_force: 1.19,
             gain: 12.0,
             path_tolerance: 0.25,
         }
