@@ -2,13 +2,15 @@
 
 use super::jpeg;
 use feeler::sensor::frame::Picture;
-use image::{ImageError, ImageReader, Limits};
+use image::{DynamicImage, ImageDecoder, ImageError, ImageReader, Limits};
 use std::fs::File;
 use std::io::{Cursor, Read};
 use std::path::{Path, PathBuf};
 
 /// Extensions of the files that are taken for pictures, in any case.
-pub const EXTENSIONS: [&str; 8] = ["png", "jpg", "jpeg", "pgm", "ppm", "pnm", "tif", "tiff"];
+pub const EXTENSIONS: [&str; 10] = [
+    "png", "jpg", "jpeg", "pgm", "ppm", "pnm", "tif", "tiff", "bmp", "webp",
+];
 
 /// Largest picture file, bytes.
 const MAX_FILE: u64 = 256 << 20;
@@ -24,7 +26,7 @@ pub enum PictureError {
     #[error("{0}")]
     Read(#[from] std::io::Error),
     /// The file is no picture, or a damaged one.
-    #[error("a picture (PNG, JPEG, PGM, TIFF) expected: {0}")]
+    #[error("a picture (PNG, JPEG, PGM, TIFF, BMP, WebP) expected: {0}")]
     Decode(#[from] ImageError),
     /// The file ends within the picture.
     #[error("the file is truncated: {bytes} bytes without the end mark of a JPEG picture")]
@@ -51,9 +53,10 @@ pub fn read_picture(path: &Path) -> Result<Picture, PictureError> {
     decode_picture(&bytes)
 }
 
-/// The grey 8-bit picture in the bytes of a PNG, JPEG, PNM or TIFF file, told by its content.
+/// The grey 8-bit picture in the bytes of a PNG, JPEG, PNM, TIFF, BMP or WebP file, told by its content; of an animation its
+/// first frame.
 ///
-/// 16-bit values are scaled by 1/257 and rounded; colours become `0.2126 R + 0.7152 G + 0.0722 B` of
+/// A picture is turned and mirrored as its EXIF orientation says, so that its pixels are where a viewer shows them. 16-bit values are scaled by 1/257 and rounded; colours become `0.2126 R + 0.7152 G + 0.0722 B` of
 /// their values as stored; transparency is ignored.
 ///
 /// # Errors
@@ -64,8 +67,12 @@ pub fn decode_picture(bytes: &[u8]) -> Result<Picture, PictureError> {
     limits.max_image_width = Some(MAX_SIDE);
     limits.max_image_height = Some(MAX_SIDE);
     limits.max_alloc = Some(MAX_MEMORY);
-    reader.limits(limits);
-    let decoded = reader.decode()?;
+    reader.limits(limits.clone());
+    let mut decoder = reader.into_decoder()?;
+    limits.reserve(decoder.total_bytes())?;
+    let orientation = decoder.orientation()?;
+    let mut decoded = DynamicImage::from_decoder(decoder)?;
+    decoded.apply_orientation(orientation);
     if jpeg::is_jpeg(bytes) && !jpeg::is_whole(bytes) {
         return Err(PictureError::Truncated { bytes: bytes.len() });
     }

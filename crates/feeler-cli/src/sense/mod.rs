@@ -41,7 +41,7 @@ const EXPERIMENT: &str = "cap-closing";
 const DEFAULT_RATE: f64 = 30.0;
 
 const DETAILS: &str = "\
-Pictures are PNG, JPEG, PNM or TIFF, of 8 bits or 16 (scaled to 8); colours become grey. They must have the size of the sensor's. Where nothing says whose they are, the first must be such as the fingertip of cap-closing gives.
+Pictures are PNG, JPEG, PNM, TIFF, BMP or WebP, of 8 bits or 16 (scaled to 8), turned as their EXIF orientation says; colours become grey. They must have the size of the sensor's. Where nothing says whose they are, the first must be such as the fingertip of cap-closing gives.
 
 One row for each element and frame: frame, stamp (s), element, integrated_gray (G, grey levels times m²), u_x and u_y (displacement of the centroid, m), and with --calibration f_x, f_y, f_z (N; frame, sign: the element's, z is compression; x and y are those of the picture where the layout has no dome). A field is empty where there is nothing to say: u in the dark, forces where a sub-region is dark or saturated, G and u of a recorded run.
 

@@ -99,8 +99,11 @@ fn all_lossless_kinds_give_the_same_numbers() {
     let colours = |picture: &DynamicImage| DynamicImage::from(picture.to_rgba8());
     let same = |picture: &DynamicImage| picture.clone();
     type Change<'a> = &'a dyn Fn(&DynamicImage) -> DynamicImage;
-    let kinds: [(&str, Change); 8] = [
+    let kinds: [(&str, Change); 11] = [
         ("pgm", &same),
+        ("bmp", &same),
+        ("webp", &same),
+        ("colour.bmp", &colours),
         ("tiff", &same),
         ("TIF", &same),
         ("wide.png", &wide),
