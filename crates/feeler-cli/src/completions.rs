@@ -26,7 +26,7 @@ pub fn completions(
     arguments: &CompletionsArguments,
     out: &mut dyn Write,
 ) -> Result<Outcome, CommandError> {
-    // It panics where it cannot write, which memory does not refuse.
+    // `generate` panics if writing fails; memory cannot fail.
     let mut script = Vec::new();
     generate(arguments.shell, &mut command_line(), NAME, &mut script);
     out.write_all(&script)?;

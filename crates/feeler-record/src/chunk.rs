@@ -9,7 +9,7 @@ use std::io::Read;
 
 /// Longest chunk, compressed or not, bytes.
 pub(super) const MAX_CHUNK: u64 = 256 << 20;
-/// What stands in an uncompressed chunk before its records: two times, size, checksum, the length of no compression's
+/// Bytes of an uncompressed chunk before its records: two times, size, checksum, length of the empty compression
 /// name, length.
 const CHUNK_HEAD: usize = 8 + 8 + 8 + 4 + 4 + 8;
 
@@ -76,7 +76,7 @@ fn decompress(compression: &str, data: &[u8], length: u64) -> Result<Vec<u8>, St
         }
         other => {
             return Err(format!(
-                "a chunk that is not compressed, or by lz4 or zstd, expected, one compressed by {other:?} found"
+                "a chunk uncompressed or compressed by lz4 or zstd expected, {other:?} found"
             ));
         }
     };

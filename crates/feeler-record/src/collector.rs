@@ -45,7 +45,7 @@ pub(super) struct Collector {
 }
 
 impl Collector {
-    /// A collector of messages in chunks that may hold their channels, too, as `writer` has written them anew.
+    /// A collector for a file rewritten by `writer`, whose chunks may also contain channels.
     pub fn of_rewritten(writer: String) -> Self {
         Self {
             has_begun: true,

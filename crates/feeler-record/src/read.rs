@@ -24,7 +24,7 @@ impl Recording {
 
     /// Reads a recording of any length: after every [`PART`] messages, `part` is given what is there so far, and the
     /// share of the file that was read, 0 to 1. It may take what it needs and
-    /// [let go of the rest](Self::forget_until). What is returned holds what nobody let go of; digest, end, gaps
+    /// [forget the rest](Self::forget_until). The result contains all that was not forgotten; digest, end, gaps
     /// and problem are those of the whole file.
     ///
     /// # Errors

@@ -97,7 +97,7 @@ struct Held {
     bytes: Vec<u8>,
 }
 
-/// Takes all messages: in the order that they have if the run's digest is of that, else in the order in which a run writes them, by
+/// Takes all messages: in file order if the run's digest matches it, else in the order in which a run writes them, by
 /// time and channel.
 fn take_all(
     collector: &mut Collector,
@@ -189,7 +189,7 @@ impl Outline {
         Ok(())
     }
 
-    /// A collector of the messages of the run, which has what is beside them. `stopped` is why there may be more.
+    /// A collector that has all of the run except its messages. `stopped` is why the scan ended early.
     fn collector(mut self, stopped: Option<String>) -> Result<Collector, String> {
         if self.runs.len() > 1 {
             return Err(format!(
@@ -209,7 +209,7 @@ impl Outline {
         Ok(collector)
     }
 
-    /// What there is instead of a run.
+    /// Error for a file without a run.
     fn no_run(&self, stopped: Option<String>) -> String {
         let count = self.topics.len();
         if count == 0 {

@@ -1,8 +1,8 @@
 //! Walks the records of an MCAP file that may be cut short or damaged.
 //!
 //! The MCAP library's own readers stop at the first fault without saying what was good before it,
-//! and take lengths in the file at their word. Here a chunk is used only when its checksum holds,
-//! no length is believed beyond the bytes that are there, and what was read before a fault stays.
+//! and trust lengths in the file. Here a chunk is used only if its checksum matches,
+//! no length is trusted beyond the bytes that are there, and what was read before a fault is kept.
 //! No more than one record of the file is in memory at a time: pictures make recordings large.
 
 use super::chunk::{MAX_CHUNK, Unpacked, unpack};
@@ -44,8 +44,8 @@ impl Place {
 /// Takes what is found.
 pub type Visit<'a> = dyn FnMut(Found<'_>) -> Result<(), String> + 'a;
 
-/// Hands every record of `file` before the summary to `visit`, in order, chunks unpacked. Of a chunk that is damaged,
-/// none of its records.
+/// Passes every record of `file` before the summary to `visit`, in order, chunks unpacked. A damaged chunk is passed
+/// as [`Found::Damage`].
 ///
 /// # Errors
 /// Why it stopped before the end of the data, in words; all records before that were visited.

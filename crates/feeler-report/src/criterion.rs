@@ -1,4 +1,4 @@
-//! What makes a run a success: what its experiment is for.
+//! Success criteria of runs, by their experiments' goals.
 
 use super::claim::Claim;
 use super::claims::{CLOSES_CAP, NO_DAMAGE, OVERLOADS_NOTHING};
@@ -115,7 +115,7 @@ pub struct Success {
 }
 
 impl Success {
-    /// Judges a simulated run with these facts, or `None` if nobody knows what a cap did that was screwed.
+    /// Judges a simulated run with these facts; `None` if it screwed a cap whose motion is unknown.
     pub fn of(facts: &RunFacts, summary: &Summary) -> Option<Self> {
         if facts.task == TaskKind::Screw && facts.cap_radius == 0.0 {
             return None;

@@ -1,4 +1,4 @@
-//! Between what bounds the numbers of an observation are.
+//! Bounds of the numbers of an observation.
 //!
 //! They follow from the experiment: no feeler is compressed by more than the dome's diameter, nor drags more than friction holds;
 //! joints are within their limits; velocities are what limits admit of an action within its own bounds. What varies from episode to

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 
 /// Loads of an element from which anything is concluded.
 const LEAST_LOADS: usize = 8;
-/// Least determinant of the correlations of `f_x`, `f_y` and `f_z`: below, one follows from the others, and effects are not told apart.
+/// Least determinant of the correlations of `f_x`, `f_y` and `f_z`; below it, they are collinear and effects inseparable.
 const LEAST_DETERMINANT: f64 = 0.05;
 /// Part of an input's variance that the forces must explain.
 const LEAST_EXPLAINED: f64 = 0.5;
@@ -19,7 +19,7 @@ const DECISIVE: f64 = 0.5;
 /// Names of the columns.
 const COLUMNS: [&str; 3] = ["f_x", "f_y", "f_z"];
 
-/// Which column, with which sign, each of x, y and z is by the pictures.
+/// Column and sign of each of x, y and z, according to the pictures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct SeenAxes([(usize, bool); 3]);
 
@@ -89,7 +89,7 @@ impl SeenAxes {
     }
 }
 
-/// Refuses loads whose signs or axes are not those that the pictures show, on any element whose pictures determine them.
+/// Rejects loads whose signs or axes contradict the pictures, on any element whose pictures determine them.
 ///
 /// Growth and displacement are regressed on the three forces; the axes that explain them best must be the given ones.
 ///

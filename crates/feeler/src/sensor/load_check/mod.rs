@@ -5,7 +5,7 @@
 //! grows when it is pressed, and its centroid moves the way it is dragged:
 //!
 //! - [`check_magnitude`]: loads that no soft element bears, or that no picture shows;
-//! - [`check_numbers`]: loads of one element that are what the picture shows of another;
+//! - [`check_numbers`]: loads of one element that the pictures show on another;
 //! - [`check_axes`]: forces whose signs or axes are not those of growth and displacement;
 //! - [`check_unloaded`], [`check_offsets`]: recordings whose zeros differ.
 

@@ -92,8 +92,8 @@ fn share(one: &ElementMoments, other: &ElementMoments, range: &[f64; 3]) -> Opti
         .reduce(f64::max)
 }
 
-/// Refuses loads that are off what `calibration` says of the same pictures by another constant in one recording than in another: by more
-/// than 3 % of the full scale, and more than errors alone make plausible.
+/// Rejects loads whose constant offset from the predictions of `calibration` differs between recordings by more
+/// than 3 % of the full scale, and more than errors alone explain.
 ///
 /// # Errors
 /// Names column, recordings and the difference.

@@ -38,7 +38,7 @@ impl Header {
         &self.names
     }
 
-    /// The column called `name`: as it is written, or else in other letters, as `Fx [N]` for `f_x`. `None` if there is none.
+    /// The column called `name`: exactly so, or else in a variant such as `Fx [N]` for `f_x`; `None` if missing.
     ///
     /// # Errors
     /// If it may be one of several.

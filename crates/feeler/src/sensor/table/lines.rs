@@ -1,4 +1,4 @@
-//! Lines of a stream, in memory that is there already.
+//! Lines of a stream, read into a reused buffer.
 
 use super::encoding::Utf8Stream;
 use std::io::{self, BufRead, ErrorKind};

@@ -1,6 +1,6 @@
 //! Tables of text, as other programs write them.
 //!
-//! Between cells stands a comma, a semicolon or a tab, whichever the header has. Text is UTF-8 or UTF-16, lines end with LF, CR or both,
+//! Comma, semicolon or tab separates cells, as in the header. Text is UTF-8 or UTF-16, lines end with LF, CR or both,
 //! cells may be quoted. Lines that are blank or begin with `#` are comments, and a line `sep=;` before the header names the separator.
 //! Columns are found by name, in any order, in whatever case: `Fx [N]` is `f_x` ([`Header::find`]). A unit in a column's name or in
 //! the row below the header is obeyed ([`Quantity`]). Numbers have a decimal point or a decimal comma.

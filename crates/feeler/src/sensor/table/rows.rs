@@ -175,7 +175,7 @@ impl<R: BufRead> Table<R> {
         })
     }
 
-    /// Takes the units of a row that has nothing else in the columns of numbers; whether it is one.
+    /// Takes the units if this is a row of units; returns whether it is.
     fn take_units(&mut self, line: u64) -> Result<bool, TableError> {
         let named =
             |numbers: &Numbers| String::from_utf8_lossy(self.cells.get(numbers.index)).into_owned();

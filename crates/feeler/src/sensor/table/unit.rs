@@ -1,6 +1,6 @@
 //! Units of columns.
 
-/// What the numbers in a column are of.
+/// Quantity that a column contains.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
     /// A force, N.

@@ -32,14 +32,14 @@ const SETTLED: u32 = 2;
 /// Largest element force to aim for, relative to F2, while the object has not yet resisted being turned: when it does, the
 /// force rises although the path stays.
 const LOOSE_FORCE: f64 = 1.0;
-/// Part of a change of the object's surface that the radius follows. An object that turned with the finger brings all of
-/// the change along, one that stood still none.
+/// Fraction of a shift of the object's surface that is added to the radius: between 1, for an object that turned with
+/// the finger, and 0, for one that stood still.
 const SURFACE_PART: f64 = 0.5;
 /// A finger has closed when it is this close to its radius, m.
 const CLOSED_WITHIN: f64 = 2e-5;
 /// Slowest approach, relative to the planned speed.
 const SLOWEST: f64 = 0.1;
-/// A finger that is this far beside where its stroke shall begin waits at the distance below, m.
+/// Lateral distance from the start of its stroke above which a finger waits at [`WAIT_AT`], m.
 const ASIDE: f64 = 2e-4;
 /// Distance from its radius at which it waits, m.
 const WAIT_AT: f64 = 0.004;
@@ -302,8 +302,8 @@ impl Finger {
         lesson.radius + SURFACE_PART * (surface(now) - surface(before))
     }
 
-    /// Velocity of a finger that closes, m/s, in W: to its radius, and to the side where its stroke begins relative to
-    /// the pivot as it was planned relative to the middle of the hand, which is `offset` (m) from the pivot.
+    /// Velocity of a closing finger, m/s, in W: towards its radius, and sideways until its stroke begins relative to
+    /// the pivot as planned relative to the hand's centre; `offset` (m) is the pivot's from that centre.
     pub fn close(&self, plan: &Plan, config: &PivotConfig, circle: Circle, offset: DVec2) -> DVec3 {
         let Some(lesson) = self.lesson else {
             return plan.velocity;
@@ -323,8 +323,8 @@ impl Finger {
         approach + sideways.extend(0.0)
     }
 
-    /// Velocity of a finger that turns the object, m/s, in W: around the pivot at the planned speed, at the radius that
-    /// the strokes before have taught.
+    /// Velocity of a finger that turns the object, m/s, in W: around the pivot at the planned speed, at the radius
+    /// learnt in earlier strokes.
     pub fn turn(
         &mut self,
         plan: &Plan,

@@ -3,7 +3,7 @@
 //! The law needs no model of the object and no tuning for the hand. While a finger closes, the law measures the contact
 //! stiffness of its feelers (`stiffness.rs`). The displaced tips of all touching feelers then lie on the object's surface;
 //! a circle through them (`circle.rs`) gives the pivot. In MOVE each fingertip goes around the pivot at a radius that is
-//! learnt from stroke to stroke, so that the hardest pressed element comes close to its rating F2 and not past it
+//! learnt from stroke to stroke, so that the largest element force approaches `peak_force` times F2
 //! (`stroke.rs`).
 //!
 //! The object's axis is taken to be parallel to z of W; positions here are x and y in W.

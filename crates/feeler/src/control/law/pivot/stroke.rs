@@ -11,7 +11,7 @@ const FEWEST_SECTORS: usize = 5;
 /// A finger that felt less than its target advances by the missing force over the stiffness, divided by this: friction
 /// tilts feelers, so that force rises faster with depth than their stiffness says.
 const ADVANCE: f64 = 1.5;
-/// Relative variation of the grasp force that counts as much as a path that deviates by all of its tolerance.
+/// Tolerance of the grasp force: standard deviation relative to its mean.
 const GRIP_TOLERANCE: f64 = 0.15;
 /// A stroke whose variation and deviation are both below this, relative to their tolerances, needs no more compliance.
 const GOOD_ENOUGH: f64 = 0.6;
@@ -23,7 +23,7 @@ const COMPLIANCE_STEPS: u32 = 10;
 const ITERATIONS: u32 = 8;
 /// Part of the samples at the beginning of a stroke, where forces still build up, that the variation leaves out.
 const BUILD_UP: f64 = 0.2;
-/// Elements that share a load are counted as grasp force over the largest force, but no less than this, N.
+/// Lower limit of forces that other forces are divided by or compared with, N.
 const LEAST_FORCE: f64 = 0.05;
 /// An object resists if the tangential force on a fingertip exceeds this, relative to its grasp force.
 const RESISTS: f64 = 0.5;
@@ -134,8 +134,8 @@ impl StrokeRecord {
         Some(best.lesson)
     }
 
-    /// Forecast of a stroke with a `compliance` (m/N) whose largest element force is `target` (N), if every sector is a
-    /// spring about what was recorded.
+    /// Forecast of a stroke with a `compliance` (m/N) whose largest element force is `target` (N), with every sector
+    /// as a spring about its record.
     fn forecast(&self, target: f64, stiffness: Stiffness, compliance: f64) -> Forecast {
         let allowed = |sector: &Sector| {
             let excess = sector.most_force - target;
