@@ -63,7 +63,25 @@ fn find(path: &Path) -> Result<(PathBuf, PathBuf), CommandError> {
         )
         .into());
     }
+    let has_other = ["report.html", "summary.json"]
+        .iter()
+        .any(|file| folder.join(file).exists());
+    if has_other && !has_report(&folder) {
+        let (recording, folder) = (recording.display(), folder.display());
+        return Err(format!(
+            "{recording}: its report would be written into {folder}, whose report.html or summary.json is no report of a run; move \
+             them or rename the recording"
+        )
+        .into());
+    }
     Ok((recording, folder))
+}
+
+/// Whether `folder` has the report of a run, which may be made again.
+fn has_report(folder: &Path) -> bool {
+    let text = std::fs::read_to_string(folder.join("summary.json")).unwrap_or_default();
+    let summary: Result<serde_json::Value, _> = serde_json::from_str(&text);
+    summary.is_ok_and(|summary| summary.get("claims").is_some())
 }
 
 /// Prints how the run ended and what was achieved, then how far it reproduces the paper, and where to read more.

@@ -51,7 +51,8 @@ pub(super) fn touch(
             .fold(false, |any, &due| any | (due <= travelled))
         {
             for (element, due) in (GROUP * number..).zip(&mut *group) {
-                if *due > travelled {
+                // No element is due in the group's empty places; a way that is no number is in no order with them.
+                if *due > travelled || element >= finger.normals.len() {
                     continue;
                 }
                 let (clearance, contact) =

@@ -17,7 +17,7 @@ pub fn magnitude(loads: &LoadsFile) -> Result<(), CommandError> {
 
 /// What can be done about loads that are out of range.
 pub const CONFIRM: &str =
-    " A unit in the header, as f_z [mN], converts them; --confirm-loads keeps them";
+    " A unit in the header, such as f_z [mN] or [kN], converts them; --confirm-loads keeps them";
 
 /// Refuses loads, turned by `axes`, whose elements, axes, signs or zeros the pictures contradict.
 pub fn before_fitting(

@@ -34,6 +34,15 @@ fn a_recording_under_another_name_is_reported_beside_it() {
     // The report of another run is left alone.
     fs::copy(folder.join("here/z.mcap"), folder.join("x.mcap")).expect("a copy");
     run(&folder, &["report", "x.mcap"]).refused(&["x.mcap", "another run", "rename"]);
+    // And so is a page of something else.
+    fs::copy(folder.join("here/z.mcap"), folder.join("page.mcap")).expect("a copy");
+    fs::create_dir(folder.join("page")).expect("a folder");
+    fs::write(folder.join("page/report.html"), "precious").expect("a file");
+    run(&folder, &["report", "page.mcap"]).refused(&["page.mcap", "report.html", "rename"]);
+    let page = fs::read_to_string(folder.join("page/report.html"));
+    assert_eq!(page.expect("a file"), "precious");
+    // Its own report is made again.
+    run(&folder, &["report", "here/z.mcap"]).done();
     fs::write(folder.join("no.mcap"), "no recording").expect("a file");
     run(&folder, &["report", "no.mcap"]).refused(&["no.mcap", "magic bytes"]);
     assert!(!folder.join("no").exists());

@@ -245,6 +245,12 @@ impl Calibration {
     /// Refuses numbers that cannot be used.
     pub(super) fn check(&self) -> Result<(), CalibrationError> {
         self.made_for.check()?;
+        let FullScale { normal, shear } = self.full_scale;
+        for (key, actual) in [("normal", normal), ("shear", shear)] {
+            if !(actual >= 0.0 && actual.is_finite()) {
+                return Err(CalibrationError::FullScale { key, actual });
+            }
+        }
         let expected = self.made_for.elements;
         if self.elements.len() != expected {
             return Err(CalibrationError::ElementCount {

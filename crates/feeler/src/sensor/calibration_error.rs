@@ -71,6 +71,14 @@ pub enum CalibrationError {
         /// All elements.
         elements: usize,
     },
+    /// A full scale is no force.
+    #[error("full_scale.{key} = {actual}: expected a force in N that is not negative")]
+    FullScale {
+        /// `normal` or `shear`.
+        key: &'static str,
+        /// As in the file, N.
+        actual: f64,
+    },
     /// A number in the calibration is not usable, or an element's loads do not determine one.
     #[error("element {element}: {what}")]
     Unusable {
