@@ -371,3 +371,19 @@ fn a_closed_standard_error_is_no_panic() {
     let output = feeler(&folder, &["run", "nope"]).stderr(writer).output();
     assert_eq!(Ended::of(output.unwrap()).status, Some(2));
 }
+
+/// Rubber that moves a feeler further in one step of 1 ms than it is deep: forces grow until they are no numbers.
+#[test]
+fn a_simulation_that_diverges_ends_without_a_panic() {
+    let folder = folder("diverges");
+    let arguments = [
+        "run",
+        "cap-closing",
+        "--sensing=direct",
+        "--set=sim.feeler.normal_stiffness=1e4",
+        "--out=x",
+    ];
+    let ended = run(&folder, &arguments);
+    assert_eq!(ended.status, Some(1), "{ended:?}");
+    assert!(folder.join("x/report.html").exists());
+}
