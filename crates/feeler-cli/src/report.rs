@@ -5,7 +5,9 @@ use super::{CommandError, Outcome};
 use feeler_lab::experiment::run_folder::{self, RunFolderError};
 use feeler_report::cap::CapMeasures;
 use feeler_report::criterion::Success;
-use feeler_report::make::{RECORDING, ReportError, ReportOutcome, make_into, make_with};
+use feeler_report::make::{
+    RECORDING, REPORT, ReportError, ReportOutcome, SUMMARY, make_into, make_with,
+};
 use feeler_report::{Summary, Verdict};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -63,13 +65,13 @@ fn find(path: &Path) -> Result<(PathBuf, PathBuf), CommandError> {
         )
         .into());
     }
-    let has_other = ["report.html", "summary.json"]
+    let has_other = [REPORT, SUMMARY]
         .iter()
         .any(|file| folder.join(file).exists());
     if has_other && !has_report(&folder) {
         let (recording, folder) = (recording.display(), folder.display());
         return Err(format!(
-            "{recording}: its report would be written into {folder}, whose report.html or summary.json is no report of a run; move \
+            "{recording}: its report would be written into {folder}, whose {REPORT} or {SUMMARY} is no report of a run; move \
              them or rename the recording"
         )
         .into());
@@ -79,7 +81,7 @@ fn find(path: &Path) -> Result<(PathBuf, PathBuf), CommandError> {
 
 /// Whether `folder` has the report of a run, which may be made again.
 fn has_report(folder: &Path) -> bool {
-    let text = std::fs::read_to_string(folder.join("summary.json")).unwrap_or_default();
+    let text = std::fs::read_to_string(folder.join(SUMMARY)).unwrap_or_default();
     let summary: Result<serde_json::Value, _> = serde_json::from_str(&text);
     summary.is_ok_and(|summary| summary.get("claims").is_some())
 }

@@ -50,9 +50,10 @@ pub(super) fn touch(
             .iter()
             .fold(false, |any, &due| any | (due <= travelled))
         {
-            for (element, due) in (GROUP * number..).zip(&mut *group) {
-                // No element is due in the group's empty places; a way that is no number is in no order with them.
-                if *due > travelled || element >= finger.normals.len() {
+            // The last group's unused places have no element; they are never due, unless the travel diverges to infinity.
+            let elements = GROUP * number..finger.normals.len();
+            for (element, due) in elements.zip(&mut *group) {
+                if *due > travelled {
                     continue;
                 }
                 let (clearance, contact) =

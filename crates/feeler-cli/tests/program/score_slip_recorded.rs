@@ -318,6 +318,16 @@ columns = { x = "t{n}_x", y = "t{n}_y", z = "t{n}_z" }
 taxel = [{ place = [0.0, -0.004, 0.0] }, { place = [0.0, 0.004, 0.0] }]
 "#;
 
+/// Scores the frames of the folders of [`dragged`] by the labels in each.
+const OF_FRAMES: [&str; 6] = [
+    "score-slip",
+    "grasps",
+    "--taxels=two.toml",
+    "--table=array0.csv",
+    "--table=array1.csv",
+    "--frame-labels=slip.csv",
+];
+
 #[test]
 fn frames_of_several_arrays_are_scored_by_their_own_labels() {
     let folder = folder("score-slip-frames");
@@ -329,15 +339,7 @@ fn frames_of_several_arrays_are_scored_by_their_own_labels() {
     let labels = folder.join("grasps/a/slip.csv");
     let text = fs::read_to_string(&labels).unwrap();
     fs::write(&labels, &text[..text.len() - 3 * 4]).unwrap();
-    let arguments = [
-        "score-slip",
-        "grasps",
-        "--taxels=two.toml",
-        "--table=array0.csv",
-        "--table=array1.csv",
-        "--frame-labels=slip.csv",
-    ];
-    let ended = run(&folder, &arguments);
+    let ended = run(&folder, &OF_FRAMES);
     assert!(
         ended.stderr.contains("a: 200 frames, 197 of them labelled"),
         "{ended:?}"
@@ -356,7 +358,7 @@ fn frames_of_several_arrays_are_scored_by_their_own_labels() {
     run(
         &folder,
         &[
-            &arguments[..2],
+            &OF_FRAMES[..2],
             &["--taxels=two.toml", "--frame-labels=slip.csv", "--force"],
         ]
         .concat(),
@@ -412,19 +414,8 @@ fn thresholds_are_taken_from_tables_of_taxels() {
         "recording,slip\na,1\nbb,0\nccc,1\n",
     )
     .unwrap();
-    let arguments = [
-        "score-slip",
-        "grasps",
-        "--taxels=two.toml",
-        "--table=array0.csv",
-        "--table=array1.csv",
-        "--frame-labels=slip.csv",
-        "--force",
-        "--thresholds-from",
-        "grasps",
-        "names.csv",
-    ];
-    let text = run(&folder, &arguments).stdout;
+    let others = ["--force", "--thresholds-from", "grasps", "names.csv"];
+    let text = run(&folder, &[&OF_FRAMES[..], &others].concat()).stdout;
     assert!(
         text.starts_with("600 frames in 3 groups")
             && text.contains("thresholds of grasps: 600 frames"),

@@ -80,12 +80,12 @@ impl Variant {
     }
 
     /// What it sets in the experiment of hand number `hand`.
-    pub fn settings(self, experiment: &Experiment, hand: u64) -> Vec<String> {
+    pub fn settings(self, experiment: &Experiment, hand: u64) -> Result<Vec<String>, AnyError> {
         let shape = "sim.object.cap.shape";
         let radius = radius(experiment);
         // Golden-ratio steps cover a range evenly.
         let spread = (hand as f64 * 0.618_033_988_749_895).fract();
-        match self {
+        Ok(match self {
             Self::Middle => Vec::new(),
             Self::OffCentre => {
                 let (y, x) = (TAU * spread).sin_cos();
@@ -105,8 +105,8 @@ impl Variant {
                 )]
             }
             Self::Opening => opening(experiment),
-            Self::ThreeFingers => three_fingers(experiment),
-        }
+            Self::ThreeFingers => three_fingers(experiment)?,
+        })
     }
 }
 
@@ -134,24 +134,31 @@ fn opening(experiment: &Experiment) -> Vec<String> {
     settings
 }
 
-/// The rectangle and base of `any-hand` for each finger, turned about the world's z.
-fn three_fingers(experiment: &Experiment) -> Vec<String> {
-    let mut settings = ["travel=0.0068", "search_limit=0.022"]
-        .map(|setting| format!("task.screw.{setting}"))
-        .to_vec();
-    settings.push("time_limit=90".to_string());
-    if let TaskConfig::Screw(screw) = &experiment.config.task {
-        for (index, finger) in screw.finger.iter().enumerate() {
-            let (approach, stroke) = (DVec3::from(finger.approach), DVec3::from(finger.stroke));
-            let home = (-0.046 * approach - 0.002 * stroke).with_z(0.0965);
-            let base = (-0.1615 * approach).with_z(0.051);
-            settings.push(format!(
-                "task.screw.finger.{index}.home={:?}",
-                home.to_array()
-            ));
-            let key = format!("hand.finger.{index}.base_position");
-            settings.push(format!("{key}={:?}", base.to_array()));
-        }
+/// The rectangle and base of `any-hand`'s first finger for each finger, turned about the world's z.
+fn three_fingers(experiment: &Experiment) -> Result<Vec<String>, AnyError> {
+    let two = Experiment::load("any-hand", &[])?;
+    let (TaskConfig::Screw(screw), TaskConfig::Screw(of_two)) =
+        (&experiment.config.task, &two.config.task)
+    else {
+        return Err("expected experiments with [task.screw]".into());
+    };
+    let mut settings = vec![
+        format!("task.screw.travel={}", of_two.travel),
+        format!("task.screw.search_limit={}", of_two.search_limit),
+        "time_limit=90".to_string(),
+    ];
+    let first = &of_two.finger[0];
+    let (approach, stroke) = (DVec3::from(first.approach), DVec3::from(first.stroke));
+    let turned = |place: [f64; 3], finger: usize| {
+        let (place, own) = (DVec3::from(place), &screw.finger[finger]);
+        let along = place.dot(approach) * DVec3::from(own.approach);
+        (along + place.dot(stroke) * DVec3::from(own.stroke)).with_z(place.z)
+    };
+    for finger in 0..screw.finger.len() {
+        let home = turned(first.home, finger).to_array();
+        settings.push(format!("task.screw.finger.{finger}.home={home:?}"));
+        let base = turned(two.config.hand.finger[0].base_position, finger).to_array();
+        settings.push(format!("hand.finger.{finger}.base_position={base:?}"));
     }
-    settings
+    Ok(settings)
 }

@@ -83,8 +83,6 @@ pub(super) struct Finger {
     force: f64,
     force_rate: f64,
     frame_stamp: f64,
-    /// Force on the fingertip, N, x and y in W.
-    resultant: DVec2,
     /// The dome's centre, m, x and y in W.
     position: DVec2,
     /// Position at which the first closing motion began, m; `None` before it.
@@ -113,7 +111,6 @@ impl Finger {
             force: 0.0,
             force_rate: 0.0,
             frame_stamp: 0.0,
-            resultant: DVec2::ZERO,
             position: DVec2::ZERO,
             home: None,
             onset: None,
@@ -145,15 +142,14 @@ impl Finger {
         self.motion
     }
 
-    /// Updates the finger with the latest position and forces. Adds touching elements to the stiffness while closing, and to `contacts`
-    /// while turning.
+    /// Updates the finger with the latest position and forces. Adds touching elements to the stiffness while closing, and
+    /// to `contacts` while turning.
     pub fn feel(&mut self, sense: &FingerSense<'_>, mut contacts: Option<&mut CircleFit>) {
         self.position = sense.pose.position.truncate();
         let frame = &sense.touch.frame;
         if self.newest.replace(frame.sequence) == Some(frame.sequence) {
             return;
         }
-        self.resultant = sense.resultant().truncate();
         let before = std::mem::take(&mut self.force);
         self.grip = 0.0;
         for (index, &force) in frame.forces.iter().enumerate() {
@@ -284,11 +280,12 @@ impl Finger {
 
     /// Largest element force that the next stroke aims for, N.
     fn next_target(&self, config: &PivotConfig, rated_force: f64) -> f64 {
-        let target = config.peak_force * rated_force;
-        if !self.record.resisted() {
-            return target.min(LOOSE_FORCE * rated_force);
-        }
-        target
+        let most = if self.record.resisted() {
+            f64::INFINITY
+        } else {
+            LOOSE_FORCE
+        };
+        config.peak_force.min(most) * rated_force
     }
 
     /// Radius of the present stroke, m: as `lesson` has it, moved along with the object's surface where contact began.
@@ -331,6 +328,7 @@ impl Finger {
         config: &PivotConfig,
         rated_force: f64,
         circle: Circle,
+        sense: &FingerSense<'_>,
     ) -> DVec3 {
         let from_pivot = self.position - circle.centre;
         let (radius, outward) = (from_pivot.length(), from_pivot.normalize_or_zero());
@@ -347,7 +345,7 @@ impl Finger {
             radius,
             grip: self.grip,
             force: self.force,
-            tangential: -self.resultant.dot(tangent),
+            tangential: -sense.resultant().truncate().dot(tangent),
         });
         let planned = self
             .lesson

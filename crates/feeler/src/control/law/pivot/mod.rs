@@ -41,8 +41,8 @@ pub struct PivotConfig {
 }
 
 impl Default for PivotConfig {
-    /// Chosen on hands drawn with the seeds 101 to 107 and 20000 to 60149. Drives with a lag of 30 ms and a control period of 10 ms begin to
-    /// swing at a gain of about 30/s.
+    /// Chosen on hands drawn with the seeds 101 to 107 and 20000 to 60149. Drives with a lag of 30 ms and a control
+    /// period of 10 ms begin to swing at a gain of about 30/s.
     fn default() -> Self {
         Self {
             peak_force: 1.16,
@@ -139,7 +139,7 @@ impl HandLaw for Pivot {
         }
     }
 
-    fn velocities(&mut self, plans: &[Plan], _: &HandSense<'_>, velocities: &mut [DVec3]) {
+    fn velocities(&mut self, plans: &[Plan], hand: &HandSense<'_>, velocities: &mut [DVec3]) {
         let all_grasp = !plans.is_empty() && plans.iter().all(|plan| plan.keep_grasp);
         if all_grasp && self.contacts.is_none() {
             self.start_circle(plans);
@@ -149,12 +149,12 @@ impl HandLaw for Pivot {
             finger.follow(plan, &self.config, self.rated_force, circle);
         }
         let offset = circle.map_or(DVec2::ZERO, |circle| self.pivot_offset(&circle));
-        let fingers = self.fingers.iter_mut().zip(plans);
-        for ((finger, plan), velocity) in fingers.zip(velocities) {
+        let fingers = self.fingers.iter_mut().zip(plans).zip(hand.fingers());
+        for (((finger, plan), sense), velocity) in fingers.zip(velocities) {
             *velocity = match (finger.motion(), circle) {
                 (Motion::Close, Some(circle)) => finger.close(plan, &self.config, circle, offset),
                 (Motion::Turn, Some(circle)) => {
-                    finger.turn(plan, &self.config, self.rated_force, circle)
+                    finger.turn(plan, &self.config, self.rated_force, circle, &sense)
                 }
                 _ => plan.velocity,
             };

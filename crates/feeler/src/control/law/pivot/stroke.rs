@@ -259,8 +259,9 @@ mod tests {
         // As much as there is if the path does not matter.
         let most = COMPLIANCE_STEP * f64::from(COMPLIANCE_STEPS);
         assert!((compliance(&uneven, 1.0) - most).abs() < 1e-12);
-        // Springs of 400 N/m whose forces differ by ±0.2 N about a mean of about 0.9 N: with a compliance of 0.1/200 m/N
-        // ±0.167 N and ±0.083 mm; 0.19 of the mean, 1.2 times the tolerance. A path tolerance of 0.067 mm balances them.
+        // Springs of 400 N/m whose forces vary by ±0.2 N about a mean of about 0.9 N: with a compliance of 0.1/200 m/N by
+        // ±0.167 N, 1.2 times the tolerance, on a path of ±0.083 mm. A path tolerance of 0.069 mm balances both, to within
+        // a step of compliance.
         let balanced = compliance(&uneven, 0.083e-3 / 1.2);
         assert!(
             (balanced - 0.1).abs() < COMPLIANCE_STEP + 1e-9,
@@ -268,14 +269,14 @@ mod tests {
         );
     }
 
-    /// A sector of 400 N/m that felt 0.2 N more than the rest keeps `0.2/(1 + 400 c)` of it with the compliance c.
+    /// Springs of 400 N/m whose forces vary by ±0.1 N on a circle vary by `0.1/(1 + 400 c)` with the compliance c.
     #[test]
     fn a_forecast_is_that_of_springs() {
         let uneven = record(|k| if k % 2 == 0 { 0.3 } else { 0.4 });
         let compliance = 0.25 / 200.0;
         let forecast = uneven.forecast(0.4, STIFFNESS, compliance);
         let deviation = forecast.path_deviation / compliance;
-        assert!((deviation - 0.1 / 1.5).abs() < 2e-3, "{deviation}");
+        assert!((deviation - 0.1 / 1.5).abs() < 1e-9, "{deviation}");
     }
 
     #[test]
