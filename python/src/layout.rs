@@ -18,7 +18,7 @@ pub struct Layout {
 
 #[pymethods]
 impl Layout {
-    /// The layout that `text` (TOML) says, of whose pictures there were `warnings`.
+    /// Parses the layout in `text` (TOML); `warnings` are those about its pictures.
     #[staticmethod]
     #[pyo3(signature = (text, warnings = Vec::new()))]
     fn parse(text: &str, warnings: Vec<String>) -> PyResult<Self> {

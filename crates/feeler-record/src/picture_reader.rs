@@ -1,4 +1,4 @@
-//! Reads pictures that were left in a recording's file.
+//! Reads pictures that are still in the recording's file, not in memory.
 
 use super::chunk::unpack;
 use super::image::picture;

@@ -34,7 +34,7 @@ pub struct AxesArguments {
 }
 
 impl AxesArguments {
-    /// Of the columns of a table.
+    /// Axes of the columns of a table.
     pub fn of_columns(&self) -> ForceAxes {
         let axes = self.force_axes.unwrap_or_default();
         match self.force_on {
@@ -43,7 +43,7 @@ impl AxesArguments {
         }
     }
 
-    /// Of a force sensor.
+    /// Axes of a force sensor.
     ///
     /// # Errors
     /// If they are left-handed.

@@ -1,4 +1,4 @@
-//! Which setting makes a good experiment bad, and what may be meant by it.
+//! Finds the setting that makes a valid experiment invalid, and keys that may be meant by it.
 
 use super::error::ConfigError;
 use super::experiment_config::ExperimentConfig;
@@ -8,15 +8,15 @@ use super::settings::put;
 use super::words::in_words;
 use toml_edit::DocumentMut;
 
-/// What is to be done about settings with which a good text is good no more.
+/// Diagnosis of settings that make a valid experiment invalid.
 pub(super) enum Blamed {
-    /// These are meant: the first of no use has part of a key, instead of which it has the whole key now.
+    /// The same settings, with the first abbreviated key written out.
     Meant(Vec<String>),
-    /// The first of no use, and why.
+    /// The first invalid setting, and why.
     Wrong(ConfigError),
 }
 
-/// The first of `settings` with which a good `text` is good no more.
+/// Diagnoses the first of `settings` that makes a valid `text` invalid; `None` if the text itself is invalid.
 pub(super) fn to_blame(text: &str, settings: &[String]) -> Option<Blamed> {
     let config = toml::from_str::<ExperimentConfig>(text).ok()?;
     let mut document: DocumentMut = text.parse().ok()?;

@@ -1,8 +1,8 @@
 //! Bounds of the numbers of an observation.
 //!
-//! They follow from the experiment: no feeler is compressed by more than the dome's diameter, nor drags more than friction holds;
-//! joints are within their limits; velocities are what limits admit of an action within its own bounds. What varies from episode to
-//! episode (stiffness, friction) has [`VARIED`] times as much room.
+//! They follow from the experiment: no feeler is compressed by more than the dome's diameter, and friction limits its shear force;
+//! joints are within their limits, and velocities within the speed limits. Values that vary from episode to episode (stiffness,
+//! friction) may be up to [`VARIED`] times the experiment's.
 
 use super::Environment;
 use crate::config::ExperimentConfig;
@@ -43,7 +43,7 @@ impl Environment {
 }
 
 impl Bounds<'_> {
-    /// Those of the numbers of a part.
+    /// Lower and upper bounds of the `length` numbers of a part.
     fn of_part(&self, part: &str, length: usize) -> Vec<(f64, f64)> {
         let both = |most: f64| (-most, most);
         let joint = |joint: usize| {

@@ -39,7 +39,7 @@ impl Episodes {
         &self.experiment
     }
 
-    /// Makes the experiment that of the episode that comes so many after that of `seed`.
+    /// Sets the experiment to that of the episode `following` episodes after that of `seed`.
     pub fn skip_to(&mut self, seed: u64, following: u64) -> Result<u64, EnvironmentError> {
         if following == 0 {
             return self.next(Some(seed));

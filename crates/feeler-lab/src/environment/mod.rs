@@ -122,7 +122,8 @@ impl Environment {
         self.begin(seed)
     }
 
-    /// Begins the episode that comes so many after that of `seed` where no other seed is given; with 0, that of `seed`. Its number.
+    /// Begins the episode `following` episodes after that of `seed` (0: that one), as resets without a seed reach it. Returns the
+    /// episode's own seed.
     ///
     /// # Errors
     /// As [`Self::reset`].
@@ -132,7 +133,7 @@ impl Environment {
         self.begin(seed)
     }
 
-    /// Begins the episode of `seed`, which the experiment is of.
+    /// Begins the episode of `seed`, for which the experiment is already set.
     fn begin(&mut self, seed: u64) -> Result<u64, EnvironmentError> {
         let experiment = self.episodes.experiment();
         self.session = Session::drawing(experiment, Pictures::Sensed)?;

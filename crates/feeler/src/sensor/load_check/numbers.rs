@@ -51,7 +51,7 @@ pub fn check_numbers(pictures: &[TakenPicture]) -> Result<(), LoadCheckError> {
     Ok(())
 }
 
-/// Pearson's correlation; 0 where one does not vary.
+/// Pearson correlation; 0 if one of the inputs is constant.
 fn correlation(a: &[f64], b: &[f64]) -> f64 {
     let count = a.len() as f64;
     let mean = |values: &[f64]| values.iter().sum::<f64>() / count;

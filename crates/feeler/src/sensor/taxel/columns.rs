@@ -25,7 +25,7 @@ pub struct Columns {
     pub header: Header,
     /// What each is for.
     pub roles: Vec<Role>,
-    /// Unit of values, by the layout.
+    /// Unit of the values according to the layout.
     unit: TaxelUnit,
     /// Unit of the time, by the layout.
     time: TimeUnit,
@@ -117,7 +117,7 @@ impl Columns {
         Ok(columns)
     }
 
-    /// Whether this is the header of a table for `layout`: a column of it is there, or would be with another prefix.
+    /// Whether `header` has a column of `layout`, possibly under another prefix.
     pub fn is_header(layout: &TaxelLayout, header: &Header) -> bool {
         let named = |name: &String| !matches!(header.find(name), Ok(None));
         let mut taxels = 0..layout.taxels.len();
