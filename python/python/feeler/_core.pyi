@@ -180,7 +180,7 @@ class Layout:
     @staticmethod
     def parse(text: str, warnings: SupportsGetItem[int, str] = ...) -> Layout:
         """
-        The layout that `text` (TOML) says, of whose pictures there were `warnings`.
+        Parses the layout in `text` (TOML); `warnings` are those about its pictures.
         """
     @property
     def picture_size(self, /) -> tuple[int, int]:
