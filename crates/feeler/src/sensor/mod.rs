@@ -13,6 +13,7 @@ pub mod calibration_quality;
 pub mod calibration_report;
 mod calibration_signs;
 pub mod camera;
+mod cells;
 pub mod coupled;
 mod difference;
 pub mod dome;

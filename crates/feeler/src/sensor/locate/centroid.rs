@@ -25,15 +25,25 @@ pub(super) struct Measured {
     pub cut: bool,
 }
 
+/// Distance from a spot's centre within which other spots matter to [`measure`], px.
+pub(super) fn surroundings(spot: &Spot) -> f64 {
+    let radius = 0.5 * spot.diameter;
+    2.0 * (reach(radius) + radius)
+}
+
+/// Distance from a spot's centre up to which its pixels and the ground about it are measured, px.
+fn reach(radius: f64) -> f64 {
+    2.0 * radius + 1.0
+}
+
 /// Measures `spot`, beside which there are `others`, by those pixels about it that are nearer to it than to any of them.
 pub(super) fn measure(picture: &ReferencePicture, spot: &Spot, others: &[DVec2]) -> Measured {
     let radius = 0.5 * spot.diameter;
-    // The ground about it must be seen.
-    let reach = 2.0 * radius + 1.0;
+    let reach = reach(radius);
     let others: Vec<DVec2> = others
         .iter()
         .copied()
-        .filter(|other| (0.1..2.0 * (reach + radius)).contains(&other.distance(spot.centre)))
+        .filter(|other| (0.1..surroundings(spot)).contains(&other.distance(spot.centre)))
         .collect();
     let mut measured = Measured {
         centre: spot.centre,

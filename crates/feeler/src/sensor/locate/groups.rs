@@ -1,7 +1,9 @@
 //! Groups of spots that are one element each.
 
 use super::{median, nearest, spots::Spot, tree::Tree};
+use crate::sensor::cells::Cells;
 use glam::DVec2;
+use std::collections::BTreeMap;
 
 /// Which spots are which element.
 #[derive(Debug, Clone, PartialEq)]
@@ -79,20 +81,20 @@ struct ClearGroup {
 
 /// Groups about the middles of pairs of near spots: opposite ones have the centre between them.
 fn clear_groups(centres: &[DVec2]) -> Vec<ClearGroup> {
-    let mut found = std::collections::BTreeMap::<Vec<usize>, f64>::new();
-    for (own, near) in nearest(centres, 12).iter().enumerate() {
-        for &other in near {
-            let seed = 0.5 * (centres[own] + centres[other]);
-            for group in clear_about(seed, centres) {
-                // About its own centre a group is as clear as it can be.
-                let middle = mean(&group.members, centres);
-                let again = clear_about(middle, centres);
-                for group in again
-                    .into_iter()
-                    .filter(|g| g.members.len() == group.members.len())
-                {
-                    found.insert(group.members, group.clearance);
-                }
+    let cells = Cells::new(centres);
+    let mut near = Vec::new();
+    let mut found = BTreeMap::<Vec<usize>, f64>::new();
+    for (own, other) in near_pairs(centres) {
+        let seed = 0.5 * (centres[own] + centres[other]);
+        for group in clear_about(seed, &cells, &mut near) {
+            // About its own centre a group is as clear as it can be.
+            let middle = mean(&group.members, centres);
+            let again = clear_about(middle, &cells, &mut near);
+            for group in again
+                .into_iter()
+                .filter(|g| g.members.len() == group.members.len())
+            {
+                found.insert(group.members, group.clearance);
             }
         }
     }
@@ -100,26 +102,28 @@ fn clear_groups(centres: &[DVec2]) -> Vec<ClearGroup> {
     found.into_iter().map(group).collect()
 }
 
-/// The groups of the spots nearest to `seed` that lie clear of the next.
-fn clear_about(seed: DVec2, centres: &[DVec2]) -> Vec<ClearGroup> {
-    let by_distance = |a: &(f64, usize), b: &(f64, usize)| a.0.total_cmp(&b.0);
-    let mut near: Vec<(f64, usize)> = centres
+/// Spots and those near to them, each pair once.
+fn near_pairs(centres: &[DVec2]) -> Vec<(usize, usize)> {
+    let near = nearest(centres, 12);
+    let pairs = near
         .iter()
         .enumerate()
-        .map(|(i, c)| (c.distance_squared(seed), i))
-        .collect();
-    let most = SIZES.end() + 1;
-    if near.len() > most {
-        near.select_nth_unstable_by(most - 1, by_distance);
-        near.truncate(most);
-    }
-    near.sort_unstable_by(by_distance);
+        .flat_map(|(own, near)| near.iter().map(move |&other| (own, other)));
+    let once = |&(own, other): &(usize, usize)| own < other || !near[other].contains(&own);
+    pairs.filter(once).collect()
+}
+
+/// The groups of the spots nearest to `seed` that lie clear of the next.
+fn clear_about(seed: DVec2, cells: &Cells, near: &mut Vec<(f64, usize)>) -> Vec<ClearGroup> {
+    cells.nearest(seed, SIZES.end() + 1, near);
     let clear = |size: usize| {
         let (last, next) = (near.get(size - 1)?.0, near.get(size)?.0);
         let clearance = (next / last).sqrt();
-        let mut members: Vec<usize> = near[..size].iter().map(|n| n.1).collect();
-        members.sort_unstable();
-        (clearance >= CLEAR).then_some(ClearGroup { members, clearance })
+        (clearance >= CLEAR).then(|| {
+            let mut members: Vec<usize> = near[..size].iter().map(|n| n.1).collect();
+            members.sort_unstable();
+            ClearGroup { members, clearance }
+        })
     };
     SIZES.filter_map(clear).collect()
 }
@@ -180,17 +184,18 @@ fn apart(groups: &[Vec<usize>], centres: &[DVec2]) -> f64 {
     for (index, group) in groups.iter().enumerate() {
         group.iter().for_each(|&spot| group_of[spot] = index);
     }
+    let cells = Cells::new(centres);
+    let mut near = Vec::new();
+    let largest = groups.iter().map(Vec::len).max().unwrap_or(0);
     let ratio = |&spot: &usize| {
-        let (mut own, mut other) = (f64::INFINITY, f64::INFINITY);
-        for (another, centre) in centres.iter().enumerate().filter(|(s, _)| *s != spot) {
-            let distance = centre.distance(centres[spot]);
-            if group_of[another] == group_of[spot] {
-                own = own.min(distance);
-            } else {
-                other = other.min(distance);
-            }
-        }
-        other / own
+        // More than there are in its group.
+        cells.nearest(centres[spot], largest + 1, &mut near);
+        let same = |&&(_, another): &&(f64, usize)| group_of[another] == group_of[spot];
+        let others = near.iter().filter(|n| n.1 != spot);
+        let own = others.clone().find(same);
+        let other = others.clone().find(|n| !same(n));
+        let distance = |n: Option<&(f64, usize)>| n.map_or(f64::INFINITY, |n| n.0.sqrt());
+        distance(other) / distance(own)
     };
     let mut ratios: Vec<f64> = groups.iter().flatten().map(ratio).collect();
     median(&mut ratios)

@@ -14,6 +14,7 @@ mod centroid;
 mod error;
 mod ground;
 mod groups;
+mod outline;
 mod pattern;
 mod reference;
 mod regions;
@@ -34,6 +35,7 @@ use self::{
     scale_space::ScaleSpace,
     spots::{FoundSpots, Search},
 };
+use super::cells::Cells;
 use glam::DVec2;
 use std::borrow::Cow;
 
@@ -241,19 +243,12 @@ fn quantile(values: &mut [f64], q: f64) -> f64 {
 
 /// For each point, the indices of its `count` nearest others, the nearest first.
 pub(super) fn nearest(points: &[DVec2], count: usize) -> Vec<Vec<usize>> {
-    points
-        .iter()
-        .enumerate()
-        .map(|(own, point)| {
-            let distance = |&other: &usize| points[other].distance_squared(*point);
-            let mut others: Vec<usize> = (0..points.len()).filter(|&i| i != own).collect();
-            let by_distance = |a: &usize, b: &usize| distance(a).total_cmp(&distance(b));
-            if count > 0 && others.len() > count {
-                others.select_nth_unstable_by(count - 1, by_distance);
-            }
-            others.truncate(count);
-            others.sort_unstable_by(by_distance);
-            others
-        })
-        .collect()
+    let cells = Cells::new(points);
+    let mut near = Vec::new();
+    let others = |(own, point): (usize, &DVec2)| {
+        cells.nearest(*point, count + 1, &mut near);
+        let others = near.iter().map(|&(_, other)| other);
+        others.filter(|&other| other != own).take(count).collect()
+    };
+    points.iter().enumerate().map(others).collect()
 }

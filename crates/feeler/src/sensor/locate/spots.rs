@@ -2,11 +2,13 @@
 
 use super::{
     LocateError, MAX_SPOTS,
-    centroid::measure,
+    centroid::{self, measure},
+    outline::Outline,
     reference::ReferencePicture,
     scale_space::{Layer, ScaleSpace},
     strays::{as_strong_as_their_neighbours, without_crowding, without_overlaps, without_strays},
 };
+use crate::sensor::cells::Cells;
 use glam::{DMat2, DVec2};
 use std::f64::consts::SQRT_2;
 
@@ -134,11 +136,13 @@ pub(super) fn find(search: &Search) -> Result<FoundSpots, LocateError> {
 fn measured(picture: &ReferencePicture, mut spots: Vec<Spot>, blobs: &[Spot]) -> Vec<Spot> {
     /// What is fainter than this part of a spot takes no pixels from it.
     const FAINT: f64 = 0.25;
+    let centres: Vec<DVec2> = blobs.iter().map(|blob| blob.centre).collect();
+    let cells = Cells::new(&centres);
     for spot in &mut spots {
-        let others = blobs
-            .iter()
-            .filter(|blob| blob.response > FAINT * spot.response);
-        let others: Vec<DVec2> = others.map(|blob| blob.centre).collect();
+        let others = cells
+            .within(spot.centre, centroid::surroundings(spot))
+            .filter(|&blob| blobs[blob].response > FAINT * spot.response);
+        let others: Vec<DVec2> = others.map(|blob| centres[blob]).collect();
         let measured = measure(picture, spot, &others);
         spot.centre = measured.centre;
         spot.diameter = measured.diameter;
@@ -201,6 +205,7 @@ impl<'a> Octaves<'a> {
 
 /// Blobs of one scale that rise above the noise and are round.
 fn blobs(octaves: &Octaves, space: &ScaleSpace, layer: usize, noise_of_mean: f64) -> Vec<Spot> {
+    let mut outline = Outline::default();
     let Layer { sigma, step, .. } = space.layers[layer];
     let picture = octaves.of_step(step);
     // White noise of deviation n has a response of deviation n / (sqrt(2 pi) sigma); six of them
@@ -209,8 +214,9 @@ fn blobs(octaves: &Octaves, space: &ScaleSpace, layer: usize, noise_of_mean: f64
     space
         .maxima(layer, floor as f32)
         .into_iter()
-        .filter(|&index| !part_of_something_larger(picture, index, sigma / step as f64))
-        .filter_map(|index| refined(space, layer, index))
+        .filter_map(|index| Some((index, refined(space, layer, index)?)))
+        .filter(|&(index, _)| !outline.exceeds(picture, index, sigma / step as f64))
+        .map(|(_, spot)| spot)
         .collect()
 }
 
@@ -252,45 +258,6 @@ fn refined(space: &ScaleSpace, layer: usize, index: usize) -> Option<Spot> {
         contrast: middle,
         cut: false,
     })
-}
-
-/// Whether the bright pixels about a maximum reach farther than a spot of its scale does: it is a
-/// bump on a rim or a reflection.
-fn part_of_something_larger(picture: &ReferencePicture, index: usize, sigma: f64) -> bool {
-    let (width, height) = (picture.width, picture.height);
-    let (column, row) = (index % width, index / width);
-    let around = |reach: usize| {
-        let columns = column.saturating_sub(reach)..(column + reach + 1).min(width);
-        let rows = row.saturating_sub(reach)..(row + reach + 1).min(height);
-        rows.flat_map(move |r| columns.clone().map(move |c| r * width + c))
-    };
-    let gray = |i: usize| picture.gray[i];
-    let valley = around((3.0 * sigma).ceil() as usize)
-        .map(gray)
-        .fold(f32::MAX, f32::min);
-    let level = valley + 0.7 * (picture.gray[index] - valley);
-    // Three diameters across, or farther than that to one side.
-    let reach = (6.0 * SQRT_2 * sigma).ceil() as usize;
-    let side = 2 * reach + 1;
-    let mut seen = vec![false; side * side];
-    let mut open = vec![(column, row)];
-    while let Some((c, r)) = open.pop() {
-        let (dx, dy) = (c + reach - column, r + reach - row);
-        if dx == 0 || dy == 0 || dx == side - 1 || dy == side - 1 {
-            return true;
-        }
-        let place = &mut seen[dy * side + dx];
-        if std::mem::replace(place, true) {
-            continue;
-        }
-        let left = (c > 0).then(|| (c - 1, r));
-        let up = (r > 0).then(|| (c, r - 1));
-        let right = (c + 1 < width).then_some((c + 1, r));
-        let down = (r + 1 < height).then_some((c, r + 1));
-        let next = [left, up, right, down].into_iter().flatten();
-        open.extend(next.filter(|&(c, r)| gray(r * width + c) >= level));
-    }
-    false
 }
 
 #[cfg(test)]

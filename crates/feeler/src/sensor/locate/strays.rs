@@ -1,22 +1,33 @@
 //! Which blobs are spots of the pattern and which are specks, reflections or strays.
 
 use super::{median, nearest, quantile, spots::Spot};
+use crate::sensor::cells::Cells;
 use glam::DVec2;
 
 /// Of spots that lie within each other the strongest.
 pub(super) fn without_overlaps(mut spots: Vec<Spot>) -> Vec<Spot> {
     spots.sort_by(|a, b| b.response.total_cmp(&a.response));
-    let mut kept: Vec<Spot> = Vec::new();
-    for spot in spots {
-        let overlaps = |k: &Spot| {
-            let reach = 0.5 * k.diameter.max(spot.diameter);
-            k.centre.distance_squared(spot.centre) < reach * reach
+    let centres = centres(&spots);
+    let cells = Cells::new(&centres);
+    let mut kept = vec![false; spots.len()];
+    let mut covered = kept.clone();
+    for (own, spot) in spots.iter().enumerate() {
+        let reach = 0.5 * spot.diameter;
+        let inside = |&other: &usize| {
+            centres[other].distance_squared(spot.centre) < reach * reach && other != own
         };
-        if !kept.iter().any(overlaps) {
-            kept.push(spot);
+        let mut near = cells.within(spot.centre, reach).filter(inside);
+        if covered[own] || near.any(|other| kept[other]) {
+            continue;
+        }
+        kept[own] = true;
+        for other in cells.within(spot.centre, reach).filter(inside) {
+            covered[other] = true;
         }
     }
-    kept
+    let kept = spots.into_iter().zip(kept);
+    kept.filter_map(|(spot, kept)| kept.then_some(spot))
+        .collect()
 }
 
 fn centres(spots: &[Spot]) -> Vec<DVec2> {
