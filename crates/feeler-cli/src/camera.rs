@@ -120,8 +120,8 @@ fn open_video(device: &Path, settings: CameraSettings) -> Result<OpenCamera, Com
         settings,
     })?;
     Ok(OpenCamera {
+        exposed_since: Some(camera.opened()),
         camera: Box::new(camera),
-        exposed_since: None,
     })
 }
 

@@ -2,9 +2,12 @@
 #![warn(missing_docs)]
 
 pub mod files;
+pub mod fit;
 #[cfg(all(feature = "genicam", target_os = "linux"))]
 pub mod genicam;
 mod jpeg;
+#[cfg(feature = "camera")]
+pub mod motion_jpeg;
 mod natural_order;
 pub mod netft;
 pub mod picture;

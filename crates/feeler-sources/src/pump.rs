@@ -1,6 +1,6 @@
 //! Takes a camera's pictures on a thread of its own, so that who waits for one can give up waiting.
 
-use feeler::sensor::camera::{Camera, CameraError};
+use feeler::sensor::camera::{Camera, CameraError, CaptureReport};
 use feeler::sensor::frame::Frame;
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -22,6 +22,19 @@ pub struct Captured {
     pub frame: Result<Frame, CameraError>,
     /// When it came in.
     pub at: Instant,
+    /// How it was made.
+    pub report: CaptureReport,
+}
+
+impl Captured {
+    /// A failure of the camera, now.
+    fn failure(words: String) -> Self {
+        Self {
+            frame: Err(CameraError::Failed(words)),
+            at: Instant::now(),
+            report: CaptureReport::default(),
+        }
+    }
 }
 
 /// A camera on a thread of its own.
@@ -54,10 +67,8 @@ impl FramePump {
             let mut camera = camera;
             let pump = || pump(&mut camera, size, &sender, &unused);
             if let Err(panic) = catch_unwind(AssertUnwindSafe(pump)) {
-                let frame = Err(CameraError::Failed(words_of(panic.as_ref())));
-                let at = Instant::now();
                 // Whoever takes no more frames need not know.
-                let _ = sender.send(Captured { frame, at });
+                let _ = sender.send(Captured::failure(words_of(panic.as_ref())));
             }
         };
         thread::Builder::new().name("camera".into()).spawn(run)?;
@@ -73,10 +84,9 @@ impl FramePump {
         match self.captured.recv_timeout(timeout) {
             Ok(captured) => Some(captured),
             Err(RecvTimeoutError::Timeout) => None,
-            Err(RecvTimeoutError::Disconnected) => Some(Captured {
-                frame: Err(CameraError::Failed("the camera's thread has ended".into())),
-                at: Instant::now(),
-            }),
+            Err(RecvTimeoutError::Disconnected) => {
+                Some(Captured::failure("the camera's thread has ended".into()))
+            }
         }
     }
 
@@ -115,8 +125,12 @@ fn pump(
         let mut frame = (unused.try_recv()).unwrap_or_else(|_| Frame::black(width, height));
         let frame = camera.capture(&mut frame).map(|()| frame);
         let goes_on = frame.as_ref().err().is_none_or(CameraError::may_pass);
-        let at = Instant::now();
-        if sender.send(Captured { frame, at }).is_err() || !goes_on {
+        let captured = Captured {
+            frame,
+            at: Instant::now(),
+            report: camera.take_report(),
+        };
+        if sender.send(captured).is_err() || !goes_on {
             return;
         }
     }

@@ -215,7 +215,10 @@ impl Guided<'_> {
                     Err(error) => self.work.warn(&error.to_string()),
                 }
             }
-            if let Some(Captured { frame, at }) = captured {
+            if let Some(Captured { frame, at, report }) = captured {
+                if let Some(warning) = &report.warning {
+                    self.work.warn(warning);
+                }
                 match frame {
                     Ok(frame) => self.waiting.push_back((self.time_of(&frame, at), frame)),
                     Err(error) if error.may_pass() => self.work.warn(&error.to_string()),

@@ -67,6 +67,9 @@ fn sense_all(
             captured = pump.next(WAIT);
         }
         let Some(captured) = captured else { continue };
+        if let Some(warning) = &captured.report.warning {
+            stage.tally.warn(warning);
+        }
         match captured.frame {
             Ok(frame) => {
                 stage.sense(&frame, captured.at)?;

@@ -158,9 +158,12 @@ impl<'a> Publisher<'a> {
         let pump = FramePump::start(source.camera(arguments, size)?, size)?;
         while !is_raised(stop) {
             self.program.check_peers();
-            let Some(Captured { frame, at }) = pump.next(WAIT) else {
+            let Some(Captured { frame, at, report }) = pump.next(WAIT) else {
                 continue;
             };
+            if let Some(warning) = &report.warning {
+                self.program.warn(warning);
+            }
             match frame {
                 Ok(frame) => {
                     self.sensing.sense(&frame.picture, &mut self.readings)?;

@@ -104,7 +104,7 @@ fn by_id(device: &Path) -> Option<PathBuf> {
 }
 
 /// What `device` is; none if it takes no pictures.
-fn info(path: &Path) -> io::Result<Option<VideoInfo>> {
+pub(super) fn info(path: &Path) -> io::Result<Option<VideoInfo>> {
     let device = Device::open(path)?;
     let capabilities = device.capabilities()?;
     let takes = CapabilityFlags::VIDEO_CAPTURE;

@@ -1,6 +1,7 @@
 //! The seam between whatever takes pictures and the sensor program.
 
 use super::frame::Frame;
+use std::time::Duration;
 
 /// Why a camera delivered no frame.
 #[derive(Debug, thiserror::Error)]
@@ -61,6 +62,17 @@ impl CameraError {
     }
 }
 
+/// How a picture was made, besides the picture. What a camera does not know is `None`.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct CaptureReport {
+    /// Number of bytes that came from the device.
+    pub bytes: Option<usize>,
+    /// Duration of decoding.
+    pub decoding: Option<Duration>,
+    /// What is wrong with the camera, but not with the picture. Reported once.
+    pub warning: Option<String>,
+}
+
 /// Something that takes pictures of the inside of one fingertip's dome.
 pub trait Camera {
     /// Fills `frame` with the newest picture, its sequence number and its stamp.
@@ -70,11 +82,20 @@ pub trait Camera {
     /// no further one. After [`CameraError::Unreadable`] the camera goes on with the next picture; its
     /// sequence number tells that one is missing.
     fn capture(&mut self, frame: &mut Frame) -> Result<(), CameraError>;
+
+    /// Takes the report of the newest picture.
+    fn take_report(&mut self) -> CaptureReport {
+        CaptureReport::default()
+    }
 }
 
 impl<C: Camera + ?Sized> Camera for Box<C> {
     fn capture(&mut self, frame: &mut Frame) -> Result<(), CameraError> {
         (**self).capture(frame)
+    }
+
+    fn take_report(&mut self) -> CaptureReport {
+        (**self).take_report()
     }
 }
 

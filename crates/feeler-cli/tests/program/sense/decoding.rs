@@ -71,3 +71,33 @@ proptest! {
         }
     }
 }
+
+/// So many damaged frames of Motion JPEG are decoded as `FEELER_FUZZ_JPEG` says.
+#[cfg(all(feature = "camera", target_os = "linux"))]
+#[test]
+fn damaged_motion_jpeg() {
+    use feeler::sensor::frame::Picture;
+    use feeler_sources::fit::Fit;
+    use feeler_sources::motion_jpeg::MotionJpeg;
+    use rand::{RngExt, SeedableRng};
+    let frames: Vec<&Vec<u8>> = FILES
+        .iter()
+        .filter(|f| f.starts_with(b"\xFF\xD8"))
+        .collect();
+    let mut random = rand_pcg::Pcg64::seed_from_u64(1);
+    let mut decoders = [(33, 17), (17, 9), (5, 3)].map(|wanted| {
+        let fit = Fit::new((33, 17), wanted).expect("a fit");
+        (wanted, MotionJpeg::new(fit))
+    });
+    for _ in 0..crate::how_many::how_many("FEELER_FUZZ_JPEG", 5000) {
+        let mut bytes = frames[random.random_range(0..frames.len())].clone();
+        for _ in 0..random.random_range(0..6) {
+            let at = random.random_range(0..bytes.len());
+            bytes[at] = random.random();
+        }
+        let ((width, height), decoder) = &mut decoders[random.random_range(0..3)];
+        let mut picture = Picture::black(*width, *height);
+        let _ = decoder.decode(&bytes, &mut picture);
+        assert_eq!(picture.pixels.len(), *width * *height);
+    }
+}
