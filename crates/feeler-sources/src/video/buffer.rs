@@ -112,7 +112,7 @@ mod tests {
             assert_eq!(std::mem::offset_of!(Buffer, timestamp), 24);
             assert_eq!(std::mem::offset_of!(Buffer, sequence), 56);
             assert_eq!(std::mem::offset_of!(Buffer, length), 72);
-            assert_eq!(QUERYBUF as u32, 0xc058_5609);
+            assert_eq!(QUERYBUF, 0xc058_5609);
         }
     }
 
