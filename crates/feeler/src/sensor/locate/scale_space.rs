@@ -145,11 +145,11 @@ fn response(blurred: &[f32], width: usize, height: usize, sigma: f64) -> Vec<f32
             let sum = up[column] + down[column] + own[left] + own[right];
             scale * (sum - 4.0 * own[column])
         };
-        for column in 1..width - 1 {
-            response[column] = at(column, column - 1, column + 1);
+        for (column, value) in response.iter_mut().enumerate().take(width - 1).skip(1) {
+            *value = at(column, column - 1, column + 1);
         }
-        response[0] = at(0, 0, 1);
-        response[width - 1] = at(width - 1, width - 2, width - 1);
+        response[0] = at(0, 0, 1.min(width - 1));
+        response[width - 1] = at(width - 1, width.saturating_sub(2), width - 1);
     }
     response
 }
