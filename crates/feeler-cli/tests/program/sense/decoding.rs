@@ -85,7 +85,7 @@ fn damaged_motion_jpeg() {
         .filter(|f| f.starts_with(b"\xFF\xD8"))
         .collect();
     let mut random = rand_pcg::Pcg64::seed_from_u64(1);
-    let mut decoders = [(33, 17), (17, 9), (5, 3)].map(|wanted| {
+    let mut decoders = [(33, 17), (16, 8), (4, 2)].map(|wanted| {
         let fit = Fit::new((33, 17), wanted).expect("a fit");
         (wanted, MotionJpeg::new(fit))
     });
