@@ -127,7 +127,7 @@ pub fn calibrate_file(py: Python<'_>, path: PathBuf, how: Fit<'_>) -> PyResult<C
     };
     let measured = interruptible(py, measure, |_| Ok(()))?.map_err(refused)?;
     let calibration = how.fit(py, geometry, &measured.records())?;
-    let checked = loads.check_offsets(&measured, &calibration.0);
+    let checked = loads.check_fit(&measured, &calibration.0);
     checked.map_err(refused).map(|()| calibration)
 }
 

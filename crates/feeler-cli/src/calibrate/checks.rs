@@ -31,14 +31,14 @@ pub fn before_fitting(
     })
 }
 
-/// Refuses loads with another zero in one recording than in another.
-pub fn offsets(
+/// Refuses loads that contradict the calibration fitted to them: single ones, and zeros of recordings.
+pub fn after_fitting(
     loads: &LoadsFile,
     measured: &RecordBuilder,
     calibration: &Calibration,
 ) -> Result<(), CommandError> {
-    let checked = loads.check_offsets(measured, calibration);
-    checked.map_err(|error| format!("{error}; --force-fit keeps it all the same").into())
+    let checked = loads.check_fit(measured, calibration);
+    checked.map_err(|error| format!("{error}{}", keeping(&error)).into())
 }
 
 /// What can be done about an error.
@@ -50,11 +50,13 @@ fn way_out(error: &LoadsFileError, axes: ForceAxes) -> String {
         ..
     } = error
     else {
-        let what = error.to_string();
-        let separator = if what.ends_with('?') { "" } else { ";" };
-        return format!("{separator} --force-fit keeps them all the same");
+        return keeping(error);
     };
     let converting = seen.after(axes);
+    if converting == ForceAxes::default() {
+        return " Without --force-on and --force-axes, the forces are what the pictures show"
+            .into();
+    }
     let option = match converting == ForceAxes::default().reversed() {
         true => "--force-on object".into(),
         false => format!("--force-axes {converting}"),
@@ -62,9 +64,16 @@ fn way_out(error: &LoadsFileError, axes: ForceAxes) -> String {
     let instead = if axes == ForceAxes::default() {
         ""
     } else {
-        " instead"
+        " alone"
     };
     format!(" If the table is so, {option}{instead} converts it")
+}
+
+/// How to keep what is refused.
+fn keeping(error: &LoadsFileError) -> String {
+    let what = error.to_string();
+    let separator = if what.ends_with('?') { "" } else { ";" };
+    format!("{separator} --force-fit keeps them all the same")
 }
 
 /// Refuses a calibration that is fitted to noise.

@@ -178,12 +178,13 @@ pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, 
         shear: arguments.full_scale_shear.unwrap_or(full_scale.shear),
     };
     let fitting = Working::on("fitting");
-    let calibration = fit(sensor.made_for, &records, arguments.model, full_scale)?;
+    let mut calibration = fit(sensor.made_for, &records, arguments.model, full_scale)?;
+    calibration.loads_confirmed = arguments.confirm_loads;
     drop(fitting);
     if !arguments.force_fit {
         checks::noise(&calibration, &records)?;
         if let Some((loads, measured)) = &measured {
-            checks::offsets(loads, measured, &calibration)?;
+            checks::after_fitting(loads, measured, &calibration)?;
         }
     }
     page_file.finish(page::page(&calibration, &records, &source).as_bytes())?;

@@ -11,6 +11,7 @@ use crate::json;
 use crate::part_file::Outputs;
 use crate::progress::{Steps, Working};
 use crate::sense::sensor::named_sensor;
+use feeler::sensor::wrench::quality::{HeldOut, outlier};
 use feeler::sensor::wrench::{WrenchFit, fit};
 use feeler_lab::sensor::{ForcesFile, MeasuredSamples};
 use std::io::{Write, stderr};
@@ -59,8 +60,9 @@ pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, 
         arguments.force_fit,
     );
     drop(fitting);
-    let fitted = fitted.map_err(|e| format!("{}: {e}{}", csv.display(), way_out(&e)))?;
-    warn(&fitted, &measured);
+    let mut fitted = fitted.map_err(|e| format!("{}: {e}{}", csv.display(), way_out(&e)))?;
+    fitted.calibration.loads_confirmed = arguments.confirm_loads;
+    warn(&fitted, &measured, forces.recordings());
     let source = forces.name();
     page_file.finish(page::page(&fitted, forces.recordings(), &source).as_bytes())?;
     file.finish(fitted.calibration.to_toml()?.as_bytes())?;
@@ -115,7 +117,7 @@ fn warn_of_skipped(skipped: &[String]) {
 }
 
 /// Says what was not used, and what is not in the calibration.
-fn warn(fitted: &WrenchFit, measured: &MeasuredSamples) {
+fn warn(fitted: &WrenchFit, measured: &MeasuredSamples, recordings: &[String]) {
     if fitted.unusable > 0 {
         let (unusable, all) = (fitted.unusable, measured.samples.len());
         say(&format!(
@@ -133,7 +135,23 @@ fn warn(fitted: &WrenchFit, measured: &MeasuredSamples) {
             )),
         }
     }
-    for quality in &fitted.calibration.quality {
+    for (quality, held_out) in fitted.calibration.quality.iter().zip(&fitted.held_out) {
+        if let Some(HeldOut {
+            recording,
+            measured,
+            by_blocks: Some(predicted),
+            ..
+        }) = outlier(held_out)
+        {
+            let (name, unit, recording) = (
+                quality.axis.name(),
+                quality.axis.unit(),
+                &recordings[recording],
+            );
+            say(&format!(
+                "{name} = {measured} {unit} in recording {recording:?} is far from what the pictures show, {predicted:.3} {unit}: is it mistyped?"
+            ));
+        }
         if !quality.explains() {
             let (name, r2) = (quality.axis.name(), quality.r2);
             say(&format!(

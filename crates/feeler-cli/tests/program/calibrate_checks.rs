@@ -146,13 +146,13 @@ fn signs_and_axes_that_the_pictures_contradict_are_refused_or_converted() {
         &["--force-on", "object"],
         &[
             "the spots move against f_x and f_y",
-            "--force-axes x,y,-z instead converts",
+            "--force-axes x,y,-z alone converts",
         ],
     );
     bench.refuses(
         with(|f| f),
         &["--force-on", "object"],
-        &["--force-axes x,y,z instead"],
+        &["Without --force-on and --force-axes, the forces are what the pictures show"],
     );
     // No option keeps compression that would be reported as tension.
     for reversed in [tension, |f: DVec3| -f] {

@@ -126,7 +126,7 @@ fn loads_that_may_mean_two_things_are_refused() {
         ),
         (
             b"picture,element,f_x,f_y,Fz [lbf]\n",
-            &["\"Fz [lbf]\" is in \"lbf\"", "expected N, mN or kN"],
+            &["\"Fz [lbf]\" is in \"lbf\"", "expected N, mN, µN or kN"],
         ),
         (
             b"picture element f_x f_y f_z\n",

@@ -104,7 +104,7 @@ fn forces_of_other_programs_make_the_same_calibration() {
     )
     .unwrap();
     run(&folder, &[&CALIBRATE[..], &["--force"]].concat())
-        .refused(&["\"F_Y [m]\" is in \"m\"", "expected N, mN or kN"]);
+        .refused(&["\"F_Y [m]\" is in \"m\"", "expected N, mN, µN or kN"]);
 }
 
 #[test]

@@ -6,8 +6,8 @@ use super::recorded::{NamedFrame, NamedFrames, files_of};
 use feeler::sensor::calibration::Calibration;
 use feeler::sensor::live_calibration::ForceAxes;
 use feeler::sensor::load_check::{
-    ELEMENT_RANGE, LoadCheckError, check_axes, check_magnitude, check_numbers, check_offsets,
-    check_unloaded,
+    ELEMENT_RANGE, LoadCheckError, check_axes_of_recordings, check_magnitude, check_numbers,
+    check_offsets, check_outliers, check_unloaded,
 };
 use feeler::sensor::loads::{COLUMNS, LoadedPicture, LoadsError, RecordBuilder, read_loads};
 use feeler::sensor::moments::ElementMoments;
@@ -124,21 +124,23 @@ impl LoadsFile {
     pub fn check(&self, measured: &RecordBuilder) -> Result<(), LoadsFileError> {
         let pictures = measured.pictures();
         self.checked(check_numbers(pictures))?;
-        self.checked(check_axes(&measured.records()))?;
+        self.checked(check_axes_of_recordings(pictures, self.picture_names()))?;
         self.checked(check_unloaded(pictures, self.picture_names()))
     }
 
-    /// Refuses loads that are off the `calibration` fitted to them by another constant in one recording than in another.
+    /// Refuses loads that contradict the `calibration` fitted to them: single ones that the others do not predict, and those that
+    /// are off by another constant in one recording than in another.
     ///
     /// # Errors
-    /// Names column, recordings and the difference.
-    pub fn check_offsets(
+    /// Names the load and what is predicted, or column, recordings and the difference.
+    pub fn check_fit(
         &self,
         measured: &RecordBuilder,
         calibration: &Calibration,
     ) -> Result<(), LoadsFileError> {
-        let names = self.picture_names();
-        self.checked(check_offsets(calibration, measured.pictures(), names))
+        let pictures = measured.pictures();
+        self.checked(check_outliers(calibration, pictures, self.picture_names()))?;
+        self.checked(check_offsets(calibration, pictures, self.picture_names()))
     }
 
     fn checked(&self, result: Result<(), LoadCheckError>) -> Result<(), LoadsFileError> {

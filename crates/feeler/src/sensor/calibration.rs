@@ -10,7 +10,10 @@ pub use super::calibration_quality::{ElementQuality, FullScale, HeldOutError, ex
 pub use super::coupled::CoupledMap;
 pub use super::made_for::{LengthUnit, MadeFor};
 pub use super::separable::{CURVE_TERMS, ForceCurve, SeparableMap};
-use super::{calibration_signs::check_signs, fingertip::FingertipConfig, moments::ElementMoments};
+use super::{
+    calibration_signs::check_signs, fingertip::FingertipConfig, load_check::ELEMENT_RANGE,
+    moments::ElementMoments,
+};
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
@@ -150,6 +153,23 @@ impl ElementCalibration {
         }
     }
 
+    /// The largest force at the ends of the ranges of growth and displacement, each by itself, N.
+    fn largest_force(&self) -> f64 {
+        let [growth, along_x, along_y] = self.map.ranges();
+        let grown = growth.map(|growth| (growth, DVec2::ZERO));
+        let moved_x = along_x.map(|x| (0.0, x * DVec2::X));
+        let moved_y = along_y.map(|y| (0.0, y * DVec2::Y));
+        let ends = grown.into_iter().chain(moved_x).chain(moved_y);
+        let forces = ends.map(|(growth, displacement)| {
+            let inputs = Inputs {
+                growth,
+                displacement,
+            };
+            self.map.force(inputs).length()
+        });
+        forces.fold(0.0, f64::max)
+    }
+
     /// Refuses numbers that would make a force infinite or not a number.
     fn check(&self, element: usize) -> Result<(), CalibrationError> {
         let unusable = |what: String| CalibrationError::Unusable { element, what };
@@ -184,6 +204,9 @@ pub struct Calibration {
     pub force_unit: ForceUnit,
     /// What shares of full scale refer to.
     pub full_scale: FullScale,
+    /// Whether its user has confirmed loads out of the usual range ([`ELEMENT_RANGE`]).
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub loads_confirmed: bool,
     /// What it was made for.
     pub made_for: MadeFor,
     /// Its elements, in the layout's order.
@@ -217,6 +240,7 @@ impl Calibration {
         }
         let calibration: Self = toml::from_str(text)?;
         calibration.check()?;
+        calibration.check_magnitude()?;
         Ok(calibration)
     }
 
@@ -264,6 +288,28 @@ impl Calibration {
             .enumerate()
             .try_for_each(|(index, element)| element.check(index))?;
         check_signs(&self.elements)
+    }
+
+    /// Refuses a calibration whose largest forces no soft element bears, or no picture shows, as forces in another unit are.
+    fn check_magnitude(&self) -> Result<(), CalibrationError> {
+        /// A map may be this many times beyond the largest load at the ends of its ranges.
+        const BEYOND: f64 = 3.0;
+        if self.loads_confirmed {
+            return Ok(());
+        }
+        let [low, high] = ELEMENT_RANGE;
+        let FullScale { normal, shear } = self.full_scale;
+        let largest = self.elements.iter().map(ElementCalibration::largest_force);
+        let largest = largest.fold(0.0, f64::max);
+        let is_usual = (low..=high).contains(&normal.max(shear))
+            && (low / BEYOND..=high * BEYOND).contains(&largest);
+        match is_usual {
+            true => Ok(()),
+            false => Err(CalibrationError::Magnitude {
+                full_scale: normal.max(shear),
+                largest,
+            }),
+        }
     }
 
     /// Turns `moments` into `forces`, element by element, N, whatever their validity. Neither allocates

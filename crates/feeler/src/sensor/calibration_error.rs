@@ -1,6 +1,6 @@
 //! Why a calibration cannot be made, read or used.
 
-use super::calibration::CALIBRATION_VERSION;
+use super::{calibration::CALIBRATION_VERSION, load_check::ELEMENT_RANGE};
 
 /// Why a calibration cannot be made, read or used.
 #[derive(Debug, thiserror::Error)]
@@ -70,6 +70,18 @@ pub enum CalibrationError {
         reversed: usize,
         /// All elements.
         elements: usize,
+    },
+    /// Its forces are too large or too small.
+    #[error(
+        "full_scale is {full_scale} N, forces are up to {largest:.3} N; expected {} to {} N on a soft element: were its loads in another unit? \
+         `feeler calibrate --confirm-loads` makes one of loads that are so",
+        ELEMENT_RANGE[0], ELEMENT_RANGE[1]
+    )]
+    Magnitude {
+        /// The larger of its full scales, N.
+        full_scale: f64,
+        /// The largest force within its ranges, N.
+        largest: f64,
     },
     /// A full scale is no force.
     #[error("full_scale.{key} = {actual}: expected a force in N that is not negative")]

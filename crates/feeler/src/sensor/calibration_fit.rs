@@ -1,5 +1,9 @@
 //! A calibration from known loads and the moments they cause: which model, which terms, how good.
 
+pub(super) mod outlier;
+
+pub use outlier::{Outlier, outlier};
+
 use super::{
     calibration::{
         CALIBRATION_VERSION, Calibration, CalibrationError, ElementCalibration, ForceMap,
@@ -117,6 +121,7 @@ pub fn fit(
         version: CALIBRATION_VERSION,
         force_unit: ForceUnit::Newton,
         full_scale,
+        loads_confirmed: false,
         made_for,
         elements: fitted.elements,
     };
@@ -226,7 +231,7 @@ impl<'a> Prepared<'a> {
         Ok((calibration, score / validated.len() as f64))
     }
 
-    /// The error of each fitted load in a fit to the loads of other folds, N.
+    /// The error of each fitted load in a fit to the loads of other folds, N, fold by fold.
     fn cross_validate(&self, orders: Option<Orders>) -> Result<Vec<DVec3>, String> {
         let mut errors = Vec::with_capacity(self.forces.len());
         for fold in self.folds.all() {

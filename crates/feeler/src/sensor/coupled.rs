@@ -129,6 +129,11 @@ impl CoupledMap {
         polynomial(&self.normal, &normal_terms(inputs))
     }
 
+    /// Numbers of terms of its models.
+    pub(super) fn orders(&self) -> Orders {
+        [&self.shear_x, &self.shear_y, &self.normal].map(Vec::len)
+    }
+
     /// Fits the models of `orders`.
     pub(super) fn fit(inputs: &[Inputs], forces: &[DVec3], orders: Orders) -> Result<Self, String> {
         let range = |input: fn(&Inputs) -> f64, name: &str| {

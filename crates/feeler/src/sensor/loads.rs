@@ -22,7 +22,7 @@ use super::{
 };
 use glam::{DVec2, DVec3};
 use place::{NamedPlace, Places};
-pub use records::{RecordBuilder, TakenPicture};
+pub use records::{RecordBuilder, TakenPicture, records};
 use std::{
     collections::HashMap,
     io::{BufRead, BufReader, Read},

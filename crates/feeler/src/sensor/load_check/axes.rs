@@ -1,8 +1,9 @@
 //! Signs and axes of forces, by growth and displacement.
 
-use super::{LoadCheckError, unloaded_mean};
+use super::{COLUMNS, LoadCheckError, TakenPicture, named, unloaded_mean};
 use crate::sensor::{
     calibration::Inputs, calibration_fit::ElementRecord, live_calibration::ForceAxes,
+    loads::records, wrench::recordings::recordings,
 };
 use glam::{DMat3, DVec3};
 use std::collections::BTreeMap;
@@ -15,9 +16,6 @@ const LEAST_DETERMINANT: f64 = 0.05;
 const LEAST_EXPLAINED: f64 = 0.5;
 /// By how much the standardized effects of other axes must exceed those of the given ones.
 const DECISIVE: f64 = 0.5;
-
-/// Names of the columns.
-const COLUMNS: [&str; 3] = ["f_x", "f_y", "f_z"];
 
 /// Column and sign of each of x, y and z, according to the pictures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -115,6 +113,7 @@ pub fn check_axes(records: &[ElementRecord]) -> Result<(), LoadCheckError> {
     let f_z_is_negative = forces.map(|sample| sample.force.z).sum::<f64>() < 0.0;
     let (contradicted, judged) = (elements.len(), seen.len());
     Err(LoadCheckError::Axes {
+        recording: None,
         contradicted,
         judged,
         first: elements[0],
@@ -127,6 +126,40 @@ pub fn check_axes(records: &[ElementRecord]) -> Result<(), LoadCheckError> {
         },
         axes: (2 * contradicted > judged).then(|| Box::new(axes.converting())),
     })
+}
+
+/// Rejects loads whose signs or axes contradict the pictures as [`check_axes`] does: all together, and those of each recording, distinguished by
+/// the pictures' `names`. Where axes are exchanged in one recording of several, all together determine none.
+///
+/// # Errors
+/// Names the columns, in how many elements, the likely cause, and the recording if it is one alone.
+pub fn check_axes_of_recordings<'a>(
+    pictures: &[TakenPicture],
+    names: impl Iterator<Item = &'a str>,
+) -> Result<(), LoadCheckError> {
+    let all = records(pictures);
+    let together = check_axes(&all);
+    if let Err(LoadCheckError::Axes { axes: Some(_), .. }) = together {
+        return together;
+    }
+    let (recordings, of) = recordings(names);
+    if recordings.len() < 2 {
+        return together;
+    }
+    for (number, recording) in recordings.iter().enumerate() {
+        let own = pictures
+            .iter()
+            .zip(&of)
+            .filter(|(_, (of, _))| *of == number);
+        let mut own = records(own.map(|(picture, _)| picture));
+        for (own, all) in own.iter_mut().zip(&all) {
+            if own.unloaded.is_empty() {
+                own.unloaded.clone_from(&all.unloaded);
+            }
+        }
+        check_axes(&own).map_err(|error| error.of_recording(named(recording)))?;
+    }
+    together
 }
 
 /// The axes that an element's pictures show; `None` if they do not determine them.

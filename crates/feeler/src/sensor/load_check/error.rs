@@ -41,9 +41,12 @@ pub enum LoadCheckError {
     },
     /// The axes of the forces are not those of the pictures.
     #[error(
-        "in {contradicted} of {judged} elements, the first of them {first}, the pictures contradict the loads: {what}"
+        "{}in {contradicted} of {judged} elements, the first of them {first}, the pictures contradict the loads: {what}",
+        recording.as_ref().map_or_else(String::new, |recording| format!("recording {recording:?}: "))
     )]
     Axes {
+        /// The recording of whose loads alone this is so; `None` for all loads together.
+        recording: Option<String>,
         /// Elements that contradict them alike.
         contradicted: usize,
         /// Elements whose pictures determine the axes.
@@ -85,4 +88,37 @@ pub enum LoadCheckError {
         /// How much it may be, N.
         limit: f64,
     },
+    /// A load is far from what all others predict.
+    #[error(
+        "picture = {picture:?}: {column} = {given} N on element {element}, {predicted:.3} N expected by its other loads, which are off by \
+         {usual:.3} N: is it mistyped?"
+    )]
+    Outlier {
+        /// The picture.
+        picture: String,
+        /// Index of the element.
+        element: usize,
+        /// The column.
+        column: &'static str,
+        /// As in the table, N.
+        given: f64,
+        /// By the other loads, N.
+        predicted: f64,
+        /// Standard deviation of the other loads' errors, N.
+        usual: f64,
+    },
+}
+
+impl LoadCheckError {
+    /// The same, found in one recording alone: what converts all loads does not convert its own.
+    pub(super) fn of_recording(mut self, name: String) -> Self {
+        if let Self::Axes {
+            recording, axes, ..
+        } = &mut self
+        {
+            *recording = Some(name);
+            *axes = None;
+        }
+        self
+    }
 }

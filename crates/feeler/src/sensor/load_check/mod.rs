@@ -6,21 +6,27 @@
 //!
 //! - [`check_magnitude`]: loads that no soft element bears, or that no picture shows;
 //! - [`check_numbers`]: loads of one element that the pictures show on another;
-//! - [`check_axes`]: forces whose signs or axes are not those of growth and displacement;
-//! - [`check_unloaded`], [`check_offsets`]: recordings whose zeros differ.
+//! - [`check_axes`], [`check_axes_of_recordings`]: forces whose signs or axes are not those of growth and displacement;
+//! - [`check_unloaded`], [`check_offsets`]: recordings whose zeros differ;
+//! - [`check_outliers`]: a single load that all others contradict.
 
 mod axes;
 mod error;
 mod numbers;
+mod outliers;
 mod zeros;
 
-pub use axes::check_axes;
+pub use axes::{check_axes, check_axes_of_recordings};
 pub use error::LoadCheckError;
 pub use numbers::check_numbers;
+pub use outliers::check_outliers;
 pub use zeros::{check_offsets, check_unloaded};
 
 use super::{loads::TakenPicture, moments::ElementMoments};
 use glam::DVec3;
+
+/// Names of the columns.
+const COLUMNS: [&str; 3] = ["f_x", "f_y", "f_z"];
 
 /// Range, N, of the largest force on a single element. Less is lost in the noise of pictures; under more, the few square millimetres of
 /// silicone of an element are flat, at some 1 N/mm².
@@ -76,6 +82,15 @@ fn unloaded_mean<'a>(unloaded: impl Iterator<Item = &'a ElementMoments>) -> Opti
     let is_lit =
         mean.integrated_gray > 0.0 && mean.integrated_gray.is_finite() && mean.centroid.is_finite();
     is_lit.then_some(mean)
+}
+
+/// A recording's name; of pictures in the table's own folder, whose names are numbers, that folder.
+fn named(recording: &str) -> String {
+    if recording.is_empty() {
+        ".".into()
+    } else {
+        recording.into()
+    }
 }
 
 #[cfg(test)]

@@ -50,7 +50,7 @@ fn taken(table: impl Fn(usize, usize, DVec3) -> DVec3) -> RecordBuilder {
 
 fn all_checks(taken: &RecordBuilder) -> Result<(), LoadCheckError> {
     check_numbers(taken.pictures())?;
-    check_axes(&taken.records())?;
+    check_axes_of_recordings(taken.pictures(), names().iter().map(String::as_str))?;
     check_unloaded(taken.pictures(), names().iter().map(String::as_str))
 }
 
@@ -164,6 +164,79 @@ fn a_single_element_in_other_axes_is_told() {
         "{error}"
     );
     assert!(error.to_string().contains("x_angle"), "{error}");
+}
+
+/// All loads together determine no axes here.
+#[test]
+fn axes_exchanged_in_one_recording_are_told() {
+    assert_eq!(all_checks(&taken(|_, _, force| force)), Ok(()));
+    let exchanged = taken(|picture, _, force| match picture >= HALF {
+        true => DVec3::new(force.y, force.x, force.z),
+        false => force,
+    });
+    let error = all_checks(&exchanged).unwrap_err();
+    assert!(
+        matches!(&error, LoadCheckError::Axes { recording: Some(name), axes: None, .. } if name == "b"),
+        "{error}"
+    );
+    let words = "recording \"b\": in 3 of 3 elements, the first of them 0, the pictures contradict the loads: the displacement of the \
+                 spots along x and y and their growth follow f_y, f_x and f_z";
+    assert!(error.to_string().starts_with(words), "{error}");
+}
+
+/// A decimal mark at the wrong place, or a sign, in one of 150 loads, whichever model is fitted.
+#[test]
+fn a_mistyped_load_is_told() {
+    let made_for = MadeFor::layout("a few elements", ELEMENTS, LengthUnit::Pixel);
+    let checked = |model, table: &dyn Fn(usize, usize, DVec3) -> DVec3| {
+        let taken = taken(table);
+        let records = taken.records();
+        let full_scale = FullScale::of_loads(&records);
+        let calibration = fit(made_for.clone(), &records, model, full_scale).unwrap();
+        let names = names();
+        check_outliers(
+            &calibration,
+            taken.pictures(),
+            names.iter().map(String::as_str),
+        )
+    };
+    for model in [ModelChoice::Separable, ModelChoice::Coupled] {
+        assert_eq!(checked(model, &|_, _, force| force), Ok(()));
+        for (axis, factor) in [(2, 10.0), (2, 0.1), (0, -1.0), (1, 100.0)] {
+            let element = 1;
+            let is_large = |&p: &usize| {
+                load(p, element)
+                    .abs()
+                    .cmpgt(DVec3::new(0.25, 0.2, 1.2))
+                    .all()
+            };
+            let large = (0..PICTURES).find(is_large).unwrap();
+            let own = load(large, element)[axis];
+            let error = checked(model, &|p, e, mut force| {
+                if (p, e) == (large, element) {
+                    force[axis] *= factor;
+                }
+                force
+            });
+            let Err(LoadCheckError::Outlier {
+                picture,
+                element,
+                column,
+                given,
+                predicted,
+                ..
+            }) = error
+            else {
+                panic!("{model:?}, axis {axis} times {factor}: {error:?}");
+            };
+            assert_eq!(
+                (&picture, element, column),
+                (&names()[large], 1, COLUMNS[axis])
+            );
+            assert_eq!(given, factor * own);
+            assert!((predicted - own).abs() < 0.1, "{predicted}, {own}");
+        }
+    }
 }
 
 #[test]

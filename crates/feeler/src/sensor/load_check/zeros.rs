@@ -1,6 +1,6 @@
 //! Zeros of recordings.
 
-use super::{LoadCheckError, TakenPicture, unloaded_mean};
+use super::{COLUMNS, LoadCheckError, TakenPicture, named, unloaded_mean};
 use crate::sensor::{
     calibration::Calibration, moments::ElementMoments, wrench::recordings::recordings,
 };
@@ -12,9 +12,6 @@ const LARGEST_OF_PICTURES: f64 = 0.1;
 /// zeros make all of the error, their difference is twice that.
 const LARGEST_OF_FORCES: f64 = 0.03;
 const LARGEST_OF_ERRORS: f64 = 1.5;
-
-/// Names of the columns.
-const COLUMNS: [&str; 3] = ["f_x", "f_y", "f_z"];
 
 /// Refuses pictures without load that differ between recordings, distinguished by the pictures' `names`, by more than a tenth of what
 /// the loads cause, in more than half of the elements that are in both.
@@ -175,14 +172,5 @@ impl Errors {
             squares: self.squares + other.squares,
             count: self.count + other.count,
         }
-    }
-}
-
-/// A recording's name; of pictures in the table's own folder, whose names are numbers, that folder.
-fn named(recording: &str) -> String {
-    if recording.is_empty() {
-        ".".into()
-    } else {
-        recording.into()
     }
 }

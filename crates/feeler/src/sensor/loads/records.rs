@@ -55,19 +55,28 @@ impl RecordBuilder {
 
     /// The records, one for each element.
     pub fn records(&self) -> Vec<ElementRecord> {
-        let mut records = vec![ElementRecord::default(); self.elements];
-        for TakenPicture { forces, moments } in &self.pictures {
-            for ((record, force), &moments) in records.iter_mut().zip(forces).zip(moments) {
-                let Some(force) = *force else { continue };
-                let sample = LoadSample { force, moments };
-                if force == DVec3::ZERO {
-                    record.unloaded.push(moments);
-                } else {
-                    record.fitted.push(sample);
-                }
-                record.cycled.push(sample);
-            }
+        match self.pictures.is_empty() {
+            true => vec![ElementRecord::default(); self.elements],
+            false => records(&self.pictures),
         }
-        records
     }
+}
+
+/// What `pictures` of one fingertip say of each of its elements.
+pub fn records<'a>(pictures: impl IntoIterator<Item = &'a TakenPicture>) -> Vec<ElementRecord> {
+    let mut records = Vec::new();
+    for TakenPicture { forces, moments } in pictures {
+        records.resize(forces.len(), ElementRecord::default());
+        for ((record, force), &moments) in records.iter_mut().zip(forces).zip(moments) {
+            let Some(force) = *force else { continue };
+            let sample = LoadSample { force, moments };
+            if force == DVec3::ZERO {
+                record.unloaded.push(moments);
+            } else {
+                record.fitted.push(sample);
+            }
+            record.cycled.push(sample);
+        }
+    }
+    records
 }

@@ -84,9 +84,18 @@ impl Cells {
     }
 }
 
+/// Spaces that are no ASCII: no-break, narrow no-break.
+const SPACES: [&[u8]; 2] = ["\u{a0}".as_bytes(), "\u{202f}".as_bytes()];
+
 /// A cell without space around it, and without quotes that stand behind a space.
 fn trimmed(cell: &[u8]) -> &[u8] {
-    let cell = cell.trim_ascii();
+    let mut cell = cell.trim_ascii();
+    while let Some(less) = SPACES
+        .iter()
+        .find_map(|space| cell.strip_prefix(*space).or(cell.strip_suffix(*space)))
+    {
+        cell = less.trim_ascii();
+    }
     let quoted = cell.strip_prefix(b"\"");
     quoted
         .and_then(|cell| cell.strip_suffix(b"\""))
@@ -148,6 +157,7 @@ mod tests {
             ["a", "b", "c, \"d\"", "e", ""]
         );
         assert_eq!(split(b';', "0,5;1"), ["0,5", "1"]);
+        assert_eq!(split(b';', "\u{a0}0,5 \u{202f};\u{a0}"), ["0,5", ""]);
         assert_eq!(split(b'\t', "a\t\tb"), ["a", "", "b"]);
         assert_eq!(split(b' ', "  1   2 3 "), ["1", "2", "3"]);
         let mut cells = Cells::new(b',');

@@ -6,11 +6,11 @@ pub enum NumberError {
     /// It is not written as one.
     #[error("no number")]
     NotANumber,
-    /// Its comma may be a decimal comma or divide thousands.
+    /// Its decimal mark may divide thousands.
     #[error(
-        "its comma may be a decimal comma or divide thousands; expected a decimal point, or another cell from which it is clear, as 0,5"
+        "its {0} may be a decimal {0} or divide thousands; expected another cell from which it is clear, as {example}", example = .0.example()
     )]
-    Thousands,
+    Thousands(Mark),
     /// Other cells have the other decimal mark.
     #[error(
         "it has a decimal {own}, line {line} has a decimal {other}; expected one of the two in all lines"
@@ -34,6 +34,23 @@ pub enum Mark {
     Comma,
 }
 
+impl Mark {
+    fn byte(self) -> u8 {
+        match self {
+            Self::Point => b'.',
+            Self::Comma => b',',
+        }
+    }
+
+    /// A number with it that has but one meaning.
+    fn example(self) -> &'static str {
+        match self {
+            Self::Point => "0.5",
+            Self::Comma => "0,5",
+        }
+    }
+}
+
 impl std::fmt::Display for Mark {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
@@ -47,16 +64,28 @@ impl std::fmt::Display for Mark {
 const LONGEST: usize = 64;
 
 /// The decimal mark of a table: that of the first number from which it is clear. Allocates nothing.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 pub struct Decimals {
     mark: Option<(Mark, u64)>,
+    /// Whether a point may divide thousands, too.
+    points_divide: bool,
 }
 
 impl Decimals {
+    /// Of a table with this `separator` between cells. Between semicolons a point may divide thousands: who writes these
+    /// needs the comma for numbers.
+    pub fn new(separator: u8) -> Self {
+        Self {
+            mark: None,
+            points_divide: separator == b';',
+        }
+    }
+
     /// Looks for the mark in the cells of `line` that may be numbers, unless it is known.
     pub fn look<'a>(&mut self, line: u64, mut cells: impl Iterator<Item = &'a [u8]>) {
         if self.mark.is_none() {
-            self.mark = cells.find_map(mark).map(|mark| (mark, line));
+            let mark = cells.find_map(|cell| self.clear_mark(cell));
+            self.mark = mark.map(|mark| (mark, line));
         }
     }
 
@@ -65,59 +94,62 @@ impl Decimals {
     /// # Errors
     /// If there is none, or it may be one of two.
     pub fn parse(&self, cell: &[u8]) -> Result<f64, NumberError> {
-        let is_point = !cell.contains(&b',');
-        let number = match is_point {
-            true => plain_number(cell),
-            false => with_comma(cell),
-        };
-        let number = number.ok_or(NumberError::NotANumber)?;
-        let own = match (is_point, cell.contains(&b'.')) {
-            (true, false) => return Ok(number),
-            (true, true) => Mark::Point,
-            (false, _) => Mark::Comma,
-        };
+        let (number, own) = number(cell).ok_or(NumberError::NotANumber)?;
+        let Some(own) = own else { return Ok(number) };
         match self.mark {
             Some((other, line)) if other != own => Err(NumberError::Mixed { own, other, line }),
-            None if may_be_thousands(cell) => Err(NumberError::Thousands),
+            None if self.is_doubtful(cell, own) => Err(NumberError::Thousands(own)),
             _ => Ok(number),
         }
     }
-}
 
-/// The mark that a cell shows, if it has a number.
-fn mark(cell: &[u8]) -> Option<Mark> {
-    if cell.contains(&b',') {
-        return (with_comma(cell).is_some() && !may_be_thousands(cell)).then_some(Mark::Comma);
+    /// The mark of the number in a cell, if it is beyond doubt.
+    fn clear_mark(&self, cell: &[u8]) -> Option<Mark> {
+        let (_, mark) = number(cell)?;
+        mark.filter(|&mark| !self.is_doubtful(cell, mark))
     }
-    (cell.contains(&b'.') && plain_number(cell).is_some()).then_some(Mark::Point)
+
+    fn is_doubtful(&self, cell: &[u8], mark: Mark) -> bool {
+        (mark == Mark::Comma || self.points_divide) && may_divide_thousands(cell, mark)
+    }
 }
 
-/// The number of a cell that is written as in Rust.
-pub fn plain_number(cell: &[u8]) -> Option<f64> {
-    str::from_utf8(cell).ok()?.parse().ok()
-}
-
-/// The number of a cell with one decimal comma.
-fn with_comma(cell: &[u8]) -> Option<f64> {
+/// The number in a cell and its decimal mark, if it has one.
+fn number(cell: &[u8]) -> Option<(f64, Option<Mark>)> {
     let mut text = [0; LONGEST];
     let text = text.get_mut(..cell.len())?;
     text.copy_from_slice(cell);
-    let mut commas = text.iter_mut().filter(|byte| **byte == b',');
-    *commas.next()? = b'.';
-    // A second one, or a point beside it, is in no number.
-    plain_number(text)
+    // A minus sign as typeset.
+    let text = match text.strip_prefix("\u{2212}".as_bytes()).map(<[u8]>::len) {
+        Some(digits) => {
+            let start = text.len() - digits - 1;
+            text[start] = b'-';
+            &mut text[start..]
+        }
+        None => text,
+    };
+    let comma = text.iter().position(|&byte| byte == b',');
+    let mark = match comma {
+        // A point beside it, or another comma, is in no number.
+        Some(_) if text.contains(&b'.') => return None,
+        Some(place) => {
+            text[place] = b'.';
+            Some(Mark::Comma)
+        }
+        None => text.contains(&b'.').then_some(Mark::Point),
+    };
+    Some((str::from_utf8(text).ok()?.parse().ok()?, mark))
 }
 
-/// Whether a number's comma may divide thousands: one to three digits before it, not beginning with 0, and three behind it.
-fn may_be_thousands(cell: &[u8]) -> bool {
-    let digits = cell
-        .strip_prefix(b"-")
-        .or(cell.strip_prefix(b"+"))
-        .unwrap_or(cell);
-    let Some(comma) = digits.iter().position(|&byte| byte == b',') else {
+/// Whether a number's mark may divide thousands: one to three digits before it, not beginning with 0, and three behind it.
+fn may_divide_thousands(cell: &[u8], mark: Mark) -> bool {
+    let signs = [b"-", b"+", "\u{2212}".as_bytes()];
+    let digits = signs.iter().find_map(|sign| cell.strip_prefix(*sign));
+    let digits = digits.unwrap_or(cell);
+    let Some(place) = digits.iter().position(|&byte| byte == mark.byte()) else {
         return false;
     };
-    let (before, behind) = (&digits[..comma], &digits[comma + 1..]);
+    let (before, behind) = (&digits[..place], &digits[place + 1..]);
     (1..=3).contains(&before.len())
         && before[0] != b'0'
         && behind.len() == 3
@@ -130,7 +162,11 @@ mod tests {
     use proptest::prelude::*;
 
     fn read(rows: &[&str]) -> Vec<Result<f64, NumberError>> {
-        let mut decimals = Decimals::default();
+        read_between(b',', rows)
+    }
+
+    fn read_between(separator: u8, rows: &[&str]) -> Vec<Result<f64, NumberError>> {
+        let mut decimals = Decimals::new(separator);
         let mut line = 0;
         let read = rows.iter().flat_map(|row| {
             line += 1;
@@ -173,12 +209,32 @@ mod tests {
 
     #[test]
     fn a_comma_that_may_divide_thousands_is_not_guessed() {
-        assert_eq!(read(&["1,234"]), [Err(NumberError::Thousands)]);
-        assert_eq!(read(&["-12,345"]), [Err(NumberError::Thousands)]);
+        let doubtful = |mark| [Err(NumberError::Thousands(mark))];
+        assert_eq!(read(&["1,234"]), doubtful(Mark::Comma));
+        assert_eq!(read(&["-12,345"]), doubtful(Mark::Comma));
+        assert_eq!(read(&["\u{2212}12,345"]), doubtful(Mark::Comma));
         // Clear by another cell, of the same row or before.
         assert_eq!(read(&["1,234;0,5"]), [Ok(1.234), Ok(0.5)]);
         assert_eq!(read(&["1234,567", "1,234"]), [Ok(1234.567), Ok(1.234)]);
         assert_eq!(read(&["0,512"]), [Ok(0.512)]);
+        // A point is in doubt only where a comma may be the decimal mark.
+        assert_eq!(read(&["1.234"]), [Ok(1.234)]);
+        let between_semicolons = |rows: &[&str]| read_between(b';', rows);
+        assert_eq!(between_semicolons(&["1.234"]), doubtful(Mark::Point));
+        assert_eq!(between_semicolons(&["1.234;0.5"]), [Ok(1.234), Ok(0.5)]);
+        assert!(matches!(
+            between_semicolons(&["0,5", "1.234"])[1],
+            Err(NumberError::Mixed { .. })
+        ));
+    }
+
+    #[test]
+    fn a_typeset_minus_is_a_minus() {
+        assert_eq!(read(&["\u{2212}0.5"]), [Ok(-0.5)]);
+        assert_eq!(read(&["\u{2212}0,5"]), [Ok(-0.5)]);
+        for none in ["\u{2212}", "\u{2212}-1", "1\u{2212}", "-\u{2212}1"] {
+            assert_eq!(read(&[none]), [Err(NumberError::NotANumber)], "{none}");
+        }
     }
 
     proptest! {
@@ -191,7 +247,7 @@ mod tests {
 
         #[test]
         fn any_cell_is_read_or_refused(cell in proptest::collection::vec(any::<u8>(), 0..80)) {
-            let mut decimals = Decimals::default();
+            let mut decimals = Decimals::new(b';');
             decimals.look(1, [&*cell].into_iter());
             let _ = decimals.parse(&cell);
         }

@@ -1,6 +1,6 @@
 //! Rows below a header.
 
-use super::cells::{Cells, separator_name, separator_of};
+use super::cells::{Cells, SEPARATORS, separator_name, separator_of};
 use super::lines::{Line, Lines};
 use super::number::{Decimals, NumberError};
 use super::unit::{Quantity, are_units, is_no_unit, without_brackets};
@@ -62,7 +62,8 @@ impl<R: BufRead> Table<R> {
             }
             let line = lines.number();
             let separator = named.or_else(|| separator_of(text));
-            let mut cells = Cells::new(separator.ok_or(TableError::Separators { line })?);
+            let separator = separator.ok_or(TableError::Separators { line })?;
+            let mut cells = Cells::new(separator);
             cells.split(text);
             if !cells.is_whole() {
                 return Err(TableError::Quote { line });
@@ -73,7 +74,7 @@ impl<R: BufRead> Table<R> {
             return Ok(Self {
                 header: Header::new(names.collect()),
                 numbers: Vec::new(),
-                decimals: Decimals::default(),
+                decimals: Decimals::new(separator),
                 is_first: true,
                 lines,
                 cells,
@@ -271,11 +272,15 @@ fn check_text(line: &[u8]) -> Result<(), TableError> {
 
 /// The separator of a line `sep=;`, as spreadsheets write it before the header.
 fn named_separator(line: &[u8]) -> Option<u8> {
-    let separator = line.strip_prefix(b"sep=").or(line.strip_prefix(b"SEP="))?;
-    match *separator {
-        [separator] if super::cells::SEPARATORS.contains(&separator) => Some(separator),
-        _ => None,
-    }
+    // A tab is a separator, and no space around.
+    let line = line.trim_ascii_start();
+    let line = line.strip_prefix(b"\"").unwrap_or(line);
+    let (name, separator) = line.split_at_checked(4)?;
+    let separator = match separator {
+        [separator, rest @ ..] if rest.iter().all(|&byte| b" \",;".contains(&byte)) => separator,
+        _ => return None,
+    };
+    (name.eq_ignore_ascii_case(b"sep=") && SEPARATORS.contains(separator)).then_some(*separator)
 }
 
 #[cfg(test)]

@@ -1,5 +1,7 @@
 //! Units of columns.
 
+use std::borrow::Cow;
+
 /// Quantity that a column contains.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
@@ -18,9 +20,11 @@ pub enum Quantity {
 }
 
 /// Names of units, what they are of, and their size in the unit that feeler uses.
-const UNITS: [(&str, Quantity, f64); 27] = [
+const UNITS: [(&str, Quantity, f64); 30] = [
     ("N", Quantity::Force, 1.0),
     ("mN", Quantity::Force, 1e-3),
+    ("uN", Quantity::Force, 1e-6),
+    ("µN", Quantity::Force, 1e-6),
     ("kN", Quantity::Force, 1e3),
     ("newton", Quantity::Force, 1.0),
     ("newtons", Quantity::Force, 1.0),
@@ -33,6 +37,7 @@ const UNITS: [(&str, Quantity, f64); 27] = [
     ("Nmm", Quantity::Torque, 1e-3),
     ("N-mm", Quantity::Torque, 1e-3),
     ("N mm", Quantity::Torque, 1e-3),
+    ("N·mm", Quantity::Torque, 1e-3),
     ("s", Quantity::Time, 1.0),
     ("sec", Quantity::Time, 1.0),
     ("ms", Quantity::Time, 1e-3),
@@ -48,12 +53,18 @@ const UNITS: [(&str, Quantity, f64); 27] = [
     ("pixels", Quantity::Pixels, 1.0),
 ];
 
+/// Names of units of raw values, as converters count them.
+const COUNTS: [&str; 8] = [
+    "counts", "count", "cts", "raw", "lsb", "digits", "adc", "a.u.",
+];
+
 impl Quantity {
     /// The unit called `name` in the unit that feeler uses; `None` if it is no unit of this quantity.
     pub fn scale(self, name: &str) -> Option<f64> {
         if self == Self::Any {
             return Some(1.0);
         }
+        let name = with_micro_sign(name);
         let own = UNITS
             .iter()
             .find(|(unit, of, _)| *of == self && *unit == name);
@@ -63,7 +74,7 @@ impl Quantity {
     /// Units in words.
     pub fn units(self) -> &'static str {
         match self {
-            Self::Force => "N, mN or kN",
+            Self::Force => "N, mN, µN or kN",
             Self::Torque => "Nm, mNm or Nmm",
             Self::Time => "s, ms, us or ns",
             Self::Angle => "rad or deg",
@@ -77,7 +88,7 @@ impl Quantity {
 pub fn are_units<'a>(cells: impl Iterator<Item = &'a str>) -> bool {
     let mut is_named = false;
     for cell in cells.map(without_brackets) {
-        let is_known = is_known(cell);
+        let is_known = is_known(cell) || COUNTS.contains(&&*cell.to_ascii_lowercase());
         is_named |= is_known;
         if !is_known && !is_no_unit(cell) {
             return false;
@@ -122,7 +133,16 @@ pub fn name_and_unit(column: &str) -> (&str, Option<&str>) {
 }
 
 fn is_known(unit: &str) -> bool {
+    let unit = with_micro_sign(unit);
     UNITS.iter().any(|(name, ..)| *name == unit)
+}
+
+/// A unit with the micro sign in place of the Greek letter that looks like it.
+fn with_micro_sign(unit: &str) -> Cow<'_, str> {
+    match unit.contains('\u{3bc}') {
+        true => unit.replace('\u{3bc}', "\u{b5}").into(),
+        false => unit.into(),
+    }
 }
 
 #[cfg(test)]

@@ -75,7 +75,7 @@ fn is_numbers(cells: &Cells) -> bool {
 /// Whether a cell has a number, or one that may be read in two ways.
 pub fn is_number(cell: &[u8]) -> bool {
     !matches!(
-        Decimals::default().parse(cell),
+        Decimals::new(b';').parse(cell),
         Err(NumberError::NotANumber)
     )
 }

@@ -13,7 +13,7 @@ const LARGEST: f64 = 1e12;
 const LATEST: f64 = 1e11;
 
 /// What a line says.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct Values {
     /// The columns x, y, z of each taxel; not a number where one of the three is none.
     pub values: Vec<DVec3>,
@@ -28,14 +28,14 @@ pub struct Values {
 }
 
 impl Values {
-    /// For `taxels` taxels; names of sequences up to `longest` bytes take no memory.
-    pub fn new(taxels: usize, longest: usize) -> Self {
+    /// For `taxels` taxels of a table with this `separator` between cells; names of sequences up to `longest` bytes take no memory.
+    pub fn new(taxels: usize, separator: u8, longest: usize) -> Self {
         Self {
             values: vec![DVec3::NAN; taxels],
             time: None,
             sequence: Vec::with_capacity(longest),
             hash: None,
-            decimals: Decimals::default(),
+            decimals: Decimals::new(separator),
         }
     }
 

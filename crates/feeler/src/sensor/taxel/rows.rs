@@ -5,7 +5,7 @@ use super::header::{find_header, is_comment};
 use super::row::{Values, is_time};
 use super::times::Times;
 use super::{Place, TaxelError, TaxelLayout, Trouble, Troubles};
-use crate::sensor::table::{Cells, Line, Lines, MAX_LINE};
+use crate::sensor::table::{Cells, Line, Lines, MAX_LINE, TableError};
 use glam::DVec3;
 use std::io::{self, BufRead};
 
@@ -83,6 +83,7 @@ impl<R: BufRead> TaxelRows<R> {
         };
         let taxels = layout.taxels.len();
         Ok(Self {
+            values: Values::new(taxels, cells.separator(), MAX_LINE),
             lines,
             cells,
             columns,
@@ -91,7 +92,6 @@ impl<R: BufRead> TaxelRows<R> {
             is_waiting,
             clock,
             times: Times::default(),
-            values: Values::new(taxels, MAX_LINE),
             before: None,
             sequence: Vec::with_capacity(MAX_LINE),
             next: 0,
@@ -102,7 +102,7 @@ impl<R: BufRead> TaxelRows<R> {
     /// Fills `row` with the next; whether there is one.
     ///
     /// # Errors
-    /// When the stream cannot be read, or the row below the header has other units than the layout.
+    /// When the stream cannot be read, or the row below the header has other units than the layout, or decimal commas between commas.
     pub fn next(&mut self, row: &mut TaxelRow) -> io::Result<bool> {
         while self.next_line()? {
             let text = self.lines.text();
@@ -118,9 +118,10 @@ impl<R: BufRead> TaxelRows<R> {
             self.cells.split(text);
             if std::mem::take(&mut self.is_below_header) {
                 let are_units = self.columns.are_units(&self.cells);
-                if are_units.map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))? {
+                if are_units.map_err(invalid)? {
                     continue;
                 }
+                self.refuse_decimal_commas(line).map_err(invalid)?;
             }
             let cells = (line, &self.cells);
             if self.values.read(&self.columns, cells, &mut self.troubles) {
@@ -129,6 +130,27 @@ impl<R: BufRead> TaxelRows<R> {
             }
         }
         Ok(false)
+    }
+
+    /// Refuses a first row with more cells than the header between commas, as decimal commas make them: so would be all rows.
+    fn refuse_decimal_commas(&self, line: u64) -> Result<(), TableError> {
+        let (cells, expected) = (self.cells.count(), self.columns.roles.len());
+        let separator = self.cells.separator();
+        let are_more = separator == b',' && cells > expected;
+        let is_filled = self
+            .cells
+            .iter()
+            .skip(expected)
+            .any(|cell| !cell.is_empty());
+        match are_more && is_filled {
+            true => Err(TableError::CellCount {
+                line,
+                cells,
+                expected,
+                separator,
+            }),
+            false => Ok(()),
+        }
     }
 
     /// Goes to the next line that is not too long; whether there is one.
@@ -225,6 +247,10 @@ impl<R: BufRead> TaxelRows<R> {
         let is_first = |role: &Role| *role == Role::Value { taxel, axis: 0 };
         self.columns.roles.iter().position(is_first)
     }
+}
+
+fn invalid(error: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidData, error)
 }
 
 fn clock(layout: &TaxelLayout, rate: Option<f64>) -> Result<Clock, TaxelError> {

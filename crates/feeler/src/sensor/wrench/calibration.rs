@@ -5,7 +5,9 @@ use super::features::{ElementStandard, PER_ELEMENT, Terms};
 use super::novelty::{MOST_DIRECTIONS, Novelty};
 use super::quality::AxisQuality;
 use super::{AXES, WrenchAxis};
+use crate::sensor::load_check::FINGERTIP_RANGE;
 use crate::sensor::made_for::MadeFor;
+use crate::sensor::table::Quantity;
 use serde::{Deserialize, Serialize};
 
 /// Kind of the file, by which it is told from a calibration of elements.
@@ -60,6 +62,9 @@ pub struct WrenchCalibration {
     pub kind: String,
     /// [`VERSION`].
     pub version: u32,
+    /// Whether its user has confirmed forces out of the usual range ([`FINGERTIP_RANGE`]).
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub loads_confirmed: bool,
     /// What it was made for.
     pub made_for: MadeFor,
     /// How far each component is off.
@@ -94,6 +99,7 @@ impl WrenchCalibration {
         }
         let calibration: Self = toml::from_str(text)?;
         calibration.check()?;
+        calibration.check_magnitude()?;
         Ok(calibration)
     }
 
@@ -116,6 +122,22 @@ impl WrenchCalibration {
     /// The model of a component, if it is calibrated.
     pub fn axis(&self, axis: WrenchAxis) -> Option<&AxisModel> {
         self.model.axes.iter().find(|model| model.axis == axis)
+    }
+
+    /// Refuses forces that no soft fingertip bears, or no picture shows, as forces in another unit are.
+    fn check_magnitude(&self) -> Result<(), WrenchError> {
+        let forces = self
+            .quality
+            .iter()
+            .filter(|quality| quality.axis.quantity() == Quantity::Force);
+        let ends = forces.flat_map(|quality| quality.range);
+        let largest = ends.map(f64::abs).fold(0.0, f64::max);
+        let [low, high] = FINGERTIP_RANGE;
+        // Without any force, there are torques alone.
+        match self.loads_confirmed || largest == 0.0 || (low..=high).contains(&largest) {
+            true => Ok(()),
+            false => Err(WrenchError::Magnitude { largest }),
+        }
     }
 
     /// Refuses numbers that cannot be used.

@@ -2,6 +2,7 @@
 
 use super::calibration::{KIND, VERSION};
 use crate::sensor::calibration_error::CalibrationError;
+use crate::sensor::load_check::FINGERTIP_RANGE;
 
 /// Why a wrench calibration cannot be made, read or used.
 #[derive(Debug, thiserror::Error)]
@@ -44,6 +45,16 @@ pub enum WrenchError {
         value: String,
         /// What should.
         expected: &'static str,
+    },
+    /// Its forces are too large or too small.
+    #[error(
+        "the largest force of the calibration is {largest} N; expected {} to {} N on a fingertip: were its forces in another unit? \
+         `feeler calibrate --wrench --confirm-loads` makes one of forces that are so",
+        FINGERTIP_RANGE[0], FINGERTIP_RANGE[1]
+    )]
+    Magnitude {
+        /// The largest force that was measured, N.
+        largest: f64,
     },
     /// There are too few pictures to learn from.
     #[error(

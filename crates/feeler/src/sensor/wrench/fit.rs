@@ -89,6 +89,7 @@ pub fn fit(
     let calibration = WrenchCalibration {
         kind: KIND.into(),
         version: VERSION,
+        loads_confirmed: false,
         made_for,
         quality: qualities,
         model,

@@ -1,6 +1,7 @@
 //! How far a wrench calibration can be trusted: errors on pictures that it has not seen.
 
 use super::WrenchAxis;
+use crate::sensor::calibration_fit::outlier::{LEAST_SHARE, MISTYPED, robust_deviation};
 use serde::{Deserialize, Serialize};
 
 /// Least number of readings while the load grew, and while it fell, that tell hysteresis.
@@ -98,6 +99,31 @@ pub struct HeldOut {
     pub by_blocks: Option<f64>,
     /// Predicted without the picture's recording.
     pub by_recording: Option<f64>,
+}
+
+/// The measured value that is farthest from what is predicted of it, if it is out of proportion, as a mistyped one is: by more than
+/// 15 standard deviations of the errors, and a tenth of the range of the other values.
+pub fn outlier(held_out: &[HeldOut]) -> Option<HeldOut> {
+    /// Least values among which one can be told from the others.
+    const LEAST_ROWS: usize = 30;
+    let error = |h: &HeldOut| Some((h.by_blocks? - h.measured).abs());
+    let usual = robust_deviation(held_out.iter().filter_map(error));
+    let by_error = |&a: &usize, &b: &usize| {
+        let [a, b] = [a, b].map(|place| error(&held_out[place]).unwrap_or(0.0));
+        a.total_cmp(&b)
+    };
+    let worst = (0..held_out.len()).max_by(by_error)?;
+    let others = held_out
+        .iter()
+        .enumerate()
+        .filter(|(place, _)| *place != worst);
+    let ends = others.fold(
+        [f64::INFINITY, f64::NEG_INFINITY],
+        |[low, high], (_, other)| [low.min(other.measured), high.max(other.measured)],
+    );
+    let limit = (MISTYPED * usual).max(LEAST_SHARE * (ends[1] - ends[0]));
+    let is_far = held_out.len() >= LEAST_ROWS && error(&held_out[worst])? > limit;
+    is_far.then_some(held_out[worst])
 }
 
 /// The quality of `axis` by what was predicted of it, in the order of time; none where nothing was.

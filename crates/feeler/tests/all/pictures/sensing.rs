@@ -80,6 +80,7 @@ fn calibration() -> Calibration {
         version: CALIBRATION_VERSION,
         force_unit: ForceUnit::Newton,
         full_scale: FullScale::default(),
+        loads_confirmed: false,
         made_for: MadeFor::layout("two halves", 2, LengthUnit::Pixel),
         elements: vec![element; 2],
     }

@@ -36,6 +36,7 @@ fn calibration() -> Calibration {
         version: CALIBRATION_VERSION,
         force_unit: ForceUnit::Newton,
         full_scale: FullScale::default(),
+        loads_confirmed: false,
         made_for: MadeFor::layout("twelve elements", ELEMENTS, LengthUnit::Metre),
         elements: (0..ELEMENTS).map(element).collect(),
     }

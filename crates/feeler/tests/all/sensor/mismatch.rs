@@ -69,6 +69,7 @@ fn sensing() -> SensingChain {
         version: CALIBRATION_VERSION,
         force_unit: ForceUnit::Newton,
         full_scale: FullScale::default(),
+        loads_confirmed: false,
         made_for: MadeFor::fingertip(&fingertip).expect("a hash"),
         elements: elements.collect(),
     };

@@ -1,3 +1,4 @@
+use super::super::Mark;
 use super::*;
 use proptest::prelude::*;
 
@@ -37,6 +38,8 @@ fn the_same_rows_are_read_however_they_are_written() {
         "picture,f_z\n,N\na.png,0.5\nb.png,-1250.25\n",
         "picture,f_z,\n-,[mN],\na.png,500,,\nb.png,-1250250,,\n",
         "picture,f_z\na.png,0.5,\nb.png,-1.25025e3,\n",
+        "\"Sep=;\"\nFz [\u{3bc}N];picture\n500000;a.png\n\u{2212}1250250000\u{a0};b.png\n",
+        "SEP=\t\nFz\tpicture\n0.5\ta.png\n-1250.25\tb.png\n",
     ] {
         assert_eq!(read(text.as_bytes()).unwrap(), expected, "{text:?}");
         let units = || text.trim_start_matches('\u{feff}').encode_utf16();
@@ -68,11 +71,11 @@ fn what_may_be_read_in_two_ways_is_refused() {
         ),
         (
             "picture,f_z [lbf]\n",
-            "column \"f_z [lbf]\" is in \"lbf\"; expected N, mN or kN",
+            "column \"f_z [lbf]\" is in \"lbf\"; expected N, mN, µN or kN",
         ),
         (
             "picture,f_z\n,Nm\n",
-            "column \"f_z\" is in \"Nm\"; expected N, mN or kN",
+            "column \"f_z\" is in \"Nm\"; expected N, mN, µN or kN",
         ),
         (
             "picture,f_z [N]\n,mN\n",
@@ -109,7 +112,7 @@ fn numbers_that_are_not_clear_are_none() {
     assert!(table.advance().unwrap());
     assert_eq!(
         (table.number(z), table.whole(n)),
-        (Err(NumberError::Thousands), Some(3))
+        (Err(NumberError::Thousands(Mark::Comma)), Some(3))
     );
     assert!(table.advance().unwrap());
     assert_eq!((table.number(z), table.whole(n)), (Ok(1.5), Some(4)));
