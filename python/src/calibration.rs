@@ -128,7 +128,7 @@ pub fn calibrate_file(py: Python<'_>, path: PathBuf, how: Fit<'_>) -> PyResult<C
     let measured = interruptible(py, measure, |_| Ok(()))?.map_err(refused)?;
     let calibration = how.fit(py, geometry, &measured.records())?;
     let checked = loads.check_fit(&measured, &calibration.0);
-    checked.map_err(refused).map(|()| calibration)
+    checked.map_err(refused).map(|_| calibration)
 }
 
 /// Fits a calibration to `frames` [N, H, W] under `forces` [N, E, 3], N; not a number where a force is not known.

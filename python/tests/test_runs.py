@@ -36,6 +36,15 @@ def test_a_notebook_shows_a_run_by_its_figures(closing: feeler.Run) -> None:
     assert len(pictures) == 7 and "<figcaption>Grasp force and torque over the run</figcaption>" in shown
 
 
+def test_a_recording_that_is_cut_short_is_read_with_a_warning(closing: feeler.Run, tmp_path: Path) -> None:
+    whole = closing.recording.path.read_bytes()
+    (tmp_path / "cut").write_bytes(whole[: len(whole) // 2])
+    with pytest.warns(UserWarning, match="cut: not whole: .*; read as far as it goes"):
+        recording = feeler.read(tmp_path / "cut")
+    assert not recording.complete and 0 < len(recording) < len(closing.recording)
+    np.testing.assert_array_equal(recording.time, closing.recording.time[: len(recording)])
+
+
 def test_columns_are_read_only_and_flat_tables_hold_the_same(closing: feeler.Run) -> None:
     recording = closing.recording
     for name in recording.COLUMNS:

@@ -52,6 +52,9 @@ const INDENT: usize = 19;
 /// Widest that help is, columns: longer lines are hard to read.
 const WIDEST: usize = 120;
 
+/// Narrowest that a terminal is taken to be, columns.
+const NARROWEST: usize = 2 * INDENT;
+
 /// Columns where there is no terminal.
 const NO_TERMINAL: usize = 100;
 
@@ -60,11 +63,12 @@ pub fn grouped(command: Command) -> Command {
     let size = terminal_size::terminal_size();
     let told = || std::env::var("COLUMNS").ok()?.parse().ok();
     let terminal = size.map(|(width, _)| usize::from(width.0));
-    let width = terminal.or_else(told).unwrap_or(NO_TERMINAL);
-    let width = width.min(WIDEST);
+    // None at all, or 0, is a terminal that does not know.
+    let told = terminal.or_else(told).filter(|&width| width >= NARROWEST);
+    let width = told.unwrap_or(NO_TERMINAL).min(WIDEST);
     let commands = listed(&command, width);
     let header = *command.get_styles().get_header();
-    command.max_term_width(WIDEST).help_template(format!(
+    command.term_width(width).help_template(format!(
         "{{about-with-newline}}\n{{usage-heading}} {{usage}}\n{commands}\n{header}Options:{header:#}\n{{options}}{{after-help}}"
     ))
 }

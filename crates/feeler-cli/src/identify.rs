@@ -5,7 +5,7 @@ use super::{CommandError, Outcome};
 use feeler_lab::config::Experiment;
 use feeler_lab::identify::{estimate, page, probe, probing};
 use feeler_report::identify_page::{IdentifyPage, identify_page};
-use std::fs::create_dir_all;
+use feeler_report::make::create_folder;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -59,7 +59,7 @@ pub fn identify(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, C
         (ESTIMATES, identified.to_toml()?),
         (PAGE, identify_page(&page)),
     ];
-    create_dir_all(&folder).map_err(|e| format!("--out {}: {e}", folder.display()))?;
+    create_folder(&folder).map_err(|e| format!("--out {}: {e}", folder.display()))?;
     let input = Some(Path::new(&arguments.experiment));
     let mut outputs = Outputs::new(arguments.overwrite, [input]);
     for (name, text) in files {

@@ -2,6 +2,7 @@
 
 use super::part_file::{Outputs, Overwrite};
 use super::{CommandError, Outcome};
+use feeler_lab::config::key::did_you_mean;
 use feeler_lab::config::{BUILT_IN, Experiment};
 use std::collections::BTreeMap;
 use std::fs;
@@ -32,7 +33,8 @@ pub fn init(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comma
     let (file, from) = (&arguments.file, &arguments.from);
     if !BUILT_IN.iter().any(|built_in| built_in.name == from) {
         let names = BUILT_IN.map(|built_in| built_in.name).join(", ");
-        return Err(format!("--from {from}: expected one of the built-in {names}").into());
+        let like = did_you_mean(from, BUILT_IN.iter().map(|built_in| built_in.name));
+        return Err(format!("--from {from}: expected one of the built-in {names}{like}").into());
     }
     let experiment = Experiment::load(from, &[format!("name={:?}", name(file)?)])?;
     if file.exists() {

@@ -2,7 +2,7 @@
 
 use super::progress::Reading;
 use super::{CommandError, Outcome};
-use feeler_lab::experiment::run_folder::{self, RunFolderError};
+use feeler_lab::experiment::run_folder;
 use feeler_report::cap::CapMeasures;
 use feeler_report::criterion::Success;
 use feeler_report::make::{
@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// The run's folder, or a recording (FILE.mcap). The report of a recording that is not called recording.mcap is written into a
-    /// folder beside it: that of z.mcap into z.
+    /// folder beside it: that of z.mcap into z, that of z into z-report.
     run: PathBuf,
 }
 
@@ -51,13 +51,10 @@ fn find(path: &Path) -> Result<(PathBuf, PathBuf), CommandError> {
         let folder = recording.parent().unwrap_or(Path::new("")).to_path_buf();
         return Ok((recording, folder));
     }
-    if recording
-        .extension()
-        .is_none_or(|extension| extension != "mcap")
-    {
-        return Err(RunFolderError::NoRecording { path: recording }.into());
+    let mut folder = recording.with_extension("");
+    if folder == recording {
+        folder.as_mut_os_string().push("-report");
     }
-    let folder = recording.with_extension("");
     if folder.join(RECORDING).exists() {
         let (recording, folder) = (recording.display(), folder.display());
         return Err(format!(

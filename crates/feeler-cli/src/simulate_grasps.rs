@@ -9,6 +9,7 @@ use feeler::sensor::located_layout::{ElementPlace, LAYOUT_VERSION, LocatedLayout
 use feeler::sensor::polarity::Polarity;
 use feeler_lab::experiment::ExperimentError;
 use feeler_lab::grasps::simulated::{PICTURE, Scenario, SimulatedGrasp};
+use feeler_report::make::create_folder;
 use std::fmt::Write as _;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -52,7 +53,7 @@ pub fn simulate_grasps(
     out: &mut dyn Write,
 ) -> Result<Outcome, CommandError> {
     let recordings = arguments.out.join(RECORDINGS);
-    std::fs::create_dir_all(&recordings)
+    create_folder(&recordings)
         .map_err(|e| format!("--out {}: {e}; expected a folder", recordings.display()))?;
     let mut outputs = Outputs::new(arguments.overwrite, []);
     // Opened first: simulating takes its time.

@@ -8,7 +8,7 @@ use super::trials::{jobs, parse_seed};
 use super::{CommandError, Outcome};
 use feeler_lab::config::Experiment;
 use feeler_lab::identify::{Identified, estimate, probe, probing};
-use feeler_lab::tune::hand::read_identified;
+use feeler_lab::tune::hand::{plausible, read_identified};
 use feeler_lab::tune::outcome::{TuneOptions, tune as tuned};
 use feeler_lab::tune::search::{Budget, GENERATION};
 use feeler_report::robustness_page::percent;
@@ -78,7 +78,10 @@ fn force(text: &str) -> Result<f64, String> {
 fn probed(experiment: &Experiment) -> Result<Identified, CommandError> {
     let trace = probe(&probing(experiment)?)?;
     let config = &experiment.config;
-    Ok(estimate(&trace, &config.name, config.seed)?.0)
+    let (identified, _) = estimate(&trace, &config.name, config.seed)?;
+    plausible(&identified)
+        .map_err(|what| format!("{}: the values of probing are {what}", config.name))?;
+    Ok(identified)
 }
 
 pub fn tune(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {

@@ -11,7 +11,7 @@ use super::summary::Summary;
 use super::tasks;
 use feeler_record::{RecordError, Recording};
 use std::fs;
-use std::io::Write;
+use std::io::{self, ErrorKind, Write};
 use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
 use std::thread;
@@ -114,7 +114,7 @@ pub fn make_into(
     progress: &mut dyn FnMut(f64),
 ) -> Result<ReportOutcome, ReportError> {
     let (recording, data) = read(path, folder, progress)?;
-    fs::create_dir_all(folder).map_err(|source| ReportError::Write {
+    create_folder(folder).map_err(|source| ReportError::Write {
         path: folder.to_path_buf(),
         source,
     })?;
@@ -236,9 +236,24 @@ fn draw<T>(
     })
 }
 
+/// Makes a folder and those that it is in, unless it is there.
+///
+/// # Errors
+/// When it cannot be made; that a file has its name, in words.
+pub fn create_folder(path: &Path) -> io::Result<()> {
+    fs::create_dir_all(path).map_err(|error| match error.kind() {
+        ErrorKind::AlreadyExists | ErrorKind::NotADirectory => {
+            let files = path.ancestors().find(|part| part.is_file());
+            let file = files.unwrap_or(path).display();
+            io::Error::new(error.kind(), format!("{file} is a file"))
+        }
+        _ => error,
+    })
+}
+
 /// Writes each figure that was drawn to a file of its own in `directory`; others are not left there from before.
 fn write_figures(directory: &Path, figures: &[Figure]) -> Result<(), ReportError> {
-    fs::create_dir_all(directory).map_err(|source| ReportError::Write {
+    create_folder(directory).map_err(|source| ReportError::Write {
         path: directory.to_path_buf(),
         source,
     })?;

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+import warnings
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -80,11 +81,13 @@ class Recording:
     object_orientation: FloatArray
 
     def __init__(self, path: PathLike) -> None:
-        """Reads the recording at ``path``, as far as it goes; see :func:`read`."""
+        """Reads the recording at ``path``, as far as it goes, with a warning where it is not whole; see :func:`read`."""
         self.path = Path(path)
         if self.path.is_dir():
             self.path /= "recording.mcap"
         self._recording = _core.Recording(self.path)
+        if not self.complete:
+            warnings.warn(f"{self.path}: not whole: {self.problem}; read as far as it goes", stacklevel=3)
 
     @cached_property
     def phase(self) -> NDArray[np.str_]:

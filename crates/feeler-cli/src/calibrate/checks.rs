@@ -31,14 +31,18 @@ pub fn before_fitting(
     })
 }
 
-/// Refuses loads that contradict the calibration fitted to them: single ones, and zeros of recordings.
+/// Refuses loads that contradict the calibration fitted to them, zeros of recordings included, and warns of a doubtful one.
 pub fn after_fitting(
     loads: &LoadsFile,
     measured: &RecordBuilder,
     calibration: &Calibration,
 ) -> Result<(), CommandError> {
     let checked = loads.check_fit(measured, calibration);
-    checked.map_err(|error| format!("{error}{}", keeping(&error)).into())
+    let doubtful = checked.map_err(|error| format!("{error}{}", keeping(&error)))?;
+    if let Some(load) = doubtful {
+        super::warn(&format!("{load} Or is its picture unlike the others?"));
+    }
+    Ok(())
 }
 
 /// What can be done about an error.

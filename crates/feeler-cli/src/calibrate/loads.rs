@@ -5,11 +5,11 @@ use crate::part_file::{Outputs, Overwrite};
 use feeler::sensor::fingertip::{Fingertip, FingertipConfig};
 use feeler::sensor::frame::Picture;
 use feeler::sensor::loads::{COLUMNS, PLACE_COLUMNS};
+use feeler_report::make::create_folder;
 use feeler_sim::calibration_bench::{CalibrationBenchConfig, take_pictures};
 use feeler_sim::optics_config::OpticsConfig;
 use glam::{DVec2, DVec3};
 use image::{ExtendedColorType, ImageFormat};
-use std::fs;
 use std::path::Path;
 
 /// Name of the file of loads in the folder that simulated loads are written to.
@@ -29,7 +29,7 @@ pub fn write_simulated(
         let folder = folder.display();
         format!("--write-loads {folder}: {e}; expected a new folder that can be written to")
     };
-    fs::create_dir_all(folder).map_err(|e| failed(&e))?;
+    create_folder(folder).map_err(|e| failed(&e))?;
     // Written last: its rows may name pictures only when all are there.
     let keep = Overwrite { force: false };
     let file = Outputs::new(keep, []).create(&folder.join(LOADS), "--write-loads")?;

@@ -5,7 +5,8 @@ mod table;
 
 use super::checks::CONFIRM;
 use super::{
-    Arguments, Calibrated, CommandError, Outcome, experiment_name, live, page_path, refuse_existing,
+    Arguments, Calibrated, CommandError, Outcome, experiment_name, live, page_path,
+    refuse_existing, warn,
 };
 use crate::json;
 use crate::part_file::Outputs;
@@ -14,7 +15,7 @@ use crate::sense::sensor::named_sensor;
 use feeler::sensor::wrench::quality::{HeldOut, outlier};
 use feeler::sensor::wrench::{WrenchFit, fit};
 use feeler_lab::sensor::{ForcesFile, MeasuredSamples};
-use std::io::{Write, stderr};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Pictures that are named in warnings at most.
@@ -62,7 +63,7 @@ pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, 
     drop(fitting);
     let mut fitted = fitted.map_err(|e| format!("{}: {e}{}", csv.display(), way_out(&e)))?;
     fitted.calibration.loads_confirmed = arguments.confirm_loads;
-    warn(&fitted, &measured, forces.recordings());
+    warn_of_fit(&fitted, &measured, forces.recordings());
     let source = forces.name();
     page_file.finish(page::page(&fitted, forces.recordings(), &source).as_bytes())?;
     file.finish(fitted.calibration.to_toml()?.as_bytes())?;
@@ -109,28 +110,28 @@ fn way_out(error: &feeler::sensor::wrench::WrenchError) -> &'static str {
 
 fn warn_of_skipped(skipped: &[String]) {
     for reason in skipped.iter().take(NAMED) {
-        say(&format!("skipped: {reason}"));
+        warn(&format!("skipped: {reason}"));
     }
     if skipped.len() > NAMED {
-        say(&format!("skipped {} more pictures", skipped.len() - NAMED));
+        warn(&format!("skipped {} more pictures", skipped.len() - NAMED));
     }
 }
 
 /// Says what was not used, and what is not in the calibration.
-fn warn(fitted: &WrenchFit, measured: &MeasuredSamples, recordings: &[String]) {
+fn warn_of_fit(fitted: &WrenchFit, measured: &MeasuredSamples, recordings: &[String]) {
     if fitted.unusable > 0 {
         let (unusable, all) = (fitted.unusable, measured.samples.len());
-        say(&format!(
+        warn(&format!(
             "in {unusable} of {all} pictures, over a tenth of the elements are dark or saturated; nothing is learned from them"
         ));
     }
     for (axis, r2) in &fitted.left_out {
         let name = axis.name();
         match r2 {
-            Some(r2) => say(&format!(
+            Some(r2) => warn(&format!(
                 "{name} is left out: the pictures explain nothing of it (held-out R² {r2:.2}, above 0 expected); --force-fit keeps it"
             )),
-            None => say(&format!(
+            None => warn(&format!(
                 "{name} is left out: at least 10 different values in pictures expected"
             )),
         }
@@ -148,20 +149,15 @@ fn warn(fitted: &WrenchFit, measured: &MeasuredSamples, recordings: &[String]) {
                 quality.axis.unit(),
                 &recordings[recording],
             );
-            say(&format!(
+            warn(&format!(
                 "{name} = {measured} {unit} in recording {recording:?} is far from what the pictures show, {predicted:.3} {unit}: is it mistyped?"
             ));
         }
         if !quality.explains() {
             let (name, r2) = (quality.axis.name(), quality.r2);
-            say(&format!(
+            warn(&format!(
                 "{name} is kept by --force-fit, though the pictures explain nothing of it (held-out R² {r2:.2})"
             ));
         }
     }
-}
-
-fn say(warning: &str) {
-    // Standard error that is closed is no reason to stop.
-    let _ = writeln!(stderr(), "warning: {warning}");
 }

@@ -1,6 +1,7 @@
 //! A folder that is written beside its place.
 
 use crate::CommandError;
+use feeler_report::make::create_folder;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -59,7 +60,7 @@ impl NewFolder {
             }
             fs::remove_dir_all(&part).map_err(|error| failed(&part, &error))?;
         }
-        fs::create_dir_all(&part).map_err(|error| failed(path, &error))?;
+        create_folder(&part).map_err(|error| failed(path, &error))?;
         Ok(Self {
             part,
             path: path.to_path_buf(),

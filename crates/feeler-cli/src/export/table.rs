@@ -6,6 +6,7 @@ use crate::interrupt::watch_for_interrupt;
 use crate::part_file::{Outputs, PartFile};
 use crate::{CommandError, Outcome};
 use feeler_export::table;
+use feeler_report::make::create_folder;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -58,7 +59,7 @@ fn files(runs: &[Run], output: &Path) -> Result<Vec<PathBuf>, CommandError> {
             name[0]
         ));
     }
-    if let Err(error) = std::fs::create_dir_all(output) {
+    if let Err(error) = create_folder(output) {
         return refuse(format!("{error}; expected a folder, or a file *.parquet"));
     }
     let file = |run: &Run| output.join(format!("{}.parquet", run.name));

@@ -17,6 +17,7 @@ use super::json::Json;
 use super::part_file::Overwrite;
 use super::{CommandError, Outcome};
 use feeler_lab::config::BUILT_IN;
+use feeler_report::make::create_folder;
 use recorded::RecordedArguments;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -81,6 +82,6 @@ pub fn score_slip(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome,
 
 /// Makes the output folder.
 fn make_folder(arguments: &Arguments) -> Result<(), CommandError> {
-    std::fs::create_dir_all(&arguments.out)
+    create_folder(&arguments.out)
         .map_err(|e| format!("--out {}: {e}; expected a folder", arguments.out.display()).into())
 }

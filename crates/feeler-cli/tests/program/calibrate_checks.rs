@@ -354,24 +354,69 @@ fn recordings_with_different_zeros_are_refused() {
     bench.refuses(offset(DVec3::ZERO), &[], &words);
 }
 
-/// Negates all numbers in the lines of a calibration that begin so.
-fn negated(text: &str, key: &str) -> String {
-    let negate = |line: &str| match line.strip_prefix(&format!("{key} = [")) {
+/// Of a single load, and of one recording of two, where all loads together tell nothing.
+#[test]
+fn what_contradicts_the_other_loads_is_refused() {
+    let bench = Bench::new("checks-others");
+    in_two_recordings(&bench, 0);
+    let exchanged = |row: &mut Row| {
+        if is_later(row) {
+            let own = force(row);
+            set(row, DVec3::new(own.y, own.x, own.z));
+            let picture = format!("later/{}", row["picture"]);
+            row.insert("picture".into(), picture);
+        }
+    };
+    let words = ["recording \"later\": in ", "follow f_y, f_x and f_z"];
+    bench.refuses(exchanged, &[], &words);
+    let is_large = |row: &&Row| row["element"] == "7" && force(row).z > 1.5;
+    let large = bench.rows.iter().find(is_large).unwrap().clone();
+    let mistyped = |row: &mut Row| {
+        if *row == large {
+            set(row, force(row) * DVec3::new(1.0, 1.0, 10.0));
+        }
+    };
+    let picture = format!("picture = {:?}: f_z = ", large["picture"]);
+    let words = [
+        &*picture,
+        "N on element 7",
+        "is it mistyped?",
+        "--force-fit",
+    ];
+    bench.refuses(mistyped, &[], &words);
+    bench.calibrated(mistyped, &["--force-fit"]);
+    // Of the size of the others, it is only named.
+    let reversed = |row: &mut Row| {
+        if *row == large {
+            set(row, force(row) * DVec3::new(1.0, 1.0, 0.1));
+        }
+    };
+    bench.write(COLUMNS, reversed);
+    let said = bench.calibrate(&[]);
+    assert!(
+        said.stderr.contains(&picture) && said.status == Some(0),
+        "{said:?}"
+    );
+}
+
+/// Multiplies all numbers in the lines of a calibration that begin so.
+fn multiplied(text: &str, key: &str, factor: f64) -> String {
+    let multiply = |line: &str| match line.strip_prefix(&format!("{key} = [")) {
         Some(numbers) => {
             let numbers = numbers.trim_end_matches(']').split(", ");
             let numbers: Vec<_> = numbers
-                .map(|n| (-n.parse::<f64>().unwrap()).to_string())
+                .map(|n| (factor * n.parse::<f64>().unwrap()).to_string())
                 .collect();
             format!("{key} = [{}]\n", numbers.join(", "))
         }
         None => format!("{line}\n"),
     };
-    text.lines().map(negate).collect()
+    text.lines().map(multiply).collect()
 }
 
-/// A calibration of reversed loads, as older versions made them: no program takes it.
+/// A calibration of reversed loads, or of loads in another unit: no program takes it.
 #[test]
-fn calibrations_of_reversed_loads_are_refused_wherever_they_are_used() {
+fn calibrations_of_wrong_loads_are_refused_wherever_they_are_used() {
     let folder = folder("checks-reversed");
     experiment(&folder, "", "");
     let path = folder.join("reference-fingertip.coupled.calibration.toml");
@@ -386,10 +431,21 @@ fn calibrations_of_reversed_loads_are_refused_wherever_they_are_used() {
             "f_y is reversed in 41 of 41 elements: the calibration would report shear against",
         ),
     ] {
-        fs::write(&path, negated(&text, key)).unwrap();
+        fs::write(&path, multiplied(&text, key, -1.0)).unwrap();
         run(&folder, &["run", "my.toml", "--out", "run"])
             .refused(&[words, "`feeler calibrate` makes one"]);
         assert!(!Path::new(&folder.join("run/recording.mcap")).exists());
         run(&folder, &["check", "my.toml"]).refused(&[words]);
     }
+    // Of loads in another unit.
+    let thousandfold = ["normal", "shear_x", "shear_y"]
+        .iter()
+        .fold(text, |text, key| multiplied(&text, key, 1e3));
+    let words = "expected 0.01 to 20 N on a soft element: were its loads in another unit?";
+    fs::write(&path, &thousandfold).unwrap();
+    run(&folder, &["run", "my.toml", "--out", "run"]).refused(&[words]);
+    let confirmed =
+        thousandfold.replacen("[full_scale]", "loads_confirmed = true\n[full_scale]", 1);
+    fs::write(&path, confirmed).unwrap();
+    run(&folder, &["check", "my.toml"]).done();
 }

@@ -15,7 +15,7 @@ fn a_recording_under_another_name_is_reported_beside_it() {
     ];
     let _ = run(&folder, &arguments);
     let of_run = summary(&folder.join("x"));
-    for name in ["z.mcap", "x/copy.of.it.mcap"] {
+    for name in ["z.mcap", "x/copy.of.it.mcap", "plain"] {
         fs::copy(folder.join("x/recording.mcap"), folder.join(name)).expect("a copy");
     }
     fs::create_dir(folder.join("here")).expect("a folder");
@@ -23,6 +23,7 @@ fn a_recording_under_another_name_is_reported_beside_it() {
     for (name, report, link) in [
         ("here/z.mcap", "here/z", "../z.mcap"),
         ("x/copy.of.it.mcap", "x/copy.of.it", "../copy.of.it.mcap"),
+        ("plain", "plain-report", "../plain"),
         ("x/recording.mcap", "x", "recording.mcap"),
     ] {
         let said = run(&folder, &["report", name]).done();

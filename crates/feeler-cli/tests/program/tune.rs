@@ -107,12 +107,25 @@ fn bad_input_is_refused() {
         &[
             "bad.toml",
             "finger[0].normal_stiffness.value = -205",
-            "expected 1 to",
+            "expected 10 to",
         ],
     );
     refused(
         &good.replacen("low = 195.0", "low = 210.0", 1),
         &["finger[0].normal_stiffness", "low <= 205 <= high"],
+    );
+    let slippery = |line: &str| match line.starts_with("kinetic_friction") {
+        true => {
+            "kinetic_friction = { value = 1.5, low = 1.4, high = 1.6, method = \"given\" }\n".into()
+        }
+        false => format!("{line}\n"),
+    };
+    refused(
+        &good.lines().map(slippery).collect::<String>(),
+        &[
+            "finger[0].kinetic_friction.value = 1.5",
+            "at most static_friction",
+        ],
     );
     refused(
         &good.replace("\"cap-closing\"", "\"contour\""),

@@ -92,3 +92,23 @@ fn a_report_judges_as_a_sweep_does() {
         }
     }
 }
+
+/// More strokes than the paper's are judged by what four are: a peak a stroke, and a cap that is closed.
+#[test]
+fn a_cap_that_is_closed_in_more_strokes_is_a_success() {
+    let folder = folder("verdicts-strokes");
+    let arguments = [
+        "sweep",
+        "cap-closing",
+        "--trials=3",
+        "--sensing=direct",
+        "--seed=7",
+        "--set=strokes=6",
+        "-o=six",
+    ];
+    let said = run(&folder, &arguments).done();
+    assert!(
+        said.contains("3 of 3 trials succeeded") && said.contains(PAPERS),
+        "{said}"
+    );
+}

@@ -1,6 +1,7 @@
 //! Why an experiment cannot be used.
 
 use super::built_in::BUILT_IN;
+use super::key::did_you_mean;
 use feeler::check::Problem;
 use feeler::control::law::policy::PolicyError;
 use feeler::sensor::calibration::CalibrationError;
@@ -11,8 +12,9 @@ use std::path::PathBuf;
 pub enum ConfigError {
     /// Neither a built-in experiment nor a file.
     #[error(
-        "there is no experiment {name:?}: expected a file or one of the built-in {}",
-        BUILT_IN.map(|b| b.name).join(", ")
+        "there is no experiment {name:?}: expected a file or one of the built-in {}{}",
+        BUILT_IN.map(|b| b.name).join(", "),
+        did_you_mean(name, BUILT_IN.iter().map(|b| b.name))
     )]
     Unknown {
         /// What was asked for.

@@ -1,6 +1,7 @@
 //! The values of an experiment by key, and the key that a name means.
 
 use crate::config::ExperimentConfig;
+use strsim::damerau_levenshtein as distance;
 use toml::Value;
 
 /// Every single value of an experiment with its key, defaults included.
@@ -88,20 +89,16 @@ fn nearest(name: &str, leaves: &[(String, Value)]) -> Vec<String> {
     ranked.into_iter().take(4).map(|(_, key)| key).collect()
 }
 
-/// Letters to change, add or leave out (Levenshtein).
-fn distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, x) in a.chars().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, y) in b.iter().enumerate() {
-            let changed = diagonal + usize::from(x != *y);
-            diagonal = row[j + 1];
-            row[j + 1] = changed.min(row[j] + 1).min(diagonal + 1);
-        }
+/// A question for the one of `names` that is spelt most like `name`, to be put behind an error; empty where none is like it.
+pub fn did_you_mean<'a>(name: &str, names: impl Iterator<Item = &'a str>) -> String {
+    /// Letters that may differ, of so many.
+    const DIFFERENT: f64 = 1.0 / 3.0;
+    let most = (DIFFERENT * name.len() as f64).ceil() as usize;
+    let like = names.map(|other| (distance(name, other), other)).min();
+    match like.filter(|(letters, _)| *letters <= most) {
+        Some((_, other)) => format!("; did you mean {other}?"),
+        None => String::new(),
     }
-    row[b.len()]
 }
 
 #[cfg(test)]

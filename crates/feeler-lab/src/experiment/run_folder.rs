@@ -2,7 +2,7 @@
 
 use super::{ExperimentError, run_facts};
 use crate::config::ExperimentConfig;
-use feeler_report::make::{RECORDING, REPORT, SUMMARY};
+use feeler_report::make::{RECORDING, REPORT, SUMMARY, create_folder};
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
@@ -49,7 +49,7 @@ pub fn named(out: &Path) -> Result<(), RunFolderError> {
     if let Some(found) = names.find(|name| out.join(name).exists()) {
         return Err(RunFolderError::Taken { folder, found });
     }
-    std::fs::create_dir_all(out).map_err(|source| RunFolderError::Make { folder, source })
+    create_folder(out).map_err(|source| RunFolderError::Make { folder, source })
 }
 
 /// Makes a folder of its own in `parent` for a run of `config`, called NAME-SENSING-NUMBER or, where there is one,
@@ -66,7 +66,7 @@ pub fn new(
     let number = number.unwrap_or_else(|| format!("seed{}", facts.seed));
     let stem = format!("{}-{}-{number}", facts.experiment, facts.sensing);
     let make = || {
-        std::fs::create_dir_all(parent)?;
+        create_folder(parent)?;
         let mut folder = parent.join(&stem);
         for number in 2_u32.. {
             match std::fs::create_dir(&folder) {

@@ -128,8 +128,9 @@ impl LoadsFile {
         self.checked(check_unloaded(pictures, self.picture_names()))
     }
 
-    /// Refuses loads that contradict the `calibration` fitted to them: single ones that the others do not predict, and those that
-    /// are off by another constant in one recording than in another.
+    /// Refuses loads that contradict the `calibration` fitted to them: a single one that the others do not predict and that exceeds them all,
+    /// and those that are off by another constant in one recording than in another. Returns a single one that the others do not predict but
+    /// that is of their size.
     ///
     /// # Errors
     /// Names the load and what is predicted, or column, recordings and the difference.
@@ -137,17 +138,23 @@ impl LoadsFile {
         &self,
         measured: &RecordBuilder,
         calibration: &Calibration,
-    ) -> Result<(), LoadsFileError> {
+    ) -> Result<Option<LoadsFileError>, LoadsFileError> {
         let pictures = measured.pictures();
-        self.checked(check_outliers(calibration, pictures, self.picture_names()))?;
-        self.checked(check_offsets(calibration, pictures, self.picture_names()))
+        let doubtful = check_outliers(calibration, pictures, self.picture_names());
+        let doubtful = self.checked(doubtful)?;
+        self.checked(check_offsets(calibration, pictures, self.picture_names()))?;
+        Ok(doubtful.map(|source| self.contradicted(source)))
     }
 
-    fn checked(&self, result: Result<(), LoadCheckError>) -> Result<(), LoadsFileError> {
-        result.map_err(|source| LoadsFileError::Contradicted {
+    fn checked<T>(&self, result: Result<T, LoadCheckError>) -> Result<T, LoadsFileError> {
+        result.map_err(|source| self.contradicted(source))
+    }
+
+    fn contradicted(&self, source: LoadCheckError) -> LoadsFileError {
+        LoadsFileError::Contradicted {
             csv: self.csv.clone(),
             source,
-        })
+        }
     }
 
     fn picture_names(&self) -> impl Iterator<Item = &str> {

@@ -3,6 +3,7 @@
 use super::SweepError;
 use super::plan::{PLAN, Plan};
 use super::table::{Table, line};
+use feeler_report::make::create_folder;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -39,7 +40,7 @@ impl Store {
                 ),
             });
         }
-        fs::create_dir_all(folder).map_err(|e| file_error(folder, e, "nothing was run"))?;
+        create_folder(folder).map_err(|e| file_error(folder, e, "nothing was run"))?;
         write_whole(&folder.join(PLAN), plan.to_toml().as_bytes())?;
         let path = folder.join(GROWING);
         let opened = File::create(&path).and_then(|mut file| {

@@ -134,38 +134,53 @@ pub fn read_identified(path: &Path, experiment: &Experiment) -> Result<Identifie
             "values of {found} fingers; expected {expected}, as the hand of {name} has"
         )));
     }
+    plausible(&identified).map_err(refuse)?;
+    Ok(identified)
+}
+
+/// Requires values that a hand can have.
+///
+/// # Errors
+/// Every value that is out of its range, a line each.
+pub fn plausible(identified: &Identified) -> Result<(), String> {
     let mut checker = Checker::default();
-    check(&identified, &mut checker);
+    check(identified, &mut checker);
     let problems = checker.problems();
-    if problems.is_empty() {
-        return Ok(identified);
-    }
     let lines = problems.iter().map(|problem| format!("\n  {problem}"));
-    Err(refuse(format!(
-        "out of range:{}",
-        lines.collect::<String>()
-    )))
+    match lines.collect::<String>() {
+        lines if lines.is_empty() => Ok(()),
+        lines => Err(format!("out of range:{lines}")),
+    }
 }
 
 /// Requires every estimate to be physically possible.
 fn check(identified: &Identified, checker: &mut Checker) {
     let object = &identified.object;
     let mut estimates = vec![
-        ("object.pivot_x".to_string(), &object.pivot_x, -10.0, 10.0),
-        ("object.pivot_y".to_string(), &object.pivot_y, -10.0, 10.0),
-        ("object.radius".to_string(), &object.radius, 1e-3, 1.0),
+        ("object.pivot_x".to_string(), &object.pivot_x, -2.0, 2.0),
+        ("object.pivot_y".to_string(), &object.pivot_y, -2.0, 2.0),
+        ("object.radius".to_string(), &object.radius, 1e-3, 0.2),
     ];
     for (index, finger) in identified.finger.iter().enumerate() {
         let own = [
-            ("force_noise", &finger.force_noise, 0.0, 10.0),
-            ("normal_stiffness", &finger.normal_stiffness, 1.0, 1e6),
-            ("shear_stiffness", &finger.shear_stiffness, 1.0, 1e6),
-            ("static_friction", &finger.static_friction, 0.01, 10.0),
-            ("kinetic_friction", &finger.kinetic_friction, 0.01, 10.0),
-            ("servo_lag", &finger.servo_lag, 0.0, 1.0),
+            ("force_noise", &finger.force_noise, 0.0, 1.0),
+            ("normal_stiffness", &finger.normal_stiffness, 10.0, 1e5),
+            ("shear_stiffness", &finger.shear_stiffness, 5.0, 1e5),
+            ("static_friction", &finger.static_friction, 0.05, 5.0),
+            ("kinetic_friction", &finger.kinetic_friction, 0.05, 5.0),
+            ("servo_lag", &finger.servo_lag, 0.0, 0.5),
         ];
         let own = own.map(|(key, e, low, high)| (format!("finger[{index}].{key}"), e, low, high));
         estimates.extend(own);
+        let (fixed, sliding) = (&finger.static_friction, &finger.kinetic_friction);
+        let key = format!("finger[{index}].kinetic_friction.value");
+        let expected = format!("at most static_friction, up to {}", fixed.high);
+        checker.require(
+            &key,
+            sliding.value.to_string(),
+            sliding.low <= fixed.high,
+            &expected,
+        );
     }
     for (
         key,

@@ -7,8 +7,6 @@ use crate::measures::{LaggedCorrelation, lagged_correlation};
 use crate::run_data::{RunData, Stroke};
 use crate::series::{absolute_rate, count_peaks, mean, moving_mean};
 
-/// Strokes that the paper's experiment makes.
-const STROKES: u32 = 4;
 /// Largest lag at which torque rate and shear rate are compared, s.
 const MAX_LAG: f64 = 0.05;
 
@@ -36,10 +34,10 @@ pub(super) fn four_peaks(data: &RunData) -> Claim {
             (grasp_force, torque_over_strokes(data).and_then(peaks))
         }
     };
-    let bound = f64::from(STROKES);
+    let bound = f64::from(data.facts.stroke_count);
     Claim::new(
         "four-peaks",
-        "Grasp force and torque each show four peaks.",
+        "Grasp force and torque each show one peak a stroke: four in the paper.",
         vec![
             ClaimPart::new("peaks of grasp force", grasp_force, Relation::Equals, bound),
             ClaimPart::new("peaks of torque", torque, Relation::Equals, bound),

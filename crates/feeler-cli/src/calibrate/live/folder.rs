@@ -3,6 +3,7 @@
 use super::super::CommandError;
 use crate::part_file::cut_torn_line;
 use feeler::sensor::frame::Picture;
+use feeler_report::make::create_folder;
 use image::{ExtendedColorType, ImageFormat};
 use std::fs::{self, File};
 use std::io::Write;
@@ -27,7 +28,7 @@ impl Folder {
             let path = path.display();
             format!("{path}: {e}; expected a new folder, or one of an earlier --live")
         };
-        fs::create_dir_all(path).map_err(|e| failed(&e))?;
+        create_folder(path).map_err(|e| failed(&e))?;
         let name = table;
         let table = path.join(name);
         let is_new = !table.exists();

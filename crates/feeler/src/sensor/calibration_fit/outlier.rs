@@ -1,13 +1,14 @@
 //! Loads that all other loads contradict, as a mistyped one is.
 
-use super::{Calibration, ElementRecord, Orders, Prepared};
+use super::{Calibration, ElementRecord, Inputs, Orders, Prepared};
 use crate::sensor::calibration::ForceMap;
 use glam::DVec3;
 
 /// Least loads of an element among which one can be told from the others.
-const LEAST_LOADS: usize = 12;
-/// An error this many times as large as that of the other loads is no error of the fit.
+const LEAST_LOADS: usize = 20;
+/// An error this many times as large as the others usually are, and as their root mean square, is no error of the fit.
 pub(in crate::sensor) const MISTYPED: f64 = 15.0;
+const MISTYPED_RMS: f64 = 5.0;
 /// Least error of a mistyped load relative to the largest force of the other loads.
 pub(in crate::sensor) const LEAST_SHARE: f64 = 0.1;
 /// Standard deviation of a normal distribution relative to the median of its absolute values.
@@ -28,9 +29,17 @@ pub struct Outlier {
     pub predicted: f64,
     /// Standard deviation of the other loads' errors, N.
     pub usual: f64,
+    /// The largest force among the other loads of all elements, N.
+    pub largest: f64,
 }
 
 impl Outlier {
+    /// Whether it is twice as large as any other load, though its picture is like those of others: no error of pictures, and it decides
+    /// how all others are fitted.
+    pub fn is_beyond_all(&self) -> bool {
+        self.given.abs() > 2.0 * self.largest
+    }
+
     /// How many times as large as usual its error is.
     fn ratio(&self) -> f64 {
         (self.given - self.predicted).abs() / self.usual
@@ -38,21 +47,32 @@ impl Outlier {
 }
 
 /// The load that contradicts the other loads of its element most, if any does: one whose error in a fit to the others is
-/// more than 15 standard deviations of theirs, and a tenth of their largest force. `None` too where a fit without it fails.
+/// more than 15 standard deviations of theirs, as robustly estimated, 5 times their root mean square and a tenth of their largest force,
+/// though its picture is within the ranges of theirs. `None` too where a fit without it fails.
 pub fn outlier(calibration: &Calibration, records: &[ElementRecord]) -> Option<Outlier> {
     let elements = calibration.elements.iter().zip(records).enumerate();
-    let outliers = elements.filter_map(|(index, (element, record))| {
-        let orders = match &element.map {
-            ForceMap::Separable(_) => None,
-            ForceMap::Coupled(map) => Some(map.orders()),
-        };
-        let outlier = outlier_of(record, orders)?;
-        Some(Outlier {
-            element: index,
-            ..outlier
+    let mut outliers: Vec<_> = elements
+        .filter_map(|(index, (element, record))| {
+            let orders = match &element.map {
+                ForceMap::Separable(_) => None,
+                ForceMap::Coupled(map) => Some(map.orders()),
+            };
+            Some(Outlier {
+                element: index,
+                ..outlier_of(record, orders)?
+            })
         })
-    });
-    outliers.max_by(|a, b| a.ratio().total_cmp(&b.ratio()))
+        .collect();
+    outliers.sort_by(|a, b| a.ratio().total_cmp(&b.ratio()));
+    let mut worst = outliers.pop()?;
+    for (index, record) in records.iter().enumerate() {
+        for (load, sample) in record.fitted.iter().enumerate() {
+            if (index, load) != (worst.element, worst.load) {
+                worst.largest = worst.largest.max(sample.force.length());
+            }
+        }
+    }
+    Some(worst)
 }
 
 fn outlier_of(record: &ElementRecord, orders: Option<Orders>) -> Option<Outlier> {
@@ -78,14 +98,18 @@ fn outlier_of(record: &ElementRecord, orders: Option<Orders>) -> Option<Outlier>
     let mut others = record.clone();
     let suspect = others.fitted.remove(load);
     let prepared = Prepared::new(&others).ok()?;
-    let usual = deviation(&prepared.cross_validate(orders).ok()?);
+    let errors = prepared.cross_validate(orders).ok()?;
+    let (usual, rms) = (deviation(&errors), root_mean_square(&errors));
     let map = super::fit_map(&prepared.inputs, &prepared.forces, orders).ok()?;
-    let predicted = map.force(prepared.relative(&suspect.moments));
+    let inputs = prepared.relative(&suspect.moments);
+    let predicted = map.force(inputs);
     let error = (suspect.force - predicted).abs();
     let axis = (0..3).max_by(|&a, &b| (error / usual)[a].total_cmp(&(error / usual)[b]))?;
     let largest = prepared.forces.iter().map(|force| force.length());
     let least = LEAST_SHARE * largest.fold(0.0, f64::max);
-    let is_mistyped = error[axis] > (MISTYPED * usual[axis]).max(least);
+    let limit = (MISTYPED * usual).max(MISTYPED_RMS * rms)[axis].max(least);
+    // What the picture of no other load shows is predicted of none.
+    let is_mistyped = error[axis] > limit && is_within(inputs, map.ranges());
     is_mistyped.then_some(Outlier {
         element: 0,
         load,
@@ -93,7 +117,25 @@ fn outlier_of(record: &ElementRecord, orders: Option<Orders>) -> Option<Outlier>
         given: suspect.force[axis],
         predicted: predicted[axis],
         usual: usual[axis],
+        largest: 0.0,
     })
+}
+
+/// Whether inputs are in the ranges of growth and displacements.
+fn is_within(inputs: Inputs, ranges: [[f64; 2]; 3]) -> bool {
+    let Inputs {
+        growth,
+        displacement,
+    } = inputs;
+    let inputs = [growth, displacement.x, displacement.y].into_iter();
+    inputs
+        .zip(ranges)
+        .all(|(input, [low, high])| (low..=high).contains(&input))
+}
+
+fn root_mean_square(errors: &[DVec3]) -> DVec3 {
+    let squares: DVec3 = errors.iter().map(|error| error * error).sum();
+    (squares / errors.len().max(1) as f64).map(f64::sqrt)
 }
 
 /// Standard deviation of each component of `errors`, N, whatever a few of them are; above zero.
