@@ -64,6 +64,40 @@ fn packets_of_other_makers_may_be_hostile() {
     survive("ros2", bodies::ros2);
 }
 
+/// Feeds damaged files of a target's corpus to it, a million with `FEELER_MUTATIONS=1000000`: bytes changed, left out or repeated,
+/// the end cut off, the end of another file put behind.
+fn mutate(target: &str, body: fn(&[u8]) -> bool) {
+    let (corpus, mut random) = (corpus(target), Pcg64::seed_from_u64(2));
+    for _ in 0..how_many("FEELER_MUTATIONS", 300) {
+        let mut bytes = corpus[random.random_range(0..corpus.len())].clone();
+        for _ in 0..random.random_range(1..6) {
+            let at = random.random_range(0..=bytes.len());
+            let end = (at + random.random_range(0..16)).min(bytes.len());
+            match random.random_range(0..6) {
+                0 => bytes.truncate(at),
+                1 => drop(bytes.drain(at..end)),
+                2 => bytes.extend_from_within(at..end),
+                3 => {
+                    let other = &corpus[random.random_range(0..corpus.len())];
+                    bytes.truncate(at);
+                    bytes.extend(&other[at.min(other.len())..]);
+                }
+                _ => random.fill(&mut bytes[at..end]),
+            }
+        }
+        body(&bytes);
+    }
+}
+
+#[test]
+fn files_of_other_programs_may_be_damaged() {
+    mutate("picture", bodies::picture);
+    mutate("recording", bodies::recording);
+    mutate("loads", bodies::loads);
+    mutate("forces", bodies::forces);
+    mutate("taxels", bodies::taxels);
+}
+
 #[test]
 fn messages_of_ros_2() {
     feed("ros2", bodies::ros2);
