@@ -107,6 +107,17 @@ impl ScaleSpace {
     }
 }
 
+/// The response of a picture of `size` pixels at one scale, px.
+pub(super) fn blurred_response(picture: &[f32], size: (usize, usize), sigma: f64) -> Layer {
+    let blurred = blur(picture, size.0, size.1, sigma);
+    Layer {
+        sigma,
+        step: 1,
+        size,
+        response: response(&blurred, size.0, size.1, sigma),
+    }
+}
+
 /// Every second column of every second row.
 fn every_second(values: &[f32], (width, _): (usize, usize)) -> Vec<f32> {
     let rows = values.chunks_exact(width).step_by(2);

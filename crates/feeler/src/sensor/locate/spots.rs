@@ -221,7 +221,7 @@ fn blobs(octaves: &Octaves, space: &ScaleSpace, layer: usize, noise_of_mean: f64
 }
 
 /// Vertex and roundness of the paraboloid through a maximum and its eight neighbours.
-fn refined(space: &ScaleSpace, layer: usize, index: usize) -> Option<Spot> {
+pub(super) fn refined(space: &ScaleSpace, layer: usize, index: usize) -> Option<Spot> {
     /// Least curvature over greatest: what is longer than this is a line, not a spot. A marker that a contact squeezes to less than
     /// half of its width is above it.
     const ROUND: f64 = 0.08;

@@ -19,11 +19,12 @@ pub use error::TrackError;
 
 use self::{
     field::Field,
+    matching::Matched,
     window::{Look, Seen, Window},
 };
 use super::{
     frame::Picture,
-    locate::{LocateConfig, MeanPicture, locate},
+    locate::{LocateConfig, MeanPicture, blobs_of_size, locate},
     located_layout::LocatedLayout,
     polarity::Polarity,
 };
@@ -38,6 +39,8 @@ const JUMPED: f64 = 0.2;
 const MISTAKEN: f64 = 0.02;
 /// What is left of the confidence in a marker that may be another.
 const DOUBT: f64 = 0.3;
+/// Quality of a matching from which on no better spots are looked for.
+const QUICKLY_MATCHED: f64 = 0.95;
 /// Quality of a matching below which all markers may be others.
 const LEAST_MATCHED: f64 = 0.85;
 /// Part of the way that a marker's usual contrast goes with one that has faded, from picture to picture.
@@ -63,6 +66,8 @@ pub struct TrackedMarker {
 pub struct MarkerTracker {
     size: (usize, usize),
     polarity: Polarity,
+    /// Diameter of a spot, px, if the layout says it.
+    spot_diameter: Option<f64>,
     /// Places in the reference, px.
     reference: Vec<DVec2>,
     field: Field,
@@ -112,6 +117,7 @@ impl MarkerTracker {
         Ok(Self {
             size: (layout.width, layout.height),
             polarity: layout.polarity,
+            spot_diameter: layout.spot_diameter_px,
             field: Field::new(&reference),
             window,
             markers: reference
@@ -181,7 +187,8 @@ impl MarkerTracker {
         Ok(&self.markers)
     }
 
-    /// Finds the markers in a picture by the reference alone, whatever was seen before. Takes some milliseconds.
+    /// Finds the markers in a picture by the reference alone, whatever was seen before. Takes about a millisecond where nearly all markers are seen as
+    /// spots of the layout's size, else some tens of milliseconds.
     ///
     /// # Errors
     /// When the picture has another size than the layout's, or shows no markers.
@@ -190,29 +197,13 @@ impl MarkerTracker {
         picture: &Picture<P>,
     ) -> Result<&[TrackedMarker], TrackError> {
         self.check(picture)?;
-        let mut mean = MeanPicture::default();
-        mean.add(picture)?;
-        let seen = mean.finish()?;
-        let config = LocateConfig {
-            polarity: Some(self.polarity),
-            ..LocateConfig::default()
+        let (places, matched) = match self.matched_quickly(picture) {
+            Some(matched) => matched,
+            None => self.matched_surely(picture)?,
         };
-        let located = locate(&seen, &config)?;
-        let places: Vec<DVec2> = located.elements.iter().map(|e| e.centre_px).collect();
-        let matched = matching::matched(&self.reference, &self.field, &places);
-        for (marker, (work, found)) in matched
-            .spots
-            .iter()
-            .zip(self.work.iter_mut().zip(&mut self.found))
-        {
-            *found = marker.is_some();
-            *work = marker.map_or(DVec2::ZERO, |spot| places[spot]);
-        }
-        for (own, reference) in self.reference.iter().enumerate() {
-            self.work[own] = match self.found[own] {
-                true => self.work[own] - *reference,
-                false => DVec2::ZERO,
-            };
+        for (own, spot) in matched.spots.iter().enumerate() {
+            self.found[own] = spot.is_some();
+            self.work[own] = spot.map_or(DVec2::ZERO, |spot| places[spot] - self.reference[own]);
         }
         self.field.fill(&mut self.work, &self.found);
         self.measure(picture.pixels.as_ref());
@@ -220,6 +211,34 @@ impl MarkerTracker {
         self.settle();
         self.velocities.fill(DVec2::ZERO);
         Ok(&self.markers)
+    }
+
+    /// Spots of the layout's size and which markers they are, if nearly all are.
+    fn matched_quickly<P: AsRef<[u8]>>(
+        &self,
+        picture: &Picture<P>,
+    ) -> Option<(Vec<DVec2>, Matched)> {
+        let count = self.reference.len();
+        let places = blobs_of_size(picture, self.polarity, self.spot_diameter?, count);
+        let matched = matching::matched(&self.reference, &self.field, &places);
+        (matched.quality >= QUICKLY_MATCHED).then_some((places, matched))
+    }
+
+    /// Spots of whatever size and which markers they are.
+    fn matched_surely<P: AsRef<[u8]>>(
+        &self,
+        picture: &Picture<P>,
+    ) -> Result<(Vec<DVec2>, Matched), TrackError> {
+        let mut mean = MeanPicture::default();
+        mean.add(picture)?;
+        let config = LocateConfig {
+            polarity: Some(self.polarity),
+            ..LocateConfig::default()
+        };
+        let located = locate(&mean.finish()?, &config)?;
+        let places: Vec<DVec2> = located.elements.iter().map(|e| e.centre_px).collect();
+        let matched = matching::matched(&self.reference, &self.field, &places);
+        Ok((places, matched))
     }
 
     /// Gives all markers up, which stay where they were last: for a picture that shows none.

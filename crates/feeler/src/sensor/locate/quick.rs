@@ -1,0 +1,74 @@
+//! Blobs of a known size, in a small part of the time that finding elements of any size takes.
+
+use super::{
+    Polarity, quantile,
+    scale_space::{ScaleSpace, blurred_response},
+    spots::refined,
+};
+use crate::sensor::frame::Picture;
+use glam::DVec2;
+use std::f64::consts::SQRT_2;
+
+/// Least diameter of a blob in the pixels that are searched, px: larger ones are searched in means of several pixels.
+const LEAST_DIAMETER: f64 = 4.0;
+/// Response of a blob relative to the usual one below which it is none of those that are looked for.
+const LEAST_RESPONSE: f64 = 0.3;
+
+/// Columns and rows of the blobs of about `diameter` px in `picture`, px: of about `count`, all those that are at least a third as strong as is usual
+/// of the strongest. Unlike what [`locate`](super::locate) finds, some of them may be no spots.
+pub(in crate::sensor) fn blobs_of_size<P: AsRef<[u8]>>(
+    picture: &Picture<P>,
+    polarity: Polarity,
+    diameter: f64,
+    count: usize,
+) -> Vec<DVec2> {
+    let factor = ((diameter / LEAST_DIAMETER) as usize).max(1);
+    let size = (picture.width / factor, picture.height / factor);
+    if size.0.min(size.1) < 3 {
+        return Vec::new();
+    }
+    let binned = binned(picture, polarity, factor, size);
+    let sigma = diameter / (2.0 * SQRT_2 * factor as f64);
+    let space = ScaleSpace {
+        layers: vec![blurred_response(&binned, size, sigma)],
+    };
+    let maxima = space.maxima(0, 1.0).into_iter();
+    let blobs: Vec<_> = maxima
+        .filter_map(|index| refined(&space, 0, index))
+        .collect();
+    let mut responses: Vec<f64> = blobs.iter().map(|blob| blob.response).collect();
+    responses.sort_unstable_by(|a, b| b.total_cmp(a));
+    responses.truncate(count);
+    let least = LEAST_RESPONSE * quantile(&mut responses, 0.5);
+    let blobs = blobs.into_iter().filter(|blob| blob.response >= least);
+    let factor = factor as f64;
+    blobs
+        .map(|blob| (blob.centre + 0.5) * factor - 0.5)
+        .collect()
+}
+
+/// Means of `factor` by `factor` pixels, of a picture in which blobs are bright; `size` is how many there are.
+fn binned<P: AsRef<[u8]>>(
+    picture: &Picture<P>,
+    polarity: Polarity,
+    factor: usize,
+    (width, height): (usize, usize),
+) -> Vec<f32> {
+    let scale = match polarity {
+        Polarity::Bright => 1.0,
+        Polarity::Dark => -1.0,
+    } / (factor * factor) as f32;
+    let mut sums = vec![0_u32; width];
+    let mut binned = Vec::with_capacity(width * height);
+    let rows = picture.pixels.as_ref().chunks_exact(picture.width);
+    for (row, pixels) in rows.take(height * factor).enumerate() {
+        for (sum, pixels) in sums.iter_mut().zip(pixels.chunks_exact(factor)) {
+            *sum += pixels.iter().map(|&pixel| u32::from(pixel)).sum::<u32>();
+        }
+        if (row + 1) % factor == 0 {
+            binned.extend(sums.iter().map(|&sum| scale * sum as f32));
+            sums.fill(0);
+        }
+    }
+    binned
+}
