@@ -3,7 +3,7 @@
 
 use divan::{Bencher, black_box};
 use feeler::sensor::frame::Picture;
-use feeler::sensor::locate::{LocateConfig, ReferencePicture, locate};
+use feeler::sensor::locate::{LocateConfig, ReferencePicture, locate, locate_again};
 use glam::DVec2;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -57,6 +57,20 @@ fn located(bencher: Bencher, size: (usize, usize), markers: (usize, usize), nois
 #[divan::bench]
 fn video_of_63_markers(bencher: Bencher) {
     located(bencher, (320, 240), (9, 7), 6.0);
+}
+
+/// The same in a picture like one in which they were located before.
+#[divan::bench]
+fn video_of_63_markers_again(bencher: Bencher) {
+    let picture = picture((320, 240), (9, 7), 6.0);
+    let config = LocateConfig::default();
+    let reference = ReferencePicture::mean([&picture]).expect("a picture");
+    let before = locate(&reference, &config).expect("markers");
+    bencher.bench_local(|| {
+        let reference = ReferencePicture::mean([black_box(&picture)]).expect("a picture");
+        let located = locate_again(&reference, &config, &before).expect("markers");
+        assert_eq!(located.elements.len(), 63);
+    });
 }
 
 #[divan::bench]

@@ -10,7 +10,7 @@ use super::notes::Notes;
 use super::recorded::RecordedArguments;
 use super::sources::Source;
 use feeler::sensor::frame::Picture as Grey;
-use feeler::sensor::locate::{LocateConfig, ReferencePicture, locate};
+use feeler::sensor::locate::{LocateConfig, Located, ReferencePicture, locate, locate_again};
 use feeler_lab::grasps::{GraspFrame, GraspRecording, Picture, Untouched};
 use glam::DVec2;
 use std::ffi::OsString;
@@ -75,10 +75,11 @@ impl Videos {
         let rate = self.rate.unwrap_or(video.rate);
         let every = (rate / LOOKS).floor().max(1.0) as u64;
         let mut picture = Grey::black(video.width, video.height);
+        let mut locator = Locator::default();
         let (mut frames, mut number, mut failed) = (Vec::new(), 0_u64, None);
         while video.next(&mut picture).map_err(|e| refused(&e))? {
             if number % every == 0 {
-                let places = places(&picture);
+                let places = locator.places(&picture);
                 let found = places.unwrap_or_else(|error| {
                     failed.get_or_insert(error);
                     Vec::new()
@@ -118,15 +119,27 @@ impl Videos {
     }
 }
 
-/// Where the markers are in a picture, px.
-fn places(picture: &Grey) -> Result<Vec<DVec2>, CommandError> {
-    let picture = ReferencePicture::mean([picture])?;
-    let located = locate(&picture, &LocateConfig::default())?;
-    Ok(located
-        .elements
-        .iter()
-        .map(|element| element.centre_px)
-        .collect())
+/// Locates the markers in one picture of a video after the other.
+#[derive(Default)]
+struct Locator {
+    /// What was found in the first picture that shows markers; all others are searched for the same.
+    first: Option<Located>,
+}
+
+impl Locator {
+    /// Where the markers are in a picture, px.
+    fn places(&mut self, picture: &Grey) -> Result<Vec<DVec2>, CommandError> {
+        let picture = ReferencePicture::mean([picture])?;
+        let config = LocateConfig::default();
+        let located = match &self.first {
+            Some(first) => locate_again(&picture, &config, first)?,
+            None => locate(&picture, &config)?,
+        };
+        let places = located.elements.iter().map(|element| element.centre_px);
+        let places = places.collect();
+        self.first.get_or_insert(located);
+        Ok(places)
+    }
 }
 
 fn program() -> OsString {

@@ -95,7 +95,7 @@ fn of_run(law: &str, variant: Variant, hand: u64, run: u64) -> Result<Outcome, A
 fn experiment(law: &str, variant: Variant, hand: u64, run: u64) -> Result<Experiment, AnyError> {
     let draw = ["plausible_hand=-1", "sensing=direct"].map(String::from);
     let draw = [&draw[..], &[format!("seed={hand}")]].concat();
-    let drawn = Experiment::load(variant.experiment(), &draw)?;
+    let drawn = Experiment::load("any-hand", &draw)?;
     let mut settings = variant.settings(&drawn, hand)?;
     // The hand is drawn; a seed of its own for each run must not draw another.
     let seed = hand + 1_000_000 * (run + 1);

@@ -4,7 +4,7 @@ use super::AnyError;
 use feeler::control::task::TaskConfig;
 use feeler_lab::config::Experiment;
 use feeler_sim::shape::ShapeConfig;
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use std::f64::consts::TAU;
 
 /// How a cap differs from that of `any-hand`.
@@ -22,18 +22,27 @@ pub enum Variant {
     Sizes,
     /// It is tightened to 20 mN·m, and to be opened.
     Opening,
-    /// Three fingers at 120 degrees turn it, each with the rectangle and base of `any-hand`.
+    /// The rubber of one finger is twice as stiff as that of the other.
+    UnequalStiffness,
+    /// One finger turns it: the first of `any-hand`.
+    OneFinger,
+    /// Three fingers like the first of `any-hand`, at 120 degrees.
     ThreeFingers,
+    /// Five fingers like the first of `any-hand`, at 72 degrees.
+    FiveFingers,
 }
 
-const ALL: [Variant; 7] = [
+const ALL: [Variant; 10] = [
     Variant::Middle,
     Variant::OffCentre,
     Variant::Oval,
     Variant::Knurled,
     Variant::Sizes,
     Variant::Opening,
+    Variant::UnequalStiffness,
+    Variant::OneFinger,
     Variant::ThreeFingers,
+    Variant::FiveFingers,
 ];
 
 /// Height of all caps, m.
@@ -51,15 +60,10 @@ impl Variant {
             Self::Knurled => "knurled",
             Self::Sizes => "sizes",
             Self::Opening => "opening",
+            Self::UnequalStiffness => "unequal-stiffness",
+            Self::OneFinger => "one-finger",
             Self::ThreeFingers => "three-fingers",
-        }
-    }
-
-    /// The experiment that it changes.
-    pub fn experiment(self) -> &'static str {
-        match self {
-            Self::ThreeFingers => "three-fingers",
-            _ => "any-hand",
+            Self::FiveFingers => "five-fingers",
         }
     }
 
@@ -105,7 +109,10 @@ impl Variant {
                 )]
             }
             Self::Opening => opening(experiment),
-            Self::ThreeFingers => three_fingers(experiment)?,
+            Self::UnequalStiffness => unequal_stiffness(experiment)?,
+            Self::OneFinger => around(experiment, 1)?,
+            Self::ThreeFingers => around(experiment, 3)?,
+            Self::FiveFingers => around(experiment, 5)?,
         })
     }
 }
@@ -134,31 +141,44 @@ fn opening(experiment: &Experiment) -> Vec<String> {
     settings
 }
 
-/// The rectangle and base of `any-hand`'s first finger for each finger, turned about the world's z.
-fn three_fingers(experiment: &Experiment) -> Result<Vec<String>, AnyError> {
-    let two = Experiment::load("any-hand", &[])?;
-    let (TaskConfig::Screw(screw), TaskConfig::Screw(of_two)) =
-        (&experiment.config.task, &two.config.task)
-    else {
-        return Err("expected experiments with [task.screw]".into());
+/// Rubber of the second finger that is twice as stiff, along and across.
+fn unequal_stiffness(experiment: &Experiment) -> Result<Vec<String>, AnyError> {
+    let feeler = &experiment.config.simulation()?.feeler;
+    let count = experiment.fingertip(Some(1))?.layout.element_count();
+    let elements: Vec<usize> = (0..count).collect();
+    let (normal, shear) = (2.0 * feeler.normal_stiffness, 2.0 * feeler.shear_stiffness);
+    Ok(vec![format!(
+        "sim.element=[{{finger=1,elements={elements:?},normal_stiffness={normal:?},shear_stiffness={shear:?}}}]"
+    )])
+}
+
+/// So many fingers, evenly about the world's z: the first one, with its base and its rectangle, turned.
+fn around(experiment: &Experiment, count: usize) -> Result<Vec<String>, AnyError> {
+    let TaskConfig::Screw(screw) = &experiment.config.task else {
+        return Err("expected an experiment with [task.screw]".into());
     };
-    let mut settings = vec![
-        format!("task.screw.travel={}", of_two.travel),
-        format!("task.screw.search_limit={}", of_two.search_limit),
-        "time_limit=90".to_string(),
-    ];
-    let first = &of_two.finger[0];
-    let (approach, stroke) = (DVec3::from(first.approach), DVec3::from(first.stroke));
-    let turned = |place: [f64; 3], finger: usize| {
-        let (place, own) = (DVec3::from(place), &screw.finger[finger]);
-        let along = place.dot(approach) * DVec3::from(own.approach);
-        (along + place.dot(stroke) * DVec3::from(own.stroke)).with_z(place.z)
-    };
-    for finger in 0..screw.finger.len() {
-        let home = turned(first.home, finger).to_array();
-        settings.push(format!("task.screw.finger.{finger}.home={home:?}"));
-        let base = turned(two.config.hand.finger[0].base_position, finger).to_array();
-        settings.push(format!("hand.finger.{finger}.base_position={base:?}"));
+    let (base, path) = (&experiment.config.hand.finger[0], &screw.finger[0]);
+    let (mut fingers, mut paths) = (Vec::new(), Vec::new());
+    for finger in 0..count {
+        let angle = TAU * finger as f64 / count as f64;
+        let turned =
+            |place: [f64; 3]| (DMat3::from_rotation_z(angle) * DVec3::from(place)).to_array();
+        // Bases stand as the world does: a finger faces the object by the range of its first joint.
+        let mut own = base.clone();
+        own.base_position = turned(base.base_position);
+        own.joint_lower_deg[0] += angle.to_degrees();
+        own.joint_upper_deg[0] += angle.to_degrees();
+        fingers.push(toml::Value::try_from(own)?.to_string());
+        let mut own = path.clone();
+        own.home = turned(path.home);
+        own.approach = turned(path.approach);
+        own.stroke = turned(path.stroke);
+        paths.push(toml::Value::try_from(own)?.to_string());
     }
-    Ok(settings)
+    Ok(vec![
+        format!("hand.finger=[{}]", fingers.join(",")),
+        format!("task.screw.finger=[{}]", paths.join(",")),
+        "control.limits.workspace_lower=[-0.06,-0.06,0.07]".into(),
+        "control.limits.workspace_upper=[0.06,0.06,0.13]".into(),
+    ])
 }

@@ -120,7 +120,34 @@ pub struct Located {
 /// When the picture is black, white or without bright spots, or `config` makes no sense.
 pub fn locate(reference: &ReferencePicture, config: &LocateConfig) -> Result<Located, LocateError> {
     check(reference, config)?;
-    let (polarity, found) = find(reference, config)?;
+    located(reference, config, find(reference, config)?)
+}
+
+/// Finds the elements in a picture of the sensor on which those of `before` were found: spots of the same polarity and about the same size, in
+/// less than half of the time.
+///
+/// # Errors
+/// As [`locate`].
+pub fn locate_again(
+    reference: &ReferencePicture,
+    config: &LocateConfig,
+    before: &Located,
+) -> Result<Located, LocateError> {
+    check(reference, config)?;
+    let known = LocateConfig {
+        polarity: Some(before.polarity),
+        spot_diameter_px: Some(before.spot_diameter_px),
+        ..*config
+    };
+    located(reference, config, find(reference, &known)?)
+}
+
+/// The elements that the spots found make.
+fn located(
+    reference: &ReferencePicture,
+    config: &LocateConfig,
+    (polarity, found): (Polarity, FoundSpots),
+) -> Result<Located, LocateError> {
     let unlike = pattern::unlike_markers(&found.spots, found.noise);
     // Whoever says how large spots are has seen some.
     if unlike.len() >= 2 && config.spot_diameter_px.is_none() {
@@ -149,11 +176,26 @@ fn find(
 ) -> Result<(Polarity, FoundSpots), LocateError> {
     let pixels = reference.width * reference.height;
     let factor = (pixels as f64 / MOST_PIXELS as f64).sqrt().ceil() as usize;
+    let found = find_binned(reference, config, factor.max(1));
+    match found {
+        // Of a large picture, grain may be: coarser, it is gone.
+        Err(LocateError::TooManySpots { .. }) if factor > 1 => {
+            find_binned(reference, config, 2 * factor)
+        }
+        found => found,
+    }
+}
+
+/// The same, searched in the means of `factor` by `factor` pixels.
+fn find_binned(
+    reference: &ReferencePicture,
+    config: &LocateConfig,
+    factor: usize,
+) -> Result<(Polarity, FoundSpots), LocateError> {
     let binned = match factor {
-        0 | 1 => Cow::Borrowed(reference),
+        1 => Cow::Borrowed(reference),
         factor => Cow::Owned(reference.binned(factor)),
     };
-    let factor = factor.max(1);
     let diameter = config
         .spot_diameter_px
         .map(|diameter| diameter / factor as f64);

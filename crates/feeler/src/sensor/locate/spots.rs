@@ -11,6 +11,7 @@ use super::{
 use crate::sensor::cells::Cells;
 use glam::{DMat2, DVec2};
 use std::f64::consts::SQRT_2;
+use std::ops::Range;
 
 /// Scales that differ from the spots' own by no more than this many layers are spots too: a factor
 /// of two in diameter each way, as perspective and load make of one size.
@@ -92,18 +93,20 @@ pub(super) fn find(search: &Search) -> Result<FoundSpots, LocateError> {
     let [noise, noise_searched] = search.noise;
     let octaves = Octaves::new(search.binned, space);
     let noise_of_mean = noise_searched / (picture.pictures as f64).sqrt();
-    let layers: Vec<Vec<Spot>> = (0..space.layers.len())
-        .map(|layer| blobs(&octaves, space, layer, noise_of_mean))
-        .collect();
+    let of_layer = |layer: usize| blobs(&octaves, space, layer, noise_of_mean);
     let diameter = search
         .diameter
         .map(|diameter| diameter / search.factor as f64);
-    let own = match diameter {
-        Some(diameter) => layer_of(space, diameter / (2.0 * SQRT_2)),
-        None => dominant_layer(&layers),
+    let candidates: Vec<Spot> = match diameter {
+        Some(diameter) => {
+            let own = layer_of(space, diameter / (2.0 * SQRT_2));
+            beside(own, space).flat_map(of_layer).collect()
+        }
+        None => {
+            let layers: Vec<Vec<Spot>> = (0..space.layers.len()).map(of_layer).collect();
+            layers[beside(dominant_layer(&layers), space)].concat()
+        }
     };
-    let beside = own.saturating_sub(LAYERS_BESIDE)..(own + LAYERS_BESIDE + 1).min(layers.len());
-    let candidates: Vec<Spot> = layers[beside].concat();
     let (darkest, brightest) = range(&search.binned.gray);
     if candidates.len() > 4 * MAX_SPOTS {
         return Err(LocateError::TooManySpots {
@@ -155,6 +158,11 @@ fn measured(picture: &ReferencePicture, mut spots: Vec<Spot>, blobs: &[Spot]) ->
 fn range(gray: &[f32]) -> (f32, f32) {
     gray.iter()
         .fold((f32::MAX, f32::MIN), |(a, b), &g| (a.min(g), b.max(g)))
+}
+
+/// The layers whose blobs are spots where those of the layer `own` are.
+fn beside(own: usize, space: &ScaleSpace) -> Range<usize> {
+    own.saturating_sub(LAYERS_BESIDE)..(own + LAYERS_BESIDE + 1).min(space.layers.len())
 }
 
 fn layer_of(space: &ScaleSpace, sigma: f64) -> usize {
