@@ -89,7 +89,7 @@ Examples:
   feeler locate untouched.png -o layout.toml --preview found.png
   feeler sense pictures/ --calibration my.calibration.toml -o forces.csv
   feeler sense xela_sensor1.csv --taxels uskin-4x4 -o forces.csv
-  ffmpeg -i video.mkv -f rawvideo -pix_fmt gray - | feeler sense - --raw 640x480
+  feeler sense touch.mp4 --layout layout.toml -o moments.csv
 
 The book, in docs/ of the repository (`mdbook serve` shows it):
   first-run.md                                what a run shows, and how to read its report

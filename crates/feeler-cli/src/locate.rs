@@ -11,14 +11,15 @@ use feeler::sensor::{
     located_layout::{DomeGeometry, LocatedLayout},
 };
 use feeler_lab::config::Experiment;
-use feeler_sources::picture::read_picture;
+use feeler_lab::sensor::{file_of, named_picture};
 use serde::Serialize;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Pictures (PNG) of the untouched sensor; elements are detected in their mean, bright on dark or dark on bright.
+    /// Pictures of the untouched sensor; elements are detected in their mean, bright on dark or dark on bright. Of a video (.avi,
+    /// .mp4, .mkv, .mov, .webm, .m4v; needs ffmpeg) the first frame, or with VIDEO@TIME the frame nearest to this time, s.
     #[arg(required = true, value_name = "REFERENCE.png")]
     references: Vec<PathBuf>,
     /// Output file of the layout.
@@ -95,7 +96,7 @@ fn distance(text: &str) -> Result<f64, String> {
 }
 
 pub fn locate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
-    let references = arguments.references.iter().map(|path| Some(path.as_path()));
+    let references = arguments.references.iter().map(|name| Some(file_of(name)));
     let inputs = references.chain([arguments.dome.as_deref().map(Path::new)]);
     let mut outputs = Outputs::new(arguments.overwrite, inputs);
     // Opened first: locating takes its time.
@@ -215,9 +216,9 @@ fn mean_of_files(files: &[PathBuf]) -> Result<ReferencePicture, CommandError> {
     let mut mean = MeanPicture::default();
     let progress = Steps::new(files.len());
     for file in files {
-        let failed = |e: &dyn std::error::Error| format!("{}: {e}", file.display());
-        let picture = read_picture(file).map_err(|e| failed(&e))?;
-        mean.add(&picture).map_err(|e| failed(&e))?;
+        let picture = named_picture(file)?;
+        mean.add(&picture)
+            .map_err(|e| format!("{}: {e}", file.display()))?;
         progress.advance();
     }
     Ok(mean.finish()?)

@@ -16,3 +16,4 @@ pub mod raw;
 pub mod settings;
 #[cfg(all(feature = "camera", target_os = "linux"))]
 pub mod video;
+pub mod video_file;

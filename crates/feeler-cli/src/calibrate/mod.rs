@@ -33,7 +33,8 @@ const MAX_LOADS: i64 = 20_000;
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// The file of loads: a table with the columns picture (relative to the file), element, f_x, f_y, f_z
+    /// The file of loads: a table with the columns picture (a file relative to the table, or FILE@TIME, the time (s) of a frame of a
+    /// video or of a recording by feeler sense), element, f_x, f_y, f_z
     /// (N, on the finger in the element's frame, f_z positive when pressed); a row of zero force, or without an element, is an unloaded picture. Columns column and
     /// row (px) tell elements by their places; x_angle (rad) is where x of the force's frame points in the picture.
     /// With --simulated, the experiment. With --wrench, the file of measured forces: picture, f_x, f_y, f_z (N) and, if

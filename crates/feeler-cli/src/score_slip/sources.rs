@@ -2,9 +2,9 @@
 
 use super::CommandError;
 use super::notes::Notes;
+use feeler_sources::video_file::is_video_name;
 use std::ffi::OsStr;
 use std::fs;
-
 use std::path::{Path, PathBuf};
 
 /// What a recording is in.
@@ -16,9 +16,8 @@ pub enum Kind {
     Video,
 }
 
-/// What files end with, in lower case.
+/// What the files of tables end with, in lower case.
 const TABLES: [&str; 2] = [".csv", ".csv.gz"];
-const VIDEOS: [&str; 6] = [".avi", ".mp4", ".mkv", ".mov", ".webm", ".m4v"];
 
 /// A place of one recording, or of several in one table.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,7 +43,7 @@ impl Source {
     /// What it is in: a table, unless its file is called as a video is.
     pub fn kind(&self) -> Kind {
         match self.folder {
-            None if ends_with(&self.name, &VIDEOS) => Kind::Video,
+            None if is_video_name(Path::new(&self.name)) => Kind::Video,
             _ => Kind::Table,
         }
     }
@@ -128,11 +127,7 @@ fn in_folder(folder: &Path, tables: &[String], notes: &mut Notes) -> Option<Sour
 }
 
 fn is_recording(path: &Path) -> bool {
-    let name = path.file_name().unwrap_or(OsStr::new("")).to_string_lossy();
-    ends_with(&name, &TABLES) || ends_with(&name, &VIDEOS)
-}
-
-fn ends_with(name: &str, endings: &[&str]) -> bool {
-    let name = name.to_ascii_lowercase();
-    endings.iter().any(|ending| name.ends_with(ending))
+    let name = path.file_name().unwrap_or(OsStr::new(""));
+    let name = name.to_string_lossy().to_ascii_lowercase();
+    is_video_name(path) || TABLES.iter().any(|ending| name.ends_with(ending))
 }

@@ -9,22 +9,15 @@ use super::collected::Read;
 use super::notes::Notes;
 use super::recorded::RecordedArguments;
 use super::sources::Source;
-use feeler::sensor::frame::Picture as Grey;
+use feeler::sensor::camera::{Camera, CameraError};
+use feeler::sensor::frame::{Frame, Picture as Grey};
 use feeler::sensor::locate::{LocateConfig, Located, ReferencePicture, locate, locate_again};
 use feeler_lab::grasps::{GraspFrame, GraspRecording, Picture, Untouched};
+use feeler_sources::video_file::{Ffmpeg, VideoFile};
 use glam::DVec2;
-use std::ffi::OsString;
-use std::io::{BufRead, BufReader, Read as _};
-use std::path::Path;
-use std::process::{Child, ChildStdout, Command, Stdio};
 
-/// The variable that names ffmpeg.
-const FFMPEG: &str = "FEELER_FFMPEG";
 /// How often markers are located, Hz: several times within the half second that a loss takes to be told.
 const LOOKS: f64 = 10.0;
-/// Largest side of a picture, px, and longest line that ffmpeg writes before one, bytes.
-const LARGEST: usize = 16_384;
-const LONGEST: u64 = 1024;
 
 /// Reads videos.
 pub struct Videos {
@@ -37,20 +30,7 @@ impl Videos {
     /// # Errors
     /// When there is no ffmpeg.
     pub fn new(arguments: &RecordedArguments) -> Result<Self, CommandError> {
-        let program = program();
-        let mut version = Command::new(&program);
-        version
-            .arg("-version")
-            .stdin(Stdio::null())
-            .stdout(Stdio::null())
-            .stderr(Stdio::null());
-        version.status().map_err(|error| {
-            let program = program.display();
-            format!(
-                "{program}: {error}; expected ffmpeg, which reads videos: apt-get install ffmpeg, or pip install imageio-ffmpeg \
-                 and {FFMPEG}=$(python3 -c 'import imageio_ffmpeg as f; print(f.get_ffmpeg_exe())'); or tables of `feeler sense`"
-            )
-        })?;
+        Ffmpeg::find()?;
         Ok(Self {
             rate: arguments.rate,
         })
@@ -65,40 +45,35 @@ impl Videos {
             return Ok(Vec::new());
         };
         let refused = |what: &dyn std::fmt::Display| -> CommandError {
-            format!(
-                "{}: {what}; expected a video that ffmpeg decodes",
-                path.display()
-            )
-            .into()
+            format!("{}: {what}; expected a video of markers", path.display()).into()
         };
-        let mut video = Video::open(path).map_err(|e| refused(&e))?;
-        let rate = self.rate.unwrap_or(video.rate);
-        let every = (rate / LOOKS).floor().max(1.0) as u64;
-        let mut picture = Grey::black(video.width, video.height);
+        let mut video = VideoFile::open(path)?.at_rate(self.rate);
+        let rate = self.rate.or(video.rate());
+        let every = rate.map_or(1, |rate| (rate / LOOKS).floor().max(1.0) as u64);
+        let (width, height) = video.size();
+        let mut frame = Frame::black(width, height);
         let mut locator = Locator::default();
-        let (mut frames, mut number, mut failed) = (Vec::new(), 0_u64, None);
-        while video.next(&mut picture).map_err(|e| refused(&e))? {
-            if number % every == 0 {
-                let places = locator.places(&picture);
+        let (mut frames, mut failed) = (Vec::new(), None);
+        let ended = loop {
+            if let Err(ended) = video.capture(&mut frame) {
+                break ended;
+            }
+            if frame.sequence % every == 0 {
+                let places = locator.places(&frame.picture);
                 let found = places.unwrap_or_else(|error| {
                     failed.get_or_insert(error);
                     Vec::new()
                 });
                 frames.push(GraspFrame {
-                    stamp: number as f64 / rate,
+                    stamp: frame.stamp,
                     shear: found,
                     normal: Vec::new(),
                 });
             }
-            number += 1;
-        }
-        if let Some(said) = video.close() {
-            if frames.is_empty() {
-                return Err(refused(&said));
-            }
-            notes.add("ffmpeg", || {
-                format!("{}: {said}; what was decoded counts", path.display())
-            });
+        };
+        match ended {
+            CameraError::Ended { .. } => {}
+            damaged => notes.add("ffmpeg", || format!("{damaged}; these count")),
         }
         let empty = frames.iter().filter(|frame| frame.shear.is_empty()).count();
         if let Some(error) = failed {
@@ -111,7 +86,7 @@ impl Videos {
         Ok(vec![Read {
             names: vec![source.stem().to_owned(), source.name.clone()],
             recording: GraspRecording {
-                untouched: Untouched::Afresh(Picture::of_size(video.width, video.height)),
+                untouched: Untouched::Afresh(Picture::of_size(width, height)),
                 origins: Vec::new(),
                 frames,
             },
@@ -139,115 +114,5 @@ impl Locator {
         let places = places.collect();
         self.first.get_or_insert(located);
         Ok(places)
-    }
-}
-
-fn program() -> OsString {
-    std::env::var_os(FFMPEG).unwrap_or_else(|| "ffmpeg".into())
-}
-
-/// A video as ffmpeg decodes it: YUV4MPEG2, which tells size and rate, of grey frames.
-struct Video {
-    child: Child,
-    stream: BufReader<ChildStdout>,
-    width: usize,
-    height: usize,
-    rate: f64,
-    torn: bool,
-}
-
-impl Video {
-    fn open(path: &Path) -> Result<Self, CommandError> {
-        let mut command = Command::new(program());
-        command.args(["-nostdin", "-v", "fatal", "-i"]).arg(path);
-        command.args([
-            "-an",
-            "-f",
-            "yuv4mpegpipe",
-            "-strict",
-            "-1",
-            "-pix_fmt",
-            "gray",
-            "-",
-        ]);
-        command
-            .stdin(Stdio::null())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::null());
-        let mut child = command.spawn()?;
-        let stream = child.stdout.take().ok_or("ffmpeg writes nothing")?;
-        let mut video = Self {
-            child,
-            stream: BufReader::new(stream),
-            width: 0,
-            height: 0,
-            rate: 0.0,
-            torn: false,
-        };
-        let header = video.line()?;
-        let rest = header
-            .strip_prefix("YUV4MPEG2 ")
-            .ok_or("ffmpeg decodes nothing of it")?;
-        for field in rest.split_ascii_whitespace() {
-            let (kind, value) = field.split_at_checked(1).unwrap_or(("", ""));
-            match kind {
-                "W" => video.width = value.parse()?,
-                "H" => video.height = value.parse()?,
-                "F" => {
-                    let (frames, seconds) = value.split_once(':').ok_or("a rate that is none")?;
-                    video.rate = frames.parse::<f64>()? / seconds.parse::<f64>()?;
-                }
-                _ => {}
-            }
-        }
-        let sizes = 1..=LARGEST;
-        if !sizes.contains(&video.width) || !sizes.contains(&video.height) {
-            return Err(format!("pictures of {} x {} px", video.width, video.height).into());
-        }
-        if !(1e-3..=1e5).contains(&video.rate) {
-            return Err(format!("{} frames per second", video.rate).into());
-        }
-        Ok(video)
-    }
-
-    /// The next line of the stream, without its end; empty at the end of the stream.
-    fn line(&mut self) -> Result<String, CommandError> {
-        let mut line = Vec::new();
-        (&mut self.stream)
-            .take(LONGEST)
-            .read_until(b'\n', &mut line)?;
-        Ok(String::from_utf8_lossy(&line).trim_end().to_owned())
-    }
-
-    /// Fills `picture` with the next frame; whether there is one.
-    fn next(&mut self, picture: &mut Grey) -> Result<bool, CommandError> {
-        let line = self.line()?;
-        if line.is_empty() {
-            return Ok(false);
-        }
-        if !line.starts_with("FRAME") {
-            return Err("what ffmpeg writes is no frame".into());
-        }
-        // The last may have been cut off.
-        self.torn = self.stream.read_exact(&mut picture.pixels).is_err();
-        Ok(!self.torn)
-    }
-
-    /// Waits for ffmpeg to end; what went wrong, if anything did.
-    fn close(&mut self) -> Option<String> {
-        let ended = self.child.wait();
-        match ended {
-            Ok(status) if status.success() && !self.torn => None,
-            Ok(status) => Some(format!("ffmpeg ended with {status}")),
-            Err(error) => Some(error.to_string()),
-        }
-    }
-}
-
-impl Drop for Video {
-    fn drop(&mut self) {
-        // It may have ended long ago.
-        let _ = self.child.kill();
-        let _ = self.child.wait();
     }
 }

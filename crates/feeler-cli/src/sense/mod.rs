@@ -41,7 +41,7 @@ const EXPERIMENT: &str = "cap-closing";
 const DEFAULT_RATE: f64 = 30.0;
 
 const DETAILS: &str = "\
-Pictures are PNG, JPEG, PNM, TIFF, BMP or WebP, of 8 bits or 16 (scaled to 8), turned as their EXIF orientation says; colours become grey. They must have the size of the sensor's. Where nothing says whose they are, the first must be such as the fingertip of cap-closing gives.
+Pictures are PNG, JPEG, PNM, TIFF, BMP or WebP, of 8 bits or 16 (scaled to 8), turned as their EXIF orientation says; colours become grey. They must have the size of the sensor's. Of a video, frames are rotated as the file says, turned to grey (luma), and stamped with their times from the beginning of the file. Where nothing says whose they are, the first must be such as the fingertip of cap-closing gives.
 
 One row for each element and frame: frame, stamp (s), element, integrated_gray (G, grey levels times m²), u_x and u_y (displacement of the centroid, m), and with --calibration f_x, f_y, f_z (N; frame, sign: the element's, z is compression; x and y are those of the picture where the layout has no dome). A field is empty where there is nothing to say: u in the dark, forces where a sub-region is dark or saturated, G and u of a recorded run.
 
@@ -54,8 +54,8 @@ u counts from where the centroids are without load: as the calibration says; wit
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = DETAILS)]
 pub struct Arguments {
-    /// Folder or files of pictures (in the natural order of names), a recorded run, a recording made by `feeler sense
-    /// --record-frames`, a camera (/dev/video0, genicam:ID as `feeler cameras` lists it, genicam: for the first), rig: for what `feeler
+    /// Folder or files of pictures (in the natural order of names), a video file (.avi, .mp4, .mkv, .mov, .webm, .m4v; needs
+    /// ffmpeg), a recorded run, a recording made by `feeler sense --record-frames`, a camera (/dev/video0, genicam:ID as `feeler cameras` lists it, genicam: for the first), rig: for what `feeler
     /// world` or `feeler rig --drives emulated` plays, or - for raw grey frames on standard input.
     #[arg(required = true, value_name = "SOURCE")]
     sources: Vec<PathBuf>,
@@ -91,8 +91,8 @@ pub struct Arguments {
     /// Size of the camera's pictures, px [default: that of the fingertip's pictures]
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size)]
     size: Option<(usize, usize)>,
-    /// Frames per second: requested from a camera; assumed for pictures and raw frames [default: 30], and for the rows
-    /// of taxels [default: by their column of time, or as their layout says]
+    /// Frames per second: requested from a camera; assumed for pictures and raw frames [default: 30], for a video [default: the
+    /// file's own times], and for the rows of taxels [default: by their column of time, or as their layout says]
     #[arg(long, value_name = "HZ", value_parser = parse_rate)]
     rate: Option<f64>,
     #[command(flatten)]

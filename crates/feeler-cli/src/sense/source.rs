@@ -8,6 +8,7 @@ use feeler_record::sensed_pictures::is_sensed;
 use feeler_report::make::RECORDING;
 use feeler_sources::files::PictureFiles;
 use feeler_sources::raw::RawFrames;
+use feeler_sources::video_file::{VideoFile, is_video_name};
 use std::io::stdin;
 use std::path::{Path, PathBuf};
 
@@ -24,6 +25,8 @@ pub enum Source {
     Recording(PathBuf),
     /// Pictures that were sensed before and kept.
     Sensed(PathBuf),
+    /// A video file.
+    Video(PathBuf),
     /// The rig that another program plays.
     Rig,
 }
@@ -95,7 +98,13 @@ impl Source {
 
     fn named(paths: &[PathBuf], raw: Option<(usize, usize)>) -> Result<Self, CommandError> {
         let [path] = paths else {
-            return Ok(Self::Pictures(paths.to_vec()));
+            return match paths.iter().find(|path| is_video_name(path)) {
+                Some(video) => {
+                    let video = video.display();
+                    Err(format!("{video}: expected one video by itself, or pictures").into())
+                }
+                None => Ok(Self::Pictures(paths.to_vec())),
+            };
         };
         if path == Path::new("rig:") {
             return Ok(Self::Rig);
@@ -120,6 +129,9 @@ impl Source {
                 false => Self::Recording(path.clone()),
             });
         }
+        if is_video_name(path) && !path.is_dir() {
+            return Ok(Self::Video(path.clone()));
+        }
         Ok(Self::Pictures(vec![path.clone()]))
     }
 
@@ -134,6 +146,11 @@ impl Source {
                 Ok(Box::new(PictureFiles::new(paths, size, arguments.rate())?))
             }
             Self::Sensed(path) => sensed_pictures(path),
+            Self::Video(path) => {
+                let video = VideoFile::open(path)?;
+                check_size(&path.display().to_string(), video.size(), size)?;
+                Ok(Box::new(video.at_rate(arguments.rate)))
+            }
             Self::Raw(raw) => {
                 check_size("--raw", *raw, size)?;
                 Ok(Box::new(RawFrames::new(stdin(), size, arguments.rate())))

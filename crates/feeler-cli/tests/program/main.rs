@@ -56,6 +56,7 @@ mod sweep;
 mod tune;
 mod urdf;
 mod verdicts;
+mod videos;
 
 use assert_no_alloc::AllocDisabler;
 

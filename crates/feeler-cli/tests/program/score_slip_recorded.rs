@@ -2,7 +2,8 @@
 
 use crate::program::{Ended, document, feeler, folder, rows, run};
 use crate::recordings::recordings as real;
-use crate::skip::skipped;
+use crate::videos::ffmpeg;
+use std::ffi::OsStr;
 use std::fmt::Write as _;
 use std::fs;
 use std::io::Write as _;
@@ -554,7 +555,7 @@ fn spots(places: &[(f64, f64)]) -> Vec<u8> {
 }
 
 /// Encodes a made-up grasp, held or lost, at 25 Hz.
-fn encode(ffmpeg: &str, path: &Path, slip: bool, push: f64) {
+fn encode(ffmpeg: &OsStr, path: &Path, slip: bool, push: f64) {
     let mut command = Command::new(ffmpeg);
     command.args([
         "-v",
@@ -595,15 +596,7 @@ fn encode(ffmpeg: &str, path: &Path, slip: bool, push: f64) {
 
 #[test]
 fn markers_in_videos_are_located_and_a_loss_is_told() {
-    let ffmpeg = std::env::var("FEELER_FFMPEG").unwrap_or("ffmpeg".into());
-    let there = Command::new(&ffmpeg)
-        .arg("-version")
-        .stdout(Stdio::null())
-        .status();
-    if there.is_err() {
-        skipped("there is no ffmpeg; set FEELER_FFMPEG");
-        return;
-    }
+    let Some(ffmpeg) = ffmpeg() else { return };
     let folder = folder("score-slip-videos");
     let mut labels = "video,slip\n".to_string();
     fs::create_dir(folder.join("videos")).unwrap();

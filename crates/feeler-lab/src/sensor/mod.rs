@@ -7,4 +7,5 @@ mod wrench;
 
 pub use geometry::{GeometryError, SensorGeometry, read_layout};
 pub use loads::{LoadsFile, LoadsFileError};
+pub use recorded::{file_of, named_picture};
 pub use wrench::{ForcesFile, ForcesFileError, MeasuredSamples};

@@ -1,10 +1,12 @@
-//! The frames that a CSV file names: pictures, and frames of recordings that `feeler sense` made; of these their pictures, where
-//! they were kept, else what was sensed of them.
+//! Frames that a CSV file or a person names: pictures, frames of videos, and frames of recordings that `feeler sense` made; of
+//! these their pictures, where they were kept, else what was sensed of them.
 
-use feeler::sensor::frame::Picture;
+use feeler::sensor::camera::Camera;
+use feeler::sensor::frame::{Frame, Picture};
 use feeler::sensor::moments::ElementMoments;
 use feeler_record::{Moments, SensedPictures, read_moments};
 use feeler_sources::picture::read_picture;
+use feeler_sources::video_file::{VideoFile, VideoFrames, is_video_name};
 use glam::DVec2;
 use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
@@ -15,7 +17,9 @@ pub struct NamedFrames {
     folder: PathBuf,
     /// Width and height of the sensor's pictures, px.
     size: (usize, usize),
-    recordings: HashMap<PathBuf, Recorded>,
+    recordings: HashMap<PathBuf, Result<Recorded, String>>,
+    /// The video that is decoded, one at a time.
+    decoding: Option<PathBuf>,
 }
 
 /// A recording, and when its frames were taken.
@@ -29,6 +33,7 @@ struct Recorded {
 enum Frames {
     Pictures(SensedPictures),
     Moments(Vec<Moments>),
+    Video(Box<VideoFrames>),
 }
 
 /// What there is of one frame.
@@ -39,12 +44,44 @@ pub enum NamedFrame {
     Sensed,
 }
 
-/// The recording and the time (s) that `FILE.mcap@TIME` names.
+/// The recording or the video, and the time (s), that `FILE.mcap@TIME` or `FILE.mp4@TIME` names.
 fn recorded(name: &str) -> Option<(&str, f64)> {
     let (file, time) = name.rsplit_once('@')?;
-    let is_recording = Path::new(file).extension()?.eq_ignore_ascii_case("mcap");
+    let path = Path::new(file);
+    let is_recording = path.extension()?.eq_ignore_ascii_case("mcap") || is_video_name(path);
     let time = time.parse().ok().filter(|time: &f64| time.is_finite())?;
     is_recording.then_some((file, time))
+}
+
+/// The file of the frame that `name` names.
+pub fn file_of(name: &Path) -> &Path {
+    let recorded = name.to_str().and_then(recorded);
+    recorded.map_or(name, |(file, _)| Path::new(file))
+}
+
+/// The picture that `name` names: a picture's file, the first frame of a video, or `FILE@TIME`, the frame of a video or of a recording
+/// with pictures that is nearest to that time (s).
+///
+/// # Errors
+/// What was expected and what was found, in words, with the file's name.
+pub fn named_picture(name: &Path) -> Result<Picture, String> {
+    let named = |e: &dyn std::fmt::Display| format!("{}: {e}", name.display());
+    if let Some((file, time)) = name.to_str().and_then(recorded) {
+        let mut recorded = Recorded::open(Path::new(file))?;
+        let nearest = nearest(&recorded.stamps, time).map_err(|e| named(&e))?;
+        let picture = recorded.picture(nearest).map_err(|e| named(&e))?;
+        return picture.ok_or_else(|| {
+            named(&"no pictures in it; expected a recording by `feeler sense --record-frames`")
+        });
+    }
+    if !is_video_name(name) {
+        return read_picture(name).map_err(|e| named(&e));
+    }
+    let mut video = VideoFile::open(name).map_err(|e| e.to_string())?;
+    let (width, height) = video.size();
+    let mut frame = Frame::black(width, height);
+    video.capture(&mut frame).map_err(|e| e.to_string())?;
+    Ok(frame.picture)
 }
 
 /// The file at `csv`, and the files of the frames that it names, each once.
@@ -65,11 +102,12 @@ impl NamedFrames {
             folder: folder(csv).to_path_buf(),
             size,
             recordings: HashMap::new(),
+            decoding: None,
         }
     }
 
-    /// The frame called `name`: a picture's file, or `FILE.mcap@TIME`, which names the frame nearest to that time (s); it must be
-    /// within half of the time between frames. Where a recording has no pictures, takes its `moments`.
+    /// The frame called `name`: a picture's file, or `FILE.mcap@TIME` or `FILE.mp4@TIME`, which names the frame nearest to that time
+    /// (s); it must be within half of the time between frames. Where a recording has no pictures, takes its `moments`.
     ///
     /// # Errors
     /// What was expected and what was found, in words.
@@ -80,29 +118,52 @@ impl NamedFrames {
     ) -> Result<NamedFrame, String> {
         let (width, height) = self.size;
         let Some((file, time)) = recorded(name) else {
-            let picture = read_picture(&self.folder.join(name));
+            let path = self.folder.join(name);
+            if is_video_name(&path) {
+                return Err(
+                    "a video; expected FILE@TIME, as in clip.mp4@1.5, the time (s) of a frame"
+                        .into(),
+                );
+            }
+            let picture = read_picture(&path);
             let picture =
                 picture.map_err(|e| format!("{e}; expected a picture of {width}x{height} px"))?;
             return self.checked(picture);
         };
-        let recorded = match self.recordings.entry(self.folder.join(file)) {
+        let path = self.folder.join(file);
+        self.stop_decoding_others(&path);
+        let recorded = match self.recordings.entry(path) {
             Entry::Occupied(entry) => entry.into_mut(),
             Entry::Vacant(entry) => {
-                let opened = Recorded::open(entry.key())?;
+                let opened = Recorded::open(entry.key());
                 entry.insert(opened)
             }
         };
+        let recorded = recorded.as_mut().map_err(|e| e.clone())?;
         let nearest = nearest(&recorded.stamps, time)?;
-        match &mut recorded.frames {
-            Frames::Pictures(pictures) => {
-                let picture = pictures.read(nearest)?;
-                self.checked(picture)
-            }
-            Frames::Moments(frames) => {
-                take(&frames[nearest], moments)?;
-                Ok(NamedFrame::Sensed)
-            }
+        if let Frames::Moments(frames) = &recorded.frames {
+            take(&frames[nearest], moments)?;
+            return Ok(NamedFrame::Sensed);
         }
+        let picture = recorded.picture(nearest)?.ok_or("there is no picture")?;
+        self.checked(picture)
+    }
+
+    /// Ends the decoding of another video than that at `path`: each takes a process.
+    fn stop_decoding_others(&mut self, path: &Path) {
+        if self.decoding.as_deref() == Some(path) {
+            return;
+        }
+        let other = self.decoding.take();
+        let other = other.and_then(|other| self.recordings.get_mut(&other));
+        if let Some(Ok(Recorded {
+            frames: Frames::Video(video),
+            ..
+        })) = other
+        {
+            video.close();
+        }
+        self.decoding = Some(path.to_path_buf());
     }
 
     /// The picture, unless it is of another size than the sensor's.
@@ -120,6 +181,13 @@ impl NamedFrames {
 
 impl Recorded {
     fn open(path: &Path) -> Result<Self, String> {
+        if is_video_name(path) {
+            let video = VideoFrames::open(path).map_err(|e| e.to_string())?;
+            return Ok(Self {
+                stamps: video.stamps().to_vec(),
+                frames: Frames::Video(Box::new(video)),
+            });
+        }
         let pictures = SensedPictures::open(path).map_err(|e| e.to_string())?;
         if !pictures.is_empty() {
             return Ok(Self {
@@ -132,6 +200,18 @@ impl Recorded {
             stamps: moments.iter().map(|frame| frame.stamp).collect(),
             frames: Frames::Moments(moments),
         })
+    }
+
+    /// The picture of frame `index`, or `None` if no pictures are on record.
+    fn picture(&mut self, index: usize) -> Result<Option<Picture>, String> {
+        match &mut self.frames {
+            Frames::Pictures(pictures) => Ok(Some(pictures.read(index)?)),
+            Frames::Video(video) => {
+                let picture = video.read(index).map_err(|e| e.to_string())?;
+                Ok(Some(picture.clone()))
+            }
+            Frames::Moments(_) => Ok(None),
+        }
     }
 }
 
