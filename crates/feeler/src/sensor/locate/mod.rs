@@ -139,7 +139,10 @@ pub fn locate_again(
         spot_diameter_px: Some(before.spot_diameter_px),
         ..*config
     };
-    located(reference, config, find(reference, &known)?)
+    // Spots of five pixels are found as well.
+    let factor = (before.spot_diameter_px / 5.0) as usize;
+    let factor = factor.max(binning(reference)).max(1);
+    located(reference, config, find_binned(reference, &known, factor)?)
 }
 
 /// The elements that the spots found make.
@@ -174,8 +177,7 @@ fn find(
     reference: &ReferencePicture,
     config: &LocateConfig,
 ) -> Result<(Polarity, FoundSpots), LocateError> {
-    let pixels = reference.width * reference.height;
-    let factor = (pixels as f64 / MOST_PIXELS as f64).sqrt().ceil() as usize;
+    let factor = binning(reference);
     let found = find_binned(reference, config, factor.max(1));
     match found {
         // Of a large picture, grain may be: coarser, it is gone.
@@ -184,6 +186,12 @@ fn find(
         }
         found => found,
     }
+}
+
+/// Pixels to a side of those that a large picture is searched in the means of.
+fn binning(reference: &ReferencePicture) -> usize {
+    let pixels = reference.width * reference.height;
+    (pixels as f64 / MOST_PIXELS as f64).sqrt().ceil() as usize
 }
 
 /// The same, searched in the means of `factor` by `factor` pixels.
