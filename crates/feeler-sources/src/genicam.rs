@@ -16,7 +16,7 @@ pub use list::{Abilities, GenicamDevice, GenicamInfo, Range, list};
 use crate::settings::{CameraSettings, Trigger};
 use aravis::{Aravis, Device, Stream};
 use clock::{DeviceClock, FrameCounter};
-use feeler::sensor::camera::{Camera, CameraError, check_frame_size};
+use feeler::sensor::camera::{Camera, CameraError, CaptureReport, check_frame_size};
 use feeler::sensor::frame::Frame;
 use pixels::Pixels;
 use std::time::{Duration, Instant};
@@ -58,6 +58,7 @@ pub struct GenicamCamera {
     opened: Instant,
     /// When the next picture is triggered by software.
     due: Instant,
+    report: CaptureReport,
 }
 
 impl GenicamCamera {
@@ -105,6 +106,7 @@ impl GenicamCamera {
             counter: FrameCounter::default(),
             opened,
             due: opened,
+            report: CaptureReport::default(),
         })
     }
 
@@ -198,10 +200,19 @@ impl Camera for GenicamCamera {
                     "{width}x{height} px of {expected} expected, got {columns}x{rows} px of format {code:#010x}"
                 )));
             }
-            return (self.pixels)
-                .unpack(buffer.bytes(), &mut frame.picture)
-                .map_err(unreadable);
+            let (bytes, began) = (buffer.bytes(), Instant::now());
+            let unpacked = self.pixels.unpack(bytes, &mut frame.picture);
+            self.report = CaptureReport {
+                bytes: Some(bytes.len()),
+                decoding: Some(began.elapsed()),
+                warning: None,
+            };
+            return unpacked.map_err(unreadable);
         }
+    }
+
+    fn take_report(&mut self) -> CaptureReport {
+        std::mem::take(&mut self.report)
     }
 }
 

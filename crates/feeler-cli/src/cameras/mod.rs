@@ -5,15 +5,20 @@
     path = "no_genicam.rs"
 )]
 mod genicam;
+mod measure;
 #[cfg_attr(
     not(all(feature = "camera", target_os = "linux")),
     path = "no_video.rs"
 )]
 mod video;
 
+use super::bounded::parse_rate;
+use super::camera::CameraArguments;
+use super::sense::parse_size;
 use super::{CommandError, Outcome};
 use serde_json::{Value, json};
 use std::io::Write;
+use std::path::PathBuf;
 
 /// Why there are no Video4Linux cameras.
 #[cfg(not(all(feature = "camera", target_os = "linux")))]
@@ -32,6 +37,18 @@ pub struct Arguments {
     /// List the GenICam camera that Aravis simulates, too: genicam:Fake_1.
     #[arg(long)]
     simulated: bool,
+    /// Take pictures for 5 seconds from this camera (/dev/video0, genicam:ID) or the only one, and report the achieved rate, lost
+    /// pictures, bandwidth, time of decoding, and jitter of the stamps. Ctrl-C reports what was measured until then.
+    #[arg(long, value_name = "CAMERA", num_args = 0..=1)]
+    measure: Option<Option<PathBuf>>,
+    /// Size of the pictures of --measure, px.
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size, default_value = "640x480", requires = "measure")]
+    size: (usize, usize),
+    /// Frames per second that --measure requests from the camera.
+    #[arg(long, value_name = "HZ", value_parser = parse_rate, default_value_t = 30.0, requires = "measure")]
+    rate: f64,
+    #[command(flatten)]
+    camera: CameraArguments,
 }
 
 /// The cameras of a kind.
@@ -50,7 +67,14 @@ struct Listed {
 }
 
 pub fn cameras(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
-    let kinds = [video::list(), genicam::list(arguments.simulated)];
+    let kinds = || [video::list(), genicam::list(arguments.simulated)];
+    if let Some(named) = &arguments.measure {
+        return measure::measure(arguments, named.as_deref(), kinds, out);
+    }
+    if let Some(option) = arguments.camera.given() {
+        return Err(format!("{option} is for --measure; expected --measure beside it").into());
+    }
+    let kinds = kinds();
     if arguments.json {
         writeln!(out, "{:#}", as_json(kinds))?;
         return Ok(Outcome::Done);

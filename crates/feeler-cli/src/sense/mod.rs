@@ -325,7 +325,7 @@ pub(super) fn is_raised(flag: &AtomicBool) -> bool {
     flag.load(Ordering::Relaxed)
 }
 
-fn parse_size(text: &str) -> Result<(usize, usize), String> {
+pub(super) fn parse_size(text: &str) -> Result<(usize, usize), String> {
     let side = |side: &str| side.parse().ok().filter(|side| (1..=16_384).contains(side));
     let size = text.split_once('x');
     size.and_then(|(width, height)| Some((side(width)?, side(height)?)))

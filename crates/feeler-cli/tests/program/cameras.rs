@@ -50,6 +50,89 @@ fn cameras_are_listed_in_words_and_in_json() {
     assert!(listed["video4linux"]["missing"].is_array());
 }
 
+#[test]
+fn a_genicam_camera_is_measured() {
+    let folder = folder("cameras-measure");
+    run(&folder, &["cameras", "--measure", "picture.png"])
+        .refused(&["--measure picture.png: expected a camera"]);
+    run(&folder, &["cameras", "--gain=1"]).refused(&["--gain is for --measure"]);
+    run(&folder, &["cameras", "--rate=10"]).refused(&["--measure"]);
+    if !has_aravis(&folder) {
+        return;
+    }
+    run(&folder, &["cameras", "--measure", "genicam:none"]).refused(&["no such camera"]);
+    let measure = ["cameras", "--measure", "genicam:Fake_1", "--rate=20"];
+    let size = ["--size=320x240", "--exposure=0.001"];
+    let words = run(&folder, &[&measure[..], &size].concat()).done();
+    for expected in [
+        "genicam:Fake_1: 320x240 px",
+        "(20 Hz requested)",
+        " dropped, 0 damaged",
+        " MB/s",
+        "jitter",
+    ] {
+        assert!(words.contains(expected), "no {expected:?} in {words}");
+    }
+    let json = run(&folder, &[&measure[..], &size, &["--json"]].concat()).done();
+    let measured: Value = serde_json::from_str(&json).expect("JSON");
+    let number = |key: &str| {
+        measured[key]
+            .as_f64()
+            .unwrap_or_else(|| panic!("{key}: {json}"))
+    };
+    assert_eq!(measured["camera"], "genicam:Fake_1");
+    assert_eq!((number("width_px"), number("height_px")), (320.0, 240.0));
+    let (frames, seconds, rate) = (number("frames"), number("seconds"), number("rate"));
+    assert!(
+        (rate - (frames - 1.0) / seconds).abs() < 1e-6 && frames > 1.0,
+        "{json}"
+    );
+    // A byte each pixel.
+    let bytes = number("bytes_per_second");
+    assert!(
+        (bytes - rate * 320.0 * 240.0).abs() < 1e-3 * bytes,
+        "{json}"
+    );
+    for spread in ["decoding", "interval"] {
+        let [min, mean, max] = ["min", "mean", "max"].map(|key| measured[spread][key].as_f64());
+        assert!(min.is_some() && min <= mean && mean <= max, "{json}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_measurement_that_is_interrupted_says_what_it_has() {
+    use std::process::{Command, Stdio};
+    let folder = folder("cameras-measure-interrupted");
+    if !has_aravis(&folder) {
+        return;
+    }
+    let measure = ["cameras", "--measure", "genicam:Fake_1", "--json"];
+    let mut child = crate::program::feeler(&folder, &measure);
+    let child = child.stdout(Stdio::piped()).stderr(Stdio::piped());
+    let child = child.spawn().expect("the program");
+    std::thread::sleep(std::time::Duration::from_secs(2));
+    let id = child.id().to_string();
+    assert!(
+        Command::new("kill")
+            .args(["-INT", &id])
+            .status()
+            .unwrap()
+            .success()
+    );
+    let ended = crate::program::Ended::of(child.wait_with_output().unwrap());
+    // On a busy computer it may not have begun.
+    if ended.status == Some(1) {
+        let measured: Value = serde_json::from_str(&ended.stdout).expect("JSON");
+        assert!(
+            measured["seconds"]
+                .as_f64()
+                .is_some_and(|seconds| seconds < 4.0),
+            "{ended:?}"
+        );
+    }
+}
+
 /// Two elements on the ramp that the simulated camera's pictures are.
 const LAYOUT: &str = "version = 1\nwidth = 512\nheight = 512\ndark_level = 10\n\
     [[element]]\ncentre_px = [160.0, 200.0]\nradius_px = 20.0\n[[element]]\ncentre_px = [320.0, 200.0]\nradius_px = 20.0\n";

@@ -1,0 +1,346 @@
+//! `feeler cameras --measure`: what a camera achieves, by some seconds of its pictures.
+
+use super::{Arguments, CommandError, Kind, Outcome};
+use crate::camera::{CameraName, NAMES};
+use crate::interrupt::watch_for_interrupt;
+use crate::json;
+use crate::progress::Working;
+use crate::sense::is_raised;
+use feeler_sources::pump::{Captured, FramePump};
+use serde::Serialize;
+use std::io::{self, Write, stderr};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+use std::time::{Duration, Instant};
+
+/// Duration of a measurement, from the first picture on.
+const DURATION: Duration = Duration::from_secs(5);
+/// Longest time before the first picture.
+const FIRST: Duration = Duration::from_secs(15);
+/// How long to wait for a picture before looking whether to stop.
+const WAIT: Duration = Duration::from_millis(50);
+
+/// Measures the camera that the arguments name, or else the only one in `kinds`.
+pub fn measure(
+    arguments: &Arguments,
+    named: Option<&Path>,
+    kinds: impl FnOnce() -> [Kind; 2],
+    out: &mut dyn Write,
+) -> Result<Outcome, CommandError> {
+    let source = match named {
+        Some(camera) => camera.to_path_buf(),
+        None => only_camera(kinds())?,
+    };
+    let Some(name) = CameraName::of(&source) else {
+        let source = source.display();
+        return Err(format!("--measure {source}: expected a camera, {NAMES}").into());
+    };
+    let interrupted = watch_for_interrupt()?;
+    let (size, rate) = (arguments.size, arguments.rate);
+    let camera = name.open(arguments.camera.settings(size, rate))?.camera;
+    let pump = FramePump::start(camera, size)?;
+    let working = Working::on("measuring");
+    let mut counted = Counted::default();
+    counted.count(&pump, &interrupted)?;
+    drop(working);
+    let measured = counted.measured(&source, size, rate)?;
+    match arguments.json {
+        true => json::print(&measured, out)?,
+        false => measured.say(out)?,
+    }
+    Ok(match is_raised(&interrupted) {
+        true => Outcome::GivenUp,
+        false => Outcome::Done,
+    })
+}
+
+/// The camera to measure if none is named.
+fn only_camera(kinds: [Kind; 2]) -> Result<PathBuf, CommandError> {
+    let (mut names, mut missing) = (Vec::new(), Vec::new());
+    for kind in kinds {
+        names.extend(kind.cameras.into_iter().map(|camera| camera.name));
+        missing.extend(kind.missing);
+    }
+    match &names[..] {
+        [name] => Ok(PathBuf::from(name)),
+        [] => Err(format!("--measure: no camera found; {}", missing.join("; ")).into()),
+        _ => {
+            let names = names.join(", ");
+            Err(format!("--measure: several cameras found; expected one of {names}").into())
+        }
+    }
+}
+
+/// What came of the pictures so far.
+#[derive(Default)]
+struct Counted {
+    frames: u64,
+    damaged: u64,
+    /// Frame number and stamp (s) of the first and of the newest picture.
+    first: Option<(u64, f64)>,
+    newest: Option<(u64, f64)>,
+    /// Time between pictures that follow each other by their numbers, s.
+    intervals: Vec<f64>,
+    /// Bytes of all pictures but the first, which was sent before the measurement begins.
+    bytes: Option<u64>,
+    /// Duration of decoding of each picture, s.
+    decoding: Vec<f64>,
+}
+
+impl Counted {
+    /// Counts pictures until the measurement ends or is `interrupted`.
+    fn count(&mut self, pump: &FramePump, interrupted: &AtomicBool) -> Result<(), CommandError> {
+        let began = Instant::now();
+        let mut until = began + FIRST;
+        while !is_raised(interrupted) && Instant::now() < until {
+            let Some(captured) = pump.next(WAIT) else {
+                continue;
+            };
+            let is_first = self.frames == 0;
+            self.add(&captured);
+            match captured.frame {
+                Ok(frame) => {
+                    if is_first {
+                        until = Instant::now() + DURATION;
+                    }
+                    pump.give_back(frame);
+                }
+                Err(error) if error.may_pass() => warn(&error.to_string()),
+                Err(error) => {
+                    let frames = self.frames;
+                    return Err(format!("{error}; {frames} frames came before").into());
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn add(&mut self, captured: &Captured) {
+        if let Some(warning) = &captured.report.warning {
+            warn(warning);
+        }
+        if matches!(&captured.frame, Err(error) if !error.may_pass()) {
+            return;
+        }
+        let bytes = captured.report.bytes.map(|bytes| bytes as u64);
+        if self.first.is_some() {
+            self.bytes = (self.bytes.or(Some(0)).zip(bytes)).map(|(all, bytes)| all + bytes);
+        } else {
+            self.bytes = bytes.map(|_| 0);
+        }
+        let Ok(frame) = &captured.frame else {
+            self.damaged += u64::from(self.first.is_some());
+            return;
+        };
+        self.frames += 1;
+        let taken = (frame.sequence, frame.stamp);
+        if let Some((sequence, stamp)) = self.newest.replace(taken)
+            && frame.sequence == sequence + 1
+        {
+            self.intervals.push(frame.stamp - stamp);
+        }
+        self.first.get_or_insert(taken);
+        self.decoding.extend(
+            captured
+                .report
+                .decoding
+                .map(|duration| duration.as_secs_f64()),
+        );
+    }
+
+    fn measured(
+        &self,
+        camera: &Path,
+        (width, height): (usize, usize),
+        requested_rate: f64,
+    ) -> Result<Measured, CommandError> {
+        let camera = camera.display().to_string();
+        let (Some((first, began)), Some((newest, ended))) = (self.first, self.newest) else {
+            return Err(format!("{camera}: no picture came; expected at least 1").into());
+        };
+        let seconds = ended - began;
+        // Of one picture nothing is known per second.
+        let per_second = |count: f64| (seconds > 0.0).then(|| count / seconds);
+        let numbers = newest.saturating_sub(first);
+        let later = self.frames - 1;
+        Ok(Measured {
+            camera,
+            width_px: width,
+            height_px: height,
+            requested_rate,
+            frames: self.frames,
+            seconds,
+            rate: per_second(later as f64),
+            dropped: numbers.saturating_sub(later + self.damaged),
+            damaged: self.damaged,
+            bytes_per_second: self.bytes.and_then(|bytes| per_second(bytes as f64)),
+            decoding: Spread::of(&self.decoding),
+            interval: Spread::of(&self.intervals),
+        })
+    }
+}
+
+fn warn(warning: &str) {
+    // Standard error that is closed is no reason to stop.
+    let _ = writeln!(stderr(), "warning: {warning}");
+}
+
+/// What `--json` prints. What is not known is null.
+#[derive(Debug, Serialize)]
+struct Measured {
+    camera: String,
+    width_px: usize,
+    height_px: usize,
+    /// Hz.
+    requested_rate: f64,
+    /// Pictures that came.
+    frames: u64,
+    /// Time between the stamps of the first and the last picture, s.
+    seconds: f64,
+    /// Pictures that came per second, Hz.
+    rate: Option<f64>,
+    /// Pictures that are missing by the frame numbers.
+    dropped: u64,
+    /// Pictures that came and could not be used.
+    damaged: u64,
+    /// As the camera sends them, before decoding.
+    bytes_per_second: Option<f64>,
+    /// Duration of decoding a picture, s.
+    decoding: Option<Spread>,
+    /// Time between the stamps of two pictures with consecutive numbers, s.
+    interval: Option<Spread>,
+}
+
+/// How values are distributed.
+#[derive(Debug, PartialEq, Serialize)]
+struct Spread {
+    mean: f64,
+    min: f64,
+    max: f64,
+    standard_deviation: f64,
+}
+
+impl Spread {
+    /// `None` if there are no values.
+    fn of(values: &[f64]) -> Option<Self> {
+        let count = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / count;
+        let squares = values.iter().map(|value| (value - mean).powi(2));
+        (count > 0.0).then(|| Self {
+            mean,
+            min: values.iter().copied().fold(f64::INFINITY, f64::min),
+            max: values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+            standard_deviation: (squares.sum::<f64>() / count).sqrt(),
+        })
+    }
+}
+
+impl Measured {
+    fn say(&self, out: &mut dyn Write) -> io::Result<()> {
+        let unknown = || "unknown".to_string();
+        let (width, height) = (self.width_px, self.height_px);
+        let requested = self.requested_rate;
+        writeln!(out, "{}: {width}x{height} px", self.camera)?;
+        let rate = self
+            .rate
+            .map_or_else(unknown, |rate| format!("{rate:.2} Hz"));
+        let (frames, seconds) = (self.frames, self.seconds);
+        writeln!(
+            out,
+            "rate       {rate} ({requested} Hz requested); {frames} frames in {seconds:.2} s"
+        )?;
+        let (dropped, damaged) = (self.dropped, self.damaged);
+        writeln!(out, "lost       {dropped} dropped, {damaged} damaged")?;
+        let bandwidth = self.bytes_per_second.map(|bytes| bytes / 1e6);
+        let bandwidth = bandwidth.map_or_else(unknown, |bytes| format!("{bytes:.2} MB/s"));
+        writeln!(out, "bandwidth  {bandwidth}")?;
+        let milliseconds = |spread: &Spread| {
+            let [mean, min, max] = [spread.mean, spread.min, spread.max].map(|value| 1e3 * value);
+            format!("{mean:.2} ms on average, {min:.2} to {max:.2} ms")
+        };
+        let decoding = self.decoding.as_ref().map_or_else(unknown, milliseconds);
+        writeln!(out, "decoding   {decoding}")?;
+        let interval = self.interval.as_ref().map_or_else(unknown, milliseconds);
+        let jitter = self.interval.as_ref().map(|interval| {
+            let jitter = 1e3 * interval.standard_deviation;
+            format!("; jitter {jitter:.2} ms (standard deviation)")
+        });
+        writeln!(out, "interval   {interval}{}", jitter.unwrap_or_default())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use feeler::sensor::camera::{Camera, CameraError, CaptureReport};
+    use feeler::sensor::frame::Frame;
+
+    /// Pictures of 1000 bytes at 100 Hz: number 3 is damaged, 5 and 6 are dropped, 9 is the last.
+    struct Lossy(u64);
+
+    impl Camera for Lossy {
+        fn capture(&mut self, frame: &mut Frame) -> Result<(), CameraError> {
+            let number = self.0;
+            self.0 += if number == 4 { 3 } else { 1 };
+            (frame.sequence, frame.stamp) = (number, 1.0 + 0.01 * number as f64);
+            match number {
+                3 => Err(CameraError::Unreadable {
+                    name: "frame 3".into(),
+                    reason: "torn".into(),
+                }),
+                10 => Err(CameraError::Failed("unplugged".into())),
+                _ => Ok(()),
+            }
+        }
+
+        fn take_report(&mut self) -> CaptureReport {
+            CaptureReport {
+                bytes: Some(1000),
+                decoding: Some(Duration::from_millis(2)),
+                warning: None,
+            }
+        }
+    }
+
+    #[test]
+    fn rate_losses_and_bandwidth_are_measured() {
+        let pump = FramePump::start(Lossy(0), (2, 1)).unwrap();
+        let mut counted = Counted::default();
+        let error = counted.count(&pump, &AtomicBool::new(false)).unwrap_err();
+        assert!(
+            error
+                .to_string()
+                .contains("unplugged; 7 frames came before"),
+            "{error}"
+        );
+        let measured = counted.measured(Path::new("cam"), (2, 1), 100.0).unwrap();
+        assert_eq!(
+            (measured.frames, measured.dropped, measured.damaged),
+            (7, 2, 1)
+        );
+        assert!((measured.seconds - 0.09).abs() < 1e-9);
+        assert!((measured.rate.unwrap() - 6.0 / 0.09).abs() < 1e-6);
+        // Of the pictures after the first, the damaged one included.
+        assert!((measured.bytes_per_second.unwrap() - 7000.0 / 0.09).abs() < 1e-6);
+        let interval = measured.interval.as_ref().unwrap();
+        assert!((interval.mean - 0.01).abs() < 1e-9 && interval.standard_deviation < 1e-9);
+        assert_eq!(measured.decoding.as_ref().unwrap().max, 0.002);
+        let mut words = Vec::new();
+        measured.say(&mut words).unwrap();
+        let words = String::from_utf8(words).unwrap();
+        assert!(words.contains("2 dropped, 1 damaged"), "{words}");
+    }
+
+    #[test]
+    fn without_pictures_nothing_is_measured() {
+        let counted = Counted::default();
+        let error = counted
+            .measured(Path::new("cam"), (2, 1), 30.0)
+            .unwrap_err();
+        assert!(
+            error.to_string().contains("cam: no picture came"),
+            "{error}"
+        );
+        assert_eq!(Spread::of(&[]), None);
+    }
+}
