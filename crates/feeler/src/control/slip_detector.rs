@@ -10,7 +10,7 @@
 //! element misses for that. A dragged object goes no farther than what drags it, so whatever misses more than all that the
 //! fingertip's motion foretells has slipped. Where all that touch slip alike, and by less than that, it sees none of them.
 
-use super::feeler_shape::FeelerShape;
+use super::feeler_shape::{FeelerShape, Stiffness};
 use super::sense::{FingerSense, FingertipPose};
 use glam::DVec3;
 
@@ -64,13 +64,30 @@ impl SlipDetector {
         }
     }
 
+    /// Sets the contact stiffness of the feelers.
+    pub fn set_stiffness(&mut self, stiffness: Stiffness) {
+        self.feeler.normal_stiffness = stiffness.normal;
+        self.feeler.shear_stiffness = stiffness.shear;
+    }
+
     /// Shear (N) that each element has lost by slipping, as far as can be told from what the stiffness leaves open, with
     /// a part of what it lost before: what slips slips on. About 0 or less where it sticks, touches nothing, or has only
     /// begun to touch. To be called once a frame.
     pub fn detect(&mut self, finger: &FingerSense<'_>) -> &[f64] {
-        let forces = &finger.touch.frame.forces;
+        let along = self.foretell(finger);
+        self.detect_on(finger, along)
+    }
+
+    /// Predicts the shear of this frame. Returns the part of the fingertip's motion that the touched object may have followed,
+    /// 0 to 1, judged by this finger alone. To be called once a frame, before [`detect_on`](Self::detect_on).
+    pub fn foretell(&mut self, finger: &FingerSense<'_>) -> f64 {
         self.predict(finger);
-        let along = self.gone_along(forces);
+        self.gone_along(&finger.touch.frame.forces)
+    }
+
+    /// Like [`detect`](Self::detect), but on an object that has followed the part `along` of the fingertip's motion, 0 to 1.
+    pub fn detect_on(&mut self, finger: &FingerSense<'_>, along: f64) -> &[f64] {
+        let forces = &finger.touch.frame.forces;
         let own = self.forces.iter_mut().zip(&mut self.missing);
         for ((force, foretold), (last, missing)) in forces.iter().zip(&self.foretold).zip(own) {
             let carried = (PERSISTENCE * *missing).clamp(0.0, MOST_CARRIED);

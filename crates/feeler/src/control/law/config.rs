@@ -114,7 +114,11 @@ impl LawConfig {
             Self::Pivot(_) => concat!(
                 include_str!("pivot/mod.rs"),
                 include_str!("pivot/circle.rs"),
+                include_str!("pivot/course.rs"),
                 include_str!("pivot/finger.rs"),
+                include_str!("pivot/finger/closing.rs"),
+                include_str!("pivot/friction.rs"),
+                include_str!("pivot/needed_grip.rs"),
                 include_str!("pivot/stiffness.rs"),
                 include_str!("pivot/stroke.rs"),
             ),

@@ -63,6 +63,16 @@ fn a_law_is_named_or_given_with_its_values() {
 }
 
 #[test]
+fn the_law_pivot_grips_firmly_unless_a_file_asks_for_another_grip() {
+    let grip = |grip: &str| law(&format!("law.pivot = {{ grip = {grip:?} }}"));
+    assert_eq!(grip("firm").ok(), LawConfig::named("pivot"));
+    let needed = grip("as-needed").expect("a law");
+    assert_ne!(Some(needed), LawConfig::named("pivot"));
+    let message = grip("loose").expect_err("refused");
+    assert!(message.contains("`firm` or `as-needed`"), "{message}");
+}
+
+#[test]
 fn a_task_tells_what_it_is() {
     let screw = config().task;
     assert_eq!(

@@ -1,10 +1,13 @@
 //! One finger that closes on the object and turns it about the pivot.
 
-use super::PivotConfig;
+mod closing;
+
 use super::circle::{Circle, CircleFit};
 use super::course::Course;
+use super::needed_grip::{NeededGrip, Surface};
 use super::stiffness::StiffnessFit;
 use super::stroke::{Lesson, Sample, StrokeRecord};
+use super::{Grip, PivotConfig};
 use crate::control::feeler_shape::Stiffness;
 use crate::control::plan::Plan;
 use crate::control::sense::FingerSense;
@@ -17,8 +20,6 @@ const NOISE: f64 = 0.03;
 const RATE_FILTER: f64 = 0.5;
 /// How far ahead the largest element force is extrapolated, s: about a control period and a drive's lag.
 const LEAD: f64 = 0.03;
-/// The first closing ends when an element is pressed with this, relative to F2.
-const FIRST_CLOSING: f64 = 0.8;
 /// In the first stroke, whose path does not count, an element force is regulated to this, relative to F2…
 const FIRST_FORCE: f64 = 0.95;
 /// …with this gain, 1/s.
@@ -32,20 +33,6 @@ const SETTLED: u32 = 2;
 /// Largest element force to aim for, relative to F2, while the object has not yet resisted being turned: when it does, the
 /// force rises although the path stays.
 const LOOSE_FORCE: f64 = 1.0;
-/// Fraction of a shift of the object's surface that is added to the radius: between 1, for an object that turned with
-/// the finger, and 0, for one that stood still.
-const SURFACE_PART: f64 = 0.5;
-/// A finger has closed when it is this close to its radius, m.
-const CLOSED_WITHIN: f64 = 2e-5;
-/// Slowest approach, relative to the planned speed.
-const SLOWEST: f64 = 0.1;
-/// Lateral distance from the start of its stroke above which a finger waits at [`WAIT_AT`], m.
-const ASIDE: f64 = 2e-4;
-/// Distance from its radius at which it waits, m.
-const WAIT_AT: f64 = 0.004;
-/// Fastest motion to the side while closing, m/s.
-const SIDEWAYS_SPEED: f64 = 0.005;
-
 /// Kind of motion that a plan requests of a finger.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Motion {
@@ -92,6 +79,7 @@ pub(super) struct Finger {
     onset_before: Option<Onset>,
     course: Course,
     record: StrokeRecord,
+    needed_grip: NeededGrip,
     /// Number of strokes from which a lesson was computed.
     strokes: u32,
     lesson: Option<Lesson>,
@@ -117,6 +105,7 @@ impl Finger {
             onset_before: None,
             course: Course::default(),
             record: StrokeRecord::new(),
+            needed_grip: NeededGrip::new(touch_force, layout.elements.len()),
             strokes: 0,
             lesson: None,
         }
@@ -174,6 +163,25 @@ impl Finger {
         }
     }
 
+    /// Predicts the shear forces of the newest frame. Returns the part of the fingertip's motion that the object may have
+    /// followed, 0 to 1, judged by this finger alone.
+    pub fn foretell_shear(&mut self, sense: &FingerSense<'_>) -> f64 {
+        self.needed_grip.foretell(sense)
+    }
+
+    /// Updates slip and the necessary grasp force with the newest frame, on an object that has followed the part `along` of
+    /// the fingertip's motion, 0 to 1.
+    pub fn feel_slip(&mut self, sense: &FingerSense<'_>, circle: Option<Circle>, along: f64) {
+        if let (Some(stiffness), Some(circle)) = (self.stiffness, circle) {
+            let surface = Surface {
+                stiffness,
+                pivot: circle.centre,
+            };
+            let turns = self.motion == Motion::Turn;
+            self.needed_grip.feel(sense, surface, turns, along);
+        }
+    }
+
     fn feel_element(
         &mut self,
         sense: &FingerSense<'_>,
@@ -201,26 +209,6 @@ impl Finger {
         }
     }
 
-    /// Returns whether a closing finger has reached its radius or its force limit; `None` if the finger is not closing, or
-    /// if the task's grasp force decides.
-    pub fn has_closed(
-        &self,
-        config: &PivotConfig,
-        rated_force: f64,
-        circle: Option<Circle>,
-    ) -> Option<bool> {
-        if self.motion != Motion::Close {
-            return None;
-        }
-        match (self.lesson, circle) {
-            (Some(lesson), Some(circle)) => {
-                let left = self.position.distance(circle.centre) - self.radius(&lesson, &circle);
-                Some(left < CLOSED_WITHIN || self.force > config.guard_force * rated_force)
-            }
-            _ => (self.force > FIRST_CLOSING * rated_force).then_some(true),
-        }
-    }
-
     /// Updates the kind of motion from the latest plan; starts and ends closing motions and strokes.
     pub fn follow(
         &mut self,
@@ -239,6 +227,7 @@ impl Finger {
             return;
         }
         if before == Motion::Turn
+            && config.grip == Grip::Firm
             && let Some(circle) = circle
         {
             self.learn(config, rated_force, &circle);
@@ -251,6 +240,9 @@ impl Finger {
             }
             Motion::Turn => {
                 self.stiffness = self.stiffness_fit.stiffness();
+                if let Some(stiffness) = self.stiffness {
+                    self.needed_grip.set_stiffness(stiffness);
+                }
                 self.record = StrokeRecord::new();
                 self.course.start = self.position;
             }
@@ -286,38 +278,6 @@ impl Finger {
             LOOSE_FORCE
         };
         config.peak_force.min(most) * rated_force
-    }
-
-    /// Radius of the present stroke, m: as `lesson` has it, moved along with the object's surface where contact began.
-    fn radius(&self, lesson: &Lesson, circle: &Circle) -> f64 {
-        let (Some(now), Some(before), Some(k)) = (self.onset, self.onset_before, self.stiffness)
-        else {
-            return lesson.radius;
-        };
-        let surface =
-            |onset: Onset| onset.position.distance(circle.centre) + onset.force / k.normal;
-        lesson.radius + SURFACE_PART * (surface(now) - surface(before))
-    }
-
-    /// Velocity of a closing finger, m/s, in W: towards its radius, and sideways until its stroke begins relative to
-    /// the pivot as planned relative to the hand's centre; `offset` (m) is the pivot's from that centre.
-    pub fn close(&self, plan: &Plan, config: &PivotConfig, circle: Circle, offset: DVec2) -> DVec3 {
-        let Some(lesson) = self.lesson else {
-            return plan.velocity;
-        };
-        let left = self.position.distance(circle.centre) - self.radius(&lesson, &circle);
-        let speed = plan.velocity.length();
-        let slowed = (config.gain * left).clamp(SLOWEST * speed, speed);
-        let approach = plan.velocity.clamp_length_max(slowed);
-        let direction = self.course.direction;
-        let aside = (offset - (self.position - self.home())).dot(direction);
-        if speed == 0.0 || self.grip > 0.0 {
-            return approach;
-        }
-        let sideways = (config.gain * aside).clamp(-SIDEWAYS_SPEED, SIDEWAYS_SPEED) * direction;
-        let waits = aside.abs() > ASIDE && left < WAIT_AT;
-        let approach = if waits { DVec3::ZERO } else { approach };
-        approach + sideways.extend(0.0)
     }
 
     /// Velocity of a finger that turns the object, m/s, in W: around the pivot at the planned speed, at the radius
@@ -363,7 +323,16 @@ impl Finger {
             (self.force + LEAD * rate - share * rated_force) / stiffness.normal
         };
         let wanted = match self.lesson {
-            None => FIRST_GAIN * excess(FIRST_FORCE, self.force_rate),
+            None => {
+                let limit = FIRST_GAIN * excess(FIRST_FORCE, self.force_rate);
+                match config.grip {
+                    Grip::Firm => limit,
+                    Grip::AsNeeded => {
+                        let depth = self.force / stiffness.normal;
+                        self.needed_grip.speed(depth).max(limit)
+                    }
+                }
+            }
             Some(lesson) => {
                 let gives = lesson.compliance * (self.grip - lesson.mean_grip);
                 config.gain * (inside + gives)

@@ -4,13 +4,16 @@
 //! stiffness of its feelers (`stiffness.rs`). The displaced tips of all touching feelers then lie on the object's surface;
 //! a circle through them (`circle.rs`) gives the pivot. In MOVE each fingertip goes around the pivot at a radius that is
 //! learnt from stroke to stroke, so that the largest element force approaches `peak_force` times F2
-//! (`stroke.rs`).
+//! (`stroke.rs`). With [`Grip::AsNeeded`], the radius follows the grasp force that the load needs instead
+//! (`needed_grip.rs`).
 //!
 //! The object's axis is taken to be parallel to z of W; positions here are x and y in W.
 
 mod circle;
 mod course;
 mod finger;
+mod friction;
+mod needed_grip;
 mod stiffness;
 mod stroke;
 
@@ -25,10 +28,30 @@ use finger::{Finger, Motion};
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
+/// How firmly the fingers grip.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Grip {
+    /// As firmly as the rating of the elements allows: turns the object with the largest torque.
+    #[default]
+    Firm,
+    /// Little more firmly than slip shows to be necessary: squeezes the object least.
+    AsNeeded,
+}
+
+impl Grip {
+    fn is_firm(&self) -> bool {
+        *self == Self::Firm
+    }
+}
+
 /// Parameters of the law.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct PivotConfig {
+    /// How firmly the fingers grip.
+    #[serde(skip_serializing_if = "Grip::is_firm")]
+    pub grip: Grip,
     /// Largest element force that a stroke aims for, relative to F2.
     pub peak_force: f64,
     /// Element force above which a finger retreats from the object, relative to F2; at least `peak_force`.
@@ -45,6 +68,7 @@ impl Default for PivotConfig {
     /// period of 10 ms begin to swing at a gain of about 30/s.
     fn default() -> Self {
         Self {
+            grip: Grip::Firm,
             peak_force: 1.16,
             guard_force: 1.19,
             gain: 12.0,
@@ -118,6 +142,17 @@ impl Pivot {
         self.circle = Some(Circle { centre, radius });
     }
 
+    /// Updates slip and the necessary grasp force of each finger. As all fingers turn the same object, the element that
+    /// sticks best, of any finger, shows how far the object has followed their motion.
+    fn feel_slip(&mut self, hand: &HandSense<'_>) {
+        let fingers = self.fingers.iter_mut().zip(hand.fingers());
+        let along = fingers.map(|(finger, sense)| finger.foretell_shear(&sense));
+        let along = along.fold(1.0, f64::min);
+        for (finger, sense) in self.fingers.iter_mut().zip(hand.fingers()) {
+            finger.feel_slip(&sense, self.circle, along);
+        }
+    }
+
     /// Offset of the pivot from the centre of the fingers' start positions, m; zero for a single finger.
     fn pivot_offset(&self, circle: &Circle) -> DVec2 {
         if self.fingers.len() < 2 {
@@ -134,6 +169,9 @@ impl HandLaw for Pivot {
             finger.feel(&sense, self.contacts.as_mut());
         }
         self.circle = self.contacts.as_ref().map(CircleFit::circle);
+        if self.config.grip == Grip::AsNeeded {
+            self.feel_slip(hand);
+        }
         for (finger, closed) in self.fingers.iter().zip(closed) {
             *closed = finger.has_closed(&self.config, self.rated_force, self.circle);
         }

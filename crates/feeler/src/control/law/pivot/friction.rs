@@ -1,0 +1,169 @@
+//! Friction coefficient of one finger's contact, learnt from elements that stick and elements that slip.
+
+/// An element that lost more shear than this has slipped if it used most of the friction; relative to the standard deviation of
+/// the noise.
+const SLIP_NOISES: f64 = 4.0;
+/// Part of the friction coefficient from which on an element is likely to slip.
+const NEAR: f64 = 0.92;
+/// An element that lost more shear than this has slipped in any case; relative to its normal force.
+const LARGE_LOSS: f64 = 0.2;
+/// Range of friction coefficients.
+const RANGE: (f64, f64) = (0.1, 3.0);
+/// Weight of a slip at a larger ratio than the coefficient, or of a larger ratio that an element bears without slip…
+const RISE: f64 = 0.3;
+/// …and of a slip at a smaller ratio, which may be a false alarm.
+const FALL: f64 = 0.1;
+/// Relative growth of the coefficient without slip, 1/s, so that the grip falls until an element slips.
+const GROWTH: f64 = 0.05;
+
+/// Forces on one touching element at the newest frame.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Observation {
+    /// Tangential force relative to normal force.
+    pub ratio: f64,
+    /// Normal force, N.
+    pub normal: f64,
+    /// Shear lost since the frame before, N.
+    pub lost: f64,
+    /// Standard deviation of the noise of a shear component, N.
+    pub noise: f64,
+}
+
+/// Friction between one finger and the object.
+#[derive(Debug, Clone)]
+pub(super) struct Friction {
+    /// Friction coefficient; `None` before the first slip.
+    coefficient: Option<f64>,
+    /// Tangential relative to normal force of each element at the frame before; `None` if it did not touch.
+    ratios: Vec<Option<f64>>,
+    /// Whether an element slipped in the newest frame.
+    slips: bool,
+}
+
+impl Friction {
+    /// The friction of a finger of `elements` elements, before the first contact.
+    pub fn new(elements: usize) -> Self {
+        Self {
+            coefficient: None,
+            ratios: vec![None; elements],
+            slips: false,
+        }
+    }
+
+    /// Friction coefficient, or `None` before the first slip.
+    pub fn coefficient(&self) -> Option<f64> {
+        self.coefficient
+    }
+
+    /// Whether an element slipped in the newest frame.
+    pub fn slips(&self) -> bool {
+        self.slips
+    }
+
+    /// Starts a frame that comes `interval` (s) after the one before.
+    pub fn start(&mut self, interval: f64) {
+        let slipped = std::mem::take(&mut self.slips);
+        if !slipped && let Some(coefficient) = &mut self.coefficient {
+            *coefficient *= 1.0 + GROWTH * interval;
+        }
+    }
+
+    /// Ends the stroke: no element touches, no element slips.
+    pub fn rest(&mut self) {
+        self.ratios.fill(None);
+        self.slips = false;
+    }
+
+    /// Adds an element; `now` is `None` if it does not touch.
+    pub fn add(&mut self, element: usize, now: Option<Observation>) {
+        let Some(ratio) = self.ratios.get_mut(element) else {
+            return;
+        };
+        let before = std::mem::replace(ratio, now.map(|now| now.ratio));
+        let (Some(before), Some(now)) = (before, now) else {
+            return;
+        };
+        let is_near = self.coefficient.is_none_or(|known| before > NEAR * known);
+        if now.lost > SLIP_NOISES * now.noise && (is_near || now.lost > LARGE_LOSS * now.normal) {
+            // The ratio at which it slipped is the one before: sliding friction is smaller.
+            self.learn(before);
+            self.slips = true;
+        } else if self.coefficient.is_some_and(|known| now.ratio > known) {
+            self.learn(now.ratio);
+        }
+    }
+
+    fn learn(&mut self, ratio: f64) {
+        let ratio = ratio.clamp(RANGE.0, RANGE.1);
+        let known = self.coefficient.unwrap_or(ratio);
+        let weight = if ratio > known { RISE } else { FALL };
+        self.coefficient = Some(known + weight * (ratio - known));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn observation(ratio: f64, lost: f64) -> Option<Observation> {
+        Some(Observation {
+            ratio,
+            normal: 0.2,
+            lost,
+            noise: 0.002,
+        })
+    }
+
+    /// The frames of one element, 10 ms apart: ratio, and shear lost (N).
+    fn felt(frames: &[(f64, f64)]) -> Friction {
+        let mut friction = Friction::new(1);
+        for &(ratio, lost) in frames {
+            friction.start(0.01);
+            friction.add(0, observation(ratio, lost));
+        }
+        friction
+    }
+
+    #[test]
+    fn the_first_slip_shows_the_friction_before_it() {
+        assert_eq!(felt(&[(0.8, 0.0), (0.9, 0.0)]).coefficient(), None);
+        let friction = felt(&[(0.8, 0.0), (0.9, 0.0), (0.6, 0.02)]);
+        assert_eq!(friction.coefficient(), Some(0.9));
+        assert!(friction.slips());
+    }
+
+    #[test]
+    fn noise_is_no_slip() {
+        let friction = felt(&[(0.8, 0.0), (0.9, 0.0), (0.9, 0.007)]);
+        assert!(!friction.slips() && friction.coefficient().is_none());
+    }
+
+    #[test]
+    fn an_element_that_uses_little_friction_slips_only_by_a_large_loss() {
+        let known = [(0.9, 0.0), (0.6, 0.02), (0.5, 0.0)];
+        assert!(!felt(&[&known[..], &[(0.5, 0.02)]].concat()).slips());
+        let friction = felt(&[&known[..], &[(0.2, 0.05)]].concat());
+        assert!(friction.slips());
+        // A tenth of the way from 0.9 to 0.5, but for the growth in a frame without slip.
+        let coefficient = friction.coefficient().expect("a coefficient");
+        assert!((coefficient - 0.86).abs() < 0.002, "{coefficient}");
+    }
+
+    #[test]
+    fn a_larger_ratio_without_slip_raises_the_friction() {
+        let friction = felt(&[(0.9, 0.0), (0.6, 0.02), (1.0, 0.0)]);
+        let coefficient = friction.coefficient().expect("a coefficient");
+        assert!((coefficient - 0.93).abs() < 1e-12, "{coefficient}");
+    }
+
+    #[test]
+    fn the_friction_grows_until_an_element_slips() {
+        let mut friction = felt(&[(0.9, 0.0), (0.6, 0.02)]);
+        for _ in 0..=100 {
+            friction.start(0.01);
+        }
+        let coefficient = friction.coefficient().expect("a coefficient");
+        let grown = 0.9 * (1.0 + 0.01 * GROWTH).powi(100);
+        assert!((coefficient - grown).abs() < 1e-12, "{coefficient}");
+    }
+}

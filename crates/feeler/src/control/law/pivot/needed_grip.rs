@@ -1,0 +1,223 @@
+//! Grip of a finger that presses the object little more than slip shows to be necessary.
+//!
+//! The least grasp force is the load on the finger over the friction coefficient (`friction.rs`). A slip is answered in the
+//! same control period: a pulse of velocity presses the feelers deeper by a fixed part, however slow the drives
+//! are, and the grasp force stays higher for a while.
+
+use super::friction::{Friction, Observation};
+use crate::control::feeler_shape::{FeelerShape, Stiffness};
+use crate::control::sense::FingerSense;
+use crate::control::slip_detector::SlipDetector;
+use glam::{DVec2, DVec3};
+
+/// Additional grasp force after a slip, relative to the least that holds…
+const EXTRA: f64 = 0.15;
+/// …which decays with this time constant, s.
+const EXTRA_TIME: f64 = 0.1;
+/// Depth of the pulse after a slip, relative to the depth to which the feelers are pressed.
+const PULSE: f64 = 0.45;
+/// Least grasp force, relative to F1: below F1 an element does not touch, and its slip is not noticed.
+const LEAST_TOUCH: f64 = 1.5;
+/// Relative change of the grasp force per relative error, 1/s.
+const GAIN: f64 = 10.0;
+/// Largest relative error that the gain applies to.
+const LARGEST_ERROR: f64 = 0.5;
+/// Fastest motion towards the object and away from it, m/s.
+const INWARD_SPEED: f64 = 0.05;
+const OUTWARD_SPEED: f64 = 0.004;
+/// Time over which the load is extrapolated, s: about a control period and a drive's lag…
+const LOAD_LEAD: f64 = 0.03;
+/// …and the grasp force, s.
+const GRIP_LEAD: f64 = 0.015;
+/// Weight of the newest rate in a low-passed rate.
+const RATE_FILTER: f64 = 0.4;
+/// Weight of the newest frame in the variance of the noise.
+const NOISE_FILTER: f64 = 0.02;
+/// An element whose force is below this does not touch, N.
+const UNTOUCHED: f64 = 0.03;
+
+/// A force, N, and its low-passed rate, N/s.
+#[derive(Debug, Clone, Copy, Default)]
+struct Tracked {
+    force: f64,
+    rate: f64,
+}
+
+impl Tracked {
+    fn update(&mut self, force: f64, interval: f64) {
+        if interval > 0.0 {
+            let rate = (force - self.force) / interval;
+            self.rate += RATE_FILTER * (rate - self.rate);
+        }
+        self.force = force;
+    }
+
+    fn after(self, time: f64) -> f64 {
+        self.force + time * self.rate
+    }
+}
+
+/// Object's surface at a finger that turns it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Surface {
+    /// Contact stiffness of the feelers.
+    pub stiffness: Stiffness,
+    /// The object's axis, m, x and y in W.
+    pub pivot: DVec2,
+}
+
+impl Surface {
+    /// Force on the feeler of `element`, N: along the surface's normal (positive where it is pressed), along the surface's
+    /// tangent across z of W, and along z. `None` if the element does not touch.
+    fn force(&self, sense: &FingerSense<'_>, element: usize) -> Option<DVec3> {
+        let own = sense.layout.elements.get(element)?;
+        let force = *sense.touch.frame.forces.get(element)?;
+        if force.z < UNTOUCHED || !force.is_finite() {
+            return None;
+        }
+        let tip = sense.layout.tip(element) + own.rotation * self.stiffness.displacement(force);
+        let tip = sense.pose.position + sense.pose.rotation * tip;
+        let outward = (tip.truncate() - self.pivot).normalize_or_zero();
+        let force = sense.force(element);
+        let across = force.truncate();
+        Some(DVec3::new(
+            across.dot(outward),
+            outward.perp_dot(across),
+            force.z,
+        ))
+    }
+}
+
+/// Grasp force that one finger needs, from the load on it and from slip.
+#[derive(Debug, Clone)]
+pub(super) struct NeededGrip {
+    detector: SlipDetector,
+    friction: Friction,
+    /// F1, N.
+    touch_force: f64,
+    /// Sequence number of the newest frame, and whether [`Self::feel`] has yet to process it.
+    newest: Option<u64>,
+    is_new: bool,
+    stamp: f64,
+    /// Interval between the two newest frames, s.
+    interval: f64,
+    /// Variance of the noise of a shear component, N².
+    noise: f64,
+    /// Sums over the touching elements: force along the surface's normal, and along its tangent across z of W.
+    normal: Tracked,
+    load: Tracked,
+    /// Additional grasp force by the latest slip, relative to the least that holds.
+    extra: f64,
+}
+
+impl NeededGrip {
+    /// The grip of a finger of `elements` elements, which touch above `touch_force` (F1, N).
+    pub fn new(touch_force: f64, elements: usize) -> Self {
+        let feeler = FeelerShape::default();
+        Self {
+            detector: SlipDetector::on_what_may_move(feeler, touch_force, elements),
+            friction: Friction::new(elements),
+            touch_force,
+            newest: None,
+            is_new: false,
+            stamp: 0.0,
+            interval: 0.0,
+            noise: 0.0,
+            normal: Tracked::default(),
+            load: Tracked::default(),
+            extra: 0.0,
+        }
+    }
+
+    /// Sets the contact stiffness of the feelers.
+    pub fn set_stiffness(&mut self, stiffness: Stiffness) {
+        self.detector.set_stiffness(stiffness);
+    }
+
+    /// Predicts the shear forces of a new frame. Returns the part of the fingertip's motion that the object may have followed,
+    /// 0 to 1, judged by this finger alone; 1 if the frame is not new.
+    pub fn foretell(&mut self, sense: &FingerSense<'_>) -> f64 {
+        let sequence = Some(sense.touch.frame.sequence);
+        self.is_new = std::mem::replace(&mut self.newest, sequence) != sequence;
+        if !self.is_new {
+            return 1.0;
+        }
+        self.measure_noise(&sense.touch.frame.forces);
+        self.detector.foretell(sense)
+    }
+
+    /// Updates slip, friction and load with a new frame of a finger that `turns` the object. The object has followed the part
+    /// `along` of the fingertip's motion, 0 to 1.
+    pub fn feel(&mut self, sense: &FingerSense<'_>, surface: Surface, turns: bool, along: f64) {
+        if !std::mem::take(&mut self.is_new) {
+            return;
+        }
+        let frame = &sense.touch.frame;
+        self.interval = frame.stamp - std::mem::replace(&mut self.stamp, frame.stamp);
+        self.extra *= (-self.interval / EXTRA_TIME).exp();
+        if turns {
+            self.friction.start(self.interval);
+        } else {
+            self.friction.rest();
+        }
+        let noise = self.noise.sqrt();
+        let lost = self.detector.detect_on(sense, along);
+        let (mut normal, mut load) = (0.0, 0.0);
+        for (index, (force, &lost)) in frame.forces.iter().zip(lost).enumerate() {
+            let contact = surface.force(sense, index).unwrap_or_default();
+            normal += contact.x;
+            load += contact.y;
+            let touches = turns && force.z > self.touch_force && contact.x > 0.0;
+            let now = touches.then(|| Observation {
+                ratio: contact.y.hypot(contact.z) / contact.x,
+                normal: force.z,
+                lost,
+                noise,
+            });
+            self.friction.add(index, now);
+        }
+        self.normal.update(normal, self.interval);
+        self.load.update(load, self.interval);
+        if self.friction.slips() {
+            self.extra = EXTRA;
+        }
+    }
+
+    /// Updates the noise with the elements that do not touch.
+    fn measure_noise(&mut self, forces: &[DVec3]) {
+        let untouched = forces.iter().filter(|force| force.z < UNTOUCHED);
+        let squares = untouched.map(|force| 0.5 * force.truncate().length_squared());
+        let (count, sum) = squares.fold((0.0, 0.0), |(count, sum), square| {
+            (count + 1.0, sum + square)
+        });
+        if count > 0.0 && sum.is_finite() {
+            self.noise += NOISE_FILTER * (sum / count - self.noise);
+        }
+    }
+
+    /// Speed away from the pivot, m/s, of a finger whose most pressed feeler yields by `depth` (m).
+    pub fn speed(&self, depth: f64) -> f64 {
+        let pulse = if self.friction.slips() && self.interval > 0.0 {
+            PULSE / self.interval
+        } else {
+            0.0
+        };
+        let change = self.missing_grip().clamp(-LARGEST_ERROR, LARGEST_ERROR);
+        let inward = (GAIN * change + pulse) * depth;
+        -inward.clamp(-OUTWARD_SPEED, INWARD_SPEED)
+    }
+
+    /// Grasp force that is missing, relative to the present one; 0 while the friction is unknown or nothing touches.
+    fn missing_grip(&self) -> f64 {
+        let (Some(friction), true) = (self.friction.coefficient(), self.normal.force > 0.0) else {
+            return 0.0;
+        };
+        let needed = (1.0 + self.extra) * self.load.after(LOAD_LEAD).abs() / friction;
+        let least = LEAST_TOUCH * self.touch_force;
+        let normal = self.normal.after(GRIP_LEAD).max(0.5 * self.normal.force);
+        needed.max(least) / normal - 1.0
+    }
+}
+
+#[cfg(test)]
+mod tests;
