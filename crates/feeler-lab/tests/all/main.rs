@@ -4,6 +4,7 @@
 
 mod control_contract;
 mod environment;
+mod needed_grip;
 mod own_task;
 mod record;
 mod runs;
