@@ -1,5 +1,6 @@
 //! `feeler cameras --measure`: what a camera achieves, by some seconds of its pictures.
 
+use super::measured::{Measured, Spread};
 use super::{Arguments, CommandError, Kind, Outcome};
 use crate::camera::{CameraName, NAMES};
 use crate::interrupt::watch_for_interrupt;
@@ -7,8 +8,7 @@ use crate::json;
 use crate::progress::Working;
 use crate::sense::is_raised;
 use feeler_sources::pump::{Captured, FramePump};
-use serde::Serialize;
-use std::io::{self, Write, stderr};
+use std::io::{Write, stderr};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
@@ -63,7 +63,10 @@ fn only_camera(kinds: [Kind; 2]) -> Result<PathBuf, CommandError> {
     }
     match &names[..] {
         [name] => Ok(PathBuf::from(name)),
-        [] => Err(format!("--measure: no camera found; {}", missing.join("; ")).into()),
+        [] => {
+            missing.insert(0, "--measure: no camera found".to_owned());
+            Err(format!("{}; expected {NAMES}", missing.join("; ")).into())
+        }
         _ => {
             let names = names.join(", ");
             Err(format!("--measure: several cameras found; expected one of {names}").into())
@@ -183,90 +186,6 @@ impl Counted {
 fn warn(warning: &str) {
     // Standard error that is closed is no reason to stop.
     let _ = writeln!(stderr(), "warning: {warning}");
-}
-
-/// What `--json` prints. What is not known is null.
-#[derive(Debug, Serialize)]
-struct Measured {
-    camera: String,
-    width_px: usize,
-    height_px: usize,
-    /// Hz.
-    requested_rate: f64,
-    /// Pictures that came.
-    frames: u64,
-    /// Time between the stamps of the first and the last picture, s.
-    seconds: f64,
-    /// Pictures that came per second, Hz.
-    rate: Option<f64>,
-    /// Pictures that are missing by the frame numbers.
-    dropped: u64,
-    /// Pictures that came and could not be used.
-    damaged: u64,
-    /// As the camera sends them, before decoding.
-    bytes_per_second: Option<f64>,
-    /// Duration of decoding a picture, s.
-    decoding: Option<Spread>,
-    /// Time between the stamps of two pictures with consecutive numbers, s.
-    interval: Option<Spread>,
-}
-
-/// How values are distributed.
-#[derive(Debug, PartialEq, Serialize)]
-struct Spread {
-    mean: f64,
-    min: f64,
-    max: f64,
-    standard_deviation: f64,
-}
-
-impl Spread {
-    /// `None` if there are no values.
-    fn of(values: &[f64]) -> Option<Self> {
-        let count = values.len() as f64;
-        let mean = values.iter().sum::<f64>() / count;
-        let squares = values.iter().map(|value| (value - mean).powi(2));
-        (count > 0.0).then(|| Self {
-            mean,
-            min: values.iter().copied().fold(f64::INFINITY, f64::min),
-            max: values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
-            standard_deviation: (squares.sum::<f64>() / count).sqrt(),
-        })
-    }
-}
-
-impl Measured {
-    fn say(&self, out: &mut dyn Write) -> io::Result<()> {
-        let unknown = || "unknown".to_string();
-        let (width, height) = (self.width_px, self.height_px);
-        let requested = self.requested_rate;
-        writeln!(out, "{}: {width}x{height} px", self.camera)?;
-        let rate = self
-            .rate
-            .map_or_else(unknown, |rate| format!("{rate:.2} Hz"));
-        let (frames, seconds) = (self.frames, self.seconds);
-        writeln!(
-            out,
-            "rate       {rate} ({requested} Hz requested); {frames} frames in {seconds:.2} s"
-        )?;
-        let (dropped, damaged) = (self.dropped, self.damaged);
-        writeln!(out, "lost       {dropped} dropped, {damaged} damaged")?;
-        let bandwidth = self.bytes_per_second.map(|bytes| bytes / 1e6);
-        let bandwidth = bandwidth.map_or_else(unknown, |bytes| format!("{bytes:.2} MB/s"));
-        writeln!(out, "bandwidth  {bandwidth}")?;
-        let milliseconds = |spread: &Spread| {
-            let [mean, min, max] = [spread.mean, spread.min, spread.max].map(|value| 1e3 * value);
-            format!("{mean:.2} ms on average, {min:.2} to {max:.2} ms")
-        };
-        let decoding = self.decoding.as_ref().map_or_else(unknown, milliseconds);
-        writeln!(out, "decoding   {decoding}")?;
-        let interval = self.interval.as_ref().map_or_else(unknown, milliseconds);
-        let jitter = self.interval.as_ref().map(|interval| {
-            let jitter = 1e3 * interval.standard_deviation;
-            format!("; jitter {jitter:.2} ms (standard deviation)")
-        });
-        writeln!(out, "interval   {interval}{}", jitter.unwrap_or_default())
-    }
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@
 )]
 mod genicam;
 mod measure;
+mod measured;
 #[cfg_attr(
     not(all(feature = "camera", target_os = "linux")),
     path = "no_video.rs"

@@ -58,7 +58,7 @@ impl Videos {
             if let Err(ended) = video.capture(&mut frame) {
                 break ended;
             }
-            if frame.sequence % every == 0 {
+            if frame.sequence.is_multiple_of(every) {
                 let places = locator.places(&frame.picture);
                 let found = places.unwrap_or_else(|error| {
                     failed.get_or_insert(error);

@@ -89,6 +89,9 @@ impl Stage {
                 captured = pump.next(WAIT);
             }
             let Some(captured) = captured else { continue };
+            if let Some(warning) = &captured.report.warning {
+                tally.warn(warning);
+            }
             match captured.frame {
                 Ok(frame) => {
                     self.see(&frame.picture, frame.sequence)?;

@@ -1,7 +1,7 @@
 //! The file of measured wrenches: which picture was taken under which total force and torque.
 //!
-//! A [`table`](crate::sensor::table) with a column `picture` (a file, relative to the CSV; or `FILE.mcap@TIME`, the frame of a recording at a time in s), or with
-//! `recording` (an .mcap file) and `time` (s) instead; and at least one of `f_x, f_y, f_z` (N) and `m_x, m_y, m_z` (N m), in any order,
+//! A [`table`](crate::sensor::table) with a column `picture` (a file, relative to the CSV; or `FILE@TIME`, the frame of a recording or a video at a time in s), or
+//! with `recording` (an .mcap file or a video) and `time` (s) instead; and at least one of `f_x, f_y, f_z` (N) and `m_x, m_y, m_z` (N m), in any order,
 //! others ignored. A cell is empty where nothing was measured. A column `recording` beside `picture` says which pictures belong
 //! together; without one, names do ([`recordings`](super::recordings)).
 
@@ -49,7 +49,7 @@ pub enum ForcesError {
 /// One row: a picture and what was measured when it was taken.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredPicture {
-    /// File of the picture, or `FILE.mcap@TIME`, as it stands in the CSV.
+    /// File of the picture, or `FILE@TIME`, as it stands in the CSV.
     pub picture: String,
     /// Line of the row.
     pub line: u64,
