@@ -107,7 +107,8 @@ pub fn circle_figure(page: &IdentifyPage, number: u32) -> Figure {
         (y - reach, y + reach),
         "x (mm)",
         "y (mm)",
-    );
+    )
+    .with_equal_aspect();
     let title = "Object, along its axis";
     let caption = "Centres of the tips that touch, one dot for each element and place, where the forces have pushed them; the circle through them, and its centre, the pivot. \
         The object's radius is less by that of a tip.";
