@@ -4,6 +4,9 @@ use crate::config::ExperimentConfig;
 use strsim::damerau_levenshtein as distance;
 use toml::Value;
 
+/// The name under which a sweep varies all coefficients of friction together; of no single key.
+pub const FRICTION: &str = "friction";
+
 /// Every single value of an experiment with its key, defaults included.
 pub fn leaves(config: &ExperimentConfig) -> Vec<(String, Value)> {
     let mut found = Vec::new();
@@ -51,7 +54,12 @@ pub fn find<'a>(name: &str, leaves: &'a [(String, Value)]) -> Result<&'a (String
     if let Some(exact) = leaves.iter().find(|(key, _)| key == name) {
         return Ok(exact);
     }
-    let meant: Vec<_> = leaves.iter().filter(|(key, _)| means(name, key)).collect();
+    // The coefficients are meant at least as likely as the key of this name, their variation.
+    let is_meant = |key: &str| match name {
+        FRICTION => key.ends_with(FRICTION),
+        name => means(name, key),
+    };
+    let meant: Vec<_> = leaves.iter().filter(|(key, _)| is_meant(key)).collect();
     match meant[..] {
         [one] => Ok(one),
         [] => Err(format!(
@@ -116,6 +124,13 @@ mod tests {
         );
         assert_eq!(key("slip_threshold").unwrap(), "control.slip_threshold");
         assert!(key("elements").unwrap_err().contains("could mean any of"));
+        let friction = key("friction").unwrap_err();
+        assert!(
+            friction.contains("sim.feeler.static_friction")
+                && friction.contains("sim.variation.friction"),
+            "{friction}"
+        );
+        assert_eq!(key("variation.friction").unwrap(), "sim.variation.friction");
         assert!(
             key("slip_treshold")
                 .unwrap_err()

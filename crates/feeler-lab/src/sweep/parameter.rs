@@ -6,12 +6,9 @@ use super::distribution::{Distribution, number_text};
 use super::multiplier::Multiplier;
 use super::ranges::Entry;
 use crate::config::Experiment;
-use crate::config::key::{find, leaves, number};
+use crate::config::key::{FRICTION, find, leaves, number};
 use feeler::control::law::LawConfig;
 use toml::Value;
-
-/// The name that means the static friction of all feelers and objects, the kinetic in proportion.
-pub const FRICTION: &str = "friction";
 
 /// Largest relative difference of two linked values that are called equal: what 12 digits leave.
 const SAME: f64 = 1e-12;
@@ -56,6 +53,7 @@ impl Parameter {
             .ok_or("expected NAME=DISTRIBUTION, as in friction=uniform(0.3,1.2)")?;
         let name = name.trim();
         let leaves = leaves(&experiment.config);
+        // The static friction of all feelers and objects, the kinetic in proportion.
         let (keys, value) = if name == FRICTION {
             let keys = frictions(&leaves);
             let first = keys.first().and_then(|(key, _)| find(key, &leaves).ok());
