@@ -132,17 +132,12 @@ impl<R: BufRead> TaxelRows<R> {
         Ok(false)
     }
 
-    /// Refuses a first row with more cells than the header between commas, as decimal commas make them: so would be all rows.
+    /// Refuses a first row with half as many cells again as the header between commas, as decimal commas make them: so would be all rows.
     fn refuse_decimal_commas(&self, line: u64) -> Result<(), TableError> {
         let (cells, expected) = (self.cells.count(), self.columns.roles.len());
         let separator = self.cells.separator();
-        let are_more = separator == b',' && cells > expected;
-        let is_filled = self
-            .cells
-            .iter()
-            .skip(expected)
-            .any(|cell| !cell.is_empty());
-        match are_more && is_filled {
+        let filled = self.cells.iter().filter(|cell| !cell.is_empty()).count();
+        match separator == b',' && 2 * filled > 3 * expected {
             true => Err(TableError::CellCount {
                 line,
                 cells,

@@ -35,6 +35,8 @@ fn sensed(layout: &TaxelLayout, table: &[u8]) -> (Vec<TactileFrame>, Vec<(Troubl
                 assert_eq!(count, frames.len() as u64);
                 break;
             }
+            // A first row of more cells than the header.
+            Err(SensorError::Table(_)) if frames.is_empty() => break,
             Err(error) => panic!("{error}"),
         }
     }
@@ -241,27 +243,44 @@ fn numbers_that_are_not_clear_and_other_units_are_not_guessed() {
         ],
         [false, true, false]
     );
-    // Decimal commas between commas make more cells: no force of any.
-    let (frames, troubles) = sensed(
-        &newtons(),
-        format!("{HEADER}0,5,1,5,2,5,3,5,4,5,5,5\n").as_bytes(),
+    // Decimal commas between commas make more cells: in the first row, they are those of all rows.
+    let commas = "0,5,1,5,2,5,3,5,4,5,5,5\n";
+    let error = first_error(&format!("{HEADER}{commas}"));
+    assert!(
+        error.contains(
+            "line 2: 12 cells; expected 6, as in the header; if numbers have decimal commas"
+        ),
+        "{error}"
     );
-    assert_eq!(
-        (frames[0].is_valid(0), &*troubles),
-        (false, &[(Trouble::CellCount, 1, 2)][..])
-    );
+    // A later row, or one with a cell more, has no force of any.
+    for table in [
+        format!("{HEADER}1,2,3,4,5,6\n{commas}"),
+        format!("{HEADER}1,2,3,4,5,6,7\n"),
+    ] {
+        let (frames, troubles) = sensed(&newtons(), table.as_bytes());
+        let last = frames.last().unwrap();
+        assert_eq!(
+            (last.is_valid(0), &*troubles),
+            (
+                false,
+                &[(Trouble::CellCount, 1, 1 + frames.len() as u64)][..]
+            )
+        );
+    }
     let message = refused(&newtons(), &HEADER.replace("t0_x", "T0x [mN]")).to_string();
     assert_eq!(
         message,
         "column \"T0x [mN]\" is in \"mN\"; expected N, the unit in the layout"
     );
-    let table = format!("{HEADER}mN,mN,mN,mN,mN,mN\n1,2,3,4,5,6\n");
-    let mut sensor = TaxelSensor::open(table.as_bytes(), &newtons(), None).unwrap();
-    let error = sensor
-        .read(&mut TactileFrame::unloaded(2))
-        .unwrap_err()
-        .to_string();
+    let error = first_error(&format!("{HEADER}mN,mN,mN,mN,mN,mN\n1,2,3,4,5,6\n"));
     assert!(error.contains("is in \"mN\"; expected N"), "{error}");
+}
+
+/// Why the first row of a table is refused.
+fn first_error(table: &str) -> String {
+    let mut sensor = TaxelSensor::open(table.as_bytes(), &newtons(), None).unwrap();
+    let read = sensor.read(&mut TactileFrame::unloaded(2));
+    read.unwrap_err().to_string()
 }
 
 /// Gives its bytes out a few at a time, and is interrupted between.
