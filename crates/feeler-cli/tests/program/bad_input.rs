@@ -353,9 +353,12 @@ fn recordings_of_which_nothing_is_readable() {
         nothing_looks_valid(&run_folder);
     }
     fs::remove_file(&recording).unwrap();
-    for path in ["run", "nowhere", "run/figures/fig-08.svg"] {
+    for path in ["run", "nowhere"] {
         run(&folder, &["report", path]).refused(&[path, "no recording", "expected the folder"]);
     }
+    let figure = "run/figures/fig-08.svg";
+    run(&folder, &["report", figure]).refused(&[figure, "nothing readable"]);
+    assert!(!run_folder.join("figures/fig-08").exists());
 }
 
 fn nothing_looks_valid(run_folder: &Path) {
