@@ -88,7 +88,8 @@ impl Quantity {
 pub fn are_units<'a>(cells: impl Iterator<Item = &'a str>) -> bool {
     let mut is_named = false;
     for cell in cells.map(without_brackets) {
-        let is_known = is_known(cell) || COUNTS.contains(&&*cell.to_ascii_lowercase());
+        let counts = COUNTS.iter().any(|name| name.eq_ignore_ascii_case(cell));
+        let is_known = counts || is_known(cell);
         is_named |= is_known;
         if !is_known && !is_no_unit(cell) {
             return false;
