@@ -197,3 +197,11 @@ fn the_probe_does_not_allocate() {
     }
     assert_eq!(controller.phase(), Phase::Done);
 }
+
+/// Its fingers start farther from the cap than those of cap-closing.
+#[test]
+fn a_probe_reaches_as_far_as_the_task_searches() {
+    let folder = folder("identify-any-hand");
+    let said = run(&folder, &["identify", "any-hand", "--out", "found"]).done();
+    assert!(said.contains("found/identified.toml"), "{said}");
+}

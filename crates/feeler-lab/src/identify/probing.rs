@@ -16,13 +16,17 @@ use feeler::control::task::probe::ProbeConfig;
 /// If it has another task, or the probe does not suit it.
 pub fn probing(experiment: &Experiment) -> Result<Experiment, IdentifyError> {
     let config = &experiment.config;
-    let finger = match &config.task {
+    let screw = match &config.task {
         TaskConfig::Probe(_) => return Ok(experiment.clone()),
-        TaskConfig::Screw(screw) => screw.finger.clone(),
+        TaskConfig::Screw(screw) => screw,
         other => return Err(IdentifyError::NoRectangle { task: other.name() }),
     };
+    let probe = ProbeConfig {
+        search_limit: screw.search_limit,
+        ..ProbeConfig::gentle(screw.finger.clone(), config.control.over_force)
+    };
     let mut probing = ExperimentConfig {
-        task: TaskConfig::Probe(ProbeConfig::gentle(finger, config.control.over_force)),
+        task: TaskConfig::Probe(probe),
         ..config.clone()
     };
     probing.control.law = LawConfig::default();
