@@ -111,7 +111,9 @@ impl Fit<'_> {
         };
         let fit = |_: &_| fit(geometry.made_for, records, choice, full_scale);
         let fitted = interruptible(py, fit, |_| Ok(()))?;
-        Ok(Calibration(fitted.map_err(refused)?))
+        let calibration = fitted.map_err(refused)?;
+        calibration.check_magnitude().map_err(refused)?;
+        Ok(Calibration(calibration))
     }
 }
 

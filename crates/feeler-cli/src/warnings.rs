@@ -1,4 +1,4 @@
-//! Warnings on standard error that hold nobody up: a terminal may be paused, a pipe full.
+//! Warnings on standard error: at once, or so that they hold nobody up, as a terminal may be paused and a pipe full.
 
 use feeler_link::programs::Warn;
 use std::io::{Write, stderr};
@@ -7,6 +7,12 @@ use std::sync::mpsc::{Receiver, SyncSender, channel, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
+
+/// Prints a warning on standard error at once, for commands that may wait for whoever reads it.
+pub fn warn(warning: &str) {
+    // Standard error that is closed is no reason to stop.
+    let _ = writeln!(stderr(), "warning: {warning}");
+}
 
 /// Warnings that may wait until somebody takes them.
 const WAITING: usize = 64;

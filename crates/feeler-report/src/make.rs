@@ -239,7 +239,7 @@ fn draw<T>(
 /// Makes a folder and those that it is in, unless it is there.
 ///
 /// # Errors
-/// When it cannot be made; that a file has its name, in words.
+/// If it cannot be made; names the file that is in its place, or in that of a folder above it.
 pub fn create_folder(path: &Path) -> io::Result<()> {
     fs::create_dir_all(path).map_err(|error| match error.kind() {
         ErrorKind::AlreadyExists | ErrorKind::NotADirectory => {

@@ -1,6 +1,7 @@
 //! Refuses loads that cannot be what the pictures show, with the options that convert or keep them.
 
 use super::CommandError;
+use crate::warnings::warn;
 use feeler::sensor::calibration::{Calibration, explained};
 use feeler::sensor::calibration_fit::ElementRecord;
 use feeler::sensor::live_calibration::ForceAxes;
@@ -40,7 +41,7 @@ pub fn after_fitting(
     let checked = loads.check_fit(measured, calibration);
     let doubtful = checked.map_err(|error| format!("{error}{}", keeping(&error)))?;
     if let Some(load) = doubtful {
-        super::warn(&format!("{load} Or is its picture unlike the others?"));
+        warn(&format!("{load} Or is its picture unlike the others?"));
     }
     Ok(())
 }
@@ -73,7 +74,7 @@ fn way_out(error: &LoadsFileError, axes: ForceAxes) -> String {
     format!(" If the table is so, {option}{instead} converts it")
 }
 
-/// How to keep what is refused.
+/// Names the option that accepts loads which are refused.
 fn keeping(error: &LoadsFileError) -> String {
     let what = error.to_string();
     let separator = if what.ends_with('?') { "" } else { ";" };

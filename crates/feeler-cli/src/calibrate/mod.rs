@@ -23,7 +23,7 @@ use feeler_lab::config::Experiment;
 use feeler_lab::sensor::{LoadsFile, SensorGeometry};
 use feeler_sim::calibration_bench::{CalibrationBenchConfig, load_simulated};
 use serde::Serialize;
-use std::io::{self, Write, stderr};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 /// The experiment whose fingertip is calibrated unless another is named.
@@ -181,6 +181,7 @@ pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, 
     let fitting = Working::on("fitting");
     let mut calibration = fit(sensor.made_for, &records, arguments.model, full_scale)?;
     calibration.loads_confirmed = arguments.confirm_loads;
+    calibration.check_magnitude()?;
     drop(fitting);
     if !arguments.force_fit {
         checks::noise(&calibration, &records)?;
@@ -265,12 +266,6 @@ fn print(arguments: &Arguments, calibration: &Calibration, out: &mut dyn Write) 
         verbose: arguments.verbose,
     };
     writeln!(out, "{report}")
-}
-
-/// Says what the user may want to look at.
-fn warn(warning: &str) {
-    // Standard error that is closed is no reason to stop.
-    let _ = writeln!(stderr(), "warning: {warning}");
 }
 
 /// The experiment whose fingertip it is.

@@ -5,13 +5,13 @@ mod table;
 
 use super::checks::CONFIRM;
 use super::{
-    Arguments, Calibrated, CommandError, Outcome, experiment_name, live, page_path,
-    refuse_existing, warn,
+    Arguments, Calibrated, CommandError, Outcome, experiment_name, live, page_path, refuse_existing,
 };
 use crate::json;
 use crate::part_file::Outputs;
 use crate::progress::{Steps, Working};
 use crate::sense::sensor::named_sensor;
+use crate::warnings::warn;
 use feeler::sensor::wrench::quality::{HeldOut, outlier};
 use feeler::sensor::wrench::{WrenchFit, fit};
 use feeler_lab::sensor::{ForcesFile, MeasuredSamples};

@@ -7,8 +7,9 @@ use crate::interrupt::watch_for_interrupt;
 use crate::json;
 use crate::progress::Working;
 use crate::sense::is_raised;
+use crate::warnings::warn;
 use feeler_sources::pump::{Captured, FramePump};
-use std::io::{Write, stderr};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
@@ -181,11 +182,6 @@ impl Counted {
             interval: Spread::of(&self.intervals),
         })
     }
-}
-
-fn warn(warning: &str) {
-    // Standard error that is closed is no reason to stop.
-    let _ = writeln!(stderr(), "warning: {warning}");
 }
 
 #[cfg(test)]

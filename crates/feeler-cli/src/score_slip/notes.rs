@@ -1,6 +1,6 @@
 //! What was odd: of each kind the first few are said, and how many more there were.
 
-use std::io::{Write, stderr};
+use crate::warnings::warn;
 
 /// How many of a kind are said.
 const SAID: usize = 4;
@@ -68,8 +68,7 @@ impl Notes {
     /// Says all of it on standard error.
     pub fn tell(&self) {
         for sentence in self.sentences() {
-            // Where nobody listens, the page has it.
-            let _ = writeln!(stderr(), "warning: {sentence}");
+            warn(&sentence);
         }
     }
 }

@@ -271,6 +271,12 @@ fn loads_that_no_soft_element_bears_are_refused_unless_confirmed() {
         "{}",
         normal(&confirmed)
     );
+    // No program would read a calibration of such a full scale.
+    bench.refuses(
+        |_| {},
+        &["--full-scale-normal", "50"],
+        &["full_scale is 50 N", "expected 0.01 to 20 N"],
+    );
     // A unit in the header converts.
     let header = [
         "picture", "element", "Fx [mN]", "Fy [mN]", "Fz [mN]", "column", "row", "x_angle",

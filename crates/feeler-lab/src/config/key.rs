@@ -4,7 +4,7 @@ use crate::config::ExperimentConfig;
 use strsim::damerau_levenshtein as distance;
 use toml::Value;
 
-/// The name under which a sweep varies all coefficients of friction together; of no single key.
+/// Name by which a sweep varies all friction coefficients together. As the name of a single key it is ambiguous.
 pub const FRICTION: &str = "friction";
 
 /// Every single value of an experiment with its key, defaults included.
@@ -54,7 +54,7 @@ pub fn find<'a>(name: &str, leaves: &'a [(String, Value)]) -> Result<&'a (String
     if let Some(exact) = leaves.iter().find(|(key, _)| key == name) {
         return Ok(exact);
     }
-    // The coefficients are meant at least as likely as the key of this name, their variation.
+    // Only the variation of the coefficients is called so, but the coefficients may be meant.
     let is_meant = |key: &str| match name {
         FRICTION => key.ends_with(FRICTION),
         name => means(name, key),
@@ -97,9 +97,9 @@ fn nearest(name: &str, leaves: &[(String, Value)]) -> Vec<String> {
     ranked.into_iter().take(4).map(|(_, key)| key).collect()
 }
 
-/// A question for the one of `names` that is spelt most like `name`, to be put behind an error; empty where none is like it.
+/// End of an error message that suggests the most similar of `names`; empty if none is similar to `name`.
 pub fn did_you_mean<'a>(name: &str, names: impl Iterator<Item = &'a str>) -> String {
-    /// Letters that may differ, of so many.
+    /// Largest part of the letters that may differ.
     const DIFFERENT: f64 = 1.0 / 3.0;
     let most = (DIFFERENT * name.len() as f64).ceil() as usize;
     let like = names.map(|other| (distance(name, other), other)).min();

@@ -80,6 +80,20 @@ impl ForceMap {
         }
     }
 
+    /// Whether `inputs` are within the ranges of the loads, or beyond them by at most the part `margin` of each.
+    pub(super) fn covers(&self, inputs: Inputs, margin: f64) -> bool {
+        let Inputs {
+            growth,
+            displacement,
+        } = inputs;
+        let inputs = [growth, displacement.x, displacement.y];
+        let within = |(input, [low, high]): (f64, [f64; 2])| {
+            let margin = margin * (high - low);
+            (low - margin..=high + margin).contains(&input)
+        };
+        inputs.into_iter().zip(self.ranges()).all(within)
+    }
+
     /// Which of the two it is.
     pub fn model(&self) -> CalibrationModel {
         match self {
@@ -137,16 +151,7 @@ impl ElementCalibration {
         if !(is_lit && moments.centroid.is_finite()) {
             return ForceValidity::Dark;
         }
-        let Inputs {
-            growth,
-            displacement,
-        } = self.inputs(moments);
-        let inputs = [growth, displacement.x, displacement.y];
-        let within = |(input, [low, high]): (f64, [f64; 2])| {
-            let margin = MARGIN * (high - low);
-            (low - margin..=high + margin).contains(&input)
-        };
-        if inputs.into_iter().zip(self.map.ranges()).all(within) {
+        if self.map.covers(self.inputs(moments), MARGIN) {
             ForceValidity::Calibrated
         } else {
             ForceValidity::Extrapolated
@@ -204,7 +209,7 @@ pub struct Calibration {
     pub force_unit: ForceUnit,
     /// What shares of full scale refer to.
     pub full_scale: FullScale,
-    /// Whether its user has confirmed loads out of the usual range ([`ELEMENT_RANGE`]).
+    /// Whether loads outside of the usual range ([`ELEMENT_RANGE`]) were confirmed when it was made.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub loads_confirmed: bool,
     /// What it was made for.
@@ -290,8 +295,12 @@ impl Calibration {
         check_signs(&self.elements)
     }
 
-    /// Refuses a calibration whose largest forces no soft element bears, or no picture shows, as forces in another unit are.
-    fn check_magnitude(&self) -> Result<(), CalibrationError> {
+    /// Refuses a calibration whose largest forces no soft element bears, or no picture shows, as forces in another unit are. One that is
+    /// refused is refused again whenever its file is read.
+    ///
+    /// # Errors
+    /// Full scale or the forces at the ends of the ranges are out of range, and loads are not [confirmed](Self::loads_confirmed).
+    pub fn check_magnitude(&self) -> Result<(), CalibrationError> {
         /// A map may be this many times beyond the largest load at the ends of its ranges.
         const BEYOND: f64 = 3.0;
         if self.loads_confirmed {

@@ -55,8 +55,7 @@ pub struct HeldOutError {
 impl HeldOutError {
     /// Root mean square and largest of `errors`, N.
     pub fn of(errors: &[DVec3], full_scale: FullScale) -> Self {
-        let squares: DVec3 = errors.iter().map(|error| error * error).sum();
-        let rms = (squares / errors.len().max(1) as f64).map(f64::sqrt);
+        let rms = root_mean_square(errors);
         let worst = errors.iter().fold(DVec3::ZERO, |w, e| w.max(e.abs()));
         Self {
             rms,
@@ -65,6 +64,12 @@ impl HeldOutError {
             worst_percent: full_scale.percent(worst),
         }
     }
+}
+
+/// Root mean square of each component of `errors`; 0 if there are none.
+pub(super) fn root_mean_square(errors: &[DVec3]) -> DVec3 {
+    let squares: DVec3 = errors.iter().map(|error| error * error).sum();
+    (squares / errors.len().max(1) as f64).map(f64::sqrt)
 }
 
 /// What is known of one element's errors, N, along x, y, z of its frame `E_i`.

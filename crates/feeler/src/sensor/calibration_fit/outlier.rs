@@ -1,7 +1,8 @@
 //! Loads that all other loads contradict, as a mistyped one is.
 
-use super::{Calibration, ElementRecord, Inputs, Orders, Prepared};
+use super::{Calibration, ElementRecord, Orders, Prepared};
 use crate::sensor::calibration::ForceMap;
+use crate::sensor::calibration_quality::root_mean_square;
 use glam::DVec3;
 
 /// Least loads of an element among which one can be told from the others.
@@ -29,15 +30,18 @@ pub struct Outlier {
     pub predicted: f64,
     /// Standard deviation of the other loads' errors, N.
     pub usual: f64,
-    /// The largest force among the other loads of all elements, N.
-    pub largest: f64,
 }
 
 impl Outlier {
-    /// Whether it is twice as large as any other load, though its picture is like those of others: no error of pictures, and it decides
-    /// how all others are fitted.
-    pub fn is_beyond_all(&self) -> bool {
-        self.given.abs() > 2.0 * self.largest
+    /// Whether it is twice as large as any other load in `records`. Its picture is like theirs, so that it is no error of the picture; and it
+    /// decides how all others are fitted.
+    pub fn is_beyond_all(&self, records: &[ElementRecord]) -> bool {
+        let elements = records.iter().enumerate();
+        let mut others = elements.flat_map(|(element, record)| {
+            let loads = record.fitted.iter().enumerate();
+            loads.filter(move |(load, _)| (element, *load) != (self.element, self.load))
+        });
+        others.all(|(_, sample)| self.given.abs() > 2.0 * sample.force.length())
     }
 
     /// How many times as large as usual its error is.
@@ -51,31 +55,18 @@ impl Outlier {
 /// though its picture is within the ranges of theirs. `None` too where a fit without it fails.
 pub fn outlier(calibration: &Calibration, records: &[ElementRecord]) -> Option<Outlier> {
     let elements = calibration.elements.iter().zip(records).enumerate();
-    let mut outliers: Vec<_> = elements
-        .filter_map(|(index, (element, record))| {
-            let orders = match &element.map {
-                ForceMap::Separable(_) => None,
-                ForceMap::Coupled(map) => Some(map.orders()),
-            };
-            Some(Outlier {
-                element: index,
-                ..outlier_of(record, orders)?
-            })
-        })
-        .collect();
-    outliers.sort_by(|a, b| a.ratio().total_cmp(&b.ratio()));
-    let mut worst = outliers.pop()?;
-    for (index, record) in records.iter().enumerate() {
-        for (load, sample) in record.fitted.iter().enumerate() {
-            if (index, load) != (worst.element, worst.load) {
-                worst.largest = worst.largest.max(sample.force.length());
-            }
-        }
-    }
-    Some(worst)
+    let outliers = elements.filter_map(|(index, (element, record))| {
+        let orders = match &element.map {
+            ForceMap::Separable(_) => None,
+            ForceMap::Coupled(map) => Some(map.orders()),
+        };
+        outlier_of(index, record, orders)
+    });
+    outliers.max_by(|a, b| a.ratio().total_cmp(&b.ratio()))
 }
 
-fn outlier_of(record: &ElementRecord, orders: Option<Orders>) -> Option<Outlier> {
+/// The same for one element, whose model has these numbers of terms if it is coupled.
+fn outlier_of(element: usize, record: &ElementRecord, orders: Option<Orders>) -> Option<Outlier> {
     if record.fitted.len() < LEAST_LOADS {
         return None;
     }
@@ -109,33 +100,15 @@ fn outlier_of(record: &ElementRecord, orders: Option<Orders>) -> Option<Outlier>
     let least = LEAST_SHARE * largest.fold(0.0, f64::max);
     let limit = (MISTYPED * usual).max(MISTYPED_RMS * rms)[axis].max(least);
     // What the picture of no other load shows is predicted of none.
-    let is_mistyped = error[axis] > limit && is_within(inputs, map.ranges());
+    let is_mistyped = error[axis] > limit && map.covers(inputs, 0.0);
     is_mistyped.then_some(Outlier {
-        element: 0,
+        element,
         load,
         axis,
         given: suspect.force[axis],
         predicted: predicted[axis],
         usual: usual[axis],
-        largest: 0.0,
     })
-}
-
-/// Whether inputs are in the ranges of growth and displacements.
-fn is_within(inputs: Inputs, ranges: [[f64; 2]; 3]) -> bool {
-    let Inputs {
-        growth,
-        displacement,
-    } = inputs;
-    let inputs = [growth, displacement.x, displacement.y].into_iter();
-    inputs
-        .zip(ranges)
-        .all(|(input, [low, high])| (low..=high).contains(&input))
-}
-
-fn root_mean_square(errors: &[DVec3]) -> DVec3 {
-    let squares: DVec3 = errors.iter().map(|error| error * error).sum();
-    (squares / errors.len().max(1) as f64).map(f64::sqrt)
 }
 
 /// Standard deviation of each component of `errors`, N, whatever a few of them are; above zero.

@@ -14,7 +14,8 @@ pub fn check_outliers<'a>(
     pictures: &[TakenPicture],
     names: impl Iterator<Item = &'a str>,
 ) -> Result<Option<LoadCheckError>, LoadCheckError> {
-    let Some(found) = outlier(calibration, &records(pictures)) else {
+    let records = records(pictures);
+    let Some(found) = outlier(calibration, &records) else {
         return Ok(None);
     };
     let is_loaded = |picture: &TakenPicture| {
@@ -33,7 +34,7 @@ pub fn check_outliers<'a>(
         predicted: found.predicted,
         usual: found.usual,
     };
-    match found.is_beyond_all() {
+    match found.is_beyond_all(&records) {
         true => Err(load),
         false => Ok(Some(load)),
     }

@@ -62,7 +62,7 @@ impl RecordBuilder {
     }
 }
 
-/// What `pictures` of one fingertip say of each of its elements.
+/// Loads and moments of each element in `pictures` of one fingertip.
 pub fn records<'a>(pictures: impl IntoIterator<Item = &'a TakenPicture>) -> Vec<ElementRecord> {
     let mut records = Vec::new();
     for TakenPicture { forces, moments } in pictures {

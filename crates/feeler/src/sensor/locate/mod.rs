@@ -114,6 +114,9 @@ pub struct Located {
     pub warnings: Vec<LocateWarning>,
 }
 
+/// Diameter that spots of known size keep, at least, in the means of several pixels that are searched for them, px.
+const LEAST_DIAMETER: f64 = 5.0;
+
 /// Finds the elements in `reference`.
 ///
 /// # Errors
@@ -123,8 +126,8 @@ pub fn locate(reference: &ReferencePicture, config: &LocateConfig) -> Result<Loc
     located(reference, config, find(reference, config)?)
 }
 
-/// Finds the elements in a picture of the sensor on which those of `before` were found: spots of the same polarity and about the same size, in
-/// less than half of the time.
+/// Finds the elements in another picture of the sensor on which `before` was found. Only spots of that polarity and of about that size are
+/// searched, in less than half of the time.
 ///
 /// # Errors
 /// As [`locate`].
@@ -139,9 +142,8 @@ pub fn locate_again(
         spot_diameter_px: Some(before.spot_diameter_px),
         ..*config
     };
-    // Spots of five pixels are found as well.
-    let factor = (before.spot_diameter_px / 5.0) as usize;
-    let factor = factor.max(binning(reference)).max(1);
+    let factor = (before.spot_diameter_px / LEAST_DIAMETER) as usize;
+    let factor = factor.max(binning(reference));
     located(reference, config, find_binned(reference, &known, factor)?)
 }
 
@@ -178,9 +180,9 @@ fn find(
     config: &LocateConfig,
 ) -> Result<(Polarity, FoundSpots), LocateError> {
     let factor = binning(reference);
-    let found = find_binned(reference, config, factor.max(1));
+    let found = find_binned(reference, config, factor);
     match found {
-        // Of a large picture, grain may be: coarser, it is gone.
+        // What is found may be grain, which coarser means do not show.
         Err(LocateError::TooManySpots { .. }) if factor > 1 => {
             find_binned(reference, config, 2 * factor)
         }
@@ -188,13 +190,13 @@ fn find(
     }
 }
 
-/// Pixels to a side of those that a large picture is searched in the means of.
+/// Pixels to a side of the squares whose means are searched for spots: 1 unless the picture has more than [`MOST_PIXELS`].
 fn binning(reference: &ReferencePicture) -> usize {
     let pixels = reference.width * reference.height;
-    (pixels as f64 / MOST_PIXELS as f64).sqrt().ceil() as usize
+    ((pixels as f64 / MOST_PIXELS as f64).sqrt().ceil() as usize).max(1)
 }
 
-/// The same, searched in the means of `factor` by `factor` pixels.
+/// Finds the spots in the means of `factor` by `factor` pixels.
 fn find_binned(
     reference: &ReferencePicture,
     config: &LocateConfig,

@@ -11,11 +11,11 @@ use std::f64::consts::SQRT_2;
 
 /// Least diameter of a blob in the pixels that are searched, px: larger ones are searched in means of several pixels.
 const LEAST_DIAMETER: f64 = 4.0;
-/// Response of a blob relative to the usual one below which it is none of those that are looked for.
+/// Least response of a blob, relative to the median of the strongest ones.
 const LEAST_RESPONSE: f64 = 0.3;
 
-/// Columns and rows of the blobs of about `diameter` px in `picture`, px: of about `count`, all those that are at least a third as strong as is usual
-/// of the strongest. Unlike what [`locate`](super::locate) finds, some of them may be no spots.
+/// Columns and rows (px) of blobs of about `diameter` px in `picture`, in no order: those whose response is at least 0.3 of the median of the `count`
+/// strongest. They are not checked to be spots, as [`locate`](super::locate) does.
 pub(in crate::sensor) fn blobs_of_size<P: AsRef<[u8]>>(
     picture: &Picture<P>,
     polarity: Polarity,
@@ -47,7 +47,7 @@ pub(in crate::sensor) fn blobs_of_size<P: AsRef<[u8]>>(
         .collect()
 }
 
-/// Means of `factor` by `factor` pixels, of a picture in which blobs are bright; `size` is how many there are.
+/// Means of `factor` by `factor` pixels, negated if blobs are dark; as many columns and rows as the last argument says.
 fn binned<P: AsRef<[u8]>>(
     picture: &Picture<P>,
     polarity: Polarity,

@@ -25,7 +25,7 @@ pub use header::Header;
 pub(super) use header::shortened;
 pub use lines::MAX_LINE;
 pub(super) use lines::{Line, Lines};
-pub(super) use number::Decimals;
+pub(super) use number::{Decimals, is_number};
 pub use number::{Mark, NumberError};
 pub use rows::{NumberColumn, Table};
 pub use unit::Quantity;

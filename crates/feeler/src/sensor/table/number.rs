@@ -114,6 +114,11 @@ impl Decimals {
     }
 }
 
+/// Whether a cell has a number, whatever its decimal mark may mean.
+pub fn is_number(cell: &[u8]) -> bool {
+    number(cell).is_some()
+}
+
 /// The number in a cell and its decimal mark, if it has one.
 fn number(cell: &[u8]) -> Option<(f64, Option<Mark>)> {
     let mut text = [0; LONGEST];

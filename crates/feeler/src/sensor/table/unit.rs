@@ -1,7 +1,5 @@
 //! Units of columns.
 
-use std::borrow::Cow;
-
 /// Quantity that a column contains.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
@@ -20,11 +18,13 @@ pub enum Quantity {
 }
 
 /// Names of units, what they are of, and their size in the unit that feeler uses.
-const UNITS: [(&str, Quantity, f64); 30] = [
+const UNITS: [(&str, Quantity, f64); 32] = [
     ("N", Quantity::Force, 1.0),
     ("mN", Quantity::Force, 1e-3),
     ("uN", Quantity::Force, 1e-6),
+    // With the micro sign, and with the Greek letter that looks like it.
     ("µN", Quantity::Force, 1e-6),
+    ("\u{3bc}N", Quantity::Force, 1e-6),
     ("kN", Quantity::Force, 1e3),
     ("newton", Quantity::Force, 1.0),
     ("newtons", Quantity::Force, 1.0),
@@ -43,6 +43,7 @@ const UNITS: [(&str, Quantity, f64); 30] = [
     ("ms", Quantity::Time, 1e-3),
     ("us", Quantity::Time, 1e-6),
     ("µs", Quantity::Time, 1e-6),
+    ("\u{3bc}s", Quantity::Time, 1e-6),
     ("ns", Quantity::Time, 1e-9),
     ("rad", Quantity::Angle, 1.0),
     ("deg", Quantity::Angle, std::f64::consts::PI / 180.0),
@@ -64,7 +65,6 @@ impl Quantity {
         if self == Self::Any {
             return Some(1.0);
         }
-        let name = with_micro_sign(name);
         let own = UNITS
             .iter()
             .find(|(unit, of, _)| *of == self && *unit == name);
@@ -134,16 +134,7 @@ pub fn name_and_unit(column: &str) -> (&str, Option<&str>) {
 }
 
 fn is_known(unit: &str) -> bool {
-    let unit = with_micro_sign(unit);
     UNITS.iter().any(|(name, ..)| *name == unit)
-}
-
-/// A unit with the micro sign in place of the Greek letter that looks like it.
-fn with_micro_sign(unit: &str) -> Cow<'_, str> {
-    match unit.contains('\u{3bc}') {
-        true => unit.replace('\u{3bc}', "\u{b5}").into(),
-        false => unit.into(),
-    }
 }
 
 #[cfg(test)]

@@ -2,9 +2,7 @@
 
 use super::columns::Columns;
 use super::{Place, TaxelError, TaxelLayout, Trouble, Troubles};
-use crate::sensor::table::{
-    Cells, Decimals, Header, Line, Lines, NumberError, separator_of, shortened,
-};
+use crate::sensor::table::{Cells, Header, Line, Lines, is_number, separator_of, shortened};
 use std::io::BufRead;
 
 /// Lines in which a header is looked for.
@@ -70,14 +68,6 @@ pub fn find_header<R: BufRead>(
 fn is_numbers(cells: &Cells) -> bool {
     let numbers = cells.iter().filter(|cell| is_number(cell)).count();
     numbers > 0 && cells.iter().all(|cell| cell.is_empty() || is_number(cell))
-}
-
-/// Whether a cell has a number, or one that may be read in two ways.
-pub fn is_number(cell: &[u8]) -> bool {
-    !matches!(
-        Decimals::new(b';').parse(cell),
-        Err(NumberError::NotANumber)
-    )
 }
 
 fn without_header(

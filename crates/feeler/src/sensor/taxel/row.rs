@@ -1,9 +1,8 @@
 //! From a line to the numbers in it.
 
 use super::columns::{Columns, Role};
-use super::header::is_number;
 use super::{Place, Trouble, Troubles};
-use crate::sensor::table::{Cells, Decimals, NumberError};
+use crate::sensor::table::{Cells, Decimals, NumberError, is_number};
 use glam::DVec3;
 use std::hash::{DefaultHasher, Hash, Hasher};
 

@@ -132,7 +132,8 @@ impl<R: BufRead> TaxelRows<R> {
         Ok(false)
     }
 
-    /// Refuses a first row with half as many cells again as the header between commas, as decimal commas make them: so would be all rows.
+    /// Refuses a table with commas between cells whose first row has more than 1.5 times as many as the header: its numbers have decimal commas, and
+    /// all other rows are alike.
     fn refuse_decimal_commas(&self, line: u64) -> Result<(), TableError> {
         let (cells, expected) = (self.cells.count(), self.columns.roles.len());
         let separator = self.cells.separator();

@@ -213,7 +213,7 @@ impl MarkerTracker {
         Ok(&self.markers)
     }
 
-    /// Spots of the layout's size and which markers they are, if nearly all are.
+    /// Spots of the layout's size, and which markers they are; `None` unless nearly all markers are among them.
     fn matched_quickly<P: AsRef<[u8]>>(
         &self,
         picture: &Picture<P>,
@@ -224,7 +224,7 @@ impl MarkerTracker {
         (matched.quality >= QUICKLY_MATCHED).then_some((places, matched))
     }
 
-    /// Spots of whatever size and which markers they are.
+    /// Spots of whatever size, and which markers they are.
     fn matched_surely<P: AsRef<[u8]>>(
         &self,
         picture: &Picture<P>,

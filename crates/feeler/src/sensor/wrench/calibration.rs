@@ -62,7 +62,7 @@ pub struct WrenchCalibration {
     pub kind: String,
     /// [`VERSION`].
     pub version: u32,
-    /// Whether its user has confirmed forces out of the usual range ([`FINGERTIP_RANGE`]).
+    /// Whether forces outside of the usual range ([`FINGERTIP_RANGE`]) were confirmed when it was made.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub loads_confirmed: bool,
     /// What it was made for.

@@ -33,6 +33,7 @@ const SETTLED: u32 = 2;
 /// Largest element force to aim for, relative to F2, while the object has not yet resisted being turned: when it does, the
 /// force rises although the path stays.
 const LOOSE_FORCE: f64 = 1.0;
+
 /// Kind of motion that a plan requests of a finger.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Motion {
