@@ -1,7 +1,8 @@
 //! `feeler check`
 
-use super::json::{self, Json};
 use super::{CommandError, Outcome};
+use crate::options::Json;
+use feeler_console::print_json;
 use feeler_lab::config::{ConfigError, Experiment};
 use feeler_lab::experiment::warnings::warnings;
 use feeler_lab::experiment::{Session, check_rig};
@@ -49,7 +50,7 @@ pub fn check(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comm
             checked.problems = problems(&**error);
         }
         checked.good = found.is_ok();
-        json::print(&checked, out)?;
+        print_json(&checked, out)?;
     } else {
         // Before what may be refused for the same mistake.
         for warning in &checked.warnings {

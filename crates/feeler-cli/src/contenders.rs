@@ -1,9 +1,9 @@
 //! Control laws on the same trials: a sweep for each, in a folder of the law's name.
 
 use super::CommandError;
-use super::interrupt::watch_for_interrupt;
 use super::trials::TrialArguments;
 use feeler::control::law::LawConfig;
+use feeler_console::watch_for_interrupt;
 use feeler_lab::config::Experiment;
 use feeler_lab::sweep::plan::PLAN;
 use feeler_lab::sweep::store::Store;

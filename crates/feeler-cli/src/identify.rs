@@ -1,7 +1,8 @@
 //! `feeler identify`
 
-use super::part_file::{Outputs, Overwrite};
 use super::{CommandError, Outcome};
+use crate::options::Overwrite;
+use feeler_console::Outputs;
 use feeler_lab::config::Experiment;
 use feeler_lab::identify::{estimate, page, probe, probing};
 use feeler_report::identify_page::{IdentifyPage, identify_page};
@@ -61,7 +62,7 @@ pub fn identify(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, C
     ];
     create_folder(&folder).map_err(|e| format!("--out {}: {e}", folder.display()))?;
     let input = Some(Path::new(&arguments.experiment));
-    let mut outputs = Outputs::new(arguments.overwrite, [input]);
+    let mut outputs = Outputs::new(arguments.overwrite.force, [input]);
     for (name, text) in files {
         let file = outputs.create(&folder.join(name), "--out")?;
         file.finish(text.as_bytes())?;

@@ -1,7 +1,7 @@
 //! `feeler init`
 
-use super::part_file::{Outputs, Overwrite};
 use super::{CommandError, Outcome};
+use feeler_console::Outputs;
 use feeler_lab::config::key::did_you_mean;
 use feeler_lab::config::{BUILT_IN, Experiment};
 use std::collections::BTreeMap;
@@ -41,7 +41,7 @@ pub fn init(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comma
         let file = file.display();
         return Err(format!("{file}: exists already; expected a new file").into());
     }
-    let mut outputs = Outputs::new(Overwrite { force: false }, []);
+    let mut outputs = Outputs::new(false, []);
     let calibrations = missing(file, &experiment.calibration_texts()?)?;
     let toml = outputs.create(file, "FILE.toml")?;
     for (path, text) in &calibrations {

@@ -1,9 +1,6 @@
 #![doc = include_str!("../README.md")]
 #![warn(missing_docs)]
 
-#[cfg(feature = "top")]
-mod arrivals;
-mod bounded;
 mod calibrate;
 mod camera;
 mod cameras;
@@ -18,49 +15,36 @@ mod drives;
 )]
 mod emulated;
 mod export;
-mod flush;
 mod help;
-#[cfg(any(feature = "top", feature = "view", feature = "ros2"))]
-mod history;
 mod identify;
 mod init;
-mod interrupt;
-mod json;
 mod link;
 mod list;
 mod locate;
 mod locate_preview;
-mod output;
-mod part_file;
-mod progress;
+#[cfg(not(feature = "top"))]
+mod no_screen;
+mod options;
 mod replay;
 mod report;
 mod robustness;
 mod ros2;
 mod run;
+mod run_progress;
 mod schema;
 mod score_slip;
-#[cfg_attr(not(feature = "top"), path = "no_screen.rs")]
-mod screen;
 mod sense;
 mod simulate_grasps;
-#[cfg(any(feature = "top", feature = "view", feature = "ros2"))]
-pub mod snapshot;
 mod sweep;
-mod table_file;
 mod throttle;
-#[cfg(feature = "top")]
-pub mod top;
 mod trials;
 mod tune;
 mod urdf;
 mod view;
-mod warnings;
 mod watcher;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
-use feeler_record::{RunEnd, RunState};
-use output::Output;
+use feeler_console::Output;
 use std::io::{Write, stderr, stdout};
 use std::process::ExitCode;
 
@@ -180,23 +164,9 @@ enum Command {
     Man(completions::ManArguments),
 }
 
-/// What a subcommand ends with when its input was good.
-enum Outcome {
-    Done,
-    GivenUp,
-    Differs,
-}
+use feeler_console::Outcome;
 
-impl From<&RunEnd> for Outcome {
-    fn from(end: &RunEnd) -> Self {
-        match end.state {
-            RunState::Done => Self::Done,
-            RunState::GivenUp | RunState::Interrupted => Self::GivenUp,
-        }
-    }
-}
-
-type CommandError = Box<dyn std::error::Error>;
+type CommandError = feeler_console::ProgramError;
 
 /// Runs the program on the process's arguments.
 pub fn main() -> ExitCode {

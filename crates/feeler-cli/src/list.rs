@@ -1,8 +1,9 @@
 //! `feeler list`
 
-use super::json::{self, Json};
 use super::{CommandError, Outcome};
+use crate::options::Json;
 use feeler::sensor::taxel::{BUILT_IN_TAXELS, BuiltInTaxels};
+use feeler_console::print_json;
 use feeler_lab::config::{BUILT_IN, Experiment};
 use serde::Serialize;
 use std::io::Write;
@@ -63,7 +64,7 @@ pub fn list(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comma
     }
     let listed = Listed::new()?;
     if arguments.json.json {
-        json::print(&listed, out)?;
+        print_json(&listed, out)?;
         return Ok(Outcome::Done);
     }
     for Named { name, description } in listed.experiments {

@@ -1,15 +1,17 @@
 //! `feeler locate`
 
-use super::json::{self, Json};
 use super::locate_preview::preview;
-use super::part_file::{Outputs, Overwrite};
-use super::progress::{Steps, Working};
 use super::{CommandError, Outcome};
+use crate::options::Json;
+use crate::options::Overwrite;
 use feeler::sensor::{
     dome::CameraConfig,
     locate::{self, LocateConfig, LocateWarning, MeanPicture, Polarity, ReferencePicture},
     located_layout::{DomeGeometry, LocatedLayout},
 };
+use feeler_console::Outputs;
+use feeler_console::print_json;
+use feeler_console::{Steps, Working};
 use feeler_lab::config::Experiment;
 use feeler_lab::sensor::{file_of, named_picture};
 use serde::Serialize;
@@ -98,7 +100,7 @@ fn distance(text: &str) -> Result<f64, String> {
 pub fn locate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     let references = arguments.references.iter().map(|name| Some(file_of(name)));
     let inputs = references.chain([arguments.dome.as_deref().map(Path::new)]);
-    let mut outputs = Outputs::new(arguments.overwrite, inputs);
+    let mut outputs = Outputs::new(arguments.overwrite.force, inputs);
     // Opened first: locating takes its time.
     let layout_file = outputs.create(&arguments.output, "--output")?;
     let preview_file = match &arguments.preview {
@@ -146,7 +148,7 @@ pub fn locate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Com
         warnings: warnings.iter().map(ToString::to_string).collect(),
     };
     match arguments.json.json {
-        true => json::print(&found, out)?,
+        true => print_json(&found, out)?,
         false => say(&found, located.polarity, out)?,
     }
     Ok(Outcome::Done)

@@ -1,9 +1,9 @@
 //! `feeler replay`
 
-use super::interrupt::watch_for_interrupt;
-use super::progress::{Steps, Working};
 use super::report::{made, print_outcome};
 use super::{CommandError, Outcome};
+use feeler_console::watch_for_interrupt;
+use feeler_console::{Steps, Working};
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::replay::{Comparison, Kind, Replay, ReplayFrom, recorded_experiment};
 use feeler_lab::experiment::run_facts;

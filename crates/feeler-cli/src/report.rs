@@ -1,7 +1,7 @@
 //! `feeler report`
 
-use super::progress::Reading;
 use super::{CommandError, Outcome};
+use feeler_console::Reading;
 use feeler_lab::experiment::run_folder;
 use feeler_report::cap::CapMeasures;
 use feeler_report::criterion::Success;

@@ -1,20 +1,23 @@
 //! `feeler run`
 
 use super::emulated::DrivenBus;
-use super::flush::FlushArguments;
-use super::interrupt::watch_for_interrupt;
+#[cfg(not(feature = "top"))]
+use super::no_screen::Screen;
 use super::report::print_outcome;
-use super::screen::Screen;
 use super::sweep::one_trial;
 use super::throttle::{Throttle, Timing, parse_speed};
 use super::view::{LiveRun, ServerArguments};
 use super::watcher::Watcher;
 use super::{CommandError, Outcome, emulated};
+use crate::options::FlushArguments;
 use feeler::pace::Punctuality;
+use feeler_console::watch_for_interrupt;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::recorded_run::{RecordedRun, RunError, record_options, session};
 use feeler_lab::experiment::{Session, run_folder};
 use feeler_record::RecordOptions;
+#[cfg(feature = "top")]
+use feeler_watch::Screen;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -97,7 +100,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comman
     };
     let page = arguments
         .view
-        .then(|| LiveRun::open(&experiment, &arguments.server, out));
+        .then(|| LiveRun::open(&experiment, (&arguments.server).into(), out));
     let mut page = page.transpose()?;
     let ran = watched_run(
         arguments,

@@ -1,12 +1,13 @@
 //! `feeler simulate-grasps`: grasps in simulation, with labels, as recordings that `feeler score-slip` reads.
 
-use super::interrupt::watch_for_interrupt;
-use super::part_file::{Outputs, Overwrite, PartFile};
-use super::progress::Steps;
 use super::trials::jobs;
 use super::{CommandError, Outcome};
+use crate::options::Overwrite;
 use feeler::sensor::located_layout::{ElementPlace, LAYOUT_VERSION, LocatedLayout};
 use feeler::sensor::polarity::Polarity;
+use feeler_console::Steps;
+use feeler_console::watch_for_interrupt;
+use feeler_console::{Outputs, PartFile};
 use feeler_lab::experiment::ExperimentError;
 use feeler_lab::grasps::simulated::{PICTURE, Scenario, SimulatedGrasp};
 use feeler_report::make::create_folder;
@@ -55,7 +56,7 @@ pub fn simulate_grasps(
     let recordings = arguments.out.join(RECORDINGS);
     create_folder(&recordings)
         .map_err(|e| format!("--out {}: {e}; expected a folder", recordings.display()))?;
-    let mut outputs = Outputs::new(arguments.overwrite, []);
+    let mut outputs = Outputs::new(arguments.overwrite.force, []);
     // Opened first: simulating takes its time.
     let labels_file = outputs.create(&arguments.out.join(LABELS), "--out")?;
     let frames_file = outputs.create(&arguments.out.join(FRAME_LABELS), "--out")?;
@@ -137,7 +138,7 @@ fn write(
     let mut create = |end: &str| outputs.create(&folder.join(format!("{name}.{end}")), "--out");
     let (table, layout) = (create("csv")?, create("toml")?);
     table.finish(table_of(grasp).as_bytes())?;
-    layout.finish(layout_of(grasp).to_toml()?.as_bytes())
+    Ok(layout.finish(layout_of(grasp).to_toml()?.as_bytes())?)
 }
 
 /// What markers show, and the true forces on them.

@@ -1,8 +1,8 @@
 //! Running many trials into a folder: what sweeps, comparisons and robustness studies have in common.
 
 use super::CommandError;
-use super::interrupt::watch_for_interrupt;
 use super::sweep::Bar;
+use feeler_console::watch_for_interrupt;
 use feeler_lab::sweep::store::Store;
 use feeler_lab::sweep::trial::Trials;
 use feeler_lab::sweep::{Ended, engine};

@@ -1,11 +1,12 @@
 //! `feeler tune`
 
 use super::init::missing;
-use super::interrupt::watch_for_interrupt;
-use super::part_file::{Outputs, Overwrite};
-use super::progress::Search;
 use super::trials::{jobs, parse_seed};
 use super::{CommandError, Outcome};
+use crate::options::Overwrite;
+use feeler_console::Outputs;
+use feeler_console::Search;
+use feeler_console::watch_for_interrupt;
 use feeler_lab::config::Experiment;
 use feeler_lab::identify::{Identified, estimate, probe, probing};
 use feeler_lab::tune::hand::{plausible, read_identified};
@@ -98,7 +99,7 @@ pub fn tune(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comma
         None => probed(&experiment)?,
     };
     let inputs = [Some(Path::new(&arguments.experiment)), file];
-    let mut outputs = Outputs::new(arguments.overwrite, inputs);
+    let mut outputs = Outputs::new(arguments.overwrite.force, inputs);
     let calibrations = missing(output, &experiment.calibration_texts()?)?;
     let file = outputs.create(output, "--output")?;
     let page_file = outputs.create(&page_path, "--output")?;

@@ -1,13 +1,16 @@
 //! What somebody who waits for a run sees of it: a bar, or the whole system.
 
 use super::CommandError;
-use super::progress::Progress;
-use super::screen::Screen;
+#[cfg(not(feature = "top"))]
+use super::no_screen::Screen;
 use super::view::LiveRun;
+use crate::run_progress::Progress;
 use feeler::pace::Tick;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::{Instruments, SimulatedLoop};
 use feeler_record::RunEnd;
+#[cfg(feature = "top")]
+use feeler_watch::Screen;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 

@@ -10,6 +10,7 @@ mod certificate_list;
 pub mod certificates;
 pub mod endpoints;
 pub mod freshness;
+pub mod hand_client;
 pub mod hand_inbox;
 pub mod hand_verdict;
 mod heartbeat;
@@ -21,6 +22,7 @@ mod linger;
 pub mod message;
 pub mod mismatch;
 pub mod network;
+pub mod order;
 pub mod outlet;
 #[cfg(feature = "zenoh")]
 pub mod own_certificate;

@@ -1,12 +1,12 @@
 //! Refuses loads that cannot be what the pictures show, with the options that convert or keep them.
 
 use super::CommandError;
-use crate::warnings::warn;
 use feeler::sensor::calibration::{Calibration, explained};
 use feeler::sensor::calibration_fit::ElementRecord;
 use feeler::sensor::live_calibration::ForceAxes;
 use feeler::sensor::load_check::LoadCheckError;
 use feeler::sensor::loads::RecordBuilder;
+use feeler_console::warn;
 use feeler_lab::sensor::{LoadsFile, LoadsFileError};
 
 /// Refuses loads that no soft element bears, or that no picture shows.

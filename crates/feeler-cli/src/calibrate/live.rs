@@ -9,12 +9,12 @@ mod whole;
 
 use super::{Arguments, CommandError};
 use crate::camera::{CameraArguments, CameraName, NAMES, OpenCamera};
-use crate::interrupt::watch_for_interrupt;
 use elements::Elements;
 use feeler::sensor::camera::CameraError;
 use feeler::sensor::frame::{Frame, Picture};
 use feeler::sensor::live_calibration::{ForceAxes, Goal, Wrench};
 use feeler::sensor::moments::ElementMoments;
+use feeler_console::watch_for_interrupt;
 use feeler_lab::sensor::SensorGeometry;
 use feeler_sources::netft::ForceSample;
 use feeler_sources::pump::{Captured, FramePump};
@@ -51,7 +51,7 @@ pub struct LiveArguments {
     #[arg(long, value_name = "ADDRESS", requires = "live")]
     force_sensor: Option<ForceAddress>,
     /// Frames per second that the camera is asked for.
-    #[arg(long, value_name = "HZ", default_value_t = 30.0, requires = "live", value_parser = crate::bounded::parse_rate)]
+    #[arg(long, value_name = "HZ", default_value_t = 30.0, requires = "live", value_parser = crate::options::parse_rate)]
     rate: f64,
     #[command(flatten)]
     camera: CameraArguments,

@@ -1,10 +1,10 @@
 //! Simulated loads, written to disk as a laboratory's would be.
 
 use super::CommandError;
-use crate::part_file::{Outputs, Overwrite};
 use feeler::sensor::fingertip::{Fingertip, FingertipConfig};
 use feeler::sensor::frame::Picture;
 use feeler::sensor::loads::{COLUMNS, PLACE_COLUMNS};
+use feeler_console::Outputs;
 use feeler_report::make::create_folder;
 use feeler_sim::calibration_bench::{CalibrationBenchConfig, take_pictures};
 use feeler_sim::optics_config::OpticsConfig;
@@ -31,8 +31,7 @@ pub fn write_simulated(
     };
     create_folder(folder).map_err(|e| failed(&e))?;
     // Written last: its rows may name pictures only when all are there.
-    let keep = Overwrite { force: false };
-    let file = Outputs::new(keep, []).create(&folder.join(LOADS), "--write-loads")?;
+    let file = Outputs::new(false, []).create(&folder.join(LOADS), "--write-loads")?;
     let mut rows = csv::Writer::from_writer(Vec::new());
     rows.write_record(COLUMNS.iter().chain(&PLACE_COLUMNS))
         .map_err(|e| failed(&e))?;
@@ -65,5 +64,5 @@ pub fn write_simulated(
         }
         Ok::<_, CommandError>(())
     })?;
-    file.finish(&rows.into_inner().map_err(|e| failed(&e))?)
+    Ok(file.finish(&rows.into_inner().map_err(|e| failed(&e))?)?)
 }

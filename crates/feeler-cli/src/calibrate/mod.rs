@@ -7,11 +7,10 @@ mod loads;
 mod page;
 mod wrench;
 
-use super::json::{self, Json};
-use super::part_file::{Outputs, Overwrite};
-use super::progress::{Steps, Working};
 use super::sense::sensor::named_sensor;
 use super::{CommandError, Outcome};
+use crate::options::Json;
+use crate::options::Overwrite;
 use axes::AxesArguments;
 use feeler::sensor::calibration::{Calibration, FullScale};
 use feeler::sensor::calibration_fit::{ElementRecord, ModelChoice, fit};
@@ -19,6 +18,9 @@ use feeler::sensor::calibration_quality::ElementQuality;
 use feeler::sensor::calibration_report::CalibrationReport;
 use feeler::sensor::live_calibration::ForceAxes;
 use feeler::sensor::wrench::quality::AxisQuality;
+use feeler_console::Outputs;
+use feeler_console::print_json;
+use feeler_console::{Steps, Working};
 use feeler_lab::config::Experiment;
 use feeler_lab::sensor::{LoadsFile, SensorGeometry};
 use feeler_sim::calibration_bench::{CalibrationBenchConfig, load_simulated};
@@ -152,7 +154,7 @@ pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, 
     let files = loads.as_ref().map_or_else(Vec::new, LoadsFile::files);
     let inputs = files.iter().map(|path| Some(path.as_path()));
     let named = [Some(Path::new(experiment_name)), layout];
-    let mut outputs = Outputs::new(arguments.overwrite, inputs.chain(named));
+    let mut outputs = Outputs::new(arguments.overwrite.force, inputs.chain(named));
     // Opened first, for calibrating takes its time.
     let file = outputs.create(output, "--output")?;
     let page_file = outputs.create(&page_path, "--output")?;
@@ -201,7 +203,7 @@ pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, 
             elements: elements.map(|element| &element.quality).collect(),
             components: &[],
         };
-        json::print(&calibrated, out)?;
+        print_json(&calibrated, out)?;
         return Ok(Outcome::Done);
     }
     print(arguments, &calibration, out)?;
@@ -240,7 +242,7 @@ fn loads_file(
 
 /// Refuses outputs that would be refused when they are made.
 fn refuse_existing(arguments: &Arguments, outputs: [&Path; 2]) -> Result<(), CommandError> {
-    let mut made = Outputs::new(arguments.overwrite, []);
+    let mut made = Outputs::new(arguments.overwrite.force, []);
     for path in outputs {
         made.create(path, "--output")?.discard();
     }

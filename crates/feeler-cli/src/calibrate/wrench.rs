@@ -7,13 +7,13 @@ use super::checks::CONFIRM;
 use super::{
     Arguments, Calibrated, CommandError, Outcome, experiment_name, live, page_path, refuse_existing,
 };
-use crate::json;
-use crate::part_file::Outputs;
-use crate::progress::{Steps, Working};
 use crate::sense::sensor::named_sensor;
-use crate::warnings::warn;
 use feeler::sensor::wrench::quality::{HeldOut, outlier};
 use feeler::sensor::wrench::{WrenchFit, fit};
+use feeler_console::Outputs;
+use feeler_console::print_json;
+use feeler_console::warn;
+use feeler_console::{Steps, Working};
 use feeler_lab::sensor::{ForcesFile, MeasuredSamples};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -45,7 +45,7 @@ pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, 
     let files = forces.files();
     let inputs = files.iter().map(|path| Some(path.as_path()));
     let named = [Some(Path::new(experiment_name)), layout];
-    let mut outputs = Outputs::new(arguments.overwrite, inputs.chain(named));
+    let mut outputs = Outputs::new(arguments.overwrite.force, inputs.chain(named));
     // Opened first, for calibrating takes its time.
     let file = outputs.create(output, "--output")?;
     let page_file = outputs.create(&page_path, "--output")?;
@@ -76,7 +76,7 @@ pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, 
             elements: Vec::new(),
             components: &fitted.calibration.quality,
         };
-        json::print(&calibrated, out)?;
+        print_json(&calibrated, out)?;
         return Ok(Outcome::Done);
     }
     write!(out, "{}", table::table(&fitted.calibration))?;

@@ -3,11 +3,11 @@
 use super::measured::{Measured, Spread};
 use super::{Arguments, CommandError, Kind, Outcome};
 use crate::camera::{CameraName, NAMES};
-use crate::interrupt::watch_for_interrupt;
-use crate::json;
-use crate::progress::Working;
 use crate::sense::is_raised;
-use crate::warnings::warn;
+use feeler_console::Working;
+use feeler_console::print_json;
+use feeler_console::warn;
+use feeler_console::watch_for_interrupt;
 use feeler_sources::pump::{Captured, FramePump};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -46,7 +46,7 @@ pub fn measure(
     drop(working);
     let measured = counted.measured(&source, size, rate)?;
     match arguments.json {
-        true => json::print(&measured, out)?,
+        true => print_json(&measured, out)?,
         false => measured.say(out)?,
     }
     Ok(match is_raised(&interrupted) {

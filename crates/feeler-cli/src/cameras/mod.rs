@@ -13,10 +13,10 @@ mod measured;
 )]
 mod video;
 
-use super::bounded::parse_rate;
 use super::camera::CameraArguments;
 use super::sense::parse_size;
 use super::{CommandError, Outcome};
+use crate::options::parse_rate;
 use serde_json::{Value, json};
 use std::io::Write;
 use std::path::PathBuf;

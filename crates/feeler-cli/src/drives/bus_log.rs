@@ -1,7 +1,7 @@
 //! What is said on an emulated bus, as a table.
 
 use crate::CommandError;
-use crate::part_file::PartFile;
+use feeler_console::PartFile;
 use feeler_drives::emulator::LogEntry;
 use feeler_drives::packet::{Sender, instruction};
 use std::fs::File;
@@ -43,7 +43,7 @@ impl BusLog {
     /// Moves the table to its place.
     pub fn finish(self) -> Result<(), CommandError> {
         drop(self.rows);
-        self.file.rename()
+        Ok(self.file.rename()?)
     }
 }
 

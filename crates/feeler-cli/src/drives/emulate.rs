@@ -2,9 +2,9 @@
 
 use super::EmulateArguments;
 use super::bus_log::BusLog;
-use crate::interrupt::watch_for_interrupt;
-use crate::part_file::Outputs;
 use crate::{CommandError, Outcome};
+use feeler_console::Outputs;
+use feeler_console::watch_for_interrupt;
 use feeler_drives::clock::RigClock;
 use feeler_drives::emulator::{
     BusFault, EmulatedServo, Emulator, EmulatorConfig, LagPlant, LogEntry,
@@ -33,7 +33,7 @@ pub fn emulate(arguments: &EmulateArguments, out: &mut dyn Write) -> Result<Outc
     let faults = faults.collect::<Result<Vec<BusFault>, _>>();
     let faults = faults.map_err(|error| format!("--fault {error}"))?;
     let experiment = arguments.experiment.as_deref();
-    let mut outputs = Outputs::new(arguments.overwrite, [experiment.map(Path::new)]);
+    let mut outputs = Outputs::new(arguments.overwrite.force, [experiment.map(Path::new)]);
     let log = arguments.log.as_deref();
     let log = log.map(|path| outputs.create(path, "--log")).transpose()?;
     let mut log = log.map(BusLog::new).transpose()?;

@@ -2,8 +2,8 @@
 
 use super::HomeArguments;
 use super::check::Rig;
-use crate::part_file::Outputs;
 use crate::{CommandError, Outcome};
+use feeler_console::Outputs;
 use feeler_drives::setup::{check_model, named_joints, read_counts};
 use feeler_lab::experiment::fingers_at_home;
 use std::io::Write;
@@ -13,7 +13,7 @@ pub fn home(arguments: &HomeArguments, out: &mut dyn Write) -> Result<Outcome, C
     let rig = Rig::load(&arguments.rig)?;
     let angles = posture(&rig, &arguments.at)?;
     let mut outputs = Outputs::new(
-        arguments.overwrite,
+        arguments.overwrite.force,
         [Some(Path::new(&arguments.rig.experiment))],
     );
     let file = arguments.output.as_deref();

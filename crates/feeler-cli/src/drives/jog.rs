@@ -2,10 +2,10 @@
 
 use super::JogArguments;
 use super::check::{Rig, all_changes, write_changes};
-use crate::interrupt::watch_for_interrupt;
 use crate::{CommandError, Outcome};
 use feeler::hand::{Hand, HandState};
 use feeler::pace::{Pace, Schedule};
+use feeler_console::watch_for_interrupt;
 use feeler_drives::clock::RigClock;
 use feeler_drives::error::DriveError;
 use feeler_drives::hand::{DriveHand, JOG_SPEED};

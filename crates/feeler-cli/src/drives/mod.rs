@@ -13,9 +13,9 @@ mod jog;
 #[cfg(all(feature = "drives", target_os = "linux"))]
 mod scan;
 
-use super::bounded::parse_between;
-use super::part_file::Overwrite;
 use super::{CommandError, Outcome};
+use crate::options::Overwrite;
+use crate::options::parse_between;
 use std::io::Write;
 use std::path::PathBuf;
 

@@ -3,9 +3,9 @@
 use super::DataSetArguments;
 use super::folder::NewFolder;
 use super::runs::Run;
-use crate::interrupt::watch_for_interrupt;
-use crate::progress::Steps;
 use crate::{CommandError, Outcome};
+use feeler_console::Steps;
+use feeler_console::watch_for_interrupt;
 use feeler_export::{ExportError, lerobot};
 use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -9,8 +9,8 @@ mod runs;
 #[cfg(feature = "export")]
 mod table;
 
-use super::part_file::Overwrite;
 use super::{CommandError, Outcome};
+use crate::options::Overwrite;
 use std::io::Write;
 use std::path::PathBuf;
 

@@ -1,7 +1,7 @@
 //! The runs that are exported.
 
 use crate::CommandError;
-use crate::progress::Working;
+use feeler_console::Working;
 use feeler_lab::experiment::run_folder;
 use feeler_record::Recording;
 use feeler_report::make::RECORDING;

@@ -2,9 +2,9 @@
 
 use super::TableArguments;
 use super::runs::Run;
-use crate::interrupt::watch_for_interrupt;
-use crate::part_file::{Outputs, PartFile};
 use crate::{CommandError, Outcome};
+use feeler_console::watch_for_interrupt;
+use feeler_console::{Outputs, PartFile};
 use feeler_export::table;
 use feeler_report::make::create_folder;
 use std::io::Write;
@@ -15,7 +15,7 @@ pub fn export(arguments: &TableArguments, out: &mut dyn Write) -> Result<Outcome
     let runs = Run::find_all(&arguments.runs)?;
     let files = files(&runs, &arguments.output)?;
     let inputs = runs.iter().map(|run| Some(run.path.as_path()));
-    let mut outputs = Outputs::new(arguments.overwrite, inputs);
+    let mut outputs = Outputs::new(arguments.overwrite.force, inputs);
     let interrupted = watch_for_interrupt()?;
     let mut parts = Vec::new();
     let written = write_all(&runs, &files, &mut outputs, &mut parts, &interrupted);

@@ -1,9 +1,9 @@
 //! `feeler bench link`: how long it takes from what a sensor feels to what the hand commands.
 
 use super::{LinkArguments, ListenArguments};
-use crate::interrupt::watch_for_interrupt;
 use crate::{CommandError, Outcome};
 use feeler::pace::{Clock, Monotonic, Pace};
+use feeler_console::watch_for_interrupt;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::fingers_at_home;
 use feeler_lab::experiment::linked::{expected, hand_program};

@@ -1,7 +1,7 @@
 //! The stop door: `feeler stop` without a connection, on the hand's side and on the caller's.
 
 use super::{LinkArguments, ListenArguments};
-use crate::warnings::Warnings;
+use feeler_console::Warnings;
 use feeler_link::programs::Stopper;
 use feeler_link::stop_wire::StopAnswer;
 use std::sync::mpsc::{Receiver, channel};
@@ -26,7 +26,7 @@ pub fn open(
     let (endpoints, certificates) = (listening.endpoints(), link.certificates.as_deref());
     let opened = feeler_link::stop_door::StopDoor::open(&endpoints, certificates, rig, answering);
     opened
-        .map_err(|error| warnings.say(&format!("warning: {error}")))
+        .map_err(|error| warnings.queue(&format!("warning: {error}")))
         .ok()
 }
 

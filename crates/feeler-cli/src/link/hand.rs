@@ -2,12 +2,12 @@
 
 use super::record::{HandRecord, patience};
 use super::{ExperimentArguments, LinkArguments, ListenArguments, door};
-use crate::flush::FlushArguments;
-use crate::interrupt::watch_for_interrupt;
+use crate::options::FlushArguments;
 use crate::run::make_folder;
-use crate::warnings::Warnings;
 use crate::{CommandError, Outcome};
 use feeler::pace::real_time::{self, MODERATE, Refusal};
+use feeler_console::Warnings;
+use feeler_console::watch_for_interrupt;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::linked::hand_program;
 use feeler_lab::experiment::recorded_run::run_end;

@@ -1,7 +1,6 @@
 //! Programs of one rig: what their command lines have in common.
 
 pub mod bench;
-pub mod caller;
 pub mod certificates;
 mod door;
 pub mod hand;

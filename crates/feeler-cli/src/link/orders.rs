@@ -1,17 +1,14 @@
 //! `feeler stop` and `feeler resume`: orders to a hand from anywhere.
 
-use super::caller::{Caller, Heeded, INTERVAL, STEADY};
 use super::{LinkArguments, door, rig_name};
-use crate::json::{self, Json};
+use crate::options::Json;
 use crate::{CommandError, Outcome};
-use feeler_link::endpoints::LinkError;
-use feeler_link::message::{HandMode, PROTOCOL, ResumeMessage, StopInForce, StopMessage};
-use feeler_link::network::Network;
-use feeler_link::outlet::{draw_instance, send};
-use feeler_link::printable::printable;
+use feeler_console::print_json;
+use feeler_link::hand_client::{Ack, HandClient, INTERVAL, STEADY};
+use feeler_link::message::{HandMode, StopInForce};
+use feeler_link::order::{Order, stop_to_resume};
 use feeler_link::right::Right;
 use feeler_link::stop_wire::StopAnswer;
-use feeler_link::topic::Topic;
 use serde::Serialize;
 use std::io::Write;
 use std::time::{Duration, Instant};
@@ -57,7 +54,7 @@ impl Stopped {
     /// Prints it. The order was heeded if the hand stands still or will.
     fn print(&self, json: Json, out: &mut dyn Write) -> Result<Outcome, CommandError> {
         match json.json {
-            true => json::print(self, out)?,
+            true => print_json(self, out)?,
             false => writeln!(out, "{}", self.message)?,
         }
         Ok(match self.stands_still || self.waits_for_rig {
@@ -84,47 +81,6 @@ pub struct ResumeArguments {
 /// Who gives an order on the command line.
 const BY: &str = "the command line";
 
-/// What there is to say to a hand. The same order may be said again.
-pub enum Order {
-    /// Stand still.
-    Stop(StopMessage),
-    /// Go on, if no other stop is in force.
-    Resume(ResumeMessage),
-}
-
-impl Order {
-    /// A stop by `from`, and the id that it draws.
-    pub fn stop(from: &str) -> (Self, u64) {
-        let (protocol, from, id) = (PROTOCOL, printable(from), draw_instance());
-        (Self::Stop(StopMessage { protocol, from, id }), id)
-    }
-
-    /// The resume of the stop `number` by `from`.
-    pub fn resume(from: &str, number: u64) -> Self {
-        Self::Resume(ResumeMessage {
-            protocol: PROTOCOL,
-            from: printable(from),
-            number,
-        })
-    }
-
-    /// Says it once to whatever hand hears it.
-    pub fn send(&self, network: &dyn Network) -> Result<(), LinkError> {
-        match self {
-            Self::Stop(message) => send(network, Topic::Stop, message),
-            Self::Resume(message) => send(network, Topic::Resume, message),
-        }
-    }
-}
-
-/// The stop that `from` is to resume of those in force: his own, else that of the hand itself. Another's is resumed by
-/// its number alone, by somebody who has seen whose it is.
-pub fn to_resume<'a>(stops: &'a [StopInForce], from: &str) -> Option<&'a StopInForce> {
-    let (by, is_own) = (printable(from), |stop: &&StopInForce| stop.id == 0);
-    let mine = stops.iter().find(|stop| stop.by == by);
-    mine.or_else(|| stops.iter().find(is_own))
-}
-
 /// Tells the hand of a rig to stop, and says whether it stands still.
 pub fn stop(arguments: &StopArguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     told_to_stop(arguments)?.print(arguments.json, out)
@@ -137,10 +93,10 @@ fn told_to_stop(arguments: &StopArguments) -> Result<Stopped, CommandError> {
     let (order, id) = Order::stop(&arguments.from);
     // Both ways at once: the door is open even where nobody can connect.
     let door = door::call(&link, rig, (id, &arguments.from));
-    let caller = Caller::new(&link, rig)?;
-    if !caller.hears(DOOR_FIRST, |_| true) {
+    let client = HandClient::new(link.connect(rig)?)?;
+    if !client.wait_until(DOOR_FIRST, |_| true) {
         let start = Instant::now();
-        while !caller.hears(INTERVAL / 4, |_| true) {
+        while !client.wait_until(INTERVAL / 4, |_| true) {
             if let Ok(answer) = door.try_recv() {
                 return Ok(said_at_door(answer));
             }
@@ -151,8 +107,8 @@ fn told_to_stop(arguments: &StopArguments) -> Result<Stopped, CommandError> {
     }
     let holds = |mode: &HandMode| mode.stops.iter().any(|stop| stop.id == id);
     let is_so = |mode: &HandMode| holds(mode) && (mode.is_waiting() || !mode.stopped.is_empty());
-    let heeded = caller.order(&order, DOOR_NEXT, is_so)?;
-    let mode = caller.mode();
+    let heeded = client.order(&order, DOOR_NEXT, is_so)?;
+    let mode = client.mode();
     let stop = mode.stops.iter().find(|stop| stop.id == id);
     let number = stop.map(|stop| stop.number);
     let words = number.unwrap_or(0);
@@ -162,7 +118,7 @@ fn told_to_stop(arguments: &StopArguments) -> Result<Stopped, CommandError> {
     };
     Ok(match heeded {
         // It heeds a stop when it begins.
-        Heeded::Steadily if mode.is_waiting() => Stopped {
+        Ack::Stable if mode.is_waiting() => Stopped {
             waits_for_rig: true,
             number,
             message: format!(
@@ -170,7 +126,7 @@ fn told_to_stop(arguments: &StopArguments) -> Result<Stopped, CommandError> {
             ),
             ..Stopped::default()
         },
-        Heeded::Steadily => Stopped {
+        Ack::Stable => Stopped {
             stands_still: true,
             number,
             message: format!(
@@ -180,8 +136,8 @@ fn told_to_stop(arguments: &StopArguments) -> Result<Stopped, CommandError> {
             reason: mode.stopped,
             ..Stopped::default()
         },
-        Heeded::Undone => told("the hand stood still, and somebody resumed it at once"),
-        Heeded::Not => match door.recv_timeout(LONGEST) {
+        Ack::Reverted => told("the hand stood still, and somebody resumed it at once"),
+        Ack::None => match door.recv_timeout(LONGEST) {
             Ok(answer) => said_at_door(answer),
             Err(_) => told("the hand was told to stop, but does not say that it does"),
         },
@@ -214,11 +170,11 @@ fn unheard(rig: &str) -> CommandError {
 /// Resumes a stop of the hand of a rig, and says whether it goes on.
 pub fn resume(arguments: &ResumeArguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     let rig = &rig_name(&arguments.rig)?;
-    let caller = Caller::new(&arguments.link.with_right(&[Right::Order])?, rig)?;
-    if !caller.hears(LONGEST, |_| true) {
+    let client = HandClient::new(arguments.link.with_right(&[Right::Order])?.connect(rig)?)?;
+    if !client.wait_until(LONGEST, |_| true) {
         return Err(unheard(rig));
     }
-    let stops = caller.mode().stops;
+    let stops = client.mode().stops;
     if stops.is_empty() {
         writeln!(out, "no stop of the hand is in force")?;
         return Ok(Outcome::Done);
@@ -226,7 +182,7 @@ pub fn resume(arguments: &ResumeArguments, out: &mut dyn Write) -> Result<Outcom
     let named = |number| stops.iter().find(|stop| stop.number == number);
     let chosen = match arguments.number {
         Some(number) => named(number),
-        None => to_resume(&stops, &arguments.from),
+        None => stop_to_resume(&stops, &arguments.from),
     };
     let Some(stop) = chosen else {
         let listed = list(&stops);
@@ -238,8 +194,8 @@ pub fn resume(arguments: &ResumeArguments, out: &mut dyn Write) -> Result<Outcom
     let number = stop.number;
     let is_so = |mode: &HandMode| mode.stops.iter().all(|stop| stop.number != number);
     let order = Order::resume(&arguments.from, number);
-    let heeded = caller.order(&order, LONGEST, is_so)?;
-    if matches!(heeded, Heeded::Not) {
+    let heeded = client.order(&order, LONGEST, is_so)?;
+    if matches!(heeded, Ack::None) {
         writeln!(
             out,
             "the hand was told to go on, but does not say that it does"
@@ -247,10 +203,10 @@ pub fn resume(arguments: &ResumeArguments, out: &mut dyn Write) -> Result<Outcom
         return Ok(Outcome::GivenUp);
     }
     // It goes on in its next step, or finds then what it must not go on for.
-    caller.hears(LONGEST, |mode| {
+    client.wait_until(LONGEST, |mode| {
         mode.stops.is_empty() == mode.stopped.is_empty()
     });
-    let mode = caller.mode();
+    let mode = client.mode();
     if mode.stops.is_empty() && mode.stopped.is_empty() {
         writeln!(out, "the hand goes on")?;
         return Ok(Outcome::Done);

@@ -1,9 +1,9 @@
 //! The record of a hand that moves, which never waits for it.
 
 use crate::report::{made, print_outcome};
-use crate::warnings::Warnings;
 use crate::{CommandError, Outcome};
 use feeler::control::controller::RecordingFailure;
+use feeler_console::Warnings;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::run_facts;
 use feeler_link::programs::{RemoteLoop, RigSpeed};
@@ -102,7 +102,7 @@ impl HandRecord {
                 let count = dropped - before;
                 self.state = State::Written;
                 let what = format!("recording: goes on; {count} messages are missing");
-                self.warnings.say(&what);
+                self.warnings.queue(&what);
             }
             _ => {}
         }
@@ -113,13 +113,13 @@ impl HandRecord {
     fn trouble(&self, what: &str, goes_on: &str) -> ControlFlow<String> {
         match self.on_failure {
             RecordingFailure::Continue => {
-                self.warnings.say(&format!("{what}; the hand {goes_on}"));
+                self.warnings.queue(&format!("{what}; the hand {goes_on}"));
                 ControlFlow::Continue(())
             }
             RecordingFailure::Stop => {
                 let why = "as control.on_recording_failure = \"stop\" says";
                 let reason = format!("the hand was stopped: {what}, {why}");
-                self.warnings.say(&reason);
+                self.warnings.queue(&reason);
                 ControlFlow::Break(reason)
             }
         }
@@ -138,7 +138,7 @@ impl HandRecord {
         recorder.set_end(end.clone());
         let slow = || {
             let left = CLOSE_LIMIT.as_secs() - 1;
-            warnings.say(&format!(
+            warnings.queue(&format!(
                 "recording: the disk takes nothing; waiting {left} s more"
             ));
         };

@@ -3,9 +3,9 @@
 use super::hand::ask_for_real_time;
 use super::rig::Arguments;
 use crate::drives::check::{Rig, all_changes, write_changes};
-use crate::interrupt::watch_for_interrupt;
-use crate::warnings::Warnings;
 use crate::{CommandError, Outcome};
+use feeler_console::Warnings;
+use feeler_console::watch_for_interrupt;
 use feeler_drives::bus::Bus;
 use feeler_drives::clock::RigClock;
 use feeler_drives::config::DrivesConfig;

@@ -1,19 +1,5 @@
 //! `feeler top`: a running rig of several programs on the terminal.
 
-#[cfg(any(feature = "top", feature = "view", feature = "ros2"))]
-mod heard;
-#[cfg(any(feature = "top", feature = "view", feature = "ros2"))]
-mod programs;
-#[cfg(feature = "top")]
-mod show;
-#[cfg(any(feature = "top", feature = "view", feature = "ros2"))]
-// The node of ROS 2 gives its orders in a way of its own.
-#[cfg_attr(not(any(feature = "top", feature = "view")), allow(dead_code))]
-pub mod watched;
-
-#[cfg(feature = "ros2")]
-pub use heard::Heard;
-
 use super::{ExperimentArguments, LinkArguments};
 use crate::{CommandError, Outcome};
 use std::io::Write;
@@ -34,7 +20,17 @@ pub struct Arguments {
 /// Shows a rig.
 #[cfg(feature = "top")]
 pub fn top(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
-    show::show(arguments, out)
+    use feeler_lab::config::Experiment;
+    use feeler_link::right::Right;
+    if !arguments.once {
+        let check = feeler_watch::View::check_terminal();
+        check.map_err(|e| format!("{e}; or --once for a picture as text"))?;
+    }
+    let experiment = Experiment::load(&arguments.experiment, &arguments.values.settings())?;
+    let rig = arguments.values.rig(&experiment);
+    let rights = [Right::Order, Right::Watch];
+    let network = arguments.link.with_right(&rights)?.connect(&rig)?;
+    feeler_watch::show_rig(&experiment, &rig, network, arguments.once, out)
 }
 
 /// Says that there is nothing to show it on.

@@ -1,9 +1,9 @@
 //! `feeler world`
 
 use super::{ExperimentArguments, LinkArguments};
-use crate::interrupt::watch_for_interrupt;
-use crate::warnings::Warnings;
 use crate::{CommandError, Outcome};
+use feeler_console::Warnings;
+use feeler_console::watch_for_interrupt;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::linked::rig_config;
 use feeler_lab::experiment::played_rig::PlayedRig;

@@ -1,7 +1,7 @@
 //! How a rig is, for `/diagnostics`.
 
-use crate::snapshot::{Program, ProgramState, Snapshot};
 use feeler_ros2::message::{DiagnosticLevel, DiagnosticStatus, KeyValue};
+use feeler_watch::{Program, ProgramState, Snapshot};
 
 /// One status for the hand, one for each program.
 pub fn diagnostics(snapshot: &Snapshot, node: &str) -> Vec<DiagnosticStatus> {

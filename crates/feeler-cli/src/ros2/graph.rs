@@ -2,7 +2,7 @@
 
 use super::GraphArguments;
 use crate::CommandError;
-use crate::warnings::Warnings;
+use feeler_console::Warnings;
 use feeler_lab::config::Experiment;
 use feeler_ros2::name::NodeName;
 use feeler_ros2::node::{NODE_ENDPOINT, Node, NodeConfig, ROUTER_ENDPOINT};
@@ -107,11 +107,11 @@ impl Company {
                     "ROS 2: nobody is at {}; waiting for a router there (ros2 run rmw_zenoh_cpp rmw_zenohd) or a node",
                     self.places
                 );
-                self.warnings.say(&line);
+                self.warnings.queue(&line);
                 self.is_told = true;
             }
             (true, true) => {
-                self.warnings.say("ROS 2: connected");
+                self.warnings.queue("ROS 2: connected");
                 self.is_told = false;
             }
             (true, false) => self.since = Instant::now(),

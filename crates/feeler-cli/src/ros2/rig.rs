@@ -5,17 +5,17 @@ use super::graph::{Company, NODE_NAME, check_ports, config, serve_settings};
 use super::orders::serve_orders;
 use super::stamps::{Stamps, time_of_day};
 use super::{Arguments, CommandError, Outcome};
-use crate::interrupt::watch_for_interrupt;
-use crate::link::caller::Caller;
-use crate::link::top::watched::Watched;
+use feeler_console::watch_for_interrupt;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::run_facts;
+use feeler_link::hand_client::HandClient;
 use feeler_link::message::MessageHeader;
 use feeler_link::right::Right;
 use feeler_record::ros::Time;
 use feeler_ros2::hand_messages::{HandMessages, Touch};
 use feeler_ros2::hand_node::HandPublishers;
 use feeler_ros2::node::{Node, NodeError};
+use feeler_watch::Watched;
 use glam::DVec3;
 use std::io::Write;
 use std::sync::atomic::Ordering;
@@ -43,7 +43,7 @@ pub fn publish(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Co
     let mut node = Node::open(graph)?;
     let publishers = HandPublishers::new(&mut node, messages.fingers.len(), use_sim_time)?;
     serve_settings(&mut node, &experiment, use_sim_time)?;
-    serve_orders(&mut node, Caller::over(network)?)?;
+    serve_orders(&mut node, HandClient::new(network)?)?;
     writeln!(out, "rig {rig} is the ROS 2 node {}", node.name())?;
     out.flush()?;
     let mut published = RigNode {
@@ -113,7 +113,7 @@ impl RigNode {
     }
 
     /// Publishes what is new of what was `heard`.
-    fn take(&mut self, heard: &crate::link::top::Heard) -> Result<(), NodeError> {
+    fn take(&mut self, heard: &feeler_watch::Heard) -> Result<(), NodeError> {
         let arrived = time_of_day();
         let number = |header: MessageHeader| Some((header.instance, header.sequence));
         if let Some(state) = heard

@@ -10,7 +10,7 @@ use super::sources::{Kind, Source, find};
 use super::taxels::TaxelTables;
 use super::tracks::{TrackTables, is_tracks};
 use super::videos::Videos;
-use crate::progress::Steps;
+use feeler_console::Steps;
 use feeler_lab::grasps::{DETECTORS, Detector, DetectorTrace, GraspRecording, Labelled, Untouched};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

@@ -168,7 +168,7 @@ impl LabelTable {
         let name = path.display().to_string();
         let refused =
             |what: &dyn Display| format!("{name}: {what}; expected a table with a column {SLIP:?}");
-        let stream = crate::table_file::open(path).map_err(|e| refused(&e))?;
+        let stream = feeler_console::open_table(path).map_err(|e| refused(&e))?;
         let mut table = Table::open(stream).map_err(|e| refused(&e))?;
         let slip = table
             .number_column(SLIP, Quantity::Any)

@@ -13,9 +13,9 @@ mod taxels;
 mod tracks;
 mod videos;
 
-use super::json::Json;
-use super::part_file::Overwrite;
 use super::{CommandError, Outcome};
+use crate::options::Json;
+use crate::options::Overwrite;
 use feeler_lab::config::BUILT_IN;
 use feeler_report::make::create_folder;
 use recorded::RecordedArguments;

@@ -1,6 +1,6 @@
 //! What was odd: of each kind the first few are said, and how many more there were.
 
-use crate::warnings::warn;
+use feeler_console::warn;
 
 /// How many of a kind are said.
 const SAID: usize = 4;

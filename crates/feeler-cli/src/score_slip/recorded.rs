@@ -1,13 +1,13 @@
 //! `feeler score-slip RECORDINGS LABELS`: against the labels of recordings.
 
-use super::super::bounded::parse_rate;
-use super::super::json;
-use super::super::part_file::Outputs;
 use super::collected::{Collected, Found};
 use super::notes::Notes;
 use super::said::{say, wrong};
 use super::scores::{SCORES, scores_csv};
 use super::{Arguments, CommandError, Outcome, PAGE, make_folder};
+use crate::options::parse_rate;
+use feeler_console::Outputs;
+use feeler_console::print_json;
 use feeler_lab::grasps::{Confusion, DETECTORS, Detector, transfer};
 use feeler_lab::sweep::interval::Estimate;
 use feeler_report::grasp_slip_page::{
@@ -102,7 +102,7 @@ pub fn score(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comm
         .chain(labels)
         .chain(other_labels)
         .chain(recorded.layout.as_deref());
-    let mut outputs = Outputs::new(arguments.overwrite, inputs.map(Some));
+    let mut outputs = Outputs::new(arguments.overwrite.force, inputs.map(Some));
     let (page_path, scores_path) = (arguments.out.join(PAGE), arguments.out.join(SCORES));
     // Opened first: scoring takes its time.
     let page_file = outputs.create(&page_path, "--out")?;
@@ -143,7 +143,7 @@ pub fn score(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comm
             "page": page_path, "scores": scores_path, "of": page.of, "labelled": labelled, "slips": slips,
             "groups": groups, "detectors": page.detectors, "notes": page.notes,
         });
-        json::print(&scored, out)?;
+        print_json(&scored, out)?;
         return Ok(Outcome::Done);
     }
     say(&page, out)?;

@@ -1,9 +1,9 @@
 //! `feeler score-slip [EXPERIMENT]`: against the simulator's truth.
 
-use super::super::json;
-use super::super::part_file::Outputs;
-use super::super::progress::Steps;
 use super::{Arguments, CommandError, Outcome, PAGE, make_folder};
+use feeler_console::Outputs;
+use feeler_console::Steps;
+use feeler_console::print_json;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::slip_bench::{DETECTORS, Sample, trial};
 use feeler_lab::sweep::slip_score::{operating_point, roc, tune};
@@ -18,7 +18,7 @@ pub fn score(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comm
     let path = arguments.out.join(PAGE);
     let inputs = [Some(Path::new(&arguments.source))];
     // Opened first: scoring takes its time.
-    let file = Outputs::new(arguments.overwrite, inputs).create(&path, "--out")?;
+    let file = Outputs::new(arguments.overwrite.force, inputs).create(&path, "--out")?;
     let bar = Steps::new(2 * arguments.trials as usize);
     let run = |part: u64| -> Result<Vec<Vec<Sample>>, CommandError> {
         (0..arguments.trials)
@@ -56,7 +56,7 @@ pub fn score(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comm
     file.finish(slip_page(&page).as_bytes())?;
     if arguments.json.json {
         let scored = json!({ "page": path, "frames": page.counts.0, "slips": page.counts.1, "detectors": page.points });
-        json::print(&scored, out)?;
+        print_json(&scored, out)?;
         return Ok(Outcome::Done);
     }
     for point in &page.points {

@@ -5,9 +5,9 @@ use super::recorded::RecordedArguments;
 use super::sources::Source;
 use super::{CommandError, collected::Read};
 use crate::sense::taxels::text_of;
-use crate::table_file::open;
 use feeler::sensor::reading::{SensorError, TactileFrame, TactileSensor};
 use feeler::sensor::taxel::{TaxelLayout, TaxelSensor};
+use feeler_console::open_table;
 use feeler_lab::grasps::{GraspFrame, GraspRecording, Untouched};
 use glam::DVec2;
 use std::path::Path;
@@ -115,7 +115,7 @@ impl TaxelTables {
         notes: &mut Notes,
     ) -> Result<Sequences, CommandError> {
         let refused = |error: &dyn std::fmt::Display| format!("{}: {error}", table.display());
-        let stream = open(table).map_err(|e| refused(&e))?;
+        let stream = open_table(table).map_err(|e| refused(&e))?;
         let mut sensor = TaxelSensor::open(stream, layout, self.rate).map_err(|e| refused(&e))?;
         let mut frame = TactileFrame::unloaded(sensor.element_count());
         let mut sequences = Sequences::new();

@@ -5,9 +5,9 @@ use super::collected::Read;
 use super::notes::Notes;
 use super::recorded::RecordedArguments;
 use super::sources::Source;
-use crate::table_file::open;
 use feeler::sensor::located_layout::{LocatedLayout, MAX_LOCATED_ELEMENTS};
 use feeler::sensor::table::{NumberColumn, Quantity, Table, TableError};
+use feeler_console::open_table;
 use feeler_lab::grasps::{GraspFrame, GraspRecording, Picture, Untouched};
 use glam::DVec2;
 use std::fs;
@@ -108,7 +108,7 @@ impl TrackTables {
         notes: &mut Notes,
     ) -> Result<(Vec<GraspFrame>, bool), CommandError> {
         let refused = |what: &dyn std::fmt::Display| format!("{}: {what}", path.display());
-        let stream = open(path).map_err(|e| refused(&e))?;
+        let stream = open_table(path).map_err(|e| refused(&e))?;
         let mut table = Table::open(stream).map_err(|e| refused(&e))?;
         let columns = Columns::find(&mut table, self.rate);
         let columns = columns.map_err(|what| refused(&what))?;
@@ -144,7 +144,9 @@ impl TrackTables {
 
 /// Whether the table at `path` is one of tracks: it has a frame and an element in each row.
 pub fn is_tracks(path: &Path) -> bool {
-    let table = open(path).ok().and_then(|stream| Table::open(stream).ok());
+    let table = open_table(path)
+        .ok()
+        .and_then(|stream| Table::open(stream).ok());
     table.is_some_and(|table| {
         let there = |name| matches!(table.column(name), Ok(Some(_)));
         there("frame") && there("element")

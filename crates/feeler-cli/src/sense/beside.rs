@@ -1,6 +1,6 @@
 //! What is said on standard error while frames are sensed: progress, where it is a terminal, and warnings.
 
-use crate::warnings::Warnings;
+use feeler_console::Warnings;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{Write, stderr};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
@@ -59,7 +59,7 @@ impl Beside {
     pub fn say(&self, line: &str) {
         match self {
             Self::Waiting(bar) => say_beside(bar, line),
-            Self::Aside(aside) => aside.warnings.say(line),
+            Self::Aside(aside) => aside.warnings.queue(line),
         }
     }
 

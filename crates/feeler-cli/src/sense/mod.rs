@@ -17,12 +17,13 @@ mod track;
 mod whole_rows;
 mod wrench;
 
-use super::bounded::{parse_between, parse_rate};
 use super::camera::CameraArguments;
-use super::interrupt::watch_for_interrupt;
 use super::link::{ExperimentArguments, LinkArguments};
-use super::part_file::{Outputs, Overwrite};
 use super::{CommandError, Outcome};
+use crate::options::Overwrite;
+use crate::options::{parse_between, parse_rate};
+use feeler_console::Outputs;
+use feeler_console::watch_for_interrupt;
 use feeler_report::make::RECORDING;
 use output::{Format, OfPictures, Output};
 use queued::{Full, Queued};
@@ -229,7 +230,7 @@ impl Arguments {
         let inputs = sources.map(Some).chain(named.map(|path| path.as_deref()));
         let taxels = self.taxels.taxels.as_deref().map(Path::new);
         let experiment = self.experiment.as_deref().map(Path::new);
-        Outputs::new(self.overwrite, inputs.chain([experiment, taxels]))
+        Outputs::new(self.overwrite.force, inputs.chain([experiment, taxels]))
     }
 }
 

@@ -11,10 +11,10 @@ use self::{filed::Filed, mcap::Mcap, rows::Rows};
 use super::CommandError;
 use super::prompt::Prompt;
 use super::row_file::RowFile;
-use crate::part_file::Outputs;
 use feeler::sensor::frame::Frame;
 use feeler::sensor::sensing::ElementReading;
 use feeler::sensor::track::TrackedMarker;
+use feeler_console::Outputs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 

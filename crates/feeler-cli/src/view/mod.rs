@@ -1,37 +1,16 @@
 //! A run, a recording or a rig of several programs in the browser.
 
-#[cfg(feature = "view")]
-mod access;
-#[cfg(feature = "view")]
-mod client;
-#[cfg(feature = "view")]
-mod download;
-#[cfg(feature = "view")]
-mod feed;
-#[cfg_attr(not(feature = "view"), path = "no_live_run.rs")]
-mod live_run;
-#[cfg(feature = "view")]
-mod page;
-#[cfg(feature = "view")]
-mod pump;
-#[cfg(feature = "view")]
-mod recording;
-#[cfg(feature = "view")]
-mod rig;
-#[cfg(feature = "view")]
-mod row;
-#[cfg(feature = "view")]
-mod server;
-#[cfg(feature = "view")]
-mod site;
-#[cfg(feature = "view")]
-mod state;
+#[cfg(not(feature = "view"))]
+mod no_live_run;
 
 use super::link::{ExperimentArguments, LinkArguments};
 use super::{CommandError, Outcome};
 use std::io::Write;
 
-pub use live_run::LiveRun;
+#[cfg(feature = "view")]
+pub use feeler_watch::LiveRun;
+#[cfg(not(feature = "view"))]
+pub use no_live_run::LiveRun;
 
 /// What is said where there is no live page.
 #[cfg(not(feature = "view"))]
@@ -47,6 +26,16 @@ pub struct ServerArguments {
     /// Print the page's address, but open no browser.
     #[arg(long)]
     pub no_open: bool,
+}
+
+#[cfg(feature = "view")]
+impl From<&ServerArguments> for feeler_watch::ServerOptions {
+    fn from(arguments: &ServerArguments) -> Self {
+        Self {
+            port: arguments.port,
+            open: !arguments.no_open,
+        }
+    }
 }
 
 #[derive(Debug, clap::Args)]
@@ -65,11 +54,23 @@ pub struct Arguments {
 /// Serves the page of a recording or of a rig.
 #[cfg(feature = "view")]
 pub fn view(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
+    use feeler_lab::config::Experiment;
+    use feeler_link::right::Right;
     use feeler_report::make::RECORDING;
     use std::path::Path;
     let path = Path::new(&arguments.what);
     if !path.is_dir() && path.extension().is_none_or(|extension| extension != "mcap") {
-        return rig::view(arguments, out);
+        let experiment = Experiment::load(&arguments.what, &arguments.values.settings())?;
+        let rig = arguments.values.rig(&experiment);
+        let rights = [Right::Order, Right::Watch];
+        let network = arguments.link.with_right(&rights)?.connect(&rig)?;
+        return feeler_watch::serve_rig(
+            &experiment,
+            &rig,
+            network,
+            (&arguments.server).into(),
+            out,
+        );
     }
     let given = arguments.values.given().or(arguments.link.given());
     if let Some(option) = given {
@@ -80,7 +81,7 @@ pub fn view(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comma
         true => path.join(RECORDING),
         false => path.to_path_buf(),
     };
-    recording::view(&recording, &arguments.server, out)
+    feeler_watch::serve_recording(&recording, (&arguments.server).into(), out)
 }
 
 /// Says that there is nothing to serve it with.

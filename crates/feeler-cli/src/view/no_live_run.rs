@@ -1,4 +1,4 @@
-//! In place of the live page where the program was built without it.
+//! Placeholder for the live page in a program built without it.
 
 use super::{MISSING, ServerArguments};
 use crate::CommandError;
@@ -7,16 +7,21 @@ use feeler_lab::experiment::{Instruments, SimulatedLoop};
 use feeler_record::RunEnd;
 use std::io::Write;
 
-/// There is none.
+/// Placeholder for the options of a page's server.
+pub struct ServerOptions;
+
+impl From<&ServerArguments> for ServerOptions {
+    fn from(_: &ServerArguments) -> Self {
+        Self
+    }
+}
+
+/// Live page of a run; has no values, since this program cannot serve one.
 pub enum LiveRun {}
 
 impl LiveRun {
-    /// Says that there is no such thing.
-    pub fn open(
-        _: &Experiment,
-        _: &ServerArguments,
-        _: &mut dyn Write,
-    ) -> Result<Self, CommandError> {
+    /// Returns the error that the program has no live page.
+    pub fn open(_: &Experiment, _: ServerOptions, _: &mut dyn Write) -> Result<Self, CommandError> {
         Err(format!("--view: {MISSING}").into())
     }
 

@@ -1,8 +1,8 @@
 //! What was taken live, on disk: pictures and their table, to which is added as they come.
 
 use super::super::CommandError;
-use crate::part_file::cut_torn_line;
 use feeler::sensor::frame::Picture;
+use feeler_console::cut_torn_line;
 use feeler_report::make::create_folder;
 use image::{ExtendedColorType, ImageFormat};
 use std::fs::{self, File};

@@ -1,7 +1,7 @@
 //! The joints of a robot as those of a rig.
 
-use crate::warnings::Warnings;
 use feeler::hand::{Hand, HandCommand, HandError, HandState};
+use feeler_console::Warnings;
 use feeler_link::message::InstrumentsMessage;
 use feeler_link::programs::Rig;
 use feeler_ros2::ros_hand::RosHand;
@@ -38,7 +38,7 @@ impl RobotRig {
         self.lost = match read {
             Ok(()) => {
                 if is_told {
-                    self.warnings.say("the robot's joint states are there");
+                    self.warnings.queue("the robot's joint states are there");
                 }
                 None
             }
@@ -47,7 +47,7 @@ impl RobotRig {
             Err(error) => {
                 if !is_told {
                     self.warnings
-                        .say(&format!("waiting for the robot: {error}"));
+                        .queue(&format!("waiting for the robot: {error}"));
                 }
                 Some((since, true))
             }

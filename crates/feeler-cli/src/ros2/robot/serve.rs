@@ -3,10 +3,10 @@
 use super::Arguments;
 use super::fingertip::Fingertip;
 use super::joints::RobotRig;
-use crate::interrupt::watch_for_interrupt;
 use crate::ros2::graph::{check_ports, config};
-use crate::warnings::Warnings;
 use crate::{CommandError, Outcome};
+use feeler_console::Warnings;
+use feeler_console::watch_for_interrupt;
 use feeler_lab::config::{Experiment, RosConfig};
 use feeler_lab::experiment::linked::rig_config;
 use feeler_link::programs::{ProgramError, RigProgram, RigSpeed};

@@ -1,9 +1,9 @@
 //! An output to a file.
 
 use super::{FrameReadings, Output, partial};
-use crate::part_file::PartFile;
 use crate::sense::CommandError;
 use feeler::sensor::frame::Frame;
+use feeler_console::PartFile;
 use std::path::PathBuf;
 
 /// An output to a file, which has its name only when it is whole.
@@ -79,7 +79,8 @@ impl Output for Filed {
             return Ok(None);
         }
         if whole && finished.is_ok() {
-            return part.rename().map(|()| None);
+            part.rename()?;
+            return Ok(None);
         }
         if is_text {
             part.drop_torn_line();

@@ -11,10 +11,10 @@ use super::output::{FrameReadings, Output};
 use super::queued::{Full, Queued};
 use super::tally::Tally;
 use super::{Arguments, CommandError, close, is_raised};
-use crate::table_file;
 use feeler::sensor::reading::TactileFrame;
 use feeler::sensor::sensing::ElementReading;
 use feeler::sensor::taxel::{TaxelLayout, TaxelUnit};
+use feeler_console::open_table;
 use output::Forms;
 use publish::Publisher;
 use pump::{Event, RowPump};
@@ -207,7 +207,7 @@ impl Table {
             Self::Stream => Ok(Box::new(BufReader::new(stdin()))),
             Self::File(path) => {
                 let refused = |error| format!("{}: {error}; expected a table", path.display());
-                Ok(Box::new(table_file::open(path).map_err(refused)?))
+                Ok(Box::new(open_table(path).map_err(refused)?))
             }
         }
     }

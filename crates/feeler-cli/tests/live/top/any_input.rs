@@ -4,9 +4,7 @@ use super::scenes::{finger, idle, program, screen, slipping, stopped};
 use feeler::control::flags::{FingerFlags, FlagThresholds};
 use feeler::control::phase::Phase;
 use feeler::sensor::layout::SensingElement;
-use feeler_cli::top::{
-    Fault, Finger, Program, ProgramState, Snapshot, TaskState, TimeBase, Torque,
-};
+use feeler_watch::{Fault, Finger, Program, ProgramState, Snapshot, TaskState, TimeBase, Torque};
 use glam::{DMat3, DVec3};
 use proptest::collection::vec;
 use proptest::prelude::*;

@@ -1,7 +1,7 @@
 //! Without a terminal there is no view, and nothing is begun.
 
 use crate::program::{folder, run};
-use feeler_cli::top::{View, ViewError};
+use feeler_watch::{View, ViewError};
 
 #[test]
 fn without_a_terminal_the_run_is_refused_before_it_begins() {

@@ -3,10 +3,8 @@
 use feeler::control::flags::{FingerFlags, FlagThresholds};
 use feeler::control::phase::Phase;
 use feeler::sensor::layout::{ElementLayout, LayoutConfig};
-pub use feeler_cli::top::text as screen;
-use feeler_cli::top::{
-    Fault, Finger, Program, ProgramState, Snapshot, TaskState, TimeBase, Torque,
-};
+pub use feeler_watch::text as screen;
+use feeler_watch::{Fault, Finger, Program, ProgramState, Snapshot, TaskState, TimeBase, Torque};
 use glam::DVec3;
 
 /// A finger of the reference fingertip that feels nothing.

@@ -1,7 +1,7 @@
 //! What can be read on a screen.
 
 use super::scenes::{idle, screen, silent, slipping, stopped};
-use feeler_cli::top::{Fault, Snapshot};
+use feeler_watch::{Fault, Snapshot};
 
 const SIZES: [(u16, u16); 2] = [(80, 24), (120, 40)];
 

@@ -2,7 +2,7 @@
 
 use crate::in_terminal::InTerminal;
 use crate::program::{experiment, folder, run, whole_run};
-use feeler_cli::top::View;
+use feeler_watch::View;
 use std::fs;
 use std::path::Path;
 use std::process::Command;

@@ -1,11 +1,11 @@
 //! `feeler view RUN`: the report of a recording, made in memory.
 
-use super::ServerArguments;
-use super::page::say_where;
+use super::ServerOptions;
 use super::server::Door;
-use crate::interrupt::watch_for_interrupt;
-use crate::progress::Reading;
-use crate::{CommandError, Outcome};
+use super::source::say_where;
+use feeler_console::Reading;
+use feeler_console::watch_for_interrupt;
+use feeler_console::{Outcome, ProgramError};
 use feeler_report::make::page_of_file;
 use std::io::Write;
 use std::path::Path;
@@ -17,19 +17,19 @@ use std::time::Duration;
 const PATIENCE: Duration = Duration::from_millis(50);
 
 /// Serves the report of the recording at `path` until Ctrl-C.
-pub fn view(
+pub fn serve_recording(
     path: &Path,
-    arguments: &ServerArguments,
+    options: ServerOptions,
     out: &mut dyn Write,
-) -> Result<Outcome, CommandError> {
+) -> Result<Outcome, ProgramError> {
     let reading = Reading::new();
     let page = page_of_file(path, &mut |share| reading.show(share))?;
     drop(reading);
     let interrupted = watch_for_interrupt()?;
-    let door = Door::open(arguments.port)?;
+    let door = Door::open(options.port)?;
     let url = door.address.url();
     let _server = door.serve_recording(page, path.into())?;
-    say_where(&url, arguments, out)?;
+    say_where(&url, options, out)?;
     while !interrupted.load(Ordering::Relaxed) {
         thread::sleep(PATIENCE);
     }

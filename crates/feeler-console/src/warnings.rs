@@ -1,6 +1,5 @@
-//! Warnings on standard error: at once, or so that they hold nobody up, as a terminal may be paused and a pipe full.
+//! Warnings on standard error: printed at once, or queued so that a paused terminal or full pipe blocks no caller.
 
-use feeler_link::programs::Warn;
 use std::io::{Write, stderr};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, channel, sync_channel};
@@ -8,41 +7,41 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
-/// Prints a warning on standard error at once, for commands that may wait for whoever reads it.
+/// Prints a warning on standard error at once. Blocks while standard error is blocked.
 pub fn warn(warning: &str) {
-    // Standard error that is closed is no reason to stop.
+    // A closed standard error does not end the program.
     let _ = writeln!(stderr(), "warning: {warning}");
 }
 
-/// Warnings that may wait until somebody takes them.
-const WAITING: usize = 64;
+/// Maximum number of queued warnings.
+const CAPACITY: usize = 64;
 
-/// How long the end of the program waits for those that are not shown yet.
-const LAST: Duration = Duration::from_secs(1);
+/// Maximum time that the end of the program waits for queued warnings.
+const FLUSH_LIMIT: Duration = Duration::from_secs(1);
 
-/// Shows warnings, each on a line of its own. What finds no room is dropped and counted.
+/// Queue of warnings that a background thread prints, one a line. Warnings that do not fit are dropped and counted.
 #[derive(Clone)]
 pub struct Warnings(Arc<Queue>);
 
 struct Queue {
     lines: Option<SyncSender<String>>,
     dropped: Arc<AtomicU64>,
-    /// Ends with the thread that shows them.
+    /// Disconnects when the printing thread ends.
     ended: Mutex<Receiver<()>>,
 }
 
 impl Warnings {
-    /// On standard error.
+    /// Prints on standard error.
     pub fn on_stderr() -> Self {
         Self::shown_by(|line| {
-            // Where nobody listens, the exit status and the record say it.
+            // If standard error is closed, the exit status and the recording report the problem.
             let _ = writeln!(stderr(), "{line}");
         })
     }
 
-    /// Each by `show`, on a thread of its own.
+    /// Calls `show` with each warning, on a background thread.
     pub fn shown_by(mut show: impl FnMut(&str) + Send + 'static) -> Self {
-        let (lines, waiting) = sync_channel::<String>(WAITING);
+        let (lines, waiting) = sync_channel::<String>(CAPACITY);
         let (ends, ended) = channel::<()>();
         let dropped = Arc::new(AtomicU64::new(0));
         let unseen = Arc::clone(&dropped);
@@ -53,13 +52,13 @@ impl Warnings {
                 let count = unseen.swap(0, Ordering::Relaxed);
                 if count > 0 {
                     show(&format!(
-                        "{count} warnings were dropped, as nobody took them"
+                        "{count} warnings were dropped: standard error is blocked"
                     ));
                 }
             }
         };
         let thread = thread::Builder::new().name("warnings".into());
-        // Without a thread there is no queue, and nothing is shown.
+        // Without a thread there is no queue, and nothing is printed.
         let lines = thread.spawn(show_all).ok().map(|_| lines);
         Self(Arc::new(Queue {
             lines,
@@ -68,8 +67,8 @@ impl Warnings {
         }))
     }
 
-    /// Shows `warning` as soon as somebody takes it; never waits.
-    pub fn say(&self, warning: &str) {
+    /// Queues `warning`; never blocks.
+    pub fn queue(&self, warning: &str) {
         let queue = &*self.0;
         let taken = |lines: &SyncSender<String>| lines.try_send(warning.into()).is_ok();
         if !queue.lines.as_ref().is_some_and(taken) {
@@ -77,10 +76,10 @@ impl Warnings {
         }
     }
 
-    /// The same, for a program of a rig.
-    pub fn warn(&self) -> Warn {
+    /// Returns a function that queues warnings, for a program of a rig.
+    pub fn warn(&self) -> Box<dyn FnMut(&str) + Send> {
         let warnings = self.clone();
-        Box::new(move |warning| warnings.say(warning))
+        Box::new(move |warning| warnings.queue(warning))
     }
 }
 
@@ -88,8 +87,8 @@ impl Drop for Queue {
     fn drop(&mut self) {
         self.lines = None;
         let ended = self.ended.get_mut().unwrap_or_else(PoisonError::into_inner);
-        // The thread sends nothing: it has ended, or takes too long.
-        let _ = ended.recv_timeout(LAST);
+        // The thread never sends: this returns when it ends, or after the limit.
+        let _ = ended.recv_timeout(FLUSH_LIMIT);
     }
 }
 
@@ -97,7 +96,7 @@ impl Drop for Queue {
 mod tests {
     use super::*;
 
-    /// Warnings that are shown as permits come, and what was shown.
+    /// Warnings printed one for each permit, and the list of printed warnings.
     fn gated() -> (
         Warnings,
         std::sync::mpsc::Sender<()>,
@@ -114,26 +113,26 @@ mod tests {
     }
 
     #[test]
-    fn a_paused_terminal_holds_nobody_up_and_is_told_what_it_missed() {
+    fn a_blocked_terminal_blocks_no_caller_and_gets_the_dropped_count() {
         let (warnings, permit, shown) = gated();
-        let said = 2 * WAITING;
-        for number in 0..said {
-            warnings.say(&format!("warning {number}"));
+        let queued = 2 * CAPACITY;
+        for number in 0..queued {
+            warnings.queue(&format!("warning {number}"));
         }
         drop(permit);
         drop(warnings);
         let shown = shown.lock().unwrap();
         let dropped = shown.iter().find_map(|line| {
-            let count = line.strip_suffix(" warnings were dropped, as nobody took them")?;
+            let count = line.strip_suffix(" warnings were dropped: standard error is blocked")?;
             count.parse::<usize>().ok()
         });
-        // What is dropped, and a line that says so.
-        assert_eq!(shown.len() - 1 + dropped.unwrap(), said, "{shown:?}");
+        // One of the lines reports the number of dropped warnings.
+        assert_eq!(shown.len() - 1 + dropped.unwrap(), queued, "{shown:?}");
         assert_eq!(shown[0], "warning 0");
     }
 
     #[test]
-    fn the_end_shows_what_waits() {
+    fn queued_warnings_are_printed_at_the_end() {
         let (warnings, permit, shown) = gated();
         let mut warn = warnings.warn();
         drop(warnings);

@@ -1,13 +1,14 @@
 //! Shows a rig until whoever watches leaves, or once; passes on what the keys say.
 
-use super::Arguments;
-use super::watched::Watched;
-use crate::interrupt::watch_for_interrupt;
-use crate::top::{Action, Snapshot, View, text};
-use crate::{CommandError, Outcome};
+use super::{Action, View, text};
+use crate::rig::Watched;
+use crate::snapshot::Snapshot;
+use feeler_console::watch_for_interrupt;
+use feeler_console::{Outcome, ProgramError};
 use feeler_lab::config::Experiment;
-use feeler_link::right::Right;
+use feeler_link::network::Network;
 use std::io::Write;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -23,20 +24,21 @@ const LISTENING: Duration = Duration::from_secs(1);
 /// Columns and rows of what is printed.
 const PRINTED: (u16, u16) = (120, 40);
 
-/// Shows the rig that `arguments` name.
-pub fn show(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
-    if !arguments.once {
-        View::check_terminal().map_err(|e| format!("{e}; or --once for a picture as text"))?;
-    }
-    let experiment = Experiment::load(&arguments.experiment, &arguments.values.settings())?;
-    let rig = arguments.values.rig(&experiment);
-    let network = arguments
-        .link
-        .with_right(&[Right::Order, Right::Watch])?
-        .connect(&rig)?;
+/// Shows the rig named `rig`, which runs `experiment` and is connected by `network`, until the user quits. If `once`,
+/// prints one snapshot as text to `out` instead.
+///
+/// # Errors
+/// If there is no terminal, no program of the rig was received in time, or the network refuses to send or listen.
+pub fn show_rig(
+    experiment: &Experiment,
+    rig: &str,
+    network: Arc<dyn Network>,
+    once: bool,
+    out: &mut dyn Write,
+) -> Result<Outcome, ProgramError> {
     let interrupted = watch_for_interrupt()?;
-    let watched = Watched::new(&experiment, &rig, network)?;
-    if arguments.once {
+    let watched = Watched::new(experiment, rig, network)?;
+    if once {
         print(watched, &interrupted, out)
     } else {
         // The view raises the same flag when whoever watches leaves.
@@ -49,7 +51,7 @@ fn keep_showing(
     mut watched: Watched,
     mut view: View,
     leaving: &AtomicBool,
-) -> Result<Outcome, CommandError> {
+) -> Result<Outcome, ProgramError> {
     while view.is_open() && !leaving.load(Ordering::Relaxed) {
         watched.look();
         view.show(|| watched.snapshot());
@@ -70,7 +72,7 @@ fn print(
     mut watched: Watched,
     interrupted: &AtomicBool,
     out: &mut dyn Write,
-) -> Result<Outcome, CommandError> {
+) -> Result<Outcome, ProgramError> {
     let begun = Instant::now();
     let mut heard: Option<Instant> = None;
     while heard.is_none_or(|heard| heard.elapsed() < LISTENING) {

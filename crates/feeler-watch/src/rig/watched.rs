@@ -2,21 +2,20 @@
 
 use super::heard::{Heard, forces, nothing_felt};
 use super::programs::programs;
-use crate::CommandError;
 use crate::history::History;
-use crate::link::orders::{self, Order};
 use crate::snapshot::{Fault, Finger, Snapshot, TaskState, TimeBase, Torque, UNKNOWN};
 use feeler::control::phase::Phase;
 use feeler::sensor::layout::ElementLayout;
+use feeler_console::ProgramError;
 use feeler_lab::config::{Experiment, ExperimentConfig};
 use feeler_lab::experiment::layouts;
 use feeler_lab::experiment::linked::expected;
 use feeler_link::endpoints::LinkError;
 use feeler_link::inbox::Inbox;
 use feeler_link::message::HandMode;
-#[cfg(feature = "view")]
 use feeler_link::message::InstrumentsMessage;
 use feeler_link::network::Network;
+use feeler_link::order::{Order, stop_to_resume};
 use feeler_link::outlet::{TimeSource, monotonic};
 use feeler_link::shared::Shared;
 use feeler_link::topic::Topic;
@@ -55,7 +54,7 @@ impl Watched {
         experiment: &Experiment,
         rig: &str,
         network: Arc<dyn Network>,
-    ) -> Result<Self, CommandError> {
+    ) -> Result<Self, ProgramError> {
         let layouts = layouts(&experiment.config)?;
         let elements: Vec<_> = layouts.iter().map(|layout| layout.elements.len()).collect();
         let inbox = WatchInbox::new(&elements, expected(experiment)?.fingertips);
@@ -87,7 +86,6 @@ impl Watched {
     }
 
     /// The rig's name.
-    #[cfg(feature = "top")]
     pub fn rig(&self) -> &str {
         &self.rig
     }
@@ -115,11 +113,10 @@ impl Watched {
     fn to_resume(&self, from: &str) -> Option<u64> {
         let inbox = self.inbox.lock();
         let stops = &inbox.mode()?.stops;
-        Some(orders::to_resume(stops, from)?.number)
+        Some(stop_to_resume(stops, from)?.number)
     }
 
     /// Whether the hand says that it is stopped.
-    #[cfg(feature = "view")]
     pub fn is_stopped(&self) -> bool {
         let inbox = self.inbox.lock();
         let heard = Heard::new(&inbox, (self.clock)());
@@ -127,21 +124,18 @@ impl Watched {
     }
 
     /// What the rig measures beside its joints.
-    #[cfg(feature = "view")]
     pub fn instruments(&self) -> Option<InstrumentsMessage> {
         let inbox = self.inbox.lock();
         Heard::new(&inbox, (self.clock)()).instruments()
     }
 
     /// Whether any program of the rig was heard.
-    #[cfg(feature = "top")]
     pub fn hears_somebody(&self) -> bool {
         let inbox = self.inbox.lock();
         inbox.peers().all().iter().any(|peer| peer.works())
     }
 
     /// Waits for a state of the joints of another number or program than `last`, for at most `longest`; whether it came.
-    #[cfg(feature = "ros2")]
     pub fn wait_for_state(&self, last: Option<(u64, u64)>, longest: Duration) -> bool {
         let is_new = |inbox: &mut WatchInbox| {
             let state = inbox.state().map(|state| state.header);
@@ -151,7 +145,6 @@ impl Watched {
     }
 
     /// Looks at what was heard of programs that are still there.
-    #[cfg(feature = "ros2")]
     pub fn heard<T>(&self, look: impl FnOnce(&Heard) -> T) -> T {
         let inbox = self.inbox.lock();
         look(&Heard::new(&inbox, (self.clock)()))

@@ -4,6 +4,7 @@
 //! [`draw()`] puts one on a screen of any size, and [`View`] is the terminal with its keys.
 
 mod action;
+mod arrivals;
 mod dome;
 mod draw;
 mod finger;
@@ -11,6 +12,8 @@ mod force_list;
 mod gauge;
 mod palette;
 mod programs;
+mod screen;
+mod show;
 mod status;
 mod text;
 mod torque;
@@ -25,5 +28,7 @@ pub use crate::snapshot::{
 };
 pub use action::Action;
 pub use draw::draw;
+pub use screen::Screen;
+pub use show::show_rig;
 pub use text::text;
 pub use view::{View, ViewError};

@@ -12,6 +12,7 @@ use glam::DVec3;
 
 /// What was heard of programs that are still there: what others said last is no news.
 pub struct Heard<'a> {
+    /// Messages received from the rig.
     pub inbox: &'a WatchInbox,
     now: f64,
     /// What the hand is about.

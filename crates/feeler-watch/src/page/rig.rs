@@ -1,20 +1,21 @@
 //! `feeler view RIG`: a running rig of several programs.
 
-use super::Arguments;
+use super::ServerOptions;
 use super::feed::{Feed, Moment, Orders};
 use super::live_run::say_phase;
-use super::page::{Source, serve};
 use super::row::{FingerRow, Row};
-use crate::interrupt::watch_for_interrupt;
-use crate::link::top::watched::Watched;
+use super::source::{Source, serve};
+use crate::rig::Watched;
 use crate::snapshot::{Snapshot, UNKNOWN};
-use crate::{CommandError, Outcome};
+use feeler_console::watch_for_interrupt;
+use feeler_console::{Outcome, ProgramError};
 use feeler_lab::config::Experiment;
 use feeler_link::endpoints::LinkError;
-use feeler_link::right::Right;
+use feeler_link::network::Network;
 use glam::{DQuat, DVec3};
 use std::fmt::Write as _;
 use std::io::Write;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
@@ -24,19 +25,22 @@ const BY: &str = "the page of feeler view";
 /// Time between two looks at what was heard and at what is ordered.
 const INTERVAL: Duration = Duration::from_millis(10);
 
-/// Serves the page of the rig that `arguments` name, until Ctrl-C.
-pub fn view(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
-    let experiment = Experiment::load(&arguments.what, &arguments.values.settings())?;
-    let rig = arguments.values.rig(&experiment);
+/// Serves the page of the rig named `rig`, which runs `experiment` and is connected by `network`, until Ctrl-C.
+///
+/// # Errors
+/// If the page cannot be served or the network refuses to send or listen.
+pub fn serve_rig(
+    experiment: &Experiment,
+    rig: &str,
+    network: Arc<dyn Network>,
+    options: ServerOptions,
+    out: &mut dyn Write,
+) -> Result<Outcome, ProgramError> {
     let source = Source::new(&experiment.config)?;
-    let network = arguments
-        .link
-        .with_right(&[Right::Order, Right::Watch])?
-        .connect(&rig)?;
     let interrupted = watch_for_interrupt()?;
-    let mut watched = Watched::new(&experiment, &rig, network)?;
+    let mut watched = Watched::new(experiment, rig, network)?;
     let title = format!("rig {rig}");
-    let (feed, server) = serve(&title, &source, BY, &arguments.server, out)?;
+    let (feed, server) = serve(&title, &source, BY, options, out)?;
     let watching = watch(&mut watched, &source, &feed, &interrupted);
     feed.offer_last(|moment| {
         moment.words.clear();

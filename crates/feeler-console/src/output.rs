@@ -1,16 +1,17 @@
-//! Where the program writes: a reader that has had enough is no error.
+//! Standard output.
 
+use serde::Serialize;
 use std::io::{self, ErrorKind, Write};
 
-/// A writer that goes on in silence once its reader is gone, as after `feeler run … | head -1`: what
-/// was asked for is done all the same, and the exit status says how it went.
+/// Writer that ignores a closed pipe, such as that of `feeler run … | head -1`: the program completes its work, and the
+/// exit status reports the result.
 pub struct Output<W: Write> {
     writer: W,
     closed: bool,
 }
 
 impl<W: Write> Output<W> {
-    /// Writes to `writer` as long as somebody reads.
+    /// Writes to `writer` until its reader closes it.
     pub fn new(writer: W) -> Self {
         Self {
             writer,
@@ -42,4 +43,12 @@ impl<W: Write> Write for Output<W> {
         let flushed = self.writer.flush();
         self.unless_closed(flushed, ())
     }
+}
+
+/// Prints `object` as indented JSON and a line feed.
+///
+/// # Errors
+/// If it cannot be serialised or written.
+pub fn print_json(object: &impl Serialize, out: &mut dyn Write) -> io::Result<()> {
+    writeln!(out, "{}", serde_json::to_string_pretty(object)?)
 }

@@ -1,9 +1,9 @@
 //! The page of a rig, made and served.
 
-use super::ServerArguments;
+use super::ServerOptions;
 use super::feed::Feed;
 use super::server::{Door, Server};
-use crate::CommandError;
+use feeler_console::ProgramError;
 use feeler_lab::config::ExperimentConfig;
 use feeler_lab::experiment::run_facts;
 use feeler_record::{RunFacts, SolidFrame};
@@ -28,7 +28,7 @@ pub struct Source {
 
 impl Source {
     /// Of the rig of `config`.
-    pub fn new(config: &ExperimentConfig) -> Result<Self, CommandError> {
+    pub fn new(config: &ExperimentConfig) -> Result<Self, ProgramError> {
         let facts = run_facts(config)?;
         let elements = facts.hand.iter().map(|model| model.element_tips.len());
         let mut solids = facts.solids.iter();
@@ -56,14 +56,14 @@ pub fn serve(
     title: &str,
     source: &Source,
     by: &'static str,
-    arguments: &ServerArguments,
+    options: ServerOptions,
     out: &mut dyn Write,
-) -> Result<(Arc<Feed>, Server), CommandError> {
+) -> Result<(Arc<Feed>, Server), ProgramError> {
     let rig = source.rig();
     let numbers: usize = rig.columns().iter().map(|(_, width)| width).sum();
     // Time is not among them.
     let feed = Arc::new(Feed::new(numbers - 1));
-    let door = Door::open(arguments.port)?;
+    let door = Door::open(options.port)?;
     let live = Live {
         socket: door.address.socket(),
         keep: KEEP,
@@ -71,19 +71,19 @@ pub fn serve(
     };
     let url = door.address.url();
     let server = door.serve_live(live_page(title, &rig, live), Arc::clone(&feed), by)?;
-    say_where(&url, arguments, out)?;
+    say_where(&url, options, out)?;
     Ok((feed, server))
 }
 
 /// Says where a page is, and opens it unless told not to.
 pub fn say_where(
     url: &str,
-    arguments: &ServerArguments,
+    options: ServerOptions,
     out: &mut dyn Write,
-) -> Result<(), CommandError> {
+) -> Result<(), ProgramError> {
     writeln!(out, "live page: {url}")?;
     out.flush()?;
-    if !arguments.no_open {
+    if options.open {
         // Without a browser, the address is there.
         let _ = open::that_detached(url);
     }

@@ -1,13 +1,13 @@
 //! A run in the browser: what is shown of it, and what its page does to it.
 
-use super::ServerArguments;
+use super::ServerOptions;
 use super::feed::{Feed, Moment, Orders};
-use super::page::{Source, serve};
 use super::row::{FingerRow, Row};
 use super::server::Server;
-use crate::CommandError;
+use super::source::{Source, serve};
 use feeler::control::phase::Phase;
 use feeler::control::stop_reason::StopReason;
+use feeler_console::ProgramError;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::{Instruments, SimulatedLoop};
 use feeler_record::{RunEnd, RunState};
@@ -39,13 +39,13 @@ impl LiveRun {
     /// Serves the page of a run of `experiment` that is about to begin, and says where.
     pub fn open(
         experiment: &Experiment,
-        arguments: &ServerArguments,
+        options: ServerOptions,
         out: &mut dyn Write,
-    ) -> Result<Self, CommandError> {
+    ) -> Result<Self, ProgramError> {
         let config = &experiment.config;
         let source = Source::new(config)?;
         let title = format!("{}, seed {}", config.name, config.seed);
-        let (feed, server) = serve(&title, &source, BY, arguments, out)?;
+        let (feed, server) = serve(&title, &source, BY, options, out)?;
         Ok(Self {
             feed,
             server,
@@ -86,7 +86,7 @@ impl LiveRun {
     }
 
     /// Waits, for two seconds at most, until pages know how the run ended: as they were told, or that it `failed`.
-    pub fn leave(self, failed: Option<&CommandError>) {
+    pub fn leave(self, failed: Option<&ProgramError>) {
         if let Some(error) = failed {
             self.feed.offer_last(|moment| {
                 if !moment.over {
@@ -167,9 +167,9 @@ mod tests {
     use std::ops::ControlFlow;
     use std::sync::atomic::AtomicBool;
 
-    const ARGUMENTS: ServerArguments = ServerArguments {
+    const OPTIONS: ServerOptions = ServerOptions {
         port: 0,
-        no_open: true,
+        open: false,
     };
 
     /// Rows of whole runs of all built-in experiments: somebody looks at every step, and stops the hand at times.
@@ -179,7 +179,7 @@ mod tests {
             let settings = ["sensing=\"direct\"".to_string()];
             let experiment = Experiment::load(built_in.name, &settings).expect("an experiment");
             let mut session = Session::new(&experiment).expect("a session");
-            let page = LiveRun::open(&experiment, &ARGUMENTS, &mut Vec::new());
+            let page = LiveRun::open(&experiment, OPTIONS, &mut Vec::new());
             let mut page = page.expect("a page");
             let feed = Arc::clone(&page.feed);
             let (mut step, mut whole, mut stopped) = (0, 0, 0);

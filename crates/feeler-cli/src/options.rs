@@ -1,0 +1,51 @@
+//! Options that several commands share, and their values.
+
+use feeler_record::FLUSH_INTERVAL;
+
+/// Whether to replace existing files.
+#[derive(Debug, Clone, Copy, clap::Args)]
+pub struct Overwrite {
+    /// Overwrite existing output files. Input files are never overwritten.
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// Output format of a command that prints its result.
+#[derive(Debug, Clone, Copy, clap::Args)]
+pub struct Json {
+    /// Print one JSON object instead of text, for other programs (docs/json.md).
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// How often a recording is written to disk.
+#[derive(Debug, Clone, clap::Args)]
+pub struct FlushArguments {
+    /// Write the recording to disk at least every S seconds of the run's time: the most that is lost if the program is
+    /// killed.
+    #[arg(long, value_name = "S", default_value_t = FLUSH_INTERVAL, value_parser = parse_interval)]
+    pub flush_interval: f64,
+}
+
+fn parse_interval(text: &str) -> Result<f64, String> {
+    parse_between(text, 0.01, 3600.0, "s")
+}
+
+/// Parses a number from `low` to `high` inclusive, in `unit`.
+///
+/// # Errors
+/// If it is not a number or out of range; the message states the range.
+pub fn parse_between(text: &str, low: f64, high: f64, unit: &str) -> Result<f64, String> {
+    let number = text.parse().ok();
+    number
+        .filter(|number| (low..=high).contains(number))
+        .ok_or_else(|| format!("expected {low} to {high} {unit}"))
+}
+
+/// Parses a rate of images or samples, Hz.
+///
+/// # Errors
+/// If it is out of range; the message states the range.
+pub fn parse_rate(text: &str) -> Result<f64, String> {
+    parse_between(text, 1e-3, 1e5, "Hz")
+}

@@ -1,0 +1,26 @@
+//! How a program ends.
+
+use feeler_record::{RunEnd, RunState};
+
+/// How a program ended whose input was valid.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Outcome {
+    /// Completed.
+    Done,
+    /// Given up by its task or interrupted.
+    GivenUp,
+    /// Completed, but a replay differs from its recording.
+    Differs,
+}
+
+impl From<&RunEnd> for Outcome {
+    fn from(end: &RunEnd) -> Self {
+        match end.state {
+            RunState::Done => Self::Done,
+            RunState::GivenUp | RunState::Interrupted => Self::GivenUp,
+        }
+    }
+}
+
+/// Error that ends a program. Its message is all that the user sees.
+pub type ProgramError = Box<dyn std::error::Error>;

@@ -1,0 +1,28 @@
+//! A run, a recording or a rig in the browser.
+
+mod access;
+mod client;
+mod download;
+mod feed;
+mod live_run;
+mod pump;
+mod recording;
+mod rig;
+mod row;
+mod server;
+mod site;
+mod source;
+mod state;
+
+pub use live_run::LiveRun;
+pub use recording::serve_recording;
+pub use rig::serve_rig;
+
+/// How a page is served.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct ServerOptions {
+    /// Port on this computer; 0 for any free one.
+    pub port: u16,
+    /// Whether to open the page in the default browser.
+    pub open: bool,
+}

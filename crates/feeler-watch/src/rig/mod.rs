@@ -1,0 +1,8 @@
+//! State of a rig of several programs, from the messages on its link.
+
+mod heard;
+mod programs;
+mod watched;
+
+pub use heard::Heard;
+pub use watched::Watched;
