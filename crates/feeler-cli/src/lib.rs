@@ -29,6 +29,7 @@ mod replay;
 mod report;
 mod robustness;
 mod ros2;
+mod ros2_rig;
 mod run;
 mod run_progress;
 mod schema;
@@ -143,7 +144,7 @@ enum Command {
     /// Make a running rig, or a recording, appear as a node in a ROS 2 graph over Zenoh.
     Ros2(ros2::Arguments),
     /// Let a robot of ros2_control be the hand of an experiment, and sensors of its ROS 2 graph the fingertips.
-    Ros2Rig(ros2::robot::Arguments),
+    Ros2Rig(ros2_rig::Arguments),
     /// Stop the hand of a rig, from anywhere.
     Stop(link::orders::StopArguments),
     /// Resume a hand that was stopped.
@@ -166,7 +167,7 @@ enum Command {
 
 use feeler_console::Outcome;
 
-type CommandError = feeler_console::ProgramError;
+type CommandError = feeler_console::CommandError;
 
 /// Runs the program on the process's arguments.
 pub fn main() -> ExitCode {
@@ -223,7 +224,7 @@ fn run_command(command: Command, out: &mut dyn Write) -> Result<Outcome, Command
         Command::Top(arguments) => link::top::top(&arguments, out),
         Command::View(arguments) => view::view(&arguments, out),
         Command::Ros2(arguments) => ros2::ros2(&arguments, out),
-        Command::Ros2Rig(arguments) => ros2::robot::ros2_rig(&arguments, out),
+        Command::Ros2Rig(arguments) => ros2_rig::ros2_rig(&arguments, out),
         Command::Stop(arguments) => link::orders::stop(&arguments, out),
         Command::Resume(arguments) => link::orders::resume(&arguments, out),
         Command::Certificates(arguments) => link::certificates::certificates(&arguments, out),

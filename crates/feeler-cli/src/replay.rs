@@ -1,6 +1,5 @@
 //! `feeler replay`
 
-use super::report::{made, print_outcome};
 use super::{CommandError, Outcome};
 use feeler_console::watch_for_interrupt;
 use feeler_console::{Steps, Working};
@@ -10,6 +9,7 @@ use feeler_lab::experiment::run_facts;
 use feeler_lab::experiment::run_folder;
 use feeler_record::{RecordOptions, Recorder, Recording, RunFacts};
 use feeler_report::make::RECORDING;
+use feeler_rig::{make_report, print_outcome};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -63,7 +63,7 @@ pub fn replay(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Com
     // However it ended: what was compared is said, and the copy is closed and reported.
     let closed = copy.map_or(Ok(()), |copy| copy.finish(None).map(|_| ()));
     print_comparison(&recording.facts, &comparison, steps, out)?;
-    let made = arguments.out.as_deref().map(made).transpose();
+    let made = arguments.out.as_deref().map(make_report).transpose();
     ended?;
     closed?;
     if let Some(made) = made? {

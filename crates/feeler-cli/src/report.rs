@@ -3,13 +3,9 @@
 use super::{CommandError, Outcome};
 use feeler_console::Reading;
 use feeler_lab::experiment::run_folder;
-use feeler_report::cap::CapMeasures;
-use feeler_report::criterion::Success;
-use feeler_report::make::{
-    RECORDING, REPORT, ReportError, ReportOutcome, SUMMARY, make_into, make_with,
-};
-use feeler_report::{Summary, Verdict};
-use std::io::{self, Write};
+use feeler_report::make::{RECORDING, REPORT, SUMMARY, make_into};
+use feeler_rig::print_outcome;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
@@ -35,12 +31,6 @@ pub fn report(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Com
         .into());
     }
     Ok(Outcome::Done)
-}
-
-/// Makes the report of the run in `folder`, and shows how far it got.
-pub fn made(folder: &Path) -> Result<ReportOutcome, ReportError> {
-    let reading = Reading::new();
-    make_with(folder, &mut |share| reading.show(share))
 }
 
 /// The recording that is meant by `path`, and the folder of its report: its own or, if it has another name than in a run's folder, a
@@ -81,67 +71,4 @@ fn has_report(folder: &Path) -> bool {
     let text = std::fs::read_to_string(folder.join(SUMMARY)).unwrap_or_default();
     let summary: Result<serde_json::Value, _> = serde_json::from_str(&text);
     summary.is_ok_and(|summary| summary.get("claims").is_some())
-}
-
-/// Prints how the run ended and what was achieved, then how far it reproduces the paper, and where to read more.
-pub fn print_outcome(made: &ReportOutcome, out: &mut dyn Write) -> io::Result<()> {
-    let summary = &made.summary;
-    write!(out, "{}", summary.state)?;
-    if let Some(reason) = &summary.reason {
-        write!(out, ": {reason}")?;
-    }
-    writeln!(out)?;
-    if let Some(outcome) = &summary.outcome {
-        writeln!(out, "outcome: {outcome}")?;
-    }
-    let achieved = achieved(summary);
-    if !achieved.is_empty() {
-        writeln!(out, "{}", achieved.join(", "))?;
-    }
-    print_claims(made, out)?;
-    if let Some(judged) = summary.success.and_then(Success::beyond_claims) {
-        writeln!(out, "{judged}")?;
-    }
-    writeln!(out, "{}", made.report_path.display())
-}
-
-/// What the hand achieved, as far as it was measured.
-fn achieved(summary: &Summary) -> Vec<String> {
-    let mut achieved = Vec::new();
-    // A cap that is opened is loosest at the end.
-    let opens = |cap: &&CapMeasures| cap.sense.is_some_and(|sense| sense < 0.0);
-    if let Some(cap) = summary.cap.as_ref().filter(opens) {
-        let torque = cap.largest_torque;
-        achieved.extend(torque.map(|t| format!("largest torque {:.1} mN m", 1e3 * t)));
-    } else if let Some(torque) = summary.final_torque {
-        let ratio = summary.cap.as_ref().and_then(|cap| cap.torque_ratio);
-        let share = ratio.map(|r| format!(" ({:.0} % of what friction allows)", 1e2 * r));
-        let share = share.unwrap_or_default();
-        achieved.push(format!("final torque {:.1} mN m{share}", 1e3 * torque));
-    }
-    let turned = summary.cap_angle.map(f64::to_degrees);
-    achieved.extend(turned.map(|angle| format!("cap turned by {angle:.1}°")));
-    let force = summary.peak_element_force;
-    achieved.extend(force.map(|force| format!("peak element force {force:.2} N")));
-    achieved
-}
-
-/// Prints how many claims hold, and which do not.
-fn print_claims(made: &ReportOutcome, out: &mut dyn Write) -> io::Result<()> {
-    let claims = made.claims();
-    if claims.is_empty() {
-        return Ok(());
-    }
-    let holding = claims.iter().filter(|claim| claim.holds).count();
-    let (count, whose) = (claims.len(), made.whose);
-    writeln!(out, "{holding} of {count} claims {whose} hold")?;
-    for claim in claims {
-        let why = match claim.verdict {
-            Verdict::Holds => continue,
-            Verdict::Fails => "does not hold",
-            Verdict::NotMeasured => "not measured",
-        };
-        writeln!(out, "  {why}: {} ({})", claim.id, claim.bound)?;
-    }
-    Ok(())
 }

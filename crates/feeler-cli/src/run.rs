@@ -3,7 +3,6 @@
 use super::emulated::DrivenBus;
 #[cfg(not(feature = "top"))]
 use super::no_screen::Screen;
-use super::report::print_outcome;
 use super::sweep::one_trial;
 use super::throttle::{Throttle, Timing, parse_speed};
 use super::view::{LiveRun, ServerArguments};
@@ -16,6 +15,7 @@ use feeler_lab::config::Experiment;
 use feeler_lab::experiment::recorded_run::{RecordedRun, RunError, record_options, session};
 use feeler_lab::experiment::{Session, run_folder};
 use feeler_record::RecordOptions;
+use feeler_rig::print_outcome;
 #[cfg(feature = "top")]
 use feeler_watch::Screen;
 use std::io::Write;

@@ -10,7 +10,7 @@ mod table_file;
 mod warnings;
 
 pub use interrupt::{is_raised, watch_for_interrupt};
-pub use outcome::{Outcome, ProgramError};
+pub use outcome::{CommandError, Outcome};
 pub use output::{Output, print_json};
 pub use part_file::{OutputError, Outputs, PartFile, cut_torn_line};
 pub use progress::{Reading, Search, Steps, Working};

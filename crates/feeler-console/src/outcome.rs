@@ -23,4 +23,4 @@ impl From<&RunEnd> for Outcome {
 }
 
 /// Error that ends a program. Its message is all that the user sees.
-pub type ProgramError = Box<dyn std::error::Error>;
+pub type CommandError = Box<dyn std::error::Error>;

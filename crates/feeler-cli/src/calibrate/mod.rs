@@ -1,13 +1,9 @@
 //! `feeler calibrate`
 
 mod axes;
-mod checks;
 mod live;
-mod loads;
-mod page;
 mod wrench;
 
-use super::sense::sensor::named_sensor;
 use super::{CommandError, Outcome};
 use crate::options::Json;
 use crate::options::Overwrite;
@@ -23,6 +19,8 @@ use feeler_console::print_json;
 use feeler_console::{Steps, Working};
 use feeler_lab::config::Experiment;
 use feeler_lab::sensor::{LoadsFile, SensorGeometry};
+use feeler_sensing::calibration::{LOADS, checks, page, write_simulated_loads};
+use feeler_sensing::named_sensor;
 use feeler_sim::calibration_bench::{CalibrationBenchConfig, load_simulated};
 use serde::Serialize;
 use std::io::{self, Write};
@@ -191,7 +189,7 @@ pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, 
             checks::after_fitting(loads, measured, &calibration)?;
         }
     }
-    page_file.finish(page::page(&calibration, &records, &source).as_bytes())?;
+    page_file.finish(page(&calibration, &records, &source).as_bytes())?;
     file.finish(calibration.to_toml()?.as_bytes())?;
     if arguments.json.json {
         let elements = calibration.elements.iter();
@@ -230,7 +228,7 @@ fn loads_file(
         return Ok(None);
     };
     let csv = match live::folder(arguments) {
-        Some(folder) => folder.join(live::LOADS),
+        Some(folder) => folder.join(LOADS),
         None => PathBuf::from(input),
     };
     let loads = LoadsFile::read(&csv, &sensor.seen, axes)?;
@@ -291,7 +289,7 @@ fn simulated(
     };
     let _working = Working::on("loading the simulated fingertip");
     if let Some(folder) = &arguments.write_loads {
-        loads::write_simulated(folder, fingertip, optics, &bench)?;
+        write_simulated_loads(folder, fingertip, optics, &bench)?;
     }
     let records = load_simulated(fingertip, optics, &bench)?;
     let source = format!("{}, simulated", config.name);

@@ -1,13 +1,8 @@
 //! `feeler calibrate FORCES.csv --wrench`
 
-mod page;
-mod table;
-
-use super::checks::CONFIRM;
 use super::{
     Arguments, Calibrated, CommandError, Outcome, experiment_name, live, page_path, refuse_existing,
 };
-use crate::sense::sensor::named_sensor;
 use feeler::sensor::wrench::quality::{HeldOut, outlier};
 use feeler::sensor::wrench::{WrenchFit, fit};
 use feeler_console::Outputs;
@@ -15,6 +10,9 @@ use feeler_console::print_json;
 use feeler_console::warn;
 use feeler_console::{Steps, Working};
 use feeler_lab::sensor::{ForcesFile, MeasuredSamples};
+use feeler_sensing::calibration::checks::CONFIRM;
+use feeler_sensing::calibration::{FORCES, wrench_page, wrench_table};
+use feeler_sensing::named_sensor;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -33,7 +31,7 @@ pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, 
             // Before an hour's work, not after it.
             refuse_existing(arguments, [output, &page_path])?;
             live::guide(arguments, folder, &sensor)?;
-            folder.join(live::FORCES)
+            folder.join(FORCES)
         }
         None => measured(arguments)?,
     };
@@ -65,7 +63,7 @@ pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, 
     fitted.calibration.loads_confirmed = arguments.confirm_loads;
     warn_of_fit(&fitted, &measured, forces.recordings());
     let source = forces.name();
-    page_file.finish(page::page(&fitted, forces.recordings(), &source).as_bytes())?;
+    page_file.finish(wrench_page(&fitted, forces.recordings(), &source).as_bytes())?;
     file.finish(fitted.calibration.to_toml()?.as_bytes())?;
     if arguments.json.json {
         let calibrated = Calibrated {
@@ -79,7 +77,7 @@ pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, 
         print_json(&calibrated, out)?;
         return Ok(Outcome::Done);
     }
-    write!(out, "{}", table::table(&fitted.calibration))?;
+    write!(out, "{}", wrench_table(&fitted.calibration))?;
     writeln!(out, "{}\n{}", output.display(), page_path.display())?;
     Ok(Outcome::Done)
 }

@@ -2,12 +2,12 @@
 
 use super::measured::{Measured, Spread};
 use super::{Arguments, CommandError, Kind, Outcome};
-use crate::camera::{CameraName, NAMES};
-use crate::sense::is_raised;
 use feeler_console::Working;
+use feeler_console::is_raised;
 use feeler_console::print_json;
 use feeler_console::warn;
 use feeler_console::watch_for_interrupt;
+use feeler_sensing::{CameraName, CameraOptions, NAMES};
 use feeler_sources::pump::{Captured, FramePump};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -32,13 +32,15 @@ pub fn measure(
         Some(camera) => camera.to_path_buf(),
         None => only_camera(kinds())?,
     };
-    let Some(name) = CameraName::of(&source) else {
+    let Some(name) = CameraName::parse(&source) else {
         let source = source.display();
         return Err(format!("--measure {source}: expected a camera, {NAMES}").into());
     };
     let interrupted = watch_for_interrupt()?;
     let (size, rate) = (arguments.size, arguments.rate);
-    let camera = name.open(arguments.camera.settings(size, rate))?.camera;
+    let camera = name
+        .open(CameraOptions::from(&arguments.camera).settings(size, rate))?
+        .camera;
     let pump = FramePump::start(camera, size)?;
     let working = Working::on("measuring");
     let mut counted = Counted::default();

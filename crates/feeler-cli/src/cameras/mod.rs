@@ -14,21 +14,12 @@ mod measured;
 mod video;
 
 use super::camera::CameraArguments;
-use super::sense::parse_size;
+use super::camera::parse_size;
 use super::{CommandError, Outcome};
 use crate::options::parse_rate;
 use serde_json::{Value, json};
 use std::io::Write;
 use std::path::PathBuf;
-
-/// Why there are no Video4Linux cameras.
-#[cfg(not(all(feature = "camera", target_os = "linux")))]
-pub const NO_VIDEO: &str =
-    "this program was built without Video4Linux cameras; build it on Linux with --features camera";
-/// Why there are no GenICam cameras.
-#[cfg(not(all(feature = "genicam", target_os = "linux")))]
-pub const NO_GENICAM: &str =
-    "this program was built without GenICam cameras; build it on Linux with --features genicam";
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
@@ -72,7 +63,7 @@ pub fn cameras(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Co
     if let Some(named) = &arguments.measure {
         return measure::measure(arguments, named.as_deref(), kinds, out);
     }
-    if let Some(option) = arguments.camera.given() {
+    if let Some(option) = feeler_sensing::CameraOptions::from(&arguments.camera).given() {
         return Err(format!("{option} is for --measure; expected --measure beside it").into());
     }
     let kinds = kinds();

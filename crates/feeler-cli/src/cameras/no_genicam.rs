@@ -1,6 +1,7 @@
 //! A program without GenICam cameras.
 
-use super::{Kind, NO_GENICAM};
+use super::Kind;
+use feeler_sensing::NO_GENICAM;
 
 pub fn list(_: bool) -> Kind {
     Kind {

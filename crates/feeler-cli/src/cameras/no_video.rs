@@ -1,6 +1,7 @@
 //! A program without Video4Linux cameras.
 
-use super::{Kind, NO_VIDEO};
+use super::Kind;
+use feeler_sensing::NO_VIDEO;
 
 pub fn list() -> Kind {
     Kind {

@@ -1,16 +1,16 @@
 //! `feeler drives home`
 
 use super::HomeArguments;
-use super::check::Rig;
 use crate::{CommandError, Outcome};
 use feeler_console::Outputs;
 use feeler_drives::setup::{check_model, named_joints, read_counts};
 use feeler_lab::experiment::fingers_at_home;
+use feeler_rig::ServoRig;
 use std::io::Write;
 use std::path::Path;
 
 pub fn home(arguments: &HomeArguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
-    let rig = Rig::load(&arguments.rig)?;
+    let rig = arguments.rig.load()?;
     let angles = posture(&rig, &arguments.at)?;
     let mut outputs = Outputs::new(
         arguments.overwrite.force,
@@ -62,7 +62,7 @@ pub fn home(arguments: &HomeArguments, out: &mut dyn Write) -> Result<Outcome, C
 }
 
 /// The joint angles that the hand stands at, rad: those said, or those of the task's home.
-fn posture(rig: &Rig, said: &[f64]) -> Result<Vec<f64>, CommandError> {
+fn posture(rig: &ServoRig, said: &[f64]) -> Result<Vec<f64>, CommandError> {
     let joints = 3 * rig.fingers.len();
     if said.is_empty() {
         let (_, home) = fingers_at_home(&rig.experiment.config)?;

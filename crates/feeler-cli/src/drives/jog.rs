@@ -1,7 +1,6 @@
 //! `feeler drives jog`
 
 use super::JogArguments;
-use super::check::{Rig, all_changes, write_changes};
 use crate::{CommandError, Outcome};
 use feeler::hand::{Hand, HandState};
 use feeler::pace::{Pace, Schedule};
@@ -9,6 +8,7 @@ use feeler_console::watch_for_interrupt;
 use feeler_drives::clock::RigClock;
 use feeler_drives::error::DriveError;
 use feeler_drives::hand::{DriveHand, JOG_SPEED};
+use feeler_rig::{ServoRig, all_changes, print_changes};
 use std::io::Write;
 
 /// Most that a joint is turned, degrees.
@@ -17,7 +17,7 @@ const MOST: f64 = 10.0;
 const GRACE: f64 = 1.0;
 
 pub fn jog(arguments: &JogArguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
-    let rig = Rig::load(&arguments.rig)?;
+    let rig = arguments.rig.load()?;
     let (finger, joint) = (arguments.finger, usize::from(arguments.joint) - 1);
     if arguments.by.is_nan() || arguments.by.abs() > MOST {
         return Err(format!(
@@ -45,9 +45,13 @@ pub fn jog(arguments: &JogArguments, out: &mut dyn Write) -> Result<Outcome, Com
 }
 
 /// Says what would be written.
-fn plan(rig: &Rig, arguments: &JogArguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
+fn plan(
+    rig: &ServoRig,
+    arguments: &JogArguments,
+    out: &mut dyn Write,
+) -> Result<Outcome, CommandError> {
     let planned = all_changes(&mut rig.open()?, &rig.config)?;
-    write_changes(&planned, out)?;
+    print_changes(&planned, out)?;
     let JogArguments { by, speed, .. } = arguments;
     let (finger, joint) = (arguments.finger, arguments.joint);
     writeln!(
@@ -59,7 +63,7 @@ fn plan(rig: &Rig, arguments: &JogArguments, out: &mut dyn Write) -> Result<Outc
 
 /// Turns the joint, and says where it got.
 fn turn(
-    rig: &Rig,
+    rig: &ServoRig,
     arguments: &JogArguments,
     (finger, joint): (usize, usize),
     out: &mut dyn Write,

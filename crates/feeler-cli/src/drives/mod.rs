@@ -3,8 +3,6 @@
 #[cfg(all(feature = "drives", target_os = "linux"))]
 mod bus_log;
 #[cfg(all(feature = "drives", target_os = "linux"))]
-pub mod check;
-#[cfg(all(feature = "drives", target_os = "linux"))]
 mod emulate;
 #[cfg(all(feature = "drives", target_os = "linux"))]
 mod home;
@@ -167,6 +165,15 @@ struct JogArguments {
     speed: f64,
 }
 
+#[cfg(all(feature = "drives", target_os = "linux"))]
+impl RigArguments {
+    /// Loads the experiment and its servos.
+    fn load(&self) -> Result<feeler_rig::ServoRig, CommandError> {
+        let experiment = feeler_lab::config::Experiment::load(&self.experiment, &self.settings)?;
+        feeler_rig::ServoRig::new(experiment, self.port.as_deref())
+    }
+}
+
 /// How fast the time of emulated servos goes.
 fn parse_speed(text: &str) -> Result<f64, String> {
     let speed = text.parse().ok().filter(|s| (0.01..=1.0).contains(s));
@@ -178,7 +185,9 @@ pub fn drives(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Com
     match &arguments.command {
         Command::Emulate(arguments) => emulate::emulate(arguments, out),
         Command::Scan(arguments) => scan::scan(arguments, out),
-        Command::Check(arguments) => check::check(arguments, out),
+        Command::Check(arguments) => {
+            feeler_rig::check_servos(&arguments.load()?, arguments.dry_run, out)
+        }
         Command::Home(arguments) => home::home(arguments, out),
         Command::Jog(arguments) => jog::jog(arguments, out),
     }

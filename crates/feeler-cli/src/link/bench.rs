@@ -1,253 +1,42 @@
-//! `feeler bench link`: how long it takes from what a sensor feels to what the hand commands.
+//! `feeler bench`
 
-use super::{LinkArguments, ListenArguments};
 use crate::{CommandError, Outcome};
-use feeler::pace::{Clock, Monotonic, Pace};
-use feeler_console::watch_for_interrupt;
-use feeler_lab::config::Experiment;
-use feeler_lab::experiment::fingers_at_home;
-use feeler_lab::experiment::linked::{expected, hand_program};
-use feeler_link::beacon::Beacon;
-use feeler_link::inbox::listen;
-use feeler_link::message::{
-    Heartbeat, MessageHeader, NO_ELEMENT, NO_FINGER, StateMessage, TactileUpdate,
-};
-use feeler_link::network::Network;
-use feeler_link::outlet::{TimeSource, draw_instance, header, monotonic, send};
-use feeler_link::programs::RigSpeed;
-use feeler_link::rig_inbox::RigInbox;
-use feeler_link::shared::Shared;
-use feeler_link::topic::Topic;
-use feeler_record::wire::{Message, Vector3};
-use hdrhistogram::Histogram;
+use feeler_rig::{LatencyBench, measure_latency, send_readings};
 use std::io::Write;
-use std::net::TcpListener;
-use std::ops::ControlFlow;
-use std::process::{Child, Command};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-
-/// The experiment whose hand answers.
-const EXPERIMENT: &str = "cap-closing";
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     #[command(subcommand)]
-    what: What,
+    bench: Bench,
 }
 
 #[derive(Debug, clap::Subcommand)]
-enum What {
-    /// Two programs on this computer: from the stamp of a tactile update to the command made from it, but for
+enum Bench {
+    /// Measure the time from a tactile update to the command computed from it, between two programs on this computer, without
     /// the wait for the control period.
     Link(LinkBench),
 }
 
 #[derive(Debug, clap::Args)]
 struct LinkBench {
-    /// Control steps a second.
+    /// Control steps per second.
     #[arg(long, default_value = "1000", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     rate: u32,
-    /// How long to measure, s.
+    /// Duration of the measurement (s).
     #[arg(long, default_value = "10", value_parser = clap::value_parser!(u32).range(1..=3600))]
     seconds: u32,
-    /// Be the sensors' program of a bench whose hand listens here.
+    /// Endpoint of the hand to send readings to: the second process of the measurement.
     #[arg(long, hide = true)]
     sensors_of: Option<String>,
 }
 
 pub fn bench(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
-    let What::Link(bench) = &arguments.what;
-    // The bench's joints stand still, whatever they are told.
-    let settings = [
-        "sensing=direct",
-        "control.monitor.joint_deviation=0",
-        "time_limit=1e5",
-    ];
-    let experiment = Experiment::load(EXPERIMENT, &settings.map(String::from))?;
-    let stop = watch_for_interrupt()?;
+    let Bench::Link(bench) = &arguments.bench;
     match &bench.sensors_of {
-        Some(hand) => Sensors::new(&experiment, hand)?.send(bench.rate, &stop),
-        None => answer(&experiment, bench, &stop, out),
-    }
-}
-
-/// The hand's side: answers every set of updates at once, and looks at the clock.
-fn answer(
-    experiment: &Experiment,
-    bench: &LinkBench,
-    stop: &AtomicBool,
-    out: &mut dyn Write,
-) -> Result<Outcome, CommandError> {
-    let port = TcpListener::bind("127.0.0.1:0")?.local_addr()?.port();
-    let endpoint = format!("tcp/127.0.0.1:{port}");
-    let network = LinkArguments::default().listen("bench", &ListenArguments::at(&endpoint))?;
-    let _sensors = Ended(
-        Command::new(std::env::current_exe()?)
-            .args(["bench", "link", "--rate", &bench.rate.to_string()])
-            .args(["--sensors-of", &endpoint])
-            .spawn()?,
-    );
-    let mut program = hand_program(experiment, RigSpeed::Lockstep, network)?;
-    if !program.wait_for_others(stop)? {
-        return Ok(Outcome::GivenUp);
-    }
-    writeln!(out, "measuring for {} s", bench.seconds)?;
-    out.flush()?;
-    let mut latency = Histogram::<u64>::new_with_bounds(1, 10_000_000_000, 3)?;
-    let steps = u64::from(bench.rate) * u64::from(bench.seconds);
-    // A second to get going, which is not counted.
-    let (mut step, getting_going) = (0, u64::from(bench.rate));
-    program.run(stop, |control_loop, _| {
-        // The sensors number their pictures by the time at which they were taken.
-        let touches = control_loop.touches().iter();
-        let oldest = touches.map(|touch| touch.frame.sequence).min().unwrap_or(0);
-        step += 1;
-        if step > getting_going {
-            latency.saturating_record(now().saturating_sub(oldest));
+        Some(hand) => send_readings(hand, bench.rate),
+        None => {
+            let (rate, seconds) = (bench.rate, bench.seconds);
+            measure_latency(LatencyBench { rate, seconds }, out)
         }
-        match step < steps + getting_going {
-            true => ControlFlow::Continue(()),
-            false => ControlFlow::Break(()),
-        }
-    })?;
-    if let (true, Some(reason)) = (latency.is_empty(), program.controller().stop_reason()) {
-        return Err(format!("nothing was measured, as the hand stopped: {reason}").into());
     }
-    let at = |quantile| latency.value_at_quantile(quantile) as f64 / 1e3;
-    writeln!(
-        out,
-        "{} steps at {} Hz, two fingers of 41 elements: from stamp to command {:.0} us (median), {:.0} us (99 %), \
-         {:.0} us (at most)",
-        latency.len(),
-        bench.rate,
-        at(0.5),
-        at(0.99),
-        latency.max() as f64 / 1e3,
-    )?;
-    Ok(Outcome::Done)
-}
-
-/// A program that ends with this one.
-struct Ended(Child);
-
-impl Drop for Ended {
-    fn drop(&mut self) {
-        // It may have ended by itself.
-        let _ = self.0.kill();
-        let _ = self.0.wait();
-    }
-}
-
-/// The sensors' side: a world and the sensors of all fingers in one.
-struct Sensors {
-    network: Arc<dyn Network>,
-    /// What the world hears of the hand.
-    inbox: Shared<RigInbox>,
-    clock: TimeSource,
-    world: u64,
-    fingers: Vec<u64>,
-    elements: usize,
-    /// Joint angles of each finger at home, rad.
-    home: Vec<Vector3>,
-    /// Control period, s of the rig's time.
-    period: f64,
-    _beacons: Vec<Arc<Beacon>>,
-}
-
-impl Sensors {
-    fn new(experiment: &Experiment, hand: &str) -> Result<Self, CommandError> {
-        let network = LinkArguments::connecting_to(hand).connect("bench")?;
-        let expected = expected(experiment)?;
-        let beacon = |program: &str, finger: u32, fingertip: &str| {
-            let instance = draw_instance();
-            let heartbeat = Heartbeat {
-                instance,
-                program: program.into(),
-                finger,
-                experiment: expected.experiment.clone(),
-                fingertip: fingertip.into(),
-                age: f64::NAN,
-                // The hand answers at once.
-                speed: RigSpeed::Lockstep.times(),
-                ..Heartbeat::default()
-            };
-            Beacon::start(network.clone(), heartbeat).map(|beacon| (instance, Arc::new(beacon)))
-        };
-        let (world, of_world) = beacon("world", NO_FINGER, "")?;
-        let (mut fingers, mut beacons) = (Vec::new(), vec![of_world.clone()]);
-        for (finger, fingertip) in expected.fingertips.iter().enumerate() {
-            let (instance, beacon) = beacon("sense", finger as u32, fingertip)?;
-            fingers.push(instance);
-            beacons.push(beacon);
-        }
-        let identity = (fingers.len(), world);
-        let inbox = Shared::new(RigInbox::new(identity, f64::INFINITY, expected.clone()));
-        let clock = monotonic();
-        // What the drives are told is the drives' business: here it is the way to the command that counts.
-        let topics: Vec<Topic> = Topic::heartbeats().chain([Topic::Mode]).collect();
-        listen(&*network, &topics, &inbox, &clock, &of_world)?;
-        let config = &experiment.config;
-        let (_, home) = fingers_at_home(config)?;
-        Ok(Self {
-            network,
-            home: home.into_iter().map(Vector3::from).collect(),
-            inbox,
-            clock,
-            world,
-            fingers,
-            elements: config.sensor.fingertip.layout.element_count(),
-            period: config.control.period,
-            _beacons: beacons,
-        })
-    }
-
-    /// Sends a set of updates at each period.
-    fn send(&self, rate: u32, stop: &AtomicBool) -> Result<Outcome, CommandError> {
-        let mut pace = Pace::new(1.0 / f64::from(rate))?;
-        let (elements, fingers) = (self.elements, self.fingers.len());
-        let still = vec![Vector3::default(); fingers];
-        for sequence in 1.. {
-            if stop.load(Ordering::Relaxed) || pace.wait_unless(stop).is_none() {
-                break;
-            }
-            let (echo, stamp) = (self.inbox.lock().echo, sequence as f64 * self.period);
-            let header = |instance| MessageHeader {
-                clock: self.world,
-                ..header(instance, sequence, stamp).echoing(echo, (self.clock)())
-            };
-            // As in a rig: the joints are known before pictures have become forces.
-            let state = StateMessage {
-                header: header(self.world),
-                position: self.home.clone(),
-                velocity: still.clone(),
-                instruments: Vec::new(),
-            };
-            self.publish(Topic::State, &state)?;
-            for (finger, &instance) in self.fingers.iter().enumerate() {
-                let update = TactileUpdate {
-                    header: header(instance),
-                    finger: finger as u32,
-                    frame: now(),
-                    largest_element: NO_ELEMENT,
-                    forces: vec![Vector3::default(); elements],
-                    shear_rate: vec![0.0; elements],
-                    slip_mask: vec![0; elements.div_ceil(8)],
-                    invalid_mask: vec![0; elements.div_ceil(8)],
-                    ..TactileUpdate::default()
-                };
-                self.publish(Topic::Tactile(finger), &update)?;
-            }
-        }
-        Ok(Outcome::Done)
-    }
-
-    fn publish<M: Message>(&self, topic: Topic, message: &M) -> Result<(), CommandError> {
-        Ok(send(&*self.network, topic, message)?)
-    }
-}
-
-/// The time that all programs of this computer agree on, ns.
-fn now() -> u64 {
-    Monotonic::new().now().as_nanos() as u64
 }

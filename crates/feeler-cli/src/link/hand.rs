@@ -1,20 +1,18 @@
 //! `feeler hand`
 
-use super::record::{HandRecord, patience};
-use super::{ExperimentArguments, LinkArguments, ListenArguments, door};
+use super::{ExperimentArguments, LinkArguments, ListenArguments};
 use crate::options::FlushArguments;
 use crate::run::make_folder;
 use crate::{CommandError, Outcome};
-use feeler::pace::real_time::{self, MODERATE, Refusal};
 use feeler_console::Warnings;
 use feeler_console::watch_for_interrupt;
-use feeler_lab::config::Experiment;
 use feeler_lab::experiment::linked::hand_program;
 use feeler_lab::experiment::recorded_run::run_end;
 use feeler_link::programs::RigSpeed;
 use feeler_link::right::Right;
 use feeler_record::{RunEnd, RunState};
-use std::io::{Write, stderr};
+use feeler_rig::{HandRecord, ListenOptions, open_stop_door, patience, request_real_time};
+use std::io::Write;
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 use std::time::Instant;
@@ -45,16 +43,19 @@ pub struct Arguments {
 
 /// Controls a hand whose fingers and drives are in other programs, until the task is done.
 pub fn hand(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
-    let experiment = Experiment::load(&arguments.experiment, &arguments.values.settings())?;
-    let rig = arguments.values.rig(&experiment);
-    let link = arguments.link.with_right(&[Right::Hand])?;
-    let network = link.listen(&rig, &arguments.listening)?;
+    let session = arguments
+        .values
+        .session(&arguments.experiment, &arguments.link)?;
+    let (experiment, rig) = (&session.experiment, &session.name);
+    let link = session.link.with_right(&[Right::Hand])?;
+    let listening = ListenOptions::from(&arguments.listening);
+    let network = link.listen(rig, &listening)?;
     let interrupted = watch_for_interrupt()?;
-    let mut program = hand_program(&experiment, arguments.speed, network)?;
+    let mut program = hand_program(experiment, arguments.speed, network)?;
     let warnings = Warnings::on_stderr();
     program.set_warn(warnings.warn());
     let stopper = program.stopper();
-    let _door = door::open(&link, &arguments.listening, &rig, stopper, &warnings);
+    let _door = open_stop_door(&link, &listening, rig, stopper, &warnings);
     let missing = match program.missing() {
         none if none.is_empty() => "fresh data".to_string(),
         missing => missing.join(", "),
@@ -65,11 +66,11 @@ pub fn hand(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comma
         return Ok(Outcome::GivenUp);
     }
     if arguments.real_time {
-        ask_for_real_time();
+        request_real_time();
     }
-    let folder = make_folder(arguments.out.as_deref(), &experiment, None)?;
+    let folder = make_folder(arguments.out.as_deref(), experiment, None)?;
     let mut record = HandRecord::create(
-        (folder, &experiment),
+        (folder, experiment),
         (patience(arguments.speed), arguments.flush.flush_interval),
         warnings,
     )?;
@@ -90,18 +91,4 @@ pub fn hand(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comma
     ended?;
     writeln!(out, "{}", program.report())?;
     finished.print(out)
-}
-
-/// Asks for what keeps steps on time, and says what is refused: the hand goes on without.
-pub(super) fn ask_for_real_time() {
-    let asked: [(&str, Result<(), Refusal>); 2] = [
-        ("real-time priority", real_time::raise_priority(MODERATE)),
-        ("locked memory", real_time::lock_memory()),
-    ];
-    for (what, answer) in asked {
-        if let Err(refusal) = answer {
-            // Where nobody listens, the punctuality at the end says it.
-            let _ = writeln!(stderr(), "warning: no {what}: {refusal}");
-        }
-    }
 }

@@ -2,23 +2,17 @@
 
 pub mod bench;
 pub mod certificates;
-mod door;
 pub mod hand;
 pub mod orders;
-mod record;
 pub mod rig;
-#[cfg(all(feature = "drives", target_os = "linux"))]
-mod served_drives;
 pub mod top;
 pub mod world;
 
 use super::CommandError;
 use feeler_lab::config::Experiment;
-use feeler_link::endpoints::{HAND_ENDPOINT, LinkConfig};
-use feeler_link::network::{Network, Rehearsal, RehearsedNetwork};
-use feeler_link::right::Right;
+use feeler_link::network::Rehearsal;
+use feeler_rig::{LinkOptions, ListenOptions, RigSession};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 /// How a program takes part in the link.
 #[derive(Debug, Clone, Default, clap::Args)]
@@ -49,43 +43,26 @@ pub struct ListenArguments {
     insecure: bool,
 }
 
-impl ListenArguments {
-    /// At `endpoint` alone.
-    fn at(endpoint: &str) -> Self {
+impl From<&ListenArguments> for ListenOptions {
+    fn from(arguments: &ListenArguments) -> Self {
         Self {
-            listen: vec![endpoint.into()],
-            insecure: false,
+            listen: arguments.listen.clone(),
+            insecure: arguments.insecure,
         }
-    }
-
-    /// Where to listen.
-    fn endpoints(&self) -> Vec<String> {
-        given_or_default(&self.listen)
     }
 }
 
-/// The endpoints that are given, or where a hand is unless told otherwise.
-fn given_or_default(endpoints: &[String]) -> Vec<String> {
-    match endpoints {
-        [] => vec![HAND_ENDPOINT.into()],
-        given => given.to_vec(),
+impl From<&LinkArguments> for LinkOptions {
+    fn from(arguments: &LinkArguments) -> Self {
+        Self {
+            connect: arguments.connect.clone(),
+            certificates: arguments.certificates.clone(),
+            impairment: arguments.rehearse,
+        }
     }
 }
 
 impl LinkArguments {
-    /// Where the hand is.
-    pub fn endpoints(&self) -> Vec<String> {
-        given_or_default(&self.connect)
-    }
-
-    /// Of a program whose hand is at `endpoint`.
-    fn connecting_to(endpoint: &str) -> Self {
-        Self {
-            connect: vec![endpoint.into()],
-            ..Self::default()
-        }
-    }
-
     /// The first option that is given.
     pub fn given(&self) -> Option<&'static str> {
         let options = [
@@ -95,82 +72,6 @@ impl LinkArguments {
         ];
         first_given(&options)
     }
-
-    /// The same with the certificate that gives one of `rights`, the first one first, where certificates are named.
-    /// It is looked at, and what is to be said of it is said on standard error.
-    pub fn with_right(&self, rights: &[Right]) -> Result<Self, CommandError> {
-        let mut arguments = self.clone();
-        if let Some(folder) = &mut arguments.certificates {
-            *folder = Right::folder_in(folder, rights);
-            check_certificate(folder, rights)?;
-        }
-        Ok(arguments)
-    }
-
-    /// The network of the rig `name`, of a program that looks for the hand.
-    pub fn connect(&self, name: &str) -> Result<Arc<dyn Network>, CommandError> {
-        self.open(LinkConfig {
-            rig: name.into(),
-            connect: self.endpoints(),
-            ..LinkConfig::default()
-        })
-    }
-
-    /// The network of the rig `name`, of its hand: it waits for the others to connect.
-    pub fn listen(
-        &self,
-        name: &str,
-        listening: &ListenArguments,
-    ) -> Result<Arc<dyn Network>, CommandError> {
-        self.open(LinkConfig {
-            rig: name.into(),
-            is_hand: true,
-            listen: listening.endpoints(),
-            connect: self.connect.clone(),
-            insecure: listening.insecure,
-            ..LinkConfig::default()
-        })
-    }
-
-    fn open(&self, config: LinkConfig) -> Result<Arc<dyn Network>, CommandError> {
-        let network = open(&LinkConfig {
-            certificates: self.certificates.clone(),
-            ..config
-        })?;
-        Ok(match self.rehearse {
-            Some(rehearsal) => Arc::new(RehearsedNetwork::new(network, rehearsal)),
-            None => network,
-        })
-    }
-}
-
-/// Warns of a certificate that expires soon, and refuses one that is of no use.
-#[cfg(feature = "link")]
-fn check_certificate(folder: &Path, rights: &[Right]) -> Result<(), CommandError> {
-    use std::io::Write as _;
-    let own = feeler_link::own_certificate::OwnCertificate::read(folder, rights)?;
-    if let Some(warning) = own.warning() {
-        // Where nobody listens, the certificate still works.
-        let _ = writeln!(std::io::stderr(), "{warning}");
-    }
-    Ok(())
-}
-
-/// Without the link, no certificate is used.
-#[cfg(not(feature = "link"))]
-fn check_certificate(_: &Path, _: &[Right]) -> Result<(), CommandError> {
-    Ok(())
-}
-
-#[cfg(feature = "link")]
-fn open(config: &LinkConfig) -> Result<Arc<dyn Network>, CommandError> {
-    Ok(Arc::new(feeler_link::transport::Link::open(config)?))
-}
-
-#[cfg(not(feature = "link"))]
-fn open(config: &LinkConfig) -> Result<Arc<dyn Network>, CommandError> {
-    config.check()?;
-    Err("this program was built without the link; build it with --features link".into())
 }
 
 /// The experiment that all programs of a rig work by.
@@ -191,6 +92,16 @@ pub struct ExperimentArguments {
 }
 
 impl ExperimentArguments {
+    /// Session of the rig that runs the experiment `name`.
+    pub fn session(&self, name: &str, link: &LinkArguments) -> Result<RigSession, CommandError> {
+        let experiment = Experiment::load(name, &self.settings())?;
+        Ok(RigSession {
+            name: self.rig(&experiment),
+            experiment,
+            link: link.into(),
+        })
+    }
+
     /// Name of the rig, which is that of the experiment unless said otherwise.
     pub fn rig(&self, experiment: &Experiment) -> String {
         let name = || experiment.config.name.clone();

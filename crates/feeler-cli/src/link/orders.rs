@@ -1,6 +1,6 @@
 //! `feeler stop` and `feeler resume`: orders to a hand from anywhere.
 
-use super::{LinkArguments, door, rig_name};
+use super::{LinkArguments, rig_name};
 use crate::options::Json;
 use crate::{CommandError, Outcome};
 use feeler_console::print_json;
@@ -9,6 +9,7 @@ use feeler_link::message::{HandMode, StopInForce};
 use feeler_link::order::{Order, stop_to_resume};
 use feeler_link::right::Right;
 use feeler_link::stop_wire::StopAnswer;
+use feeler_rig::{LinkOptions, call_stop_door};
 use serde::Serialize;
 use std::io::Write;
 use std::time::{Duration, Instant};
@@ -88,11 +89,11 @@ pub fn stop(arguments: &StopArguments, out: &mut dyn Write) -> Result<Outcome, C
 
 /// Tells the hand of a rig to stop.
 fn told_to_stop(arguments: &StopArguments) -> Result<Stopped, CommandError> {
-    let link = arguments.link.with_right(&[Right::Order, Right::Stop])?;
+    let link = LinkOptions::from(&arguments.link).with_right(&[Right::Order, Right::Stop])?;
     let rig = &rig_name(&arguments.rig)?;
     let (order, id) = Order::stop(&arguments.from);
     // Both ways at once: the door is open even where nobody can connect.
-    let door = door::call(&link, rig, (id, &arguments.from));
+    let door = call_stop_door(&link, rig, id, &arguments.from);
     let client = HandClient::new(link.connect(rig)?)?;
     if !client.wait_until(DOOR_FIRST, |_| true) {
         let start = Instant::now();
@@ -170,7 +171,11 @@ fn unheard(rig: &str) -> CommandError {
 /// Resumes a stop of the hand of a rig, and says whether it goes on.
 pub fn resume(arguments: &ResumeArguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     let rig = &rig_name(&arguments.rig)?;
-    let client = HandClient::new(arguments.link.with_right(&[Right::Order])?.connect(rig)?)?;
+    let client = HandClient::new(
+        LinkOptions::from(&arguments.link)
+            .with_right(&[Right::Order])?
+            .connect(rig)?,
+    )?;
     if !client.wait_until(LONGEST, |_| true) {
         return Err(unheard(rig));
     }

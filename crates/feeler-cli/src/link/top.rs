@@ -20,17 +20,22 @@ pub struct Arguments {
 /// Shows a rig.
 #[cfg(feature = "top")]
 pub fn top(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
-    use feeler_lab::config::Experiment;
     use feeler_link::right::Right;
     if !arguments.once {
         let check = feeler_watch::View::check_terminal();
         check.map_err(|e| format!("{e}; or --once for a picture as text"))?;
     }
-    let experiment = Experiment::load(&arguments.experiment, &arguments.values.settings())?;
-    let rig = arguments.values.rig(&experiment);
-    let rights = [Right::Order, Right::Watch];
-    let network = arguments.link.with_right(&rights)?.connect(&rig)?;
-    feeler_watch::show_rig(&experiment, &rig, network, arguments.once, out)
+    let session = arguments
+        .values
+        .session(&arguments.experiment, &arguments.link)?;
+    let network = session.connect(&[Right::Order, Right::Watch])?;
+    feeler_watch::show_rig(
+        &session.experiment,
+        &session.name,
+        network,
+        arguments.once,
+        out,
+    )
 }
 
 /// Says that there is nothing to show it on.

@@ -4,7 +4,6 @@ use super::{ExperimentArguments, LinkArguments};
 use crate::{CommandError, Outcome};
 use feeler_console::Warnings;
 use feeler_console::watch_for_interrupt;
-use feeler_lab::config::Experiment;
 use feeler_lab::experiment::linked::rig_config;
 use feeler_lab::experiment::played_rig::PlayedRig;
 use feeler_link::programs::{RigProgram, RigSpeed};
@@ -27,11 +26,13 @@ pub struct Arguments {
 
 /// Simulates the rig until Ctrl-C.
 pub fn world(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
-    let experiment = Experiment::load(&arguments.experiment, &arguments.values.settings())?;
-    let rig = PlayedRig::new(&experiment)?;
-    let config = rig_config(&experiment, arguments.speed)?;
-    let name = arguments.values.rig(&experiment);
-    let network = arguments.link.with_right(&[Right::Rig])?.connect(&name)?;
+    let session = arguments
+        .values
+        .session(&arguments.experiment, &arguments.link)?;
+    let experiment = &session.experiment;
+    let rig = PlayedRig::new(experiment)?;
+    let config = rig_config(experiment, arguments.speed)?;
+    let network = session.connect(&[Right::Rig])?;
     let interrupted = watch_for_interrupt()?;
     let mut program = RigProgram::new(rig, &config, network)?;
     program.set_warn(Warnings::on_stderr().warn());

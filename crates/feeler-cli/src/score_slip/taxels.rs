@@ -4,11 +4,11 @@ use super::notes::Notes;
 use super::recorded::RecordedArguments;
 use super::sources::Source;
 use super::{CommandError, collected::Read};
-use crate::sense::taxels::text_of;
 use feeler::sensor::reading::{SensorError, TactileFrame, TactileSensor};
 use feeler::sensor::taxel::{TaxelLayout, TaxelSensor};
 use feeler_console::open_table;
 use feeler_lab::grasps::{GraspFrame, GraspRecording, Untouched};
+use feeler_sensing::taxel_layout_text;
 use glam::DVec2;
 use std::path::Path;
 
@@ -30,7 +30,7 @@ impl TaxelTables {
     /// When there is no such layout, or it cannot be used.
     pub fn new(name: &str, arguments: &RecordedArguments) -> Result<Self, CommandError> {
         let refused = |e| format!("--taxels {name}: {e}");
-        let layout = TaxelLayout::from_toml(&text_of(name)?).map_err(refused)?;
+        let layout = TaxelLayout::from_toml(&taxel_layout_text(name)?).map_err(refused)?;
         let prefixes = match arguments.prefixes.as_slice() {
             [] => vec![layout.columns.prefix.clone()],
             prefixes => prefixes.to_vec(),

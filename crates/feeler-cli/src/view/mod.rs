@@ -54,19 +54,16 @@ pub struct Arguments {
 /// Serves the page of a recording or of a rig.
 #[cfg(feature = "view")]
 pub fn view(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
-    use feeler_lab::config::Experiment;
     use feeler_link::right::Right;
     use feeler_report::make::RECORDING;
     use std::path::Path;
     let path = Path::new(&arguments.what);
     if !path.is_dir() && path.extension().is_none_or(|extension| extension != "mcap") {
-        let experiment = Experiment::load(&arguments.what, &arguments.values.settings())?;
-        let rig = arguments.values.rig(&experiment);
-        let rights = [Right::Order, Right::Watch];
-        let network = arguments.link.with_right(&rights)?.connect(&rig)?;
+        let session = arguments.values.session(&arguments.what, &arguments.link)?;
+        let network = session.connect(&[Right::Order, Right::Watch])?;
         return feeler_watch::serve_rig(
-            &experiment,
-            &rig,
+            &session.experiment,
+            &session.name,
             network,
             (&arguments.server).into(),
             out,

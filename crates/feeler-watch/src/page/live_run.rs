@@ -7,7 +7,7 @@ use super::server::Server;
 use super::source::{Source, serve};
 use feeler::control::phase::Phase;
 use feeler::control::stop_reason::StopReason;
-use feeler_console::ProgramError;
+use feeler_console::CommandError;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::{Instruments, SimulatedLoop};
 use feeler_record::{RunEnd, RunState};
@@ -41,7 +41,7 @@ impl LiveRun {
         experiment: &Experiment,
         options: ServerOptions,
         out: &mut dyn Write,
-    ) -> Result<Self, ProgramError> {
+    ) -> Result<Self, CommandError> {
         let config = &experiment.config;
         let source = Source::new(config)?;
         let title = format!("{}, seed {}", config.name, config.seed);
@@ -86,7 +86,7 @@ impl LiveRun {
     }
 
     /// Waits, for two seconds at most, until pages know how the run ended: as they were told, or that it `failed`.
-    pub fn leave(self, failed: Option<&ProgramError>) {
+    pub fn leave(self, failed: Option<&CommandError>) {
         if let Some(error) = failed {
             self.feed.offer_last(|moment| {
                 if !moment.over {

@@ -5,7 +5,7 @@ use super::server::Door;
 use super::source::say_where;
 use feeler_console::Reading;
 use feeler_console::watch_for_interrupt;
-use feeler_console::{Outcome, ProgramError};
+use feeler_console::{CommandError, Outcome};
 use feeler_report::make::page_of_file;
 use std::io::Write;
 use std::path::Path;
@@ -21,7 +21,7 @@ pub fn serve_recording(
     path: &Path,
     options: ServerOptions,
     out: &mut dyn Write,
-) -> Result<Outcome, ProgramError> {
+) -> Result<Outcome, CommandError> {
     let reading = Reading::new();
     let page = page_of_file(path, &mut |share| reading.show(share))?;
     drop(reading);

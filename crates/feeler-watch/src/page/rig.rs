@@ -8,7 +8,7 @@ use super::source::{Source, serve};
 use crate::rig::Watched;
 use crate::snapshot::{Snapshot, UNKNOWN};
 use feeler_console::watch_for_interrupt;
-use feeler_console::{Outcome, ProgramError};
+use feeler_console::{CommandError, Outcome};
 use feeler_lab::config::Experiment;
 use feeler_link::endpoints::LinkError;
 use feeler_link::network::Network;
@@ -35,7 +35,7 @@ pub fn serve_rig(
     network: Arc<dyn Network>,
     options: ServerOptions,
     out: &mut dyn Write,
-) -> Result<Outcome, ProgramError> {
+) -> Result<Outcome, CommandError> {
     let source = Source::new(&experiment.config)?;
     let interrupted = watch_for_interrupt()?;
     let mut watched = Watched::new(experiment, rig, network)?;

@@ -3,7 +3,7 @@
 use super::ServerOptions;
 use super::feed::Feed;
 use super::server::{Door, Server};
-use feeler_console::ProgramError;
+use feeler_console::CommandError;
 use feeler_lab::config::ExperimentConfig;
 use feeler_lab::experiment::run_facts;
 use feeler_record::{RunFacts, SolidFrame};
@@ -28,7 +28,7 @@ pub struct Source {
 
 impl Source {
     /// Of the rig of `config`.
-    pub fn new(config: &ExperimentConfig) -> Result<Self, ProgramError> {
+    pub fn new(config: &ExperimentConfig) -> Result<Self, CommandError> {
         let facts = run_facts(config)?;
         let elements = facts.hand.iter().map(|model| model.element_tips.len());
         let mut solids = facts.solids.iter();
@@ -58,7 +58,7 @@ pub fn serve(
     by: &'static str,
     options: ServerOptions,
     out: &mut dyn Write,
-) -> Result<(Arc<Feed>, Server), ProgramError> {
+) -> Result<(Arc<Feed>, Server), CommandError> {
     let rig = source.rig();
     let numbers: usize = rig.columns().iter().map(|(_, width)| width).sum();
     // Time is not among them.
@@ -80,7 +80,7 @@ pub fn say_where(
     url: &str,
     options: ServerOptions,
     out: &mut dyn Write,
-) -> Result<(), ProgramError> {
+) -> Result<(), CommandError> {
     writeln!(out, "live page: {url}")?;
     out.flush()?;
     if options.open {

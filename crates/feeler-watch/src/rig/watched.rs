@@ -6,7 +6,7 @@ use crate::history::History;
 use crate::snapshot::{Fault, Finger, Snapshot, TaskState, TimeBase, Torque, UNKNOWN};
 use feeler::control::phase::Phase;
 use feeler::sensor::layout::ElementLayout;
-use feeler_console::ProgramError;
+use feeler_console::CommandError;
 use feeler_lab::config::{Experiment, ExperimentConfig};
 use feeler_lab::experiment::layouts;
 use feeler_lab::experiment::linked::expected;
@@ -54,7 +54,7 @@ impl Watched {
         experiment: &Experiment,
         rig: &str,
         network: Arc<dyn Network>,
-    ) -> Result<Self, ProgramError> {
+    ) -> Result<Self, CommandError> {
         let layouts = layouts(&experiment.config)?;
         let elements: Vec<_> = layouts.iter().map(|layout| layout.elements.len()).collect();
         let inbox = WatchInbox::new(&elements, expected(experiment)?.fingertips);

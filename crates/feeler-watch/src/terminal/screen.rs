@@ -9,7 +9,7 @@ use feeler::control::stop_reason::StopReason;
 use feeler::control::touch::FingerTouch;
 use feeler::pace::Tick;
 use feeler::sensor::layout::ElementLayout;
-use feeler_console::ProgramError;
+use feeler_console::CommandError;
 use feeler_lab::config::{Experiment, ExperimentConfig, Sensing};
 use feeler_lab::experiment::{Instruments, SimulatedLoop, layouts};
 use std::sync::Arc;
@@ -46,7 +46,7 @@ struct RunState {
 
 impl Screen {
     /// Says whether there can be a screen, before anything is begun.
-    pub fn check() -> Result<(), ProgramError> {
+    pub fn check() -> Result<(), CommandError> {
         View::check_terminal().map_err(|e| format!("--top: {e}").into())
     }
 
@@ -55,7 +55,7 @@ impl Screen {
         experiment: &Experiment,
         is_paced: bool,
         interrupted: &Arc<AtomicBool>,
-    ) -> Result<Self, ProgramError> {
+    ) -> Result<Self, CommandError> {
         let run = RunState::new(&experiment.config, is_paced)?;
         let view = View::open(interrupted).map_err(|e| format!("--top: {e}"))?;
         Ok(Self { view, run })
@@ -94,7 +94,7 @@ impl Screen {
 }
 
 impl RunState {
-    fn new(config: &ExperimentConfig, is_paced: bool) -> Result<Self, ProgramError> {
+    fn new(config: &ExperimentConfig, is_paced: bool) -> Result<Self, CommandError> {
         let sensing = match config.sensing {
             Sensing::Image => "pictures",
             Sensing::Direct => "direct sensing",

@@ -4,7 +4,7 @@ use super::{Action, View, text};
 use crate::rig::Watched;
 use crate::snapshot::Snapshot;
 use feeler_console::watch_for_interrupt;
-use feeler_console::{Outcome, ProgramError};
+use feeler_console::{CommandError, Outcome};
 use feeler_lab::config::Experiment;
 use feeler_link::network::Network;
 use std::io::Write;
@@ -35,7 +35,7 @@ pub fn show_rig(
     network: Arc<dyn Network>,
     once: bool,
     out: &mut dyn Write,
-) -> Result<Outcome, ProgramError> {
+) -> Result<Outcome, CommandError> {
     let interrupted = watch_for_interrupt()?;
     let watched = Watched::new(experiment, rig, network)?;
     if once {
@@ -51,7 +51,7 @@ fn keep_showing(
     mut watched: Watched,
     mut view: View,
     leaving: &AtomicBool,
-) -> Result<Outcome, ProgramError> {
+) -> Result<Outcome, CommandError> {
     while view.is_open() && !leaving.load(Ordering::Relaxed) {
         watched.look();
         view.show(|| watched.snapshot());
@@ -72,7 +72,7 @@ fn print(
     mut watched: Watched,
     interrupted: &AtomicBool,
     out: &mut dyn Write,
-) -> Result<Outcome, ProgramError> {
+) -> Result<Outcome, CommandError> {
     let begun = Instant::now();
     let mut heard: Option<Instant> = None;
     while heard.is_none_or(|heard| heard.elapsed() < LISTENING) {

@@ -1,0 +1,59 @@
+//! `feeler ros2-rig`: a robot of a ROS 2 graph as the rig of an experiment.
+
+use super::ros2::GraphArguments;
+use crate::link::{ExperimentArguments, LinkArguments};
+use feeler_link::programs::RigSpeed;
+
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// The experiment, whose table [ros2] names the robot's joints and topics: a file, or the name of a built-in one.
+    experiment: String,
+    /// Judge the age of data by the /clock of a simulation, and not by the time of day.
+    #[arg(long)]
+    use_sim_time: bool,
+    /// Seconds of that clock in a second, the same as the hand's.
+    #[arg(long, default_value = "1", requires = "use_sim_time")]
+    speed: RigSpeed,
+    #[command(flatten)]
+    graph: GraphArguments,
+    #[command(flatten)]
+    values: ExperimentArguments,
+    #[command(flatten)]
+    link: LinkArguments,
+}
+
+/// Serves the robot until Ctrl-C.
+#[cfg(feature = "ros2")]
+pub fn ros2_rig(
+    arguments: &Arguments,
+    out: &mut dyn std::io::Write,
+) -> Result<crate::Outcome, crate::CommandError> {
+    let session = arguments
+        .values
+        .session(&arguments.experiment, &arguments.link)?;
+    let graph = (&arguments.graph).into();
+    feeler_rig::serve_robot(
+        &session,
+        &graph,
+        arguments.use_sim_time,
+        arguments.speed,
+        out,
+    )
+}
+
+/// Says that there is no ROS 2.
+#[cfg(not(feature = "ros2"))]
+pub fn ros2_rig(
+    arguments: &Arguments,
+    _: &mut dyn std::io::Write,
+) -> Result<crate::Outcome, crate::CommandError> {
+    let Arguments {
+        experiment,
+        use_sim_time: _,
+        speed: _,
+        graph,
+        values: _,
+        link: _,
+    } = arguments;
+    Err(graph.not_built(&format!("ros2-rig {experiment}")))
+}

@@ -1,0 +1,181 @@
+//! Checks of the servos of a rig.
+
+use feeler::hand::finger::FingerGeometry;
+use feeler_console::{CommandError, Outcome};
+use feeler_drives::bus::Bus;
+use feeler_drives::clock::RigClock;
+use feeler_drives::config::{DrivesConfig, JointDriveConfig};
+use feeler_drives::error::{DriveError, JointName};
+use feeler_drives::setup::{
+    Change, changes, check_fast_sync_read, check_model, named_joints, read_angle, read_health,
+};
+use feeler_lab::config::Experiment;
+use feeler_lab::experiment::fingers_at_home;
+use std::io::Write;
+
+/// An experiment whose hand has servos on a bus.
+pub struct ServoRig {
+    /// Experiment.
+    pub experiment: Experiment,
+    /// Servos of its hand.
+    pub config: DrivesConfig,
+    /// Geometry of each finger.
+    pub fingers: Vec<FingerGeometry>,
+}
+
+impl ServoRig {
+    /// Creates the rig of `experiment`, with `port` in place of its serial port if given.
+    ///
+    /// # Errors
+    /// If the experiment has no table `[drives]` or an invalid finger.
+    pub fn new(experiment: Experiment, port: Option<&str>) -> Result<Self, CommandError> {
+        let (fingers, _) = fingers_at_home(&experiment.config)?;
+        let Some(mut config) = experiment.config.drives.clone() else {
+            let name = &experiment.config.name;
+            return Err(format!(
+                "{name}: the experiment has no [drives]; expected its servos there (docs/drives.md)"
+            )
+            .into());
+        };
+        if let Some(port) = port {
+            config.port = port.into();
+        }
+        Ok(Self {
+            experiment,
+            config,
+            fingers,
+        })
+    }
+
+    /// Opens the bus.
+    ///
+    /// # Errors
+    /// If the port cannot be opened.
+    pub fn open(&self) -> Result<Bus, CommandError> {
+        let config = &self.config;
+        let how = (config.protocol, config.baud_rate);
+        Ok(Bus::open(
+            &config.port,
+            how,
+            config.reply_timeout,
+            RigClock::real(),
+        )?)
+    }
+}
+
+/// Reads model, settings, health and angle of all servos and prints them with the changes that a run would make. Writes
+/// nothing to a servo. If `dry_run`, opens no port and prints what would be read.
+///
+/// # Errors
+/// If the bus fails or `out` cannot be written. A faulty servo is [`Outcome::GivenUp`].
+pub fn check_servos(
+    rig: &ServoRig,
+    dry_run: bool,
+    out: &mut dyn Write,
+) -> Result<Outcome, CommandError> {
+    let config = &rig.config;
+    writeln!(
+        out,
+        "{} at {} Bd, {:?}",
+        config.port, config.baud_rate, config.protocol
+    )?;
+    if dry_run {
+        for (joint, drive) in named_joints(config) {
+            writeln!(
+                out,
+                "would read model, settings, health and position of {joint}, a {}; writes nothing",
+                drive.model
+            )?;
+        }
+        return Ok(Outcome::Done);
+    }
+    let mut bus = rig.open()?;
+    let (mut problems, mut planned) = (0, Vec::new());
+    for (joint, drive) in named_joints(config) {
+        let mut checked = check_servo(&mut bus, config, &rig.fingers, (joint, drive));
+        // It only reads. A disturbed line or a busy computer loses an answer now and then, which says little of the servo.
+        if let Err(error @ DriveError::Servo { .. }) = &checked {
+            writeln!(out, "{error}; asking again")?;
+            checked = check_servo(&mut bus, config, &rig.fingers, (joint, drive));
+        }
+        match checked {
+            Ok((angle, changes)) => {
+                writeln!(
+                    out,
+                    "{joint}: {}, well, at {:.2} deg",
+                    drive.model,
+                    angle.to_degrees()
+                )?;
+                planned.extend(changes);
+            }
+            Err(error @ DriveError::Bus(_)) => return Err(error.into()),
+            Err(error) => {
+                problems += 1;
+                writeln!(out, "{error}")?;
+            }
+        }
+    }
+    print_changes(&planned, out)?;
+    if problems > 0 {
+        writeln!(out, "{problems} servos are not as they should be")?;
+        return Ok(Outcome::GivenUp);
+    }
+    writeln!(out, "all servos are as they should be")?;
+    Ok(Outcome::Done)
+}
+
+/// Angle of a joint, rad, and what has to be changed in its servo.
+fn check_servo(
+    bus: &mut Bus,
+    config: &DrivesConfig,
+    fingers: &[FingerGeometry],
+    (joint, drive): (JointName, &JointDriveConfig),
+) -> Result<(f64, Vec<Change>), DriveError> {
+    let changes = changes(bus, joint, drive)?;
+    if config.fast_sync_read {
+        let model = check_model(bus, joint, drive)?;
+        check_fast_sync_read(bus, joint, model)?;
+    }
+    read_health(bus, joint)?.check(config.protocol, joint, &config.health_limits())?;
+    let finger = &fingers[joint.finger];
+    let limits = (
+        finger.joint_lower()[joint.joint],
+        finger.joint_upper()[joint.joint],
+    );
+    let angle = read_angle(bus, joint, drive, limits)?;
+    Ok((angle, changes))
+}
+
+/// Returns the register changes that a program makes on `bus` before it enables the torque of the servos of `config`.
+///
+/// # Errors
+/// If a servo does not answer or is of another model.
+pub fn all_changes(bus: &mut Bus, config: &DrivesConfig) -> Result<Vec<Change>, DriveError> {
+    let mut planned = Vec::new();
+    for (joint, drive) in named_joints(config) {
+        planned.extend(changes(bus, joint, drive)?);
+    }
+    Ok(planned)
+}
+
+/// Prints the register changes that a run makes before it enables torque.
+///
+/// # Errors
+/// If `out` cannot be written.
+pub fn print_changes(changes: &[Change], out: &mut dyn Write) -> Result<(), CommandError> {
+    for change in changes {
+        let Change {
+            joint,
+            name,
+            register,
+            from,
+            to,
+        } = change;
+        let address = register.address;
+        writeln!(
+            out,
+            "{joint}: a run will set {name} (address {address}) from {from} to {to}"
+        )?;
+    }
+    Ok(())
+}

@@ -1,0 +1,101 @@
+//! A sensor of a ROS 2 graph as the fingertip of a finger.
+
+use feeler::sensor::reading::TactileFrame;
+use feeler_console::CommandError;
+use feeler_lab::config::{Experiment, RosFingerConfig};
+use feeler_lab::experiment::linked::expected;
+use feeler_link::network::Network;
+use feeler_link::programs::{ProgramError, SensorConfig, SensorProgram, Warn};
+use feeler_ros2::node::Node;
+use feeler_ros2::ros_sensor::{RosSensor, SensorAge};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+/// How long to wait for forces before looking whether to end.
+const WAIT: Duration = Duration::from_millis(50);
+
+/// The sensor program of one finger.
+pub struct Fingertip {
+    finger: usize,
+    sensor: RosSensor,
+    program: SensorProgram,
+    frame: TactileFrame,
+    /// Why the newest forces were of no use; empty where they were not.
+    trouble: String,
+}
+
+impl Fingertip {
+    /// The sensor that `config` names for `finger` of `experiment`; none where it names none. `network` is that of whoever senses there.
+    pub fn new(
+        node: &mut Node,
+        (experiment, finger): (&Experiment, usize),
+        config: &RosFingerConfig,
+        age: &SensorAge,
+        network: impl FnOnce() -> Result<Arc<dyn Network>, CommandError>,
+    ) -> Result<Option<Self>, CommandError> {
+        let fingertip = experiment.fingertip(Some(finger))?;
+        let elements = fingertip.layout.element_count();
+        let sensor = match (&config.cloud, &config.wrench) {
+            (Some(topic), _) => RosSensor::cloud(node, topic, elements, age.clone())?,
+            (None, Some(topic)) => RosSensor::wrench(node, topic, age.clone())?,
+            (None, None) => return Ok(None),
+        };
+        let expected = expected(experiment)?;
+        let config = SensorConfig {
+            finger,
+            elements,
+            picture_size: (fingertip.camera.width, fingertip.camera.height),
+            thresholds: experiment.config.control.thresholds(),
+            fingertip: expected.fingertips[finger].clone(),
+            expected,
+        };
+        Ok(Some(Self {
+            finger,
+            sensor,
+            program: SensorProgram::new(&config, network()?)?,
+            frame: TactileFrame::unloaded(elements),
+            trouble: String::new(),
+        }))
+    }
+
+    /// Warnings go to `warn`.
+    pub fn set_warn(&mut self, warn: Warn) {
+        self.program.set_warn(warn);
+    }
+
+    /// Publishes what is sensed until `interrupted` is raised. What is stale or of no use is not published, so that the hand stops.
+    ///
+    /// # Errors
+    /// When the network fails.
+    pub fn run(&mut self, interrupted: &AtomicBool) -> Result<(), ProgramError> {
+        while !interrupted.load(Ordering::Relaxed) {
+            self.program.check_peers();
+            if !self.sensor.wait_for_next(self.frame.sequence, WAIT) && self.trouble.is_empty() {
+                continue;
+            }
+            let measured = match self.sensor.read_measured(&mut self.frame) {
+                Ok(measured) => measured,
+                Err(error) => {
+                    self.tell(error.to_string());
+                    continue;
+                }
+            };
+            self.trouble.clear();
+            let forces = self.frame.forces.iter();
+            let forces = forces.map(|force| Some(*force).filter(|force| force.is_finite()));
+            let taken = (self.frame.sequence - 1, self.frame.stamp, measured);
+            self.program.publish(taken, forces)?;
+        }
+        Ok(())
+    }
+
+    /// Warns of what is new.
+    fn tell(&mut self, trouble: String) {
+        if self.trouble.is_empty() {
+            let finger = self.finger;
+            self.program.warn(&format!("finger {finger}: {trouble}"));
+        }
+        self.trouble = trouble;
+    }
+}

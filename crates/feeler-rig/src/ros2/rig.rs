@@ -1,0 +1,169 @@
+//! `feeler ros2 RIG`: a running rig of several programs.
+
+use super::diagnostics::diagnostics;
+use super::graph::{Company, GraphOptions, NODE_NAME, check_ports, config, serve_settings};
+use super::orders::serve_orders;
+use super::stamps::{Stamps, time_of_day};
+use crate::session::RigSession;
+use feeler_console::watch_for_interrupt;
+use feeler_console::{CommandError, Outcome};
+use feeler_lab::experiment::run_facts;
+use feeler_link::hand_client::HandClient;
+use feeler_link::message::MessageHeader;
+use feeler_link::right::Right;
+use feeler_record::ros::Time;
+use feeler_ros2::hand_messages::{HandMessages, Touch};
+use feeler_ros2::hand_node::HandPublishers;
+use feeler_ros2::node::{Node, NodeError};
+use feeler_watch::Watched;
+use glam::DVec3;
+use std::io::Write;
+use std::sync::atomic::Ordering;
+use std::time::{Duration, Instant};
+
+/// Longest time between two looks at whether to end.
+const PATIENCE: Duration = Duration::from_millis(50);
+/// Time between two diagnostics.
+const DIAGNOSTICS_INTERVAL: Duration = Duration::from_secs(1);
+
+/// Publishes the rig of `session` as a node until Ctrl-C.
+///
+/// # Errors
+/// If the network or the node cannot be opened, or one of them fails.
+pub fn publish_rig(
+    session: &RigSession,
+    graph: &GraphOptions,
+    use_sim_time: bool,
+    out: &mut dyn Write,
+) -> Result<Outcome, CommandError> {
+    let graph = config(graph, NODE_NAME)?;
+    check_ports(&graph, &session.link.endpoints())?;
+    let (experiment, rig) = (&session.experiment, &session.name);
+    let facts = run_facts(&experiment.config)?;
+    let messages = HandMessages::new(&facts)?;
+    let network = session.connect(&[Right::Order, Right::Watch])?;
+    let watched = Watched::new(experiment, rig, network.clone())?;
+    let interrupted = watch_for_interrupt()?;
+    let company = Company::new(&graph);
+    let mut node = Node::open(graph)?;
+    let publishers = HandPublishers::new(&mut node, messages.fingers.len(), use_sim_time)?;
+    serve_settings(&mut node, experiment, use_sim_time)?;
+    serve_orders(&mut node, HandClient::new(network)?)?;
+    writeln!(out, "rig {rig} is the ROS 2 node {}", node.name())?;
+    out.flush()?;
+    let mut published = RigNode {
+        node,
+        company,
+        slip_threshold: facts.slip_threshold,
+        seen: vec![None; messages.fingers.len()],
+        messages,
+        publishers,
+        stamps: Stamps::new(use_sim_time),
+        state: None,
+        forces: Vec::new(),
+        now: None,
+    };
+    published.publish_until(watched, || interrupted.load(Ordering::Relaxed))?;
+    Ok(Outcome::Done)
+}
+
+/// What is published of a rig.
+struct RigNode {
+    node: Node,
+    company: Company,
+    messages: HandMessages,
+    publishers: HandPublishers,
+    stamps: Stamps,
+    slip_threshold: f64,
+    /// Program and number of the newest state that was published.
+    state: Option<(u64, u64)>,
+    /// The same of each finger.
+    seen: Vec<Option<(u64, u64)>>,
+    /// Kept, so that its memory is.
+    forces: Vec<DVec3>,
+    /// The time of the newest state.
+    now: Option<Time>,
+}
+
+impl RigNode {
+    fn publish_until(
+        &mut self,
+        mut watched: Watched,
+        is_over: impl Fn() -> bool,
+    ) -> Result<(), NodeError> {
+        let mut told = Instant::now();
+        while !is_over() {
+            watched.wait_for_state(self.state, PATIENCE);
+            let has_begun = self.now.is_some();
+            watched.heard(|heard| self.take(heard))?;
+            if !has_begun && let Some(now) = self.now {
+                self.messages.set_still(now);
+                self.publishers.publish_still(&self.messages)?;
+            }
+            if told.elapsed() >= DIAGNOSTICS_INTERVAL {
+                told = Instant::now();
+                watched.look();
+                let stamp = match &self.stamps {
+                    Stamps::OfTheRun => self.now,
+                    Stamps::OfTheDay(_) => Time::of(time_of_day()),
+                };
+                self.company.look(&self.node);
+                let name = self.node.name().to_string();
+                let status = diagnostics(&watched.snapshot(), &name);
+                self.publishers
+                    .publish_diagnostics(stamp.unwrap_or_default(), status)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Publishes what is new of what was `heard`.
+    fn take(&mut self, heard: &feeler_watch::Heard) -> Result<(), NodeError> {
+        let arrived = time_of_day();
+        let number = |header: MessageHeader| Some((header.instance, header.sequence));
+        if let Some(state) = heard
+            .state
+            .filter(|state| number(state.header) != self.state)
+        {
+            self.state = number(state.header);
+            if let Some(stamp) = self
+                .stamps
+                .of(state.header.clock, state.header.stamp, arrived)
+            {
+                self.now = Some(stamp);
+                let joints = state.position.iter().zip(&state.velocity);
+                let joints =
+                    joints.map(|(&position, &velocity)| (position.into(), velocity.into()));
+                self.messages.set_joints(stamp, joints);
+                self.publishers.publish_joints(&self.messages)?;
+            }
+        }
+        for (finger, messages) in self.messages.fingers.iter_mut().enumerate() {
+            let Some((flags, update)) = heard.finger(finger) else {
+                continue;
+            };
+            if number(update.header) == self.seen[finger] {
+                continue;
+            }
+            self.seen[finger] = number(update.header);
+            let Some(stamp) = self
+                .stamps
+                .of(update.header.clock, update.header.stamp, arrived)
+            else {
+                continue;
+            };
+            self.forces.clear();
+            self.forces.extend(update.valid_forces());
+            let touch = Touch {
+                sequence: update.frame,
+                flags: &flags,
+                forces: &self.forces,
+                shear_rate: &update.shear_rate,
+                slip_threshold: self.slip_threshold,
+            };
+            messages.set(stamp, &touch);
+            self.publishers.publish_finger(finger, messages)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,133 @@
+//! Serves a robot's joints and fingertips.
+
+use super::fingertip::Fingertip;
+use super::graph::{GraphOptions, check_ports, config};
+use super::joints::RobotRig;
+use crate::session::RigSession;
+use feeler_console::Warnings;
+use feeler_console::watch_for_interrupt;
+use feeler_console::{CommandError, Outcome};
+use feeler_lab::config::RosConfig;
+use feeler_lab::experiment::linked::rig_config;
+use feeler_link::programs::{ProgramError, RigProgram, RigSpeed};
+use feeler_link::right::Right;
+use feeler_ros2::freshness::GraphClock;
+use feeler_ros2::node::Node;
+use feeler_ros2::ros_hand::{RosHand, RosHandConfig, RosHandError};
+use feeler_ros2::ros_sensor::SensorAge;
+use std::io::Write;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::Duration;
+
+/// What the node is called where nobody says otherwise.
+const NODE_NAME: &str = "feeler_rig";
+/// How often joint states are looked for that do not come.
+const LOOK: Duration = Duration::from_millis(20);
+
+/// Serves the robot that the table `[ros2]` of the session's experiment names, until Ctrl-C. The age of data is judged by
+/// the time of day or, if `use_sim_time`, by the topic `/clock`, which advances by `rig_speed` seconds per second.
+///
+/// # Errors
+/// If the experiment names no robot, the speed is [`RigSpeed::Lockstep`], or the node or the network fails.
+pub fn serve_robot(
+    session: &RigSession,
+    graph: &GraphOptions,
+    use_sim_time: bool,
+    rig_speed: RigSpeed,
+    out: &mut dyn Write,
+) -> Result<Outcome, CommandError> {
+    let RigSpeed::Times(speed) = rig_speed else {
+        return Err("--speed max: a robot does not wait for the hand; expected a number".into());
+    };
+    let experiment = &session.experiment;
+    let robot = experiment.config.ros2.as_ref().ok_or_else(|| {
+        let name = &experiment.config.name;
+        format!(
+            "experiment {name}: a table [ros2] expected, which names the robot's joints and topics; found none (see docs/ros2.md)"
+        )
+    })?;
+    let graph = config(graph, NODE_NAME)?;
+    check_ports(&graph, &session.link.endpoints())?;
+    let name = &session.name;
+    let network = session.connect(&[Right::Rig])?;
+    let interrupted = watch_for_interrupt()?;
+    let warnings = Warnings::on_stderr();
+    let mut node = Node::open(graph)?;
+    let clock = match use_sim_time {
+        true => GraphClock::simulated(&mut node)?,
+        false => GraphClock::TimeOfDay,
+    };
+    let control = &experiment.config.control;
+    let age = SensorAge {
+        clock,
+        most: control.stale_periods * control.period,
+        speed,
+    };
+    let mut fingertips = Vec::new();
+    for (finger, config) in robot.finger.iter().enumerate() {
+        let network = || session.connect(&[Right::Sense(finger)]);
+        let of = (experiment, finger);
+        fingertips.extend(Fingertip::new(&mut node, of, config, &age, network)?);
+    }
+    writeln!(
+        out,
+        "the robot at {} is the rig of {name}, and this the ROS 2 node {}; Ctrl-C ends it",
+        robot.joint_states,
+        node.name()
+    )?;
+    out.flush()?;
+    let rig = RobotRig::new(robot_hand(&mut node, robot, age)?, warnings.clone());
+    let mut program = RigProgram::new(rig, &rig_config(experiment, rig_speed)?, network)?;
+    program.set_warn(warnings.warn());
+    thread::scope(|scope| {
+        let mut sensing = Vec::new();
+        for fingertip in &mut fingertips {
+            fingertip.set_warn(warnings.warn());
+            let interrupted = &interrupted;
+            sensing.push(scope.spawn(move || {
+                let ended = fingertip.run(interrupted);
+                // None of them goes on without the others.
+                interrupted.store(true, Ordering::Relaxed);
+                ended
+            }));
+        }
+        let served = serve_joints(&mut program, &interrupted);
+        interrupted.store(true, Ordering::Relaxed);
+        let ended = sensing.into_iter().map(|thread| {
+            let ended = thread.join();
+            ended.unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+        });
+        ended.fold(served, Result::and)
+    })?;
+    writeln!(out, "{}", program.report())?;
+    Ok(Outcome::Done)
+}
+
+/// The robot as a hand.
+fn robot_hand(node: &mut Node, robot: &RosConfig, age: SensorAge) -> Result<RosHand, RosHandError> {
+    let fingers = robot.finger.iter();
+    let config = RosHandConfig {
+        joints: fingers.map(|finger| finger.joints.clone()).collect(),
+        joint_states: robot.joint_states.clone(),
+        commands: robot.commands.clone(),
+        most_age: age.most,
+        speed: age.speed,
+    };
+    RosHand::new(node, config, age.clock)
+}
+
+/// Serves the joints until `interrupted` is raised. While there are no joint states, the robot is told to stand, and nothing is published, so
+/// that the hand stops, too; it goes on when they are there again.
+fn serve_joints(
+    program: &mut RigProgram<RobotRig>,
+    interrupted: &AtomicBool,
+) -> Result<(), ProgramError> {
+    while !interrupted.load(Ordering::Relaxed) {
+        match program.run(interrupted) {
+            Err(ProgramError::Hand(_)) => thread::sleep(LOOK),
+            ended => return ended,
+        }
+    }
+    Ok(())
+}

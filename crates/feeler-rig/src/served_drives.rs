@@ -1,0 +1,149 @@
+//! Servos on a bus as the rig of `feeler hand`.
+
+use crate::drives_check::{ServoRig, all_changes, print_changes};
+use crate::real_time::request_real_time;
+use crate::session::RigSession;
+use feeler_console::Warnings;
+use feeler_console::watch_for_interrupt;
+use feeler_console::{CommandError, Outcome};
+use feeler_drives::bus::Bus;
+use feeler_drives::clock::RigClock;
+use feeler_drives::config::DrivesConfig;
+use feeler_drives::emulator::Emulator;
+use feeler_drives::setup::named_joints;
+use feeler_lab::config::Experiment;
+use feeler_lab::experiment::driven::{drives, emulated_bus};
+use feeler_lab::experiment::driven_rig::DrivenRig;
+use feeler_lab::experiment::linked::rig_config;
+use feeler_lab::experiment::world;
+use feeler_link::programs::{RigConfig, RigProgram, RigSpeed};
+use feeler_link::right::Right;
+use feeler_sim::rig::SimRig;
+use std::io::Write;
+use std::path::Path;
+
+/// Where pseudo-terminals are: what is there is no servo, and keeps the time that it is told to.
+const PSEUDO_TERMINALS: &str = "/dev/pts";
+
+/// How servos are served.
+#[derive(Debug, Clone)]
+pub struct DrivesOptions {
+    /// Serial port in place of the experiment's, if given.
+    pub port: Option<String>,
+    /// Whether to emulate the bus, with the simulated world behind it.
+    pub emulated: bool,
+    /// Whether to print the planned changes only, without writing to a servo.
+    pub dry_run: bool,
+    /// Whether to request real-time scheduling.
+    pub real_time: bool,
+    /// Seconds of the experiment per second; other than 1 for emulated servos only.
+    pub speed: RigSpeed,
+}
+
+/// Serves the servos of the rig to its hand until Ctrl-C.
+///
+/// # Errors
+/// If the options contradict each other, or the bus or the network fails.
+pub fn serve_drives(
+    session: &RigSession,
+    options: &DrivesOptions,
+    out: &mut dyn Write,
+) -> Result<Outcome, CommandError> {
+    let experiment = &session.experiment;
+    let speed = speed(options)?;
+    if options.dry_run {
+        return plan(session, options, RigClock::at_speed(speed), out);
+    }
+    let config = RigConfig {
+        survives_faults: true,
+        ..rig_config(experiment, options.speed)?
+    };
+    let name = &session.name;
+    let network = session.connect(&[Right::Rig])?;
+    let interrupted = watch_for_interrupt()?;
+    // Ends after the program, which switches the torque off.
+    let (bus, rig, port) = open(options, experiment, RigClock::at_speed(speed))?;
+    let mut program = RigProgram::new(rig, &config, network)?;
+    program.set_warn(Warnings::on_stderr().warn());
+    if options.real_time {
+        request_real_time();
+    }
+    writeln!(
+        out,
+        "serving the servos of {name} on {port}, which have torque; Ctrl-C ends it"
+    )?;
+    out.flush()?;
+    program.run(&interrupted)?;
+    let report = program.report();
+    drop(program);
+    drop(bus);
+    writeln!(out, "{report}\nall torque is off")?;
+    Ok(Outcome::Done)
+}
+
+/// Seconds of the experiment in a second.
+fn speed(options: &DrivesOptions) -> Result<f64, CommandError> {
+    let RigSpeed::Times(speed) = options.speed else {
+        let expected = "servos wait for nobody; expected a number";
+        return Err(format!("--speed max: {expected}").into());
+    };
+    let port = options.port.as_deref().unwrap_or_default();
+    let is_emulated = options.emulated || Path::new(port).starts_with(PSEUDO_TERMINALS);
+    if speed != 1.0 && !is_emulated {
+        let expected = "servos keep real time; expected 1, --drives emulated, or a --port of `feeler drives emulate`";
+        return Err(format!("--speed {speed}: {expected}").into());
+    }
+    Ok(speed)
+}
+
+/// The emulated bus, if it is one; the rig; and its port.
+fn open(
+    options: &DrivesOptions,
+    experiment: &Experiment,
+    clock: RigClock,
+) -> Result<(Option<Emulator>, DrivenRig, String), CommandError> {
+    if options.emulated {
+        let (rig, bus) = DrivenRig::emulated(experiment, clock)?;
+        let port = format!("an emulated bus, {}", bus.path());
+        return Ok((Some(bus), rig, port));
+    }
+    let config = ServoRig::new(experiment.clone(), options.port.as_deref())?.config;
+    let port = config.port.clone();
+    Ok((None, DrivenRig::open(experiment, config, clock)?, port))
+}
+
+/// Says what would be written.
+fn plan(
+    session: &RigSession,
+    options: &DrivesOptions,
+    clock: RigClock,
+    out: &mut dyn Write,
+) -> Result<Outcome, CommandError> {
+    let experiment = &session.experiment;
+    let (_bus, config) = match options.emulated {
+        true => {
+            let rig = SimRig::new(world(experiment)?);
+            let bus = emulated_bus(experiment, &rig, clock.clone())?;
+            let port = bus.path().to_string();
+            let config = drives(experiment);
+            (Some(bus), DrivesConfig { port, ..config })
+        }
+        false => (
+            None,
+            ServoRig::new(experiment.clone(), options.port.as_deref())?.config,
+        ),
+    };
+    let how = (config.protocol, config.baud_rate);
+    let mut bus = Bus::open(&config.port, how, config.reply_timeout, clock)?;
+    print_changes(&all_changes(&mut bus, &config)?, out)?;
+    let (count, watchdog) = (named_joints(&config).count(), config.bus_watchdog);
+    writeln!(
+        out,
+        "would set the bus watchdogs of {count} servos on {} to {watchdog} s, give them torque, and serve them as the rig {} to a hand \
+         at {}; nothing was written",
+        config.port,
+        session.name,
+        session.link.endpoints().join(", "),
+    )?;
+    Ok(Outcome::Done)
+}

@@ -1,0 +1,116 @@
+//! One element after the other is loaded: to pictures and their LOADS.csv.
+
+use super::folder::Folder;
+use super::guide::Guide;
+use super::{LOADS, Work};
+use feeler::sensor::calibration::FullScale;
+use feeler::sensor::calibration_fit::ModelChoice;
+use feeler::sensor::frame::Picture;
+use feeler::sensor::live_calibration::{Coverage, ForceAxes, Goal, LiveCalibration, Seen, Wrench};
+use feeler::sensor::loads::{COLUMNS, PLACE_COLUMNS};
+use feeler::sensor::moments::ElementMoments;
+use feeler_console::CommandError;
+use feeler_lab::sensor::{LoadsFile, SensorGeometry};
+use glam::{DVec2, DVec3};
+use std::path::Path;
+
+pub struct Elements<'a> {
+    sensor: &'a SensorGeometry,
+    kept: Folder,
+    calibration: LiveCalibration,
+    guide: Guide<'a>,
+}
+
+impl<'a> Elements<'a> {
+    /// Of what is in the folder, or of nothing.
+    ///
+    /// # Errors
+    /// When the folder cannot be written to, holds something else, or what was taken of another sensor.
+    pub fn open(
+        path: &Path,
+        sensor: &'a SensorGeometry,
+        goal: Goal,
+        model: ModelChoice,
+    ) -> Result<Self, CommandError> {
+        let columns: Vec<&str> = COLUMNS.iter().chain(&PLACE_COLUMNS).copied().collect();
+        let (mut kept, has_rows) = Folder::open(path, LOADS, &columns.join(","))?;
+        let mut coverage = vec![Coverage::default(); sensor.seen.len()];
+        if has_rows {
+            let loads = LoadsFile::read(kept.table(), &sensor.seen, ForceAxes::default())?;
+            kept.count(loads.picture_count());
+            loads.each_force(|element, force| {
+                coverage[element].count(force, &goal);
+            });
+        }
+        let full_scale = FullScale {
+            normal: goal.normal,
+            shear: goal.shear,
+        };
+        Ok(Self {
+            sensor,
+            kept,
+            calibration: LiveCalibration::new(sensor.frames.clone(), goal, coverage),
+            guide: Guide::new(sensor, full_scale, model),
+        })
+    }
+
+    /// Elements of which something is missing.
+    fn left(&self) -> usize {
+        let elements = self.calibration.coverage().iter();
+        elements.filter(|element| !element.is_complete()).count()
+    }
+}
+
+impl Work for Elements<'_> {
+    fn load(&mut self, at: f64, load: Wrench) {
+        self.calibration.force(at, load.force);
+    }
+
+    fn is_ready(&self, at: f64) -> bool {
+        self.calibration.is_ready(at)
+    }
+
+    fn picture(
+        &mut self,
+        at: f64,
+        picture: &Picture,
+        moments: &[ElementMoments],
+    ) -> Result<(), CommandError> {
+        let seen = self.calibration.picture(at, moments);
+        match seen {
+            Seen::Untouched => self.kept.add(picture, ",0,0,0,,,")?,
+            Seen::Sample { element, force } => {
+                let DVec3 { x, y, z } = force;
+                let seen = self.sensor.seen[element];
+                let (DVec2 { x: column, y: row }, angle) = (seen.centre_px, seen.x_angle);
+                let values = format!("{element},{x},{y},{z},{column},{row},{angle}");
+                self.kept.add(picture, &values)?;
+                self.guide.sample(element, force, moments);
+            }
+            Seen::Nothing | Seen::Unclear | Seen::Enough { .. } => {}
+        }
+        self.guide.seen(&seen);
+        Ok(())
+    }
+
+    fn show(&mut self) {
+        self.guide.show(&self.calibration);
+    }
+
+    fn warn(&mut self, what: &str) {
+        self.guide.warn(what);
+    }
+
+    fn end(&self) {
+        self.guide.end();
+    }
+
+    fn kept(&self) -> &Folder {
+        &self.kept
+    }
+
+    fn missing(&self) -> Option<String> {
+        let (left, all) = (self.left(), self.sensor.kernel.element_count());
+        (left > 0).then(|| format!("{left} of {all} elements need more"))
+    }
+}

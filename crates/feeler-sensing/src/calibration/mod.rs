@@ -1,0 +1,14 @@
+//! Calibration of a fingertip: guided loading, checks of loads, pages.
+
+pub mod checks;
+mod guided;
+mod page;
+mod simulated_loads;
+mod wrench_page;
+mod wrench_table;
+
+pub use guided::{FORCES, ForceAddress, GuideOptions, LOADS, guide};
+pub use page::page;
+pub use simulated_loads::write_simulated_loads;
+pub use wrench_page::wrench_page;
+pub use wrench_table::wrench_table;

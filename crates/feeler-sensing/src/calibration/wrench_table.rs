@@ -1,0 +1,103 @@
+//! How far a wrench calibration is off, as text.
+
+use feeler::sensor::wrench::WrenchCalibration;
+use feeler::sensor::wrench::features::{Growth, Terms};
+use feeler::sensor::wrench::quality::{AxisQuality, Errors, RecordingQuality};
+use std::fmt::Write;
+
+/// Columns of the names of recordings, at least.
+const NAME: usize = 22;
+
+/// Held-out errors by component, and by recording.
+pub fn wrench_table(calibration: &WrenchCalibration) -> String {
+    let mut text = String::new();
+    // Writing to a string cannot fail.
+    let _ = write_axes(&mut text, calibration);
+    let _ = write_recordings(&mut text, &calibration.quality);
+    text
+}
+
+fn write_axes(text: &mut String, calibration: &WrenchCalibration) -> std::fmt::Result {
+    writeln!(
+        text,
+        "held-out errors, blocks of time left out (% of the measured range); the same of predicting the mean"
+    )?;
+    writeln!(
+        text,
+        "{:<10}{:>6}  {:<20}{:<20}{:>10}{:>8}{:>12}  regressed on",
+        "", "n", "RMSE", "MAE", "mean RMSE", "R²", "hysteresis"
+    )?;
+    for quality in &calibration.quality {
+        let axis = quality.axis;
+        let with_percent = |error: f64| format!("{error:.4} ({:.1} %)", quality.percent(error));
+        let errors = quality.blocks;
+        let hysteresis = quality
+            .hysteresis
+            .map_or("-".into(), |h| format!("{h:+.4}"));
+        let model = calibration.axis(axis);
+        let terms =
+            model.map(|model| format!("{}, penalty {:.3}", named(model.terms), model.penalty));
+        writeln!(
+            text,
+            "{:<10}{:>6}  {:<20}{:<20}{:>10.4}{:>8.3}{:>12}  {}",
+            format!("{} ({})", axis.name(), axis.unit()),
+            errors.rows,
+            with_percent(errors.rmse),
+            with_percent(errors.mae),
+            quality.mean_rmse,
+            quality.r2,
+            hysteresis,
+            terms.unwrap_or_default(),
+        )?;
+    }
+    Ok(())
+}
+
+fn write_recordings(text: &mut String, qualities: &[AxisQuality]) -> std::fmt::Result {
+    let names = qualities.iter().flat_map(|quality| &quality.recordings);
+    let width = names.map(|recording| recording.name.chars().count()).max();
+    let width = width.unwrap_or(0).max(NAME);
+    writeln!(
+        text,
+        "\nby recording: RMSE and MAE with its blocks left out; with all of it left out, and the mean error then (drift)"
+    )?;
+    for quality in qualities {
+        for RecordingQuality {
+            name,
+            blocks,
+            left_out,
+        } in &quality.recordings
+        {
+            let pair = |errors: &Option<Errors>| match errors {
+                Some(errors) => format!("{:.4} / {:.4}", errors.rmse, errors.mae),
+                None => "-".into(),
+            };
+            let drift = left_out.map_or("-".into(), |errors| format!("{:+.4}", errors.bias));
+            let rows = blocks.or(*left_out).map_or(0, |errors| errors.rows);
+            writeln!(
+                text,
+                "{:<10}{name:<width$}  {rows:>6}  {:<18}  {:<18}  {drift:>9}",
+                quality.axis.name(),
+                pair(blocks),
+                pair(left_out),
+            )?;
+        }
+    }
+    Ok(())
+}
+
+/// Terms in words.
+pub fn named(terms: Terms) -> String {
+    let growth = match terms.growth {
+        Growth::Ignored => None,
+        Growth::GainFree => Some("growth"),
+        Growth::Plain => Some("growth and overall brightness"),
+    };
+    let displacement = terms.displacement.then_some("displacement");
+    let squares = terms.squares.then_some("their squares");
+    let parts: Vec<_> = [growth, displacement, squares]
+        .into_iter()
+        .flatten()
+        .collect();
+    parts.join(", ")
+}

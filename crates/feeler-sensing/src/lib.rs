@@ -1,0 +1,9 @@
+#![doc = include_str!("../README.md")]
+#![warn(missing_docs)]
+
+pub mod calibration;
+mod camera;
+mod sense;
+
+pub use camera::{CameraName, CameraOptions, NAMES, NO_GENICAM, NO_VIDEO, OpenCamera};
+pub use sense::{SenseOptions, TaxelOptions, Track, named_sensor, sense, taxel_layout_text};

@@ -1,0 +1,290 @@
+//! From a source of images or taxels to tables, recordings and the link.
+
+mod assumed;
+mod beside;
+mod frames;
+mod output;
+mod prompt;
+mod publish;
+mod queued;
+mod recorded;
+mod row_file;
+mod sensor;
+mod source;
+mod tally;
+mod taxels;
+mod track;
+mod whole_rows;
+mod wrench;
+
+use crate::camera::CameraOptions;
+use feeler_console::{CommandError, Outcome, Outputs, is_raised, watch_for_interrupt};
+use feeler_lab::config::Experiment;
+use feeler_report::make::RECORDING;
+use feeler_rig::LinkOptions;
+use output::{Format, OfPictures, Output};
+use queued::{Full, Queued};
+pub use sensor::named_sensor;
+use source::Source;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+use tally::Tally;
+pub use taxels::{TaxelOptions, taxel_layout_text};
+pub use track::Track;
+
+/// The experiment whose fingertip it is where nobody says otherwise.
+const EXPERIMENT: &str = "cap-closing";
+
+/// Frames per second where nobody says otherwise.
+const DEFAULT_RATE: f64 = 30.0;
+
+/// What to sense, with which sensor, and where the readings go.
+#[derive(Debug, Clone, Default)]
+pub struct SenseOptions {
+    /// Images, folders, a video, a recording, a camera, `rig:`, or `-` for standard input.
+    pub sources: Vec<PathBuf>,
+    /// Located layout in place of an experiment's fingertip.
+    pub layout: Option<PathBuf>,
+    /// Experiment whose fingertip it is: a file or a built-in name.
+    pub experiment: Option<String>,
+    /// Calibration file.
+    pub calibration: Option<PathBuf>,
+    /// Whether to correct for a drifting lamp.
+    pub drift_correction: bool,
+    /// Output file (.csv, .jsonl or .mcap), or `None` for a table on standard output.
+    pub output: Option<PathBuf>,
+    /// Whether to replace an existing output.
+    pub force: bool,
+    /// Whether to store the images in the recording.
+    pub record_frames: bool,
+    /// Size of raw frames on standard input (columns, rows).
+    pub raw: Option<(usize, usize)>,
+    /// Size of a camera's images (columns, rows), or `None` for that of the fingertip.
+    pub size: Option<(usize, usize)>,
+    /// Frame rate (Hz): requested from a camera, assumed for images.
+    pub rate: Option<f64>,
+    /// Camera settings.
+    pub camera: CameraOptions,
+    /// How to track markers by identity, or `None` to measure moments.
+    pub track: Option<Track>,
+    /// Image without load from which displacements are measured.
+    pub reference: Option<PathBuf>,
+    /// Number of initial frames without load from whose mean displacements are measured.
+    pub unloaded: Option<u32>,
+    /// Maximum share of saturated pixels in a sub-region, 0 to 1.
+    pub max_saturated: Option<f64>,
+    /// Finger of the recording or experiment.
+    pub finger: Option<usize>,
+    /// Whether to publish the readings for a hand.
+    pub publish: bool,
+    /// Layout of a taxel array, if the source is one.
+    pub taxels: TaxelOptions,
+    /// Settings of the experiment, as in `control.slip_threshold=2.5`.
+    pub settings: Vec<String>,
+    /// Name of the rig, or `None` for that of the experiment.
+    pub rig: Option<String>,
+    /// Connection to the rig.
+    pub link: LinkOptions,
+    /// Name of the first option given that only affects publishing.
+    pub publishing_option: Option<&'static str>,
+}
+
+impl SenseOptions {
+    /// Refuses what would change nothing.
+    fn refuse_without_effect(&self) -> Result<(), CommandError> {
+        if let Some(option) = self.publishing_option.filter(|_| !self.publish) {
+            return Err(format!(
+                "{option}: changes nothing without --publish; expected --publish beside it, or an experiment file \
+                 that says so"
+            )
+            .into());
+        }
+        let without = [
+            ("--reference", self.reference.is_some()),
+            ("--unloaded", self.unloaded.is_some()),
+        ];
+        let given = without
+            .into_iter()
+            .find(|&(_, given)| given && self.publish);
+        match given {
+            Some((option, _)) => Err(format!(
+                "{option}: changes nothing with --publish, where the calibration says what is without load"
+            )
+            .into()),
+            None => Ok(()),
+        }
+    }
+
+    /// Name of the rig that runs `experiment`.
+    fn rig_name(&self, experiment: &Experiment) -> String {
+        let name = || experiment.config.name.clone();
+        self.rig.clone().unwrap_or_else(name)
+    }
+
+    /// Frames per second of images.
+    fn rate(&self) -> f64 {
+        self.rate.unwrap_or(DEFAULT_RATE)
+    }
+
+    /// The experiment whose fingertip it is.
+    fn experiment(&self) -> &str {
+        self.experiment.as_deref().unwrap_or(EXPERIMENT)
+    }
+
+    /// Whether nobody has said whose elements are looked at.
+    fn assumes_fingertip(&self) -> bool {
+        self.experiment.is_none() && self.layout.is_none() && self.calibration.is_none()
+    }
+
+    /// The finger under whose name pictures are kept, if they are.
+    fn recorded_finger(&self) -> Option<usize> {
+        self.record_frames.then(|| self.finger.unwrap_or(0))
+    }
+
+    /// Refuses to keep pictures where there is no place for them.
+    fn refuse_pictures_elsewhere(&self) -> Result<(), CommandError> {
+        let is_mcap = |path: &Path| path.extension().is_some_and(|e| e == "mcap");
+        if !self.record_frames || self.output.as_deref().is_some_and(is_mcap) {
+            return Ok(());
+        }
+        let actual = match &self.output {
+            Some(path) => path.display().to_string(),
+            None => "a table on standard output".into(),
+        };
+        Err(format!(
+            "--record-frames: only MCAP holds pictures; expected -o FILE.mcap, got {actual}"
+        )
+        .into())
+    }
+
+    /// Opens the output for what pictures say.
+    fn open_output(&self, forces: bool) -> Result<Box<dyn Output>, CommandError> {
+        let pictures = self.recorded_finger();
+        self.open_output_as(&OfPictures { forces, pictures })
+    }
+
+    /// Lets a thread of its own write `output` where it is pictures, so that they hold up no sensor.
+    fn beside_the_sensor(
+        &self,
+        output: Box<dyn Output>,
+        source: &Source,
+        tally: &Tally,
+    ) -> Result<Box<dyn Output>, CommandError> {
+        if !self.record_frames {
+            return Ok(output);
+        }
+        let full = match source {
+            Source::Camera(_) => Full::Drop,
+            _ => Full::Wait,
+        };
+        Ok(Box::new(Queued::start(output, full, true, tally.warner())?))
+    }
+
+    /// Opens the output in this format.
+    fn open_output_as(&self, format: &dyn Format) -> Result<Box<dyn Output>, CommandError> {
+        output::open(self.output.as_deref(), self.outputs(), format)
+    }
+
+    /// What may be written to: none of the files that are read.
+    fn outputs(&self) -> Outputs {
+        let recordings: Vec<_> = self.sources.iter().map(|s| s.join(RECORDING)).collect();
+        let named = [&self.layout, &self.calibration, &self.reference];
+        let sources = self.sources.iter().chain(&recordings).map(PathBuf::as_path);
+        let inputs = sources.map(Some).chain(named.map(|path| path.as_deref()));
+        let taxels = self.taxels.taxels.as_deref().map(Path::new);
+        let experiment = self.experiment.as_deref().map(Path::new);
+        Outputs::new(self.force, inputs.chain([experiment, taxels]))
+    }
+}
+
+/// Senses the sources of `options`: writes readings to a table or recording, or publishes them on the link.
+///
+/// # Errors
+/// If options contradict each other, or a source, the calibration or the output fails.
+pub fn sense(options: &SenseOptions) -> Result<Outcome, CommandError> {
+    options.refuse_pictures_elsewhere()?;
+    let mut tally = Tally::new(!options.publish);
+    let interrupted = watch_for_interrupt()?;
+    match &options.taxels.taxels {
+        Some(layout) => {
+            options.refuse_without_effect()?;
+            if options.record_frames {
+                return Err("--record-frames: taxels have no pictures".into());
+            }
+            taxels::sense(options, layout, &mut tally, &interrupted)?;
+        }
+        None => sense_source(options, &mut tally, &interrupted)?,
+    }
+    if is_raised(&interrupted) {
+        return Ok(Outcome::GivenUp);
+    }
+    if tally.frames() == 0 {
+        return Err(tally.nothing().into());
+    }
+    Ok(Outcome::Done)
+}
+
+/// Senses what is not a table.
+fn sense_source(
+    options: &SenseOptions,
+    tally: &mut Tally,
+    interrupted: &AtomicBool,
+) -> Result<(), CommandError> {
+    let source = Source::of(options)?;
+    options.refuse_without_effect()?;
+    match source {
+        Source::Recording(_) if options.publish => {
+            let message = "--publish: expected pictures, a camera or rig:, not a recorded run";
+            Err(message.into())
+        }
+        Source::Rig if !options.publish => {
+            Err("rig: is sensed for the hand; expected --publish beside it".into())
+        }
+        Source::Recording(path) => recorded::sense(options, &path, tally, interrupted),
+        source if options.publish => publish::publish(options, &source, tally, interrupted),
+        source => match options.track {
+            Some(track) => track::sense(options, track, &source, tally, interrupted),
+            None => frames::sense(options, &source, tally, interrupted),
+        },
+    }
+}
+
+/// Closes `output` however sensing `ended`, and says how it went. What is not `whole` stays a partial file.
+///
+/// A reader that has had enough is no error.
+fn close(
+    output: Box<dyn Output>,
+    tally: &Tally,
+    ended: Result<(), CommandError>,
+    whole: bool,
+) -> Result<(), CommandError> {
+    if let Some(warning) = output.warning() {
+        tally.warn(&warning);
+    }
+    let left = output.finish(whole && ended.is_ok());
+    tally.close();
+    let written = match (ended, left) {
+        (Ok(()), Ok(Some(part))) => {
+            tally.warn(&format!("{} is partial", part.display()));
+            Ok(())
+        }
+        (Ok(()), left) => left.map(|_| ()),
+        (Err(error), Ok(Some(part))) => Err(output::partial(&error, &part)),
+        (ended, _) => ended,
+    };
+    match written {
+        Err(error) if is_closed_pipe(&error) => Ok(()),
+        written => written,
+    }
+}
+
+fn is_closed_pipe(error: &CommandError) -> bool {
+    let of_table = error.downcast_ref::<csv::Error>();
+    let of_table = of_table.and_then(|error| match error.kind() {
+        csv::ErrorKind::Io(error) => Some(error),
+        _ => None,
+    });
+    let error = of_table.or_else(|| error.downcast_ref());
+    error.is_some_and(|error| error.kind() == ErrorKind::BrokenPipe)
+}

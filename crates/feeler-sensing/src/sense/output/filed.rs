@@ -1,0 +1,95 @@
+//! An output to a file.
+
+use super::{FrameReadings, Output, partial};
+use feeler::sensor::frame::Frame;
+use feeler_console::CommandError;
+use feeler_console::PartFile;
+use std::path::PathBuf;
+
+/// An output to a file, which has its name only when it is whole.
+pub struct Filed {
+    name: String,
+    output: Box<dyn Output>,
+    part: PartFile,
+    /// Whether a line may be torn.
+    is_text: bool,
+    /// Frames that were written.
+    frames: u64,
+}
+
+impl Filed {
+    /// What `output` writes into the partial file `part`, which will be called `name`; `is_text` where a line may be torn.
+    pub fn new(name: String, output: Box<dyn Output>, part: PartFile, is_text: bool) -> Self {
+        Self {
+            name,
+            output,
+            part,
+            is_text,
+            frames: 0,
+        }
+    }
+
+    fn named<T>(&self, written: Result<T, CommandError>) -> Result<T, CommandError> {
+        written.map_err(|error| format!("--output {}: {error}", self.name).into())
+    }
+}
+
+impl Output for Filed {
+    fn write(&mut self, frame: &FrameReadings) -> Result<(), CommandError> {
+        self.frames += 1;
+        let written = self.output.write(frame);
+        self.named(written)
+    }
+
+    fn write_picture(&mut self, frame: &Frame) -> Result<(), CommandError> {
+        let written = self.output.write_picture(frame);
+        self.named(written)
+    }
+
+    fn begin_sequence(&mut self, name: &str) -> Result<(), CommandError> {
+        self.output.begin_sequence(name)
+    }
+
+    fn flush(&mut self) -> Result<(), CommandError> {
+        let flushed = self.output.flush();
+        self.named(flushed)
+    }
+
+    fn settle(&mut self) -> Result<(), CommandError> {
+        let settled = self.output.settle();
+        self.named(settled)
+    }
+
+    fn warning(&self) -> Option<String> {
+        self.output.warning()
+    }
+
+    fn finish(mut self: Box<Self>, whole: bool) -> Result<Option<PathBuf>, CommandError> {
+        let flushed = self.flush();
+        let Self {
+            output,
+            part,
+            is_text,
+            frames,
+            ..
+        } = *self;
+        let finished = flushed.and_then(|()| output.finish(whole));
+        if frames == 0 {
+            part.discard();
+            return Ok(None);
+        }
+        if whole && finished.is_ok() {
+            part.rename()?;
+            return Ok(None);
+        }
+        if is_text {
+            part.drop_torn_line();
+        }
+        let left = part.part().to_path_buf();
+        match finished {
+            // Why it is not whole, if it was to be.
+            Err(error) if whole => Err(partial(&error, &left)),
+            _ => Ok(Some(left)),
+        }
+    }
+}

@@ -1,0 +1,55 @@
+//! An output that keeps nothing to itself for long.
+
+use super::output::{FrameReadings, Output};
+use feeler::sensor::frame::Frame;
+use feeler_console::CommandError;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+/// How long a row waits at most before it is handed to the system, once a row follows it.
+const PROMPT: Duration = Duration::from_secs(1);
+
+/// Hands on all that is older than [`PROMPT`], so that no more is lost with a program that is killed.
+pub struct Prompt {
+    output: Box<dyn Output>,
+    settled: Instant,
+}
+
+impl Prompt {
+    /// The same output, promptly.
+    pub fn new(output: Box<dyn Output>) -> Self {
+        let settled = Instant::now();
+        Self { output, settled }
+    }
+}
+
+impl Output for Prompt {
+    fn write(&mut self, frame: &FrameReadings) -> Result<(), CommandError> {
+        self.output.write(frame)?;
+        if self.settled.elapsed() < PROMPT {
+            return Ok(());
+        }
+        self.settled = Instant::now();
+        self.output.settle()
+    }
+
+    fn write_picture(&mut self, frame: &Frame) -> Result<(), CommandError> {
+        self.output.write_picture(frame)
+    }
+
+    fn begin_sequence(&mut self, name: &str) -> Result<(), CommandError> {
+        self.output.begin_sequence(name)
+    }
+
+    fn flush(&mut self) -> Result<(), CommandError> {
+        self.output.flush()
+    }
+
+    fn warning(&self) -> Option<String> {
+        self.output.warning()
+    }
+
+    fn finish(self: Box<Self>, whole: bool) -> Result<Option<PathBuf>, CommandError> {
+        self.output.finish(whole)
+    }
+}

@@ -1,0 +1,146 @@
+//! The sensor that the options describe.
+
+use super::SenseOptions;
+use feeler::sensor::calibration::Calibration;
+use feeler::sensor::drift::DriftConfig;
+use feeler::sensor::sensing::{ElementReading, Reference, SensingChain};
+use feeler::sensor::wrench::WrenchEstimator;
+use feeler_console::CommandError;
+use feeler_lab::config::Experiment;
+use feeler_lab::sensor::SensorGeometry;
+use feeler_sources::picture::read_picture;
+use std::fmt::Display;
+use std::path::Path;
+
+/// The experiment's fingertip, or the located layout.
+pub fn asked_sensor(options: &SenseOptions) -> Result<SensorGeometry, CommandError> {
+    let layout = options.layout.as_deref();
+    named_sensor(options.experiment(), options.finger, layout)
+}
+
+/// The sensing of a sensor, with calibration or reference if there is one; and what predicts the wrench, if it is that which is
+/// calibrated.
+pub fn sensing_of(
+    geometry: SensorGeometry,
+    options: &SenseOptions,
+) -> Result<(SensingChain, Option<WrenchEstimator>), CommandError> {
+    let calibration = options.calibration.as_deref();
+    let estimator = calibration.map(|path| named_estimator(&geometry, path));
+    let estimator = estimator.transpose()?.flatten();
+    let calibration = calibration.filter(|_| estimator.is_none());
+    let calibration = calibration.map(|path| named_calibration(&geometry, path));
+    let calibration = calibration.transpose()?;
+    let SensorGeometry {
+        size,
+        kernel,
+        regions,
+        max_saturated,
+        ..
+    } = geometry;
+    let max_saturated = options.max_saturated.unwrap_or(max_saturated);
+    let mut sensing = SensingChain::new(size, kernel, &regions, max_saturated)?;
+    if let Some(calibration) = calibration {
+        sensing = sensing.with_calibration(calibration)?;
+    }
+    if let Some(estimator) = &estimator {
+        if options.drift_correction {
+            let message = "--drift-correction: changes nothing with the calibration of a wrench, which a common gain does not \
+                           change; expected the calibration of elements";
+            return Err(message.into());
+        }
+        sensing.set_reference(estimator.reference())?;
+    }
+    if options.drift_correction {
+        sensing = sensing.with_drift_correction(DriftConfig::default());
+    }
+    if let Some(path) = &options.reference {
+        let failed = |e: CommandError| format!("--reference {}: {e}", path.display());
+        let reference = reference(path, &mut sensing).map_err(failed)?;
+        sensing.set_reference(reference)?;
+    }
+    Ok((sensing, estimator))
+}
+
+/// The sensor of one finger for the hand program.
+pub struct SensorOf {
+    /// Senses its pictures, forces included.
+    pub sensing: SensingChain,
+    /// SHA-256 of its fingertip or layout, by which the hand knows it.
+    pub sha256: String,
+}
+
+/// The sensor of `finger` of `experiment`, by the options' layout and calibration or the experiment's own.
+pub fn for_the_hand(
+    options: &SenseOptions,
+    experiment: &Experiment,
+    finger: usize,
+) -> Result<SensorOf, CommandError> {
+    let geometry = match &options.layout {
+        layout @ Some(_) => named_sensor(options.experiment(), None, layout.as_deref())?,
+        None => SensorGeometry::of_fingertip(experiment.fingertip(Some(finger))?)?,
+    };
+    let calibration = match &options.calibration {
+        Some(path) => named_calibration(&geometry, path)?,
+        None => {
+            let calibration = experiment.calibration(finger)?;
+            geometry.made_for.check_same(&calibration.made_for)?;
+            calibration
+        }
+    };
+    let (size, sha256) = (geometry.size, geometry.made_for.sha256);
+    let max_saturated = options.max_saturated.unwrap_or(geometry.max_saturated);
+    let sensing = SensingChain::new(size, geometry.kernel, &geometry.regions, max_saturated)?;
+    let sensing = sensing.with_calibration(calibration)?;
+    let asked = options.drift_correction.then(DriftConfig::default);
+    let sensing = match experiment.config.sensor.drift.or(asked) {
+        Some(drift) => sensing.with_drift_correction(drift),
+        None => sensing,
+    };
+    Ok(SensorOf { sensing, sha256 })
+}
+
+/// The fingertip of `finger` of the experiment called `name`, or the sensor whose `layout` was located, if one was.
+pub fn named_sensor(
+    name: &str,
+    finger: Option<usize>,
+    layout: Option<&Path>,
+) -> Result<SensorGeometry, CommandError> {
+    match layout {
+        Some(path) => SensorGeometry::read_layout(path)
+            .map_err(|e| format!("--layout {}: {e}", path.display()).into()),
+        None => Ok(SensorGeometry::of_experiment(name, finger)?),
+    }
+}
+
+/// The calibration at `path`, which --calibration names, if it was made for the sensor.
+fn named_calibration(geometry: &SensorGeometry, path: &Path) -> Result<Calibration, CommandError> {
+    if named_estimator(geometry, path)?.is_some() {
+        let path = path.display();
+        return Err(format!(
+            "--calibration {path}: it is the calibration of a wrench; expected that of elements"
+        )
+        .into());
+    }
+    let read = geometry.read_calibration(path);
+    read.map_err(|e| format!("--calibration {}: {e}", path.display()).into())
+}
+
+/// What predicts the wrench by the calibration at `path`; none where that is of elements.
+fn named_estimator(
+    geometry: &SensorGeometry,
+    path: &Path,
+) -> Result<Option<WrenchEstimator>, CommandError> {
+    let named = |e: &dyn Display| format!("--calibration {}: {e}", path.display());
+    let read = geometry.read_wrench_calibration(path);
+    let calibration = read.map_err(|e| named(&e))?;
+    let estimator = calibration.map(WrenchEstimator::new).transpose();
+    Ok(estimator.map_err(|e| named(&e))?)
+}
+
+/// Where the centroids are in the picture at `path`.
+fn reference(path: &Path, sensing: &mut SensingChain) -> Result<Reference, CommandError> {
+    let picture = read_picture(path)?;
+    let mut readings = vec![ElementReading::default(); sensing.element_count()];
+    sensing.sense(&picture, &mut readings)?;
+    Ok(Reference::mean([readings.as_slice()]))
+}

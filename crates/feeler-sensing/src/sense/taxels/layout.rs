@@ -1,0 +1,61 @@
+//! Which taxel array is meant.
+
+use super::super::SenseOptions;
+use feeler::sensor::taxel::{BUILT_IN_TAXELS, BuiltInTaxels, TaxelLayout};
+use feeler_console::CommandError;
+use std::fs;
+use std::path::Path;
+
+/// Layout of a taxel array and the columns of its table.
+#[derive(Debug, Clone, Default)]
+pub struct TaxelOptions {
+    /// Layout: a file or a built-in name; `None` if the source is not a taxel array.
+    pub taxels: Option<String>,
+    /// Prefix of the array's columns in a table of several arrays.
+    pub prefix: Option<String>,
+    /// Column whose value changes where another sequence begins.
+    pub sequence: Option<String>,
+}
+
+/// The layout called `name` (a file, or a built-in one), with what the options say of it.
+pub fn read(options: &SenseOptions, name: &str) -> Result<TaxelLayout, CommandError> {
+    let text = taxel_layout_text(name)?;
+    let refused = |e| format!("--taxels {name}: {e}");
+    let mut layout = TaxelLayout::from_toml(&text).map_err(refused)?;
+    let TaxelOptions {
+        prefix, sequence, ..
+    } = &options.taxels;
+    if let Some(prefix) = prefix {
+        layout.columns.prefix.clone_from(prefix);
+    }
+    if sequence.is_some() {
+        layout.columns.sequence.clone_from(sequence);
+    }
+    if let Some(rows) = options.unloaded {
+        layout.zero.rows = rows;
+        for taxel in &mut layout.taxels {
+            taxel.zero = None;
+        }
+    }
+    layout.check().map_err(refused)?;
+    Ok(layout)
+}
+
+/// Returns the text of the layout called `name`: a file or a built-in one.
+///
+/// # Errors
+/// If there is neither.
+pub fn taxel_layout_text(name: &str) -> Result<String, CommandError> {
+    match BuiltInTaxels::named(name) {
+        Some(built_in) => Ok(built_in.text.to_owned()),
+        None => read_file(name),
+    }
+}
+
+fn read_file(name: &str) -> Result<String, CommandError> {
+    let names: Vec<_> = BUILT_IN_TAXELS.iter().map(|b| b.name).collect();
+    fs::read_to_string(Path::new(name)).map_err(|error| {
+        let names = names.join(", ");
+        format!("--taxels {name}: {error}; expected a file, or one of {names}").into()
+    })
+}

@@ -1,0 +1,215 @@
+//! `feeler sense TABLE --taxels LAYOUT`: three-axis arrays of other makers.
+
+mod layout;
+mod output;
+mod publish;
+mod pump;
+
+pub use layout::{TaxelOptions, taxel_layout_text};
+
+use super::output::{FrameReadings, Output};
+use super::queued::{Full, Queued};
+use super::tally::Tally;
+use super::{SenseOptions, close};
+use feeler::sensor::reading::TactileFrame;
+use feeler::sensor::sensing::ElementReading;
+use feeler::sensor::taxel::{TaxelLayout, TaxelUnit};
+use feeler_console::open_table;
+use feeler_console::{CommandError, is_raised};
+use output::Forms;
+use publish::Publisher;
+use pump::{Event, RowPump};
+use std::io::{BufRead, BufReader, stdin};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+use std::time::{Duration, Instant};
+
+/// How long to wait for a row before looking whether to stop.
+const WAIT: Duration = Duration::from_millis(50);
+
+/// Senses all rows of the table that the options name, or those until `interrupted`.
+pub fn sense(
+    options: &SenseOptions,
+    layout: &str,
+    tally: &mut Tally,
+    interrupted: &AtomicBool,
+) -> Result<(), CommandError> {
+    if options.finger.is_some() && !options.publish {
+        return Err("--finger: changes nothing for taxels without --publish".into());
+    }
+    let layout = layout::read(options, layout)?;
+    let table = Table::of(&options.sources)?;
+    let stream = table.open()?;
+    let publisher = match options.publish {
+        true => Some(Publisher::new(options, &layout, tally.warner())?),
+        false => None,
+    };
+    let output = open_output(options, &layout, tally)?;
+    if layout.force_unit() == TaxelUnit::Counts {
+        tally.warn(
+            "forces are in counts: the layout says no counts_per_newton; expected thresholds in counts, too",
+        );
+    }
+    let is_stream = matches!(table, Table::Stream);
+    let mut stage = Stage {
+        readings: vec![ElementReading::default(); layout.taxels.len()],
+        output,
+        publisher,
+        tally,
+        name: table.name(),
+        is_stream,
+    };
+    let pump = RowPump::start(stream, layout, options.rate)?;
+    let ended = sense_all(&pump, &mut stage, interrupted);
+    let whole = is_stream || !is_raised(interrupted);
+    match stage.output {
+        Some(output) => close(output, stage.tally, ended, whole),
+        None => {
+            stage.tally.close();
+            ended
+        }
+    }
+}
+
+/// The output: none where forces are published alone; one that holds nobody up where they are.
+fn open_output(
+    options: &SenseOptions,
+    layout: &TaxelLayout,
+    tally: &Tally,
+) -> Result<Option<Box<dyn Output>>, CommandError> {
+    if options.publish && options.output.is_none() {
+        return Ok(None);
+    }
+    let output = options.open_output_as(&Forms::of(layout)?)?;
+    match options.publish {
+        true => Ok(Some(Box::new(Queued::start(
+            output,
+            Full::DropForAHand,
+            false,
+            tally.warner(),
+        )?))),
+        false => Ok(Some(output)),
+    }
+}
+
+fn sense_all(
+    pump: &RowPump,
+    stage: &mut Stage,
+    interrupted: &AtomicBool,
+) -> Result<(), CommandError> {
+    while !is_raised(interrupted) {
+        // What is written is handed on as soon as no row waits.
+        let mut event = pump.next(Duration::ZERO);
+        if event.is_none() {
+            stage.settle()?;
+            event = pump.next(WAIT);
+        }
+        match event {
+            None => {}
+            Some(Event::Sequence(name)) => stage.begin_sequence(&name)?,
+            Some(Event::Frame { frame, at }) => {
+                stage.take(&frame, at)?;
+                pump.give_back(frame);
+            }
+            Some(Event::Trouble(words)) if stage.is_stream => stage.tally.warn(&words),
+            Some(Event::Trouble(_)) => {}
+            Some(Event::Ended { troubles, skipped }) => {
+                stage.tally.skip_lines(skipped);
+                // What was there once was said when it came.
+                let told = |count| stage.is_stream && count == 1;
+                let left = troubles.iter().filter(|&&(count, _)| !told(count));
+                left.for_each(|(_, words)| stage.tally.warn(words));
+                return Ok(());
+            }
+            Some(Event::Failed(error)) => {
+                return Err(format!("{}: {error}", stage.name).into());
+            }
+        }
+    }
+    Ok(())
+}
+
+/// What rows go through.
+struct Stage<'a> {
+    readings: Vec<ElementReading>,
+    output: Option<Box<dyn Output>>,
+    publisher: Option<Publisher>,
+    tally: &'a mut Tally,
+    /// What the source is called.
+    name: String,
+    /// Whether somebody looks on as rows come.
+    is_stream: bool,
+}
+
+impl Stage<'_> {
+    /// Publishes, writes and counts a frame, whose row came in at `at`.
+    fn take(&mut self, frame: &TactileFrame, at: Instant) -> Result<(), CommandError> {
+        if let Some(publisher) = &mut self.publisher {
+            publisher.publish(frame, at)?;
+        }
+        for (reading, &force) in self.readings.iter_mut().zip(&frame.forces) {
+            reading.force = Some(force).filter(|force| !force.is_nan());
+        }
+        if let Some(output) = &mut self.output {
+            output.write(&FrameReadings {
+                sequence: frame.sequence,
+                stamp: frame.stamp,
+                readings: &self.readings,
+                markers: &[],
+            })?;
+        }
+        self.tally.frame(frame.sequence, at, &self.readings);
+        Ok(())
+    }
+
+    fn begin_sequence(&mut self, name: &str) -> Result<(), CommandError> {
+        self.output
+            .as_mut()
+            .map_or(Ok(()), |output| output.begin_sequence(name))
+    }
+
+    /// Does what there is time for while no row waits.
+    fn settle(&mut self) -> Result<(), CommandError> {
+        if let Some(publisher) = &mut self.publisher {
+            publisher.check_peers();
+        }
+        self.output.as_mut().map_or(Ok(()), |output| output.flush())
+    }
+}
+
+/// Where rows come from.
+enum Table {
+    Stream,
+    File(PathBuf),
+}
+
+impl Table {
+    fn of(sources: &[PathBuf]) -> Result<Self, CommandError> {
+        match sources {
+            [source] if source == Path::new("-") => Ok(Self::Stream),
+            [source] => Ok(Self::File(source.clone())),
+            _ => Err(format!(
+                "{} sources; expected one table for --taxels, or - for rows on standard input",
+                sources.len()
+            )
+            .into()),
+        }
+    }
+
+    fn name(&self) -> String {
+        match self {
+            Self::Stream => "-".into(),
+            Self::File(path) => path.display().to_string(),
+        }
+    }
+
+    fn open(&self) -> Result<Box<dyn BufRead + Send>, CommandError> {
+        match self {
+            Self::Stream => Ok(Box::new(BufReader::new(stdin()))),
+            Self::File(path) => {
+                let refused = |error| format!("{}: {error}; expected a table", path.display());
+                Ok(Box::new(open_table(path).map_err(refused)?))
+            }
+        }
+    }
+}

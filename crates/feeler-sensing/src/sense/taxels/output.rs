@@ -1,0 +1,179 @@
+//! Where the forces of taxels go: a table, lines of JSON, or MCAP.
+
+use super::super::output::{ForceRow, Format, FrameReadings, Output, RowWriter};
+use super::super::row_file::RowFile;
+use feeler::sensor::reading::{NO_FORCE, TactileFrame};
+use feeler::sensor::taxel::{TaxelLayout, TaxelUnit};
+use feeler_console::CommandError;
+use feeler_record::{TaxelFacts, TaxelWriter};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// What an array's outputs are made of.
+pub struct Forms {
+    facts: TaxelFacts,
+    unit: TaxelUnit,
+    /// Whether a column names sequences.
+    sequences: bool,
+}
+
+impl Forms {
+    /// Those of `layout`.
+    pub fn of(layout: &TaxelLayout) -> Result<Self, CommandError> {
+        let unit = layout.force_unit();
+        Ok(Self {
+            facts: TaxelFacts {
+                name: layout.name.clone(),
+                unit: unit.name(),
+                layout: layout.to_toml()?,
+                elements: layout.elements().collect(),
+            },
+            unit,
+            sequences: layout.columns.sequence.is_some(),
+        })
+    }
+
+    fn rows(&self, file: RowFile) -> Box<dyn Output> {
+        Box::new(Rows {
+            file,
+            unit: self.unit,
+            sequence: self.sequences.then(String::new),
+        })
+    }
+}
+
+impl Format for Forms {
+    fn csv(&self, writer: RowWriter) -> Result<Box<dyn Output>, CommandError> {
+        let forces = match self.unit {
+            TaxelUnit::Newton => ["f_x", "f_y", "f_z"],
+            TaxelUnit::Counts => ["f_x_counts", "f_y_counts", "f_z_counts"],
+        };
+        let sequence = self.sequences.then_some("sequence");
+        let columns = sequence.into_iter().chain(["frame", "stamp", "element"]);
+        Ok(self.rows(RowFile::csv(writer, columns.chain(forces))?))
+    }
+
+    fn jsonl(&self, writer: RowWriter) -> Result<Box<dyn Output>, CommandError> {
+        Ok(self.rows(RowFile::json_lines(writer)))
+    }
+
+    fn mcap(&self, path: &Path) -> Result<Box<dyn Output>, CommandError> {
+        let elements = self.facts.elements.len();
+        Ok(Box::new(Mcap {
+            writer: TaxelWriter::create(path, self.facts.clone())?,
+            frame: TactileFrame::unloaded(elements),
+        }))
+    }
+}
+
+/// What a row says besides the force.
+#[derive(Serialize)]
+struct Row<'a> {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    sequence: Option<&'a str>,
+    frame: u64,
+    stamp: f64,
+    element: usize,
+}
+
+/// One row for each taxel and frame.
+struct Rows {
+    file: RowFile,
+    unit: TaxelUnit,
+    /// The newest, where a column names them.
+    sequence: Option<String>,
+}
+
+#[derive(Serialize)]
+struct JsonRow<'a> {
+    #[serde(flatten)]
+    row: Row<'a>,
+    #[serde(flatten)]
+    force: JsonForce<'a>,
+}
+
+#[derive(Serialize)]
+#[serde(untagged)]
+enum JsonForce<'a> {
+    Newton(&'a ForceRow),
+    Counts {
+        f_x_counts: Option<f64>,
+        f_y_counts: Option<f64>,
+        f_z_counts: Option<f64>,
+    },
+}
+
+impl<'a> JsonForce<'a> {
+    fn of(force: &'a ForceRow, unit: TaxelUnit) -> Self {
+        match unit {
+            TaxelUnit::Newton => Self::Newton(force),
+            TaxelUnit::Counts => Self::Counts {
+                f_x_counts: force.f_x,
+                f_y_counts: force.f_y,
+                f_z_counts: force.f_z,
+            },
+        }
+    }
+}
+
+impl Output for Rows {
+    fn write(&mut self, frame: &FrameReadings) -> Result<(), CommandError> {
+        for (element, reading) in frame.readings.iter().enumerate() {
+            let force = &ForceRow::of(reading);
+            let row = Row {
+                sequence: self.sequence.as_deref(),
+                frame: frame.sequence,
+                stamp: frame.stamp,
+                element,
+            };
+            let object = JsonRow {
+                row,
+                force: JsonForce::of(force, self.unit),
+            };
+            let place = (frame.sequence, frame.stamp, element);
+            match &self.sequence {
+                Some(sequence) => self.file.write_either(&(sequence, place, force), &object)?,
+                None => self.file.write_either(&(place, force), &object)?,
+            }
+        }
+        Ok(())
+    }
+
+    fn begin_sequence(&mut self, name: &str) -> Result<(), CommandError> {
+        self.sequence = Some(name.to_owned());
+        Ok(())
+    }
+
+    fn flush(&mut self) -> Result<(), CommandError> {
+        Ok(self.file.flush()?)
+    }
+}
+
+/// ROS 2 messages in an MCAP file.
+struct Mcap {
+    writer: TaxelWriter,
+    frame: TactileFrame,
+}
+
+impl Output for Mcap {
+    fn write(&mut self, frame: &FrameReadings) -> Result<(), CommandError> {
+        (self.frame.sequence, self.frame.stamp) = (frame.sequence, frame.stamp);
+        for (force, reading) in self.frame.forces.iter_mut().zip(frame.readings) {
+            *force = reading.force.unwrap_or(NO_FORCE);
+        }
+        Ok(self.writer.write(&self.frame)?)
+    }
+
+    /// Not for every frame: each time costs 0.6 KB.
+    fn flush(&mut self) -> Result<(), CommandError> {
+        Ok(())
+    }
+
+    fn settle(&mut self) -> Result<(), CommandError> {
+        Ok(self.writer.flush()?)
+    }
+
+    fn finish(self: Box<Self>, _: bool) -> Result<Option<PathBuf>, CommandError> {
+        Ok(self.writer.finish().map(|()| None)?)
+    }
+}

@@ -1,0 +1,224 @@
+//! Markers followed by identity: pictures in, displacements and how sure they are out.
+
+use super::frames::WAIT;
+use super::output::{Format, FrameReadings, OfPictures, Output, RowWriter};
+use super::row_file::RowFile;
+use super::source::Source;
+use super::tally::Tally;
+use super::{SenseOptions, close};
+use feeler::sensor::camera::CameraError;
+use feeler::sensor::exposure::Exposure;
+use feeler::sensor::frame::Picture;
+use feeler::sensor::located_layout::LocatedLayout;
+use feeler::sensor::sensing::ElementReading;
+use feeler::sensor::track::{MarkerTracker, TrackError, TrackedMarker};
+use feeler_console::{CommandError, is_raised};
+use feeler_lab::sensor::read_layout;
+use feeler_sources::pump::FramePump;
+use serde::Serialize;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+
+/// How a picture follows from the one before.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Track {
+    /// Pictures follow each other in time.
+    Video,
+    /// Each picture stands for itself.
+    Single,
+}
+
+/// Follows the markers of the layout through all pictures of `source`, or those until `interrupted`.
+pub fn sense(
+    options: &SenseOptions,
+    track: Track,
+    source: &Source,
+    tally: &mut Tally,
+    interrupted: &AtomicBool,
+) -> Result<(), CommandError> {
+    let Some(path) = &options.layout else {
+        return Err("--track: expected --layout LAYOUT.toml, as `feeler locate` writes it".into());
+    };
+    let layout = read_layout(path).map_err(|e| format!("--layout {}: {e}", path.display()))?;
+    let mut stage = Stage::new(&layout, track)?;
+    let size = (layout.width, layout.height);
+    let camera = source.camera(options, size)?;
+    let pictures = options.recorded_finger();
+    let output = options.open_output_as(&OfMarkers { pictures })?;
+    let mut output = options.beside_the_sensor(output, source, tally)?;
+    let pump = FramePump::start(camera, size)?;
+    let ended = stage.follow(&pump, output.as_mut(), tally, interrupted);
+    stage.say(tally);
+    let whole = source.is_stream() || !is_raised(interrupted);
+    close(output, tally, ended, whole)
+}
+
+struct Stage {
+    tracker: MarkerTracker,
+    track: Track,
+    readings: Vec<ElementReading>,
+    /// Pictures in which markers were found again by the reference alone.
+    found_again: u64,
+    /// Pictures that show no pattern of markers, and the first of them.
+    without: Option<(u64, u64)>,
+}
+
+impl Stage {
+    fn new(layout: &LocatedLayout, track: Track) -> Result<Self, CommandError> {
+        Ok(Self {
+            tracker: MarkerTracker::new(layout)?,
+            track,
+            readings: vec![ElementReading::default(); layout.elements.len()],
+            found_again: 0,
+            without: None,
+        })
+    }
+
+    fn follow(
+        &mut self,
+        pump: &FramePump,
+        output: &mut dyn Output,
+        tally: &mut Tally,
+        interrupted: &AtomicBool,
+    ) -> Result<(), CommandError> {
+        while !is_raised(interrupted) {
+            // What is written is handed on as soon as no frame waits.
+            let mut captured = pump.next(Duration::ZERO);
+            if captured.is_none() {
+                output.flush()?;
+                captured = pump.next(WAIT);
+            }
+            let Some(captured) = captured else { continue };
+            if let Some(warning) = &captured.report.warning {
+                tally.warn(warning);
+            }
+            match captured.frame {
+                Ok(frame) => {
+                    self.see(&frame.picture, frame.sequence)?;
+                    output.write_picture(&frame)?;
+                    output.write(&FrameReadings {
+                        sequence: frame.sequence,
+                        stamp: frame.stamp,
+                        readings: &self.readings,
+                        markers: self.tracker.markers(),
+                    })?;
+                    tally.picture(frame.sequence, captured.at, &self.readings);
+                    pump.give_back(frame);
+                }
+                Err(error) if error.may_pass() => tally.skip(&error.to_string()),
+                Err(CameraError::Ended { .. }) => return Ok(()),
+                Err(error) => return Err(error.into()),
+            }
+        }
+        Ok(())
+    }
+
+    /// Finds the markers in the next picture.
+    fn see(&mut self, picture: &Picture, sequence: u64) -> Result<(), CommandError> {
+        if self.track == Track::Video {
+            self.tracker.track(picture)?;
+        }
+        if self.track == Track::Single || self.tracker.is_lost() {
+            match self.tracker.match_picture(picture) {
+                Ok(_) => self.found_again += u64::from(self.track == Track::Video),
+                Err(TrackError::Locate(_)) => {
+                    // Nothing like markers is seen; all are lost.
+                    self.tracker.lose();
+                    let (count, first) = self.without.unwrap_or((0, sequence));
+                    self.without = Some((count + 1, first));
+                }
+                Err(error) => return Err(error.into()),
+            }
+        }
+        for (reading, marker) in self.readings.iter_mut().zip(self.tracker.markers()) {
+            let lost = marker.confidence == 0.0;
+            *reading = ElementReading {
+                integrated_gray: marker.integrated_gray,
+                centroid: (!lost).then_some(marker.place),
+                displacement: (!lost).then_some(marker.displacement),
+                force: None,
+                exposure: if lost { Exposure::Dark } else { Exposure::Good },
+            };
+        }
+        Ok(())
+    }
+
+    fn say(&self, tally: &Tally) {
+        if self.found_again > 0 {
+            let count = self.found_again;
+            tally.warn(&format!(
+                "markers were lost or in doubt in {count} frames, and matched against the layout anew"
+            ));
+        }
+        if let Some((count, first)) = self.without {
+            tally.warn(&format!(
+                "{count} frames show no pattern of markers, the first of them frame {first}"
+            ));
+        }
+    }
+}
+
+/// What is said of each marker.
+struct OfMarkers {
+    /// The finger whose pictures are kept, if they are.
+    pictures: Option<usize>,
+}
+
+/// One marker in one frame, as it is written.
+#[derive(Serialize)]
+struct Row {
+    frame: u64,
+    stamp: f64,
+    element: usize,
+    integrated_gray: f64,
+    u_x: f64,
+    u_y: f64,
+    confidence: f64,
+}
+
+fn rows<'a>(frame: &'a FrameReadings) -> impl Iterator<Item = Row> + 'a {
+    let row = |(element, marker): (usize, &TrackedMarker)| Row {
+        frame: frame.sequence,
+        stamp: frame.stamp,
+        element,
+        integrated_gray: marker.integrated_gray,
+        u_x: marker.displacement.x,
+        u_y: marker.displacement.y,
+        confidence: marker.confidence,
+    };
+    frame.markers.iter().enumerate().map(row)
+}
+
+impl Format for OfMarkers {
+    fn csv(&self, writer: RowWriter) -> Result<Box<dyn Output>, CommandError> {
+        let columns = ["frame", "stamp", "element", "integrated_gray", "u_x", "u_y"];
+        let columns = columns.into_iter().chain(["confidence"]);
+        Ok(Box::new(Rows(RowFile::csv(writer, columns)?)))
+    }
+
+    fn jsonl(&self, writer: RowWriter) -> Result<Box<dyn Output>, CommandError> {
+        Ok(Box::new(Rows(RowFile::json_lines(writer))))
+    }
+
+    fn mcap(&self, path: &Path) -> Result<Box<dyn Output>, CommandError> {
+        // Moments as without tracking; of a marker that is lost there is no displacement.
+        OfPictures {
+            forces: false,
+            pictures: self.pictures,
+        }
+        .mcap(path)
+    }
+}
+
+struct Rows(RowFile);
+
+impl Output for Rows {
+    fn write(&mut self, frame: &FrameReadings) -> Result<(), CommandError> {
+        rows(frame).try_for_each(|row| self.0.write(&row))
+    }
+
+    fn flush(&mut self) -> Result<(), CommandError> {
+        Ok(self.0.flush()?)
+    }
+}
