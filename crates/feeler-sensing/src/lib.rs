@@ -3,7 +3,9 @@
 
 pub mod calibration;
 mod camera;
+mod score_slip;
 mod sense;
 
 pub use camera::{CameraName, CameraOptions, NAMES, NO_GENICAM, NO_VIDEO, OpenCamera};
+pub use score_slip::{RecordedOptions, SlipScoreOptions, score_slip};
 pub use sense::{SenseOptions, TaxelOptions, Track, named_sensor, sense, taxel_layout_text};

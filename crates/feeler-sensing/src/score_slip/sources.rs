@@ -1,7 +1,7 @@
 //! Where recordings are.
 
-use super::CommandError;
 use super::notes::Notes;
+use feeler_console::CommandError;
 use feeler_sources::video_file::is_video_name;
 use std::ffi::OsStr;
 use std::fs;

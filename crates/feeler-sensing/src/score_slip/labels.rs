@@ -1,8 +1,8 @@
 //! Which recordings, or which of their frames, have slip.
 
-use super::CommandError;
 use super::notes::Notes;
 use feeler::sensor::table::{Header, NumberColumn, Quantity, Table};
+use feeler_console::CommandError;
 use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap};
 use std::fmt::Display;

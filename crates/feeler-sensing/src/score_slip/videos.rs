@@ -4,14 +4,14 @@
 //! harm. So there are places, of which [`ContactLoss`](feeler::control::grasp_slip::ContactLoss) can say whether they are
 //! a pattern, and no displacements.
 
-use super::CommandError;
 use super::collected::Read;
 use super::notes::Notes;
-use super::recorded::RecordedArguments;
+use super::recorded::RecordedOptions;
 use super::sources::Source;
 use feeler::sensor::camera::{Camera, CameraError};
 use feeler::sensor::frame::{Frame, Picture as Grey};
 use feeler::sensor::locate::{LocateConfig, Located, ReferencePicture, locate, locate_again};
+use feeler_console::CommandError;
 use feeler_lab::grasps::{GraspFrame, GraspRecording, Picture, Untouched};
 use feeler_sources::video_file::{Ffmpeg, VideoFile};
 use glam::DVec2;
@@ -25,15 +25,13 @@ pub struct Videos {
 }
 
 impl Videos {
-    /// As the arguments say.
+    /// As the options say.
     ///
     /// # Errors
     /// When there is no ffmpeg.
-    pub fn new(arguments: &RecordedArguments) -> Result<Self, CommandError> {
+    pub fn new(options: &RecordedOptions) -> Result<Self, CommandError> {
         Ffmpeg::find()?;
-        Ok(Self {
-            rate: arguments.rate,
-        })
+        Ok(Self { rate: options.rate })
     }
 
     /// The recording in the video of `source`.

@@ -1,14 +1,15 @@
 //! Recordings of three-axis taxel arrays.
 
+use super::collected::Read;
 use super::notes::Notes;
-use super::recorded::RecordedArguments;
+use super::recorded::RecordedOptions;
 use super::sources::Source;
-use super::{CommandError, collected::Read};
+use crate::sense::taxel_layout_text;
 use feeler::sensor::reading::{SensorError, TactileFrame, TactileSensor};
 use feeler::sensor::taxel::{TaxelLayout, TaxelSensor};
+use feeler_console::CommandError;
 use feeler_console::open_table;
 use feeler_lab::grasps::{GraspFrame, GraspRecording, Untouched};
-use feeler_sensing::taxel_layout_text;
 use glam::DVec2;
 use std::path::Path;
 
@@ -24,22 +25,22 @@ pub struct TaxelTables {
 type Sequences = Vec<(String, Vec<GraspFrame>)>;
 
 impl TaxelTables {
-    /// For the layout called `name`, with what the arguments say of it.
+    /// For the layout called `name`, with what the options say of it.
     ///
     /// # Errors
     /// When there is no such layout, or it cannot be used.
-    pub fn new(name: &str, arguments: &RecordedArguments) -> Result<Self, CommandError> {
+    pub fn new(name: &str, options: &RecordedOptions) -> Result<Self, CommandError> {
         let refused = |e| format!("--taxels {name}: {e}");
         let layout = TaxelLayout::from_toml(&taxel_layout_text(name)?).map_err(refused)?;
-        let prefixes = match arguments.prefixes.as_slice() {
+        let prefixes = match options.prefixes.as_slice() {
             [] => vec![layout.columns.prefix.clone()],
             prefixes => prefixes.to_vec(),
         };
         let with_prefix = |prefix: String| {
             let mut layout = layout.clone();
             layout.columns.prefix = prefix;
-            if arguments.sequence.is_some() {
-                layout.columns.sequence.clone_from(&arguments.sequence);
+            if options.sequence.is_some() {
+                layout.columns.sequence.clone_from(&options.sequence);
             }
             layout.check().map_err(refused).map(|()| layout)
         };
@@ -49,10 +50,10 @@ impl TaxelTables {
             .collect::<Result<_, _>>()?;
         // What a layout gives as zero was taken without load; the first rows of a grasp may be in contact already.
         let given = |layout: &TaxelLayout| layout.taxels.iter().all(|taxel| taxel.zero.is_some());
-        let untouched = arguments.untouched || layouts.iter().all(given);
+        let untouched = options.untouched || layouts.iter().all(given);
         Ok(Self {
             layouts,
-            rate: arguments.rate,
+            rate: options.rate,
             untouched,
         })
     }

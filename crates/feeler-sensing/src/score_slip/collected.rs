@@ -1,15 +1,15 @@
 //! Labelled recordings, and what the detectors say of them.
 
-use super::CommandError;
 use super::in_order::in_order;
 use super::labels::{Label, Labels, read_frames};
 use super::notes::Notes;
-use super::recorded::RecordedArguments;
+use super::recorded::RecordedOptions;
 use super::scores::Scored;
 use super::sources::{Kind, Source, find};
 use super::taxels::TaxelTables;
 use super::tracks::{TrackTables, is_tracks};
 use super::videos::Videos;
+use feeler_console::CommandError;
 use feeler_console::Steps;
 use feeler_lab::grasps::{DETECTORS, Detector, DetectorTrace, GraspRecording, Labelled, Untouched};
 use std::collections::BTreeMap;
@@ -33,20 +33,20 @@ struct Reader {
 }
 
 impl Reader {
-    /// For what `arguments` say of the recordings to be scored, or of `others`.
+    /// For what `options` say of the recordings to be scored, or of `others`.
     fn new(
-        arguments: &RecordedArguments,
+        options: &RecordedOptions,
         sources: &[Source],
         others: bool,
     ) -> Result<Self, CommandError> {
-        let taxels = arguments.taxels.as_deref();
+        let taxels = options.taxels.as_deref();
         let taxels = taxels
-            .map(|name| TaxelTables::new(name, arguments))
+            .map(|name| TaxelTables::new(name, options))
             .transpose()?;
         let video = |source: &Source| source.kind() == Kind::Video;
         // What is said of the pictures of the recordings to be scored is not true of others.
-        let plain = RecordedArguments::default();
-        let pictures = if others { &plain } else { arguments };
+        let plain = RecordedOptions::default();
+        let pictures = if others { &plain } else { options };
         let videos = sources.iter().any(video).then(|| Videos::new(pictures));
         Ok(Self {
             taxels,
@@ -97,10 +97,10 @@ impl<'a> Found<'a> {
     pub fn new(
         path: &'a Path,
         labels: Option<&Path>,
-        arguments: &'a RecordedArguments,
+        options: &'a RecordedOptions,
         notes: &mut Notes,
     ) -> Result<Self, CommandError> {
-        Self::find(path, labels, (arguments, false), notes)
+        Self::find(path, labels, (options, false), notes)
     }
 
     /// Others at `path`: tables of tracks and videos about which nothing else is said, or tables of the taxels of those to be scored.
@@ -110,31 +110,31 @@ impl<'a> Found<'a> {
     pub fn others(
         path: &'a Path,
         labels: &Path,
-        arguments: &'a RecordedArguments,
+        options: &'a RecordedOptions,
         notes: &mut Notes,
     ) -> Result<Self, CommandError> {
-        Self::find(path, Some(labels), (arguments, true), notes)
+        Self::find(path, Some(labels), (options, true), notes)
     }
 
     fn find(
         path: &'a Path,
         labels: Option<&Path>,
-        (arguments, others): (&'a RecordedArguments, bool),
+        (options, others): (&'a RecordedOptions, bool),
         notes: &mut Notes,
     ) -> Result<Self, CommandError> {
-        let group = arguments.group.as_deref().filter(|_| !others);
+        let group = options.group.as_deref().filter(|_| !others);
         let known = labels.map(|labels| Labels::read(labels, group, notes));
         let known = known.transpose()?;
         let no_recordings: Vec<_> = labels.into_iter().collect();
-        let sources = match find(path, &arguments.tables, &no_recordings, notes) {
+        let sources = match find(path, &options.tables, &no_recordings, notes) {
             Err(_) if others => find(path, &[], &no_recordings, notes)?,
             found => found?,
         };
         let in_folders = sources.iter().any(|source| source.folder.is_some());
-        let frame_labels = arguments.frame_labels.as_deref();
+        let frame_labels = options.frame_labels.as_deref();
         let frame_labels = frame_labels.filter(|_| !others || in_folders);
         Ok(Self {
-            reader: Reader::new(arguments, &sources, others)?,
+            reader: Reader::new(options, &sources, others)?,
             of_frames: frame_labels.is_some() || known.as_ref().is_some_and(|k| k.of_frames),
             labels: known,
             path,

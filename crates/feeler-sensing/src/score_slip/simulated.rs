@@ -1,9 +1,10 @@
 //! `feeler score-slip [EXPERIMENT]`: against the simulator's truth.
 
-use super::{Arguments, CommandError, Outcome, PAGE, make_folder};
+use super::{PAGE, SlipScoreOptions, make_folder};
 use feeler_console::Outputs;
 use feeler_console::Steps;
 use feeler_console::print_json;
+use feeler_console::{CommandError, Outcome};
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::slip_bench::{DETECTORS, Sample, trial};
 use feeler_lab::sweep::slip_score::{operating_point, roc, tune};
@@ -12,19 +13,19 @@ use serde_json::json;
 use std::io::Write;
 use std::path::Path;
 
-pub fn score(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
-    let experiment = Experiment::load(&arguments.source, &arguments.settings)?;
-    make_folder(arguments)?;
-    let path = arguments.out.join(PAGE);
-    let inputs = [Some(Path::new(&arguments.source))];
+pub fn score(options: &SlipScoreOptions, out: &mut dyn Write) -> Result<Outcome, CommandError> {
+    let experiment = Experiment::load(&options.source, &options.settings)?;
+    make_folder(options)?;
+    let path = options.out.join(PAGE);
+    let inputs = [Some(Path::new(&options.source))];
     // Opened first: scoring takes its time.
-    let file = Outputs::new(arguments.overwrite.force, inputs).create(&path, "--out")?;
-    let bar = Steps::new(2 * arguments.trials as usize);
+    let file = Outputs::new(options.force, inputs).create(&path, "--out")?;
+    let bar = Steps::new(2 * options.trials as usize);
     let run = |part: u64| -> Result<Vec<Vec<Sample>>, CommandError> {
-        (0..arguments.trials)
+        (0..options.trials)
             .map(|number| {
                 // Even seeds are for choosing thresholds, odd ones for scoring: no trial is both.
-                let seed = arguments.seed.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+                let seed = options.seed.wrapping_mul(0x9e37_79b9_7f4a_7c15);
                 let samples = trial(&experiment, seed.wrapping_add(2 * number + part))?;
                 bar.advance();
                 Ok(samples)
@@ -38,9 +39,9 @@ pub fn score(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comm
     let points = [(0, paper)].into_iter().chain(tuned);
     let samples = scored.iter().flatten();
     let page = SlipPage {
-        name: arguments.source.clone(),
-        seed: arguments.seed,
-        trials: arguments.trials,
+        name: options.source.clone(),
+        seed: options.seed,
+        trials: options.trials,
         touch_force: experiment.config.control.touch_force,
         counts: (
             samples.clone().count(),
@@ -54,7 +55,7 @@ pub fn score(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comm
             .collect(),
     };
     file.finish(slip_page(&page).as_bytes())?;
-    if arguments.json.json {
+    if options.json {
         let scored = json!({ "page": path, "frames": page.counts.0, "slips": page.counts.1, "detectors": page.points });
         print_json(&scored, out)?;
         return Ok(Outcome::Done);

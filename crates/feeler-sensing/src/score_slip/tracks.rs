@@ -1,12 +1,12 @@
 //! Recordings as `feeler sense` writes them: a row for each element and frame.
 
-use super::CommandError;
 use super::collected::Read;
 use super::notes::Notes;
-use super::recorded::RecordedArguments;
+use super::recorded::RecordedOptions;
 use super::sources::Source;
 use feeler::sensor::located_layout::{LocatedLayout, MAX_LOCATED_ELEMENTS};
 use feeler::sensor::table::{NumberColumn, Quantity, Table, TableError};
+use feeler_console::CommandError;
 use feeler_console::open_table;
 use feeler_lab::grasps::{GraspFrame, GraspRecording, Picture, Untouched};
 use glam::DVec2;
@@ -26,12 +26,12 @@ pub struct TrackTables {
 }
 
 impl TrackTables {
-    /// As the arguments say.
-    pub fn new(arguments: &RecordedArguments) -> Self {
+    /// As the options say.
+    pub fn new(options: &RecordedOptions) -> Self {
         Self {
-            layout: arguments.layout.clone(),
-            rate: arguments.rate,
-            untouched: arguments.untouched,
+            layout: options.layout.clone(),
+            rate: options.rate,
+            untouched: options.untouched,
         }
     }
 

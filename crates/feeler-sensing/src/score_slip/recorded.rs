@@ -4,10 +4,10 @@ use super::collected::{Collected, Found};
 use super::notes::Notes;
 use super::said::{say, wrong};
 use super::scores::{SCORES, scores_csv};
-use super::{Arguments, CommandError, Outcome, PAGE, make_folder};
-use crate::options::parse_rate;
+use super::{PAGE, SlipScoreOptions, make_folder};
 use feeler_console::Outputs;
 use feeler_console::print_json;
+use feeler_console::{CommandError, Outcome};
 use feeler_lab::grasps::{Confusion, DETECTORS, Detector, transfer};
 use feeler_lab::sweep::interval::Estimate;
 use feeler_report::grasp_slip_page::{
@@ -18,43 +18,32 @@ use serde_json::json;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// What is said of recordings.
-#[derive(Debug, Default, clap::Args)]
-pub struct RecordedArguments {
-    /// The tables are of a three-axis taxel array, of this layout: a file, or a built-in one (`feeler list`).
-    #[arg(long, value_name = "LAYOUT", conflicts_with = "layout")]
+/// Labelled recordings to score.
+#[derive(Debug, Clone, Default)]
+pub struct RecordedOptions {
+    /// Layout of a taxel array (a file or a built-in name), if the tables are of one.
     pub taxels: Option<String>,
-    /// What the columns of an array begin with, where a table has several, as in left; again for each array.
-    #[arg(long = "prefix", value_name = "PREFIX", requires = "taxels")]
+    /// Prefixes of the columns of each array in a table of several.
     pub prefixes: Vec<String>,
-    /// Column whose value changes where another recording begins in the same table.
-    #[arg(long, value_name = "COLUMN", requires = "taxels")]
+    /// Column whose value changes where another recording begins.
     pub sequence: Option<String>,
-    /// Each recording is a folder with a table of this name; again for each array that felt the same grasp.
-    #[arg(long = "table", value_name = "FILE")]
+    /// Names of the tables in each recording's folder.
     pub tables: Vec<String>,
-    /// Layout of `feeler locate` of all recordings that have none beside them (NAME.toml beside NAME.csv).
-    #[arg(long, value_name = "FILE")]
+    /// Layout of all recordings that have none beside them.
     pub layout: Option<PathBuf>,
-    /// Rows (frames) per second, before any column of the time.
-    #[arg(long, value_name = "HZ", value_parser = parse_rate)]
+    /// Rows (frames) per second, in place of any time column.
     pub rate: Option<f64>,
-    /// Where vectors are 0, nothing touches: recordings begin untouched. Only then is contact known of taxels.
-    #[arg(long)]
+    /// Whether recordings begin untouched.
     pub untouched: bool,
-    /// Column of LABELS that groups recordings, as by their object; without it, each is a group.
-    #[arg(long, value_name = "COLUMN", requires = "labels")]
+    /// Column of the labels that groups recordings.
     pub group: Option<String>,
-    /// Frames are labelled: in each recording's folder, a table of this name has a column `slip`, a row for each frame.
-    #[arg(long, value_name = "FILE")]
+    /// Name of the table of labels of frames in each recording's folder.
     pub frame_labels: Option<String>,
-    /// Judge with thresholds of other recordings, too, and their labels: tables of `feeler sense`, as those of `feeler
-    /// simulate-grasps`, videos, or, with --taxels, tables of the same array in files or folders as those of RECORDINGS.
-    #[arg(long, num_args = 2, value_names = ["RECORDINGS", "LABELS"])]
+    /// Other recordings and their labels, to choose thresholds on; empty or two paths.
     pub thresholds_from: Vec<PathBuf>,
 }
 
-impl RecordedArguments {
+impl RecordedOptions {
     /// An option that was given, if any was.
     pub fn given(&self) -> Option<&'static str> {
         let given = [
@@ -77,11 +66,11 @@ struct Others {
     collected: Collected,
 }
 
-pub fn score(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
-    let recorded = &arguments.recorded;
+pub fn score(options: &SlipScoreOptions, out: &mut dyn Write) -> Result<Outcome, CommandError> {
+    let recorded = &options.recorded;
     let mut notes = Notes::default();
-    let labels = arguments.labels.as_deref();
-    let found = Found::new(Path::new(&arguments.source), labels, recorded, &mut notes)?;
+    let labels = options.labels.as_deref();
+    let found = Found::new(Path::new(&options.source), labels, recorded, &mut notes)?;
     let [other_path, other_labels] = match recorded.thresholds_from.as_slice() {
         [path, labels] => [Some(path.as_path()), Some(labels.as_path())],
         _ => [None; 2],
@@ -96,14 +85,14 @@ pub fn score(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comm
         let message = "--thresholds-from: labels of recordings on one side, of frames on the other; expected the same of both";
         return Err(message.into());
     }
-    make_folder(arguments)?;
+    make_folder(options)?;
     let inputs = found.inputs().chain(others.iter().flat_map(Found::inputs));
     let inputs = inputs
         .chain(labels)
         .chain(other_labels)
         .chain(recorded.layout.as_deref());
-    let mut outputs = Outputs::new(arguments.overwrite.force, inputs.map(Some));
-    let (page_path, scores_path) = (arguments.out.join(PAGE), arguments.out.join(SCORES));
+    let mut outputs = Outputs::new(options.force, inputs.map(Some));
+    let (page_path, scores_path) = (options.out.join(PAGE), options.out.join(SCORES));
     // Opened first: scoring takes its time.
     let page_file = outputs.create(&page_path, "--out")?;
     let scores_file = outputs.create(&scores_path, "--out")?;
@@ -130,14 +119,14 @@ pub fn score(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comm
         others.as_ref(),
         unit,
         of_frames,
-        arguments,
+        options,
         &mut notes,
     );
     notes.tell();
     let scores = scores_csv(&collected.scored, of_frames, others.is_some());
     scores_file.finish(scores.as_bytes())?;
     page_file.finish(grasp_slip_page(&page).as_bytes())?;
-    if arguments.json.json {
+    if options.json {
         let (labelled, slips, groups) = page.counts;
         let scored = json!({
             "page": page_path, "scores": scores_path, "of": page.of, "labelled": labelled, "slips": slips,
@@ -157,7 +146,7 @@ fn judge(
     others: Option<&Others>,
     unit: &str,
     of_frames: bool,
-    arguments: &Arguments,
+    options: &SlipScoreOptions,
     notes: &mut Notes,
 ) -> GraspSlipPage {
     let groups = collected.groups.len();
@@ -206,11 +195,11 @@ fn judge(
         });
     }
     let slips = collected.scored.iter().filter(|s| s.slip).count();
-    let name = Path::new(&arguments.source).file_name();
-    let grouped_by = arguments.recorded.group.clone();
+    let name = Path::new(&options.source).file_name();
+    let grouped_by = options.recorded.group.clone();
     GraspSlipPage {
         name: name.map_or_else(
-            || arguments.source.clone(),
+            || options.source.clone(),
             |n| n.to_string_lossy().into_owned(),
         ),
         of: if of_frames { "frames" } else { "recordings" },

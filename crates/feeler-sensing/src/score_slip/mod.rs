@@ -1,0 +1,80 @@
+//! `feeler score-slip`: slip detectors against the truth, the simulator's or that of labelled recordings.
+
+mod collected;
+mod in_order;
+mod labels;
+mod notes;
+mod recorded;
+mod said;
+mod scores;
+mod simulated;
+mod sources;
+mod taxels;
+mod tracks;
+mod videos;
+
+use feeler_console::{CommandError, Outcome};
+use feeler_lab::config::BUILT_IN;
+use feeler_report::make::create_folder;
+pub use recorded::RecordedOptions;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Name of the page.
+const PAGE: &str = "slip.html";
+
+/// What to score slip detectors on.
+#[derive(Debug, Clone)]
+pub struct SlipScoreOptions {
+    /// Experiment (a file or a built-in name) or, with labels, recordings.
+    pub source: String,
+    /// Labels of the recordings.
+    pub labels: Option<PathBuf>,
+    /// Number of simulated trials to score.
+    pub trials: u64,
+    /// Settings of the experiment.
+    pub settings: Vec<String>,
+    /// Seed of the simulation.
+    pub seed: u64,
+    /// Recordings to score.
+    pub recorded: RecordedOptions,
+    /// Folder of the page.
+    pub out: PathBuf,
+    /// Whether to replace existing outputs.
+    pub force: bool,
+    /// Whether to print JSON instead of text.
+    pub json: bool,
+}
+
+/// Scores slip detectors against the simulator's ground truth, or against the labels of recordings.
+///
+/// # Errors
+/// If an option has no effect, or recordings, labels or outputs fail.
+pub fn score_slip(
+    options: &SlipScoreOptions,
+    out: &mut dyn Write,
+) -> Result<Outcome, CommandError> {
+    let labelled = options.labels.is_some() || options.recorded.frame_labels.is_some();
+    if !labelled {
+        if let Some(option) = options.recorded.given() {
+            let message = format!(
+                "{option} is for recordings; expected their LABELS, or --frame-labels, too"
+            );
+            return Err(message.into());
+        }
+        let source = &options.source;
+        // A run of an experiment may have left a folder of its name.
+        let built_in = BUILT_IN.iter().any(|b| b.name == source);
+        if !built_in && Path::new(source).is_dir() {
+            return Err(format!("{source}: it is a folder of recordings; expected their LABELS behind it, or --frame-labels").into());
+        }
+        return simulated::score(options, out);
+    }
+    recorded::score(options, out)
+}
+
+/// Makes the output folder.
+fn make_folder(options: &SlipScoreOptions) -> Result<(), CommandError> {
+    create_folder(&options.out)
+        .map_err(|e| format!("--out {}: {e}; expected a folder", options.out.display()).into())
+}
