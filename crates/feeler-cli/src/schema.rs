@@ -4,7 +4,8 @@ use super::{CommandError, Outcome};
 use feeler_link::message as linked;
 use feeler_link::topic::{Place, Topic};
 use feeler_record::wire::Message;
-use feeler_record::{RecordedTopic, sensed, topics};
+use feeler_record::sensed::MOMENTS;
+use feeler_record::{RecordedTopic, topics};
 use std::io::Write;
 
 #[derive(Debug, clap::Args)]
@@ -84,7 +85,7 @@ fn recorded() -> [Schema; 21] {
         Schema::recorded(topics::SCENE),
         Schema::recorded(topics::wrench(0)),
         Schema::recorded(topics::taxels(0)),
-        Schema::recorded(sensed::MOMENTS),
+        Schema::recorded(MOMENTS),
     ]
 }
 
