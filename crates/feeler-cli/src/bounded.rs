@@ -1,9 +1,9 @@
-//! Numbers on the command line that have bounds.
+//! Value parsers for bounded numbers on the command line.
 
-/// A number within `low` and `high`, both included, of a `unit`.
+/// Parses a number from `low` to `high` (inclusive) with the given `unit`.
 ///
 /// # Errors
-/// Which numbers were expected.
+/// Returns the expected range if `text` is not a number within it.
 pub fn parse_between(text: &str, low: f64, high: f64, unit: &str) -> Result<f64, String> {
     let number = text.parse().ok();
     number
@@ -11,10 +11,10 @@ pub fn parse_between(text: &str, low: f64, high: f64, unit: &str) -> Result<f64,
         .ok_or_else(|| format!("expected {low} to {high} {unit}"))
 }
 
-/// Pictures or samples per second, Hz.
+/// Parses a rate of frames or samples (Hz).
 ///
 /// # Errors
-/// Which rates were expected.
+/// Returns the expected range if `text` is not a number within it.
 pub fn parse_rate(text: &str) -> Result<f64, String> {
     parse_between(text, 1e-3, 1e5, "Hz")
 }

@@ -1,4 +1,4 @@
-//! Cameras on the command line: how they are named and set.
+//! Cameras on the command line: names and settings.
 
 use super::CommandError;
 use feeler::sensor::camera::Camera;
@@ -6,20 +6,20 @@ use feeler_sources::settings::{CameraSettings, Trigger};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// What cameras are called, for messages.
-pub const NAMES: &str = "/dev/videoN, or genicam:ID as `feeler cameras` lists them";
+/// Description of valid camera names, for messages.
+pub const NAMES: &str = "/dev/videoN, or genicam:ID as listed by `feeler cameras`";
 
-/// Which camera.
+/// Name of a camera.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum CameraName {
     /// A Video4Linux device.
     Video(PathBuf),
-    /// The GenICam camera with this id, serial number or address; the first one if none.
+    /// GenICam camera with this id, serial number or address, or the first one found if `None`.
     Genicam(Option<String>),
 }
 
 impl CameraName {
-    /// The camera that is named so, if it is the name of one. `/dev/shm` holds files.
+    /// Parses the name of a camera, or returns `None` if `path` is not one. `/dev/shm` contains files.
     pub fn of(path: &Path) -> Option<Self> {
         let name = path.to_string_lossy();
         if let Some(id) = name.strip_prefix("genicam:") {
@@ -31,7 +31,7 @@ impl CameraName {
         is_video.then(|| Self::Video(path.into()))
     }
 
-    /// Opens, sets and starts it.
+    /// Opens, configures and starts the camera.
     pub fn open(&self, settings: CameraSettings) -> Result<OpenCamera, CommandError> {
         match self {
             Self::Video(device) => open_video(device, settings),
@@ -40,35 +40,35 @@ impl CameraName {
     }
 }
 
-/// A camera that takes pictures.
+/// An open camera.
 pub struct OpenCamera {
     /// The camera.
     pub camera: Box<dyn Camera + Send>,
-    /// When its stamps were 0, if they are times of exposure; those of other cameras are times of arrival.
+    /// Time at which the camera's stamps were 0, if they are times of exposure; `None` if they are times of arrival.
     pub exposed_since: Option<Instant>,
 }
 
-/// How a camera is set, besides size and rate.
+/// Camera settings other than size and rate.
 #[derive(Debug, clap::Args)]
 pub struct CameraArguments {
-    /// Exposure time of the camera, s [default: as the camera is set]
+    /// Exposure time of the camera (s) [default: the camera's current setting]
     #[arg(long, value_name = "SECONDS", value_parser = parse_exposure)]
     exposure: Option<f64>,
-    /// Gain of the camera, in its own unit, as `feeler cameras` lists it [default: as the camera is set]
+    /// Gain of the camera, in the unit listed by `feeler cameras` [default: the camera's current setting]
     #[arg(long, value_name = "GAIN", value_parser = parse_gain)]
     gain: Option<f64>,
-    /// Column and row of the camera's sensor at which the pictures begin, px: with their size, the region of interest
-    /// (GenICam cameras) [default: 0,0]
+    /// Column and row of the sensor at which the region of interest begins (px; GenICam only) [default: 0,0]
     #[arg(long, value_name = "COLUMN,ROW", value_parser = parse_offset)]
     roi_offset: Option<(usize, usize)>,
-    /// What makes the camera take a picture: free, its own clock; software, a command at --rate; or a signal at one of its
-    /// inputs, as in Line0 (GenICam cameras) [default: free]
+    /// Frame trigger: `free`, `software` or an input line, e.g. Line0 (GenICam only) [default: free]
+    ///
+    /// `free` uses the camera's internal clock, `software` a command at --rate, and a line the signal at that input.
     #[arg(long, value_name = "free|software|LINE")]
     trigger: Option<Trigger>,
 }
 
 impl CameraArguments {
-    /// The first option that was given.
+    /// Returns the first option that was given.
     pub fn given(&self) -> Option<&'static str> {
         let options = [
             ("--exposure", self.exposure.is_some()),
@@ -80,7 +80,7 @@ impl CameraArguments {
         given.map(|(option, _)| option)
     }
 
-    /// What is asked of a camera for pictures of `size` px at `rate` Hz.
+    /// Returns the settings for images of `size` (px) at `rate` (Hz).
     pub fn settings(&self, size: (usize, usize), rate: f64) -> CameraSettings {
         CameraSettings {
             size,
@@ -109,7 +109,7 @@ fn parse_offset(text: &str) -> Result<(usize, usize), String> {
     let offset = text.split_once(',');
     offset
         .and_then(|(column, row)| Some((place(column)?, place(row)?)))
-        .ok_or_else(|| "expected COLUMN,ROW of 0 to 65535 px each, as in 640,480".into())
+        .ok_or_else(|| "expected COLUMN,ROW from 0 to 65535 px each, e.g. 640,480".into())
 }
 
 #[cfg(all(feature = "camera", target_os = "linux"))]
@@ -154,7 +154,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn cameras_are_told_from_files() {
+    fn camera_names_are_distinguished_from_files() {
         let named = |name: &str| CameraName::of(Path::new(name));
         assert_eq!(named("genicam:"), Some(CameraName::Genicam(None)));
         assert_eq!(
@@ -164,7 +164,7 @@ mod tests {
         for device in ["/dev/video0", "/dev/v4l/by-id/usb-cam-index0"] {
             assert_eq!(named(device), Some(CameraName::Video(device.into())));
         }
-        for file in ["genicam", "pictures", "/dev/shm/video0", "-"] {
+        for file in ["genicam", "images", "/dev/shm/video0", "-"] {
             assert_eq!(named(file), None);
         }
     }

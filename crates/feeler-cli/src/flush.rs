@@ -1,13 +1,13 @@
-//! How much of a recording is lost when the program is killed.
+//! The `--flush-interval` option.
 
 use super::bounded::parse_between;
 use feeler_record::FLUSH_INTERVAL;
 
-/// How often a recording is handed to the system.
+/// Interval at which a recording is flushed.
 #[derive(Debug, Clone, clap::Args)]
 pub struct FlushArguments {
-    /// Hand the recording to the system at least once in so many seconds of the run's time: what is lost at most when
-    /// the program is killed.
+    /// Flush the recording at least this often, in seconds of the run's time. At most this much is lost if the
+    /// program is killed.
     #[arg(long, value_name = "S", default_value_t = FLUSH_INTERVAL, value_parser = parse_interval)]
     pub flush_interval: f64,
 }

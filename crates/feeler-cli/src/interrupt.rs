@@ -1,10 +1,9 @@
-//! Ctrl-C, and the system ending the program.
+//! Handling of Ctrl-C and termination signals.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// A flag that Ctrl-C raises (or the system, ending the program), so that what was recorded is closed
-/// properly.
+/// Returns a flag that is set on Ctrl-C or a termination signal, so that recordings can be closed properly.
 pub fn watch_for_interrupt() -> Result<Arc<AtomicBool>, ctrlc::Error> {
     let interrupted = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&interrupted);

@@ -1,16 +1,16 @@
-//! Where the program writes: a reader that has had enough is no error.
+//! Standard output that tolerates a closed pipe.
 
 use std::io::{self, ErrorKind, Write};
 
-/// A writer that goes on in silence once its reader is gone, as after `feeler run … | head -1`: what
-/// was asked for is done all the same, and the exit status says how it went.
+/// A writer that discards output once its reader is gone, as in `feeler run … | head -1`. The command still
+/// completes, and the exit status reports the result.
 pub struct Output<W: Write> {
     writer: W,
     closed: bool,
 }
 
 impl<W: Write> Output<W> {
-    /// Writes to `writer` as long as somebody reads.
+    /// Writes to `writer` until its reader is gone.
     pub fn new(writer: W) -> Self {
         Self {
             writer,

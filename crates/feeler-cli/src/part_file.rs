@@ -1,32 +1,32 @@
-//! Output files: never over an input, never over an existing file without `--force`, and under their own name only when
-//! whole.
+//! Output files: never overwrite an input, overwrite an existing file only with `--force`, and get their final name
+//! only when complete.
 
 use super::CommandError;
 use std::fs::{self, File};
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-/// Longest row of a table, bytes: as far as its beginning is looked for.
+/// Maximum length of a table's row (bytes); limits the search for its start.
 const MAX_ROW: u64 = 1 << 20;
 
-/// Whether existing files may be replaced.
+/// The `--force` option.
 #[derive(Debug, Clone, Copy, clap::Args)]
 pub struct Overwrite {
-    /// Replace output files that exist already. Input files are never replaced.
+    /// Overwrite existing output files. Input files are never overwritten.
     #[arg(long)]
     pub force: bool,
 }
 
-/// The output files of one command, held against its inputs and against each other.
+/// The output files of a command, checked against its inputs and each other.
 pub struct Outputs {
     overwrite: Overwrite,
-    /// Files that must not be written to: a word for what they are, and where.
+    /// Paths that must not be written to, each with a description.
     taken: Vec<(&'static str, PathBuf)>,
 }
 
 impl Outputs {
-    /// The outputs of a command that reads `inputs`. Those that are no files, as the name of a built-in experiment, do not
-    /// matter.
+    /// Creates the outputs of a command that reads `inputs`. Inputs that are not files, such as names of built-in
+    /// experiments, are harmless.
     pub fn new<'a>(
         overwrite: Overwrite,
         inputs: impl IntoIterator<Item = Option<&'a Path>>,
@@ -39,10 +39,10 @@ impl Outputs {
         }
     }
 
-    /// Begins the file that the command line's `argument` says is to be at `path`.
+    /// Creates the partial file for `path`, which was given by the option `argument`.
     ///
     /// # Errors
-    /// When it is an input or another output, exists without `--force`, is no file, or cannot be written.
+    /// If `path` is an input or another output, exists without `--force`, is not a file, or cannot be written.
     pub fn create(
         &mut self,
         path: &Path,
@@ -52,13 +52,13 @@ impl Outputs {
         let part = part_of(path);
         for (what, taken) in &self.taken {
             if is_same_file(path, taken) || is_same_file(&part, taken) {
-                return Err(refuse(&format!("it is {what}; expected another file")).into());
+                return Err(refuse(&format!("the file is {what}; expected another file")).into());
             }
         }
         for written in [path, &part] {
-            // Writing to a device or a link, or moving a file over it, would change what is behind it.
+            // Writing to a device or link, or renaming a file over it, would modify its target.
             if fs::symlink_metadata(written).is_ok_and(|there| !there.is_file()) {
-                return Err(refuse("not a file; expected a file, new or to replace").into());
+                return Err(refuse("not a file; expected a new file, or a file to replace").into());
             }
         }
         let partial = fs::metadata(&part).is_ok_and(|there| there.len() > 0);
@@ -71,7 +71,7 @@ impl Outputs {
         }
         let file = File::create(&part).map_err(|e| failed(path, argument, &e))?;
         self.taken
-            .push(("written for another option", path.to_path_buf()));
+            .push(("the output of another option", path.to_path_buf()));
         Ok(PartFile {
             file,
             part,
@@ -82,8 +82,7 @@ impl Outputs {
     }
 }
 
-/// A file that is written as `NAME.part` and renamed when it is whole. What was written of it otherwise is kept under that
-/// name.
+/// A file that is written as `NAME.part` and renamed when complete. A partial file is kept after a failure.
 pub struct PartFile {
     file: File,
     part: PathBuf,
@@ -93,23 +92,23 @@ pub struct PartFile {
 }
 
 impl PartFile {
-    /// Where it is until it is whole.
+    /// Returns the path of the partial file.
     pub fn part(&self) -> &Path {
         &self.part
     }
 
-    /// To write to it piece by piece.
+    /// Returns a handle for incremental writes.
     ///
     /// # Errors
-    /// When the system has no handle left.
+    /// If the system has no file handle left.
     pub fn writer(&self) -> io::Result<File> {
         self.file.try_clone()
     }
 
-    /// Writes all of it and moves it to its place.
+    /// Writes the whole contents and renames the file.
     ///
     /// # Errors
-    /// When it cannot be written: the message names the part file that is left.
+    /// If writing fails. The message names the partial file that remains.
     pub fn finish(mut self, bytes: &[u8]) -> Result<(), CommandError> {
         if let Err(error) = self.file.write_all(bytes) {
             let message = failed(&self.path, self.argument, &error);
@@ -119,25 +118,25 @@ impl PartFile {
         self.rename()
     }
 
-    /// Moves it to its place, now that it is whole.
+    /// Renames the complete file to its final path.
     ///
     /// # Errors
-    /// When it cannot be moved.
+    /// If the file cannot be renamed.
     pub fn rename(mut self) -> Result<(), CommandError> {
         fs::rename(&self.part, &self.path).map_err(|e| failed(&self.path, self.argument, &e))?;
         self.is_done = true;
         Ok(())
     }
 
-    /// Removes what was written of it.
+    /// Removes the partial file.
     pub fn discard(self) {
-        // Should it not go, its name still says that it is partial.
+        // If removal fails, the name still marks the file as partial.
         let _ = fs::remove_file(&self.part);
     }
 
-    /// Cuts off the last line of a table if it has no end, as where the disk was full.
+    /// Removes an unterminated last line of a table, e.g. after the disk was full.
     pub fn drop_torn_line(&self) {
-        // What cannot be read back stays as it is, and is called partial all the same.
+        // On failure the file stays as it is; its name marks it as partial.
         let _ = cut_torn_line(&self.part);
     }
 }
@@ -146,7 +145,7 @@ impl Drop for PartFile {
     fn drop(&mut self) {
         let is_empty = || fs::metadata(&self.part).is_ok_and(|there| there.len() == 0);
         if !self.is_done && is_empty() {
-            // Of no use to anyone.
+            // An empty partial file is useless.
             let _ = fs::remove_file(&self.part);
         }
     }
@@ -158,7 +157,7 @@ fn part_of(path: &Path) -> PathBuf {
     part.into()
 }
 
-/// Cuts off the last line of the table at `path` if it has no end.
+/// Removes an unterminated last line of the table at `path`.
 pub fn cut_torn_line(path: &Path) -> io::Result<()> {
     let mut file = File::options().read(true).write(true).open(path)?;
     let length = file.metadata()?.len();
@@ -172,7 +171,7 @@ pub fn cut_torn_line(path: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// Whether two paths lead to one file, by another spelling or a link, too.
+/// Returns `true` if two paths refer to the same file, including through links.
 fn is_same_file(a: &Path, b: &Path) -> bool {
     if let (Some(a), Some(b)) = (resolved(a), resolved(b))
         && a == b
@@ -185,7 +184,7 @@ fn is_same_file(a: &Path, b: &Path) -> bool {
     }
 }
 
-/// The path without links and detours; of a file that does not exist yet, that of its folder with the file's name.
+/// Resolves links in a path; if the file does not exist yet, those in its folder's path.
 fn resolved(path: &Path) -> Option<PathBuf> {
     if let Ok(path) = path.canonicalize() {
         return Some(path);
@@ -210,5 +209,5 @@ fn is_same_inode(_: &fs::Metadata, _: &fs::Metadata) -> bool {
 
 fn failed(path: &Path, argument: &str, error: &io::Error) -> String {
     let path = path.display();
-    format!("{argument} {path}: {error}; expected a file in a folder that can be written to")
+    format!("{argument} {path}: {error}; expected a file in a writable folder")
 }

@@ -1,4 +1,4 @@
-//! How far a run or a replay is, for whoever watches it on a terminal.
+//! Progress bars on a terminal.
 
 use feeler::control::phase::Phase;
 use feeler_lab::config::Experiment;
@@ -6,7 +6,7 @@ use feeler_lab::experiment::SimulatedLoop;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::time::{Duration, Instant};
 
-/// A progress bar over the run's strokes.
+/// Progress bar of a run, in strokes.
 pub struct Progress {
     bar: ProgressBar,
     start: Instant,
@@ -14,11 +14,11 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Redrawn this often at most.
+    /// Minimum time between two updates.
     const INTERVAL: Duration = Duration::from_millis(50);
     const PHASES_PER_STROKE: u64 = 4;
 
-    /// A bar for a run of `experiment`; hidden unless standard error is a terminal.
+    /// Creates a bar for a run of `experiment`; hidden unless standard error is a terminal.
     pub fn new(experiment: &Experiment) -> Self {
         let strokes = u64::from(experiment.config.task.strokes());
         let bar = ProgressBar::new(strokes * Self::PHASES_PER_STROKE);
@@ -32,7 +32,7 @@ impl Progress {
         }
     }
 
-    /// Shows how far the run is.
+    /// Shows the progress of the run.
     pub fn show(&mut self, control_loop: &SimulatedLoop) {
         let now = Instant::now();
         if now - self.shown < Self::INTERVAL {
@@ -58,22 +58,22 @@ impl Progress {
         ));
     }
 
-    /// Takes the bar off the screen.
+    /// Removes the bar.
     pub fn clear(&self) {
         self.bar.finish_and_clear();
     }
 }
 
-/// How often what waits for its next step shows that it goes on.
+/// Interval at which a bar is animated while waiting for the next step.
 const TICK: Duration = Duration::from_millis(100);
 
-/// A progress bar over steps, there from the first moment, for the first step may take long.
+/// Progress bar over steps. Visible immediately, because the first step may take long.
 pub struct Steps {
     bar: ProgressBar,
 }
 
 impl Steps {
-    /// A bar over so many steps; hidden unless standard error is a terminal.
+    /// Creates a bar over `steps`; hidden unless standard error is a terminal.
     pub fn new(steps: usize) -> Self {
         let bar = ProgressBar::new(steps as u64);
         let style = ProgressStyle::with_template("{bar:32} {pos}/{len} steps, {eta} left");
@@ -82,7 +82,7 @@ impl Steps {
         Self { bar }
     }
 
-    /// One more step is done.
+    /// Advances the bar by one step.
     pub fn advance(&self) {
         self.bar.inc(1);
     }
@@ -94,14 +94,14 @@ impl Drop for Steps {
     }
 }
 
-/// Reading of a file, of which it is known how far it got.
+/// Progress bar for reading a file.
 pub struct Reading(ProgressBar);
 
-/// Parts of a file that a bar tells apart.
+/// Resolution of a bar over a continuous quantity.
 const PARTS: u64 = 1000;
 
 impl Reading {
-    /// A bar; hidden unless standard error is a terminal.
+    /// Creates a bar; hidden unless standard error is a terminal.
     pub fn new() -> Self {
         let bar = ProgressBar::new(PARTS);
         let style = ProgressStyle::with_template("{msg} {bar:32} {percent} %, {elapsed}");
@@ -111,7 +111,7 @@ impl Reading {
         Self(bar)
     }
 
-    /// This share of the file was read, 0 to 1.
+    /// Shows that the fraction `share` (0 to 1) of the file has been read.
     pub fn show(&self, share: f64) {
         self.0.set_position((share * PARTS as f64) as u64);
     }
@@ -123,11 +123,11 @@ impl Drop for Reading {
     }
 }
 
-/// Work of which nobody knows how long it takes; on the screen until it is dropped.
+/// Spinner for work of unknown duration, removed when dropped.
 pub struct Working(ProgressBar);
 
 impl Working {
-    /// Says what is done, as in `fitting`; hidden unless standard error is a terminal.
+    /// Shows the activity `what`, e.g. `fitting`; hidden unless standard error is a terminal.
     pub fn on(what: &'static str) -> Self {
         let bar = ProgressBar::new_spinner();
         let style = ProgressStyle::with_template("{spinner} {msg}, {elapsed}");
@@ -144,7 +144,7 @@ impl Drop for Working {
     }
 }
 
-/// A search with a budget of time, of runs, or of both.
+/// Progress bar of a search with a budget of time, of runs, or of both.
 pub struct Search {
     bar: ProgressBar,
     start: Instant,
@@ -153,7 +153,7 @@ pub struct Search {
 }
 
 impl Search {
-    /// A bar over the budget; hidden unless standard error is a terminal.
+    /// Creates a bar over the budget; hidden unless standard error is a terminal.
     pub fn new(seconds: Option<f64>, runs: Option<u64>) -> Self {
         let bar = ProgressBar::new(PARTS);
         let style = ProgressStyle::with_template("{bar:32} {msg}, {elapsed}");

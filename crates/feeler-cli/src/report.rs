@@ -1,4 +1,4 @@
-//! `feeler report`
+//! The `feeler report` subcommand.
 
 use super::progress::Reading;
 use super::{CommandError, Outcome};
@@ -14,8 +14,10 @@ use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// The run's folder, or a recording (FILE.mcap). The report of a recording that is not called recording.mcap is written into a
-    /// folder beside it: that of z.mcap into z, that of z into z-report.
+    /// Folder of the run, or a recording (FILE.mcap).
+    ///
+    /// The report of a recording that is not called recording.mcap is written to a folder next to it: the report of
+    /// z.mcap to z, the report of z to z-report.
     run: PathBuf,
 }
 
@@ -28,8 +30,8 @@ pub fn report(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Com
     if let Some(problem) = &made.problem {
         let readable_until = made.readable_until;
         return Err(format!(
-            "{}: the recording is incomplete ({problem}); the report shows the run up to \
-             {readable_until:.2} s and says so",
+            "{}: the recording is incomplete ({problem}); the report covers the run up to \
+             {readable_until:.2} s",
             arguments.run.display()
         )
         .into());
@@ -37,14 +39,14 @@ pub fn report(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Com
     Ok(Outcome::Done)
 }
 
-/// Makes the report of the run in `folder`, and shows how far it got.
+/// Creates the report of the run in `folder`, with a progress bar.
 pub fn made(folder: &Path) -> Result<ReportOutcome, ReportError> {
     let reading = Reading::new();
     make_with(folder, &mut |share| reading.show(share))
 }
 
-/// The recording that is meant by `path`, and the folder of its report: its own or, if it has another name than in a run's folder, a
-/// new one beside it.
+/// Returns the recording at `path` and the folder of its report: its own folder, or a new one next to it if the
+/// recording has a custom name.
 fn find(path: &Path) -> Result<(PathBuf, PathBuf), CommandError> {
     let recording = run_folder::recording(path)?;
     if recording.ends_with(RECORDING) {
@@ -58,7 +60,7 @@ fn find(path: &Path) -> Result<(PathBuf, PathBuf), CommandError> {
     if folder.join(RECORDING).exists() {
         let (recording, folder) = (recording.display(), folder.display());
         return Err(format!(
-            "{recording}: its report would be written into {folder}, which is the folder of another run; rename the recording"
+            "{recording}: its report would be written into {folder}, the folder of another run; rename the recording"
         )
         .into());
     }
@@ -68,22 +70,22 @@ fn find(path: &Path) -> Result<(PathBuf, PathBuf), CommandError> {
     if has_other && !has_report(&folder) {
         let (recording, folder) = (recording.display(), folder.display());
         return Err(format!(
-            "{recording}: its report would be written into {folder}, whose {REPORT} or {SUMMARY} is no report of a run; move \
-             them or rename the recording"
+            "{recording}: its report would be written into {folder}, which contains other files named {REPORT} or {SUMMARY}; \
+             move them or rename the recording"
         )
         .into());
     }
     Ok((recording, folder))
 }
 
-/// Whether `folder` has the report of a run, which may be made again.
+/// Returns `true` if `folder` contains the report of a run, which may be replaced.
 fn has_report(folder: &Path) -> bool {
     let text = std::fs::read_to_string(folder.join(SUMMARY)).unwrap_or_default();
     let summary: Result<serde_json::Value, _> = serde_json::from_str(&text);
     summary.is_ok_and(|summary| summary.get("claims").is_some())
 }
 
-/// Prints how the run ended and what was achieved, then how far it reproduces the paper, and where to read more.
+/// Prints the result of a run, its measures and claims, and the path of its report.
 pub fn print_outcome(made: &ReportOutcome, out: &mut dyn Write) -> io::Result<()> {
     let summary = &made.summary;
     write!(out, "{}", summary.state)?;
@@ -105,17 +107,17 @@ pub fn print_outcome(made: &ReportOutcome, out: &mut dyn Write) -> io::Result<()
     writeln!(out, "{}", made.report_path.display())
 }
 
-/// What the hand achieved, as far as it was measured.
+/// Lists the measured results of the hand.
 fn achieved(summary: &Summary) -> Vec<String> {
     let mut achieved = Vec::new();
-    // A cap that is opened is loosest at the end.
+    // Opening a cap ends at its loosest.
     let opens = |cap: &&CapMeasures| cap.sense.is_some_and(|sense| sense < 0.0);
     if let Some(cap) = summary.cap.as_ref().filter(opens) {
         let torque = cap.largest_torque;
         achieved.extend(torque.map(|t| format!("largest torque {:.1} mN m", 1e3 * t)));
     } else if let Some(torque) = summary.final_torque {
         let ratio = summary.cap.as_ref().and_then(|cap| cap.torque_ratio);
-        let share = ratio.map(|r| format!(" ({:.0} % of what friction allows)", 1e2 * r));
+        let share = ratio.map(|r| format!(" ({:.0} % of the friction limit)", 1e2 * r));
         let share = share.unwrap_or_default();
         achieved.push(format!("final torque {:.1} mN m{share}", 1e3 * torque));
     }
@@ -126,7 +128,7 @@ fn achieved(summary: &Summary) -> Vec<String> {
     achieved
 }
 
-/// Prints how many claims hold, and which do not.
+/// Prints the number of claims that pass, and those that do not.
 fn print_claims(made: &ReportOutcome, out: &mut dyn Write) -> io::Result<()> {
     let claims = made.claims();
     if claims.is_empty() {
@@ -134,11 +136,11 @@ fn print_claims(made: &ReportOutcome, out: &mut dyn Write) -> io::Result<()> {
     }
     let holding = claims.iter().filter(|claim| claim.holds).count();
     let (count, whose) = (claims.len(), made.whose);
-    writeln!(out, "{holding} of {count} claims {whose} hold")?;
+    writeln!(out, "{holding} of {count} claims {whose} pass")?;
     for claim in claims {
         let why = match claim.verdict {
             Verdict::Holds => continue,
-            Verdict::Fails => "does not hold",
+            Verdict::Fails => "fails",
             Verdict::NotMeasured => "not measured",
         };
         writeln!(out, "  {why}: {} ({})", claim.id, claim.bound)?;

@@ -1,11 +1,11 @@
-//! Tables on disk, packed or not.
+//! Tables on disk, plain or compressed with gzip.
 
 use flate2::read::MultiGzDecoder;
 use std::fs::File;
 use std::io::{self, BufReader, Read};
 use std::path::Path;
 
-/// Opens the table at `path`; one whose name ends in `.gz` is unpacked as it is read.
+/// Opens the table at `path`; a file whose name ends in `.gz` is decompressed while reading.
 pub fn open(path: &Path) -> io::Result<BufReader<Box<dyn Read + Send>>> {
     let file = File::open(path)?;
     if file.metadata()?.is_dir() {

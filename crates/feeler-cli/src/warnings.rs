@@ -1,4 +1,5 @@
-//! Warnings on standard error: at once, or so that they hold nobody up, as a terminal may be paused and a pipe full.
+//! Warnings on standard error: printed immediately, or queued so that a paused terminal or a full pipe does not block
+//! the program.
 
 use feeler_link::programs::Warn;
 use std::io::{Write, stderr};
@@ -8,39 +9,39 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
-/// Prints a warning on standard error at once, for commands that may wait for whoever reads it.
+/// Prints a warning on standard error immediately. For commands that may block.
 pub fn warn(warning: &str) {
-    // Standard error that is closed is no reason to stop.
+    // A closed standard error is not a reason to stop.
     let _ = writeln!(stderr(), "warning: {warning}");
 }
 
-/// Warnings that may wait until somebody takes them.
+/// Capacity of the queue.
 const WAITING: usize = 64;
 
-/// How long the end of the program waits for those that are not shown yet.
+/// Time to wait at the program's end for queued warnings to be printed.
 const LAST: Duration = Duration::from_secs(1);
 
-/// Shows warnings, each on a line of its own. What finds no room is dropped and counted.
+/// A queue of warnings, printed one per line. Warnings that do not fit are dropped and counted.
 #[derive(Clone)]
 pub struct Warnings(Arc<Queue>);
 
 struct Queue {
     lines: Option<SyncSender<String>>,
     dropped: Arc<AtomicU64>,
-    /// Ends with the thread that shows them.
+    /// Disconnects when the printing thread ends.
     ended: Mutex<Receiver<()>>,
 }
 
 impl Warnings {
-    /// On standard error.
+    /// Creates a queue that prints on standard error.
     pub fn on_stderr() -> Self {
         Self::shown_by(|line| {
-            // Where nobody listens, the exit status and the record say it.
+            // If standard error is closed, exit status and recording still report the problem.
             let _ = writeln!(stderr(), "{line}");
         })
     }
 
-    /// Each by `show`, on a thread of its own.
+    /// Creates a queue that passes warnings to `show` on a background thread.
     pub fn shown_by(mut show: impl FnMut(&str) + Send + 'static) -> Self {
         let (lines, waiting) = sync_channel::<String>(WAITING);
         let (ends, ended) = channel::<()>();
@@ -53,13 +54,13 @@ impl Warnings {
                 let count = unseen.swap(0, Ordering::Relaxed);
                 if count > 0 {
                     show(&format!(
-                        "{count} warnings were dropped, as nobody took them"
+                        "{count} warnings were dropped because they were not read in time"
                     ));
                 }
             }
         };
         let thread = thread::Builder::new().name("warnings".into());
-        // Without a thread there is no queue, and nothing is shown.
+        // If the thread cannot be started, warnings are not shown.
         let lines = thread.spawn(show_all).ok().map(|_| lines);
         Self(Arc::new(Queue {
             lines,
@@ -68,7 +69,7 @@ impl Warnings {
         }))
     }
 
-    /// Shows `warning` as soon as somebody takes it; never waits.
+    /// Queues `warning`. Never blocks.
     pub fn say(&self, warning: &str) {
         let queue = &*self.0;
         let taken = |lines: &SyncSender<String>| lines.try_send(warning.into()).is_ok();
@@ -77,7 +78,7 @@ impl Warnings {
         }
     }
 
-    /// The same, for a program of a rig.
+    /// Returns a function that queues warnings, for a program of a rig.
     pub fn warn(&self) -> Warn {
         let warnings = self.clone();
         Box::new(move |warning| warnings.say(warning))
@@ -88,7 +89,7 @@ impl Drop for Queue {
     fn drop(&mut self) {
         self.lines = None;
         let ended = self.ended.get_mut().unwrap_or_else(PoisonError::into_inner);
-        // The thread sends nothing: it has ended, or takes too long.
+        // An error means that the thread has ended or takes too long.
         let _ = ended.recv_timeout(LAST);
     }
 }
@@ -97,7 +98,7 @@ impl Drop for Queue {
 mod tests {
     use super::*;
 
-    /// Warnings that are shown as permits come, and what was shown.
+    /// Returns a queue that shows one warning per permit, and the list of shown warnings.
     fn gated() -> (
         Warnings,
         std::sync::mpsc::Sender<()>,
@@ -114,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn a_paused_terminal_holds_nobody_up_and_is_told_what_it_missed() {
+    fn a_paused_terminal_does_not_block_and_drops_are_reported() {
         let (warnings, permit, shown) = gated();
         let said = 2 * WAITING;
         for number in 0..said {
@@ -124,16 +125,17 @@ mod tests {
         drop(warnings);
         let shown = shown.lock().unwrap();
         let dropped = shown.iter().find_map(|line| {
-            let count = line.strip_suffix(" warnings were dropped, as nobody took them")?;
+            let count =
+                line.strip_suffix(" warnings were dropped because they were not read in time")?;
             count.parse::<usize>().ok()
         });
-        // What is dropped, and a line that says so.
+        // One line reports the number of dropped warnings.
         assert_eq!(shown.len() - 1 + dropped.unwrap(), said, "{shown:?}");
         assert_eq!(shown[0], "warning 0");
     }
 
     #[test]
-    fn the_end_shows_what_waits() {
+    fn queued_warnings_are_shown_at_the_end() {
         let (warnings, permit, shown) = gated();
         let mut warn = warnings.warn();
         drop(warnings);

@@ -1,4 +1,4 @@
-//! `feeler calibrate FOLDER --live CAMERA --force-sensor ADDRESS`: guides a person through loading a fingertip.
+//! `feeler calibrate FOLDER --live CAMERA --force-sensor ADDRESS`: guides the operator through loading a fingertip.
 
 mod elements;
 mod folder;
@@ -28,29 +28,33 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use whole::Whole;
 
-/// Names of the tables of what was taken: of single elements, and of the whole fingertip.
+/// File names of the tables for single elements and for the whole fingertip.
 pub const LOADS: &str = "LOADS.csv";
 pub const FORCES: &str = "FORCES.csv";
 
-/// Pictures that wait for their forces at most: half a second's of a fast camera.
+/// Maximum number of images that wait for their forces: half a second of a fast camera.
 const WAITING: usize = 32;
-/// How long to wait for a picture before looking at forces and Ctrl-C.
+/// Time to wait for an image before checking for forces and Ctrl-C.
 const WAIT: Duration = Duration::from_millis(20);
 
 #[derive(Debug, clap::Args)]
 pub struct LiveArguments {
-    /// Guide through loading the fingertip, which stands on a force sensor, under this camera: /dev/videoN, genicam:ID as `feeler
-    /// cameras` lists it, or - for raw gray frames of the fingertip's size on standard input. LOADS.csv is then the folder that
-    /// pictures and their LOADS.csv (with --wrench, FORCES.csv) are kept in, and found again after Ctrl-C.
+    /// Guide through loading the fingertip, mounted on a force sensor, under this camera.
+    ///
+    /// The camera is /dev/videoN, genicam:ID as listed by `feeler cameras`, or - for raw gray frames of the
+    /// fingertip's size on standard input. LOADS.csv then names the folder for the images and their table (LOADS.csv,
+    /// or FORCES.csv with --wrench). After Ctrl-C, the same command continues in that folder.
     #[arg(long, value_name = "CAMERA", requires_all = ["force_sensor", "input"], conflicts_with = "simulated")]
     pub live: Option<PathBuf>,
-    /// The force sensor under the fingertip: netft://HOST (ATI Net F/T, RDT over UDP), whose web page says what its counts mean, or
-    /// netft://HOST?cpf=COUNTS&cpt=COUNTS, with the counts per newton and newton metre; or ros2:/TOPIC of geometry_msgs/WrenchStamped, N and
-    /// N m, whose graph's router is at tcp/localhost:7447 and whose domain is ROS_DOMAIN_ID unless told otherwise:
-    /// ros2:/TOPIC?connect=tcp/HOST:PORT&domain=NUMBER
+    /// Force sensor under the fingertip: netft://HOST or ros2:/TOPIC.
+    ///
+    /// netft://HOST is an ATI Net F/T sensor (RDT over UDP); its web page provides the counts per unit, unless they
+    /// are given as netft://HOST?cpf=COUNTS&cpt=COUNTS (counts per newton and per newton metre). ros2:/TOPIC is a
+    /// topic of geometry_msgs/WrenchStamped in N and N m, by default from the router at tcp/localhost:7447 in the
+    /// domain ROS_DOMAIN_ID; override both with ros2:/TOPIC?connect=tcp/HOST:PORT&domain=NUMBER.
     #[arg(long, value_name = "ADDRESS", requires = "live")]
     force_sensor: Option<ForceAddress>,
-    /// Frames per second that the camera is asked for.
+    /// Frame rate requested from the camera (Hz).
     #[arg(long, value_name = "HZ", default_value_t = 30.0, requires = "live", value_parser = crate::bounded::parse_rate)]
     rate: f64,
     #[command(flatten)]
@@ -58,17 +62,15 @@ pub struct LiveArguments {
 }
 
 impl LiveArguments {
-    /// Refuses what would change nothing.
+    /// Rejects camera options that would have no effect.
     pub fn refuse_without_effect(&self) -> Result<(), CommandError> {
         let Some(option) = self.camera.given() else {
             return Ok(());
         };
         match &self.live {
-            None => {
-                Err(format!("{option} is for a camera; expected --live CAMERA beside it").into())
-            }
+            None => Err(format!("{option} requires --live CAMERA").into()),
             Some(live) if live == Path::new("-") => {
-                Err(format!("{option} is for a camera; - is something else").into())
+                Err(format!("{option} requires a camera; --live - reads standard input").into())
             }
             Some(_) => Ok(()),
         }
@@ -89,48 +91,50 @@ impl LiveArguments {
     }
 }
 
-/// The folder of pictures and loads, which is made if there is none.
+/// Returns the folder of images and loads with `--live`. It is created if missing.
 pub fn folder(arguments: &Arguments) -> Option<&Path> {
     let input = arguments.input.as_deref()?;
     arguments.live.live.as_ref().map(|_| Path::new(input))
 }
 
-/// What a person should reach: full scale, as far as the command line says; by default 1 N, and half of it of shear.
+/// Loads that the operator should reach: full scale from the command line, by default 1 N of compression and half of
+/// the compression in shear.
 fn goal(arguments: &Arguments) -> Goal {
     let normal = arguments.full_scale_normal.unwrap_or(1.0);
     let shear = arguments.full_scale_shear.unwrap_or(0.5 * normal);
     Goal { normal, shear }
 }
 
-/// What a person does: which loads are wanted, and what is kept of them.
+/// A guided procedure: the loads that it requires, and the images that it saves.
 trait Work {
-    /// Takes a load on the fingertip, in its frame, at a time, s.
+    /// Adds a load on the fingertip, in its frame, measured at `at` (s).
     fn load(&mut self, at: f64, load: Wrench);
-    /// Whether loads are known for as long as a picture of that time needs.
+    /// Returns `true` if all loads needed for an image taken at `at` (s) have arrived.
     fn is_ready(&self, at: f64) -> bool;
-    /// Takes a picture of that time, and its moments.
+    /// Processes an image taken at `at` (s), and its moments.
     fn picture(
         &mut self,
         at: f64,
         picture: &Picture,
         moments: &[ElementMoments],
     ) -> Result<(), CommandError>;
-    /// Shows how far it is.
+    /// Shows the progress.
     fn show(&mut self);
-    /// Says that something is wrong which may pass.
+    /// Shows a warning about a condition that may be temporary.
     fn warn(&mut self, what: &str);
-    /// Takes it off the screen.
+    /// Clears the display.
     fn end(&self);
-    /// What is kept.
+    /// Returns the folder of saved images.
     fn kept(&self) -> &Folder;
-    /// What is missing, in words; none if nothing is.
+    /// Describes the missing loads, or returns `None` if the procedure is complete.
     fn missing(&self) -> Option<String>;
 }
 
-/// Guides through the loads until the folder has all that is needed, or Ctrl-C.
+/// Guides the operator until the folder contains all required loads, or until Ctrl-C.
 ///
 /// # Errors
-/// When the camera ends, or the folder cannot be written to; what was kept is there all the same, as after Ctrl-C.
+/// If the camera stream ends, the folder is not writable, or the procedure is interrupted. Images saved so far are
+/// kept.
 pub fn guide(
     arguments: &Arguments,
     folder: &Path,
@@ -140,7 +144,7 @@ pub fn guide(
     let address = live
         .force_sensor
         .as_ref()
-        .ok_or("--live: expected --force-sensor, too")?;
+        .ok_or("--live requires --force-sensor")?;
     let camera = live.live.as_deref().unwrap_or(Path::new("-"));
     let goal = goal(arguments);
     let axes = arguments.axes.of_sensor()?;
@@ -178,22 +182,22 @@ pub fn guide(
     let (kept, place) = (guided.work.kept(), folder.display());
     let wrench = if arguments.wrench { " --wrench" } else { "" };
     Err(format!(
-        "{why}: {} pictures are kept in {place}, and {missing}; the same command goes on from there, and `feeler calibrate {}{wrench}` \
-         calibrates by what there is",
+        "{why}: saved {} images in {place}; {missing}. Repeat the command to continue, or run `feeler calibrate {}{wrench}` to \
+         calibrate with these images",
         kept.pictures(),
         kept.table().display()
     )
     .into())
 }
 
-/// A person at work.
+/// State of a guided calibration.
 struct Guided<'a> {
     sensor: &'a SensorGeometry,
     axes: ForceAxes,
     began: Instant,
-    /// When the camera's stamps were 0, if they are times of exposure.
+    /// Time at which the camera's stamps were 0, if they are times of exposure.
     exposed_since: Option<Instant>,
-    /// Pictures that wait for the forces of their time.
+    /// Images that wait for the forces at their time.
     waiting: VecDeque<(f64, Frame)>,
     moments: Vec<ElementMoments>,
     work: Box<dyn Work + 'a>,
@@ -222,7 +226,9 @@ impl Guided<'_> {
                 match frame {
                     Ok(frame) => self.waiting.push_back((self.time_of(&frame, at), frame)),
                     Err(error) if error.may_pass() => self.work.warn(&error.to_string()),
-                    Err(CameraError::Ended { .. }) => return Err("the camera has ended".into()),
+                    Err(CameraError::Ended { .. }) => {
+                        return Err("the camera stream has ended".into());
+                    }
                     Err(error) => return Err(error.into()),
                 }
             }
@@ -232,7 +238,7 @@ impl Guided<'_> {
         Ok(())
     }
 
-    /// Takes the pictures whose forces are known, and the oldest where too many wait.
+    /// Processes the images whose forces are known, and the oldest ones if too many wait.
     fn pictures(&mut self, pump: &FramePump) -> Result<(), CommandError> {
         while let Some(&(at, _)) = self.waiting.front()
             && (self.work.is_ready(at) || self.waiting.len() > WAITING)
@@ -246,7 +252,7 @@ impl Guided<'_> {
         Ok(())
     }
 
-    /// Seconds on the clock of forces and pictures.
+    /// Converts an instant to the common clock of forces and images (s).
     fn time(&self, at: Instant) -> f64 {
         at.saturating_duration_since(self.began).as_secs_f64()
     }
@@ -260,7 +266,7 @@ impl Guided<'_> {
         self.work.load(self.time(sample.at), load);
     }
 
-    /// The time that a picture is of: its stamp, if that tells, or when it came in.
+    /// Returns the time (s) of an image: of its exposure if the camera reports it, otherwise of its arrival.
     fn time_of(&self, frame: &Frame, at: Instant) -> f64 {
         match self.exposed_since {
             Some(since) => self.time(since) + frame.stamp,

@@ -1,4 +1,4 @@
-//! `feeler drives check`
+//! The `feeler drives check` subcommand.
 
 use super::RigArguments;
 use crate::{CommandError, Outcome};
@@ -14,7 +14,7 @@ use feeler_lab::config::Experiment;
 use feeler_lab::experiment::fingers_at_home;
 use std::io::Write;
 
-/// An experiment, its servos, and its fingers.
+/// An experiment with its drive configuration and finger geometries.
 pub struct Rig {
     pub experiment: Experiment,
     pub config: DrivesConfig,
@@ -22,19 +22,19 @@ pub struct Rig {
 }
 
 impl Rig {
-    /// The rig that the command line names.
+    /// Loads the rig given on the command line.
     pub fn load(arguments: &RigArguments) -> Result<Self, CommandError> {
         let experiment = Experiment::load(&arguments.experiment, &arguments.settings)?;
         Self::of(experiment, arguments.port.as_deref())
     }
 
-    /// That of `experiment`, at `port` where that is said.
+    /// Creates the rig of `experiment`, with `port` overriding its serial port.
     pub fn of(experiment: Experiment, port: Option<&str>) -> Result<Self, CommandError> {
         let (fingers, _) = fingers_at_home(&experiment.config)?;
         let Some(mut config) = experiment.config.drives.clone() else {
             let name = &experiment.config.name;
             return Err(format!(
-                "{name}: the experiment has no [drives]; expected its servos there (docs/drives.md)"
+                "{name}: expected a table [drives] that describes the servos (see docs/drives.md)"
             )
             .into());
         };
@@ -48,7 +48,7 @@ impl Rig {
         })
     }
 
-    /// The bus.
+    /// Opens the bus.
     pub fn open(&self) -> Result<Bus, CommandError> {
         let config = &self.config;
         let how = (config.protocol, config.baud_rate);
@@ -83,16 +83,17 @@ pub fn check(arguments: &RigArguments, out: &mut dyn Write) -> Result<Outcome, C
     let (mut problems, mut planned) = (0, Vec::new());
     for (joint, drive) in named_joints(config) {
         let mut checked = check_servo(&mut bus, config, &rig.fingers, (joint, drive));
-        // It only reads. A disturbed line or a busy computer loses an answer now and then, which says little of the servo.
+        // Reading again is harmless. A disturbed line or a busy computer loses a reply now and then; that is not the
+        // servo's fault.
         if let Err(error @ DriveError::Servo { .. }) = &checked {
-            writeln!(out, "{error}; asking again")?;
+            writeln!(out, "{error}; retrying")?;
             checked = check_servo(&mut bus, config, &rig.fingers, (joint, drive));
         }
         match checked {
             Ok((angle, changes)) => {
                 writeln!(
                     out,
-                    "{joint}: {}, well, at {:.2} deg",
+                    "{joint}: {}, ok, at {:.2} deg",
                     drive.model,
                     angle.to_degrees()
                 )?;
@@ -107,14 +108,14 @@ pub fn check(arguments: &RigArguments, out: &mut dyn Write) -> Result<Outcome, C
     }
     write_changes(&planned, out)?;
     if problems > 0 {
-        writeln!(out, "{problems} servos are not as they should be")?;
+        writeln!(out, "{problems} servos failed the check")?;
         return Ok(Outcome::GivenUp);
     }
-    writeln!(out, "all servos are as they should be")?;
+    writeln!(out, "all servos passed the check")?;
     Ok(Outcome::Done)
 }
 
-/// Angle of a joint, rad, and what has to be changed in its servo.
+/// Checks one servo; returns the joint's angle (rad) and the required setting changes.
 fn check_servo(
     bus: &mut Bus,
     config: &DrivesConfig,
@@ -136,7 +137,7 @@ fn check_servo(
     Ok((angle, changes))
 }
 
-/// What a program that moves the hand writes to the servos of `config` on `bus` before it gives them torque.
+/// Returns the settings that a program which moves the hand writes to the servos before it enables torque.
 pub fn all_changes(bus: &mut Bus, config: &DrivesConfig) -> Result<Vec<Change>, DriveError> {
     let mut planned = Vec::new();
     for (joint, drive) in named_joints(config) {
@@ -145,7 +146,7 @@ pub fn all_changes(bus: &mut Bus, config: &DrivesConfig) -> Result<Vec<Change>, 
     Ok(planned)
 }
 
-/// Says what a program that moves the hand writes to servos before it gives them torque.
+/// Prints the settings that a program which moves the hand writes to the servos before it enables torque.
 pub fn write_changes(changes: &[Change], out: &mut dyn Write) -> Result<(), CommandError> {
     for change in changes {
         let Change {

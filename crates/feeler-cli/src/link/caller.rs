@@ -1,4 +1,4 @@
-//! A hand that somebody gives an order to, over the link.
+//! Client that sends orders to a hand over the network.
 
 use super::LinkArguments;
 use super::orders::Order;
@@ -14,13 +14,13 @@ use feeler_link::watch_inbox::WatchInbox;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// How long the hand may take to heed an order before it is said again.
+/// Time that the hand may take to obey an order before it is sent again.
 pub const INTERVAL: Duration = Duration::from_millis(200);
 
-/// How long the hand must stay as it was told before that is reported.
+/// Time that the hand must remain in the requested state before success is reported.
 pub const STEADY: Duration = Duration::from_millis(300);
 
-/// A hand that somebody gives an order to.
+/// A client that sends orders to the hand of a rig.
 pub struct Caller {
     network: Arc<dyn Network>,
     inbox: Shared<WatchInbox>,
@@ -28,12 +28,12 @@ pub struct Caller {
 }
 
 impl Caller {
-    /// Begins to look for the hand of the rig `name`.
+    /// Starts looking for the hand of the rig `name`.
     pub fn new(link: &LinkArguments, name: &str) -> Result<Self, CommandError> {
         Self::over(link.connect(name)?)
     }
 
-    /// The same of the rig that `network` is of.
+    /// Like [`new`](Self::new), but over an existing `network` of the rig.
     pub fn over(network: Arc<dyn Network>) -> Result<Self, CommandError> {
         let heartbeat = Heartbeat {
             instance: draw_instance(),
@@ -53,18 +53,19 @@ impl Caller {
         })
     }
 
-    /// Whether the hand says within `longest` that it is as `is_so` asks.
+    /// Waits at most `longest` until the hand reports a mode that satisfies `is_so`; returns `true` if it does.
     pub fn hears(&self, longest: Duration, is_so: impl Fn(&HandMode) -> bool) -> bool {
         let heard = |inbox: &mut WatchInbox| inbox.mode().is_some_and(&is_so);
         self.inbox.wait_for(longest, heard)
     }
 
-    /// What the hand said last.
+    /// Returns the mode that the hand reported last.
     pub fn mode(&self) -> HandMode {
         self.inbox.lock().mode().cloned().unwrap_or_default()
     }
 
-    /// Says `order` until the hand is as `is_so` asks, for at most `longest`, and whether it then stays so.
+    /// Sends `order` repeatedly until the hand's mode satisfies `is_so`, for at most `longest`, then checks that it
+    /// remains so.
     pub fn order(
         &self,
         order: &Order,
@@ -72,7 +73,7 @@ impl Caller {
         is_so: impl Fn(&HandMode) -> bool,
     ) -> Result<Heeded, CommandError> {
         let start = Instant::now();
-        // More than once: a message that the network cannot take is dropped.
+        // Repeated, because the network may drop a message.
         while start.elapsed() < longest {
             order.send(&*self.network)?;
             if self.hears(INTERVAL, &is_so) {
@@ -86,12 +87,12 @@ impl Caller {
     }
 }
 
-/// What came of an order.
+/// Result of an order.
 pub enum Heeded {
-    /// The hand did not say that it does so.
+    /// The hand did not confirm the order.
     Not,
-    /// It did, and no longer does.
+    /// The hand obeyed, but left the requested state again.
     Undone,
-    /// It does.
+    /// The hand obeyed and remains in the requested state.
     Steadily,
 }

@@ -1,4 +1,4 @@
-//! Programs of one rig: what their command lines have in common.
+//! Programs of a networked rig, and the arguments that they share.
 
 pub mod bench;
 pub mod caller;
@@ -21,37 +21,37 @@ use feeler_link::right::Right;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// How a program takes part in the link.
+/// Network arguments of a program.
 #[derive(Debug, Clone, Default, clap::Args)]
 #[command(next_help_heading = "Link")]
 pub struct LinkArguments {
-    /// Where the hand is, as in tls/10.0.0.5:7447; tried until it is there [default: tcp/127.0.0.1:7447]
+    /// Endpoint of the hand, e.g. tls/10.0.0.5:7447; retried until available [default: tcp/127.0.0.1:7447]
     #[arg(long, value_name = "ENDPOINT")]
     connect: Vec<String>,
-    /// Folder of this computer's certificates, for tls/ endpoints; `feeler certificates` makes them. Each program takes
-    /// that of its right.
+    /// Folder of this computer's certificates, for tls/ endpoints; created by `feeler certificates`.
+    ///
+    /// Each program uses the certificate of its right.
     #[arg(long, value_name = "DIR")]
     certificates: Option<PathBuf>,
-    /// Rehearse a bad network: loss, duplicate (0 to 1), delay, jitter (s), seed, as in
-    /// loss=0.2,jitter=0.05
+    /// Simulate an impaired network: loss, duplicate (0 to 1), delay, jitter (s), seed, e.g. loss=0.2,jitter=0.05
     #[arg(long, value_name = "FAULTS")]
     rehearse: Option<Rehearsal>,
 }
 
-/// Where the hand listens.
+/// Endpoints at which the hand listens.
 #[derive(Debug, Clone, Default, clap::Args)]
 #[command(next_help_heading = "Link")]
 pub struct ListenArguments {
-    /// Where to listen, as in tls/0.0.0.0:7447; several times for several places [default: tcp/127.0.0.1:7447]
+    /// Endpoint to listen at, e.g. tls/0.0.0.0:7447. Repeatable [default: tcp/127.0.0.1:7447]
     #[arg(long, value_name = "ENDPOINT")]
     listen: Vec<String>,
-    /// Listen beyond this computer without certificates: anybody there can then move the hand.
+    /// Listen beyond this computer without certificates: anyone on the network can then move the hand.
     #[arg(long)]
     insecure: bool,
 }
 
 impl ListenArguments {
-    /// At `endpoint` alone.
+    /// Creates arguments that listen only at `endpoint`.
     fn at(endpoint: &str) -> Self {
         Self {
             listen: vec![endpoint.into()],
@@ -59,13 +59,13 @@ impl ListenArguments {
         }
     }
 
-    /// Where to listen.
+    /// Returns the endpoints to listen at.
     fn endpoints(&self) -> Vec<String> {
         given_or_default(&self.listen)
     }
 }
 
-/// The endpoints that are given, or where a hand is unless told otherwise.
+/// Returns the given endpoints, or the default endpoint of a hand.
 fn given_or_default(endpoints: &[String]) -> Vec<String> {
     match endpoints {
         [] => vec![HAND_ENDPOINT.into()],
@@ -74,12 +74,12 @@ fn given_or_default(endpoints: &[String]) -> Vec<String> {
 }
 
 impl LinkArguments {
-    /// Where the hand is.
+    /// Returns the endpoints of the hand.
     pub fn endpoints(&self) -> Vec<String> {
         given_or_default(&self.connect)
     }
 
-    /// Of a program whose hand is at `endpoint`.
+    /// Creates arguments that connect to the hand at `endpoint`.
     fn connecting_to(endpoint: &str) -> Self {
         Self {
             connect: vec![endpoint.into()],
@@ -87,7 +87,7 @@ impl LinkArguments {
         }
     }
 
-    /// The first option that is given.
+    /// Returns the first option that was given.
     pub fn given(&self) -> Option<&'static str> {
         let options = [
             ("--connect", !self.connect.is_empty()),
@@ -97,8 +97,8 @@ impl LinkArguments {
         first_given(&options)
     }
 
-    /// The same with the certificate that gives one of `rights`, the first one first, where certificates are named.
-    /// It is looked at, and what is to be said of it is said on standard error.
+    /// Returns the arguments with the folder of the first available certificate of `rights`, if certificates are
+    /// used. Checks the certificate, and prints warnings about it on standard error.
     pub fn with_right(&self, rights: &[Right]) -> Result<Self, CommandError> {
         let mut arguments = self.clone();
         if let Some(folder) = &mut arguments.certificates {
@@ -108,7 +108,7 @@ impl LinkArguments {
         Ok(arguments)
     }
 
-    /// The network of the rig `name`, of a program that looks for the hand.
+    /// Opens the network of the rig `name` for a program that connects to the hand.
     pub fn connect(&self, name: &str) -> Result<Arc<dyn Network>, CommandError> {
         self.open(LinkConfig {
             rig: name.into(),
@@ -117,7 +117,7 @@ impl LinkArguments {
         })
     }
 
-    /// The network of the rig `name`, of its hand: it waits for the others to connect.
+    /// Opens the network of the rig `name` for its hand, to which other programs connect.
     pub fn listen(
         &self,
         name: &str,
@@ -145,19 +145,19 @@ impl LinkArguments {
     }
 }
 
-/// Warns of a certificate that expires soon, and refuses one that is of no use.
+/// Warns if a certificate expires soon; rejects one that is unusable.
 #[cfg(feature = "link")]
 fn check_certificate(folder: &Path, rights: &[Right]) -> Result<(), CommandError> {
     use std::io::Write as _;
     let own = feeler_link::own_certificate::OwnCertificate::read(folder, rights)?;
     if let Some(warning) = own.warning() {
-        // Where nobody listens, the certificate still works.
+        // The certificate works even if standard error is closed.
         let _ = writeln!(std::io::stderr(), "{warning}");
     }
     Ok(())
 }
 
-/// Without the link, no certificate is used.
+/// Does nothing: this build uses no certificates.
 #[cfg(not(feature = "link"))]
 fn check_certificate(_: &Path, _: &[Right]) -> Result<(), CommandError> {
     Ok(())
@@ -174,31 +174,31 @@ fn open(config: &LinkConfig) -> Result<Arc<dyn Network>, CommandError> {
     Err("this program was built without the link; build it with --features link".into())
 }
 
-/// The experiment that all programs of a rig work by.
+/// Arguments that modify the experiment; they must be the same for all programs of a rig.
 #[derive(Debug, Clone, clap::Args)]
 pub struct ExperimentArguments {
     /// Random seed.
     #[arg(long, value_parser = crate::trials::parse_seed)]
     pub seed: Option<u64>,
-    /// Where forces come from: rendered camera pictures, or the feelers themselves plus noise.
+    /// Source of forces: `image` (rendered camera images) or `direct` (simulated forces plus noise).
     #[arg(long, value_parser = ["image", "direct"])]
     pub sensing: Option<String>,
-    /// Set any value of the experiment, as in control.slip_threshold=2.5.
+    /// Override an experiment value, e.g. control.slip_threshold=2.5. Repeatable.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub settings: Vec<String>,
-    /// Name of the rig: programs of the same name hear each other [default: the experiment's name]
+    /// Name of the rig; programs with the same name communicate [default: the experiment's name]
     #[arg(long, value_name = "NAME", help_heading = "Link")]
     pub rig: Option<String>,
 }
 
 impl ExperimentArguments {
-    /// Name of the rig, which is that of the experiment unless said otherwise.
+    /// Returns the name of the rig: the given one, or the experiment's.
     pub fn rig(&self, experiment: &Experiment) -> String {
         let name = || experiment.config.name.clone();
         self.rig.clone().unwrap_or_else(name)
     }
 
-    /// The first option that is given.
+    /// Returns the first option that was given.
     pub fn given(&self) -> Option<&'static str> {
         let options = [
             ("--set", !self.settings.is_empty()),
@@ -209,7 +209,7 @@ impl ExperimentArguments {
         first_given(&options)
     }
 
-    /// What the command line sets, the named flags last.
+    /// Returns the settings given on the command line; dedicated flags come last.
     pub fn settings(&self) -> Vec<String> {
         let seed = self.seed.map(|seed| format!("seed={seed}"));
         let sensing = self.sensing.as_ref().map(|s| format!("sensing={s}"));
@@ -218,10 +218,10 @@ impl ExperimentArguments {
     }
 }
 
-/// The name of the rig that is `given` by it, or by the experiment file that its programs were started with.
+/// Returns the name of a rig, given by name or by the experiment file that its programs use.
 ///
 /// # Errors
-/// When there is no such file, or it is no experiment.
+/// If the file does not exist or is not an experiment.
 pub fn rig_name(given: &str) -> Result<String, CommandError> {
     if Path::new(given).extension().is_some_and(|e| e == "toml") {
         return Ok(Experiment::load(given, &[])?.config.name);

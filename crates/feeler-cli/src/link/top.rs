@@ -1,4 +1,4 @@
-//! `feeler top`: a running rig of several programs on the terminal.
+//! The `feeler top` subcommand: a networked rig in the terminal.
 
 #[cfg(any(feature = "top", feature = "view", feature = "ros2"))]
 mod heard;
@@ -7,7 +7,7 @@ mod programs;
 #[cfg(feature = "top")]
 mod show;
 #[cfg(any(feature = "top", feature = "view", feature = "ros2"))]
-// The node of ROS 2 gives its orders in a way of its own.
+// The ROS 2 node sends orders through its own client.
 #[cfg_attr(not(any(feature = "top", feature = "view")), allow(dead_code))]
 pub mod watched;
 
@@ -20,9 +20,9 @@ use std::io::Write;
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// The experiment of the rig: a file, or the name of a built-in one (see `feeler list`).
+    /// Experiment of the rig: a file, or the name of a built-in one (see `feeler list`).
     experiment: String,
-    /// Print one picture as text, a second after the rig was first heard; no terminal is needed.
+    /// Print one snapshot as text and exit, one second after the rig is found. Requires no terminal.
     #[arg(long)]
     once: bool,
     #[command(flatten)]
@@ -37,7 +37,7 @@ pub fn top(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comman
     show::show(arguments, out)
 }
 
-/// Says that there is nothing to show it on.
+/// Returns an error: this build has no terminal view.
 #[cfg(not(feature = "top"))]
 pub fn top(arguments: &Arguments, _: &mut dyn Write) -> Result<Outcome, CommandError> {
     let Arguments {
