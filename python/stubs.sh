@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes python/feeler/_core.pyi from what PyO3 knows of the classes and functions in src/. CI compares.
+# Generates python/feeler/_core.pyi from the classes and functions in src/. CI checks that it is up to date.
 set -euo pipefail
 cd "$(dirname "$0")"
 made=$(mktemp)

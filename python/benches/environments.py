@@ -1,9 +1,9 @@
-"""Control steps per second of the environments, beside EnvPool's HalfCheetah where it is installed, and Gymnasium's CartPole.
+"""Control steps per second of the environments, compared with EnvPool's HalfCheetah (if installed) and Gymnasium's CartPole.
 
     python python/benches/environments.py [SECONDS]
 
-Each rate is the median of five rounds; the agent follows the task's plan, so that fingers are in contact as much as in a run.
-Only steps count, resets included, not what the agent takes.
+Each rate is the median of five rounds. The agent follows the task's plan, so that the fingers are in contact as often as in a
+run. The time of steps and resets counts, the time of the agent does not.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ ROUNDS = 5
 
 
 def rate(steps: Callable[[], tuple[int, float]], seconds: float) -> float:
-    """Steps per second: the median of rounds of ``seconds`` each."""
+    """Returns the median of the steps per second over rounds of ``seconds`` each."""
     rates = []
     for _ in range(ROUNDS):
         count, elapsed = 0, 0.0
@@ -34,7 +34,7 @@ def rate(steps: Callable[[], tuple[int, float]], seconds: float) -> float:
 
 
 def single(experiment: str) -> Callable[[], tuple[int, float]]:
-    """A step of one environment."""
+    """Returns a function that steps a single environment."""
     env = TactileEnv(experiment)
     env.reset(seed=1)
 
@@ -50,7 +50,7 @@ def single(experiment: str) -> Callable[[], tuple[int, float]]:
 
 
 def vector(envs: TactileVectorEnv) -> Callable[[], tuple[int, float]]:
-    """A step of all, whose episodes are at different places."""
+    """Returns a function that steps all environments, whose episodes are at different stages."""
     envs.reset(seed=1)
     delays = np.random.default_rng(0).integers(0, 1800, envs.num_envs)
     for step in range(int(delays.max())):
@@ -66,7 +66,7 @@ def vector(envs: TactileVectorEnv) -> Callable[[], tuple[int, float]]:
 
 
 def python_share(envs: TactileVectorEnv, seconds: float) -> float:
-    """Part of the time of a step that is spent in Python; steps with and without it by turns."""
+    """Returns the share of a step's time that is spent in Python, measured by interleaving steps with and without it."""
     envs.reset(seed=1)
     took = {"step": 0.0, "native": 0.0}
     end = time.perf_counter() + 2 * seconds
@@ -83,7 +83,7 @@ def python_share(envs: TactileVectorEnv, seconds: float) -> float:
 
 
 def half_cheetah(threads: int) -> Callable[[], tuple[int, float]] | None:
-    """A step of EnvPool's vector of 256."""
+    """Returns a function that steps EnvPool's vector of 256 environments, or ``None`` if it is not installed."""
     try:
         import envpool
     except ImportError:
@@ -101,18 +101,18 @@ def half_cheetah(threads: int) -> Callable[[], tuple[int, float]] | None:
 
 
 def main() -> None:
-    """Prints a line for each."""
+    """Prints one line per environment."""
     seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 2.0
     print(f"load before: {os.getloadavg()[0]:.1f}")
     print(f"single, cap-closing: {rate(single('cap-closing'), seconds):,.0f} steps/s")
-    # The states of 64 fit into a core's cache, those of 256 do not.
+    # The states of 64 environments fit into a core's cache, those of 256 do not.
     few = TactileVectorEnv(64, "cap-closing", threads=1, copy=False)
     print(f"vector of 64 on 1 thread: {rate(vector(few), seconds):,.0f} steps/s")
     few.close()
     for threads in (1, 2):
         envs = TactileVectorEnv(256, "cap-closing", threads=threads, copy=False)
         print(f"vector of 256 on {threads} threads: {rate(vector(envs), seconds):,.0f} steps/s")
-        print(f"  of it in Python: {100.0 * python_share(envs, seconds):.1f} %")
+        print(f"  share of Python: {100.0 * python_share(envs, seconds):.1f} %")
         envs.close()
         if cheetah := half_cheetah(threads):
             print(f"EnvPool's vector of 256 HalfCheetah on {threads} threads: {rate(cheetah, seconds):,.0f} steps/s")

@@ -1,8 +1,8 @@
-"""Memory of a vector of environments over many steps: what is held after each tenth of them.
+"""Resident memory of a vector environment over many steps, measured after each tenth of them.
 
     python python/benches/memory.py [STEPS] [AUTORESET]
 
-STEPS counts those of all environments, 10 million if left out: a day of simulated time. Episodes end and begin on the way.
+STEPS is the total over all environments, by default 10 million, about a day of simulated time with many episodes.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ PAGE = os.sysconf("SC_PAGE_SIZE")
 
 
 def resident_mb() -> float:
-    """Memory that the process holds, MB (Linux)."""
+    """Returns the resident memory of the process, MB (Linux)."""
     gc.collect()
     pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1])
     return pages * PAGE / 1e6
 
 
 def grown_mb(steps: int, autoreset_mode: str = "NextStep") -> float:
-    """What is held more after ``steps`` steps than after a tenth of them, MB."""
+    """Returns the growth of memory between a tenth of ``steps`` and the end, MB."""
     envs = TactileVectorEnv(COUNT, "cap-closing", autoreset_mode=autoreset_mode, vary={"friction": "uniform(0.4,1.2)"})
     envs.reset(seed=1)
     held, ended = [], 0
@@ -42,4 +42,4 @@ def grown_mb(steps: int, autoreset_mode: str = "NextStep") -> float:
 
 if __name__ == "__main__":
     grown = grown_mb(int(sys.argv[1]) if len(sys.argv) > 1 else 10_000_000, *sys.argv[2:3])
-    print(f"{grown:+.2f} MB from the first tenth on")
+    print(f"{grown:+.2f} MB after the first tenth")

@@ -1,8 +1,8 @@
-"""Time of ``Fingertip.sense`` for a frame, beside the same in Rust and OpenCV's natural pipeline, all on the same frames.
+"""Time per frame of ``Fingertip.sense``, compared with Rust and with OpenCV's natural pipeline on the same frames.
 
     python python/benches/sensing.py [FRAMES]
 
-Needs a clone with Rust and opencv-python-headless. The frames are more than processor caches hold, as those of a recording are.
+Needs a clone, Rust and opencv-python-headless. As in a recording, the frames do not fit into the processor caches.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ ROUNDS = 7
 
 
 def time_us(work: Callable[[], Any], frames: int) -> float:
-    """Time for a frame, us: the median of three."""
+    """Returns the time per frame, us, as the median of three runs."""
     times = []
     for _ in range(3):
         start = time.perf_counter()
@@ -39,13 +39,13 @@ def time_us(work: Callable[[], Any], frames: int) -> float:
 
 
 def rust_example(name: str, *arguments: Path) -> str:
-    """What an example of the Rust crates prints."""
+    """Returns the output of an example of the Rust crates."""
     command = ["cargo", "run", "--release", "--quiet", "-p", "feeler-lab", "--example", name, "--", *map(str, arguments)]
     return subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout
 
 
 def main(count: int) -> None:
-    """Measures by turns, as the machine may be faster at one time than at another, and prints medians."""
+    """Interleaves the measurements, because the speed of the machine may vary, and prints medians."""
     pictures, _ = feeler.simulate_loads(loads=60)
     frames = np.resize(pictures, (count, *pictures.shape[1:]))
     tip = feeler.Fingertip.load(CALIBRATION)
@@ -56,7 +56,7 @@ def main(count: int) -> None:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         frames.tofile(folder / "frames.raw")
-        rust_example("moments_speed", folder)  # the table that dewarps
+        rust_example("moments_speed", folder)  # writes the dewarping table
         natural = opencv.natural_pipeline(opencv.read_table(folder, frames.shape[1:]))
         rows = []
         for _ in range(ROUNDS):

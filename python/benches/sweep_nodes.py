@@ -1,4 +1,4 @@
-"""Trials a second on threads and on one and two Ray nodes of one processor each, and the same table from all.
+"""Trials per second on threads and on one and two Ray nodes of one processor each. Checks that all tables are equal.
 
 python benches/sweep_nodes.py [TRIALS]
 """
@@ -22,7 +22,7 @@ MILLION = 1_000_000
 
 
 def measure(name: str, out: Path, trials: int, **how: Any) -> bytes:
-    """Runs the sweep, and says how fast; its table."""
+    """Runs a sweep, prints its speed and returns its table."""
     start = time.perf_counter()
     swept = feeler.sweep(
         "cap-closing",
@@ -49,7 +49,7 @@ def main() -> None:
         cluster: Any = Cluster(initialize_head=True, head_node_args={**NODE, "include_dashboard": False})
         ray.init(address=cluster.address, logging_level=logging.WARNING)
         for nodes in (1, 2):
-            # Processes that are there already are what a long sweep has.
+            # Start the worker processes first, because a long sweep reuses them.
             feeler.sweep("cap-closing", trials=2 * nodes, sensing="direct", out=Path(folder, f"warm-{nodes}"), engine="ray")
             tables.append(measure(f"Ray, {nodes} node(s)", Path(folder, f"ray-{nodes}"), trials, engine="ray"))
             if nodes == 1:

@@ -13,7 +13,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     // The module has no submodules.
     let root = stubs
         .get(&PathBuf::from("__init__.pyi"))
-        .ok_or("the module describes itself with no stubs: build it with the feature stubs")?;
+        .ok_or("the module contains no type information; build it with the feature `stubs`")?;
     print!("{root}");
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! Calibrations: their files, and fitting them to loads.
+//! Calibrations: parsing, and fitting to loads.
 
 use crate::errors::{failed, refused};
 use crate::interrupt::interruptible;
@@ -24,13 +24,13 @@ use pyo3::prelude::*;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// From moments to forces, for one fingertip.
+/// A function from moments to forces for one fingertip.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct Calibration(pub core::Calibration);
 
 #[pymethods]
 impl Calibration {
-    /// The calibration that `text` (TOML) says.
+    /// Parses a calibration (TOML).
     #[staticmethod]
     fn parse(text: &str) -> PyResult<Self> {
         Ok(Self(core::Calibration::from_toml(text).map_err(refused)?))
@@ -53,7 +53,7 @@ impl Calibration {
         }
     }
 
-    /// Root mean square error on held-out loads along x, y, z of each element, N [E, 3].
+    /// Root mean square error on held-out loads along x, y and z of each element, N [E, 3].
     fn held_out_rms(&self) -> Vec<[f64; 3]> {
         let elements = self.0.elements.iter();
         elements
@@ -61,13 +61,13 @@ impl Calibration {
             .collect()
     }
 
-    /// Its errors, as text.
+    /// Returns the errors of the calibration as text.
     fn report(&self) -> String {
         CalibrationReport::new(&self.0).to_string()
     }
 }
 
-/// Which sensor loads were put on, how to fit, and to what full scale.
+/// Sensor, model and full scale of a fit.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct Fit<'py> {
@@ -133,7 +133,7 @@ pub fn calibrate_file(py: Python<'_>, path: PathBuf, how: Fit<'_>) -> PyResult<C
     checked.map_err(refused).map(|_| calibration)
 }
 
-/// Fits a calibration to `frames` [N, H, W] under `forces` [N, E, 3], N; not a number where a force is not known.
+/// Fits a calibration to `frames` [N, H, W] under `forces` [N, E, 3], N; NaN for unknown forces.
 #[pyfunction]
 pub fn calibrate_frames(
     py: Python<'_>,
@@ -146,7 +146,7 @@ pub fn calibrate_frames(
     let ((width, height), count) = (geometry.size, frames.shape()[0]);
     if frames.shape() != [count, height, width] || forces.shape() != [count, elements, 3] {
         return Err(PyValueError::new_err(format!(
-            "frames [N, {height}, {width}] and forces [N, {elements}, 3] expected, got {:?} and {:?}",
+            "expected frames [N, {height}, {width}] and forces [N, {elements}, 3], got {:?} and {:?}",
             frames.shape(),
             forces.shape()
         )));
@@ -177,7 +177,7 @@ pub fn calibrate_frames(
     how.fit(py, geometry, &records)
 }
 
-/// Why no more pictures are taken.
+/// Reason for taking no further images.
 enum Taken {
     Interrupted,
     Failed(CalibrationBenchError),
@@ -189,7 +189,7 @@ impl From<CalibrationBenchError> for Taken {
     }
 }
 
-/// Pictures of the simulated fingertip of `experiment` [N, H, W] under known loads [N, E, 3], N.
+/// Returns images of the simulated fingertip of `experiment` [N, H, W] with their loads [N, E, 3], N.
 #[pyfunction]
 #[pyo3(signature = (experiment, finger, combined, seed))]
 pub fn simulate_loads<'py>(

@@ -1,4 +1,4 @@
-//! Environments for learning, single and as a vector on threads.
+//! Environments for reinforcement learning, single and vectorised on threads.
 
 use crate::errors::{failed, refused};
 use feeler_lab::environment::{
@@ -14,21 +14,21 @@ use pyo3::prelude::*;
 use std::process;
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
-/// What an environment's numbers mean.
+/// Layout and ranges of an environment's arrays.
 #[pyclass(frozen, get_all, module = "feeler._core")]
 pub struct EnvironmentSpec {
-    /// Of each finger, parts of its observation: name, unit, first number, and the one after the last.
+    /// Parts of each finger's observation: name, unit, start and end index.
     parts: Vec<Vec<(&'static str, &'static str, usize, usize)>>,
-    /// How large each number of an action can be before a limit changes it.
+    /// Maximum magnitude of each component of an action before a limit changes it.
     action_bounds: Vec<f64>,
-    /// Least and greatest of each number of an observation.
+    /// Minimum and maximum of each component of an observation.
     low: Vec<f32>,
     high: Vec<f32>,
-    /// What is told beside the reward, with units.
+    /// Names of the values reported in addition to the reward, with units.
     info_names: Vec<&'static str>,
     /// Control period, s.
     period: f64,
-    /// Most control steps of an episode.
+    /// Maximum number of control steps of an episode.
     max_steps: u64,
 }
 
@@ -77,7 +77,7 @@ fn config(
     })
 }
 
-/// An experiment as episodes.
+/// An environment that runs an experiment in episodes.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct SingleEnvironment(Mutex<Environment>);
 
@@ -99,7 +99,8 @@ impl SingleEnvironment {
         Ok(EnvironmentSpec::of(&*lock(&self.0)?))
     }
 
-    /// Begins the episode of `seed`, or of one that follows from the last one given. Its seed.
+    /// Begins the episode of `seed`, or if it is `None`, of a seed that is derived from the last one given. Returns
+    /// the seed.
     fn reset(
         &self,
         py: Python<'_>,
@@ -115,7 +116,8 @@ impl SingleEnvironment {
         Ok(seed)
     }
 
-    /// Begins the episode that comes so many after that of `seed` where no other seed is given. Its seed.
+    /// Begins the episode that is the `following`-th after the episode of `seed` without further seeds. Returns its
+    /// seed.
     fn reset_to(
         &self,
         py: Python<'_>,
@@ -133,7 +135,7 @@ impl SingleEnvironment {
         Ok(seed)
     }
 
-    /// Makes a control step: reward, terminated, truncated.
+    /// Runs one control step. Returns the reward, terminated and truncated.
     fn step(
         &self,
         py: Python<'_>,
@@ -156,7 +158,7 @@ impl SingleEnvironment {
         environment.guide(action.as_slice_mut()?).map_err(refused)
     }
 
-    /// Draws the scene as it is into `picture` [H, W, 3].
+    /// Renders the current scene into `picture` [H, W, 3].
     fn render(&self, py: Python<'_>, mut picture: PyReadwriteArray3<'_, u8>) -> PyResult<()> {
         let size = (picture.shape()[1], picture.shape()[0]);
         let rgb = picture.as_slice_mut()?;
@@ -166,20 +168,20 @@ impl SingleEnvironment {
             .map_err(refused)
     }
 
-    /// Why the hand was stopped, if it was.
+    /// Reason for which the hand was stopped, or `None`.
     fn stop_reason(&self) -> PyResult<Option<String>> {
         Ok(lock(&self.0)?.stop_reason().map(ToString::to_string))
     }
 }
 
-/// Environments that step together, on threads.
+/// Environments that are stepped together, on threads.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct ManyEnvironments {
     environments: Mutex<VectorEnvironment>,
     process: u32,
 }
 
-/// Where n environments' results are written: observations [n, L], rewards [n], terminated [n], truncated [n], infos [n, I].
+/// Output arrays of n environments: observations [n, L], rewards [n], terminated [n], truncated [n], infos [n, I].
 #[derive(FromPyObject)]
 pub struct Results<'py>(
     PyReadwriteArray2<'py, f32>,
@@ -236,7 +238,7 @@ impl ManyEnvironments {
         self.lock()?.look(0, EnvironmentSpec::of).map_err(failed)
     }
 
-    /// Begins an episode in each environment, or in each for which `mask` has `true`.
+    /// Begins an episode in each environment, or in each for which `mask` is `true`.
     fn reset(
         &self,
         py: Python<'_>,
@@ -252,7 +254,7 @@ impl ManyEnvironments {
         reset.map_err(refused)
     }
 
-    /// Makes a control step in each environment, with `actions` [n, A].
+    /// Runs one control step in each environment, with `actions` [n, A].
     fn step(
         &self,
         py: Python<'_>,
@@ -267,8 +269,8 @@ impl ManyEnvironments {
         stepped.map_err(vector_error)
     }
 
-    /// Writes the observation and info with which the episode of environment `index` ended, if the newest step ended it and
-    /// began another; whether it did.
+    /// Writes the final observation and info of the previous episode of environment `index`, if the latest step ended
+    /// it and began another. Returns whether it did.
     fn last(
         &self,
         index: usize,
@@ -293,7 +295,7 @@ impl ManyEnvironments {
         Ok(())
     }
 
-    /// Draws the scene of environment `index` as it is into `picture` [H, W, 3].
+    /// Renders the current scene of environment `index` into `picture` [H, W, 3].
     fn render(&self, index: usize, mut picture: PyReadwriteArray3<'_, u8>) -> PyResult<()> {
         let size = (picture.shape()[1], picture.shape()[0]);
         let rgb = picture.as_slice_mut()?;
@@ -303,7 +305,7 @@ impl ManyEnvironments {
         drawn.map_err(refused)?.map_err(refused)
     }
 
-    /// Why the hand of environment `index` was stopped, if it was.
+    /// Reason for which the hand of environment `index` was stopped, or `None`.
     fn stop_reason(&self, index: usize) -> PyResult<Option<String>> {
         let reason = |environment: &Environment| environment.stop_reason().map(ToString::to_string);
         self.lock()?.look(index, reason).map_err(refused)
@@ -311,18 +313,18 @@ impl ManyEnvironments {
 }
 
 impl ManyEnvironments {
-    /// Its threads stay behind in the process that made it.
+    /// Fails in a forked process, which lacks the threads of its parent.
     fn lock(&self) -> PyResult<MutexGuard<'_, VectorEnvironment>> {
         if process::id() != self.process {
             return Err(PyRuntimeError::new_err(
-                "the environments were made before this process was forked, and their threads are not in it; make them after the fork, or start processes with the method \"spawn\"",
+                "the environments were created before this process was forked, and it lacks their threads; create them after the fork, or start processes with the method \"spawn\"",
             ));
         }
         lock(&self.environments)
     }
 }
 
-/// A bad action is the caller's; anything else ends the episode.
+/// An invalid action is the caller's error; any other error is a failure of the episode.
 fn step_error(error: EnvironmentError) -> PyErr {
     match error {
         EnvironmentError::ActionLength { .. } | EnvironmentError::ActionNotFinite { .. } => {
@@ -348,7 +350,7 @@ fn vector_error(error: VectorError) -> PyErr {
     }
 }
 
-/// Refuses a second thread while the first is stepping.
+/// Fails if another thread is stepping the environment.
 fn lock<T>(mutex: &Mutex<T>) -> PyResult<MutexGuard<'_, T>> {
     match mutex.try_lock() {
         Ok(guard) => Ok(guard),
@@ -362,7 +364,7 @@ fn lock<T>(mutex: &Mutex<T>) -> PyResult<MutexGuard<'_, T>> {
 fn copy<T: Copy>(from: &[T], to: &mut [T]) -> PyResult<()> {
     if from.len() != to.len() {
         return Err(PyValueError::new_err(format!(
-            "room for {} numbers expected, there is room for {}",
+            "expected an array of {} numbers, got {}",
             from.len(),
             to.len()
         )));

@@ -1,11 +1,11 @@
-//! Errors of the crates as Python's exceptions, with the same words as the program's.
+//! Conversion of the crates' errors into Python exceptions, with unchanged messages.
 
 use pyo3::PyErr;
 use pyo3::exceptions::{PyFileNotFoundError, PyOSError, PyRuntimeError, PyValueError};
 use std::error::Error;
 use std::io::{self, ErrorKind};
 
-/// What a caller gave cannot be used: `ValueError`, or `OSError` where a file is the cause.
+/// Converts an error caused by invalid arguments into `ValueError`, or `OSError` if a file caused it.
 pub fn refused(error: impl Error + 'static) -> PyErr {
     let words = error.to_string();
     match io_cause(&error) {
@@ -15,7 +15,7 @@ pub fn refused(error: impl Error + 'static) -> PyErr {
     }
 }
 
-/// Something ended what had begun well: `RuntimeError`, or `OSError` where a file is the cause.
+/// Converts a failure during execution into `RuntimeError`, or `OSError` if a file caused it.
 pub fn failed(error: impl Error + 'static) -> PyErr {
     let words = error.to_string();
     match io_cause(&error) {
@@ -24,7 +24,7 @@ pub fn failed(error: impl Error + 'static) -> PyErr {
     }
 }
 
-/// What the system said, if it is at the bottom of `error`.
+/// Kind of the I/O error at the root of `error`, if any.
 fn io_cause(error: &(dyn Error + 'static)) -> Option<ErrorKind> {
     let mut cause = Some(error);
     while let Some(error) = cause {

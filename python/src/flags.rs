@@ -9,7 +9,7 @@ use numpy::{
 };
 use pyo3::prelude::*;
 
-/// What is made of each frame [N], and of each of its elements [N, E].
+/// Output arrays: shear rate [N, E], TOUCH, SLIP, OVER and grasp force [N].
 #[derive(FromPyObject)]
 pub struct Flags<'py>(
     PyReadwriteArray2<'py, f64>,
@@ -19,8 +19,8 @@ pub struct Flags<'py>(
     PyReadwriteArray1<'py, f64>,
 );
 
-/// Fills shear rate, TOUCH, SLIP, OVER and grasp force by `force` [N, E, 3] at `stamps` [N] with the thresholds F1, F2 and
-/// dr.
+/// Computes shear rate, TOUCH, SLIP, OVER and grasp force from `force` [N, E, 3] at `stamps` [N] with the thresholds
+/// F1, F2 and dr.
 #[pyfunction]
 pub fn raise_flags(
     force: PyReadonlyArray3<'_, f64>,

@@ -1,4 +1,4 @@
-//! Long work that Ctrl-C ends.
+//! Long-running work that Ctrl-C can interrupt.
 
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
@@ -9,14 +9,14 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::thread;
 use std::time::Duration;
 
-/// How long a signal may wait for its handler.
+/// Interval at which signals are handled.
 const POLL: Duration = Duration::from_millis(20);
-/// How many such times work may take to stop that can be abandoned.
+/// Number of such intervals for which abandonable work may delay an exception.
 const PATIENCE: u32 = 2;
 
-/// Does `work` on a thread of its own with the interpreter released. Meanwhile this thread lets Python handle signals and
-/// calls `watch`, some 50 times a second; what either raises tells `work` to stop, by its flag, and is raised when it
-/// has.
+/// Runs `work` on a separate thread with the interpreter released. Meanwhile, this thread lets Python handle signals
+/// and calls `watch`, about 50 times a second. If either raises, `work` is asked to stop by its flag, and the
+/// exception is raised once it has stopped.
 pub fn interruptible<T: Send>(
     py: Python<'_>,
     work: impl FnOnce(&AtomicBool) -> T + Send,
@@ -27,7 +27,7 @@ pub fn interruptible<T: Send>(
         thread::scope(|scope| {
             let (done, finished) = channel::<()>();
             let worker = scope.spawn(|| {
-                // Dropped when the work ends, however it does.
+                // Dropped when the work ends, even by a panic.
                 let _done = done;
                 work(&stop)
             });
@@ -39,8 +39,8 @@ pub fn interruptible<T: Send>(
     })
 }
 
-/// The same for work that may take long to see the flag: what was raised waits for [`PATIENCE`] at most, and the work ends by
-/// itself, unheeded.
+/// Like [`interruptible`], for work that may be slow to check its flag: an exception is delayed by at most
+/// [`PATIENCE`] intervals. The work then ends on its own and its result is discarded.
 pub fn abandonable<T: Send + 'static>(
     py: Python<'_>,
     work: impl FnOnce(&AtomicBool) -> T + Send + 'static,
@@ -61,8 +61,8 @@ pub fn abandonable<T: Send + 'static>(
     })
 }
 
-/// Lets Python handle signals and calls `watch` until nobody can say `finished` any more, or something was raised `patience`
-/// polls ago: that is returned.
+/// Lets Python handle signals and calls `watch` until the sender of `finished` is dropped, or until `patience`
+/// intervals after an exception. Returns the exception, if any.
 fn wait(
     finished: &Receiver<()>,
     stop: &AtomicBool,
@@ -86,10 +86,10 @@ fn wait(
     raised
 }
 
-/// What a thread said that panicked.
+/// Converts the panic of a thread into an exception.
 fn panicked(panic: &(dyn Any + Send)) -> PyErr {
     let words = panic.downcast_ref::<String>().map(String::as_str);
     let words = words.or_else(|| panic.downcast_ref::<&str>().copied());
-    let words = words.unwrap_or("it did not say why");
+    let words = words.unwrap_or("unknown reason");
     PyRuntimeError::new_err(format!("a thread of feeler failed: {words}"))
 }

@@ -1,4 +1,4 @@
-//! Locating the sensing elements in pictures.
+//! Location of the sensing elements in images.
 
 use crate::errors::{failed, refused};
 use crate::interrupt::interruptible;
@@ -9,7 +9,7 @@ use feeler_lab::config::Experiment;
 use numpy::{PyArray1, PyArray2, PyReadonlyArray3, PyUntypedArrayMethods as _};
 use pyo3::prelude::*;
 
-/// Where a sensor's elements are in its pictures.
+/// Positions of a sensor's elements in its images.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct Layout {
     pub layout: LocatedLayout,
@@ -18,7 +18,7 @@ pub struct Layout {
 
 #[pymethods]
 impl Layout {
-    /// Parses the layout in `text` (TOML); `warnings` are those about its pictures.
+    /// Parses the layout in `text` (TOML); `warnings` are those about its images.
     #[staticmethod]
     #[pyo3(signature = (text, warnings = Vec::new()))]
     fn parse(text: &str, warnings: Vec<String>) -> PyResult<Self> {
@@ -37,7 +37,7 @@ impl Layout {
         self.layout.elements.len()
     }
 
-    /// Columns and rows of the pictures, px.
+    /// Columns and rows of the images, px.
     #[getter]
     fn picture_size(&self) -> (usize, usize) {
         (self.layout.width, self.layout.height)
@@ -48,7 +48,7 @@ impl Layout {
         self.layout.dark_level
     }
 
-    /// Whether the elements are bright or dark.
+    /// Polarity of the elements: bright or dark.
     #[getter]
     fn polarity(&self) -> String {
         self.layout.polarity.to_string()
@@ -78,7 +78,7 @@ impl Layout {
     }
 }
 
-/// Finds the elements in the mean of `frames` [N, H, W] of the untouched sensor.
+/// Locates the elements in the mean of `frames` [N, H, W] of the untouched sensor.
 #[pyfunction]
 #[pyo3(name = "locate", signature = (frames, polarity, spot_diameter, element_diameter, region_radius, dome))]
 pub fn locate_elements(
@@ -123,7 +123,7 @@ pub fn locate_elements(
         }
         None => LocatedLayout::new(&located),
     };
-    // What the layout is for has to work.
+    // Fail early if the layout cannot be used for sensing.
     layout.kernel().map_err(refused)?;
     Ok(Layout {
         layout,

@@ -1,6 +1,6 @@
-//! What the Python package `feeler` calls: arrays in, arrays out, with the interpreter released meanwhile.
+//! Native module of the Python package `feeler`: operates on arrays with the interpreter released.
 //!
-//! Names, defaults and checks of what callers give are Python's; see `python/feeler`.
+//! Names, defaults and argument checks are in Python; see `python/feeler`.
 
 mod calibration;
 mod control;
@@ -17,7 +17,7 @@ mod sweep;
 
 use pyo3::prelude::*;
 
-/// Rust side of the package `feeler`.
+/// Native module of the package `feeler`.
 #[pymodule(gil_used = false)]
 mod _core {
     #[pymodule_export]

@@ -1,4 +1,4 @@
-//! Where a fingertip's elements are.
+//! Positions of a fingertip's elements.
 
 use crate::errors::refused;
 use feeler::sensor::dome::DomeProjection;
@@ -8,26 +8,26 @@ use feeler::sensor::located_layout::LocatedLayout;
 use glam::{DMat3, DVec2, DVec3};
 use pyo3::PyResult;
 
-/// Where the elements of a fingertip are in its pictures and, if the dome is known, on it.
+/// Positions of a fingertip's elements in its images and, if the dome is known, on the dome.
 #[derive(Clone)]
 pub struct Places {
     /// Column and row of each element's centre, px.
     pub centres: Vec<DVec2>,
-    /// Of each element, if the dome is known.
+    /// Pose of each element on the dome, or `None` if the dome is not known.
     pub on_dome: Option<Vec<OnDome>>,
 }
 
-/// Where an element is on the dome.
+/// Pose of an element on the dome.
 #[derive(Clone)]
 pub struct OnDome {
     /// Tip of the unloaded feeler, m, in `T`.
     pub tip: DVec3,
-    /// From the element's frame `E_i` to `T`.
+    /// Rotation from the element's frame `E_i` to `T`.
     pub rotation: DMat3,
 }
 
 impl Places {
-    /// Of the fingertip that `config` describes.
+    /// Positions of the elements of the fingertip that `config` describes.
     pub fn of_fingertip(config: &FingertipConfig) -> PyResult<Self> {
         let (layout, projection) = Fingertip::layout_and_projection(config).map_err(refused)?;
         Ok(Self {
@@ -36,7 +36,7 @@ impl Places {
         })
     }
 
-    /// Of the elements that were located.
+    /// Positions of the elements that were located in an image.
     pub fn of_layout(layout: &LocatedLayout) -> Self {
         let directions: Option<Vec<DVec3>> = layout.elements.iter().map(|e| e.direction).collect();
         let on_dome = layout
@@ -56,7 +56,7 @@ impl Places {
     }
 }
 
-/// An element that the camera does not see has no sub-region, and its fingertip no kernel.
+/// NaN for an element that the camera cannot see; a fingertip with such an element has no kernel.
 fn centres(layout: &ElementLayout, projection: &DomeProjection) -> Vec<DVec2> {
     let tips = (0..layout.elements.len()).map(|index| layout.tip(index));
     tips.map(|tip| projection.project(tip).unwrap_or(DVec2::NAN))

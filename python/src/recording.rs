@@ -1,4 +1,4 @@
-//! Recordings as columns: a row for each control step.
+//! Recordings as columns, with one row per control step.
 
 use crate::errors::refused;
 use crate::interrupt::interruptible;
@@ -15,7 +15,7 @@ use std::fs::File;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// What was read of a recording.
+/// Content of a recording.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct Recording {
     recording: record::Recording,
@@ -27,7 +27,7 @@ pub struct Recording {
 
 #[pymethods]
 impl Recording {
-    /// Reads the recording at `path`, as far as it goes.
+    /// Reads the recording at `path`, up to the first damage if there is any.
     #[new]
     fn new(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
         let read = || {
@@ -61,19 +61,19 @@ impl Recording {
         self.recording.digest.to_string()
     }
 
-    /// Whether it is whole.
+    /// `True` if the recording is complete.
     #[getter]
     fn complete(&self) -> bool {
         self.recording.complete
     }
 
-    /// What is wrong with it, if it is not.
+    /// Description of the damage, or `None` if the recording is complete.
     #[getter]
     fn problem(&self) -> Option<&str> {
         self.recording.problem.as_deref()
     }
 
-    /// How the run ended, and why, if it did not end as it should have.
+    /// State in which the run ended, and the reason if it did not end as intended.
     #[getter]
     fn end(&self) -> (String, Option<&str>) {
         let end = &self.recording.end;
@@ -85,19 +85,19 @@ impl Recording {
         self.recording.fingers.len()
     }
 
-    /// Elements of the finger that has most.
+    /// Maximum number of elements of a finger.
     #[getter]
     fn elements(&self) -> usize {
         self.elements
     }
 
-    /// Number of pictures on record of `finger`.
+    /// Number of recorded frames of `finger`.
     fn frame_count(&self, finger: usize) -> usize {
         let finger = self.recording.fingers.get(finger);
         finger.map_or(0, |finger| finger.pictures.len())
     }
 
-    /// Pictures `start` to `stop` of `finger` [N, H, W], and their times [N], s.
+    /// Frames `start` to `stop` of `finger` [N, H, W], and their times [N], s.
     fn frames<'py>(
         &self,
         py: Python<'py>,
@@ -118,7 +118,7 @@ impl Recording {
 }
 
 impl Recording {
-    /// The columns and rows of `pictures`, and their pixels one after the other.
+    /// Returns the columns and rows of `pictures`, and their concatenated pixels.
     fn read_pictures(
         &self,
         pictures: &[PictureAt],
@@ -136,7 +136,7 @@ impl Recording {
             if (picture.width, picture.height) != (width, height) {
                 let (actual_width, actual_height) = (picture.width, picture.height);
                 return Err(format!(
-                    "pictures of {width}x{height} px expected, one has {actual_width}x{actual_height} px"
+                    "expected frames of {width}x{height} px, got one of {actual_width}x{actual_height} px"
                 ));
             }
             pixels.reserve_exact(picture.pixels.len() * pictures.len() - pixels.len());
@@ -146,12 +146,12 @@ impl Recording {
     }
 }
 
-/// Numbers of all steps, one after the other. What a recording does not tell is not a number, false or -1.
+/// Values of all steps. Missing values are NaN, false or -1.
 #[derive(Default)]
 struct Columns {
     steps: usize,
     fingers: usize,
-    /// Elements of the finger that has most.
+    /// Maximum number of elements of a finger.
     elements: usize,
     time: Vec<f64>,
     phase: Vec<u8>,
@@ -305,7 +305,7 @@ fn push<const N: usize>(column: &mut Vec<f64>, numbers: Option<[f64; N]>) {
     column.extend(numbers.unwrap_or([f64::NAN; N]));
 }
 
-/// Hands a column over as an array that cannot be written to.
+/// Adds a column as a read-only array.
 fn put<T: Element>(
     columns: &Bound<'_, PyDict>,
     name: &str,

@@ -12,11 +12,11 @@ use pyo3::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-/// What came of a run.
+/// Result of a run.
 #[pyclass(frozen, get_all, module = "feeler._core")]
 pub struct RunOutcome {
     folder: PathBuf,
-    /// What stands in `summary.json`.
+    /// Content of `summary.json`.
     summary: String,
     state: String,
     reason: Option<String>,
@@ -24,8 +24,8 @@ pub struct RunOutcome {
     wall_time: f64,
 }
 
-/// Runs `experiment` with `settings` and records it in the folder `out`, or in one of its own in `runs`. `progress` is
-/// called with the simulated time, s, now and then.
+/// Runs `experiment` with `settings` and records it in the folder `out`, or in a new folder in `runs`. `progress` is
+/// called periodically with the simulated time, s.
 #[pyfunction]
 #[pyo3(signature = (experiment, settings, out, record_frames, progress))]
 pub fn run(
@@ -49,7 +49,7 @@ pub fn run(
             let stamp = 1e9 * control_loop.state().stamp;
             nanoseconds.store(stamp as u64, Ordering::Relaxed);
         });
-        // Whoever interrupts does not want to wait for a report: `feeler report` makes it of what is there.
+        // After an interrupt, do not delay the exit by writing a report; `feeler report` can write it later.
         match stop.load(Ordering::Relaxed) {
             true => Ok(None),
             false => closed.report().map(Some),
@@ -66,7 +66,7 @@ pub fn run(
         RunError::Config(_) | RunError::Experiment(_) | RunError::NoPictures => refused(error),
         RunError::Record(_) | RunError::Report(_) => failed(error),
     })?;
-    // Without a report it was interrupted, which was raised above.
+    // A run without a report was interrupted, and the exception was raised above.
     finished.map_or_else(
         || Err(pyo3::exceptions::PyKeyboardInterrupt::new_err(())),
         |finished| {
@@ -77,7 +77,7 @@ pub fn run(
 }
 
 impl RunOutcome {
-    /// Of the run in `folder`, whose report is made.
+    /// Reads the result of the run in `folder`, whose report has been written.
     pub fn read(
         folder: PathBuf,
         end: &RunEnd,
@@ -95,7 +95,7 @@ impl RunOutcome {
     }
 }
 
-/// Makes the report of the run in `folder` again.
+/// Writes the report of the run in `folder` again.
 #[pyfunction]
 pub fn report(py: Python<'_>, folder: PathBuf) -> PyResult<()> {
     let made = interruptible(py, |_| make::make(&folder), |_| Ok(()))?;

@@ -1,4 +1,4 @@
-//! Pictures in arrays to moments and forces in arrays.
+//! Sensing of frames in arrays: computes arrays of moments and forces.
 
 use crate::calibration::Calibration;
 use crate::errors::refused;
@@ -22,28 +22,28 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread;
 
-/// Frames that a thread takes at once: some milliseconds' work.
+/// Number of frames that a thread processes at a time, which takes some milliseconds.
 const CHUNK: usize = 64;
-/// Fewer frames than this are sensed before a signal could be noticed.
+/// Number of frames below which sensing takes less time than the detection of a signal.
 const SHORT: usize = 256;
 
-/// The sensing of one fingertip.
+/// Sensing chain of one fingertip.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct Sensor {
-    /// One for each thread that sensed at the same time so far.
+    /// Idle chains, one for each thread that has sensed concurrently so far.
     chains: Mutex<Vec<SensingChain>>,
-    /// What further ones are copied from.
+    /// Template of new chains.
     template: SensingChain,
-    /// Whether what is sensed depends on the frames before.
+    /// `true` if results depend on the preceding frames.
     in_order: bool,
     places: Places,
-    /// What displacements count from, if that was set.
+    /// Reference of displacements, if it was set.
     reference: Option<Reference>,
 }
 
 #[pymethods]
 impl Sensor {
-    /// The sensor of `calibration`, or without one of `layout` or the experiment's fingertip.
+    /// Creates the sensor of `calibration`, or without one, of `layout` or of the experiment's fingertip.
     #[new]
     #[pyo3(signature = (calibration, layout, experiment, finger, drift_correction, max_saturated))]
     fn new(
@@ -91,7 +91,7 @@ impl Sensor {
         self.template.element_count()
     }
 
-    /// Columns and rows of the pictures, px.
+    /// Columns and rows of the frames, px.
     #[getter]
     fn picture_size(&self) -> (usize, usize) {
         self.template.picture_size()
@@ -108,7 +108,7 @@ impl Sensor {
         Ok(PyArray2::from_vec2(py, &centres.collect::<Vec<_>>())?)
     }
 
-    /// Tip of each unloaded feeler, m, in `T` [E, 3]; none if the dome is not known.
+    /// Tip of each unloaded feeler, m, in `T` [E, 3], or `None` if the dome is not known.
     fn tips<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
         let Some(elements) = &self.places.on_dome else {
             return Ok(None);
@@ -117,7 +117,7 @@ impl Sensor {
         Ok(Some(PyArray2::from_vec2(py, &tips.collect::<Vec<_>>())?))
     }
 
-    /// From each element's frame `E_i` to `T` [E, 3, 3]; none if the dome is not known.
+    /// Rotation from each element's frame `E_i` to `T` [E, 3, 3], or `None` if the dome is not known.
     fn rotations<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray3<f64>>>> {
         let Some(elements) = &self.places.on_dome else {
             return Ok(None);
@@ -129,7 +129,7 @@ impl Sensor {
         Ok(Some(flat.reshape([elements.len(), 3, 3])?))
     }
 
-    /// The same sensor, whose displacements count from the mean centroids in `frames` [N, H, W].
+    /// Returns a copy of the sensor whose displacements are relative to the mean centroids in `frames` [N, H, W].
     fn with_reference(&self, frames: PyReadonlyArray3<'_, u8>) -> PyResult<Self> {
         let frames = Frames::of(&frames, self.picture_size())?;
         let mut chain = self.template.clone();
@@ -143,13 +143,14 @@ impl Sensor {
         self.counting_from(Reference::mean(readings.iter().map(Vec::as_slice)))
     }
 
-    /// The mean centroids that displacements count from, if they were set: column and row of each element; none for one that was dark.
+    /// Column and row of each element's reference centroid, or `None` if no reference was set. The entry of an
+    /// element that was dark is `None`.
     fn reference(&self) -> Option<Vec<Option<(f64, f64)>>> {
         let centroids = self.reference.as_ref()?.centroids.iter();
         Some(centroids.map(|c| c.map(|c| (c.x, c.y))).collect())
     }
 
-    /// The same sensor, whose displacements count from these centroids.
+    /// Returns a copy of the sensor whose displacements are relative to these centroids.
     fn with_reference_at(&self, centroids: Vec<Option<(f64, f64)>>) -> PyResult<Self> {
         let centroids = centroids.into_iter();
         self.counting_from(Reference {
@@ -157,8 +158,8 @@ impl Sensor {
         })
     }
 
-    /// Fills `force` [N, E, 3], `valid` [N, E], `gray` [N, E] and `displacement` [N, E, 2] with what is sensed in
-    /// `frames` [N, H, W], on up to `threads` threads.
+    /// Fills `force` [N, E, 3], `valid` [N, E], `gray` [N, E] and `displacement` [N, E, 2] from `frames` [N, H, W],
+    /// on up to `threads` threads.
     fn sense(
         &self,
         py: Python<'_>,
@@ -179,7 +180,7 @@ impl Sensor {
         ];
         if shapes.contains(&false) {
             return Err(PyValueError::new_err(format!(
-                "outputs for {count} frames of {elements} elements expected, got {:?}",
+                "expected outputs for {count} frames of {elements} elements, got {:?}",
                 force.shape()
             )));
         }
@@ -253,7 +254,7 @@ impl Sensor {
     }
 }
 
-/// A panic elsewhere leaves nothing half-done in what is locked here.
+/// The protected data stay consistent even if another thread panics.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -278,7 +279,7 @@ fn geometry(
         (None, Some(fingertip)) => fingertip,
         (None, None) => {
             return Err(PyValueError::new_err(
-                "the calibration was made for a layout that was located; expected that layout, as in layout=\"my.layout.toml\"",
+                "the calibration was made for a located layout; pass that layout, as in layout=\"my.layout.toml\"",
             ));
         }
     };
@@ -286,11 +287,11 @@ fn geometry(
     Ok((geometry, Places::of_fingertip(config)?))
 }
 
-/// Pictures side by side in memory.
+/// Contiguous frames in memory.
 struct Frames<'a> {
     width: usize,
     height: usize,
-    /// Pixels of one picture.
+    /// Number of pixels of one frame.
     length: usize,
     pixels: &'a [u8],
 }
@@ -300,7 +301,7 @@ impl<'a> Frames<'a> {
         let shape = array.shape();
         if shape[1..] != [height, width] {
             return Err(PyValueError::new_err(format!(
-                "frames of {height} rows and {width} columns expected, got {} and {}",
+                "expected frames of {height} rows and {width} columns, got {} and {}",
                 shape[1], shape[2]
             )));
         }
@@ -325,7 +326,7 @@ impl<'a> Frames<'a> {
     }
 }
 
-/// What is left to do: pictures, and where what they say belongs.
+/// Remaining work: frames and output slices.
 struct Chunks<'a> {
     frames: std::slice::Chunks<'a, u8>,
     force: std::slice::ChunksMut<'a, f64>,
@@ -346,7 +347,7 @@ impl<'a> Chunks<'a> {
     }
 }
 
-/// Some pictures, and where what they say belongs.
+/// A batch of frames and its output slices.
 struct Chunk<'a> {
     frames: &'a [u8],
     force: &'a mut [f64],

@@ -1,4 +1,4 @@
-"""What several tests use: runs, and where the repository's files are."""
+"""Shared fixtures: runs, and paths of the repository's files."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ CALIBRATION = EXPERIMENTS / "reference-fingertip.coupled.calibration.toml"
 
 
 def missing(what: str) -> None:
-    """Skips a test for want of something, or fails it where nothing may be skipped."""
+    """Skips a test because ``what`` is missing, or fails it if FEELER_REQUIRE_ALL=1."""
     if os.environ.get("FEELER_REQUIRE_ALL") == "1":
         pytest.fail(f"{what} is missing, and FEELER_REQUIRE_ALL=1")
     pytest.skip(f"SKIPPED for want of {what}")
 
 
 def the_program() -> str:
-    """The program of this clone, or that which is installed."""
+    """Returns the path of the program built in this clone, or of the installed one."""
     target = Path(os.environ.get("CARGO_TARGET_DIR", EXPERIMENTS.parents[2] / "target"))
     built = [path for profile in ("debug", "release") if (path := target / profile / "feeler").exists()]
     newest = max(built, key=lambda path: path.stat().st_mtime, default=shutil.which("feeler"))
@@ -34,7 +34,7 @@ def the_program() -> str:
 
 @pytest.fixture(scope="session")
 def pictured(tmp_path_factory: pytest.TempPathFactory) -> feeler.Run:
-    """A run through pictures with contact, which are on record."""
+    """A run with rendered, recorded images that include contact."""
     folder = tmp_path_factory.mktemp("runs") / "pictured"
     settings: dict[str, feeler.Value] = {"time_limit": 3.0}
     return feeler.run("cap-closing", seed=3, sensing="image", settings=settings, out=folder, record_frames=True)
@@ -42,7 +42,7 @@ def pictured(tmp_path_factory: pytest.TempPathFactory) -> feeler.Run:
 
 @pytest.fixture(scope="session")
 def frames(pictured: feeler.Run) -> NDArray[np.uint8]:
-    """Its pictures of finger 0 [N, H, W]."""
+    """Frames of finger 0 in that run [N, H, W]."""
     return pictured.recording.frames(0)[0]
 
 

@@ -1,4 +1,4 @@
-"""Short sweeps, and how they are compared and watched."""
+"""Helpers that start, compare and watch short sweeps."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any
 
 import feeler
 
-# Some 30 ms each, until the first stroke.
+# About 30 ms per trial, until the first stroke.
 SHORT: dict[str, Any] = {
     "sensing": "direct",
     "settings": {"time_limit": 4.0},
@@ -31,13 +31,13 @@ def same(one: Path, other: Path) -> None:
 
 
 def finished(folder: Path) -> int:
-    """How many trials a sweep under way has finished."""
+    """Returns the number of finished trials of a running sweep."""
     part = folder / "trials.csv.part"
     return max(0, part.read_bytes().count(b"\n") - 1) if part.exists() else 0
 
 
 def wait_for(folder: Path, trials: int, process: subprocess.Popen[bytes] | None = None) -> None:
-    """Waits until so many are finished, of more; by ``process``, if it is not this one."""
+    """Waits until ``trials`` trials are finished; fails if ``process`` or the sweep ends first."""
     while finished(folder) < trials:
         assert process is None or process.poll() is None, "it ended by itself"
         assert not (folder / "trials.csv").exists(), "it was finished before anything was done to it"
@@ -45,7 +45,7 @@ def wait_for(folder: Path, trials: int, process: subprocess.Popen[bytes] | None 
 
 
 def driver(out: Path, engine: str, trials: int) -> subprocess.Popen[bytes]:
-    """A program of its own that makes a short sweep."""
+    """Starts a separate process that runs a short sweep."""
     here = str(Path(__file__).parent)
     code = f"import sys; sys.path.insert(0, {here!r}); from sweeping import *\n"
     code += f"short(Path({str(out)!r}), engine={engine!r}, trials={trials}, trials_per_task=5)"

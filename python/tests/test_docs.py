@@ -1,4 +1,4 @@
-"""The Python code of the book and of the package's README, a page after the other, as a reader would run it."""
+"""Runs the Python code of the book and of the package's README page by page, as a reader would."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ ROOT = Path(__file__).parents[2]
 BLOCK = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 PAGES = [page for page in [ROOT / "python/README.md", *sorted((ROOT / "docs").glob("*.md"))] if BLOCK.search(page.read_text())]
 
-# Trials of a sweep on a page, and here: built to be tested, the package takes most of a second for one.
+# Number of trials on a page, and in this test: a debug build takes almost a second per trial.
 TRIALS, FEWER = "trials=100,", "trials=10,"
 
-# What pages read that the program wrote.
+# Files written by the program that pages read.
 EXPORTS = {"data-sets.md": [["parquet", "runs/seven", "-o", "seven.parquet"], ["parquet", "runs/seven", "-o", "tables/"]]}
 
 
@@ -31,15 +31,15 @@ def test_there_are_pages() -> None:
 def test_code_runs(page: Path, closing: feeler.Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     code = [block.replace(TRIALS, FEWER) for block in BLOCK.findall(page.read_text())]
     if importlib.util.find_spec("lerobot") is None:
-        # It needs a newer Python than the oldest that the package is for.
+        # Needs a newer Python than the oldest version that the package supports.
         code = [block for block in code if "from lerobot" not in block]
     uses_ray = any('engine="ray"' in block for block in code)
     if uses_ray and importlib.util.find_spec("ray") is None:
         missing("ray")
     monkeypatch.chdir(tmp_path)
-    # Not a cluster that somebody left behind.
+    # Ignore a running cluster.
     monkeypatch.setenv("RAY_ADDRESS", "local")
-    # The run that pages read which do not make one.
+    # A run for pages that read one without creating it.
     (tmp_path / "runs").mkdir()
     (tmp_path / "runs/seven").symlink_to(closing.folder)
     for arguments in EXPORTS.get(page.name, []):

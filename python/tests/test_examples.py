@@ -1,4 +1,4 @@
-"""The examples that learn: with tiny budgets from end to end; and the policy that comes with them against the law `best`."""
+"""Runs the learning examples end to end with tiny budgets, and compares the included policy with the law `best`."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def run(name: str, *arguments: str | Path) -> subprocess.CompletedProcess[str]:
 
 
 def load(name: str) -> Any:
-    """An example as a module."""
+    """Imports an example as a module."""
     spec = importlib.util.spec_from_file_location(name, EXAMPLES / f"{name}.py")
     assert spec is not None and spec.loader is not None
     script = importlib.util.module_from_spec(spec)
@@ -48,7 +48,7 @@ def load(name: str) -> Any:
 
 
 def is_a_policy(path: Path) -> bool:
-    """Whether the control loop takes it."""
+    """Returns ``True`` if the control loop accepts the policy."""
     settings: dict[str, feeler.Value] = {"control.law.policy.file": str(path), "time_limit": 2.0}
     session = feeler.Session("cap-closing", sensing="direct", settings=settings)
     return sum(1 for _ in session) > 100 and session.phase != "STOPPED"
@@ -56,7 +56,7 @@ def is_a_policy(path: Path) -> bool:
 
 @pytest.fixture(scope="module")
 def trained(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
-    """A policy of seconds, and what was printed."""
+    """Trains a policy for some seconds and returns its file and the output."""
     needs("jax", "flax", "optax", "safetensors")
     out = tmp_path_factory.mktemp("trained") / "my.safetensors"
     done = run("train_policy.py", "-o", out, *NO_TIME, "--generations=1")
@@ -64,14 +64,14 @@ def trained(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
     return out, done.stdout
 
 
-def test_training_writes_a_policy_that_the_control_loop_takes(trained: tuple[Path, str]) -> None:
+def test_training_writes_a_policy_that_the_control_loop_accepts(trained: tuple[Path, str]) -> None:
     out, told = trained
     assert re.search(r"imitation 1: teacher [\d.]+ mN·m", told) and "generation 1:" in told
     assert is_a_policy(out)
     assert [path.name for path in out.parent.iterdir()] == [out.name], "nothing is left beside it"
 
 
-def test_a_policy_that_is_there_is_kept_unless_forced(trained: tuple[Path, str]) -> None:
+def test_an_existing_policy_is_kept_without_force(trained: tuple[Path, str]) -> None:
     out, _ = trained
     before = out.read_bytes()
     refused = run("train_policy.py", "-o", out)
@@ -96,8 +96,8 @@ def test_ctrl_c_keeps_the_best_policy_so_far(tmp_path: Path) -> None:
     assert is_a_policy(out)
 
 
-def test_what_training_takes_for_granted_of_the_hand_is_so() -> None:
-    """On a cap in the middle, without noise, one finger feels what the other does, turned by half about its axis."""
+def test_the_hand_is_symmetric_as_training_assumes() -> None:
+    """On a centred cap without noise, both fingers have the same readings, rotated by half a turn about the cap's axis."""
     needs("jax", "flax", "optax", "safetensors")
     script = load("train_policy")
     still = {"sim.variation.bottle_position": 0.0, "sim.variation.friction": 0.0, "sim.servo.encoder_resolution": 1e-9}
@@ -108,7 +108,7 @@ def test_what_training_takes_for_granted_of_the_hand_is_so() -> None:
     for _ in range(350):
         assert isinstance(observation, np.ndarray)
         one, other = observation.reshape(2, script.INPUTS)
-        # float32, and the rounding of two kinematic chains that the stick and slip of the contact magnify.
+        # float32, and rounding of two kinematic chains that stick-slip amplifies.
         np.testing.assert_allclose(other, one[script.INDEX] * script.SIGN, atol=1e-4)
         grasped += one[script.KEEP_GRASP] > 0
         observation, *_ = env.step(env.guide())
@@ -140,9 +140,10 @@ def test_both_examples_tighten_the_caps_of_feeler_compare(tmp_path: Path) -> Non
     np.testing.assert_allclose(torque, expected, rtol=1e-9)
 
 
-def test_the_policy_that_comes_with_it_keeps_what_its_page_says() -> None:
-    """On 1,000 caps 1.9 mN·m more than `best`, and 0.003 N less on the hardest pressed element. Cap by cap the differences have
-    standard deviations of 3.9 mN·m and 0.035 N, and so their means over 48 caps standard errors of 0.6 mN·m and 0.005 N."""
+def test_the_included_policy_performs_as_documented() -> None:
+    """On 1,000 caps, the policy reaches 1.9 mN·m more than `best`, with 0.003 N less on the most loaded element. Per cap, the
+    differences have standard deviations of 3.9 mN·m and 0.035 N, so their means over 48 caps have standard errors of 0.6 mN·m
+    and 0.005 N."""
     tighten = load("tune_law").tighten
     torque, peak = tighten({"control.law.policy.file": str(POLICY)}, caps=48, seed=77)
     best_torque, best_peak = tighten({"control.law": "best"}, caps=48, seed=77)

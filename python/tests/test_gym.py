@@ -24,7 +24,7 @@ SHORT: dict[str, feeler.Value] = {"time_limit": 0.5}
 
 
 @pytest.mark.parametrize("name", EXPERIMENTS)
-def test_gymnasium_knows_and_accepts_each(name: str) -> None:
+def test_gymnasium_accepts_each_environment(name: str) -> None:
     env = gymnasium.make(f"feeler/{name}-v0", render_mode="rgb_array").unwrapped
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", message=".*not within.*")
@@ -47,7 +47,7 @@ def test_observations_have_finite_bounds(kind: Any) -> None:
 
 
 @pytest.mark.parametrize("copied", [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))])
-def test_a_copy_goes_on_as_the_environment_does(copied: Any) -> None:
+def test_a_copy_behaves_like_the_original(copied: Any) -> None:
     env = TactileEnv("cap-closing", vary={"friction": "uniform(0.5,1.2)"}, settings={"time_limit": 3.0})
     env.reset(seed=4)
     env.reset()
@@ -60,7 +60,7 @@ def test_a_copy_goes_on_as_the_environment_does(copied: Any) -> None:
         mine, others = env.step(action), other.step(action)
         np.testing.assert_array_equal(mine[0], others[0])
         assert mine[1:] == others[1:]
-    # So do the episodes that follow.
+    # The following episodes are equal, too.
     assert env.reset()[1]["seed"] == other.reset()[1]["seed"]
     fresh = copied(TactileEnv("lift", settings=SHORT))
     np.testing.assert_array_equal(fresh.reset(seed=2)[0], TactileEnv("lift", settings=SHORT).reset(seed=2)[0])
@@ -76,7 +76,7 @@ def test_settings_may_be_nested() -> None:
 
 
 @pytest.mark.parametrize("name", EXPERIMENTS)
-def test_who_follows_the_plan_reaches_the_goal(name: str) -> None:
+def test_following_the_plan_reaches_the_goal(name: str) -> None:
     env = TactileEnv(EXPERIMENTS[name])
     env.reset(seed=3)
     total = 0.0
@@ -86,16 +86,16 @@ def test_who_follows_the_plan_reaches_the_goal(name: str) -> None:
         if terminated or truncated:
             break
     assert terminated and "stop_reason" not in info
-    # Units of each goal: mN·m, mm of the path, percent of the outline.
+    # Units of the goals: mN·m, mm of the path, percent of the outline.
     assert total > 20
 
 
-def test_the_papers_law_as_an_agent_makes_the_run(closing: feeler.Run) -> None:
+def test_the_papers_law_as_an_agent_reproduces_the_run(closing: feeler.Run) -> None:
     recording = closing.recording
     control = recording.experiment["control"]
     env = TactileEnv("cap-closing", action="world", observation="dict")
     observation, _ = env.reset(seed=7)
-    # The environment hands out float32: the law decides on the session's own numbers beside it.
+    # Observations are float32, so the law uses the float64 readings of a parallel session.
     laws = [PaperLaw(control["recompression_speed"], control.get("minimum_grasp_force", 0.2)) for _ in range(2)]
     session = feeler.Session("cap-closing", seed=7, sensing="direct")
     row = 0
@@ -108,7 +108,7 @@ def test_the_papers_law_as_an_agent_makes_the_run(closing: feeler.Run) -> None:
         step.move(action)
         if row < len(recording) - 1:
             observation, _, terminated, _, _ = env.step(np.ravel(action))
-            # The task is done where the run's last step begins.
+            # The task is done at the start of the run's last step.
             assert terminated == (row == len(recording) - 2)
     assert row == len(recording) - 1
 
@@ -172,7 +172,7 @@ def test_each_of_a_vector_is_a_single_one(threads: int, mode: AutoresetMode) -> 
         assert envs.metadata["autoreset_mode"] == mode
 
 
-def test_arrays_are_kept_or_written_over_as_asked() -> None:
+def test_copy_controls_whether_arrays_are_overwritten() -> None:
     kept = TactileVectorEnv(2, settings=SHORT)
     first, _ = kept.reset(seed=1)
     before = np.array(first)
@@ -197,7 +197,7 @@ def test_dictionaries_hold_the_same_numbers() -> None:
     np.testing.assert_array_equal(batch["joint_angles"][0], named["joint_angles"])
 
 
-def test_pictures_show_what_moves() -> None:
+def test_rendered_images_show_motion() -> None:
     env = TactileEnv("cap-closing", render_mode="rgb_array")
     env.reset(seed=1)
     before = env.render()
@@ -205,7 +205,7 @@ def test_pictures_show_what_moves() -> None:
         env.step(env.guide())
     after = env.render()
     assert before is not None and after is not None and before.shape == after.shape == (360, 480, 3)
-    # The fingers have come to the cap; the background stays.
+    # The fingers have moved to the cap; the background has not changed.
     changed = (before != after).any(axis=2).mean()
     assert 0.01 < changed < 0.5
     envs = TactileVectorEnv(2, render_mode="rgb_array")
@@ -216,7 +216,7 @@ def test_pictures_show_what_moves() -> None:
     assert TactileEnv("cap-closing").render() is None
 
 
-def test_bad_actions_are_refused_in_words() -> None:
+def test_invalid_actions_are_rejected_with_a_message() -> None:
     env = TactileEnv("cap-closing", settings=SHORT)
     with pytest.raises(RuntimeError, match="no episode under way"):
         env.step(np.zeros(6))
@@ -232,7 +232,7 @@ def test_bad_actions_are_refused_in_words() -> None:
         envs.step([[0.0] * 6, [np.inf, 0, 0, 0, 0, 0]])
 
 
-def test_bad_options_are_refused_in_words() -> None:
+def test_invalid_options_are_rejected_with_a_message() -> None:
     cases: list[tuple[dict[str, Any], str]] = [
         ({"experiment": "nowhere"}, "no experiment"),
         ({"experiment": "friction-scan"}, "there are no rewards for task.friction_scan"),
@@ -258,7 +258,7 @@ def _step_in_child(envs: TactileVectorEnv, answer: Any) -> None:
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork on this system")
-def test_a_forked_process_is_told_that_the_threads_are_not_in_it() -> None:
+def test_a_forked_process_gets_an_error_about_missing_threads() -> None:
     envs = TactileVectorEnv(2, settings=SHORT, threads=2)
     envs.reset(seed=1)
     context = multiprocessing.get_context("fork")
@@ -271,7 +271,7 @@ def test_a_forked_process_is_told_that_the_threads_are_not_in_it() -> None:
     envs.step(np.zeros((2, 6)))
 
 
-def test_stable_baselines_gets_what_its_interface_asks_for() -> None:
+def test_the_interface_of_stable_baselines_is_implemented() -> None:
     envs = SB3VecEnv(3, experiment="cap-closing", settings=SHORT)
     assert envs.seed(5) == [5, 6, 7]
     observations = envs.reset()
@@ -286,7 +286,7 @@ def test_stable_baselines_gets_what_its_interface_asks_for() -> None:
     assert over.all(), "half a second is over for all at once"
     for info in infos:
         assert info["TimeLimit.truncated"] and info["terminal_observation"].shape == observations[0].shape
-    # The next episodes have begun.
+    # The next episodes have started.
     assert not np.array_equal(observations[0], infos[0]["terminal_observation"])
     assert envs.env_is_wrapped(object) == [False] * 3 and envs.get_attr("num_envs", 0) == [3]
     envs.close()

@@ -1,4 +1,4 @@
-"""The notebook, as a reader would run it from top to bottom."""
+"""Runs the notebook from top to bottom, as a reader would."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ NOTEBOOK = Path(__file__).parents[2] / "examples/python/fingertip_to_finger.ipyn
 
 
 def read() -> Any:
-    """The notebook as it is committed."""
+    """Returns the committed notebook."""
     return nbformat.read(NOTEBOOK, as_version=4)  # type: ignore[no-untyped-call]
 
 
@@ -28,24 +28,24 @@ def test_no_output_is_committed() -> None:
         assert not cell.get("outputs") and cell.get("execution_count") is None, f"{cell.id}: clear the outputs"
         assert not cell.metadata, f"{cell.id}: {cell.metadata}"
     assert set(notebook.metadata) == {"kernelspec", "language_info"}
-    assert set(notebook.metadata.language_info) == {"name"}, "what the editor adds says where it was edited last"
+    assert set(notebook.metadata.language_info) == {"name"}, "remove the metadata that the editor added"
 
 
 @pytest.fixture(scope="module")
 def executed(tmp_path_factory: pytest.TempPathFactory) -> Any:
-    """The notebook with its outputs, executed elsewhere, so that it finds nothing of the clone but the package."""
+    """Executes the notebook outside of the clone, so that it can only use the installed package."""
     folder = tmp_path_factory.mktemp("notebook")
     notebook = read()
     with pytest.MonkeyPatch.context() as environment:
-        # Where it keeps its runs.
+        # Directory of its runs.
         environment.setenv("TMPDIR", str(folder))
-        # Seconds for a cell that takes ten on two cores that are free.
+        # Timeout in s. The slowest cell takes 10 s on two idle cores.
         NotebookClient(notebook, timeout=900, kernel_name="python3", resources={"metadata": {"path": str(folder)}}).execute()
     return notebook
 
 
 def outputs(executed: Any, kind: str) -> dict[str, list[str]]:
-    """What cells show of a kind, by the cell's id."""
+    """Returns the outputs of one kind, by cell id."""
     cells = {cell.id: [o.data[kind] for o in cell.get("outputs", []) if kind in o.get("data", {})] for cell in executed.cells}
     return {cell: shown for cell, shown in cells.items() if shown}
 
@@ -58,7 +58,7 @@ def test_each_figure_is_a_picture_of_something(executed: Any) -> None:
         (picture,) = (matplotlib.image.imread(io.BytesIO(base64.b64decode(shown)))[..., :3] for shown in pictures)
         rows, columns, _ = picture.shape
         assert 200 <= rows <= 1000 and 600 <= columns <= 1400, f"{cell}: {columns}x{rows} px"
-        # Axes, text and a frame without anything in it are black, grey and white; what is measured has colours.
+        # Axes, text and empty frames are black, gray and white; data are coloured.
         coloured = np.mean(np.ptp(picture, axis=2) > 0.2)
         assert coloured > 0.005 and picture.std() > 0.05, f"{cell}: coloured {coloured:.1%}, deviation {picture.std():.3f}"
 
@@ -66,7 +66,7 @@ def test_each_figure_is_a_picture_of_something(executed: Any) -> None:
 def test_the_run_shows_itself(executed: Any) -> None:
     shown = outputs(executed, "text/html")
     assert list(shown) == ["display", "pandas"]
-    assert "11 of 11 claims hold" in shown["display"][0] and shown["display"][0].count("<figure") == 7
+    assert "11 of 11 claims pass" in shown["display"][0] and shown["display"][0].count("<figure") == 7
 
 
 def test_nothing_is_said_but_progress(executed: Any) -> None:
@@ -74,5 +74,5 @@ def test_nothing_is_said_but_progress(executed: Any) -> None:
         for output in cell.get("outputs", []):
             assert output.output_type != "error"
             if output.get("name") == "stderr":
-                # A bar that is drawn over itself.
+                # A progress bar overwrites itself.
                 assert cell.id in ("run", "sweep") and output.text[0] in "\r\n", f"{cell.id}: {output.text}"

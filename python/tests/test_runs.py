@@ -19,11 +19,11 @@ def test_a_run_has_summary_report_and_columns(closing: feeler.Run) -> None:
     assert closing.report_path.stat().st_size > 100_000
     assert all(claim["holds"] for claim in closing.summary["claims"])
     assert closing.force.shape == (len(closing.recording), 2, 41, 3)
-    # Fig. 8: some 40 mN·m at the most, and the cap has turned.
+    # Fig. 8: a maximum of about 40 mN·m, and the cap has turned.
     assert 0.03 < np.nanmax(closing.torque) < 0.06
     assert closing.recording.cap_angle[-1] > 0.3
     assert closing.recording.state == "done" and closing.recording.complete
-    assert "claims hold" in repr(closing)
+    assert "claims pass" in repr(closing)
     with pytest.raises(AttributeError, match="expected one of time, phase"):
         _ = closing.forse
 
@@ -39,7 +39,7 @@ def test_a_notebook_shows_a_run_by_its_figures(closing: feeler.Run) -> None:
 def test_a_recording_that_is_cut_short_is_read_with_a_warning(closing: feeler.Run, tmp_path: Path) -> None:
     whole = closing.recording.path.read_bytes()
     (tmp_path / "cut").write_bytes(whole[: len(whole) // 2])
-    with pytest.warns(UserWarning, match="cut: not whole: .*; read as far as it goes"):
+    with pytest.warns(UserWarning, match="cut: incomplete recording: .*; read up to there"):
         recording = feeler.read(tmp_path / "cut")
     assert not recording.complete and 0 < len(recording) < len(closing.recording)
     np.testing.assert_array_equal(recording.time, closing.recording.time[: len(recording)])
@@ -61,7 +61,7 @@ def test_columns_are_read_only_and_flat_tables_hold_the_same(closing: feeler.Run
 def test_forces_agree_with_grasp_force_and_flags(closing: feeler.Run) -> None:
     recording = closing.recording
     compression = np.maximum(recording.force[..., 2], 0.0).sum(axis=2)
-    # Sums of 41 numbers in another order.
+    # Sums of 41 numbers in a different order.
     np.testing.assert_allclose(recording.grasp_force, compression, rtol=0, atol=1e-12)
     over_force = recording.experiment["control"]["over_force"]
     np.testing.assert_array_equal(recording.over, (recording.force[..., 2] > over_force).any(axis=2))
@@ -119,7 +119,7 @@ def test_a_session_is_the_run(closing: feeler.Run) -> None:
 
 
 class PaperLaw:
-    """The finger speed estimator (Fig. 5), written again from the paper."""
+    """The finger speed estimator (Fig. 5), reimplemented from the paper."""
 
     def __init__(self, recompression_speed: float, minimum_grasp_force: float) -> None:
         self.recompression_speed = recompression_speed
@@ -139,7 +139,7 @@ class PaperLaw:
             finger.over,
             weak,
         )
-        # v is kept while plan and flags do not change.
+        # v is constant while plan and flags do not change.
         if situation != self.situation:
             self.situation = situation
             self.kept = plan.velocity
@@ -227,7 +227,7 @@ def test_a_loops_body_may_move_the_hand() -> None:
         step.move([[0.0, 0.0, 2e-3], [0.0, 0.0, 2e-3]])
         if step.time > 0.5:
             break
-    # 2 mm/s for half a second, less a servo's lag.
+    # 2 mm/s for half a second, less the servo lag.
     risen = positions[-1][2] - positions[0][2]
     assert 0.8e-3 < risen < 1.02e-3
     with pytest.raises(ValueError, match=r"velocity: expected float64 \[2, 3\], got float64 \[3\]"):

@@ -1,4 +1,4 @@
-"""Sensing on arrays, held against what the control loop sensed in the same pictures."""
+"""Sensing on arrays, compared with the forces that the control loop measured in the same images."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def test_forces_and_flags_are_those_of_the_run(tip: feeler.Fingertip, pictured: 
     recording = pictured.recording
     rows = len(frames)
     felt = tip.sense(frames, stamps=recording.time[:rows].copy())
-    # The same pictures through the same chain: equal to the bit.
+    # The same images through the same chain: bit-identical.
     np.testing.assert_array_equal(felt.force, recording.force[:rows, 0])
     np.testing.assert_array_equal(felt.shear_rate, recording.shear_rate[:rows, 0])
     for name in ("touch", "slip", "over", "grasp_force"):
@@ -68,7 +68,7 @@ def test_one_picture_is_a_batch_of_one(tip: feeler.Fingertip, frames: Frames) ->
     np.testing.assert_array_equal(felt.force, tip.sense(frames[5:6]).force)
 
 
-def test_arrays_that_do_not_fit_are_named(tip: feeler.Fingertip, frames: Frames) -> None:
+def test_errors_name_the_mismatched_array(tip: feeler.Fingertip, frames: Frames) -> None:
     cases: list[tuple[object, str]] = [
         (frames.astype(np.float32), r"frames: expected .* uint8 \[N, 480, 640\], got float32"),
         (frames[:, :100], r"uint8 \[N, 480, 640\], got uint8 \[\d+, 100, 640\]"),
@@ -108,7 +108,7 @@ def test_without_calibration_displacements_count_from_a_reference(pictured: feel
     tip = feeler.Fingertip(experiment="cap-closing").with_reference(frames[:20])
     felt = tip.sense(frames)
     assert not tip.is_calibrated and np.isnan(felt.force).all() and felt.valid.all()
-    # Without load the centroids stay within the picture's noise, 2.5 um; under load they move by far more.
+    # Without load the centroids stay within the image noise, 2.5 um; under load they move by far more.
     touching = pictured.recording.touch[: len(frames), 0]
     moved = np.abs(felt.displacement).max(axis=(1, 2))
     assert moved[:20].max() < 30e-6 < moved[touching].max()
@@ -134,15 +134,15 @@ def test_a_calibration_is_fitted_to_loads_and_predicts_others() -> None:
     others, held_out = feeler.simulate_loads(loads=20, seed=2)
     error = feeler.Fingertip(calibration).sense(others).force - held_out
     rms = np.sqrt((error**2).mean(axis=(0, 1)))
-    # Full scale is 1 N of shear and 2 N of compression; with 400 loads the reference has 0.5 and 0.15 %.
+    # Full scale is 1 N of shear and 2 N of compression. With 400 loads, the reference has errors of 0.5 and 0.15 %.
     assert (rms < [0.02, 0.02, 0.02]).all(), rms
 
 
-def test_loads_that_determine_no_calibration_are_refused(pictured: feeler.Run, frames: Frames, tmp_path: Path) -> None:
+def test_loads_that_do_not_determine_a_calibration_are_rejected(pictured: feeler.Run, frames: Frames, tmp_path: Path) -> None:
     forces = np.ascontiguousarray(pictured.recording.force[: len(frames), 0])
     unloaded = np.abs(forces).max(axis=2) < 0.01
     forces[unloaded] = 0.0
-    # Elements that the cap never reaches have no loads to be fitted to.
+    # Elements that the cap never touches have no loads to fit.
     with pytest.raises(ValueError, match="element"):
         feeler.calibrate(frames=frames, forces=forces)
     with pytest.raises(ValueError, match=r"forces: expected .* float64 \[\d+, E, 3\]"):
@@ -167,16 +167,16 @@ def test_calibrations_are_read_and_written(tmp_path: Path) -> None:
         feeler.Fingertip()
 
 
-def test_a_fingertip_says_where_its_elements_are(tip: feeler.Fingertip) -> None:
+def test_element_poses_of_a_fingertip(tip: feeler.Fingertip) -> None:
     session = feeler.Session("cap-closing", seed=7, sensing="direct")
     finger = next(step for step in session if session.phase == "MOVE").fingers[0]
     assert finger.touch and np.linalg.norm(finger.resultant) > 0.5
-    # What the control loop takes the resultant with, in the world.
+    # The control loop computes the resultant in the world frame from the same poses.
     np.testing.assert_allclose(tip.rotations[:, :, 2] @ finger.rotation.T, finger.normal, atol=1e-12)
     in_world = tip.force_on_fingertip(finger.force).sum(axis=0) @ finger.rotation.T
     np.testing.assert_allclose(in_world, finger.resultant, atol=1e-12)
     np.testing.assert_allclose(tip.tips, 0.018 * tip.rotations[:, :, 2], atol=1e-12)
-    # The apex first, seen where the dome's axis is.
+    # The apex comes first, on the dome's axis.
     np.testing.assert_allclose(tip.tips[0], [0.018, 0.0, 0.0], atol=1e-12)
     with pytest.raises(ValueError, match=r"force: expected float64 \[..., 41, 3\], got \[40, 3\]"):
         tip.force_on_fingertip(finger.force[:40])
@@ -187,7 +187,7 @@ def test_elements_are_where_they_are_found(tip: feeler.Fingertip, frames: Frames
     found = feeler.locate(untouched, dome="cap-closing")
     on_dome = feeler.Fingertip(layout=found)
     np.testing.assert_array_equal(on_dome.centres, found.centres)
-    # Spots of a dozen pixels, found to a tenth of one; at the rim a pixel is 0.1 mm.
+    # Spots of a dozen pixels are located to a tenth of a pixel; at the rim a pixel is 0.1 mm.
     np.testing.assert_allclose(tip.centres, found.centres, atol=0.5)
     np.testing.assert_allclose(tip.tips, on_dome.tips, atol=0.1e-3)
     np.testing.assert_allclose(tip.rotations, on_dome.rotations, atol=0.1)

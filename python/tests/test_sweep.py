@@ -38,7 +38,7 @@ def test_columns_are_what_the_table_says(swept: feeler.Sweep) -> None:
     assert columns["seed"].tolist() == [int(row[1]) for row in rows]
     assert columns["friction"].tolist() == [float(row[2]) for row in rows]
     assert set(columns["outcome"]) == {"time_limit"} and columns["success"].dtype == np.bool_
-    assert np.isnan(columns["stroke2.peak_torque"]).all(), "nobody came so far"
+    assert np.isnan(columns["stroke2.peak_torque"]).all(), "no trial reached stroke 2"
     assert not any(column.flags.writeable for column in columns.values())
     assert len(swept) == 12 and swept.successes == 0 and "0 of 12 trials succeeded" in repr(swept)
     assert swept.summary_path.stat().st_size > 10_000
@@ -47,13 +47,13 @@ def test_columns_are_what_the_table_says(swept: feeler.Sweep) -> None:
     assert polars["outcome"].to_list() == columns["outcome"].tolist()
 
 
-def test_progress_is_told(tmp_path: Path) -> None:
+def test_progress_is_reported(tmp_path: Path) -> None:
     told: list[float] = []
     short(tmp_path / "sweep", trials=8, jobs=1, progress=told.append)
     assert told == sorted(told) and told[-1] == 8
 
 
-def test_ctrl_c_leaves_a_folder_to_go_on_with(swept: feeler.Sweep, tmp_path: Path) -> None:
+def test_a_sweep_can_be_resumed_after_ctrl_c(swept: feeler.Sweep, tmp_path: Path) -> None:
     folder = tmp_path / "sweep"
 
     def interrupt(done: float) -> None:
@@ -75,7 +75,7 @@ def test_ctrl_c_leaves_a_folder_to_go_on_with(swept: feeler.Sweep, tmp_path: Pat
     same(folder, swept.folder)
 
 
-def test_a_killed_program_leaves_one_too(tmp_path: Path) -> None:
+def test_a_sweep_can_be_resumed_after_a_kill(tmp_path: Path) -> None:
     folder = tmp_path / "sweep"
     killed = driver(folder, "threads", 100)
     wait_for(folder, 5, killed)
@@ -86,7 +86,7 @@ def test_a_killed_program_leaves_one_too(tmp_path: Path) -> None:
 
 
 def test_trials_are_the_same_where_only_plan_and_files_are(tmp_path: Path) -> None:
-    """What a machine of a cluster does, with an experiment that reads a calibration and a mesh."""
+    """Runs trials as a cluster machine does, for an experiment that reads a calibration and a mesh."""
     home, away = tmp_path / "home", tmp_path / "away"
     (home / "parts").mkdir(parents=True)
     calibration = "reference-fingertip.calibration.toml"
@@ -108,7 +108,7 @@ def test_trials_are_the_same_where_only_plan_and_files_are(tmp_path: Path) -> No
     assert b",invalid," in trials.run([0])
 
 
-# Out of the fingers' way.
+# A mesh that the fingers do not touch.
 MESHED = """
 [sim.object.stone]
 position = [0.3, 0.3, 0.0]
@@ -133,24 +133,24 @@ TETRAHEDRON = (
 @pytest.mark.parametrize(
     ("wrong", "expected"),
     [
-        ({"trials": 0}, "trials = 0; expected 1 to 100000000"),
-        ({"jobs": 0}, "jobs = 0; expected 1 to 1024"),
-        ({"trials_per_task": 0}, "trials_per_task = 0; expected 1"),
-        ({"seed": -1}, "seed = -1; expected 0 to"),
-        ({"engine": "spark"}, 'engine = \'spark\'; expected "threads" or "ray"'),
+        ({"trials": 0}, "trials = 0: expected 1 to 100000000"),
+        ({"jobs": 0}, "jobs = 0: expected 1 to 1024"),
+        ({"trials_per_task": 0}, "trials_per_task = 0: expected 1"),
+        ({"seed": -1}, "seed = -1: expected 0 to"),
+        ({"engine": "spark"}, 'engine = \'spark\': expected "threads" or "ray"'),
         ({"vary": {"frictoin": "uniform(0,1)"}}, 'there is no parameter "frictoin"'),
         ({"vary": {"friction": "uniform(2,1)"}}, "the first must not exceed the second"),
         ({"settings": {"control.slip_threshold": -1}}, "expected more than 0"),
     ],
 )
-def test_what_makes_no_sense_is_refused_in_words(wrong: dict[str, Any], expected: str, tmp_path: Path) -> None:
+def test_invalid_arguments_are_rejected_with_a_message(wrong: dict[str, Any], expected: str, tmp_path: Path) -> None:
     with pytest.raises(ValueError) as refused:
         short(tmp_path / "sweep", **wrong)
     assert expected in str(refused.value)
     assert not (tmp_path / "sweep").exists()
 
 
-def test_a_table_that_is_none_is_refused_in_words(swept: feeler.Sweep, tmp_path: Path) -> None:
+def test_an_invalid_table_is_rejected_with_a_message(swept: feeler.Sweep, tmp_path: Path) -> None:
     torn = tmp_path / "trials.csv"
     torn.write_bytes(swept.table_path.read_bytes()[:-40] + b"\n")
     with pytest.raises(ValueError, match="expected the table of a finished sweep"):
@@ -162,7 +162,7 @@ def test_a_table_that_is_none_is_refused_in_words(swept: feeler.Sweep, tmp_path:
 def test_a_store_has_one_user_at_a_time(tmp_path: Path) -> None:
     trials = _core.Trials.planned("cap-closing", ["sensing=direct"], [], 0, 4, None)
     store = _core.Store(tmp_path / "sweep", trials, False)
-    with pytest.raises(RuntimeError, match="4 trials are missing, the first is 0"):
+    with pytest.raises(RuntimeError, match="4 trials are missing, starting with trial 0"):
         store.finish()
     said: list[str] = []
 
@@ -173,7 +173,7 @@ def test_a_store_has_one_user_at_a_time(tmp_path: Path) -> None:
             said.append(str(error))
 
     store.run(1, ask)
-    assert set(said) == {"the sweep runs on another thread already"}
+    assert set(said) == {"the sweep is already running on another thread"}
     store.finish()
     with pytest.raises(RuntimeError, match="the sweep is finished"):
         store.push(b"")

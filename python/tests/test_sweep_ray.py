@@ -1,4 +1,4 @@
-"""Sweeps on a Ray cluster of two nodes: the same files, whatever is killed."""
+"""Sweeps on a Ray cluster of two nodes give the same files, even if a node or the driver is killed."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ from conftest import CALIBRATION, EXPERIMENTS, missing
 from sweeping import driver, finished, same, short, wait_for
 
 TRIALS = 60
-# Of one processor each, with the least memory that Ray takes.
+# One processor each, with the minimum memory that Ray accepts.
 NODE = {"num_cpus": 1, "object_store_memory": 80_000_000}
 
 
 @pytest.fixture(scope="module")
 def cluster() -> Iterator[Any]:
-    """A head and no other node yet, on this computer, to which this program is connected."""
+    """A connected local cluster that consists of a head node."""
     try:
         import ray
         from ray.cluster_utils import Cluster
     except ImportError:
         missing("Ray (pip install ray)")
-    # A node that is silent for 5 s is dead; 30 s otherwise.
+    # A node counts as dead after 5 s of silence instead of 30 s.
     system = {"health_check_period_ms": 500, "health_check_failure_threshold": 10}
     head = {**NODE, "include_dashboard": False, "_system_config": system}
     cluster: Any = Cluster(initialize_head=True, head_node_args=head)
@@ -53,7 +53,7 @@ def second(cluster: Any) -> Iterator[Any]:
 
 @pytest.fixture(scope="module")
 def expected(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """What threads make of it."""
+    """The same sweep on threads."""
     return short(tmp_path_factory.mktemp("sweeps") / "threads", trials=TRIALS).folder
 
 
@@ -74,14 +74,14 @@ def test_a_node_that_is_killed_changes_nothing(cluster: Any, second: Any, tmp_pa
 
     killer = threading.Thread(target=kill, daemon=True)
     killer.start()
-    # Enough that both nodes are at it when one is killed.
+    # Enough trials that both nodes are busy when one is killed.
     short(folder, engine="ray", trials=300, trials_per_task=5)
     killer.join()
     assert second not in cluster.list_all_nodes()
     same(folder, short(whole, trials=300).folder)
 
 
-def test_a_driver_that_is_killed_can_be_gone_on_with(
+def test_a_sweep_can_be_resumed_after_its_driver_is_killed(
     cluster: Any, second: Any, expected: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     folder = tmp_path / "ray"
@@ -98,7 +98,7 @@ def test_a_driver_that_is_killed_can_be_gone_on_with(
     same(folder, expected)
 
 
-def test_ctrl_c_leaves_a_folder_that_threads_go_on_with(cluster: Any, expected: Path, tmp_path: Path) -> None:
+def test_threads_can_resume_a_sweep_after_ctrl_c(cluster: Any, expected: Path, tmp_path: Path) -> None:
     folder = tmp_path / "ray"
     sent: list[float] = []
 
@@ -114,7 +114,7 @@ def test_ctrl_c_leaves_a_folder_that_threads_go_on_with(cluster: Any, expected: 
     same(folder, expected)
 
 
-def test_an_experiments_files_reach_the_machines(cluster: Any, tmp_path: Path) -> None:
+def test_files_of_the_experiment_are_sent_to_the_machines(cluster: Any, tmp_path: Path) -> None:
     shutil.copy(EXPERIMENTS / "cap-closing.toml", tmp_path / "own.toml")
     shutil.copy(CALIBRATION, tmp_path / "mine.toml")
     settings: dict[str, feeler.Value] = {"sensor.calibration": "mine.toml", "time_limit": 0.05}
@@ -129,17 +129,17 @@ def test_an_experiments_files_reach_the_machines(cluster: Any, tmp_path: Path) -
     assert not (tmp_path / "none").exists()
 
 
-def test_a_machine_with_another_version_is_refused_in_words(
+def test_a_machine_with_another_version_is_rejected_with_a_message(
     cluster: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("feeler._core.__version__", "0.0.0")
-    with pytest.raises(RuntimeError, match=r"feeler \d+\.\d+\.\d+ is installed; expected 0\.0\.0"):
+    with pytest.raises(RuntimeError, match=r"expected feeler 0\.0\.0, the version that started the sweep, got \d+\.\d+\.\d+"):
         short(tmp_path / "ray", engine="ray", trials=3)
 
 
-def test_without_ray_it_is_said_what_is_missing(tmp_path: Path) -> None:
+def test_missing_ray_is_reported(tmp_path: Path) -> None:
     code = "import sys; sys.modules['ray'] = None; import feeler\n"
     code += "try: feeler.sweep('cap-closing', engine='ray')\nexcept ImportError as error: print(error)"
     said = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, check=True, capture_output=True, text=True)
-    assert "there is no Ray" in said.stdout and "pip install" in said.stdout
+    assert "Ray is not installed" in said.stdout and "pip install" in said.stdout
     assert not list(tmp_path.iterdir())

@@ -65,7 +65,7 @@ describe("a run in the browser", { skip }, () => {
   test("stop and resume are answered in words", async () => {
     for (let i = 0; i < STOPS; i++) {
       await stop().click();
-      await page.getByText("The hand is stopped: told to stop by the live page.").waitFor();
+      await page.getByText("The hand is stopped: stop requested by the live page.").waitFor();
       await page.getByText("Stop: the hand stands still.").waitFor();
       await page.waitForTimeout(STANDS);
       await resume().click();

@@ -6,18 +6,18 @@ use feeler_sources::settings::Trigger;
 /// Settings of a camera besides size and rate.
 #[derive(Debug, clap::Args)]
 pub struct CameraArguments {
-    /// Exposure time of the camera, s [default: as the camera is set]
+    /// Exposure time of the camera (s) [default: the camera's current setting]
     #[arg(long, value_name = "SECONDS", value_parser = parse_exposure)]
     exposure: Option<f64>,
-    /// Gain of the camera, in its own unit, as `feeler cameras` lists it [default: as the camera is set]
+    /// Gain of the camera, in the unit listed by `feeler cameras` [default: the camera's current setting]
     #[arg(long, value_name = "GAIN", value_parser = parse_gain)]
     gain: Option<f64>,
-    /// Column and row of the camera's sensor at which the pictures begin, px: with their size, the region of interest
-    /// (GenICam cameras) [default: 0,0]
+    /// Column and row of the sensor at which the region of interest begins (px; GenICam only) [default: 0,0]
     #[arg(long, value_name = "COLUMN,ROW", value_parser = parse_offset)]
     roi_offset: Option<(usize, usize)>,
-    /// What makes the camera take a picture: free, its own clock; software, a command at --rate; or a signal at one of its
-    /// inputs, as in Line0 (GenICam cameras) [default: free]
+    /// Frame trigger: `free`, `software` or an input line, e.g. Line0 (GenICam only) [default: free]
+    ///
+    /// `free` uses the camera's internal clock, `software` a command at --rate, and a line the signal at that input.
     #[arg(long, value_name = "free|software|LINE")]
     trigger: Option<Trigger>,
 }
@@ -60,5 +60,5 @@ fn parse_offset(text: &str) -> Result<(usize, usize), String> {
     let offset = text.split_once(',');
     offset
         .and_then(|(column, row)| Some((place(column)?, place(row)?)))
-        .ok_or_else(|| "expected COLUMN,ROW of 0 to 65535 px each, as in 640,480".into())
+        .ok_or_else(|| "expected COLUMN,ROW from 0 to 65535 px each, e.g. 640,480".into())
 }

@@ -1,4 +1,4 @@
-//! `feeler check`
+//! The `feeler check` subcommand.
 
 use super::{CommandError, Outcome};
 use crate::options::Json;
@@ -12,30 +12,30 @@ use std::io::Write;
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// An experiment file, or the name of a built-in experiment.
+    /// Experiment file or name of a built-in experiment.
     experiment: String,
-    /// Check it with this value set, as in control.slip_threshold=2.5.
+    /// Override an experiment value, e.g. control.slip_threshold=2.5.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     settings: Vec<String>,
     #[command(flatten)]
     json: Json,
 }
 
-/// What `--json` prints.
+/// Output of `--json`.
 #[derive(Default, Serialize)]
 struct Checked {
-    /// The experiment as named.
+    /// The experiment, as given on the command line.
     experiment: String,
     good: bool,
-    /// What is wrong with it.
+    /// Errors found.
     problems: Vec<String>,
     warnings: Vec<String>,
-    /// Its own name.
+    /// Name of the experiment.
     name: String,
-    /// Elements of each finger.
+    /// Number of elements of each finger.
     elements: Vec<usize>,
     strokes: u32,
-    /// Whether it has a simulated world.
+    /// `true` if the experiment has a simulated world.
     simulated: bool,
 }
 
@@ -52,7 +52,7 @@ pub fn check(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comm
         checked.good = found.is_ok();
         print_json(&checked, out)?;
     } else {
-        // Before what may be refused for the same mistake.
+        // Printed before an error that may have the same cause.
         for warning in &checked.warnings {
             writeln!(out, "warning: {warning}")?;
         }
@@ -61,7 +61,7 @@ pub fn check(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comm
     if !arguments.json.json {
         let rig = match checked.simulated {
             true => "",
-            false => "; a real rig, as there is no [sim]",
+            false => "; real rig, no [sim]",
         };
         writeln!(
             out,
@@ -76,7 +76,7 @@ pub fn check(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comm
     Ok(Outcome::Done)
 }
 
-/// Writes what is found into `checked`.
+/// Runs the checks, and stores the results in `checked`.
 fn look(arguments: &Arguments, checked: &mut Checked) -> Result<(), CommandError> {
     let experiment = Experiment::load(&arguments.experiment, &arguments.settings)?;
     checked.warnings = warnings(&experiment)
@@ -87,7 +87,7 @@ fn look(arguments: &Arguments, checked: &mut Checked) -> Result<(), CommandError
     checked.name.clone_from(&config.name);
     checked.strokes = config.task.strokes();
     checked.simulated = config.sim.is_some();
-    // Building everything checks what only the whole can tell: reach, sight, calibration.
+    // Building the session checks properties of the whole: reach, visibility, calibration.
     let layouts = match config.sim {
         Some(_) => Session::new(&experiment)?.layouts().to_vec(),
         None => check_rig(&experiment)?,
@@ -96,7 +96,7 @@ fn look(arguments: &Arguments, checked: &mut Checked) -> Result<(), CommandError
     Ok(())
 }
 
-/// What is wrong: every value that is out of range, or the one thing that ended the check.
+/// Lists every value that is out of range, or the error that ended the check.
 fn problems(error: &(dyn Error + 'static)) -> Vec<String> {
     match error.downcast_ref::<ConfigError>() {
         Some(ConfigError::OutOfRange { problems, .. }) => {
@@ -106,7 +106,7 @@ fn problems(error: &(dyn Error + 'static)) -> Vec<String> {
     }
 }
 
-/// How many elements the fingers have: one number, or one for each where they differ.
+/// Formats the numbers of elements: a single number if all fingers have the same.
 fn elements(counts: &[usize]) -> String {
     let mut counts: Vec<_> = counts.iter().map(ToString::to_string).collect();
     if counts.iter().all(|count| *count == counts[0]) {

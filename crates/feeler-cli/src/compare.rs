@@ -1,4 +1,4 @@
-//! `feeler compare`
+//! The `feeler compare` subcommand.
 
 pub mod laws;
 
@@ -16,50 +16,56 @@ use feeler_report::compare_page::{ComparePage, compare_page, number};
 use std::io::Write;
 use std::path::PathBuf;
 
-/// Name of the page in a comparison's folder.
+/// File name of the report.
 const PAGE: &str = "compare.html";
 
 const EXAMPLES: &str = "\
-Each law's trials are a sweep of their own, in a folder of the law's name; trial K draws the same under all.
-A law is as the experiment has it, if that is the one it chooses, and otherwise as it comes. A policy is called
-by its file, without the ending.
+The trials of each law are stored as a sweep in a subfolder named after the law. Trial K draws the same values for
+every law. The experiment's law keeps its settings; other laws use their defaults. A policy is named after its
+file, without the extension.
 
 Examples:
   feeler compare cap-closing -o compare                     all laws, 200 trials each
   feeler compare cap-closing --laws tri-axial,best --trials 2000 -o compare
-  feeler compare cap-closing --policy my.safetensors        all laws and a learnt policy
-  feeler compare cap-closing --resume -o compare            continue what was stopped
-  feeler run --trial compare/best 17                        one trial again, with recording and report";
+  feeler compare cap-closing --policy my.safetensors        all laws and a learned policy
+  feeler compare cap-closing --resume -o compare            continue an interrupted comparison
+  feeler run --trial compare/best 17                        rerun one trial, with recording and report";
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// An experiment file, or the name of a built-in experiment, in which a cap is closed.
+    /// Experiment file or name of a built-in experiment that closes a cap.
     experiment: String,
-    /// The control laws; the others are compared with the first.
+    /// Control laws to compare; the first is the reference.
     #[arg(long, value_delimiter = ',', default_values_t = LawConfig::NAMES.map(String::from))]
     laws: Vec<String>,
-    /// A learnt policy to compare beside the laws (safetensors); may be given again.
+    /// Learned policy (safetensors) to compare with the laws. Repeatable.
     #[arg(long = "policy", value_name = "FILE")]
     policies: Vec<PathBuf>,
-    /// Number of trials of each law.
+    /// Number of trials per law.
     #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u64).range(1..=10_000_000))]
     trials: u64,
-    /// What varies, instead of friction, noise, off-centre and seat; figures are drawn against the first.
+    /// Parameter to vary, instead of friction, noise, eccentricity and seat angle. Repeatable.
+    ///
+    /// Figures show the results against the first parameter.
     #[arg(long = "vary", value_name = "NAME=DISTRIBUTION")]
     vary: Vec<String>,
-    /// Where forces come from: rendered camera pictures, or the feelers themselves plus noise.
+    /// Source of forces: `image` (rendered camera images) or `direct` (simulated forces plus noise).
     #[arg(long, value_parser = ["image", "direct"], default_value = "direct")]
     sensing: String,
-    /// A success tightens the cap to this torque, N·m. The default is what the reference law reaches on average.
+    /// Minimum final torque of a successful trial (N·m).
+    ///
+    /// The default is the mean torque that the reference law reaches.
     #[arg(long, value_name = "TORQUE", default_value_t = 0.03)]
     goal_torque: f64,
-    /// A success loads no element above this force, N. The default is what counts as no damage: a quarter above F2.
+    /// Maximum element force of a successful trial (N).
+    ///
+    /// The default is the limit for damage, a quarter above F2.
     #[arg(long, value_name = "FORCE", default_value_t = 0.63)]
     goal_force: f64,
     #[command(flatten)]
     trial: TrialArguments,
-    /// The comparison's folder.
+    /// Output folder.
     #[arg(short, long, value_name = "DIR", default_value = "compare")]
     out: PathBuf,
 }
@@ -85,7 +91,7 @@ pub fn compare(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Co
     if ended == Ended::Stopped {
         writeln!(
             out,
-            "interrupted: {finished} trials are finished under every law and kept; go on with the same command and --resume"
+            "interrupted: {finished} trials of every law are finished and saved; continue with the same command and --resume"
         )?;
         return Ok(Outcome::GivenUp);
     }
@@ -105,7 +111,7 @@ fn goal(arguments: &Arguments) -> Result<Goal, CommandError> {
     Ok(Goal { torque, force })
 }
 
-/// What varies, and what is set so that it can.
+/// Returns the varied parameters, and the settings that they require.
 fn draws(arguments: &Arguments) -> Result<(Vec<String>, Vec<String>), CommandError> {
     let mut settings = arguments.trial.settings.clone();
     settings.push(format!("sensing={}", arguments.sensing));
@@ -113,7 +119,7 @@ fn draws(arguments: &Arguments) -> Result<(Vec<String>, Vec<String>), CommandErr
     if !config.task.takes_law() {
         let (name, task) = (&arguments.experiment, config.task.name());
         return Err(format!(
-            "{name}: the laws cannot differ, because its task.{task} controls its contact forces itself: expected an experiment with {}",
+            "{name}: task.{task} controls contact forces itself, so control laws have no effect; expected an experiment with {}",
             TaskConfig::WITH_LAW
         )
         .into());
@@ -121,7 +127,7 @@ fn draws(arguments: &Arguments) -> Result<(Vec<String>, Vec<String>), CommandErr
     let Some((cap, object, thread)) = config.simulation()?.cap() else {
         let name = &arguments.experiment;
         return Err(format!(
-            "{name}: nothing is on a thread: expected an experiment in which a cap is closed"
+            "{name}: no object is on a thread; expected an experiment that closes a cap"
         )
         .into());
     };
@@ -129,7 +135,7 @@ fn draws(arguments: &Arguments) -> Result<(Vec<String>, Vec<String>), CommandErr
         return Ok((arguments.vary.clone(), settings));
     }
     let object_key = format!("sim.object.{cap}");
-    // So that the friction that is drawn is the true one, and that the offset is there to be varied.
+    // The drawn friction must be the true one, and the offset must exist to be varied.
     settings.push("sim.variation.friction=0.0".to_string());
     settings.push(format!("{object_key}.offset={:?}", object.offset));
     let seat = thread.seat_angle;
@@ -146,7 +152,7 @@ fn draws(arguments: &Arguments) -> Result<(Vec<String>, Vec<String>), CommandErr
     Ok((vary.into_iter().chain(noise(&config)?).collect(), settings))
 }
 
-/// From none to three times the noise of the experiment.
+/// Returns the sensing noise parameters, varied from 0 to three times the experiment's values.
 fn noise(config: &ExperimentConfig) -> Result<[String; 2], CommandError> {
     let noise = &config.simulation()?.direct_sensing;
     let vary =
@@ -157,7 +163,7 @@ fn noise(config: &ExperimentConfig) -> Result<[String; 2], CommandError> {
     ])
 }
 
-/// The sweep of one law.
+/// Returns the trials of one law.
 fn plan(
     arguments: &Arguments,
     law: LawConfig,
@@ -203,7 +209,7 @@ fn page(arguments: &Arguments, contenders: &[Contender], goal: Goal) -> CompareP
     }
 }
 
-/// The page's table, for a terminal.
+/// Prints the report's table.
 fn print(page: &ComparePage, out: &mut dyn Write) -> std::io::Result<()> {
     for law in &page.laws {
         match law.lines {

@@ -1,4 +1,4 @@
-//! `feeler completions` and `feeler man`: what shells and `man` know of the program.
+//! The `feeler completions` and `feeler man` subcommands.
 
 use super::{CommandError, Outcome, command_line};
 use clap::Command;
@@ -11,29 +11,29 @@ const NAME: &str = "feeler";
 
 #[derive(Debug, clap::Args)]
 pub struct CompletionsArguments {
-    /// The shell.
+    /// Shell to generate completions for.
     shell: Shell,
 }
 
 #[derive(Debug, clap::Args)]
 pub struct ManArguments {
-    /// A command, for its own page; the page of the whole program without one.
+    /// Command to document [default: the whole program]
     command: Option<String>,
 }
 
-/// Prints a shell's completions.
+/// Prints a shell completion script.
 pub fn completions(
     arguments: &CompletionsArguments,
     out: &mut dyn Write,
 ) -> Result<Outcome, CommandError> {
-    // `generate` panics if writing fails; memory cannot fail.
+    // `generate` panics if writing fails; writing to memory cannot fail.
     let mut script = Vec::new();
     generate(arguments.shell, &mut command_line(), NAME, &mut script);
     out.write_all(&script)?;
     Ok(Outcome::Done)
 }
 
-/// Prints a page of the manual.
+/// Prints a manual page.
 pub fn man(arguments: &ManArguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     let mut program = command_line();
     program.build();
@@ -43,9 +43,8 @@ pub fn man(arguments: &ManArguments, out: &mut dyn Write) -> Result<Outcome, Com
             let names = program.get_subcommands().map(Command::get_name);
             let names = names.collect::<Vec<_>>().join(", ");
             let command = program.find_subcommand(name);
-            let command = command.ok_or_else(|| {
-                format!("man {name}: there is no such command; expected one of {names}")
-            })?;
+            let command = command
+                .ok_or_else(|| format!("man {name}: unknown command; expected one of {names}"))?;
             command.clone()
         }
     };

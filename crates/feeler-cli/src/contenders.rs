@@ -1,4 +1,4 @@
-//! Control laws on the same trials: a sweep for each, in a folder of the law's name.
+//! Control laws on the same trials: one sweep per law, in a folder named after the law.
 
 use super::CommandError;
 use super::trials::TrialArguments;
@@ -12,23 +12,24 @@ use feeler_lab::sweep::{Ended, Plan, Progress, engine};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::Path;
 
-/// Trials of one law before it is the next law's turn, so that what is stopped has the same trials of all.
+/// Number of trials of one law before the next law's turn. Interleaving gives an interrupted comparison equal trials
+/// of all laws.
 const BLOCK: u64 = 32;
 
-/// One law with its sweep.
+/// A law and its sweep.
 pub struct Contender {
     /// Name of the law and of its folder.
     pub name: String,
     /// The law.
     pub law: LawConfig,
-    /// Its trials.
+    /// The law's trials.
     pub trials: Trials,
-    /// Their rows.
+    /// Results of the trials.
     pub store: Store,
 }
 
-/// Loads the experiment `name` with `settings` under `law`: as the experiment has it if that is the law it chooses,
-/// otherwise as it comes.
+/// Loads the experiment `name` with `settings` under `law`. The law that the experiment selects keeps its
+/// configuration; other laws use their defaults.
 pub fn under_law(
     name: &str,
     settings: &[String],
@@ -36,7 +37,7 @@ pub fn under_law(
 ) -> Result<Experiment, CommandError> {
     let experiment = Experiment::load(name, settings)?;
     let setting = match law {
-        // JSON's text is TOML's, too.
+        // A JSON string is a valid TOML string.
         LawConfig::Policy(policy) => {
             let file = serde_json::to_string(&policy.file)?;
             format!("control.law={{ policy = {{ file = {file} }} }}")
@@ -47,7 +48,7 @@ pub fn under_law(
     Ok(Experiment::load(name, &[settings, &[setting]].concat())?)
 }
 
-/// Opens the folder of each law's sweep in `folder`: a new one, or with --resume as it was left.
+/// Opens the folder of each law's sweep in `folder`: a new one, or the existing one with --resume.
 pub fn contenders(
     arguments: &TrialArguments,
     folder: &Path,
@@ -65,7 +66,7 @@ pub fn contenders(
     laws.into_iter().map(open).collect()
 }
 
-/// The folder of one law's sweep.
+/// Opens the folder of one law's sweep.
 fn store(
     arguments: &TrialArguments,
     folder: &Path,
@@ -78,14 +79,14 @@ fn store(
     if let Some(difference) = Plan::read(folder)?.difference(plan) {
         let folder = folder.display();
         return Err(format!(
-            "--resume: {folder}: {difference}; expected the comparison that was stopped"
+            "--resume: {folder}: {difference}; expected the interrupted comparison"
         )
         .into());
     }
     arguments.store(folder, trials)
 }
 
-/// Runs what is left, a block of trials of each law after the other.
+/// Runs the remaining trials, in blocks that alternate between the laws.
 pub fn run(
     arguments: &TrialArguments,
     contenders: &mut [Contender],
@@ -110,7 +111,7 @@ pub fn run(
     Ok(Ended::Whole)
 }
 
-/// How far the comparison is, on a terminal.
+/// Progress bar of a comparison.
 struct Bar {
     bar: ProgressBar,
     law: String,

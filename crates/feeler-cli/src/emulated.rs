@@ -1,4 +1,4 @@
-//! Runs over an emulated bus of servos.
+//! Runs that use an emulated servo bus.
 
 use super::CommandError;
 use feeler::pace::real_time::fine_timer;
@@ -8,11 +8,12 @@ use feeler_lab::experiment::driven;
 
 pub use feeler_lab::experiment::driven::DrivenBus;
 
-/// A run of `experiment` over an emulated bus, at `speed`; and the bus.
+/// Creates a session of `experiment` on an emulated servo bus whose clock runs at `speed`; returns both.
 pub fn session(experiment: &Experiment, speed: f64) -> Result<(Session, DrivenBus), CommandError> {
     let (session, bus) = driven::session(experiment, speed)?;
     if bus.is_paced() {
-        // A period is short beside what the system sleeps too long; where it refuses, steps are that much later.
+        // A control period is short compared with the timer's default slack. If the system refuses a finer timer,
+        // steps are late by that slack.
         let _ = fine_timer();
     }
     Ok((session, bus))

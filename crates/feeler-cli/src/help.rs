@@ -1,12 +1,12 @@
-//! The program's help: commands in groups by what a user is doing, as wide as the terminal.
+//! Top-level help: subcommands grouped by topic, wrapped to the terminal's width.
 
 use clap::Command;
 use std::fmt::Write;
 
-/// A group of commands: its heading and their names.
+/// Heading of a group, and the names of its commands.
 type Group = (&'static str, &'static [&'static str]);
 
-/// Each command in one group.
+/// All commands; each is in exactly one group.
 const GROUPS: [Group; 6] = [
     (
         "Try it",
@@ -43,27 +43,27 @@ const GROUPS: [Group; 6] = [
     ("This program", &["completions", "man", "help"]),
 ];
 
-/// What `help` does, which clap adds itself when the program runs.
+/// Description of the `help` command, which clap only adds when the program runs.
 const HELP: &str = "Print this message or the help of a command";
 
 /// Columns before a command's description: two spaces, the longest name, two spaces.
 const INDENT: usize = 19;
 
-/// Widest that help is, columns: longer lines are hard to read.
+/// Maximum width of help (columns).
 const WIDEST: usize = 120;
 
-/// Narrowest that a terminal is taken to be, columns.
+/// Minimum plausible width of a terminal (columns).
 const NARROWEST: usize = 2 * INDENT;
 
-/// Columns where there is no terminal.
+/// Width without a terminal (columns).
 const NO_TERMINAL: usize = 100;
 
-/// The same command, whose help has its commands in groups.
+/// Returns `command` with its subcommands listed in groups.
 pub fn grouped(command: Command) -> Command {
     let size = terminal_size::terminal_size();
     let told = || std::env::var("COLUMNS").ok()?.parse().ok();
     let terminal = size.map(|(width, _)| usize::from(width.0));
-    // None at all, or 0, is a terminal that does not know.
+    // A width of 0 means that the terminal does not know its size.
     let told = terminal.or_else(told).filter(|&width| width >= NARROWEST);
     let width = told.unwrap_or(NO_TERMINAL).min(WIDEST);
     let commands = listed(&command, width);
@@ -73,13 +73,13 @@ pub fn grouped(command: Command) -> Command {
     ))
 }
 
-/// The commands in groups, `width` columns wide.
+/// Formats the groups of commands in `width` columns.
 fn listed(command: &Command, width: usize) -> String {
     let styles = command.get_styles();
     let (header, literal) = (styles.get_header(), styles.get_literal());
     let mut text = String::new();
     for (heading, names) in GROUPS {
-        // Writing to a String cannot fail.
+        // Writing to a `String` cannot fail.
         let _ = writeln!(text, "\n{header}{heading}:{header:#}");
         for name in names {
             let about = command.find_subcommand(name).and_then(Command::get_about);
@@ -93,7 +93,7 @@ fn listed(command: &Command, width: usize) -> String {
     text
 }
 
-/// The words of `text` in lines of at most `width` columns, or a word.
+/// Splits `text` into lines of at most `width` columns, except for words that are longer.
 fn wrapped(text: &str, width: usize) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {

@@ -1,4 +1,4 @@
-//! `feeler identify`
+//! The `feeler identify` subcommand.
 
 use super::{CommandError, Outcome};
 use crate::options::Overwrite;
@@ -10,13 +10,14 @@ use feeler_report::make::create_folder;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// Names of the files in the folder.
+/// File names in the output folder.
 const ESTIMATES: &str = "identified.toml";
 const PAGE: &str = "identify.html";
 
 const EXAMPLES: &str = "\
-The fingers touch, press, shear and slide at three places, along the rectangles of [task.screw] or as [task.probe] says; less than half
-a minute of simulated time. identified.toml has each estimate with its 95 % interval; identify.html has the probes and fits, too.
+The fingers touch, press, shear and slide at three places, along the rectangles of [task.screw] or as specified by [task.probe]. This takes
+less than half a minute of simulated time. identified.toml contains each estimate with its 95 % interval; identify.html also shows the
+probes and fits.
 
 Examples:
   feeler identify cap-closing
@@ -26,18 +27,18 @@ Examples:
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// An experiment file, or the name of a built-in experiment, with [task.screw] or [task.probe].
+    /// Experiment file or name of a built-in experiment, with [task.screw] or [task.probe].
     experiment: String,
     /// Random seed.
     #[arg(long, value_parser = crate::trials::parse_seed)]
     seed: Option<u64>,
-    /// Where forces come from: rendered camera pictures, or the feelers themselves plus noise.
+    /// Source of forces: `image` (rendered camera images) or `direct` (simulated forces plus noise).
     #[arg(long, value_parser = ["image", "direct"])]
     sensing: Option<String>,
-    /// Set any value of the experiment, as in sim.servo.lag=0.02.
+    /// Override an experiment value, e.g. sim.servo.lag=0.02. Repeatable.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     settings: Vec<String>,
-    /// The folder of estimates and page [default: runs/NAME-identified]
+    /// Output folder [default: runs/NAME-identified]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]
@@ -74,7 +75,7 @@ pub fn identify(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, C
     Ok(Outcome::Done)
 }
 
-/// Refuses a folder that has estimates, before the hand moves.
+/// Rejects a folder that already contains estimates, before the hand moves.
 fn check_new(folder: &Path, overwrite: Overwrite) -> Result<(), CommandError> {
     let taken = [ESTIMATES, PAGE].map(|name| folder.join(name));
     let found = taken.iter().find(|path| path.exists());

@@ -1,4 +1,4 @@
-//! `feeler init`
+//! The `feeler init` subcommand.
 
 use super::{CommandError, Outcome};
 use feeler_console::Outputs;
@@ -11,21 +11,21 @@ use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// The experiment file to write, as in my.toml; must not exist yet.
+    /// Experiment file to create, e.g. my.toml. Must not exist.
     #[arg(value_name = "FILE.toml")]
     file: PathBuf,
-    /// The built-in experiment to start from (see `feeler list`).
+    /// Built-in experiment to start from (see `feeler list`).
     #[arg(long, value_name = "NAME", default_value = "cap-closing")]
     from: String,
-    /// Write every key that the built-in experiment has, and not only what is usual to set.
+    /// Write every key of the built-in experiment, not only the commonly set ones.
     #[arg(long)]
     full: bool,
 }
 
-/// What a short file begins with.
+/// Heading of a short file.
 const HEADING: &str = "\
-# What is usual to set; `feeler init all.toml --full` writes every key. A key that is left out has its default
-# (docs/experiment-files.md). Units are SI unless a suffix says otherwise. W is the world: z up.
+# Commonly set keys; `feeler init all.toml --full` writes every key. Omitted keys have their defaults
+# (docs/experiment-files.md). Units are SI unless a suffix states otherwise. W is the world frame: z up.
 
 ";
 
@@ -57,11 +57,15 @@ pub fn init(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comma
     for path in calibrations.iter().map(|(path, _)| path).chain([file]) {
         writeln!(out, "{}", path.display())?;
     }
-    writeln!(out, "run it with `feeler run {}`", file.display())?;
+    writeln!(
+        out,
+        "run the experiment with `feeler run {}`",
+        file.display()
+    )?;
     Ok(Outcome::Done)
 }
 
-/// The experiment's name: the file's, without its extension.
+/// Returns the experiment's name: that of the file, without extension.
 fn name(file: &Path) -> Result<&str, CommandError> {
     let is_toml = file
         .extension()
@@ -73,7 +77,8 @@ fn name(file: &Path) -> Result<&str, CommandError> {
     })
 }
 
-/// The calibration files that are not beside `file` yet, as they may be of an experiment that was begun before.
+/// Returns the calibration files that do not yet exist next to `file`. Identical files may exist from an earlier
+/// experiment.
 pub(super) fn missing(
     file: &Path,
     texts: &BTreeMap<String, String>,
@@ -86,7 +91,7 @@ pub(super) fn missing(
             Ok(there) if there == *text => {}
             Ok(_) => {
                 let path = path.display();
-                let message = "exists already and is another calibration; expected another folder";
+                let message = "exists already with another calibration; expected another folder";
                 return Err(format!("{path}: {message}").into());
             }
             Err(_) => missing.push((path, text.clone())),

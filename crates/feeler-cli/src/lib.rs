@@ -51,41 +51,41 @@ use std::process::ExitCode;
 
 const EXAMPLES: &str = "\
 Examples:
-  feeler run cap-closing                      simulate the reference experiment, with pictures
+  feeler run cap-closing                      simulate the reference experiment with camera images
   feeler run cap-closing --sensing direct --seed 7 --out runs/seven
-  feeler run cap-closing --top                watch it: flags, forces, phase and programs
+  feeler run cap-closing --top                watch flags, forces, phase and programs
   feeler run cap-closing --view               watch it in the browser
   feeler run my.toml --set control.slip_threshold=2.5 --set task.screw.strokes=3
   feeler view runs/seven                      look at a recording in the browser
-  feeler init my.toml                         write an experiment of your own to start from
-  feeler check my.toml                        report what is wrong with an experiment file
-  feeler report runs/seven                    make a run's report again from its recording
+  feeler init my.toml                         create an experiment file to start from
+  feeler check my.toml                        validate an experiment file
+  feeler report runs/seven                    rebuild a report from its recording
   feeler run cap-closing --record-frames --out runs/seen
-  feeler replay runs/seen --from frames       pictures -> forces -> flags -> commands again, compared bit for bit
+  feeler replay runs/seen --from frames       replay images -> forces -> flags -> commands, compared bit for bit
   feeler replay runs/seven --from forces --set control.slip_threshold=2.5 --out runs/what-if
   feeler export parquet runs/seven -o seven.parquet
-  feeler export lerobot runs/* -o data-set    each run an episode, for imitation learning
+  feeler export lerobot runs/* -o data-set    one episode per run, for imitation learning
   feeler calibrate --simulated --experiment my.toml -o my.calibration.toml
   feeler sweep cap-closing --sensing direct --vary 'friction=uniform(0.3,1.2)' -o sweep
-  feeler compare cap-closing -o compare       the paper's control law against others, on the same trials
-  feeler robustness cap-closing -o robustness how much of it is luck of parameters
+  feeler compare cap-closing -o compare       the paper's control law against others on the same trials
+  feeler robustness cap-closing -o robustness sensitivity of the results to parameters
   feeler tune my.toml --identified identified.toml --search 60 -o tuned.toml
-  feeler identify cap-closing                 estimate a hand and its object by touch
+  feeler identify cap-closing                 estimate a hand and its object by probing
   feeler locate untouched.png -o layout.toml --preview found.png
-  feeler sense pictures/ --calibration my.calibration.toml -o forces.csv
+  feeler sense images/ --calibration my.calibration.toml -o forces.csv
   feeler sense xela_sensor1.csv --taxels uskin-4x4 -o forces.csv
   feeler sense touch.mp4 --layout layout.toml -o moments.csv
 
 The book, in docs/ of the repository (`mdbook serve` shows it):
-  first-run.md                                what a run shows, and how to read its report
-  calibration.md, own-hand.md, write-a-task.md  a fingertip, a hand and a task of your own
-  recordings.md                               what is in a recording; Python, Rust, viewers, replay
+  first-run.md                                a first run and its report
+  calibration.md, own-hand.md, write-a-task.md  custom fingertips, hands and tasks
+  recordings.md                               recording format; Python, Rust, viewers, replay
   multiple-programs.md                        several programs and computers
-  simulator.md, claims.md                     how the simulator works; how the claims are measured";
+  simulator.md, claims.md                     simulator model; definition of the claims";
 
-/// Tri-axial touch to finger motion, and a simulated hand to try it on.
+/// Tactile sensing and control with soft tri-axial fingertips, on a real or simulated hand.
 ///
-/// Exit status: 0 done; 1 the task was given up or interrupted, or a replay differs; 2 bad input.
+/// Exit status: 0 success; 1 the task was given up or interrupted, or a replay differs; 2 invalid input.
 #[derive(Debug, Parser)]
 #[command(name = "feeler", version, after_help = EXAMPLES)]
 struct Arguments {
@@ -97,71 +97,75 @@ struct Arguments {
 enum Command {
     /// Run an experiment and write its recording, report and summary.
     Run(run::Arguments),
-    /// Run many randomised trials of an experiment; a table and a summary.
+    /// Run randomised trials of an experiment and summarise them.
     Sweep(sweep::Arguments),
-    /// Run all control laws on the same randomised trials; a page that compares them.
+    /// Compare control laws on the same randomised trials.
     Compare(compare::Arguments),
-    /// Vary uncertain parameters over plausible ranges: how often each claim holds, and what decides it.
+    /// Measure how often each claim passes over plausible parameter ranges, and which parameters decide.
     Robustness(robustness::Arguments),
-    /// Tune control and task of a screwing hand for its identified values; a new experiment file.
+    /// Tune the control and task settings of a screwing hand to its identified values.
     Tune(tune::Arguments),
-    /// Probe a hand: estimate stiffness, friction, lag, and the object's pivot and radius, with intervals.
+    /// Estimate a hand's stiffness, friction and lag, and its object's pivot and radius, by probing.
     Identify(identify::Arguments),
-    /// Score slip detectors against the simulator's truth; a page with their characteristics.
+    /// Score slip detectors on simulated runs or labelled recordings.
     ScoreSlip(score_slip::Arguments),
-    /// Simulate grasps that hold or slip, as recordings with labels, for training slip detectors.
+    /// Simulate labelled grasps, held or slipping, for training slip detectors.
+    ///
+    /// Writes tables for `feeler sense`, each with its layout, to DIR/recordings. DIR/labels.csv contains a label per
+    /// grasp (1 if the object slid by more than 4 mm or was lost), DIR/frame_labels.csv a label per frame. Score them
+    /// with `feeler score-slip DIR/recordings DIR/labels.csv`, or pass both to its --thresholds-from.
     SimulateGrasps(simulate_grasps::Arguments),
     /// List the built-in experiments and taxel arrays.
     List(list::Arguments),
-    /// Write an experiment file of your own, with its calibration beside it, to start from.
+    /// Create an experiment file, with its calibration, to start from.
     Init(init::Arguments),
     /// Check an experiment file without running it.
     Check(check::Arguments),
-    /// Make a run's report again, from its recording alone.
+    /// Rebuild a run's report from its recording.
     Report(report::Arguments),
-    /// Replay a recording through the sensor stage, the control stage or both, and compare bit for bit.
+    /// Replay a recording through sensing, control or both, and compare bit for bit.
     Replay(replay::Arguments),
-    /// Look for servos on a bus, check and home them, turn one; or emulate a bus of them.
+    /// Scan, check, home and jog servos on a bus, or emulate a bus.
     Drives(drives::Arguments),
-    /// Export recordings as tables or data sets for other programs.
+    /// Export recordings as tables or data sets.
     Export(export::Arguments),
-    /// List the cameras that are there, and what they can do.
+    /// List the available cameras and their capabilities.
     Cameras(cameras::Arguments),
-    /// Calibrate a fingertip: load its elements, take pictures, fit.
+    /// Calibrate a fingertip from images under known loads.
     Calibrate(calibrate::Arguments),
-    /// Find the sensing elements in pictures of an untouched sensor.
+    /// Find the sensing elements in images of an unloaded sensor.
     Locate(locate::Arguments),
-    /// Simulate an experiment's rig (cameras, encoders, drives) for separate sensor and hand programs.
+    /// Simulate the rig (cameras, encoders, drives) for separate sensor and hand programs.
     World(link::world::Arguments),
-    /// Serve servos on a bus, real or emulated, as the rig of separate sensor and hand programs.
+    /// Serve real or emulated servos as the rig of separate sensor and hand programs.
     Rig(link::rig::Arguments),
-    /// Control a hand whose sensors and drives are in other programs.
+    /// Control a hand whose sensors and drives run in other programs.
     Hand(link::hand::Arguments),
-    /// Show a running rig of several programs on the terminal.
+    /// Show a running rig in the terminal.
     Top(link::top::Arguments),
-    /// Show a recording, or a running rig of several programs, in the browser.
+    /// Show a recording or a running rig in the browser.
     View(view::Arguments),
-    /// Make a running rig, or a recording, appear as a node in a ROS 2 graph over Zenoh.
+    /// Publish a running rig or a recording as a ROS 2 node over Zenoh.
     Ros2(ros2::Arguments),
-    /// Let a robot of ros2_control be the hand of an experiment, and sensors of its ROS 2 graph the fingertips.
+    /// Use a ros2_control robot and ROS 2 tactile sensors as the rig of an experiment.
     Ros2Rig(ros2_rig::Arguments),
-    /// Stop the hand of a rig, from anywhere.
+    /// Stop the hand of a rig.
     Stop(link::orders::StopArguments),
-    /// Resume a hand that was stopped.
+    /// Resume a stopped hand.
     Resume(link::orders::ResumeArguments),
-    /// Make the certificates by which a lab's computers authenticate each other.
+    /// Issue certificates that authenticate the computers of a rig to each other.
     Certificates(link::certificates::Arguments),
-    /// Measure this computer.
+    /// Measure latency on this computer.
     Bench(link::bench::Arguments),
-    /// Print the ROS 2 message definitions of recordings and of the link between programs.
+    /// Print the ROS 2 message definitions of recordings and network messages.
     Schema(schema::Arguments),
-    /// Print the hand of an experiment as URDF, for viewers and planners.
+    /// Print an experiment's hand as URDF.
     Urdf(urdf::Arguments),
-    /// Sense forces: from pictures, a camera or a recorded run to a table of the force on each element.
+    /// Measure the force on each element in images, a camera stream or a recorded run.
     Sense(Box<sense::Arguments>),
-    /// Print completions of commands and options for a shell.
+    /// Print a shell completion script.
     Completions(completions::CompletionsArguments),
-    /// Print a page of the manual, for man: feeler man | man -l -
+    /// Print a manual page: feeler man | man -l -
     Man(completions::ManArguments),
 }
 
@@ -169,7 +173,7 @@ use feeler_console::Outcome;
 
 type CommandError = feeler_console::CommandError;
 
-/// Runs the program on the process's arguments.
+/// Runs the program with the process's arguments.
 pub fn main() -> ExitCode {
     let matches = command_line().get_matches();
     let arguments = Arguments::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
@@ -180,14 +184,15 @@ pub fn main() -> ExitCode {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::GivenUp | Outcome::Differs) => ExitCode::from(1),
         Err(error) => {
-            // Where nobody listens, the exit status says it.
+            // If standard error is closed, the exit status still reports the failure.
             let _ = writeln!(stderr(), "feeler: {error}");
             ExitCode::from(2)
         }
     }
 }
 
-/// The program's command line. A value may be negative, so that -1 is refused for what it is and not taken for an option.
+/// Builds the command line. Option values may be negative, so that -1 is rejected as a value instead of being parsed
+/// as an option.
 fn command_line() -> clap::Command {
     let negative = |argument: clap::Arg| {
         let is_option = argument.get_long().is_some() && argument.get_action().takes_values();
@@ -236,7 +241,7 @@ fn run_command(command: Command, out: &mut dyn Write) -> Result<Outcome, Command
     }
 }
 
-/// Ends the tests where what must not allocate does.
+/// Aborts the tests on an allocation within `assert_no_alloc`.
 #[cfg(test)]
 #[global_allocator]
 static ALLOCATOR: assert_no_alloc::AllocDisabler = assert_no_alloc::AllocDisabler;
@@ -245,9 +250,9 @@ static ALLOCATOR: assert_no_alloc::AllocDisabler = assert_no_alloc::AllocDisable
 mod tests {
     use super::command_line;
 
-    /// Without debug assertions, clap lets one argument's value stand for another of the same name.
+    /// Without debug assertions, clap silently shares the value of two arguments of the same name.
     #[test]
-    fn no_subcommand_has_two_arguments_of_a_name() {
+    fn argument_names_are_unique() {
         command_line().debug_assert();
     }
 }

@@ -1,4 +1,4 @@
-//! `feeler list`
+//! The `feeler list` subcommand.
 
 use super::{CommandError, Outcome};
 use crate::options::Json;
@@ -10,21 +10,21 @@ use std::io::Write;
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Print the layout of a built-in taxel array instead, to start from.
+    /// Print the layout file of a built-in taxel array instead, as a starting point.
     #[arg(long, value_name = "NAME", conflicts_with = "json")]
     taxels: Option<String>,
     #[command(flatten)]
     json: Json,
 }
 
-/// What can be named: an experiment or a taxel array.
+/// An experiment or taxel array.
 #[derive(Serialize)]
 struct Named {
     name: &'static str,
     description: String,
 }
 
-/// What `--json` prints.
+/// Output of `--json`.
 #[derive(Serialize)]
 struct Listed {
     experiments: Vec<Named>,
@@ -70,7 +70,7 @@ pub fn list(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comma
     for Named { name, description } in listed.experiments {
         writeln!(out, "{name:18} {description}")?;
     }
-    writeln!(out, "\nTaxel arrays, for feeler sense --taxels:")?;
+    writeln!(out, "\nTaxel arrays for feeler sense --taxels:")?;
     for Named { name, description } in listed.taxels {
         writeln!(out, "{name:18} {description}")?;
     }

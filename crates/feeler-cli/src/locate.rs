@@ -1,4 +1,4 @@
-//! `feeler locate`
+//! The `feeler locate` subcommand.
 
 use super::locate_preview::preview;
 use super::{CommandError, Outcome};
@@ -20,44 +20,47 @@ use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Pictures of the untouched sensor; elements are detected in their mean, bright on dark or dark on bright. Of a video (.avi,
-    /// .mp4, .mkv, .mov, .webm, .m4v; needs ffmpeg) the first frame, or with VIDEO@TIME the frame nearest to this time, s.
+    /// Images of the unloaded sensor; elements are detected in their mean.
+    ///
+    /// Of a video (.avi, .mp4, .mkv, .mov, .webm, .m4v; requires ffmpeg) the first frame is used, or with VIDEO@TIME
+    /// the frame nearest to TIME (s).
     #[arg(required = true, value_name = "REFERENCE.png")]
     references: Vec<PathBuf>,
-    /// Output file of the layout.
+    /// Layout file to write.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// Output file (PNG) of the picture with the detected elements drawn over it.
+    /// PNG file to write: the image with the detected elements drawn over it.
     #[arg(long, value_name = "FILE")]
     preview: Option<PathBuf>,
     #[command(flatten)]
     overwrite: Overwrite,
-    /// Whether the elements are bright on dark or dark on bright [default: whichever makes the better pattern]
+    /// Polarity of the elements: bright on dark, or dark on bright [default: the one that yields the more regular
+    /// pattern]
     #[arg(long, value_name = "bright|dark")]
     polarity: Option<Polarity>,
-    /// Diameter of a spot, px [default: estimated from the picture]
+    /// Diameter of a spot (px) [default: estimated from the image]
     #[arg(long, value_name = "PX")]
     spot_diameter: Option<f64>,
-    /// Diameter of an element, px: spots within it are grouped into one element [default: groups of equal
-    /// numbers of spots, if there are any]
+    /// Diameter of an element (px); spots within it form one element [default: groups of equal numbers of spots, if
+    /// any]
     #[arg(long, value_name = "PX")]
     element_diameter: Option<f64>,
-    /// Radius of a sub-region relative to the distance to the nearest element.
+    /// Radius of a sub-region, relative to the distance to the nearest element.
     #[arg(long, value_name = "PART", default_value_t = LocateConfig::default().region_radius)]
     region_radius: f64,
-    /// Take the dome's and the camera's geometry from this experiment: a file, or a built-in one.
+    /// Experiment that defines the geometry of dome and camera: a file, or the name of a built-in one.
     #[arg(long, value_name = "EXPERIMENT", conflicts_with_all = ["dome_radius", "focal_length_px", "standoff", "axis_px"])]
     dome: Option<String>,
-    /// Radius of the dome, m.
+    /// Radius of the dome (m).
     #[arg(long, value_name = "M", requires_all = ["focal_length_px", "standoff"])]
     dome_radius: Option<f64>,
-    /// Focal length of the camera, px.
+    /// Focal length of the camera (px).
     #[arg(long, value_name = "PX", requires = "dome_radius")]
     focal_length_px: Option<f64>,
-    /// Distance of the camera's pinhole behind the dome's centre, m.
+    /// Distance of the camera's pinhole behind the dome's centre (m).
     #[arg(long, value_name = "M", requires = "dome_radius", value_parser = distance)]
     standoff: Option<f64>,
-    /// Column and row at which the dome's axis is seen, px [default: the picture's middle]
+    /// Column and row of the dome's axis in the image (px) [default: the image's centre]
     #[arg(
         long,
         value_name = "COLUMN,ROW",
@@ -70,10 +73,10 @@ pub struct Arguments {
     json: Json,
 }
 
-/// What `--json` prints.
+/// Output of `--json`.
 #[derive(Serialize)]
 struct Found<'a> {
-    /// The file of the layout, and that of the preview.
+    /// Paths of the layout and of the preview.
     layout: &'a Path,
     preview: Option<&'a Path>,
     elements: usize,
@@ -84,9 +87,9 @@ struct Found<'a> {
     spacing_px: f64,
     width_px: usize,
     height_px: usize,
-    /// Grey level up to which (bright spots) or from which (dark ones) a pixel is ground.
+    /// Maximum gray level of the background; for dark spots, its minimum.
     ground: u8,
-    /// Rings on the dome.
+    /// Number of rings on the dome.
     rings: Option<usize>,
     warnings: Vec<String>,
 }
@@ -101,7 +104,7 @@ pub fn locate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Com
     let references = arguments.references.iter().map(|name| Some(file_of(name)));
     let inputs = references.chain([arguments.dome.as_deref().map(Path::new)]);
     let mut outputs = Outputs::new(arguments.overwrite.force, inputs);
-    // Opened first: locating takes its time.
+    // Opened first, because locating takes a while.
     let layout_file = outputs.create(&arguments.output, "--output")?;
     let preview_file = match &arguments.preview {
         Some(path) => Some(outputs.create(path, "--preview")?),
@@ -122,7 +125,7 @@ pub fn locate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Com
         None => LocatedLayout::new(&located),
     };
     let text = layout.to_toml()?;
-    // What is written can be read.
+    // Check that the output is valid.
     LocatedLayout::from_toml(&text)?;
     layout_file.finish(text.as_bytes())?;
     if let Some(file) = preview_file {
@@ -131,7 +134,7 @@ pub fn locate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Com
         file.finish(png.get_ref())?;
     }
     let rings = layout.elements.iter().filter_map(|e| e.ring).max();
-    // Only the layout is sorted by rings; the indices that warnings name are those of the layout.
+    // Only the layout is sorted by rings; warnings must refer to its indices.
     let warnings = in_layout_order(&located, &layout);
     let found = Found {
         layout: &arguments.output,
@@ -161,7 +164,7 @@ fn say(found: &Found<'_>, polarity: Polarity, out: &mut dyn Write) -> io::Result
     };
     writeln!(
         out,
-        "{} elements ({spots} of {:.1} px), {:.1} px apart, in {}x{} px; ground {} gray level {}",
+        "{} elements ({spots} of {:.1} px), {:.1} px apart, in {}x{} px; background {} gray level {}",
         found.elements,
         found.spot_diameter_px,
         found.spacing_px,
@@ -183,7 +186,7 @@ fn say(found: &Found<'_>, polarity: Polarity, out: &mut dyn Write) -> io::Result
     writeln!(out, "{}", found.layout.display())
 }
 
-/// The warnings with the indices that elements have in the layout.
+/// Returns the warnings with the element indices of the layout.
 fn in_layout_order(located: &locate::Located, layout: &LocatedLayout) -> Vec<LocateWarning> {
     let index = |element: usize| {
         let centre = located.elements[element].centre_px;
@@ -213,7 +216,7 @@ fn in_layout_order(located: &locate::Located, layout: &LocatedLayout) -> Vec<Loc
     warnings
 }
 
-/// The mean of the pictures in `files`.
+/// Computes the mean of the images in `files`.
 fn mean_of_files(files: &[PathBuf]) -> Result<ReferencePicture, CommandError> {
     let mut mean = MeanPicture::default();
     let progress = Steps::new(files.len());
@@ -226,7 +229,7 @@ fn mean_of_files(files: &[PathBuf]) -> Result<ReferencePicture, CommandError> {
     Ok(mean.finish()?)
 }
 
-/// The dome that the arguments describe, if they do.
+/// Returns the dome described by the arguments, if any.
 fn dome_geometry(
     arguments: &Arguments,
     reference: &ReferencePicture,
@@ -248,7 +251,7 @@ fn dome_geometry(
     let centre_px = match arguments.axis_px[..] {
         [] => None,
         [column, row] => Some([column, row]),
-        _ => return Err("--axis-px: column and row expected, as in --axis-px 319.5,239.5".into()),
+        _ => return Err("--axis-px: expected column and row, e.g. 319.5,239.5".into()),
     };
     Ok(Some(DomeGeometry {
         radius,

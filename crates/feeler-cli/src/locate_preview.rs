@@ -1,4 +1,4 @@
-//! What was located, drawn over the picture.
+//! Preview of located elements, drawn over the image.
 
 use feeler::sensor::{
     locate::{ReferencePicture, sub_regions},
@@ -11,16 +11,16 @@ const OUTLINE: Rgb<u8> = Rgb([0, 190, 90]);
 const CENTRE: Rgb<u8> = Rgb([255, 60, 40]);
 const INDEX: Rgb<u8> = Rgb([90, 170, 255]);
 
-/// Largest side of the preview, px, unless the picture itself is larger.
+/// Maximum side of the preview (px), unless the image itself is larger.
 const SIDE: usize = 2400;
 
-/// Digits of three by five pixels, a row to each octal digit, from the top.
+/// Digits of 3 × 5 pixels; each octal digit is a row, from the top.
 const DIGITS: [u32; 10] = [
     0o75557, 0o26227, 0o71747, 0o71717, 0o55711, 0o74717, 0o74757, 0o71111, 0o75757, 0o75717,
 ];
 
-/// The picture, enlarged by a whole number so that the smallest sub-regions have room for their
-/// indices, with the outlines of the sub-regions, the centres and the indices of the elements.
+/// Returns the image with the outlines of the sub-regions, and the centres and indices of the elements. The image is
+/// enlarged by an integer factor, so that the indices fit into the smallest sub-regions.
 pub fn preview(reference: &ReferencePicture, layout: &LocatedLayout) -> RgbImage {
     let (width, height) = (reference.width, reference.height);
     let radii = layout.elements.iter().map(|e| e.radius_px);
@@ -44,7 +44,7 @@ pub fn preview(reference: &ReferencePicture, layout: &LocatedLayout) -> RgbImage
     drawn
 }
 
-/// Draws the border of each sub-region on its own pixels.
+/// Draws the border of each sub-region on the sub-region's own pixels.
 fn draw_outlines(drawn: &mut RgbImage, layout: &LocatedLayout, scale: usize) {
     let (width, height) = (layout.width * scale, layout.height * scale);
     let discs: Vec<(DVec2, f64)> = layout
@@ -57,7 +57,7 @@ fn draw_outlines(drawn: &mut RgbImage, layout: &LocatedLayout, scale: usize) {
             )
         })
         .collect();
-    // At the preview's own resolution, where outlines are smoother than the pixels they enclose.
+    // Computed at the preview's resolution, where outlines are smoother than the image's pixels.
     let mut owner = vec![usize::MAX; width * height];
     for (element, region) in sub_regions((width, height), &discs).iter().enumerate() {
         for &(column, row) in region {

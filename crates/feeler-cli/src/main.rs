@@ -1,7 +1,7 @@
-//! The `feeler` program: arguments in, exit code out.
+//! Entry point of the `feeler` program.
 
-/// One thread for all that the link's library does: what it does for a hand is over in microseconds, and handing
-/// it from thread to thread takes longer and twice the processor time.
+/// Zenoh runtime configuration: a single thread for all tasks. A hand's messages are handled in microseconds; passing
+/// them between threads takes longer and costs twice the processor time.
 #[cfg(feature = "link")]
 const LINK_THREADS: &str = "(rx: (worker_threads: 1), tx: (handover: rx), acc: (handover: rx), app: (handover: rx), net: (handover: rx))";
 
@@ -10,24 +10,27 @@ fn main() -> std::process::ExitCode {
     set_allocator();
     #[cfg(feature = "link")]
     if std::env::var_os("ZENOH_RUNTIME").is_none() {
-        // SAFETY: there is no other thread yet that could read or write the environment.
+        // SAFETY: no other thread exists yet that could access the environment.
         unsafe { std::env::set_var("ZENOH_RUNTIME", LINK_THREADS) };
     }
     feeler_cli::main()
 }
 
-/// Tells the C library's allocator what to do with memory that was freed, by what the program is to do.
+/// Tunes the C library's allocator for the given subcommand.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 fn set_allocator() {
     use libc::{M_ARENA_MAX, M_MMAP_THRESHOLD, M_TRIM_THRESHOLD, c_int};
-    /// Commands that soon take again what they gave back: for the next trial, or for the report of what was recorded.
+    /// Subcommands that simulate runs, and soon reuse the memory that they free.
     const RUNS: [&str; 4] = ["run", "sweep", "compare", "robustness"];
-    /// So much of it, bytes, is not given back to the system, which would have to clear it again: an eighth of a trial's time.
+    /// Bytes of freed memory that are kept rather than returned to the system, which would have to clear them again;
+    /// saves an eighth of a trial's time.
     const KEPT: c_int = 256 << 20;
-    /// The most that the allocator admits, bytes, so that large blocks are kept, too.
+    /// Block size (bytes) above which the allocator uses `mmap`: the largest value that it accepts, so that large
+    /// blocks are kept too.
     const LARGE: c_int = 32 << 20;
-    /// Threads of other programs share so many heaps, and blocks from this size, bytes, are taken from the system and given back: the
-    /// link's library takes threads and megabytes for each connection, and a peer may connect again and again.
+    /// Number of heaps shared by the threads of all other subcommands, and the block size (bytes) from which memory
+    /// is mapped and unmapped individually. The link library allocates threads and megabytes per connection, and a
+    /// peer may reconnect any number of times.
     const HEAPS: c_int = 2;
     const OF_THE_SYSTEM: c_int = 32 << 10;
     let command = std::env::args_os().nth(1);
@@ -38,7 +41,7 @@ fn set_allocator() {
         (false, false) => &[],
     };
     for &(what, to) in settings {
-        // SAFETY: it sets a number of the allocator, before there is another thread.
+        // SAFETY: `mallopt` sets an integer option of the allocator; no other thread exists yet.
         unsafe { libc::mallopt(what, to) };
     }
 }

@@ -1,11 +1,11 @@
-//! In place of runs over an emulated bus of servos where the program was built without it.
+//! Stub of [`emulated`](super::emulated) for builds without servos.
 
 use super::CommandError;
 use feeler::pace::{PaceError, Schedule};
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::Session;
 
-/// There is none.
+/// Uninhabited.
 pub enum DrivenBus {}
 
 impl DrivenBus {
@@ -18,7 +18,7 @@ impl DrivenBus {
     }
 }
 
-/// Says that there is no such thing.
+/// Returns an error: this build has no servos.
 pub fn session(_: &Experiment, _: f64) -> Result<(Session, DrivenBus), CommandError> {
     Err(
         "--drives: this program was built without servos; build it on Linux with --features drives"

@@ -1,4 +1,4 @@
-//! In place of the terminal view where the program was built without it.
+//! Stub of the terminal view for builds without it.
 
 use super::CommandError;
 use feeler::pace::Tick;
@@ -10,11 +10,11 @@ use std::sync::atomic::AtomicBool;
 const MISSING: &str =
     "--top: this program was built without the terminal view; build it with --features top";
 
-/// There is none.
+/// Uninhabited.
 pub enum Screen {}
 
 impl Screen {
-    /// Says that there is no such thing.
+    /// Returns an error: this build has no terminal view.
     pub fn check() -> Result<(), CommandError> {
         Err(MISSING.into())
     }

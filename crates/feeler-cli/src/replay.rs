@@ -1,4 +1,4 @@
-//! `feeler replay`
+//! The `feeler replay` subcommand.
 
 use super::{CommandError, Outcome};
 use feeler_console::watch_for_interrupt;
@@ -15,22 +15,22 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 const DETAILS: &str = "\
-From frames: pictures -> forces -> flags -> commands. From forces: forces -> flags -> commands. Joint angles are those on record, whatever the commands. Experiment and calibration are the recording's own. Stops that came from outside the control law are repeated where they are on record.
+From frames: images -> forces -> flags -> commands. From forces: forces -> flags -> commands. Joint angles, experiment and calibration are taken from the recording; replayed commands do not move the joints. Stops from outside the control law are repeated as recorded.
 
-Exit status: 0 all is as on record, or settings were changed with --set; 1 something differs; 2 bad input, or a recording that is not whole.";
+Exit status: 0 identical, or settings were changed with --set; 1 different; 2 invalid input or incomplete recording.";
 
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = DETAILS)]
 pub struct Arguments {
-    /// The run's folder, or a recording.
+    /// Folder of the run, or a recording.
     run: PathBuf,
-    /// Begin at the cameras' pictures (of a run made with --record-frames) or at the forces.
+    /// Stage at which to begin: camera images (requires a run with --record-frames) or forces.
     #[arg(long)]
     from: From,
-    /// Replay with another value, as in control.slip_threshold=2.5; what differs then is counted.
+    /// Override an experiment value, e.g. control.slip_threshold=2.5; differences are counted. Repeatable.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     settings: Vec<String>,
-    /// Write the replay's own recording and report into this folder, which must not hold a run yet.
+    /// Write a recording and report of the replay to this folder, which must not contain a run.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -51,7 +51,7 @@ pub fn replay(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Com
         From::Frames => ReplayFrom::Frames(&path),
         From::Forces => ReplayFrom::Forces,
     };
-    // Refused before a folder is made for it.
+    // Fail before creating a folder.
     let replay = Replay::new(&recording, from, &experiment)?;
     let replay = match &arguments.out {
         Some(folder) => replay.copy_to(copy(folder, &recording, &experiment, from)?)?,
@@ -60,7 +60,7 @@ pub fn replay(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Com
     let interrupted = watch_for_interrupt()?;
     let steps = replay.steps();
     let (comparison, copy, ended) = go_through(replay, &interrupted);
-    // However it ended: what was compared is said, and the copy is closed and reported.
+    // In any case, print the comparison, close the copy and report on it.
     let closed = copy.map_or(Ok(()), |copy| copy.finish(None).map(|_| ()));
     print_comparison(&recording.facts, &comparison, steps, out)?;
     let made = arguments.out.as_deref().map(make_report).transpose();
@@ -72,10 +72,7 @@ pub fn replay(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Com
     if let Some(problem) = &recording.problem {
         let path = path.display();
         let until = match recording.task.get(recording.steps_in_a_row()) {
-            Some(next) => format!(
-                "{:.2} s, as no replay is bit for bit over a gap",
-                next.stamp
-            ),
+            Some(next) => format!("{:.2} s, because a gap follows", next.stamp),
             None => format!("{:.2} s", recording.readable_until),
         };
         return Err(format!(
@@ -94,7 +91,7 @@ pub fn replay(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Com
     })
 }
 
-/// A recording of the replay, in a folder of its own.
+/// Creates a recording of the replay in `folder`.
 fn copy(
     folder: &Path,
     recording: &Recording,
@@ -124,7 +121,7 @@ fn copy(
     )?)
 }
 
-/// Goes to the end of the record, or to Ctrl-C: how it compares until there, the copy, and what went wrong.
+/// Replays until the end of the recording or Ctrl-C; returns the comparison so far, the copy, and the error if any.
 fn go_through(
     mut replay: Replay<'_>,
     interrupted: &AtomicBool,
@@ -140,7 +137,7 @@ fn go_through(
     (comparison, copy, ended.map_err(CommandError::from))
 }
 
-/// Prints what was compared, how much of it differs, and the first difference of each kind.
+/// Prints the number of compared and differing values, and the first difference of each kind.
 fn print_comparison(
     facts: &RunFacts,
     comparison: &Comparison,
@@ -156,7 +153,7 @@ fn print_comparison(
     } = facts;
     writeln!(
         out,
-        "{experiment}, seed {seed}: {steps} steps of {fingers} fingers on record"
+        "{experiment}, seed {seed}: {steps} recorded steps of {fingers} fingers"
     )?;
     writeln!(out, "{:9} {:>9} {:>9}", "", "compared", "differing")?;
     let tallies = Kind::ALL.map(|kind| (kind, comparison.of(kind)));
@@ -166,12 +163,12 @@ fn print_comparison(
     }
     for (kind, tally) in tallies {
         if let Some(first) = &tally.first {
-            writeln!(out, "first of {kind}: {first}")?;
+            writeln!(out, "first difference of {kind}: {first}")?;
         }
     }
     let whole = comparison.of(Kind::Phases).compared == steps as u64;
     if comparison.same() && whole {
-        writeln!(out, "the same as on record, bit for bit")?;
+        writeln!(out, "identical to the recording, bit for bit")?;
     }
     let this = env!("CARGO_PKG_VERSION");
     if !comparison.same() && version != this {

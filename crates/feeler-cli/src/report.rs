@@ -1,4 +1,4 @@
-//! `feeler report`
+//! The `feeler report` subcommand.
 
 use super::{CommandError, Outcome};
 use feeler_console::Reading;
@@ -10,8 +10,10 @@ use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// The run's folder, or a recording (FILE.mcap). The report of a recording that is not called recording.mcap is written into a
-    /// folder beside it: that of z.mcap into z, that of z into z-report.
+    /// Folder of the run, or a recording (FILE.mcap).
+    ///
+    /// The report of a recording that is not called recording.mcap is written to a folder next to it: the report of
+    /// z.mcap to z, the report of z to z-report.
     run: PathBuf,
 }
 
@@ -24,8 +26,8 @@ pub fn report(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Com
     if let Some(problem) = &made.problem {
         let readable_until = made.readable_until;
         return Err(format!(
-            "{}: the recording is incomplete ({problem}); the report shows the run up to \
-             {readable_until:.2} s and says so",
+            "{}: the recording is incomplete ({problem}); the report covers the run up to \
+             {readable_until:.2} s",
             arguments.run.display()
         )
         .into());
@@ -33,8 +35,8 @@ pub fn report(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Com
     Ok(Outcome::Done)
 }
 
-/// The recording that is meant by `path`, and the folder of its report: its own or, if it has another name than in a run's folder, a
-/// new one beside it.
+/// Returns the recording at `path` and the folder of its report: its own folder, or a new one next to it if the
+/// recording has a custom name.
 fn find(path: &Path) -> Result<(PathBuf, PathBuf), CommandError> {
     let recording = run_folder::recording(path)?;
     if recording.ends_with(RECORDING) {
@@ -48,7 +50,7 @@ fn find(path: &Path) -> Result<(PathBuf, PathBuf), CommandError> {
     if folder.join(RECORDING).exists() {
         let (recording, folder) = (recording.display(), folder.display());
         return Err(format!(
-            "{recording}: its report would be written into {folder}, which is the folder of another run; rename the recording"
+            "{recording}: its report would be written into {folder}, the folder of another run; rename the recording"
         )
         .into());
     }
@@ -58,15 +60,15 @@ fn find(path: &Path) -> Result<(PathBuf, PathBuf), CommandError> {
     if has_other && !has_report(&folder) {
         let (recording, folder) = (recording.display(), folder.display());
         return Err(format!(
-            "{recording}: its report would be written into {folder}, whose {REPORT} or {SUMMARY} is no report of a run; move \
-             them or rename the recording"
+            "{recording}: its report would be written into {folder}, which contains other files named {REPORT} or {SUMMARY}; \
+             move them or rename the recording"
         )
         .into());
     }
     Ok((recording, folder))
 }
 
-/// Whether `folder` has the report of a run, which may be made again.
+/// Returns `true` if `folder` contains the report of a run, which may be replaced.
 fn has_report(folder: &Path) -> bool {
     let text = std::fs::read_to_string(folder.join(SUMMARY)).unwrap_or_default();
     let summary: Result<serde_json::Value, _> = serde_json::from_str(&text);

@@ -1,4 +1,4 @@
-//! `feeler robustness`
+//! The `feeler robustness` subcommand.
 
 mod laws;
 
@@ -19,61 +19,62 @@ use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::PathBuf;
 
-/// Name of the page in the folder.
+/// File name of the report.
 const PAGE: &str = "robustness.html";
-/// Name of what the page shows, for other programs.
+/// File name of the report's data as JSON.
 const JSON: &str = "robustness.json";
-/// Where all groups vary.
+/// Value of `--group`, and name of the runs, in which all groups vary.
 const ALL: &str = "all";
-/// Most parameters that are said to decide a claim.
+/// Maximum number of deciding parameters printed per claim.
 const NAMED: usize = 3;
 
 const EXAMPLES: &str = "\
-A file of ranges says over what each value is plausible, and why; crates/feeler-lab/experiments/cap-closing.robustness.toml
-in the repository is the one that comes with cap-closing. Runs: the trials, as many controls for each group as asked for, and for the indices
-one for each pair and parameter, group and seed.
+A file of ranges specifies the plausible range of each value, with a justification. The ranges of cap-closing are in
+crates/feeler-lab/experiments/cap-closing.robustness.toml. Number of runs: the trials, the controls for each group, and for the sensitivity
+indices one run for each pair and each parameter, group and seed.
 
 Examples:
   feeler robustness cap-closing -o robustness
-  feeler robustness cap-closing --group tuning -o tuning     only what an engineer sets
+  feeler robustness cap-closing --group tuning -o tuning     only settings chosen by an engineer
   feeler robustness cap-closing --trials 8192 --sensitivity 0 -o shares
   feeler robustness my.toml --ranges my.robustness.toml -o mine
   feeler robustness cap-closing --ranges rubber.toml --sensitivity 0 -o rubber
   feeler robustness cap-closing --laws tri-axial,best --group apparatus --trials 400 -o laws
-  feeler robustness --resume -o robustness                   continue what was stopped
-  feeler run --trial robustness 17                           one trial again, with recording and report";
+  feeler robustness --resume -o robustness                   continue an interrupted study
+  feeler run --trial robustness 17                           rerun one trial, with recording and report";
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// An experiment file, or the name of a built-in experiment; not needed with --resume.
+    /// Experiment file or name of a built-in experiment; optional with --resume.
     #[arg(required_unless_present = "resume")]
     experiment: Option<String>,
-    /// File of ranges (TOML); again for another one that varies with it [default: the one that comes with the experiment]
+    /// File of ranges (TOML). Repeatable, to combine files [default: the ranges of the experiment]
     #[arg(long, value_name = "FILE")]
     ranges: Vec<PathBuf>,
-    /// What varies: all, or these groups of the ranges, as apparatus or tuning.
+    /// Groups of ranges to vary, e.g. apparatus or tuning, or `all`.
     #[arg(long, value_name = "GROUP,…", value_delimiter = ',', default_value = ALL)]
     group: Vec<String>,
-    /// Control laws to run side by side on the same hands, as tri-axial,best: the page shows the share of hands on which each
-    /// meets the five claims of any hand.
+    /// Control laws to compare on the same hands, e.g. tri-axial,best.
+    ///
+    /// The report shows the share of hands on which each law passes the five claims of any hand.
     #[arg(long, value_name = "LAW,…", value_delimiter = ',', conflicts_with_all = ["controls", "sensitivity"])]
     laws: Vec<String>,
-    /// Number of points at which everything varies; an even number.
+    /// Number of points at which everything varies; must be even.
     #[arg(long, default_value_t = 2048, value_parser = clap::value_parser!(u64).range(2..=MAX_ROWS))]
     trials: u64,
-    /// Number of runs that vary one group alone, and of those that vary nothing.
+    /// Number of runs in which a single group varies, and of runs in which nothing varies.
     #[arg(long, default_value_t = 512, value_parser = clap::value_parser!(u64).range(..=MAX_ROWS))]
     controls: u64,
-    /// Number of pairs of points from which sensitivity indices are estimated; 0 for none.
+    /// Number of pairs of points for estimating sensitivity indices; 0 disables them.
     #[arg(long, value_name = "PAIRS", default_value_t = 256, value_parser = clap::value_parser!(u64).range(..=MAX_ROWS / 2))]
     sensitivity: u64,
-    /// Where forces come from: rendered camera pictures, or the feelers themselves plus noise.
+    /// Source of forces: `image` (rendered camera images) or `direct` (simulated forces plus noise).
     #[arg(long, value_parser = ["image", "direct"], default_value = "direct")]
     sensing: String,
     #[command(flatten)]
     trial: TrialArguments,
-    /// The folder of table and page.
+    /// Output folder of table and report.
     #[arg(short, long, value_name = "DIR", default_value = "robustness")]
     out: PathBuf,
 }
@@ -96,7 +97,7 @@ pub fn robustness(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome,
         let (finished, folder) = (page.finished, folder.display());
         writeln!(
             out,
-            "interrupted: {finished} of {} trials are finished and kept; go on with `feeler robustness --resume -o {folder}`",
+            "interrupted: {finished} of {} trials are finished and saved; continue with `feeler robustness --resume -o {folder}`",
             page.planned
         )?;
         return Ok(Outcome::GivenUp);
@@ -108,7 +109,7 @@ pub fn robustness(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome,
     Ok(Outcome::Done)
 }
 
-/// What is to be done: as the command line says, or as the folder does of what was stopped.
+/// Returns the plan: from the command line, or with `--resume` from the folder.
 fn plan(arguments: &Arguments) -> Result<Plan, CommandError> {
     let folder = arguments.out.display();
     let kept = match arguments.trial.resume {
@@ -117,7 +118,7 @@ fn plan(arguments: &Arguments) -> Result<Plan, CommandError> {
     };
     if kept.as_ref().is_some_and(|kept| kept.design.is_none()) {
         return Err(format!(
-            "--resume -o {folder}: that is a sweep; expected what `feeler robustness` was writing"
+            "--resume -o {folder}: the folder contains a sweep; expected an interrupted `feeler robustness`"
         )
         .into());
     }
@@ -125,7 +126,7 @@ fn plan(arguments: &Arguments) -> Result<Plan, CommandError> {
         let others = !arguments.ranges.is_empty() || !arguments.trial.settings.is_empty();
         return match kept {
             Some(kept) if !others => Ok(kept),
-            _ => Err("--resume alone goes on as it was: name the experiment to check other options against it".into()),
+            _ => Err("--resume without an experiment accepts no other options; name the experiment to check them against the stored plan".into()),
         };
     };
     let new = new_plan(arguments, name)?;
@@ -133,7 +134,7 @@ fn plan(arguments: &Arguments) -> Result<Plan, CommandError> {
     match kept.difference(&new) {
         None => Ok(kept),
         Some(difference) => Err(format!(
-            "--resume -o {folder}: {difference}; expected what was stopped, of which nothing was changed"
+            "--resume -o {folder}: {difference}; expected the interrupted study, unchanged"
         )
         .into()),
     }
@@ -173,7 +174,7 @@ fn new_plan(arguments: &Arguments, name: &str) -> Result<Plan, CommandError> {
     )?)
 }
 
-/// The ranges of the groups that vary.
+/// Returns the ranges of the groups that vary.
 fn entries_of_groups(
     arguments: &Arguments,
     mut entries: Vec<Entry>,
@@ -183,16 +184,14 @@ fn entries_of_groups(
     if let Some(group) = unknown {
         let groups: Vec<_> = groups.into_iter().collect();
         let groups = groups.join(", ");
-        return Err(
-            format!("--group {group}: there is no such group; expected {ALL}, {groups}").into(),
-        );
+        return Err(format!("--group {group}: unknown group; expected {ALL}, {groups}").into());
     }
     let varies = |group: &String| arguments.group.iter().any(|g| g == ALL || g == group);
     entries.retain(|entry| varies(&entry.group));
     Ok(entries)
 }
 
-/// Requires an even number of trials.
+/// Rejects an odd number of trials.
 fn even(trials: u64) -> Result<u64, CommandError> {
     match trials % 2 {
         0 => Ok(trials),
@@ -200,12 +199,12 @@ fn even(trials: u64) -> Result<u64, CommandError> {
     }
 }
 
-/// The shares and what decides them, for a terminal.
+/// Prints the shares and the deciding parameters.
 fn print(page: &RobustnessPage, out: &mut dyn Write) -> std::io::Result<()> {
     let infeasible = page.rows - page.hands;
     writeln!(
         out,
-        "{} hands at {} points ({infeasible} are no hands)",
+        "{} hands at {} points ({infeasible} infeasible)",
         page.hands, page.rows
     )?;
     let name = |measure: &Measure| match measure.decided_by {
@@ -222,7 +221,7 @@ fn print(page: &RobustnessPage, out: &mut dyn Write) -> std::io::Result<()> {
     writeln!(
         out,
         "{:widest$}{names}  decided by (total effect, %)",
-        "holds in"
+        "passes in"
     )?;
     for measure in &page.measures {
         let shares = measure

@@ -1,4 +1,4 @@
-//! `feeler ros2`: a running rig, or a recording, as a node in a ROS 2 graph over Zenoh.
+//! The `feeler ros2` subcommand: a running rig or a recording as a node in a ROS 2 graph over Zenoh.
 
 use super::link::{ExperimentArguments, LinkArguments};
 use super::{CommandError, Outcome};
@@ -6,13 +6,16 @@ use std::io::Write;
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// The experiment of a rig of several programs (a file, or the name of a built-in one), or a recording (the folder of a
-    /// run, or a file *.mcap). What is a folder or ends with .mcap is replayed in real time; all else is a rig.
+    /// Experiment of a networked rig (a file, or the name of a built-in one), or a recording (a run's folder, or
+    /// FILE.mcap).
+    ///
+    /// A folder or a name that ends in .mcap is replayed in real time; anything else is a rig.
     what: String,
-    /// Replay this many times as fast as it was.
+    /// Speed of the replay relative to real time.
     #[arg(long, value_name = "FACTOR")]
     speed: Option<f64>,
-    /// Stamp by the rig's or the recording's own time, and publish that as /clock; without, stamps are of the time of day.
+    /// Stamp messages with the time of the rig or recording, and publish it as /clock, instead of using the time of
+    /// day.
     #[arg(long)]
     use_sim_time: bool,
     #[command(flatten)]
@@ -23,28 +26,29 @@ pub struct Arguments {
     link: LinkArguments,
 }
 
-/// How the node takes part in its graph.
+/// Arguments of the node.
 #[derive(Debug, Clone, clap::Args)]
 #[command(next_help_heading = "ROS 2")]
 pub struct GraphArguments {
-    /// Where the graph's router (rmw_zenohd) or another node is; tried until it is there [default: tcp/localhost:7447]
+    /// Endpoint of the graph's router (rmw_zenohd) or of another node; retried until available [default:
+    /// tcp/localhost:7447]
     #[arg(long, value_name = "ENDPOINT")]
     ros_connect: Vec<String>,
-    /// Where to listen for other nodes [default: tcp/localhost:0, any port that is free]
+    /// Endpoint at which to listen for other nodes [default: tcp/localhost:0, any free port]
     #[arg(long, value_name = "ENDPOINT")]
     ros_listen: Vec<String>,
-    /// Domain of the graph, 0 to 232 [default: that of the environment's ROS_DOMAIN_ID, else 0]
+    /// Domain of the graph, 0 to 232 [default: ROS_DOMAIN_ID, otherwise 0]
     #[arg(long, value_name = "NUMBER")]
     domain_id: Option<u32>,
-    /// Namespace of the node and of its topics, as in /left.
+    /// Namespace of the node and its topics, e.g. /left.
     #[arg(long, default_value = "/")]
     namespace: String,
-    /// Name of the node [default: feeler, or feeler_rig of `feeler ros2-rig`]
+    /// Name of the node [default: feeler, for `feeler ros2-rig` feeler_rig]
     #[arg(long, value_name = "NAME")]
     node_name: Option<String>,
 }
 
-/// Publishes a rig or a recording until Ctrl-C, or until the recording ends.
+/// Publishes a rig until Ctrl-C, or a recording until its end.
 #[cfg(feature = "ros2")]
 pub fn ros2(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     use feeler_report::make::RECORDING;
@@ -53,7 +57,9 @@ pub fn ros2(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comma
     let is_folder = path.is_dir();
     if !is_folder && path.extension().is_none_or(|extension| extension != "mcap") {
         if arguments.speed.is_some() {
-            return Err(format!("--speed is for a recording; {} is a rig", arguments.what).into());
+            return Err(
+                format!("--speed requires a recording; {} is a rig", arguments.what).into(),
+            );
         }
         let session = arguments.values.session(&arguments.what, &arguments.link)?;
         let graph = (&arguments.graph).into();
@@ -61,7 +67,7 @@ pub fn ros2(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comma
     }
     if let Some(option) = arguments.values.given().or(arguments.link.given()) {
         let what = path.display();
-        return Err(format!("{option} is for a rig; {what} is a recording").into());
+        return Err(format!("{option} requires a rig; {what} is a recording").into());
     }
     let recording = match is_folder {
         true => path.join(RECORDING),
@@ -71,7 +77,7 @@ pub fn ros2(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comma
     feeler_rig::publish_recording(&recording, &graph, arguments.use_sim_time, speed, out)
 }
 
-/// Says that there is no ROS 2.
+/// Returns an error: this build has no ROS 2.
 #[cfg(not(feature = "ros2"))]
 pub fn ros2(arguments: &Arguments, _: &mut dyn Write) -> Result<Outcome, CommandError> {
     let Arguments {
@@ -100,7 +106,7 @@ impl From<&GraphArguments> for feeler_rig::GraphOptions {
 
 #[cfg(not(feature = "ros2"))]
 impl GraphArguments {
-    /// Says that there is no ROS 2 to do `what` in.
+    /// Returns the error that `what` requires ROS 2.
     pub fn not_built(&self, what: &str) -> CommandError {
         let Self {
             ros_connect: _,

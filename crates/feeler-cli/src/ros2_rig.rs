@@ -1,4 +1,4 @@
-//! `feeler ros2-rig`: a robot of a ROS 2 graph as the rig of an experiment.
+//! The `feeler ros2-rig` subcommand: a robot in a ROS 2 graph as the rig of an experiment.
 
 use super::ros2::GraphArguments;
 use crate::link::{ExperimentArguments, LinkArguments};
@@ -6,12 +6,12 @@ use feeler_link::programs::RigSpeed;
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// The experiment, whose table [ros2] names the robot's joints and topics: a file, or the name of a built-in one.
+    /// Experiment whose table [ros2] names the robot's joints and topics: a file, or the name of a built-in one.
     experiment: String,
-    /// Judge the age of data by the /clock of a simulation, and not by the time of day.
+    /// Measure the age of data by the /clock of a simulation instead of the time of day.
     #[arg(long)]
     use_sim_time: bool,
-    /// Seconds of that clock in a second, the same as the hand's.
+    /// Speed of that clock relative to real time, the same as the hand's.
     #[arg(long, default_value = "1", requires = "use_sim_time")]
     speed: RigSpeed,
     #[command(flatten)]
@@ -41,7 +41,7 @@ pub fn ros2_rig(
     )
 }
 
-/// Says that there is no ROS 2.
+/// Returns an error: this build has no ROS 2.
 #[cfg(not(feature = "ros2"))]
 pub fn ros2_rig(
     arguments: &Arguments,

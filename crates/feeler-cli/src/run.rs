@@ -1,4 +1,4 @@
-//! `feeler run`
+//! The `feeler run` subcommand.
 
 use super::emulated::DrivenBus;
 #[cfg(not(feature = "top"))]
@@ -23,38 +23,41 @@ use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// An experiment file, or the name of a built-in experiment (see `feeler list`).
+    /// Experiment file or name of a built-in experiment (see `feeler list`).
     #[arg(required_unless_present = "trial")]
     experiment: Option<String>,
-    /// Run one trial of a sweep again: the sweep's folder and the trial's number.
+    /// Rerun one trial of a sweep, given by the sweep's folder and the trial's number.
     #[arg(long, num_args = 2, value_names = ["SWEEP", "TRIAL"], conflicts_with_all = ["experiment", "seed", "sensing", "settings"])]
     trial: Option<Vec<String>>,
     /// Random seed.
     #[arg(long, value_parser = crate::trials::parse_seed)]
     seed: Option<u64>,
-    /// Where forces come from: rendered camera pictures, or the feelers themselves plus noise.
+    /// Source of forces: `image` (rendered camera images) or `direct` (simulated forces plus noise).
     #[arg(long, value_parser = ["image", "direct"])]
     sensing: Option<String>,
-    /// Set any value of the experiment, as in control.slip_threshold=2.5.
+    /// Override an experiment value, e.g. control.slip_threshold=2.5. Repeatable.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     settings: Vec<String>,
-    /// The run's folder, which must not hold a run yet [default: runs/NAME-SENSING-seedN, or -trialN]
+    /// Output folder; must not contain a run [default: runs/NAME-SENSING-seedN, or -trialN]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Record the camera pictures, too, for `feeler replay --from frames` and Foxglove: about 0.15 MB each, 30 MB
-    /// for every simulated second of two fingers at 100 Hz.
+    /// Record the camera images too, for `feeler replay --from frames` and Foxglove.
+    ///
+    /// An image takes about 0.15 MB: 30 MB per simulated second for two fingers at 100 Hz.
     #[arg(long)]
     record_frames: bool,
     #[command(flatten)]
     flush: FlushArguments,
-    /// Move the fingers by servos on an emulated bus, with the simulated world behind them: `emulated`. The servos are those of the
-    /// experiment's [drives], or some that suit its hand. In real time, unless with `--speed max`.
+    /// Move the fingers with servos on an emulated bus, connected to the simulated world.
+    ///
+    /// Uses the servos of the experiment's [drives], or suitable defaults. Runs in real time unless --speed max is
+    /// given.
     #[arg(long, value_name = "SERVOS", value_parser = ["emulated"])]
     drives: Option<String>,
-    /// Simulated seconds per second, or `max` [default: max; with --top, --view or --drives: 1]
+    /// Simulation speed relative to real time, or `max` [default: max; with --top, --view or --drives: 1]
     #[arg(long, value_name = "FACTOR", value_parser = parse_speed)]
     speed: Option<f64>,
-    /// Watch the run full-screen in the terminal: flags, forces, torque, phase, programs.
+    /// Watch the run in the terminal, full-screen: flags, forces, torque, phase, programs.
     #[arg(long)]
     top: bool,
     /// Watch the run in the browser: hand, fingertips, forces, torque, with buttons to stop and resume.
@@ -65,7 +68,7 @@ pub struct Arguments {
 }
 
 impl Arguments {
-    /// Simulated seconds in a real second; infinite for as many as possible.
+    /// Returns the speed relative to real time; infinite for `max`.
     fn speed(&self) -> f64 {
         let unasked = if self.top || self.view || self.drives.is_some() {
             1.0
@@ -90,7 +93,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comman
         error => CommandError::from(error),
     })?;
     options.flush_interval = arguments.flush.flush_interval;
-    // Before there is a folder: an experiment that cannot be set up leaves none.
+    // Set up before creating a folder, so that an invalid experiment leaves none.
     let set_up = match arguments.drives {
         Some(_) => {
             let (session, bus) = emulated::session(&experiment, arguments.speed())?;
@@ -115,7 +118,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comman
     ran
 }
 
-/// Makes the run that is set up, over a bus or without one, records and reports it.
+/// Runs, records and reports a session, with or without a servo bus.
 fn watched_run(
     arguments: &Arguments,
     (experiment, (session, bus)): (&Experiment, (Session, Option<DrivenBus>)),
@@ -167,16 +170,16 @@ fn watched_run(
     Ok(Outcome::from(&ran.end))
 }
 
-/// Refuses options of a page that there is none of.
+/// Rejects options of the browser view without `--view`.
 fn check_unviewed(server: &ServerArguments) -> Result<(), CommandError> {
     let given = [("--port", server.port != 0), ("--no-open", server.no_open)];
     match given.into_iter().find(|(_, given)| *given) {
-        Some((option, _)) => Err(format!("{option} is for a run that is watched by --view").into()),
+        Some((option, _)) => Err(format!("{option} requires --view").into()),
         None => Ok(()),
     }
 }
 
-/// The experiment, or the one that a trial of a sweep is.
+/// Loads the experiment, or that of a sweep's trial.
 fn load(arguments: &Arguments) -> Result<Experiment, CommandError> {
     if let Some([folder, trial]) = arguments.trial.as_deref() {
         return one_trial(Path::new(folder), trial);
@@ -185,7 +188,7 @@ fn load(arguments: &Arguments) -> Result<Experiment, CommandError> {
     Ok(Experiment::load(name, &settings(arguments))?)
 }
 
-/// What the command line sets, the named flags last.
+/// Returns the settings given on the command line; dedicated flags come last.
 fn settings(arguments: &Arguments) -> Vec<String> {
     let seed = arguments.seed.map(|seed| format!("seed={seed}"));
     let sensing = arguments.sensing.as_ref().map(|s| format!("sensing={s}"));
@@ -194,8 +197,7 @@ fn settings(arguments: &Arguments) -> Vec<String> {
     settings
 }
 
-/// Makes the run's folder. Without a name given, one that does not exist yet, called by the seed or the number of the
-/// `trial`.
+/// Creates the run's folder. Without `out`, its name is new and contains the seed or the number of the `trial`.
 pub fn make_folder(
     out: Option<&Path>,
     experiment: &Experiment,

@@ -1,21 +1,23 @@
-//! `feeler schema`
+//! The `feeler schema` subcommand.
 
 use super::{CommandError, Outcome};
 use feeler_link::message as linked;
 use feeler_link::topic::{Place, Topic};
-use feeler_record::wire::Message;
 use feeler_record::sensed::MOMENTS;
+use feeler_record::wire::Message;
 use feeler_record::{RecordedTopic, topics};
 use std::io::Write;
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Message to print alone, as in TactileUpdate or feeler_msgs/msg/TactileUpdate: nothing but its text,
-    /// for a program to read [default: all, each after a line with its name and where it goes]
+    /// Message to print, e.g. TactileUpdate or feeler_msgs/msg/TactileUpdate [default: all]
+    ///
+    /// A single message is printed without a heading, for use by other programs. Without a name, each message follows
+    /// a line with its name and topic.
     name: Option<String>,
 }
 
-/// A message's type, its text, and where it goes.
+/// Name, text and topic of a message type.
 struct Schema {
     name: &'static str,
     text: &'static str,
@@ -45,7 +47,7 @@ impl Schema {
     }
 }
 
-/// Prints the ROS 2 message text of what is recorded and linked.
+/// Prints the ROS 2 definitions of recorded and network messages.
 pub fn schema(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     let schemas = recorded().into_iter().chain(linked());
     let Some(name) = &arguments.name else {
@@ -57,7 +59,11 @@ pub fn schema(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Com
     let schemas: Vec<_> = schemas.collect();
     let Some(schema) = schemas.iter().find(|schema| schema.is_called(name)) else {
         let names: Vec<_> = schemas.iter().map(|schema| schema.name).collect();
-        return Err(format!("no message {name:?}; expected one of {}", names.join(", ")).into());
+        return Err(format!(
+            "unknown message {name:?}; expected one of {}",
+            names.join(", ")
+        )
+        .into());
     };
     write!(out, "{}", schema.text)?;
     Ok(Outcome::Done)
@@ -103,7 +109,7 @@ fn linked() -> [Schema; 9] {
     ]
 }
 
-/// `topic` with N for the number of its finger, which is 0, and PLACE for that of the program.
+/// Replaces the finger's number 0 in `topic` by N, and the program's place by PLACE.
 fn of_any_finger(topic: &str) -> String {
     let topic = topic.replace("finger/0/", "finger/N/");
     topic.replace("heartbeat/hand", "heartbeat/PLACE")

@@ -1,4 +1,4 @@
-//! `feeler simulate-grasps`: grasps in simulation, with labels, as recordings that `feeler score-slip` reads.
+//! The `feeler simulate-grasps` subcommand: simulated grasps with labels, as recordings for `feeler score-slip`.
 
 use super::trials::jobs;
 use super::{CommandError, Outcome};
@@ -18,7 +18,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{Sender, channel};
 use std::thread;
 
-/// Folder of the recordings, and the tables of labels beside it.
+/// Names of the folder of recordings and of the label tables next to it.
 const RECORDINGS: &str = "recordings";
 const LABELS: &str = "labels.csv";
 const FRAME_LABELS: &str = "frame_labels.csv";
@@ -26,9 +26,7 @@ const LABELS_HEADER: &str = "recording,shape,mass_kg,friction,grip_force_n,shear
      slid_m,lost,slip\n";
 const FRAME_LABELS_HEADER: &str = "recording,frame,slip\n";
 
-/// Grasps are written to DIR/recordings, a table of `feeler sense` with its layout for each; DIR/labels.csv has their labels
-/// (1: slid by more than 4 mm, or lost), DIR/frame_labels.csv those of each frame. Score them with
-/// `feeler score-slip DIR/recordings DIR/labels.csv`, or give both to its --thresholds-from.
+/// Arguments of `feeler simulate-grasps`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Number of grasps.
@@ -37,10 +35,10 @@ pub struct Arguments {
     /// Random seed.
     #[arg(long, default_value_t = 0, value_parser = crate::trials::parse_seed)]
     seed: u64,
-    /// Number of grasps at a time [default: one for each core]
+    /// Number of grasps to simulate in parallel [default: number of cores]
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1024))]
     jobs: Option<u64>,
-    /// The folder.
+    /// Output folder.
     #[arg(short, long, value_name = "DIR", default_value = "grasps")]
     out: PathBuf,
     #[command(flatten)]
@@ -57,7 +55,7 @@ pub fn simulate_grasps(
     create_folder(&recordings)
         .map_err(|e| format!("--out {}: {e}; expected a folder", recordings.display()))?;
     let mut outputs = Outputs::new(arguments.overwrite.force, []);
-    // Opened first: simulating takes its time.
+    // Opened first, because simulating takes a while.
     let labels_file = outputs.create(&arguments.out.join(LABELS), "--out")?;
     let frames_file = outputs.create(&arguments.out.join(FRAME_LABELS), "--out")?;
     let bar = Steps::new(arguments.count as usize);
@@ -89,7 +87,7 @@ pub fn simulate_grasps(
     let labels = LABELS_HEADER.to_owned() + &labels.concat();
     let frame_labels = FRAME_LABELS_HEADER.to_owned() + &frame_labels.concat();
     if done < arguments.count {
-        // Of those that are done, for who asks for the rest later: the same seed gives the same grasps.
+        // Labels of the finished grasps. The same seed yields the same grasps if the user continues later.
         let write = |file: &PartFile, text: &str| file.writer()?.write_all(text.as_bytes());
         write(&labels_file, &labels)?;
         write(&frames_file, &frame_labels)?;
@@ -107,14 +105,14 @@ pub fn simulate_grasps(
     Ok(Outcome::Done)
 }
 
-/// Simulates one grasp after another until all are begun, the program is interrupted, or nobody takes them any more.
+/// Simulates grasps until all are started, the program is interrupted, or the receiver is gone.
 fn work(
     arguments: &Arguments,
     next: &AtomicU64,
     interrupted: &AtomicBool,
     finished: Sender<Simulated>,
 ) {
-    // No two seeds share a grasp.
+    // Different seeds share no grasps.
     let first = arguments.seed.wrapping_mul(0x9e37_79b9_7f4a_7c15);
     while !interrupted.load(Ordering::Relaxed) {
         let number = next.fetch_add(1, Ordering::Relaxed);
@@ -141,13 +139,13 @@ fn write(
     Ok(layout.finish(layout_of(grasp).to_toml()?.as_bytes())?)
 }
 
-/// What markers show, and the true forces on them.
+/// Formats the markers' displacements and the true forces on them.
 fn table_of(grasp: &SimulatedGrasp) -> String {
     let mut table = "frame,stamp,element,u_x,u_y,true_f_x,true_f_y,true_f_z\n".to_string();
     for (number, frame) in grasp.frames.iter().enumerate() {
         let stamp = frame.stamp;
         for (element, (u, f)) in frame.displaced.iter().zip(&frame.forces).enumerate() {
-            // Writing to a string does not fail.
+            // Writing to a `String` cannot fail.
             let _ = writeln!(
                 table,
                 "{number},{stamp:.3},{element},{:.3},{:.3},{:.5},{:.5},{:.5}",

@@ -1,4 +1,4 @@
-//! `feeler sweep`
+//! The `feeler sweep` subcommand.
 
 use super::trials::TrialArguments;
 use super::{CommandError, Outcome};
@@ -12,52 +12,53 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 const EXAMPLES: &str = "\
-A NAME is as much of a key as tells it: cap.radius, slip_threshold. `friction` is the static friction of all
-feelers and objects, the kinetic in proportion. A DISTRIBUTION is uniform(a,b), normal(mean,sd),
-log_uniform(a,b), choice(a,b,...), a value, relative(a,b) times the experiment's own or shifted(a,b) more than it.
+NAME is a key, of which all segments but the last may be omitted while it is unambiguous: cap.radius, slip_threshold.
+`friction` is the static friction of all feelers and objects; kinetic friction scales with it. DISTRIBUTION is
+uniform(a,b), normal(mean,sd), log_uniform(a,b), choice(a,b,...), a constant, relative(a,b) (times the experiment's
+value) or shifted(a,b) (added to it).
 
 Examples:
   feeler sweep cap-closing --sensing direct --trials 10000 --vary 'friction=uniform(0.3,1.2)' -o sweep
-  feeler sweep --resume -o sweep                continue a sweep that was stopped
-  feeler run --trial sweep 4711                 one trial again, with recording and report
+  feeler sweep --resume -o sweep                continue an interrupted sweep
+  feeler run --trial sweep 4711                 rerun one trial, with recording and report
   feeler sweep cap-closing --trials 10000 --vary 'cap.radius=normal(0.014,0.0002)' --shard 1/2 -o one
-  feeler sweep merge one two -o both            join what two machines did";
+  feeler sweep merge one two -o both            merge the results of two machines";
 
-/// Ray runs Python.
-const NO_RAY: &str = "--engine ray: expected threads here; on many machines, the Python package runs sweeps, as in \
-     feeler.sweep(\"cap-closing\", engine=\"ray\"): see \"On many machines\" in docs/sweeps.md";
+/// Ray sweeps run from Python.
+const NO_RAY: &str = "--engine ray: expected threads; to use several machines, run the sweep from Python, as in \
+     feeler.sweep(\"cap-closing\", engine=\"ray\") (see \"On many machines\" in docs/sweeps.md)";
 
 #[derive(Debug, clap::Args)]
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true, after_help = EXAMPLES)]
 pub struct Arguments {
     #[command(subcommand)]
     command: Option<Sub>,
-    /// An experiment file, or the name of a built-in experiment; not needed with --resume.
+    /// Experiment file or name of a built-in experiment; optional with --resume.
     #[arg(required_unless_present = "resume")]
     experiment: Option<String>,
     /// Number of trials.
     #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u64).range(1..=100_000_000))]
     trials: u64,
-    /// A parameter and what it is drawn from, as in friction=uniform(0.3,1.2).
+    /// Parameter and its distribution, e.g. friction=uniform(0.3,1.2). Repeatable.
     #[arg(long = "vary", value_name = "NAME=DISTRIBUTION")]
     vary: Vec<String>,
-    /// Where forces come from: rendered camera pictures, or the feelers themselves plus noise.
+    /// Source of forces: `image` (rendered camera images) or `direct` (simulated forces plus noise).
     #[arg(long, value_parser = ["image", "direct"])]
     sensing: Option<String>,
     #[command(flatten)]
     trial: TrialArguments,
-    /// What runs the trials: threads of this computer, or Ray on many, which is started from Python.
+    /// Engine that runs the trials: threads on this computer, or Ray on several, which is started from Python.
     #[arg(long, value_enum, default_value_t)]
     engine: Engine,
-    /// Run the i-th of n shares of the trials.
+    /// Run only the i-th of n shards.
     #[arg(long, value_name = "I/N")]
     shard: Option<Shard>,
-    /// The sweep's folder.
+    /// Output folder.
     #[arg(short, long, value_name = "DIR", default_value = "sweep")]
     out: PathBuf,
 }
 
-/// What runs trials.
+/// Engine that runs trials.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum)]
 enum Engine {
     #[default]
@@ -67,16 +68,16 @@ enum Engine {
 
 #[derive(Debug, clap::Subcommand)]
 enum Sub {
-    /// Join the shards of a sweep.
+    /// Merge the shards of a sweep.
     Merge(MergeArguments),
 }
 
 #[derive(Debug, clap::Args)]
 struct MergeArguments {
-    /// The shards' folders.
+    /// Folders of the shards.
     #[arg(required = true)]
     folders: Vec<PathBuf>,
-    /// The joined sweep's folder, new.
+    /// Output folder; must not contain a sweep.
     #[arg(short, long, value_name = "DIR")]
     out: PathBuf,
 }
@@ -107,21 +108,21 @@ pub fn sweep(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comm
         let folder = folder.display();
         writeln!(
             out,
-            "interrupted: {finished} trials are finished and kept; go on with `feeler sweep --resume -o {folder}`"
+            "interrupted: {finished} trials are finished and saved; continue with `feeler sweep --resume -o {folder}`"
         )?;
         return Ok(Outcome::GivenUp);
     }
     conclude(folder, &trials, &store.finish()?, out)
 }
 
-/// What is to be done: as the command line says, or as a stopped sweep's folder does.
+/// Returns the plan: from the command line, or with `--resume` from the folder.
 fn plan(arguments: &Arguments) -> Result<Plan, CommandError> {
     let Some(name) = &arguments.experiment else {
         let others = !(arguments.vary.is_empty() && arguments.trial.settings.is_empty());
         if others || arguments.sensing.is_some() || arguments.shard.is_some() {
             return Err(
-                "--resume alone goes on with the sweep as it was: name the experiment to check \
-                        other options against it"
+                "--resume without an experiment accepts no other options; name the experiment to check \
+                        them against the stored plan"
                     .into(),
             );
         }
@@ -145,7 +146,7 @@ fn merge(arguments: &MergeArguments, out: &mut dyn Write) -> Result<Outcome, Com
         plans.push((folder, Plan::read(folder)?));
     }
     let Some((_, first)) = plans.first().cloned() else {
-        return Err("which folders?".into());
+        return Err("merge: expected at least one folder".into());
     };
     let whole = Plan {
         shard: Shard::WHOLE,
@@ -157,7 +158,7 @@ fn merge(arguments: &MergeArguments, out: &mut dyn Write) -> Result<Outcome, Com
         if let Some(difference) = plan.difference(&first) {
             let (folder, other) = (folder.display(), arguments.folders[0].display());
             return Err(
-                format!("{folder} is no shard of the sweep of {other}: {difference}").into(),
+                format!("{folder} is not a shard of the sweep in {other}: {difference}").into(),
             );
         }
         read_finished(folder, plan, &mut table)?;
@@ -183,7 +184,7 @@ fn merge(arguments: &MergeArguments, out: &mut dyn Write) -> Result<Outcome, Com
     conclude(&arguments.out, &trials, &store.finish()?, out)
 }
 
-/// Writes the page and says what came of it all.
+/// Writes the summary page and prints the result.
 fn conclude(
     folder: &Path,
     trials: &Trials,
@@ -209,7 +210,7 @@ fn conclude(
     Ok(Outcome::Done)
 }
 
-/// The experiment of one trial of the sweep in a folder.
+/// Returns the experiment of one trial of the sweep in `folder`.
 pub fn one_trial(folder: &Path, trial: &str) -> Result<Experiment, CommandError> {
     let plan = Plan::read(folder)?;
     let count = plan.trials;
@@ -225,7 +226,7 @@ pub fn one_trial(folder: &Path, trial: &str) -> Result<Experiment, CommandError>
     Ok(trials.experiment(number)?)
 }
 
-/// How far the sweep is, on a terminal.
+/// Progress bar of a sweep.
 pub(super) struct Bar {
     bar: ProgressBar,
     start: Instant,
@@ -233,7 +234,7 @@ pub(super) struct Bar {
 }
 
 impl Bar {
-    /// A bar of which so much is done before it starts.
+    /// Creates a bar that starts with `before` finished trials.
     pub(super) fn new(before: u64) -> Self {
         let bar = ProgressBar::new(0).with_position(before);
         let style = ProgressStyle::with_template("{bar:32} {pos}/{len} trials, {msg}, {eta} left");
@@ -246,7 +247,7 @@ impl Bar {
         }
     }
 
-    /// Takes it off the terminal.
+    /// Removes the bar.
     pub(super) fn clear(&self) {
         self.bar.finish_and_clear();
     }

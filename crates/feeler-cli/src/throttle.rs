@@ -1,20 +1,20 @@
-//! Simulated time at a speed that one can watch.
+//! Pacing of simulated time.
 
 use feeler::pace::{Schedule, Tick};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// What `--speed` says for as fast as possible.
+/// Value of `--speed` that selects the maximum speed.
 const FASTEST: &str = "max";
-/// A step that begins this much too late is not made up for by hurrying afterwards.
+/// Lateness beyond which the schedule is shifted instead of catching up.
 const FORGIVEN: Duration = Duration::from_millis(100);
-/// A step is not called late when the system's timer can be the cause.
+/// Lateness that is not counted as an overrun, because the system's timer can cause it.
 const TIMER_SLACK: Duration = Duration::from_millis(1);
-/// An interrupt is seen this soon.
+/// Maximum delay in reacting to an interrupt.
 const PATIENCE: Duration = Duration::from_millis(20);
 
-/// A speed as the command line says it: simulated seconds in a real second, infinite for `max`.
+/// Parses a `--speed` value: simulated seconds per real second, infinite for `max`.
 pub fn parse_speed(text: &str) -> Result<f64, String> {
     if text == FASTEST {
         return Ok(f64::INFINITY);
@@ -22,19 +22,19 @@ pub fn parse_speed(text: &str) -> Result<f64, String> {
     let speed: Option<f64> = text.parse().ok();
     speed
         .filter(|speed| (1e-3..=1e6).contains(speed))
-        .ok_or_else(|| format!("a number from 0.001 to 1000000 expected, or {FASTEST}"))
+        .ok_or_else(|| format!("expected a number from 0.001 to 1000000, or {FASTEST}"))
 }
 
-/// When the steps of a run begin.
+/// Schedule of a run's steps.
 pub enum Timing {
-    /// Simulated time waits for its steps.
+    /// Simulated time: a late step delays all later ones.
     Held(Throttle),
-    /// Time goes on, and who misses a step has missed it; whether it is real time.
+    /// A schedule that continues regardless of late steps, and `true` if it follows real time.
     Kept(Box<dyn Schedule>, bool),
 }
 
 impl Timing {
-    /// Whether steps have real times.
+    /// Returns `true` if steps are tied to real time.
     pub fn is_paced(&self) -> bool {
         match self {
             Self::Held(throttle) => throttle.is_paced(),
@@ -52,16 +52,16 @@ impl Schedule for Timing {
     }
 }
 
-/// Holds steps back until they are due.
+/// Delays each step until it is due.
 pub struct Throttle {
-    /// Real time of a step; nothing for as fast as possible.
+    /// Real time per step, or `None` to run as fast as possible.
     period: Option<Duration>,
     due: Instant,
     steps: u64,
 }
 
 impl Throttle {
-    /// For steps of `period` simulated seconds at `speed`; the first is due now.
+    /// Creates a throttle for steps of `period` simulated seconds at `speed`. The first step is due immediately.
     pub fn new(period: f64, speed: f64) -> Self {
         let period = Duration::try_from_secs_f64(period / speed);
         Self {
@@ -71,12 +71,12 @@ impl Throttle {
         }
     }
 
-    /// Whether steps are held back at all.
+    /// Returns `true` if steps are delayed at all.
     pub fn is_paced(&self) -> bool {
         self.period.is_some()
     }
 
-    /// Waits until the next step is due, or `interrupted` is raised; how late it is then.
+    /// Waits until the next step is due or `interrupted` is set; returns the lateness.
     fn wait(&mut self, period: Duration, interrupted: &AtomicBool) -> Duration {
         let mut now = Instant::now();
         while now < self.due && !interrupted.load(Ordering::Relaxed) {
@@ -90,7 +90,7 @@ impl Throttle {
 }
 
 impl Schedule for Throttle {
-    /// A step that begins later than the next one was due overran.
+    /// A step overran if it begins after the next one was due.
     fn next_tick(&mut self, interrupted: &AtomicBool) -> Option<Tick> {
         self.steps += 1;
         let mut tick = Tick::on_time(self.steps);
@@ -113,18 +113,18 @@ mod tests {
         assert_eq!(parse_speed("0.25"), Ok(0.25));
         assert_eq!(parse_speed("max"), Ok(f64::INFINITY));
         for wrong in ["", "0", "-1", "nan", "inf", "1e9", "fast"] {
-            let said = parse_speed(wrong).unwrap_err();
-            assert!(said.contains("expected, or max"), "{said}");
+            let error = parse_speed(wrong).unwrap_err();
+            assert!(error.contains("expected a number"), "{error}");
         }
     }
 
     #[test]
     fn steps_take_their_real_time() {
-        let go_on = AtomicBool::new(false);
+        let interrupted = AtomicBool::new(false);
         let mut throttle = Throttle::new(0.01, 10.0);
         let start = Instant::now();
         for step in 1..=21 {
-            let tick = throttle.next_tick(&go_on).expect("a step");
+            let tick = throttle.next_tick(&interrupted).expect("a step");
             assert_eq!(tick.number, step);
         }
         assert!(start.elapsed() >= Duration::from_millis(20));

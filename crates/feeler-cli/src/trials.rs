@@ -1,4 +1,4 @@
-//! Running many trials into a folder: what sweeps, comparisons and robustness studies have in common.
+//! Arguments and functions shared by the commands that run trials: sweeps, comparisons, robustness studies.
 
 use super::CommandError;
 use super::sweep::Bar;
@@ -13,27 +13,27 @@ use std::thread;
 /// Options of every command that runs trials.
 #[derive(Debug, clap::Args)]
 pub struct TrialArguments {
-    /// Set any value of the experiment for all trials, as in control.slip_threshold=2.5.
+    /// Override an experiment value in all trials, e.g. control.slip_threshold=2.5. Repeatable.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub settings: Vec<String>,
-    /// Random seed; the seed of each trial follows from it.
+    /// Random seed, from which the seed of each trial is derived.
     #[arg(long, default_value_t = 0, value_parser = crate::trials::parse_seed)]
     pub seed: u64,
-    /// Number of trials at a time [default: one for each core]
+    /// Number of trials to run in parallel [default: number of cores]
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1024))]
     jobs: Option<u64>,
-    /// Continue what was stopped, in the same folder.
+    /// Continue an interrupted run in the same folder.
     #[arg(long)]
     pub resume: bool,
 }
 
 impl TrialArguments {
-    /// Number of trials at a time.
+    /// Returns the number of parallel trials.
     pub fn jobs(&self) -> usize {
         jobs(self.jobs)
     }
 
-    /// The folder of `trials`: as it was left with --resume, otherwise a new one.
+    /// Opens the folder of `trials`: the existing one with --resume, otherwise a new one.
     pub fn store(&self, folder: &Path, trials: &Trials) -> Result<Store, CommandError> {
         let (plan, header) = (trials.plan(), trials.header());
         Ok(match self.resume {
@@ -42,7 +42,7 @@ impl TrialArguments {
         })
     }
 
-    /// Runs what is left of `trials`, until done or Ctrl-C.
+    /// Runs the remaining `trials` until done or Ctrl-C.
     pub fn run(&self, trials: &Trials, store: &mut Store) -> Result<Ended, CommandError> {
         let stop = watch_for_interrupt()?;
         let mut bar = Bar::new(store.table.rows.len() as u64);
@@ -53,13 +53,13 @@ impl TrialArguments {
     }
 }
 
-/// How many are done at a time: as many as were asked for, otherwise one for each core.
+/// Returns the requested number of parallel jobs, by default the number of cores.
 pub fn jobs(asked: Option<u64>) -> usize {
     let cores = || thread::available_parallelism().map_or(1, NonZero::get);
     asked.map_or_else(cores, |jobs| jobs as usize)
 }
 
-/// A random seed: what TOML can hold of the whole numbers from 0.
+/// Parses a random seed: a non-negative integer that TOML can represent.
 pub fn parse_seed(text: &str) -> Result<u64, String> {
     let seed = text
         .parse()

@@ -1,4 +1,4 @@
-//! `feeler tune`
+//! The `feeler tune` subcommand.
 
 use super::init::missing;
 use super::trials::{jobs, parse_seed};
@@ -18,44 +18,45 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// Longest search, s: a week.
+/// Maximum duration of a search (s): one week.
 const MAX_SECONDS: f64 = 604_800.0;
 
 const EXAMPLES: &str = "\
-The rules and their reasons are in docs/tuning.md. The written experiment differs from the given one in the tuned values alone, each with a
-comment that says where it came from. A search is simulated in [sim] of the experiment; a page with the predicted success is written
-beside the output. Ctrl-C ends a search and keeps the best settings so far.
+docs/tuning.md explains the tuning rules. The written experiment differs from the given one only in the tuned values, each with a comment that
+states its origin. A search simulates the experiment's [sim]; a report with the predicted success is written next to the output. Ctrl-C ends a
+search and keeps the best settings so far.
 
 Examples:
-  feeler tune cap-closing -o tuned.toml                                             of the simulated hand
+  feeler tune cap-closing -o tuned.toml                                             tune to the simulated hand
   feeler tune my.toml --identified identified.toml -o tuned.toml
   feeler tune my.toml --identified identified.toml --search 60 -o tuned.toml
-  feeler tune my.toml --identified identified.toml --evaluations 6000 -o tuned.toml     the same settings each time";
+  feeler tune my.toml --identified identified.toml --evaluations 6000 -o tuned.toml     reproducible search";
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// An experiment file with [task.screw], or the name of a built-in experiment.
+    /// Experiment file with [task.screw], or name of a built-in experiment.
     experiment: String,
-    /// Identified values of this experiment's hand, as `feeler identify` writes them [default: those of probing the simulated hand]
+    /// Identified values of the experiment's hand, written by `feeler identify` [default: identify the simulated
+    /// hand]
     #[arg(long, value_name = "FILE")]
     identified: Option<PathBuf>,
-    /// Duration of a search that improves the rules' settings in simulation, s.
+    /// Improve the settings by a search in simulation for this time (s).
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     search: Option<f64>,
-    /// Largest number of runs that the search simulates, which makes it reproducible.
+    /// Limit the search to this number of simulated runs, which makes it reproducible.
     #[arg(long, value_name = "RUNS", value_parser = clap::value_parser!(u64).range(GENERATION..=1_000_000_000))]
     evaluations: Option<u64>,
-    /// Rated force of a sensing element, N [default: that of equal elastic energy, 0.505 N at 205 N/m]
+    /// Rated force of a sensing element (N) [default: the force of equal elastic energy, 0.505 N at 205 N/m]
     #[arg(long, value_name = "N", value_parser = force)]
     rated_force: Option<f64>,
     /// Random seed.
     #[arg(long, default_value_t = 0, value_parser = parse_seed)]
     seed: u64,
-    /// Number of simulated runs at a time [default: one for each core]
+    /// Number of runs to simulate in parallel [default: number of cores]
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1024))]
     jobs: Option<u64>,
-    /// The tuned experiment file; its page is written beside it.
+    /// Tuned experiment file to write; a report is written next to it.
     #[arg(short, long, value_name = "FILE.toml")]
     output: PathBuf,
     #[command(flatten)]
@@ -75,13 +76,17 @@ fn force(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| "expected a force above 0 N, at most 1000 N".to_string())
 }
 
-/// The values of the simulated hand, by a probing run.
+/// Identifies the simulated hand with a probing run.
 fn probed(experiment: &Experiment) -> Result<Identified, CommandError> {
     let trace = probe(&probing(experiment)?)?;
     let config = &experiment.config;
     let (identified, _) = estimate(&trace, &config.name, config.seed)?;
-    plausible(&identified)
-        .map_err(|what| format!("{}: the values of probing are {what}", config.name))?;
+    plausible(&identified).map_err(|what| {
+        format!(
+            "{}: the values identified by probing are {what}",
+            config.name
+        )
+    })?;
     Ok(identified)
 }
 
@@ -150,7 +155,7 @@ fn options(arguments: &Arguments) -> TuneOptions {
     }
 }
 
-/// The settings and the predicted success, for a terminal.
+/// Prints the settings and the predicted success.
 fn print(page: &TunePage, out: &mut dyn Write) -> std::io::Result<()> {
     for row in &page.settings {
         writeln!(

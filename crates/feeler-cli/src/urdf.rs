@@ -1,4 +1,4 @@
-//! `feeler urdf`
+//! The `feeler urdf` subcommand.
 
 use super::{CommandError, Outcome};
 use feeler_lab::config::Experiment;
@@ -8,14 +8,14 @@ use std::io::Write;
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// An experiment file, or the name of a built-in experiment.
+    /// Experiment file or name of a built-in experiment.
     experiment: String,
-    /// Describe the hand with this value set, as in hand.finger.0.phi1_deg=10.
+    /// Override an experiment value, e.g. hand.finger.0.phi1_deg=10.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     settings: Vec<String>,
 }
 
-/// Prints the hand of an experiment, and what stands around it, as URDF.
+/// Prints an experiment's hand and the solids around it as URDF.
 pub fn print(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     let experiment = Experiment::load(&arguments.experiment, &arguments.settings)?;
     let facts = run_facts(&experiment.config)?;

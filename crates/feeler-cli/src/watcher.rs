@@ -1,4 +1,4 @@
-//! What somebody who waits for a run sees of it: a bar, or the whole system.
+//! Display of a run in progress: a progress bar, the terminal view or the browser view.
 
 use super::CommandError;
 #[cfg(not(feature = "top"))]
@@ -14,24 +14,24 @@ use feeler_watch::Screen;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-/// Shows a run while it goes on.
+/// Shows a run in progress.
 pub struct Watcher<'a> {
     shown: Shown,
-    /// Its page in the browser, if somebody may look at it there.
+    /// Browser view, if requested.
     page: Option<&'a mut LiveRun>,
 }
 
-/// What there is on the terminal.
+/// Display on the terminal.
 enum Shown {
-    /// How far it is.
+    /// A progress bar.
     Bar(Progress),
-    /// All of it, on the whole terminal.
+    /// The full-screen terminal view.
     Screen(Box<Screen>),
 }
 
 impl<'a> Watcher<'a> {
-    /// Begins to watch a run of `experiment`, whose steps have real times where it `is_paced`; with `top`, on the
-    /// whole terminal; on its `page`, if there is one. `interrupted` is raised when whoever watches has had enough.
+    /// Creates the display of a run of `experiment`: full-screen with `top`, and on `page` if given. `is_paced` is
+    /// `true` if steps are tied to real time. `interrupted` is set when the user quits.
     pub fn new(
         top: bool,
         experiment: &Experiment,
@@ -48,7 +48,7 @@ impl<'a> Watcher<'a> {
         Ok(Self { shown, page })
     }
 
-    /// Shows the newest step of `control_loop`; does to the hand what whoever watches asks for.
+    /// Shows the latest step of `control_loop`, and executes the user's actions on the hand.
     pub fn step(
         &mut self,
         control_loop: &mut SimulatedLoop,
@@ -64,14 +64,14 @@ impl<'a> Watcher<'a> {
         }
     }
 
-    /// Takes the bar off; a screen stays, to be looked at.
+    /// Removes the progress bar; the terminal view remains.
     pub fn run_ended(&self) {
         if let Shown::Bar(progress) = &self.shown {
             progress.clear();
         }
     }
 
-    /// Tells the page how the run ended, and leaves when whoever watches the screen does: at once, unless there is one.
+    /// Shows the end of the run in the browser. With the terminal view, waits until the user quits.
     pub fn leave(self, control_loop: &SimulatedLoop, end: &RunEnd) {
         if let Some(page) = self.page {
             page.over(control_loop, end);

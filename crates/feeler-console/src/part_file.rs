@@ -22,7 +22,7 @@ pub enum OutputError {
         problem: String,
     },
     /// The file cannot be written.
-    #[error("{argument} {path}: {error}; expected a file in a folder that can be written to")]
+    #[error("{argument} {path}: {error}; expected a file in a writable folder")]
     Io {
         /// Option that gave the path.
         argument: &'static str,
@@ -75,7 +75,7 @@ impl Outputs {
             if is_same_file(path, taken) || is_same_file(&part, taken) {
                 return Err(refused(
                     path,
-                    &format!("it is {what}; expected another file"),
+                    &format!("the file is {what}; expected another file"),
                 ));
             }
         }
@@ -84,7 +84,7 @@ impl Outputs {
             if fs::symlink_metadata(written).is_ok_and(|there| !there.is_file()) {
                 return Err(refused(
                     path,
-                    "not a file; expected a file, new or to replace",
+                    "not a file; expected a new file, or a file to replace",
                 ));
             }
         }
@@ -97,7 +97,7 @@ impl Outputs {
         }
         let file = File::create(&part).map_err(|e| failed(path, argument, e))?;
         self.taken
-            .push(("written for another option", path.to_path_buf()));
+            .push(("the output of another option", path.to_path_buf()));
         Ok(PartFile {
             file,
             part,

@@ -52,7 +52,7 @@ impl Warnings {
                 let count = unseen.swap(0, Ordering::Relaxed);
                 if count > 0 {
                     show(&format!(
-                        "{count} warnings were dropped: standard error is blocked"
+                        "{count} warnings were dropped because they were not read in time"
                     ));
                 }
             }
@@ -123,7 +123,8 @@ mod tests {
         drop(warnings);
         let shown = shown.lock().unwrap();
         let dropped = shown.iter().find_map(|line| {
-            let count = line.strip_suffix(" warnings were dropped: standard error is blocked")?;
+            let count =
+                line.strip_suffix(" warnings were dropped because they were not read in time")?;
             count.parse::<usize>().ok()
         });
         // One of the lines reports the number of dropped warnings.

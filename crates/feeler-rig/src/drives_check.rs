@@ -33,7 +33,7 @@ impl ServoRig {
         let Some(mut config) = experiment.config.drives.clone() else {
             let name = &experiment.config.name;
             return Err(format!(
-                "{name}: the experiment has no [drives]; expected its servos there (docs/drives.md)"
+                "{name}: expected a table [drives] that describes the servos (see docs/drives.md)"
             )
             .into());
         };
@@ -93,16 +93,17 @@ pub fn check_servos(
     let (mut problems, mut planned) = (0, Vec::new());
     for (joint, drive) in named_joints(config) {
         let mut checked = check_servo(&mut bus, config, &rig.fingers, (joint, drive));
-        // It only reads. A disturbed line or a busy computer loses an answer now and then, which says little of the servo.
+        // Reading again is harmless. A disturbed line or a busy computer loses a reply now and then; that is not the
+        // servo's fault.
         if let Err(error @ DriveError::Servo { .. }) = &checked {
-            writeln!(out, "{error}; asking again")?;
+            writeln!(out, "{error}; retrying")?;
             checked = check_servo(&mut bus, config, &rig.fingers, (joint, drive));
         }
         match checked {
             Ok((angle, changes)) => {
                 writeln!(
                     out,
-                    "{joint}: {}, well, at {:.2} deg",
+                    "{joint}: {}, ok, at {:.2} deg",
                     drive.model,
                     angle.to_degrees()
                 )?;
@@ -117,14 +118,14 @@ pub fn check_servos(
     }
     print_changes(&planned, out)?;
     if problems > 0 {
-        writeln!(out, "{problems} servos are not as they should be")?;
+        writeln!(out, "{problems} servos failed the check")?;
         return Ok(Outcome::GivenUp);
     }
-    writeln!(out, "all servos are as they should be")?;
+    writeln!(out, "all servos passed the check")?;
     Ok(Outcome::Done)
 }
 
-/// Angle of a joint, rad, and what has to be changed in its servo.
+/// Checks one servo; returns the joint's angle (rad) and the required setting changes.
 fn check_servo(
     bus: &mut Bus,
     config: &DrivesConfig,

@@ -1,4 +1,4 @@
-//! The record of a hand that moves, which never waits for it.
+//! Recording of a moving hand, which never blocks the hand.
 
 use crate::run_outcome::{make_report, print_outcome};
 use feeler::control::controller::RecordingFailure;
@@ -16,10 +16,10 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::time::Duration;
 
-/// How long a step may wait for the disk where the rig waits for the hand: it takes the hand for lost after 5 s.
+/// Time that a step may wait for the disk if the rig waits for the hand. The rig considers the hand lost after 5 s.
 const LOCKSTEP_PATIENCE: Duration = Duration::from_secs(1);
 
-/// How long a hand may wait for its record, whose rig's time goes at `speed`: not at all unless that waits for the hand.
+/// Returns the time that a hand may wait for its recording: zero unless the rig waits for the hand.
 pub fn patience(speed: RigSpeed) -> Patience {
     Patience::Limited(match speed {
         RigSpeed::Lockstep => LOCKSTEP_PATIENCE,
@@ -27,30 +27,30 @@ pub fn patience(speed: RigSpeed) -> Patience {
     })
 }
 
-/// The record of a hand that moves.
+/// Recording of a moving hand.
 pub struct HandRecord {
     log: RunLog,
     folder: PathBuf,
     on_failure: RecordingFailure,
     warnings: Warnings,
-    /// What was said last of the file.
+    /// Last reported state of the file.
     state: State,
 }
 
-/// How the file does.
+/// State of the recording file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum State {
     Written,
-    /// It takes nothing; messages dropped until then.
+    /// The disk accepts no data; the number of messages dropped before.
     Full(u64),
     Failed,
 }
 
 impl HandRecord {
-    /// Begins in `folder` the record of a hand of `experiment`, which is handed on once in a flush interval (s).
+    /// Starts the recording of a hand of `experiment` in `folder`, flushed once per `flush_interval` (s).
     ///
     /// # Errors
-    /// When a fingertip makes no sense or the file cannot be written.
+    /// If a fingertip is invalid or the file cannot be written.
     pub fn create(
         (folder, experiment): (PathBuf, &Experiment),
         (patience, flush_interval): (Patience, f64),
@@ -75,7 +75,7 @@ impl HandRecord {
         })
     }
 
-    /// Writes the newest step; breaks with the reason where the hand is to stop for want of a record.
+    /// Writes the latest step. Breaks with the reason if the hand must stop because of a recording failure.
     pub fn write(
         &mut self,
         control_loop: &RemoteLoop,
@@ -90,18 +90,18 @@ impl HandRecord {
             (State::Failed, ..) => {}
             (_, Some(failure), _) => {
                 self.state = State::Failed;
-                return self.trouble(&failure, "goes on without a record");
+                return self.trouble(&failure, "continues without recording");
             }
             (State::Written, None, Some(gap)) => {
                 let before = dropped - gap.messages;
-                let what = format!("recording: the disk takes nothing at {:.2} s", gap.end);
+                let what = format!("recording: the disk accepts no data at {:.2} s", gap.end);
                 self.state = State::Full(before);
-                return self.trouble(&what, "goes on, and messages are dropped");
+                return self.trouble(&what, "continues, and messages are dropped");
             }
             (State::Full(before), None, None) => {
                 let count = dropped - before;
                 self.state = State::Written;
-                let what = format!("recording: goes on; {count} messages are missing");
+                let what = format!("recording: resumed; {count} messages are missing");
                 self.warnings.queue(&what);
             }
             _ => {}
@@ -109,7 +109,7 @@ impl HandRecord {
         ControlFlow::Continue(())
     }
 
-    /// Says `what` goes wrong, and stops the hand if it is to.
+    /// Reports a failure, and stops the hand if configured.
     fn trouble(&self, what: &str, goes_on: &str) -> ControlFlow<String> {
         match self.on_failure {
             RecordingFailure::Continue => {
@@ -117,7 +117,7 @@ impl HandRecord {
                 ControlFlow::Continue(())
             }
             RecordingFailure::Stop => {
-                let why = "as control.on_recording_failure = \"stop\" says";
+                let why = "as configured by control.on_recording_failure = \"stop\"";
                 let reason = format!("the hand was stopped: {what}, {why}");
                 self.warnings.queue(&reason);
                 ControlFlow::Break(reason)
@@ -125,8 +125,8 @@ impl HandRecord {
         }
     }
 
-    /// Closes the recording of a run that took `wall_time` (s) and ended so, and makes its report, as far as the disk
-    /// allows.
+    /// Closes the recording of a run with the given duration (s) and result, and creates its report as far as the
+    /// disk allows.
     pub fn finish(self, wall_time: f64, end: RunEnd) -> FinishedRecord {
         let Self {
             log,
@@ -139,12 +139,12 @@ impl HandRecord {
         let slow = || {
             let left = CLOSE_LIMIT.as_secs() - 1;
             warnings.queue(&format!(
-                "recording: the disk takes nothing; waiting {left} s more"
+                "recording: the disk accepts no data; waiting up to {left} s more"
             ));
         };
         let closed = recorder.finish_within(Some(wall_time), CLOSE_LIMIT, slow);
         let report = match &closed {
-            // A report would wait for the same disk.
+            // A report would block on the same disk.
             Err(RecordError::NotClosed { .. }) => None,
             _ => Some(make_report(&folder).map_err(CommandError::from)),
         };
@@ -156,19 +156,19 @@ impl HandRecord {
     }
 }
 
-/// What came of a record.
+/// Result of a recording.
 pub struct FinishedRecord {
     end: RunEnd,
-    /// Why it is partial, if it could not be closed.
+    /// Error that left the recording partial, if any.
     failure: Option<RecordError>,
     report: Option<Result<ReportOutcome, CommandError>>,
 }
 
 impl FinishedRecord {
-    /// Prints how the run ended and whether its record is whole; what the program ends with.
+    /// Prints the result of the run and whether its recording is complete; returns the program's outcome.
     ///
     /// # Errors
-    /// When the report cannot be made of a recording that is whole, or nothing can be printed.
+    /// If the report of a complete recording cannot be created, or printing fails.
     pub fn print(self, out: &mut dyn Write) -> Result<Outcome, CommandError> {
         if let Some(failure) = self.failure {
             write!(out, "{}", self.end.state)?;

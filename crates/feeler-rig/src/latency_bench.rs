@@ -1,4 +1,4 @@
-//! `feeler bench link`: how long it takes from what a sensor feels to what the hand commands.
+//! The `feeler bench link` subcommand: latency from a tactile update to the command made from it.
 
 use crate::link_options::{LinkOptions, ListenOptions};
 use feeler::pace::{Clock, Monotonic, Pace};
@@ -27,7 +27,7 @@ use std::process::{Child, Command};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// The experiment whose hand answers.
+/// Experiment whose hand is measured.
 const EXPERIMENT: &str = "cap-closing";
 
 /// Options of the latency measurement.
@@ -84,10 +84,10 @@ pub fn measure_latency(bench: LatencyBench, out: &mut dyn Write) -> Result<Outco
     out.flush()?;
     let mut latency = Histogram::<u64>::new_with_bounds(1, 10_000_000_000, 3)?;
     let steps = u64::from(bench.rate) * u64::from(bench.seconds);
-    // A second to get going, which is not counted.
+    // A warm-up of one second is not measured.
     let (mut step, getting_going) = (0, u64::from(bench.rate));
     program.run(&stop, |control_loop, _| {
-        // The sensors number their pictures by the time at which they were taken.
+        // The sensors number their frames by the time of exposure.
         let touches = control_loop.touches().iter();
         let oldest = touches.map(|touch| touch.frame.sequence).min().unwrap_or(0);
         step += 1;
@@ -100,13 +100,13 @@ pub fn measure_latency(bench: LatencyBench, out: &mut dyn Write) -> Result<Outco
         }
     })?;
     if let (true, Some(reason)) = (latency.is_empty(), program.controller().stop_reason()) {
-        return Err(format!("nothing was measured, as the hand stopped: {reason}").into());
+        return Err(format!("no measurement, because the hand stopped: {reason}").into());
     }
     let at = |quantile| latency.value_at_quantile(quantile) as f64 / 1e3;
     writeln!(
         out,
         "{} steps at {} Hz, two fingers of 41 elements: from stamp to command {:.0} us (median), {:.0} us (99 %), \
-         {:.0} us (at most)",
+         {:.0} us (maximum)",
         latency.len(),
         bench.rate,
         at(0.5),
@@ -116,29 +116,29 @@ pub fn measure_latency(bench: LatencyBench, out: &mut dyn Write) -> Result<Outco
     Ok(Outcome::Done)
 }
 
-/// A program that ends with this one.
+/// A child process that is killed on drop.
 struct Ended(Child);
 
 impl Drop for Ended {
     fn drop(&mut self) {
-        // It may have ended by itself.
+        // The process may already have exited.
         let _ = self.0.kill();
         let _ = self.0.wait();
     }
 }
 
-/// The sensors' side: a world and the sensors of all fingers in one.
+/// The rig and the sensors of all fingers in one program.
 struct Sensors {
     network: Arc<dyn Network>,
-    /// What the world hears of the hand.
+    /// Messages received from the hand.
     inbox: Shared<RigInbox>,
     clock: TimeSource,
     world: u64,
     fingers: Vec<u64>,
     elements: usize,
-    /// Joint angles of each finger at home, rad.
+    /// Joint angles of each finger in the home posture (rad).
     home: Vec<Vector3>,
-    /// Control period, s of the rig's time.
+    /// Control period in the rig's time (s).
     period: f64,
     _beacons: Vec<Arc<Beacon>>,
 }
@@ -172,7 +172,7 @@ impl Sensors {
         let identity = (fingers.len(), world);
         let inbox = Shared::new(RigInbox::new(identity, f64::INFINITY, expected.clone()));
         let clock = monotonic();
-        // What the drives are told is the drives' business: here it is the way to the command that counts.
+        // The content of commands does not matter here, only their latency.
         let topics: Vec<Topic> = Topic::heartbeats().chain([Topic::Mode]).collect();
         listen(&*network, &topics, &inbox, &clock, &of_world)?;
         let config = &experiment.config;
@@ -190,7 +190,7 @@ impl Sensors {
         })
     }
 
-    /// Sends a set of updates at each period.
+    /// Sends a set of updates in each period.
     fn send(&self, rate: u32, stop: &AtomicBool) -> Result<Outcome, CommandError> {
         let mut pace = Pace::new(1.0 / f64::from(rate))?;
         let (elements, fingers) = (self.elements, self.fingers.len());
@@ -204,7 +204,7 @@ impl Sensors {
                 clock: self.world,
                 ..header(instance, sequence, stamp).echoing(echo, (self.clock)())
             };
-            // As in a rig: the joints are known before pictures have become forces.
+            // As in a real rig, joint states are known before images have been converted to forces.
             let state = StateMessage {
                 header: header(self.world),
                 position: self.home.clone(),
@@ -235,7 +235,7 @@ impl Sensors {
     }
 }
 
-/// The time that all programs of this computer agree on, ns.
+/// Returns the time of the monotonic clock shared by all programs on this computer (ns).
 fn now() -> u64 {
     Monotonic::new().now().as_nanos() as u64
 }

@@ -45,14 +45,14 @@ pub fn print_outcome(made: &ReportOutcome, out: &mut dyn Write) -> io::Result<()
 /// Main results of a run that were measured.
 fn achieved(summary: &Summary) -> Vec<String> {
     let mut achieved = Vec::new();
-    // A cap that is opened is loosest at the end.
+    // Opening a cap ends at its loosest.
     let opens = |cap: &&CapMeasures| cap.sense.is_some_and(|sense| sense < 0.0);
     if let Some(cap) = summary.cap.as_ref().filter(opens) {
         let torque = cap.largest_torque;
         achieved.extend(torque.map(|t| format!("largest torque {:.1} mN m", 1e3 * t)));
     } else if let Some(torque) = summary.final_torque {
         let ratio = summary.cap.as_ref().and_then(|cap| cap.torque_ratio);
-        let share = ratio.map(|r| format!(" ({:.0} % of what friction allows)", 1e2 * r));
+        let share = ratio.map(|r| format!(" ({:.0} % of the friction limit)", 1e2 * r));
         let share = share.unwrap_or_default();
         achieved.push(format!("final torque {:.1} mN m{share}", 1e3 * torque));
     }
@@ -71,11 +71,11 @@ fn print_claims(made: &ReportOutcome, out: &mut dyn Write) -> io::Result<()> {
     }
     let holding = claims.iter().filter(|claim| claim.holds).count();
     let (count, whose) = (claims.len(), made.whose);
-    writeln!(out, "{holding} of {count} claims {whose} hold")?;
+    writeln!(out, "{holding} of {count} claims {whose} pass")?;
     for claim in claims {
         let why = match claim.verdict {
             Verdict::Holds => continue,
-            Verdict::Fails => "does not hold",
+            Verdict::Fails => "fails",
             Verdict::NotMeasured => "not measured",
         };
         writeln!(out, "  {why}: {} ({})", claim.id, claim.bound)?;

@@ -22,7 +22,7 @@ use feeler_sim::rig::SimRig;
 use std::io::Write;
 use std::path::Path;
 
-/// Where pseudo-terminals are: what is there is no servo, and keeps the time that it is told to.
+/// Folder of pseudo-terminals. Servos there are emulated and may run at any speed.
 const PSEUDO_TERMINALS: &str = "/dev/pts";
 
 /// How servos are served.
@@ -61,7 +61,7 @@ pub fn serve_drives(
     let name = &session.name;
     let network = session.connect(&[Right::Rig])?;
     let interrupted = watch_for_interrupt()?;
-    // Ends after the program, which switches the torque off.
+    // Dropped after the program, which disables torque.
     let (bus, rig, port) = open(options, experiment, RigClock::at_speed(speed))?;
     let mut program = RigProgram::new(rig, &config, network)?;
     program.set_warn(Warnings::on_stderr().warn());
@@ -70,33 +70,33 @@ pub fn serve_drives(
     }
     writeln!(
         out,
-        "serving the servos of {name} on {port}, which have torque; Ctrl-C ends it"
+        "serving the servos of {name} on {port} with torque enabled; press Ctrl-C to stop"
     )?;
     out.flush()?;
     program.run(&interrupted)?;
     let report = program.report();
     drop(program);
     drop(bus);
-    writeln!(out, "{report}\nall torque is off")?;
+    writeln!(out, "{report}\ntorque is off")?;
     Ok(Outcome::Done)
 }
 
-/// Seconds of the experiment in a second.
+/// Returns the speed relative to real time.
 fn speed(options: &DrivesOptions) -> Result<f64, CommandError> {
     let RigSpeed::Times(speed) = options.speed else {
-        let expected = "servos wait for nobody; expected a number";
+        let expected = "servos cannot wait for the hand; expected a number";
         return Err(format!("--speed max: {expected}").into());
     };
     let port = options.port.as_deref().unwrap_or_default();
     let is_emulated = options.emulated || Path::new(port).starts_with(PSEUDO_TERMINALS);
     if speed != 1.0 && !is_emulated {
-        let expected = "servos keep real time; expected 1, --drives emulated, or a --port of `feeler drives emulate`";
+        let expected = "real servos run in real time; expected 1, --drives emulated, or a --port of `feeler drives emulate`";
         return Err(format!("--speed {speed}: {expected}").into());
     }
     Ok(speed)
 }
 
-/// The emulated bus, if it is one; the rig; and its port.
+/// Opens the rig; returns its emulated bus (if emulated), the rig and the name of its port.
 fn open(
     options: &DrivesOptions,
     experiment: &Experiment,
@@ -112,7 +112,7 @@ fn open(
     Ok((None, DrivenRig::open(experiment, config, clock)?, port))
 }
 
-/// Says what would be written.
+/// Prints the planned writes without executing them.
 fn plan(
     session: &RigSession,
     options: &DrivesOptions,
@@ -139,7 +139,7 @@ fn plan(
     let (count, watchdog) = (named_joints(&config).count(), config.bus_watchdog);
     writeln!(
         out,
-        "would set the bus watchdogs of {count} servos on {} to {watchdog} s, give them torque, and serve them as the rig {} to a hand \
+        "would set the bus watchdogs of {count} servos on {} to {watchdog} s, enable their torque, and serve them as the rig {} to a hand \
          at {}; nothing was written",
         config.port,
         session.name,

@@ -1,4 +1,4 @@
-//! The stop door: `feeler stop` without a connection, on the hand's side and on the caller's.
+//! Connectionless `feeler stop`: the hand's stop server, and its client.
 
 use crate::link_options::{LinkOptions, ListenOptions};
 use feeler_console::Warnings;
@@ -6,7 +6,8 @@ use feeler_link::programs::Stopper;
 use feeler_link::stop_wire::StopAnswer;
 use std::sync::mpsc::{Receiver, channel};
 
-/// Opens the stop door of the hand of `rig`. A hand that has none is stopped over its connections alone, and says so.
+/// Starts the stop server of the hand of `rig`. If that fails, prints a warning; the hand can then be stopped only
+/// over its connections.
 #[cfg(feature = "link")]
 pub fn open_stop_door(
     link: &LinkOptions,
@@ -18,7 +19,7 @@ pub fn open_stop_door(
     let answering = move |id, from: &str| {
         let (order, stands_still) = stopper.stop(id, from);
         let stopped = match stands_still {
-            true => format!("told to stop by {from}"),
+            true => format!("stop requested by {from}"),
             false => String::new(),
         };
         StopAnswer { order, stopped }
@@ -30,7 +31,7 @@ pub fn open_stop_door(
         .ok()
 }
 
-/// Without the link there is no door.
+/// Does nothing: this build has no link.
 #[cfg(not(feature = "link"))]
 pub fn open_stop_door(
     _: &LinkOptions,
@@ -42,8 +43,8 @@ pub fn open_stop_door(
     None
 }
 
-/// Says the stop `id` by `from` at the stop door of the hand of `rig`, from a thread of its own; what it answers. Nothing
-/// comes where it does not.
+/// Sends the stop `id` from `from` to the stop server of the hand of `rig`, on a background thread. The answer
+/// arrives through the returned channel, which closes without one if the hand does not answer.
 #[cfg(feature = "link")]
 pub fn call_stop_door(link: &LinkOptions, rig: &str, id: u64, from: &str) -> Receiver<StopAnswer> {
     let (sender, receiver) = channel();
@@ -52,17 +53,17 @@ pub fn call_stop_door(link: &LinkOptions, rig: &str, id: u64, from: &str) -> Rec
     std::thread::spawn(move || {
         let order = (id, from.as_str());
         let certificates = certificates.as_deref();
-        // What the door refuses, the connection refuses, too, and says why.
+        // An order that the stop server rejects is also rejected over the connection, with a reason.
         if let Ok(answer) = feeler_link::stop_call::call_stop(&endpoints, certificates, &rig, order)
         {
-            // The program may have ended by what it heard over its connection.
+            // The receiver is gone if an answer over the connection ended the program first.
             let _ = sender.send(answer);
         }
     });
     receiver
 }
 
-/// Without the link, nobody answers.
+/// Returns a closed channel: this build has no link.
 #[cfg(not(feature = "link"))]
 pub fn call_stop_door(_: &LinkOptions, _: &str, _: u64, _: &str) -> Receiver<StopAnswer> {
     channel().1

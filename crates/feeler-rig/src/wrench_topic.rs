@@ -1,18 +1,18 @@
-//! A topic of wrenches as a force sensor.
+//! A ROS 2 topic of wrenches as a force sensor.
 
 use std::str::FromStr;
 
 #[cfg(feature = "ros2")]
 pub use topic::{WrenchError, WrenchTopic};
 
-/// What an address looks like.
+/// Expected form of an address.
 const EXPECTED: &str = "expected ros2:/TOPIC, or ros2:/TOPIC?connect=tcp/HOST:PORT&domain=NUMBER";
 
-/// Where wrenches are in a graph: `/wrench?connect=tcp/10.0.0.5:7447&domain=3`.
+/// Address of a wrench topic: `/wrench?connect=tcp/10.0.0.5:7447&domain=3`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct WrenchAddress {
     topic: String,
-    /// Where the graph's router or another node is.
+    /// Endpoint of the graph's router or of another node.
     connect: Option<String>,
     domain: Option<u32>,
 }
@@ -28,10 +28,10 @@ impl FromStr for WrenchAddress {
             domain: None,
         };
         if !topic.starts_with('/') || topic.len() < 2 {
-            return Err(format!("{topic:?} is no topic; {EXPECTED}"));
+            return Err(format!("{topic:?} is not a topic; {EXPECTED}"));
         }
         for pair in query.split('&').filter(|pair| !pair.is_empty()) {
-            let wrong = || format!("{pair:?} is not known; {EXPECTED}");
+            let wrong = || format!("unknown parameter {pair:?}; {EXPECTED}");
             match pair.split_once('=').ok_or_else(wrong)? {
                 ("connect", place) if !place.is_empty() => address.connect = Some(place.into()),
                 ("domain", number) => {
@@ -46,7 +46,7 @@ impl FromStr for WrenchAddress {
 
 #[cfg(not(feature = "ros2"))]
 impl WrenchAddress {
-    /// Says that there is no ROS 2.
+    /// Returns an error: this build has no ROS 2.
     pub fn not_built(&self) -> feeler_console::CommandError {
         let Self {
             topic,
@@ -73,17 +73,17 @@ mod topic {
     use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
     use std::time::{Duration, Instant};
 
-    /// What the node is called.
+    /// Name of the node.
     const NODE_NAME: &str = "feeler_calibrate";
-    /// After so long without a wrench the topic is silent.
+    /// Time without a wrench after which the topic is silent.
     const SILENCE: Duration = Duration::from_millis(500);
-    /// Samples that may wait: a second of the fastest sensor.
+    /// Maximum number of waiting samples: one second of the fastest sensor.
     const WAITING: usize = 8192;
 
-    /// Why there are no wrenches.
+    /// Error of a wrench topic.
     #[derive(Debug, Clone, PartialEq, thiserror::Error)]
     pub enum WrenchError {
-        /// Nothing came for a time.
+        /// No wrench arrived for some time.
         #[error(
             "{topic}: no wrench for {} ms; expected a publisher of geometry_msgs/WrenchStamped in domain {domain}",
             SILENCE.as_millis()
@@ -91,11 +91,11 @@ mod topic {
         Silent {
             /// The topic.
             topic: String,
-            /// Its domain.
+            /// The domain.
             domain: u32,
         },
-        /// A wrench is no number.
-        #[error("{topic}: finite forces and torques expected, found {actual:?}")]
+        /// A wrench is not finite.
+        #[error("{topic}: expected finite forces and torques, got {actual:?}")]
         Value {
             /// The topic.
             topic: String,
@@ -104,18 +104,18 @@ mod topic {
         },
     }
 
-    /// A topic that is listened to.
+    /// A subscribed topic.
     pub struct WrenchTopic {
         topic: String,
         samples: Receiver<ForceSample>,
-        /// When the newest came, or silence was told of.
+        /// Time of the latest wrench, or of the latest report of silence.
         heard: Cell<Instant>,
         node: Node,
         _subscription: Subscription,
     }
 
     impl WrenchTopic {
-        /// Begins to listen at `address`.
+        /// Subscribes to the topic at `address`.
         pub fn open(address: &WrenchAddress) -> Result<Self, CommandError> {
             let domain = address.domain.map_or_else(domain_of_environment, Ok)?;
             let router = || ROUTER_ENDPOINT.to_string();
@@ -130,7 +130,7 @@ mod topic {
                     return;
                 };
                 let (force, torque) = (message.wrench.force, message.wrench.torque);
-                // Where nobody takes samples for a second, newer ones are lost.
+                // If samples are not taken for a second, newer ones are dropped.
                 let _ = sender.try_send(ForceSample {
                     at: Instant::now(),
                     wrench: [force.x, force.y, force.z, torque.x, torque.y, torque.z],
@@ -147,11 +147,11 @@ mod topic {
             })
         }
 
-        /// The next sample that has come in, if there is one: the force on the sensor's tool side by what touches it, N, and the torque, N m, in
-        /// the sensor's frame. Does not wait.
+        /// Returns the next sample, or `None` if none has arrived: the force on the sensor's tool side by the object
+        /// that touches it (N) and the torque (N m), in the sensor's frame. Does not block.
         ///
         /// # Errors
-        /// When the topic is silent, or a wrench is no number; it may go on after that.
+        /// If the topic is silent or a wrench is not finite. Later calls may succeed.
         pub fn next_sample(&self) -> Result<Option<ForceSample>, WrenchError> {
             let topic = || self.topic.clone();
             match self.samples.try_recv() {
@@ -185,7 +185,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn addresses_are_read_and_others_refused_in_words() {
+    fn parses_addresses_and_explains_errors() {
         let read = |text: &str| text.parse::<WrenchAddress>();
         let whole = read("/ft/wrench?connect=tcp/10.0.0.5:7447&domain=3").expect("an address");
         assert_eq!(whole.topic, "/ft/wrench");

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// Form of camera names, for messages.
-pub const NAMES: &str = "/dev/videoN, or genicam:ID as `feeler cameras` lists them";
+pub const NAMES: &str = "/dev/videoN, or genicam:ID as listed by `feeler cameras`";
 
 /// Message of a program built without Video4Linux cameras.
 pub const NO_VIDEO: &str =
@@ -21,7 +21,7 @@ pub const NO_GENICAM: &str =
 pub enum CameraName {
     /// A Video4Linux device.
     Video(PathBuf),
-    /// The GenICam camera with this id, serial number or address; the first one if none.
+    /// GenICam camera with this id, serial number or address, or the first one found if `None`.
     Genicam(Option<String>),
 }
 
@@ -149,7 +149,7 @@ mod tests {
         for device in ["/dev/video0", "/dev/v4l/by-id/usb-cam-index0"] {
             assert_eq!(named(device), Some(CameraName::Video(device.into())));
         }
-        for file in ["genicam", "pictures", "/dev/shm/video0", "-"] {
+        for file in ["genicam", "images", "/dev/shm/video0", "-"] {
             assert_eq!(named(file), None);
         }
     }

@@ -1,27 +1,27 @@
-//! The last seconds of a quantity.
+//! Recent history of a quantity.
 
 use std::collections::VecDeque;
 
-/// The last values of a quantity, thinned out: of each interval that which is furthest from 0, so that a
-/// short peak is not missed.
+/// Recent values of a quantity, decimated: each interval keeps the value of largest magnitude, so that short peaks
+/// remain visible.
 #[derive(Debug, Clone, PartialEq)]
 pub struct History {
     interval: f64,
     length: usize,
     values: VecDeque<f64>,
-    /// When the newest value's interval began, s.
+    /// Start of the newest value's interval (s).
     begun: f64,
 }
 
 impl Default for History {
-    /// Of the last 40 s, the peaks of each 0.2 s.
+    /// Keeps the peaks of each 0.2 s over the last 40 s.
     fn default() -> Self {
         Self::new(0.2, 200)
     }
 }
 
 impl History {
-    /// A history of `length` intervals of `interval` seconds.
+    /// Creates a history of `length` intervals of `interval` (s).
     pub fn new(interval: f64, length: usize) -> Self {
         Self {
             interval,
@@ -31,17 +31,17 @@ impl History {
         }
     }
 
-    /// Time between two values, s.
+    /// Returns the time between two values (s).
     pub fn interval(&self) -> f64 {
         self.interval
     }
 
-    /// Takes in that the quantity was `value` at `time`, s. What is not a number is left out.
+    /// Adds `value` at `time` (s). NaN is ignored.
     pub fn push(&mut self, time: f64, value: f64) {
         if value.is_nan() {
             return;
         }
-        // Half a part in a thousand, so that the rounding of times moves no value to the next interval.
+        // Tolerance of 0.05 %, so that rounding of times does not move a value to the next interval.
         if time - self.begun >= self.interval * 0.9995 {
             if self.values.len() >= self.length {
                 self.values.pop_front();
@@ -55,7 +55,7 @@ impl History {
         }
     }
 
-    /// The values, the oldest first.
+    /// Returns the values, oldest first.
     pub fn values(&self) -> Vec<f64> {
         self.values.iter().copied().collect()
     }
@@ -76,7 +76,7 @@ mod tests {
     }
 
     #[test]
-    fn the_oldest_is_forgotten_and_no_number_is_taken_that_is_none() {
+    fn drops_the_oldest_value_and_ignores_nan() {
         let mut history = History::new(1.0, 2);
         for step in 0..5 {
             history.push(f64::from(step), f64::from(step));

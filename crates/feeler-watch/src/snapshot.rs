@@ -1,157 +1,156 @@
-//! What there is to be seen of a running system at one time: plain data.
+//! Plain-data snapshot of a running system, for display.
 
 use feeler::control::flags::{FingerFlags, FlagThresholds};
 use feeler::control::phase::Phase;
 use feeler::sensor::layout::SensingElement;
 use glam::DVec3;
 
-/// A number that is not known. It is shown as a dash, like every other that is not finite.
+/// An unknown number. Non-finite numbers are displayed as a dash.
 pub const UNKNOWN: f64 = f64::NAN;
 
-/// All that is shown of a system.
+/// State of a system at one time.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Snapshot {
-    /// What runs: the experiment's name.
+    /// Title: the name of the experiment or rig.
     pub title: String,
-    /// Time of the newest data, s, on `clock`.
+    /// Time of the latest data (s) on `clock`.
     pub time: f64,
-    /// Whose time that is.
+    /// Clock of `time`.
     pub clock: TimeBase,
-    /// How far the hand is; nothing when no hand was heard of.
+    /// State of the hand's task, or `None` if no hand is connected.
     pub task: Option<TaskState>,
-    /// The fingers, in the hand's order.
+    /// Fingers, in the hand's order.
     pub fingers: Vec<Finger>,
-    /// The torque sensor under the bottle, if there is one.
+    /// Torque sensor under the bottle, if any.
     pub torque: Option<Torque>,
-    /// Angle by which the cap was turned, rad, positive when closing. Only a simulation knows it: it is the
-    /// truth, not a measurement.
+    /// Angle by which the cap was turned (rad), positive when closing. This is simulated truth, not a measurement.
     pub true_cap_angle: Option<f64>,
-    /// The programs of the system.
+    /// Programs of the system.
     pub programs: Vec<Program>,
-    /// The last thing that went wrong, for as long as it is worth knowing.
+    /// Latest fault, as long as it is relevant.
     pub fault: Option<Fault>,
-    /// Whether the keys that stop and resume the hand do so.
+    /// `true` if the hand obeys the keys for stop and resume.
     pub hand_listens: bool,
-    /// Messages that the view itself missed, so that what it shows may be incomplete; nothing where it
-    /// misses none.
+    /// Number of messages that the view itself missed, so that the snapshot may be incomplete; `None` if it cannot
+    /// miss any.
     pub missed: Option<u64>,
-    /// Something that whoever watches should know now; empty for nothing.
+    /// Notice for the user; empty if none.
     pub notice: String,
 }
 
-/// Whose time it is.
+/// Clock of a snapshot.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum TimeBase {
-    /// That of the world.
+    /// Real time.
     #[default]
     Real,
-    /// That of a simulation.
+    /// Simulated time.
     Simulated {
-        /// Simulated seconds in a real second, lately.
+        /// Current speed relative to real time.
         speed: f64,
     },
 }
 
-/// How far the hand is with its task.
+/// Progress of the hand's task.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct TaskState {
-    /// The phase.
+    /// Current phase.
     pub phase: Phase,
-    /// The stroke, from 1.
+    /// Current stroke, from 1.
     pub stroke: u32,
-    /// Strokes of the whole task, where that is known.
+    /// Number of strokes of the whole task, if known.
     pub strokes: Option<u32>,
 }
 
-/// One finger of the hand.
+/// State of one finger.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Finger {
-    /// Its number in the hand.
+    /// Index of the finger in the hand.
     pub number: usize,
-    /// TOUCH, SLIP and OVER, the largest element and the grasp force.
+    /// Flags TOUCH, SLIP and OVER, the element with the largest force, and the grasp force.
     pub flags: FingerFlags,
-    /// What raises the flags.
+    /// Thresholds of the flags.
     pub thresholds: FlagThresholds,
-    /// Grasp force at which the fingers start to move, N.
+    /// Grasp force at which the fingers start to move (N).
     pub grasp_target: f64,
-    /// The elements on the dome.
+    /// Elements on the dome.
     pub elements: Vec<SensingElement>,
-    /// Force at each element, N, in its own frame `E_i`: x, y tangential on the feeler by the object, z
-    /// compression, positive when pressed.
+    /// Force at each element (N) in its frame `E_i`: x and y tangential on the feeler by the object, z compression,
+    /// positive when pressed.
     pub forces: Vec<DVec3>,
-    /// How fast the tangential force of each element changes, N/s.
+    /// Rate of change of each element's tangential force (N/s).
     pub shear_rates: Vec<f64>,
-    /// Joint angles, rad, from the base outward.
+    /// Joint angles from the base outward (rad).
     pub joints: [f64; 3],
 }
 
-/// What the torque sensor said lately.
+/// Recent readings of the torque sensor.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Torque {
-    /// Torque about W's z on the bottle by the cap, N·m.
+    /// Latest torque about W's z axis on the bottle by the cap (N·m).
     pub newest: f64,
-    /// That of the last seconds, the oldest first, N·m: of each `interval` the value furthest from 0.
+    /// Recent torques, oldest first (N·m): for each `interval`, the value of largest magnitude.
     pub history: Vec<f64>,
-    /// Time between two values of `history`, s.
+    /// Time between two values of `history` (s).
     pub interval: f64,
 }
 
-/// One program of the system.
+/// A program of the system.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Program {
-    /// What it is: `sensor`, `hand`, `rig`.
+    /// Kind of the program: `sensor`, `hand` or `rig`.
     pub name: String,
-    /// The finger that it is for, if it is for one.
+    /// Finger that the program serves, if it serves a single one.
     pub finger: Option<usize>,
-    /// Its version of feeler; empty where it is not known.
+    /// Version of feeler; empty if unknown.
     pub version: String,
-    /// How often its data come, Hz.
+    /// Rate of its data (Hz).
     pub rate: f64,
-    /// Age of its newest data, s; of a silent one, for how long it has been.
+    /// Age of its latest data (s); for a silent program, the duration of the silence.
     pub age: f64,
-    /// Messages that arrived; nothing where that is not known.
+    /// Number of messages received, or `None` if unknown.
     pub received: Option<u64>,
-    /// Messages that did not, as their numbers tell: those of this program, or where it counts for itself,
-    /// those that it should have got.
+    /// Number of messages lost according to their sequence numbers: messages of this program, or if the program
+    /// counts itself, messages to it.
     pub lost: u64,
-    /// Periods in which it was late; nothing where it has none to keep.
+    /// Number of periods in which it was late, or `None` if it has no deadline.
     pub late: Option<u64>,
-    /// Whether it can be counted on.
+    /// State of the program.
     pub state: ProgramState,
 }
 
 impl Program {
-    /// The part of the messages that was lost; nothing before there was one, or where it is not known.
+    /// Returns the fraction of messages lost, or `None` if there were none or their number is unknown.
     pub fn lost_part(&self) -> Option<f64> {
-        // In floating point, where no count is too great for the sum.
+        // In floating point, the sum cannot overflow.
         let (received, lost) = (self.received? as f64, self.lost as f64);
         let sent = received + lost;
         (sent > 0.0).then(|| lost / sent)
     }
 }
 
-/// Whether a program can be counted on.
+/// State of a program.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub enum ProgramState {
-    /// Its data come.
+    /// Its data arrive.
     #[default]
     Alive,
-    /// It has not been heard of for too long.
+    /// Its data have not arrived for too long.
     Silent,
-    /// Its data come and are not used.
+    /// Its data arrive, but are rejected.
     Refused {
-        /// Why.
+        /// The reason.
         why: String,
     },
 }
 
-/// Something that went wrong.
+/// A fault.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fault {
-    /// When, s, on the snapshot's clock; not a number where that is not known.
+    /// Time of the fault on the snapshot's clock (s); NaN if unknown.
     pub time: f64,
-    /// What.
+    /// Description.
     pub words: String,
-    /// Whether it is over.
+    /// `true` if the fault is over.
     pub over: bool,
 }

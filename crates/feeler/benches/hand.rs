@@ -1,4 +1,4 @@
-//! Time of one call of each piece of finger kinematics.
+//! Time per call of the kinematics functions.
 
 use divan::{Bencher, black_box};
 use feeler::hand::finger::{FingerConfig, FingerGeometry};
@@ -59,7 +59,7 @@ fn resolved_rate_damped(bencher: Bencher) {
     });
 }
 
-/// From joint angles one control period (10 ms) away, as the control loop would.
+/// Starts from joint angles one control period (10 ms) away, as in the control loop.
 #[divan::bench]
 fn inverse_kinematics_near(bencher: Bencher) {
     let geometry = geometry();
@@ -69,7 +69,7 @@ fn inverse_kinematics_near(bencher: Bencher) {
     });
 }
 
-/// From joint angles at the other end of the workspace.
+/// Starts from joint angles at the other end of the workspace.
 #[divan::bench]
 fn inverse_kinematics_far(bencher: Bencher) {
     let geometry = geometry();

@@ -1,5 +1,5 @@
-//! Locating markers: 331 of them in 640x480 px, 63 in 320x240 px as in videos of a marker gel, and in 20 megapixels with noise at the scale of
-//! pixels.
+//! Locating markers: 330 in 640x480 px, 63 in 320x240 px (as in videos of a marker gel), and 330 in 20 megapixels
+//! with pixel-scale noise.
 
 use divan::{Bencher, black_box};
 use feeler::sensor::frame::Picture;
@@ -12,7 +12,7 @@ fn main() {
     divan::main();
 }
 
-/// Dark markers in rows on a ground with noise of this amplitude, grey levels.
+/// Dark markers in rows on a background with noise of this amplitude, in grey levels.
 fn picture(
     (width, height): (usize, usize),
     (columns, rows): (usize, usize),
@@ -59,7 +59,7 @@ fn video_of_63_markers(bencher: Bencher) {
     located(bencher, (320, 240), (9, 7), 6.0);
 }
 
-/// The same in a picture like one in which they were located before.
+/// Locates the markers again, starting from a previous result for a similar image.
 #[divan::bench]
 fn video_of_63_markers_again(bencher: Bencher) {
     let picture = picture((320, 240), (9, 7), 6.0);
@@ -78,7 +78,7 @@ fn picture_of_330_markers(bencher: Bencher) {
     located(bencher, (640, 480), (22, 15), 6.0);
 }
 
-/// By noise, grey levels.
+/// By noise amplitude, in grey levels.
 #[divan::bench(args = [0.0, 10.0, 40.0], sample_count = 5)]
 fn twenty_megapixels(bencher: Bencher, noise: f64) {
     located(bencher, (5472, 3648), (22, 15), noise);

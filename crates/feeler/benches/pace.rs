@@ -1,16 +1,16 @@
-//! How punctual a loop at 1 kHz is, as the system is and with what `real_time` asks it for.
+//! Punctuality of a loop at 1 kHz, without and with the requests of `real_time`.
 //!
-//! The jitter is the machine's: run it on one that has nothing else to do.
+//! The jitter is that of the machine, so run this on an idle one.
 
 use feeler::pace::real_time::{self, Refusal};
 use feeler::pace::{Pace, PaceError, Punctuality, PunctualitySummary};
 use std::thread;
 
-/// s.
+/// Control period (s).
 const PERIOD: f64 = 1e-3;
 const STEPS: u64 = 10_000;
 
-/// What is asked for before the steps.
+/// Real-time requests made before the steps.
 type Requests = &'static [fn() -> Result<(), Refusal>];
 
 fn main() {
@@ -20,7 +20,7 @@ fn main() {
     println!("10 s at 1 kHz, lateness in us: median, 99 %, largest; periods missed");
     measure("as the system is", &[]);
     measure("fine timer", &[real_time::fine_timer]);
-    // Last, as memory is locked for the program, not for a thread.
+    // Last, because memory is locked for the process and not for a thread.
     let real_time: Requests = &[
         || real_time::raise_priority(real_time::MODERATE),
         real_time::lock_memory,
@@ -28,7 +28,7 @@ fn main() {
     measure("real-time priority, memory locked", real_time);
 }
 
-/// One row of the table, from a thread of its own, which takes with it what it was granted.
+/// Prints one row of the table. Runs on a separate thread, so that thread settings do not affect other rows.
 fn measure(name: &str, requests: Requests) {
     let measured = thread::spawn(move || {
         let mut granted = true;

@@ -1,4 +1,5 @@
-//! Following markers from picture to picture: 61 markers in 640x480 px, 331, and one picture matched by the reference alone.
+//! Tracking markers from frame to frame with 61 and 331 markers in 640x480 px, and matching a single image against
+//! the reference.
 
 use divan::{Bencher, black_box};
 use feeler::sensor::frame::Picture;
@@ -13,7 +14,7 @@ fn main() {
     divan::main();
 }
 
-/// Dark markers in hexagonal rings about the picture's middle, dragged by `drag` px in the middle.
+/// Dark markers in hexagonal rings around the image centre, where they are dragged by `drag` px.
 fn picture(rings: i32, drag: f64) -> Picture {
     let middle = DVec2::new(SIZE.0 as f64, SIZE.1 as f64) / 2.0;
     let spacing = 225.0 / f64::from(rings);
@@ -48,7 +49,7 @@ fn tracker(rings: i32) -> MarkerTracker {
     MarkerTracker::new(&LocatedLayout::new(&located)).expect("a tracker")
 }
 
-/// 61 and 331 markers, which go to and fro by 1 px a picture.
+/// Tracks 61 and 331 markers that move back and forth by 1 px per frame.
 #[divan::bench(args = [4, 10])]
 fn video(bencher: Bencher, rings: i32) {
     let mut tracker = tracker(rings);
@@ -65,7 +66,7 @@ fn video(bencher: Bencher, rings: i32) {
     });
 }
 
-/// A single picture, displaced by a spacing.
+/// Matches a single image that is displaced by one spacing.
 #[divan::bench(args = [4, 10])]
 fn single(bencher: Bencher, rings: i32) {
     let mut tracker = tracker(rings);

@@ -1,5 +1,6 @@
-//! A hand and a tactile sensor of your own in a loop at 100 Hz. Here both are toys: drives that do at once what
-//! they are told, and feelers that are springs on a wall, which the finger touches, strokes and leaves again.
+//! Connects a custom hand and a custom tactile sensor in a loop at 100 Hz. Both are toys: the drives follow their
+//! commands instantly, and the feelers are springs that touch a wall, which the finger approaches, strokes and
+//! leaves.
 
 use feeler::control::control_loop::ControlLoop;
 use feeler::control::controller::{ControlConfig, Controller};
@@ -23,10 +24,10 @@ struct Config {
     task: TaskConfig,
 }
 
-/// Joint angles, rad, and time, s: what encoders and clock of a rig would say.
+/// Joint angles (rad) and time (s), the readings of a rig's encoders and clock.
 type Rig = Rc<Cell<(DVec3, f64)>>;
 
-/// A finger whose drives do at once what they are told.
+/// A finger whose drives follow their commands instantly.
 pub struct MyHand {
     rig: Rig,
     velocity: DVec3,
@@ -39,7 +40,7 @@ impl Hand for MyHand {
     }
 
     fn read(&mut self, state: &mut HandState) -> Result<(), HandError> {
-        let (position, stamp) = self.rig.get(); // yours: read the encoders
+        let (position, stamp) = self.rig.get(); // replace: read the encoders
         let velocity = self.velocity;
         state.stamp = stamp;
         state.joints.fill(JointState { position, velocity });
@@ -47,7 +48,7 @@ impl Hand for MyHand {
     }
 
     fn command(&mut self, command: &HandCommand) -> Result<(), HandError> {
-        self.velocity = command.joint_velocity()[0]; // yours: send it to the drives
+        self.velocity = command.joint_velocity()[0]; // replace: send it to the drives
         let (position, stamp) = self.rig.get();
         let moved = position + self.period * self.velocity;
         self.rig.set((moved, stamp + self.period));
@@ -55,7 +56,7 @@ impl Hand for MyHand {
     }
 }
 
-/// Feelers that are springs on a wall.
+/// Feelers that act as springs on a wall.
 pub struct MyTouch {
     rig: Rig,
     finger: FingerGeometry,
@@ -68,7 +69,7 @@ impl TactileSensor for MyTouch {
         self.layout.elements.len()
     }
 
-    /// Yours: see `OpticalSensor`, which makes one of a camera and a calibration.
+    /// Replace by your sensor, for example `OpticalSensor`, which combines a camera and a calibration.
     fn read(&mut self, reading: &mut TactileFrame) -> Result<(), SensorError> {
         const WALL: f64 = -0.018; // m, x in W
         const STIFFNESS: f64 = 200.0; // N/m
@@ -86,7 +87,7 @@ impl TactileSensor for MyTouch {
 
 type Failure = Box<dyn std::error::Error>;
 
-/// The loop, with the finger at home.
+/// Creates the loop, with the finger at home.
 pub fn control_loop() -> Result<ControlLoop<AnalyzedSensor<MyTouch>, MyHand>, Failure> {
     let config: Config = toml::from_str(include_str!("own_hand.toml"))?;
     let (period, thresholds) = (config.control.period, config.control.thresholds());
@@ -112,10 +113,10 @@ pub fn control_loop() -> Result<ControlLoop<AnalyzedSensor<MyTouch>, MyHand>, Fa
     Ok(ControlLoop::new(sensors, hand, controller))
 }
 
-/// The phase in which the task ended, and the greatest grasp force on the way, N.
+/// Runs the task. Returns its final phase and the maximum grasp force (N).
 pub fn touch_and_stroke() -> Result<(Phase, f64), Failure> {
     let mut control_loop = control_loop()?;
-    let interrupted = AtomicBool::new(false); // yours: raised by Ctrl-C
+    let interrupted = AtomicBool::new(false); // replace: set on Ctrl-C
     let mut greatest = 0.0_f64;
     control_loop.run(&mut Pace::new(0.01)?, 100, &interrupted, |after, _tick| {
         greatest = greatest.max(after.touches()[0].flags.grasp_force);

@@ -1,7 +1,7 @@
-//! Collects the values of a configuration that are out of their ranges.
+//! Collects the out-of-range values of a configuration.
 //!
-//! Each config struct has a method `check` that says what its values must be, next to the struct. All problems are
-//! collected, each with its key as in an experiment file. Numbers that are not finite are never in range.
+//! Each config struct has a `check` method that states the valid range of every field. The checker collects all
+//! problems, each with the key of the value in the experiment file. Non-finite numbers are always out of range.
 //!
 //! ```
 //! use feeler::check::Checker;
@@ -16,21 +16,21 @@
 
 use std::fmt;
 
-/// Largest number that is accepted where nothing else limits a value: far beyond what a rig could
-/// have, and far below where arithmetic overflows.
+/// Upper bound of values that have no other bound. It is far larger than any quantity of a real rig, and far below
+/// the point where arithmetic overflows.
 pub const MAX: f64 = 1e9;
 
-/// More characters than a number needs.
+/// Length in characters above which a number is printed in exponent notation.
 const LONG: usize = 20;
 
 /// A value that is out of its range.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Problem {
-    /// The value's key in the experiment file.
+    /// Key of the value in the experiment file.
     pub field: String,
-    /// The value.
+    /// The rejected value.
     pub value: String,
-    /// What it must be.
+    /// Description of the valid values.
     pub expected: String,
 }
 
@@ -45,18 +45,18 @@ impl fmt::Display for Problem {
     }
 }
 
-/// What a value must be.
+/// A constraint on one value of the configuration.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Requirement {
-    /// The value's key in the experiment file.
+    /// Key of the value in the experiment file.
     pub field: String,
-    /// What it must be, in words.
+    /// Description of the valid values.
     pub expected: String,
-    /// The least and the greatest that a number can be, where that is all.
+    /// Minimum and maximum, or `None` if the constraint is not a plain range.
     pub range: Option<[f64; 2]>,
 }
 
-/// Collects problems. A `field` is a key as in an experiment file.
+/// Checks values and collects the problems. Each `field` is a key of the experiment file.
 #[derive(Debug, Clone, Default)]
 pub struct Checker {
     problems: Vec<Problem>,
@@ -64,17 +64,18 @@ pub struct Checker {
 }
 
 impl Checker {
-    /// What was found, in the order of the checks.
+    /// Returns the problems found, in the order of the checks.
     pub fn problems(self) -> Vec<Problem> {
         self.problems
     }
 
-    /// All that was required, in the order of the checks.
+    /// Returns all constraints that were checked, in the order of the checks.
     pub fn requirements(self) -> Vec<Requirement> {
         self.requirements
     }
 
-    /// A value is good, or else it is not what was `expected`.
+    /// Requires `good`; otherwise reports `value` as a problem, with `expected` as the description of the valid
+    /// values.
     pub fn require(&mut self, field: &str, value: String, good: bool, expected: &str) {
         self.require_in(None, field, value, good, expected);
     }
@@ -101,33 +102,34 @@ impl Checker {
         }
     }
 
-    /// More than 0, at most [`MAX`].
+    /// Requires a value above 0 and at most [`MAX`].
     pub fn positive(&mut self, field: &str, value: f64) {
         let good = value > 0.0 && value <= MAX;
         let expected = format!("more than 0, at most {MAX:e}");
         self.require_in(Some([0.0, MAX]), field, value.to_string(), good, &expected);
     }
 
-    /// Each of these fields of the table `key` is more than 0, at most [`MAX`].
+    /// Requires each of `fields` in the table `key` to be above 0 and at most [`MAX`].
     pub fn all_positive(&mut self, key: &str, fields: &[(&str, f64)]) {
         for (field, value) in fields {
             self.positive(&format!("{key}.{field}"), *value);
         }
     }
 
-    /// From 0 to [`MAX`].
+    /// Requires a value from 0 to [`MAX`].
     pub fn not_negative(&mut self, field: &str, value: f64) {
         self.between(field, value, 0.0, MAX);
     }
 
-    /// From `low` to `high`.
+    /// Requires a value from `low` to `high`.
     pub fn between(&mut self, field: &str, value: f64, low: f64, high: f64) {
         let good = (low..=high).contains(&value);
         let expected = format!("{} to {}", number(low), number(high));
         self.require_in(Some([low, high]), field, value.to_string(), good, &expected);
     }
 
-    /// A field of the table `key` is more than `other` = `least` of the same table, at most [`MAX`].
+    /// Requires a field of the table `key` to be above `least`, the value of the field `other` of the same table, and
+    /// at most [`MAX`].
     pub fn more_than(
         &mut self,
         key: &str,
@@ -142,7 +144,7 @@ impl Checker {
         );
     }
 
-    /// A place or a vector: three numbers from -10 to 10.
+    /// Requires a point or vector whose three components are from -10 to 10.
     pub fn vector(&mut self, field: &str, value: [f64; 3]) {
         let good = value.iter().all(|c| c.is_finite() && c.abs() <= 10.0);
         self.require(
@@ -153,7 +155,7 @@ impl Checker {
         );
     }
 
-    /// A vector with a direction.
+    /// Requires a nonzero vector.
     pub fn direction(&mut self, field: &str, value: [f64; 3]) {
         let length = value.iter().map(|c| c * c).sum::<f64>().sqrt();
         let good = (1e-6..=MAX).contains(&length);
@@ -166,7 +168,7 @@ impl Checker {
     }
 }
 
-/// A number of hundreds of digits as a reader would write it; all else as it is.
+/// Shortens a number that would print with many digits; returns other values unchanged.
 fn compact(value: String) -> String {
     match value.parse::<f64>() {
         Ok(value_of) if value.len() > LONG => number(value_of),
@@ -174,7 +176,7 @@ fn compact(value: String) -> String {
     }
 }
 
-/// A bound as a reader would write it: neither a long row of digits nor `1e0`.
+/// Formats a bound without long rows of digits and without forms such as `1e0`.
 fn number(bound: f64) -> String {
     if bound == 0.0 || (1e-3..1e6).contains(&bound.abs()) {
         bound.to_string()

@@ -7,10 +7,10 @@ pub mod hand;
 pub mod pace;
 pub mod sensor;
 
-/// The vectors and rotations of the public interface.
+/// Vector and rotation types of the public interface.
 pub use glam;
 
-/// The code of the repository's README is compiled with the documentation's tests.
+/// Compiles the code of the repository's README with the documentation tests.
 #[cfg(doctest)]
 #[doc = include_str!("../../../README.md")]
 struct Readme;

@@ -1,6 +1,6 @@
-"""Tri-axial tactile sensing and control: camera picture to forces to finger velocities, and a simulated rig.
+"""Tri-axial tactile sensing and control: forces from camera images, finger velocities from forces, and a simulated rig.
 
-SI units everywhere, angles in radians; frames and signs as in the documentation of each array.
+All quantities are in SI units and angles in radians. The documentation of each array states its frame and signs.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Checks of arrays that callers give: what was expected, what arrived."""
+"""Validation of array arguments."""
 
 from __future__ import annotations
 
@@ -9,27 +9,27 @@ from numpy.typing import DTypeLike, NDArray
 
 
 def describe(dtype: DTypeLike, shape: tuple[int | str, ...]) -> str:
-    """An array in words: ``float64 [N, 41, 3]``."""
+    """Describes an array type, as in ``float64 [N, 41, 3]``."""
     sizes = ", ".join(str(size) for size in shape)
     return f"{np.dtype(dtype).name} [{sizes}]"
 
 
 def checked(name: str, array: object, dtype: DTypeLike, shape: tuple[int | str, ...]) -> NDArray[Any]:
-    """``array`` itself, if it is what Rust can read in place.
+    """Returns ``array`` if Rust code can read it in place.
 
     Parameters
     ----------
     name
-        What the caller calls it.
+        Name of the argument, for messages.
     dtype
-        The only dtype that is taken; nothing is converted, as that would copy.
+        Required dtype. Arrays are not converted, because that would copy them.
     shape
-        Sizes; a name stands for any size.
+        Required sizes; a string matches any size.
 
     Raises
     ------
     ValueError
-        Names what was expected and what arrived.
+        If the array does not match; the message states the expected and the actual type.
     """
     expected = f"{name}: expected a C-contiguous array {describe(dtype, shape)}"
     if not isinstance(array, np.ndarray):
@@ -40,21 +40,21 @@ def checked(name: str, array: object, dtype: DTypeLike, shape: tuple[int | str, 
     if array.dtype != np.dtype(dtype) or not fits:
         raise ValueError(f"{expected}, got {describe(array.dtype, array.shape)}")
     if not array.flags.c_contiguous:
-        raise ValueError(f"{expected}, got one with strides {array.strides}: np.ascontiguousarray copies it")
+        raise ValueError(f"{expected}, got one with strides {array.strides}; copy it with np.ascontiguousarray")
     if not array.dtype.isnative or not array.flags.aligned:
         raise ValueError(f"{expected}, got one that is not aligned or of another byte order")
     return array
 
 
 def output(name: str, array: object, dtype: DTypeLike, shape: tuple[int, ...]) -> NDArray[Any]:
-    """As :func:`checked`, for an array that is written to."""
+    """Like :func:`checked`, but also requires the array to be writeable."""
     array = checked(name, array, dtype, shape)
     if not array.flags.writeable:
-        raise ValueError(f"{name}: expected an array that can be written to, got a read-only one")
+        raise ValueError(f"{name}: expected a writeable array, got a read-only one")
     return array
 
 
 def read_only(array: NDArray[Any]) -> NDArray[Any]:
-    """``array`` itself, which cannot be written to any more."""
+    """Makes ``array`` read-only and returns it."""
     array.flags.writeable = False
     return array

@@ -1,4 +1,4 @@
-"""Makes the environments known to Gymnasium, without importing it for those who do not use it."""
+"""Registers the environments with Gymnasium without importing it unless it is used."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def register() -> None:
 
 
 def register_once_imported() -> None:
-    """Registers now if Gymnasium is imported already, else when it has been."""
+    """Registers now if Gymnasium has been imported, otherwise once it is imported."""
     if "gymnasium" in sys.modules:
         register()
     else:
@@ -41,7 +41,7 @@ def register_once_imported() -> None:
 
 
 class _GymnasiumFinder(MetaPathFinder):
-    """Finds Gymnasium as the other finders do, once, and has it loaded by a loader that registers afterwards."""
+    """Delegates the import of Gymnasium to the other finders, and wraps its loader to register the environments afterwards."""
 
     def find_spec(self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None) -> ModuleSpec | None:
         if fullname != "gymnasium":

@@ -1,4 +1,4 @@
-"""Progress of long calls, by tqdm where it is installed."""
+"""Progress bars of long calls, using tqdm if installed."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 def progress_bar(
     progress: bool | Callable[[float], None], unit: str, total: float | None = None
 ) -> Iterator[Callable[[float], None] | None]:
-    """What a long call calls with how far it is; nothing if nobody wants to know."""
+    """Yields the function that a long call reports its progress to, or ``None`` if ``progress`` is false."""
     if not progress:
         yield None
     elif callable(progress):
@@ -31,14 +31,14 @@ def progress_bar(
 
             def show(done: float) -> None:
                 bar.n = round(done, 2)
-                # Which draws no more often than can be seen.
+                # Lets tqdm limit the redraw rate.
                 bar.update(0)
 
             yield show
 
 
 def _tqdm() -> type[tqdm[Any]]:
-    """The bar of a notebook or a terminal; text does as well in a notebook without widgets, of which tqdm warns."""
+    """Returns tqdm's class for notebooks or terminals. Suppresses its warning about missing notebook widgets."""
     from tqdm import TqdmWarning
 
     with warnings.catch_warnings():

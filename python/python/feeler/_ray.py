@@ -1,4 +1,4 @@
-"""Sweeps as tasks of a Ray cluster: a task runs some trials anywhere, and this program keeps their rows."""
+"""Sweeps on a Ray cluster: each task runs some trials on any machine, and this process stores their rows."""
 
 from __future__ import annotations
 
@@ -15,31 +15,31 @@ try:
     import ray
 except ImportError as error:
     raise ImportError(
-        'engine="ray": there is no Ray; expected it here and on all machines of the cluster: pip install "feeler[ray]"'
+        'engine="ray": Ray is not installed; install it here and on all machines of the cluster: pip install "feeler[ray]"'
     ) from error
 
-# How often a task is run again that its machine or process took with it.
+# Maximum number of retries of a task whose machine or process failed.
 MAX_RETRIES = 10
-# Tasks under way for each core, so that none waits for this program.
+# Number of submitted tasks per core, so that no core waits for this process.
 TASKS_AHEAD = 2
-# Tasks for each core at least, so that no core waits long for the others at the end.
+# Minimum number of tasks per core, so that no core idles for long at the end.
 TASKS_PER_CPU = 4
-# How long a signal may wait for its handler, s.
+# Interval at which signals are handled, s.
 POLL = 0.05
 
 
 def run_trials(version: str, plan: str, files: Mapping[str, bytes], trials: Sequence[int]) -> bytes:
-    """What a task does: runs these trials of a plan (``sweep.toml``) that reads ``files``; their table (CSV).
+    """Body of a task: runs the given trials of a plan (``sweep.toml``) that reads ``files``, and returns their table (CSV).
 
     Raises
     ------
     RuntimeError
-        When feeler is of another version here.
+        If another version of feeler is installed on this machine.
     """
     if _core.__version__ != version:
         raise RuntimeError(
-            f"{socket.gethostname()}: feeler {_core.__version__} is installed; expected {version}, as where the sweep "
-            "was started: another version's trials may differ"
+            f"{socket.gethostname()}: expected feeler {version}, the version that started the sweep, "
+            f"got {_core.__version__}: trials of another version may differ"
         )
     with TemporaryDirectory(prefix="feeler-sweep-") as folder:
         for name, content in files.items():
@@ -51,17 +51,17 @@ def run_trials(version: str, plan: str, files: Mapping[str, bytes], trials: Sequ
 
 
 class Cluster:
-    """The Ray cluster, with what its machines need to run a sweep's trials."""
+    """A Ray cluster that runs the trials of a sweep."""
 
     def __init__(self, trials: _core.Trials, jobs: int | None, trials_per_task: int) -> None:
-        """For the trials ``trials``, at most ``jobs`` at a time.
+        """Connects to the cluster, to run ``trials`` with at most ``jobs`` tasks at a time.
 
         Raises
         ------
         OSError, ValueError
-            When a file that the experiment names cannot be sent.
+            If a file that the experiment names cannot be sent.
         ConnectionError
-            When there should be a cluster but is none.
+            If the configured cluster cannot be reached.
         """
         files: Mapping[str, bytes] = trials.files()
         if not ray.is_initialized():
@@ -72,7 +72,7 @@ class Cluster:
         self._trials_per_task = trials_per_task
 
     def run(self, store: _core.Store, progress: Callable[[float], None] | None) -> None:
-        """Runs what ``store`` lacks; ``progress`` is called with the number of finished trials."""
+        """Runs the trials missing in ``store``; ``progress`` is called with the number of finished trials."""
         waiting = self._tasks(store.missing())
         running: list[ray.ObjectRef[bytes]] = []
         try:
@@ -89,12 +89,12 @@ class Cluster:
                 if progress:
                     progress(store.finished)
         finally:
-            # Nothing is left of it unless something was raised.
+            # Empty unless an exception was raised.
             for task in running:
                 ray.cancel(task)
 
     def _tasks(self, missing: list[int]) -> Iterator[list[int]]:
-        """The trials of each task."""
+        """Splits the missing trials into tasks."""
         fair = math.ceil(len(missing) / (TASKS_PER_CPU * (self._jobs or self._cpus())))
         size = max(1, min(self._trials_per_task, fair))
         return (missing[start : start + size] for start in range(0, len(missing), size))
@@ -106,11 +106,11 @@ class Cluster:
 
 
 def _rows(task: ray.ObjectRef[bytes]) -> bytes:
-    """What a task returned; what it raised, as if it had run here."""
+    """Returns the result of a task, or raises its exception as if it had run locally."""
     try:
         rows: bytes = ray.get(task)
     except ray.exceptions.RayTaskError as error:
         raise error.cause from None
     except ray.exceptions.RayError as error:
-        raise RuntimeError(f"{error}; the finished trials are kept: go on with resume=True") from error
+        raise RuntimeError(f"{error}; the finished trials are kept: continue with resume=True") from error
     return rows

@@ -1,4 +1,4 @@
-"""Values of an experiment as the program's ``--set`` takes them."""
+"""Conversion of settings into arguments of the program's ``--set`` option."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ Value = bool | int | float | str | list["Value"] | Mapping[str, "Value"]
 
 
 def as_settings(settings: Mapping[str, Value] | None) -> list[str]:
-    """``{"control": {"slip_threshold": 2.5}}`` as ``["control.slip_threshold=2.5"]``; keys may also be whole, as in that."""
+    """Converts ``{"control": {"slip_threshold": 2.5}}`` into ``["control.slip_threshold=2.5"]``; dotted keys are accepted."""
     return [f"{key}={_as_toml(value)}" for key, value in _flat(settings or {})]
 
 
@@ -28,7 +28,7 @@ def _as_toml(value: Value) -> str:
         case int() | float():
             return repr(float(value)) if isinstance(value, float) else str(int(value))
         case str():
-            # A string of JSON is one of TOML.
+            # A JSON string is a valid TOML string.
             return json.dumps(value, ensure_ascii=False)
         case Mapping():
             return "{" + ", ".join(f"{json.dumps(key)} = {_as_toml(part)}" for key, part in value.items()) + "}"

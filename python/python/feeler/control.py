@@ -1,7 +1,7 @@
-"""The control loop of a simulated rig, step by step, with tasks and laws of one's own.
+"""The control loop of a simulated rig, step by step, with custom tasks and control laws.
 
-A task says where each finger should go; a law decides how a finger gets there without losing or crushing what it holds;
-limits that neither can pass let through what the hand may do.
+A task plans where each finger should go. A law determines how a finger follows the plan without losing or crushing the
+object. Limits apply to the result and cannot be bypassed.
 """
 
 from __future__ import annotations
@@ -25,39 +25,39 @@ Phase = Literal["SEARCH", "MOVE", "RELEASE", "RETURN", "DONE", "STOPPED"]
 
 
 class Task:
-    """What a hand does: a small state machine, to be subclassed.
+    """Base class of tasks: a state machine that plans the motion of a hand.
 
-    In every control step :meth:`advance` comes first, then :meth:`plan` for each finger. What either raises stops the
-    hand and ends the session.
+    In every control step, :meth:`advance` is called first, then :meth:`plan` for each finger. An exception in either stops
+    the hand and ends the session.
     """
 
     phase: Phase = "SEARCH"
-    """Where the task stands; ``"DONE"`` ends the run."""
+    """Current phase; ``"DONE"`` ends the run."""
     stroke: int = 1
-    """How many times the fingers have begun to touch and release, from 1."""
+    """Number of the current cycle of touching and releasing, from 1."""
     outcome: str | None = None
-    """What came of the task, in a few words, once it can tell. Recordings know the built-in tasks' words."""
+    """Outcome of the task in a few words, or ``None`` while it is unknown."""
     failed: bool = False
-    """Whether what came of the task is something else than it was for."""
+    """``True`` if the outcome is a failure."""
 
     @property
     def findings(self) -> Mapping[str, float]:
-        """What the task found out so far, SI units, by name."""
+        """Quantities that the task has measured so far, by name, in SI units."""
         return {}
 
     def advance(self, hand: HandSense) -> None:
-        """Takes in what the fingers feel, and goes on to the next phase where it is time to."""
+        """Updates the task with the readings of the fingers, and starts the next phase when due."""
 
     def plan(self, finger: int, hand: HandSense) -> Plan:
-        """What finger ``finger`` is to do."""
+        """Returns the planned motion of finger ``finger``."""
         raise NotImplementedError
 
 
 class Law(Protocol):
-    """How a finger does what the task wants. Each finger should have one of its own if it remembers anything."""
+    """A control law, which determines how a finger follows the plan. A law with state needs one instance per finger."""
 
     def velocity(self, plan: Plan, finger: FingerSense) -> ArrayLike:
-        """Velocity of the fingertip until the next control step [3], m/s, in W."""
+        """Returns the velocity of the fingertip until the next control step [3], m/s, in W."""
         ...
 
 
@@ -70,18 +70,20 @@ class Step:
         self.time: float = hand.time
         """Time, s."""
         self.fingers: Sequence[FingerSense] = hand.fingers
-        """What each finger feels."""
+        """Readings of each finger."""
         self.plans: Sequence[Plan] = plans
-        """What the task wants of each finger."""
+        """The task's plan for each finger."""
         self._velocity: NDArray[np.float64] | None = None
 
     def move(self, velocity: ArrayLike) -> None:
-        """Moves the fingertips at ``velocity`` [F, 3], m/s, in W, in place of the law, as far as the limits admit.
+        """Requests fingertip velocities ``velocity`` [F, 3], m/s, in W, instead of the law's. The limits apply.
+
+        A velocity that is not finite stops the hand.
 
         Raises
         ------
         ValueError
-            When it has another shape. A velocity that is not finite stops the hand.
+            If ``velocity`` has another shape.
         """
         array = np.ascontiguousarray(velocity, dtype=np.float64)
         if array.shape != (len(self.fingers), 3):
@@ -93,9 +95,9 @@ class Step:
 
 
 class Session:
-    """A run of an experiment, a control step at a time.
+    """A run of an experiment, one control step at a time.
 
-    Iterating over it goes to the end::
+    Iterating over the session runs it to the end::
 
         session = feeler.Session("cap-closing", sensing="direct")
         for step in session:
@@ -125,18 +127,18 @@ class Session:
         seed, sensing, settings
             As in :func:`feeler.run`.
         task
-            In place of the experiment's.
+            Replaces the task of the experiment.
         homes
-            Where the fingers start from [F, 3], m in W; the experiment's if left out.
+            Start positions of the fingers [F, 3], m in W; by default, those of the experiment.
         law
-            In place of the experiment's: one for all fingers, or one for each.
+            Replaces the law of the experiment: one law for all fingers, or one per finger.
         out
-            A new folder for recording and report; nothing is recorded if left out.
+            New folder for recording and report; by default, nothing is recorded.
 
         Raises
         ------
         ValueError, OSError
-            When the experiment cannot be used, or the folder cannot be made.
+            If the experiment is invalid, or the folder cannot be created.
         """
         lines = as_settings(settings)
         if seed is not None:
@@ -149,7 +151,7 @@ class Session:
             raise ValueError("law: expected one law, or one for each finger, got none")
         self._session = _core.Session(str(experiment), lines, out and Path(out), task, places, laws)
         self.run: Run | None = None
-        """The run in its folder, once the session is closed, if it was recorded."""
+        """The recorded run once the session is closed; ``None`` before, or if nothing is recorded."""
 
     @property
     def period(self) -> float:
@@ -158,44 +160,44 @@ class Session:
 
     @property
     def phase(self) -> str:
-        """Where the task stands."""
+        """Phase of the task, or ``"STOPPED"``."""
         return self._session.stands()[0]
 
     @property
     def stroke(self) -> int:
-        """How many times the fingers have begun to touch and release, from 1."""
+        """Number of the current cycle of touching and releasing, from 1."""
         return self._session.stands()[1]
 
     @property
     def stop_reason(self) -> str | None:
-        """Why the hand was stopped, if it was."""
+        """Reason for which the hand was stopped, or ``None``."""
         return self._session.stands()[2]
 
     @property
     def findings(self) -> dict[str, float]:
-        """What the task found out so far, SI units, by name."""
+        """Quantities that the task has measured so far, by name, in SI units."""
         return dict(self._session.findings()[0])
 
     @property
     def outcome(self) -> str | None:
-        """What came of the task, once it can tell."""
+        """Outcome of the task, or ``None`` while it is unknown."""
         return self._session.findings()[1]
 
     def stop(self, by: str = "the user") -> None:
-        """Stops the hand; the rig goes on."""
+        """Stops the hand; the simulation continues."""
         self._session.stop(by)
 
     def resume(self) -> None:
-        """Lets a hand that was stopped go on."""
+        """Resumes after a stop."""
         self._session.resume()
 
     def __iter__(self) -> Iterator[Step]:
-        """Steps until the run is finished, then closes the recording. A loop that is left closes it, too.
+        """Steps until the run is finished, then closes the recording. Leaving the loop early also closes it.
 
         Raises
         ------
         RuntimeError
-            When the session was closed, or a sensor or the hand failed.
+            If the session was closed, or a sensor or the hand failed.
         """
         whole = False
         try:
@@ -208,7 +210,7 @@ class Session:
             self.close(interrupted=not whole)
 
     def close(self, *, interrupted: bool = True) -> Run | None:
-        """Closes the recording, and makes its report; nothing where nothing is recorded or it is closed already."""
+        """Closes the recording and writes its report. Does nothing if nothing is recorded or the recording is closed."""
         outcome = self._session.close(interrupted)
         if outcome is not None:
             self.run = Run(outcome.folder)

@@ -1,4 +1,4 @@
-"""Recordings as columns, a row for each control step."""
+"""Recordings as columns, with one row per control step."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ PHASES = ("SEARCH", "MOVE", "RELEASE", "RETURN", "DONE", "STOPPED")
 
 
 class Recording:
-    """What was recorded of a run with F fingers of E elements, at N control steps.
+    """Recording of a run with F fingers of E elements, at N control steps.
 
-    Each column takes the newest message that is not younger than the step. What the recording does not tell is not a
-    number, false or -1. Columns are read-only.
+    The row of a step contains the latest message of each kind up to that step. Missing values are NaN, false or -1. Columns
+    are read-only.
     """
 
     COLUMNS: ClassVar[dict[str, str]] = {
@@ -44,18 +44,18 @@ class Recording:
         "joint_position": "joint angles [N, F, 3], rad",
         "joint_velocity": "joint velocities [N, F, 3], rad/s",
         "joint_command": "commanded joint velocities [N, F, 3], rad/s",
-        "fingertip_command": "velocity of the fingertip that the law wanted, in W [N, F, 3], m/s",
-        "limited": "whether the limits changed it [N, F]",
+        "fingertip_command": "fingertip velocity requested by the law, in W [N, F, 3], m/s",
+        "limited": "true if a limit changed the request [N, F]",
         "position": "centre of the dome, in W [N, F, 3], m",
-        "orientation": "from the fingertip's frame T to W, quaternion x, y, z, w [N, F, 4]",
-        "true_slip": "longest way that a feeler slipped since the step before [N, F], m (simulated worlds)",
+        "orientation": "rotation from the fingertip's frame T to W, quaternion x, y, z, w [N, F, 4]",
+        "true_slip": "longest slip distance of a feeler since the previous step [N, F], m (simulated worlds)",
         "torque": "torque sensor [N], N·m, positive when the cap is turned on",
         "cap_angle": "angle that the cap has turned since the start [N], rad, positive when it is turned on",
         "cap_torque": "torque of the thread on the cap [N], N·m (simulated worlds)",
-        "object_position": "where the carried object is, in W [N, 3], m (simulated worlds)",
-        "object_orientation": "its orientation, quaternion x, y, z, w [N, 4] (simulated worlds)",
+        "object_position": "position of the carried object, in W [N, 3], m (simulated worlds)",
+        "object_orientation": "orientation of the carried object, quaternion x, y, z, w [N, 4] (simulated worlds)",
     }
-    """What each column holds, with shape and unit."""
+    """Description of each column, with shape and unit."""
 
     time: FloatArray
     stroke: NDArray[np.uint32]
@@ -81,13 +81,13 @@ class Recording:
     object_orientation: FloatArray
 
     def __init__(self, path: PathLike) -> None:
-        """Reads the recording at ``path``, as far as it goes, with a warning where it is not whole; see :func:`read`."""
+        """Reads the recording at ``path``, up to the first damage, with a warning if it is incomplete; see :func:`read`."""
         self.path = Path(path)
         if self.path.is_dir():
             self.path /= "recording.mcap"
         self._recording = _core.Recording(self.path)
         if not self.complete:
-            warnings.warn(f"{self.path}: not whole: {self.problem}; read as far as it goes", stacklevel=3)
+            warnings.warn(f"{self.path}: incomplete recording: {self.problem}; read up to there", stacklevel=3)
 
     @cached_property
     def phase(self) -> NDArray[np.str_]:
@@ -106,57 +106,57 @@ class Recording:
 
     @property
     def digest(self) -> str:
-        """SHA-256 of all messages: the same for the same program, experiment and seed."""
+        """SHA-256 of all messages, which is equal for runs of the same program, experiment and seed."""
         return self._recording.digest
 
     @property
     def complete(self) -> bool:
-        """Whether the recording is whole."""
+        """``True`` if the recording is complete."""
         return self._recording.complete
 
     @property
     def problem(self) -> str | None:
-        """What is wrong with it, if it is not whole."""
+        """Description of the damage, or ``None`` if the recording is complete."""
         return self._recording.problem
 
     @property
     def state(self) -> str:
-        """How the run ended: ``done``, ``given up`` or ``interrupted``."""
+        """State in which the run ended: ``done``, ``given up`` or ``interrupted``."""
         return self._recording.end[0]
 
     @property
     def reason(self) -> str | None:
-        """Why the run did not end as it should have, if it did not."""
+        """Reason for which the run did not end as intended, or ``None``."""
         return self._recording.end[1]
 
     def frames(self, finger: int = 0, start: int = 0, stop: int | None = None) -> tuple[NDArray[np.uint8], FloatArray]:
-        """Pictures on record of one finger, where the run was recorded with them.
+        """Reads the recorded frames of one finger.
 
         Parameters
         ----------
         finger
-            The finger, from 0.
+            Index of the finger, from 0.
         start, stop
-            The first picture, and the one after the last; all if left out. A picture takes 0.3 MB.
+            Range of frames, by default all. A frame takes 0.3 MB.
 
         Returns
         -------
         frames
             uint8 [N, H, W].
         times
-            When each was taken [N], s.
+            Times of the frames [N], s.
 
         Raises
         ------
         ValueError
-            When there are no such pictures.
+            If the recording does not contain these frames.
         OSError
-            When the file cannot be read.
+            If the file cannot be read.
         """
         count = self._recording.frame_count(finger)
         stop = count if stop is None else stop
         if not 0 <= start < stop <= count:
-            raise ValueError(f"pictures {start} to {stop} of finger {finger}: the recording has {count}")
+            raise ValueError(f"frames {start} to {stop} of finger {finger}: the recording has {count} frames")
         frames, times = self._recording.frames(finger, start, stop)
         return frames, times
 
@@ -164,9 +164,9 @@ class Recording:
         return len(self.time)
 
     def to_dict(self) -> dict[str, NDArray[Any]]:
-        """A flat table: one-dimensional columns such as ``finger0.force.5.z``.
+        """Returns a flat table of one-dimensional columns such as ``finger0.force.5.z``.
 
-        Columns of which nothing is known are left out.
+        Columns without any data are left out.
         """
         flat: dict[str, NDArray[Any]] = {}
         for name in self.COLUMNS:
@@ -179,24 +179,24 @@ class Recording:
         return flat
 
     def to_pandas(self) -> pandas.DataFrame:
-        """The flat table of :meth:`to_dict` for pandas.
+        """Returns the flat table of :meth:`to_dict` as a pandas data frame.
 
         Raises
         ------
         ModuleNotFoundError
-            Where pandas is not installed.
+            If pandas is not installed.
         """
         import pandas
 
         return pandas.DataFrame(self.to_dict())
 
     def to_polars(self) -> polars.DataFrame:
-        """The flat table of :meth:`to_dict` for polars.
+        """Returns the flat table of :meth:`to_dict` as a Polars data frame.
 
         Raises
         ------
         ModuleNotFoundError
-            Where polars is not installed.
+            If Polars is not installed.
         """
         import polars
 
@@ -204,7 +204,7 @@ class Recording:
 
     def __repr__(self) -> str:
         until = f"{self.time[-1]:.2f} s" if len(self) else "nothing"
-        whole = "" if self.complete else f", not whole: {self.problem}"
+        whole = "" if self.complete else f", incomplete: {self.problem}"
         fingers, elements = self._recording.fingers, self._recording.elements
         return f"Recording({str(self.path)!r}, {until}, {fingers} fingers of {elements} elements, {self.state}{whole})"
 
@@ -223,13 +223,13 @@ def _flat_name(name: str, index: tuple[int, ...], shape: tuple[int, ...], per_fi
 
 
 def read(path: PathLike) -> Recording:
-    """Reads a recording, as far as it goes: that in a run's folder (``recording.mcap``), or a file of any name.
+    """Reads a recording, up to the first damage. ``path`` is the folder of a run or a file.
 
-    It may have been written anew by other tools, compressed by Zstandard or LZ4.
+    The file may have been rewritten by other tools, compressed with Zstandard or LZ4.
 
     Raises
     ------
     OSError, ValueError
-        When nothing of it is readable.
+        If the recording is unreadable.
     """
     return Recording(path)

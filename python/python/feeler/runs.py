@@ -1,4 +1,4 @@
-"""Runs: an experiment from beginning to end, with recording and report."""
+"""Runs of an experiment, with recording and report."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ from feeler.sensing import PathLike
 
 
 class Run:
-    """A run in its folder: recording, report, summary."""
+    """The folder of a run, with its recording, report and summary."""
 
     def __init__(self, folder: PathLike) -> None:
-        """The run that is in ``folder``.
+        """Opens the run in ``folder``.
 
         Raises
         ------
         FileNotFoundError
-            When there is none.
+            If the folder does not contain a run.
         """
         self.folder = Path(folder)
         if not self.recording_path.exists():
-            raise FileNotFoundError(f"{self.folder}: no recording.mcap in it; expected the folder of a run")
+            raise FileNotFoundError(f"{self.folder}: expected the folder of a run, but it contains no recording.mcap")
 
     @property
     def recording_path(self) -> Path:
@@ -45,14 +45,14 @@ class Run:
 
     @cached_property
     def summary(self) -> Mapping[str, Any]:
-        """What stands in ``summary.json``: claims, strokes, findings."""
+        """Content of ``summary.json``: claims, strokes, findings."""
         text = (self.folder / "summary.json").read_text(encoding="utf-8")
         summary: dict[str, Any] = json.loads(text)
         return summary
 
     @cached_property
     def recording(self) -> Recording:
-        """All that was recorded, as columns."""
+        """The recording, as columns."""
         return read(self.recording_path)
 
     @property
@@ -69,18 +69,18 @@ class Run:
     def __repr__(self) -> str:
         claims = self.summary.get("claims") or self.summary.get("hand_claims") or []
         held = sum(bool(claim["holds"]) for claim in claims)
-        verdict = f"{held} of {len(claims)} claims hold" if claims else self.summary.get("outcome") or self.summary["state"]
+        verdict = f"{held} of {len(claims)} claims pass" if claims else self.summary.get("outcome") or self.summary["state"]
         return f"Run({str(self.folder)!r}, {self.summary.get('sim_time')} s, {verdict})"
 
     def _repr_html_(self) -> str:
-        """The figures, and a link to the report, for a notebook."""
+        """Shows the figures and a link to the report in a notebook."""
         figures = "".join(_as_html(path) for path in self.figures.values())
         link = f"<a href='{escape(self.report_path.as_posix())}'>report</a>"
         return f"<p>{escape(repr(self))}: {link}, with the scene in 3-D</p>{figures}"
 
 
 def _as_html(figure: Path) -> str:
-    """A figure under its title, two in a row. As a picture it has the width that is there, and ids of its own."""
+    """Renders a figure with its title, two per row. An ``img`` scales to the available width and isolates the SVG's ids."""
     svg = figure.read_bytes()
     found = re.search(rb"<title[^>]*>(.*?)</title>", svg, re.DOTALL)
     title = found[1].decode() if found else escape(figure.stem)
@@ -101,35 +101,35 @@ def run(
     record_frames: bool = False,
     progress: bool | Callable[[float], None] = False,
 ) -> Run:
-    """Runs an experiment, records it and makes its report, as ``feeler run`` does.
+    """Runs an experiment, records it and writes its report, like ``feeler run``.
 
-    Ctrl-C ends it: what was recorded is kept in its folder, and :func:`report` makes the report of that.
+    Ctrl-C ends the run. Its recording up to then is kept, and :func:`report` can write a report of it.
 
     Parameters
     ----------
     experiment
         An experiment file, or the name of a built-in experiment.
     seed
-        Random seed; the experiment's if left out.
+        Random seed; by default, the seed of the experiment.
     sensing
-        ``"image"`` (rendered pictures) or ``"direct"`` (forces plus noise); the experiment's if left out.
+        ``"image"`` (rendered images) or ``"direct"`` (forces plus noise); by default, the setting of the experiment.
     settings
         Values of the experiment, as in ``{"control.slip_threshold": 2.5}``.
     out
-        The run's folder, which must not hold a run yet; ``runs/NAME-SENSING-seedN`` if left out.
+        Folder of the run, which must not contain a run yet; by default ``runs/NAME-SENSING-seedN``.
     record_frames
-        Record the camera's pictures, too.
+        Records the camera frames, too.
     progress
-        Show a bar (by tqdm, where it is installed), or a function that is called with the simulated time, s.
+        ``True`` shows a progress bar (by tqdm, if installed); a function is called with the simulated time, s.
 
     Raises
     ------
     ValueError
-        When the experiment cannot be used: names key, value and what was expected.
+        If the experiment is invalid; the message names the key, its value and the valid values.
     OSError
-        When a file cannot be read or written.
+        If a file cannot be read or written.
     RuntimeError
-        When the run could not go on.
+        If the run failed.
     """
     lines = as_settings(settings)
     if seed is not None:
@@ -142,12 +142,12 @@ def run(
 
 
 def report(folder: PathLike) -> Run:
-    """Makes the report of the run in ``folder`` again, from its recording.
+    """Writes the report of the run in ``folder`` again, from its recording.
 
     Raises
     ------
     OSError, RuntimeError
-        When nothing of the recording is readable, or a file cannot be written.
+        If the recording is unreadable, or a file cannot be written.
     """
     _core.report(Path(folder))
     return Run(folder)

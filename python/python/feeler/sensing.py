@@ -1,4 +1,4 @@
-"""From pictures of a fingertip's inside to forces on its elements."""
+"""Tactile sensing: computes forces from images of the inside of a fingertip."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ class Thresholds:
     Parameters
     ----------
     touch_force
-        F1: an element pressed harder than this touches, N.
+        F1: compression above which an element counts as touching, N.
     over_force
-        F2: an element pressed harder than this may not be pressed further, N.
+        F2: compression above which an element must not be pressed further, N.
     slip_threshold
-        dr: an element whose shear force changes faster than this slips, N/s.
+        dr: shear rate above which an element counts as slipping, N/s.
     """
 
     touch_force: float = 0.1
@@ -40,34 +40,34 @@ class Thresholds:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Felt:
-    """What one fingertip of E elements felt in N frames. All arrays are C-contiguous.
+    """Tactile readings of one fingertip of E elements in N frames. All arrays are C-contiguous.
 
     Forces are on the feeler by the object, in the element's frame ``E_i``: x and y are tangential, z is compression,
     positive when pressed.
     """
 
     force: FloatArray
-    """Force on each element [N, E, 3], N; not a number where there is none."""
+    """Force on each element [N, E, 3], N; NaN if unknown."""
     valid: BoolArray
-    """Where ``force`` can be used [N, E]: the sub-region is neither dark nor saturated."""
+    """``True`` if ``force`` can be used [N, E]: the sub-region is neither dark nor saturated."""
     gray: FloatArray
     """Integrated gray value G of each element [N, E], grey levels times m² (px² without a dome)."""
     displacement: FloatArray
-    """Displacement u of each element's centroid from its unloaded place [N, E, 2], m (px without a dome)."""
+    """Displacement u of each element's centroid from its unloaded position [N, E, 2], m (px without a dome)."""
     shear_rate: FloatArray
-    """Rate of each element's shear force [N, E], N/s; 0 in the first frame."""
+    """Shear rate of each element [N, E], N/s; 0 in the first frame."""
     touch: BoolArray
-    """TOUCH [N]: an element is pressed harder than F1, or slips."""
+    """TOUCH [N]: the compression of an element is above F1, or SLIP is raised."""
     slip: BoolArray
-    """SLIP [N]: an element's shear force changes faster than dr."""
+    """SLIP [N]: the shear rate of an element is above dr."""
     over: BoolArray
-    """OVER [N]: an element is pressed harder than F2."""
+    """OVER [N]: the compression of an element is above F2."""
     grasp_force: FloatArray
     """Sum of the elements' compressions [N], N."""
 
     @classmethod
     def empty(cls, frames: int, elements: int) -> Felt:
-        """Arrays for ``frames`` frames of ``elements`` elements, to be filled by :meth:`Fingertip.sense`."""
+        """Allocates arrays for ``frames`` frames of ``elements`` elements, to be filled by :meth:`Fingertip.sense`."""
         per_element, per_frame = (frames, elements), (frames,)
         return cls(
             force=np.empty((*per_element, 3)),
@@ -111,7 +111,7 @@ class Felt:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Layout:
-    """Where the sensing elements of a fingertip are in its pictures, as :func:`locate` finds them."""
+    """Positions of a fingertip's sensing elements in its images, found by :func:`locate`."""
 
     _layout: _core.Layout = field(repr=False)
 
@@ -122,7 +122,7 @@ class Layout:
         Raises
         ------
         OSError, ValueError
-            When it cannot be read, or is no layout.
+            If the file cannot be read or is not a layout.
         """
         return cls(_core.Layout.parse(Path(path).read_text(encoding="utf-8")))
 
@@ -132,7 +132,7 @@ class Layout:
 
     @property
     def polarity(self) -> str:
-        """Whether the elements are bright ("bright") or dark ("dark")."""
+        """Polarity of the elements: ``"bright"`` or ``"dark"``."""
         return self._layout.polarity
 
     @property
@@ -149,7 +149,7 @@ class Layout:
 
     @property
     def warnings(self) -> list[str]:
-        """What a person should look at in the pictures."""
+        """Possible problems in the images, for a person to check."""
         return self._layout.warnings
 
     def __len__(self) -> int:
@@ -165,7 +165,7 @@ class Layout:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Calibration:
-    """From an element's integrated gray value and displacement to the force on it."""
+    """Computes the force on each element from its integrated gray value and displacement."""
 
     _calibration: _core.Calibration = field(repr=False)
 
@@ -176,12 +176,12 @@ class Calibration:
         Raises
         ------
         OSError, ValueError
-            When it cannot be read, or is no calibration of this version.
+            If the file cannot be read or is not a calibration of this version.
         """
         return cls(_core.Calibration.parse(Path(path).read_text(encoding="utf-8")))
 
     def save(self, path: PathLike) -> None:
-        """Writes the calibration (TOML). There must be no such file yet."""
+        """Writes the calibration (TOML) to a new file; fails if the file exists."""
         _write_new(path, self._calibration.to_toml())
 
     @property
@@ -191,11 +191,11 @@ class Calibration:
 
     @property
     def held_out_rms(self) -> FloatArray:
-        """Root mean square error on loads that the fit has not seen, along x, y, z of each element [E, 3], N."""
+        """Root mean square error on held-out loads, along x, y, z of each element [E, 3], N."""
         return np.array(self._calibration.held_out_rms())
 
     def report(self) -> str:
-        """Errors, repeatability, hysteresis and resolution, ring by ring."""
+        """Returns errors, repeatability, hysteresis and resolution per ring, as text."""
         return self._calibration.report()
 
     def __reduce__(self) -> tuple[Callable[..., Calibration], tuple[str]]:
@@ -206,10 +206,10 @@ class Calibration:
 
 
 class Fingertip:
-    """Senses the pictures of one fingertip.
+    """Computes forces and flags from the images of one fingertip.
 
-    It may be used from several threads at once, unless drift is corrected, which goes by the order of frames. A copy, as
-    ``pickle`` and ``copy`` make it, begins to correct drift anew.
+    An instance may be used from several threads at once, unless it corrects drift, which depends on the order of frames.
+    Copies by ``pickle`` or ``copy`` restart the drift correction.
     """
 
     __slots__ = ("_made_of", "_sensor", "thresholds")
@@ -225,35 +225,35 @@ class Fingertip:
         max_saturated: float | None = None,
         thresholds: Thresholds | None = None,
     ) -> None:
-        """A fingertip by its calibration, or without forces by its layout or the experiment that has it.
+        """Creates a fingertip from its calibration, or without forces from its layout or an experiment.
 
         Parameters
         ----------
         calibration
-            Gives forces. One that was made for a located layout needs that ``layout``, too.
+            Calibration, required for forces. A calibration of a located layout also needs that ``layout``.
         layout
-            Where the elements are, as :func:`locate` found them.
+            Positions of the elements, found by :func:`locate`.
         experiment
-            The experiment whose fingertip it is: a file, or the name of a built-in one.
+            Experiment that contains the fingertip: a file, or the name of a built-in experiment.
         finger
-            The finger of the experiment; without it, what fingers have without a fingertip of their own.
+            Index of the finger in the experiment; by default, the fingertip that the experiment defines for all fingers.
         drift_correction
-            Correct for a lamp that dims or brightens, from frame to frame.
+            Corrects for a lamp whose brightness changes from frame to frame.
         max_saturated
-            Part (0 to 1) of a sub-region's pixels that may be saturated (of dark markers: black) before its force is left out;
-            by default 0.01, of dark markers 0.9, in pictures of two grey levels 0.98.
+            Maximum share (0 to 1) of a sub-region's pixels that may be saturated (for dark markers: black) before its force
+            is invalid; by default 0.01, for dark markers 0.9, in images of two grey levels 0.98.
         thresholds
-            Of the flags.
+            Thresholds of the flags.
 
         Raises
         ------
         ValueError
-            When these do not go together.
+            If the arguments do not match each other.
         """
         if calibration is None and layout is None and experiment is None:
             raise ValueError("expected a calibration, a layout or an experiment")
         if drift_correction and calibration is None:
-            raise ValueError("drift_correction: expected a calibration, which says what is without drift")
+            raise ValueError("drift_correction: expected a calibration, which defines the state without drift")
         self._made_of = (calibration, layout, experiment, finger, drift_correction, max_saturated)
         self._sensor = _core.Sensor(
             None if calibration is None else calibration._calibration,
@@ -267,12 +267,12 @@ class Fingertip:
 
     @classmethod
     def load(cls, path: PathLike, *, layout: Layout | PathLike | None = None, **options: Any) -> Fingertip:
-        """The fingertip of the calibration in the file at ``path``; ``options`` as those of the class.
+        """Loads the fingertip of the calibration file at ``path``; ``options`` are those of the class.
 
         Raises
         ------
         OSError, ValueError
-            When a file cannot be read, or is not what it should be.
+            If a file cannot be read or is invalid.
         """
         if layout is not None and not isinstance(layout, Layout):
             layout = Layout.load(layout)
@@ -285,64 +285,64 @@ class Fingertip:
 
     @property
     def picture_shape(self) -> tuple[int, int]:
-        """Rows and columns of the pictures, px."""
+        """Rows and columns of the images, px."""
         width, height = self._sensor.picture_size
         return height, width
 
     @property
     def is_calibrated(self) -> bool:
-        """Whether there are forces."""
+        """``True`` if a calibration provides forces."""
         return self._sensor.is_calibrated
 
     @property
     def centres(self) -> FloatArray:
-        """Column and row at which the camera sees each element's centre [E, 2], px."""
+        """Column and row of each element's centre in the image [E, 2], px."""
         centres: FloatArray = self._sensor.centres()
         return centres
 
     @property
     def tips(self) -> FloatArray:
-        """Tip of each unloaded feeler, in the fingertip's frame T [E, 3], m: x is along the dome's axis, outward.
+        """Tip of each unloaded feeler in the fingertip's frame T [E, 3], m; x is along the dome's axis, outward.
 
         Raises
         ------
         ValueError
-            When the elements were located without a ``dome``.
+            If the elements were located without a ``dome``.
         """
         return _on_dome(self._sensor.tips())
 
     @property
     def rotations(self) -> FloatArray:
-        """From each element's frame E_i to T [E, 3, 3]: columns are its x, y, and z, the outward normal.
+        """Rotation from each element's frame E_i to T [E, 3, 3]; the columns are x, y and z, the outward normal.
 
         Raises
         ------
         ValueError
-            When the elements were located without a ``dome``.
+            If the elements were located without a ``dome``.
         """
         return _on_dome(self._sensor.rotations())
 
     def force_on_fingertip(self, force: FloatArray) -> FloatArray:
-        """Forces as they are sensed (in E_i, z is compression [..., E, 3], N) as vectors in T [..., E, 3], N.
+        """Converts sensed forces (in E_i, z is compression [..., E, 3], N) to force vectors in T [..., E, 3], N.
 
-        They are on the fingertip by what it touches, so that their sum over elements is the resultant.
+        The vectors are forces on the fingertip by the object; their sum over elements is the resultant.
 
         Raises
         ------
         ValueError
-            When the forces are not of E elements, or the elements were located without a ``dome``.
+            If ``force`` does not have E elements, or the elements were located without a ``dome``.
         """
         force = np.asarray(force, dtype=np.float64)
         if force.shape[-2:] != (self.element_count, 3):
             raise ValueError(f"force: expected {describe(np.float64, ('...', self.element_count, 3))}, got {list(force.shape)}")
-        # Compression is along the inward normal.
+        # Compression acts along the inward normal.
         vectors: FloatArray = np.einsum("eij,...ej->...ei", self.rotations, force * (1.0, 1.0, -1.0))
         return vectors
 
     def with_reference(self, frames: NDArray[np.uint8]) -> Fingertip:
-        """The same fingertip, whose displacements count from the mean centroids in ``frames`` [N, H, W] without load.
+        """Returns a copy whose displacements are relative to the mean centroids in the unloaded ``frames`` [N, H, W].
 
-        Forces count from the calibration's own reference.
+        Forces remain relative to the calibration's reference.
         """
         return self._with(self._sensor.with_reference(self._frames(frames)))
 
@@ -365,21 +365,21 @@ class Fingertip:
         threads: int = 1,
         out: Felt | None = None,
     ) -> Felt:
-        """Senses ``frames``, in the order in which they were taken.
+        """Computes forces and flags from ``frames``, in the order in which they were taken.
 
         Parameters
         ----------
         frames
-            Grey 8-bit pictures: uint8 [N, H, W], or [H, W] for one. They are read in place and must not be changed
-            meanwhile.
+            8-bit gray images: uint8 [N, H, W], or [H, W] for a single one. They are read in place and must not be modified
+            during the call.
         rate
             Frames per second, for shear rates.
         stamps
-            Times of the frames [N], s, rising, instead of ``rate``.
+            Increasing times of the frames [N], s, instead of ``rate``.
         threads
-            How many threads share the frames; 1 where drift is corrected.
+            Number of threads that share the frames; always 1 with drift correction.
         out
-            Written to instead of new arrays (:meth:`Felt.empty`).
+            Arrays to write to instead of new ones; see :meth:`Felt.empty`.
 
         Returns
         -------
@@ -389,7 +389,7 @@ class Fingertip:
         Raises
         ------
         ValueError
-            Names the array that has another dtype, shape or order than expected.
+            If an array has an unexpected dtype, shape or memory order; the message names the array.
         """
         frames = self._frames(frames)
         count = len(frames)
@@ -454,12 +454,12 @@ def _restored_fingertip(
 
 def _on_dome(places: FloatArray | None) -> FloatArray:
     if places is None:
-        raise ValueError('the elements were located without a dome; expected a layout of locate(frames, dome="EXPERIMENT")')
+        raise ValueError('the elements were located without a dome; expected a layout from locate(frames, dome="EXPERIMENT")')
     return places
 
 
 def _stamps(count: int, rate: float, stamps: FloatArray | None) -> FloatArray:
-    """Time of each frame, s."""
+    """Returns the time of each frame, s."""
     if stamps is not None:
         stamps = checked("stamps", stamps, np.float64, (count,))
         if not (np.all(np.isfinite(stamps)) and np.all(np.diff(stamps) > 0.0)):
@@ -479,28 +479,28 @@ def locate(
     region_radius: float = 0.5,
     dome: str | None = None,
 ) -> Layout:
-    """Finds the sensing elements in the mean of pictures of the untouched sensor.
+    """Locates the sensing elements in the mean of images of the untouched sensor.
 
     Parameters
     ----------
     frames
-        uint8 [N, H, W], or [H, W] for one.
+        uint8 [N, H, W], or [H, W] for a single image.
     polarity
-        Whether the elements are bright on dark or dark on bright; whichever makes the better pattern if left out.
+        Bright elements on a dark background, or dark on bright; by default, the polarity with the better pattern.
     spot_diameter
-        Diameter of a spot, px; estimated from the picture if left out.
+        Diameter of a spot, px; by default estimated from the image.
     element_diameter
-        Diameter of an element, px: spots within it are one element. Without it, groups of equal numbers of spots are,
-        if there are any.
+        Diameter of an element, px; spots within it form one element. By default, groups with equal numbers of spots form an
+        element, if there are any such groups.
     region_radius
         Radius of a sub-region relative to the distance to the nearest element.
     dome
-        The experiment (a file, or a built-in one) whose dome and camera these are: moments are then in m.
+        Experiment (a file, or the name of a built-in one) that defines the dome and camera. Moments are then in m.
 
     Raises
     ------
     ValueError
-        When there is nothing that looks like an element.
+        If no elements are found.
     """
     if isinstance(frames, np.ndarray) and frames.ndim == 2:
         frames = frames[np.newaxis]
@@ -519,7 +519,7 @@ def calibrate(
     model: Literal["separable", "coupled", "auto"] = "auto",
     full_scale: Sequence[float] | None = None,
 ) -> Calibration:
-    """Fits a calibration to pictures under known loads.
+    """Fits a calibration to images under known loads.
 
     Parameters
     ----------
@@ -527,21 +527,21 @@ def calibrate(
         Table with the columns picture (relative to the file), element, f_x, f_y, f_z (N): the force on the finger, f_z
         positive when pressed.
     frames, forces
-        Instead of a file: uint8 [N, H, W], and the force on each element in each frame [N, E, 3], N; zero where it is
-        not loaded, not a number where nothing is known of it.
+        Instead of a file: uint8 [N, H, W], and the force on each element in each frame [N, E, 3], N; zero for an unloaded
+        element, NaN if unknown.
     layout
-        Where the elements are; without it, the fingertip is that of ``finger`` of ``experiment``.
+        Positions of the elements; by default, those of the fingertip of ``finger`` in ``experiment``.
     model
-        The paper's (``separable``), one that includes the tilt of the column (``coupled``), or whichever predicts
-        held-out loads better.
+        ``separable`` is the paper's model, ``coupled`` includes the tilt of the column, and ``auto`` selects the one that
+        predicts held-out loads better.
     full_scale
-        Compression and shear that shares of full scale refer to, N; without it, the largest loads.
+        Compression and shear that errors are relative to, N; by default, the largest loads.
 
     Raises
     ------
     OSError, ValueError
-        When a file cannot be read, the loads do not determine a calibration, or the pictures contradict them: signs, axes,
-        numbers of elements, and loads below 0.01 N or above 20 N.
+        If a file cannot be read, the loads do not determine a calibration, or the images contradict them (signs, axes or
+        number of elements), or loads are below 0.01 N or above 20 N.
     """
     normal, shear = full_scale if full_scale is not None else (None, None)
     how = {
@@ -566,28 +566,28 @@ def calibrate(
 def simulate_loads(
     experiment: str = "cap-closing", *, finger: int | None = None, loads: int = 400, seed: int = 1
 ) -> tuple[NDArray[np.uint8], FloatArray]:
-    """Pictures of a simulated fingertip under known loads, as a laboratory would take them.
+    """Renders images of a simulated fingertip under known loads, as on a calibration bench.
 
     Parameters
     ----------
     experiment, finger
-        Whose fingertip it is.
+        Experiment and index of the finger that define the fingertip.
     loads
-        Combined loads of compression and shear; sweeps, cycles and pictures without load come in addition.
+        Number of combined loads of compression and shear. Sweeps, cycles and unloaded images are added.
     seed
-        Of the loads' order and of the camera's noise.
+        Random seed for the order of loads and the camera noise.
 
     Returns
     -------
     frames
         uint8 [N, H, W], 0.3 MB each.
     forces
-        Force on each element in each picture [N, E, 3], N.
+        Force on each element in each image [N, E, 3], N.
 
     Raises
     ------
     ValueError
-        When there is no such fingertip.
+        If there is no such fingertip.
     """
     frames, forces = _core.simulate_loads(experiment, finger, loads, seed)
     return frames, forces

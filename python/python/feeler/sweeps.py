@@ -1,4 +1,4 @@
-"""Sweeps: many randomised trials of one experiment, on the cores of this computer or on many computers."""
+"""Sweeps: many randomised trials of one experiment, on the cores of this computer or on a cluster."""
 
 from __future__ import annotations
 
@@ -26,19 +26,19 @@ MAX_JOBS = 1024
 
 
 class Sweep:
-    """A finished sweep in its folder: plan, table, page."""
+    """The folder of a finished sweep, with its plan, table and summary page."""
 
     def __init__(self, folder: PathLike) -> None:
-        """The sweep that is in ``folder``.
+        """Opens the sweep in ``folder``.
 
         Raises
         ------
         FileNotFoundError
-            When there is none, or it is not finished.
+            If the folder does not contain a finished sweep.
         """
         self.folder = Path(folder)
         if not self.table_path.exists():
-            raise FileNotFoundError(f"{self.folder}: no trials.csv in it; expected the folder of a finished sweep")
+            raise FileNotFoundError(f"{self.folder}: expected the folder of a finished sweep, but it contains no trials.csv")
 
     @property
     def table_path(self) -> Path:
@@ -55,37 +55,37 @@ class Sweep:
         return {name: _frozen(column) for name, column in _core.read_table(self.table_path).items()}
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """The table's columns by name, shape ``(trials,)`` each, read-only, sorted by trial.
+        """Returns the table's columns by name, sorted by trial; each is read-only with shape ``(trials,)``.
 
-        ``trial`` and ``seed`` are ``int64``, ``success`` is ``bool``, and numbers are ``float64`` in SI units, not a
-        number where a trial has none. Columns of words, as ``outcome`` and ``reason``, are object arrays of ``str``.
+        ``trial`` and ``seed`` are ``int64``, ``success`` is ``bool``. Numbers are ``float64`` in SI units, NaN if a trial has
+        no value. Text columns such as ``outcome`` and ``reason`` are object arrays of ``str``.
 
         Raises
         ------
         OSError, ValueError
-            When the table cannot be read.
+            If the table cannot be read.
         """
         return dict(self._columns)
 
     def to_pandas(self) -> pandas.DataFrame:
-        """The table as a ``pandas.DataFrame``, which needs pandas."""
+        """Returns the table as a ``pandas.DataFrame``. Needs pandas."""
         import pandas
 
         return pandas.DataFrame(self.columns())
 
     def to_polars(self) -> polars.DataFrame:
-        """The table as a ``polars.DataFrame``, which needs Polars."""
+        """Returns the table as a ``polars.DataFrame``. Needs Polars."""
         import polars
 
         return polars.DataFrame(self.columns())
 
     @property
     def successes(self) -> int:
-        """How many trials were a success, as ``summary.html`` defines it."""
+        """Number of successful trials, as defined in ``summary.html``."""
         return int(self._columns["success"].sum())
 
     def __len__(self) -> int:
-        """How many trials there are."""
+        """Number of trials."""
         return len(self._columns["trial"])
 
     def __repr__(self) -> str:
@@ -113,11 +113,11 @@ def sweep(
     progress: bool | Callable[[float], None] = False,
     trials_per_task: int = 250,
 ) -> Sweep:
-    """Runs many randomised trials of an experiment, as ``feeler sweep`` does: the same files, byte for byte.
+    """Runs many randomised trials of an experiment. Writes the same files as ``feeler sweep``, byte for byte.
 
-    A trial depends on ``seed`` and its own number alone, so that the table does not depend on the engine, on how many
-    trials run at a time, or on where. Each trial that finished is kept: after Ctrl-C, or whatever else ended the
-    sweep, the same call with ``resume=True`` goes on with it.
+    A trial depends only on ``seed`` and its number, so the table does not depend on the engine, the number of parallel
+    trials or the machines. Finished trials are kept: after Ctrl-C or a failure, the same call with ``resume=True``
+    continues the sweep.
 
     Parameters
     ----------
@@ -126,47 +126,48 @@ def sweep(
     trials
         Number of trials, 1 to 100 million.
     vary
-        Parameters and what each trial draws them from, as in ``{"friction": "uniform(0.3,1.2)"}``; see the book's page
-        on sweeps for names and distributions.
+        Distributions from which each trial draws parameters, as in ``{"friction": "uniform(0.3,1.2)"}``. The book's page on
+        sweeps lists names and distributions.
     settings
         Values of the experiment for all trials, as in ``{"control.slip_threshold": 2.5}``.
     sensing
-        ``"image"`` (rendered pictures) or ``"direct"`` (forces plus noise); the experiment's if left out.
+        ``"image"`` (rendered images) or ``"direct"`` (forces plus noise); by default, the setting of the experiment.
     seed
-        Random seed, 0 to 2**63 - 1; the seed of each trial follows from it.
+        Random seed, 0 to 2**63 - 1, from which the seeds of all trials are derived.
     out
-        The sweep's folder, which must not hold a sweep yet unless ``resume`` is set.
+        Folder of the sweep, which must not contain a sweep yet unless ``resume`` is set.
     engine
-        ``"threads"`` of this computer, or ``"ray"``: tasks on the Ray cluster that this program is connected to, else
-        on that which ``ray.init()`` finds (``RAY_ADDRESS``, or one that was started on this computer), else on one of
-        this computer's cores, which goes on until the program ends. All its machines need the same version of feeler.
+        ``"threads"`` runs trials on this computer. ``"ray"`` runs them as tasks on a Ray cluster: the cluster that this
+        process is connected to, otherwise one that ``ray.init()`` finds (``RAY_ADDRESS``, or one running on this computer),
+        otherwise a local one on this computer's cores that runs until the process ends. All machines need the same version
+        of feeler.
     jobs
-        Trials at a time, 1 to 1024; one for each core, here or of the cluster, if left out.
+        Maximum number of parallel trials, 1 to 1024; by default, one per core of this computer or the cluster.
     resume
-        Go on with the sweep that was stopped in ``out``, which must be the same.
+        Continues the interrupted sweep in ``out``, which must have the same parameters.
     progress
-        Show a bar (by tqdm, where it is installed), or a function that is called with the number of finished trials.
+        ``True`` shows a progress bar (by tqdm, if installed); a function is called with the number of finished trials.
     trials_per_task
-        With Ray: most trials of one task, from 1. What a machine was doing when it failed is done again, a task at most
-        for each of its cores. There are fewer where the sweep is too small to occupy all cores otherwise.
+        With Ray: maximum number of trials per task, at least 1. If a machine fails, its running tasks, at most one per core,
+        are repeated. Tasks are smaller if the sweep would not occupy all cores otherwise.
 
     Raises
     ------
     ValueError
-        When the experiment, or what is to vary in it, cannot be used, or differs from that of the sweep to go on with.
+        If the experiment or ``vary`` is invalid, or differs from the sweep to resume.
     OSError
-        When a file cannot be read or written.
+        If a file cannot be read or written.
     ImportError
-        When ``engine="ray"`` and Ray is not installed.
+        If ``engine="ray"`` and Ray is not installed.
     RuntimeError
-        When the cluster could not go on, or one of its machines has another version of feeler.
+        If the cluster failed, or one of its machines has another version of feeler.
     """
     _in_range("trials", trials, MAX_TRIALS)
     _in_range("trials_per_task", trials_per_task, MAX_TRIALS)
     if jobs is not None:
         _in_range("jobs", jobs, MAX_JOBS)
     if not 0 <= seed < 2**63:
-        raise ValueError(f"seed = {seed}; expected 0 to {2**63 - 1}")
+        raise ValueError(f"seed = {seed}: expected 0 to {2**63 - 1}")
     folder = Path(out)
     lines = as_settings(settings)
     if sensing is not None:
@@ -186,11 +187,11 @@ def sweep(
             with progress_bar(progress, "trials", trials) as watch:
                 cluster.run(store, watch)
         case _:
-            raise ValueError(f'engine = {engine!r}; expected "threads" or "ray"')
+            raise ValueError(f'engine = {engine!r}: expected "threads" or "ray"')
     store.finish()
     return Sweep(folder)
 
 
 def _in_range(name: str, value: int, most: int) -> None:
     if not 1 <= value <= most:
-        raise ValueError(f"{name} = {value}; expected 1 to {most}")
+        raise ValueError(f"{name} = {value}: expected 1 to {most}")

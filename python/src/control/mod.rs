@@ -1,4 +1,4 @@
-//! The control loop of a simulated rig, with tasks and laws that may be Python's.
+//! The control loop of a simulated rig, with optional tasks and laws in Python.
 
 mod own;
 mod sense;

@@ -1,6 +1,6 @@
-//! Tasks and laws that are written in Python.
+//! Tasks and laws implemented in Python.
 //!
-//! What they raise stops the hand and is kept for whoever steps the loop.
+//! An exception in Python code stops the hand and is kept for the code that steps the loop.
 
 use super::sense::{FingerSense, HandSense, Plan, Vector, phase};
 use feeler::control::law::Law;
@@ -13,12 +13,12 @@ use pyo3::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// What Python code of the control loop raised first, until somebody takes it.
+/// First exception of Python code in the control loop that has not been re-raised yet.
 #[derive(Debug, Clone, Default)]
 pub struct Raised(Arc<Mutex<Option<PyErr>>>);
 
 impl Raised {
-    /// Takes it.
+    /// Takes the exception, if any.
     pub fn take(&self) -> Option<PyErr> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).take()
     }
@@ -29,7 +29,7 @@ impl Raised {
     }
 }
 
-/// A law in Python. Clones share it.
+/// A law implemented in Python. Clones share the Python object.
 #[derive(Debug, Clone)]
 pub struct OwnLaw {
     law: Arc<Py<PyAny>>,
@@ -52,13 +52,13 @@ impl Law for OwnLaw {
         });
         velocity.unwrap_or_else(|error| {
             self.raised.keep(error);
-            // No number: the controller stops the hand.
+            // NaN makes the controller stop the hand.
             DVec3::NAN
         })
     }
 }
 
-/// A task in Python, with what it last said. Clones share it.
+/// A task implemented in Python, with its latest state. Clones share the Python object.
 #[derive(Debug, Clone)]
 pub struct OwnTask {
     task: Arc<Py<PyAny>>,
@@ -85,7 +85,7 @@ impl OwnTask {
         Ok(own)
     }
 
-    /// Takes in where the task says that it stands.
+    /// Reads the state of the Python task.
     fn ask(&mut self, py: Python<'_>) -> PyResult<()> {
         let task = self.task.bind(py);
         self.phase = phase(&task.getattr("phase")?.extract::<String>()?)?;
@@ -127,7 +127,7 @@ impl Task for OwnTask {
         plan.unwrap_or_else(|error: PyErr| {
             self.raised.keep(error);
             plan::Plan {
-                // No number: the controller stops the hand.
+                // NaN makes the controller stop the hand.
                 velocity: DVec3::NAN,
                 ..plan::Plan::default()
             }
@@ -155,7 +155,7 @@ impl Task for OwnTask {
     }
 }
 
-/// `name` for as long as the program runs: a task has few, and says them again and again.
+/// Returns `name` with static lifetime. Leaks each distinct name once; a task has few of them.
 fn interned(name: &str) -> &'static str {
     static NAMES: Mutex<BTreeSet<&'static str>> = Mutex::new(BTreeSet::new());
     let mut names = NAMES.lock().unwrap_or_else(PoisonError::into_inner);

@@ -1,4 +1,4 @@
-//! What a hand feels, and what a task wants of it, as Python sees both.
+//! Readings of a hand and plans of a task, as Python objects.
 
 use feeler::control::phase::Phase;
 use feeler::control::plan;
@@ -8,10 +8,10 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods as _};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-/// A number for each axis.
+/// A vector with three components.
 pub type Vector = [f64; 3];
 
-/// What a task wants of a finger.
+/// Motion that a task plans for a finger.
 #[pyclass(frozen, from_py_object, module = "feeler._core")]
 #[derive(Clone)]
 pub struct Plan(pub plan::Plan);
@@ -35,19 +35,19 @@ impl Plan {
         vector(py, self.0.velocity)
     }
 
-    /// Where the object is thought to be: a unit vector [3] in W.
+    /// Assumed direction to the object, a unit vector [3] in W.
     #[getter]
     fn towards_object<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         vector(py, self.0.towards_object)
     }
 
-    /// Whether the finger re-compresses when it slips.
+    /// `True` if the finger is to be re-compressed when it slips.
     #[getter]
     fn reflex(&self) -> bool {
         self.0.reflex
     }
 
-    /// Whether the finger re-compresses when its grasp force is low.
+    /// `True` if the finger is to be re-compressed when its grasp force is low.
     #[getter]
     fn keep_grasp(&self) -> bool {
         self.0.keep_grasp
@@ -70,7 +70,7 @@ impl Plan {
     }
 }
 
-/// What one finger feels, and where.
+/// Readings and pose of one finger.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct FingerSense {
     force: Vec<DVec3>,
@@ -83,7 +83,7 @@ pub struct FingerSense {
 }
 
 impl FingerSense {
-    /// A copy of what `finger` feels.
+    /// Copies the readings of `finger`.
     pub fn of(finger: &sense::FingerSense<'_>) -> Self {
         let elements = 0..finger.touch.frame.forces.len();
         let normal = |element| finger.normal(element).unwrap_or(DVec3::NAN);
@@ -113,31 +113,31 @@ impl FingerSense {
         rows(py, &self.normals)
     }
 
-    /// Rate of each element's shear force [E], N/s.
+    /// Shear rate of each element [E], N/s.
     #[getter]
     fn shear_rate<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_slice(py, &self.shear_rate)
     }
 
-    /// TOUCH: an element is pressed harder than F1, or slips.
+    /// TOUCH: the compression of an element is above F1, or SLIP is raised.
     #[getter]
     fn touch(&self) -> bool {
         self.flags.touch
     }
 
-    /// SLIP: an element's shear force changes faster than dr.
+    /// SLIP: the shear rate of an element is above dr.
     #[getter]
     fn slip(&self) -> bool {
         self.flags.slip
     }
 
-    /// OVER: an element is pressed harder than F2.
+    /// OVER: the compression of an element is above F2.
     #[getter]
     fn over(&self) -> bool {
         self.flags.over
     }
 
-    /// The touching element of largest compression; none where none touches.
+    /// Touching element with the largest compression, or `None` if no element touches.
     #[getter]
     fn largest_element(&self) -> Option<usize> {
         self.flags.largest_element
@@ -149,13 +149,13 @@ impl FingerSense {
         self.flags.grasp_force
     }
 
-    /// The dome's centre [3], m, in W, by the encoders.
+    /// Position of the dome's centre [3], m, in W, from the encoders.
     #[getter]
     fn position<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         vector(py, self.pose.position)
     }
 
-    /// From the fingertip's frame `T` to W [3, 3].
+    /// Rotation from the fingertip's frame `T` to W [3, 3].
     #[getter]
     fn rotation<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let rows_of = self.pose.rotation.transpose();
@@ -174,7 +174,7 @@ impl FingerSense {
         vector(py, self.joints.velocity)
     }
 
-    /// Resultant force on the fingertip by what it touches [3], N, in W.
+    /// Resultant force on the fingertip by the object [3], N, in W.
     #[getter]
     fn resultant<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         vector(py, self.resultant)
@@ -192,17 +192,17 @@ impl FingerSense {
     }
 }
 
-/// What the whole hand feels in one control step.
+/// Readings of the whole hand in one control step.
 #[pyclass(frozen, get_all, module = "feeler._core")]
 pub struct HandSense {
     /// Time of the control step, s.
     time: f64,
-    /// What each finger feels.
+    /// Readings of each finger.
     fingers: Vec<Py<FingerSense>>,
 }
 
 impl HandSense {
-    /// A copy of what `hand` feels.
+    /// Copies the readings of `hand`.
     pub fn of(py: Python<'_>, hand: &sense::HandSense<'_>) -> PyResult<Self> {
         let fingers = hand
             .fingers()
@@ -225,7 +225,7 @@ impl HandSense {
     }
 }
 
-/// The phase called `name`.
+/// Returns the phase called `name`.
 pub fn phase(name: &str) -> PyResult<Phase> {
     let mut phases = Phase::ALL.into_iter();
     phases

@@ -1,4 +1,4 @@
-//! A run that Python steps.
+//! A run that Python code steps.
 
 use super::own::{OwnLaw, OwnTask, Raised};
 use super::sense::{HandSense, Plan};
@@ -17,7 +17,7 @@ use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard, TryLockError};
 use std::time::Instant;
 
-/// A control loop under way, and its recording.
+/// A control loop in progress, with its recording.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct Session {
     stepped: Mutex<Stepped>,
@@ -29,15 +29,15 @@ pub struct Session {
 struct Stepped {
     session: experiment::Session,
     log: Option<(RunLog, PathBuf)>,
-    /// What the instruments read when the step under way began.
+    /// Instrument readings at the start of the current step.
     instruments: Option<Instruments>,
     start: Instant,
 }
 
 #[pymethods]
 impl Session {
-    /// Sets up `experiment` with `settings`, recorded in the folder `out` if there is one; with `task`, whose fingers start
-    /// from `homes`, and `law` in place of its own.
+    /// Creates a session of `experiment` with `settings`, recorded in the folder `out` if given. `task`, whose
+    /// fingers start from `homes`, and `law` replace those of the experiment.
     #[new]
     #[pyo3(signature = (experiment, settings, out, task, homes, law))]
     fn new(
@@ -57,7 +57,7 @@ impl Session {
             Some(task) => Box::new(OwnTask::new(py, task, raised.clone())?),
             None => config.task.task(),
         };
-        // What Python sees are forces.
+        // Python code receives forces only, so other images are not rendered.
         let session =
             experiment::Session::with_task_drawing(&experiment, task, &homes, Pictures::Sensed);
         let mut session = session.map_err(refused)?;
@@ -87,13 +87,13 @@ impl Session {
         self.period
     }
 
-    /// Reads hand and sensors and asks the task; none once the run is finished, else what the hand feels and what the task
-    /// wants of each finger.
+    /// Reads hand and sensors and updates the task. Returns the readings of the hand and the plan of each finger, or
+    /// `None` once the run is finished.
     fn plan(&self, py: Python<'_>) -> PyResult<Option<(HandSense, Vec<Plan>)>> {
         let mut stepped = self.stepped()?;
         if stepped.instruments.is_some() {
             return Err(PyRuntimeError::new_err(
-                "the step under way was not acted on",
+                "act was not called for the current step; call it before the next plan",
             ));
         }
         if stepped.session.finished() {
@@ -108,11 +108,13 @@ impl Session {
         Ok(Some((hand, plans.copied().map(Plan).collect())))
     }
 
-    /// Moves the fingers: at `velocity` [F, 3], m/s in W, or as the laws say.
+    /// Moves the fingers at `velocity` [F, 3], m/s in W, or by the control laws if it is `None`.
     fn act(&self, velocity: Option<PyReadonlyArray2<'_, f64>>) -> PyResult<()> {
         let mut stepped = self.stepped()?;
         let Some(instruments) = stepped.instruments.take() else {
-            return Err(PyRuntimeError::new_err("there is no step under way"));
+            return Err(PyRuntimeError::new_err(
+                "no step is in progress; call plan first",
+            ));
         };
         match velocity {
             None => stepped.session.obey(),
@@ -131,7 +133,7 @@ impl Session {
         self.raise()
     }
 
-    /// Phase of the task, stroke, and why the hand was stopped, if it was.
+    /// Returns the phase of the task, the stroke, and the reason of a stop, if any.
     fn stands(&self) -> PyResult<(String, u32, Option<String>)> {
         let stepped = self.stepped()?;
         let controller = stepped.session.control_loop().controller();
@@ -140,7 +142,7 @@ impl Session {
         Ok((controller.phase().to_string(), stroke, reason))
     }
 
-    /// What the task found out so far, by name, and what came of it.
+    /// Returns the findings of the task so far by name, and its outcome.
     fn findings(&self) -> PyResult<(Vec<(&'static str, f64)>, Option<&'static str>)> {
         let stepped = self.stepped()?;
         let task = stepped.session.control_loop().controller().task();
@@ -148,19 +150,19 @@ impl Session {
         Ok((findings.collect(), task.outcome()))
     }
 
-    /// Stops the hand, as `by` says.
+    /// Stops the hand; `by` names the source of the request.
     fn stop(&self, by: &str) -> PyResult<()> {
         self.stepped()?.session.stop(by);
         Ok(())
     }
 
-    /// Lets a hand that was stopped go on.
+    /// Resumes after a stop.
     fn resume(&self) -> PyResult<()> {
         self.stepped()?.session.resume();
         Ok(())
     }
 
-    /// Closes the recording, if there is one, and makes its report.
+    /// Closes the recording, if any, and writes its report.
     fn close(&self, py: Python<'_>, interrupted: bool) -> PyResult<Option<RunOutcome>> {
         let mut stepped = self.stepped()?;
         let Some((log, folder)) = stepped.log.take() else {
@@ -178,13 +180,13 @@ impl Session {
 }
 
 impl Session {
-    /// Refuses a task or law that calls its own session, and a second thread.
+    /// Fails if a task or law calls its own session, or if a second thread uses it.
     fn stepped(&self) -> PyResult<MutexGuard<'_, Stepped>> {
         match self.stepped.try_lock() {
             Ok(stepped) => Ok(stepped),
             Err(TryLockError::Poisoned(poisoned)) => Ok(poisoned.into_inner()),
             Err(TryLockError::WouldBlock) => Err(PyRuntimeError::new_err(
-                "the session is in the middle of a step; expected to be asked between steps",
+                "the session is in the middle of a step; call it between steps only",
             )),
         }
     }
@@ -194,7 +196,7 @@ impl Session {
     }
 }
 
-/// A recording of `session` in the folder `out`.
+/// Creates a recording of `session` in the folder `out`.
 fn log(
     experiment: &Experiment,
     session: &experiment::Session,

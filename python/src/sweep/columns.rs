@@ -1,4 +1,4 @@
-//! A sweep's table as columns.
+//! Columns of a sweep's table.
 
 use crate::interrupt::interruptible;
 use numpy::IntoPyArray as _;
@@ -8,14 +8,14 @@ use pyo3::types::PyDict;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-/// Whole numbers, which may need all 63 bits.
+/// Integer columns, which may need 63 bits.
 const WHOLE: [&str; 2] = ["trial", "seed"];
-/// Words, whatever they look like. Other columns are words as soon as a field is neither a number nor empty.
+/// Columns that always contain text. Other columns contain text if any field is neither a number nor empty.
 const WORDS: [&str; 3] = ["outcome", "reason", "found"];
-/// True or false in every row.
+/// Boolean column.
 const SUCCESS: &str = "success";
 
-/// A column as far as it is read.
+/// A partially read column.
 enum Column {
     Whole(Vec<i64>),
     Truth(Vec<bool>),
@@ -23,7 +23,7 @@ enum Column {
     Words(Vec<String>),
 }
 
-/// The columns of the table at `path` by name: arrays, or lists of words.
+/// Returns the columns of the table at `path` by name, as arrays or lists of text.
 #[pyfunction]
 pub fn read_table(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyDict>> {
     let read = interruptible(py, |_| read(&path), |_| Ok(()))?;
@@ -52,7 +52,7 @@ pub fn read_table(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyDict>> 
     Ok(table)
 }
 
-/// Twice over the file: what a column holds is known at its end only, and text takes far more memory than numbers.
+/// Reads the file twice: the type of a column is only known at the end, and text needs far more memory than numbers.
 fn read(path: &Path) -> csv::Result<Vec<(String, Column)>> {
     let mut reader = csv::Reader::from_path(path)?;
     let names: Vec<_> = reader.headers()?.iter().map(String::from).collect();
@@ -89,10 +89,10 @@ impl Column {
         }
     }
 
-    /// Takes in the next row's field.
+    /// Adds the field of the next row.
     fn push(&mut self, field: &str) {
         match self {
-            // Both are in every row of a table that a sweep wrote.
+            // Tables written by a sweep contain both in every row.
             Self::Whole(values) => values.push(field.parse().unwrap_or(-1)),
             Self::Truth(values) => values.push(field == "1"),
             Self::Numbers(values) => values.push(field.parse().unwrap_or(f64::NAN)),

@@ -1,4 +1,4 @@
-//! Sweeps: the trials of a plan, the folder that they are kept in, and its table as columns.
+//! Sweeps: the trials of a plan, their folder, and the table as columns.
 
 mod columns;
 mod store;

@@ -1,4 +1,4 @@
-//! A sweep's folder, into which rows go as they come.
+//! A sweep's folder, to which rows are added as trials finish.
 
 use super::trials::{Trials, tell};
 use crate::errors::{failed, refused};
@@ -10,18 +10,18 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
 
-/// The folder of a sweep, open for rows.
+/// The folder of a sweep, open for adding rows.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct Store {
     trials: Arc<trial::Trials>,
     folder: PathBuf,
-    /// None once it is finished.
+    /// `None` once the sweep is finished.
     store: Arc<Mutex<Option<store::Store>>>,
 }
 
 #[pymethods]
 impl Store {
-    /// The new folder of `trials`, or with `resume` that in which they were stopped.
+    /// Creates the folder of `trials`, or with `resume` opens the one in which they were interrupted.
     #[new]
     #[pyo3(signature = (folder, trials, resume))]
     fn new(folder: PathBuf, trials: &Trials, resume: bool) -> PyResult<Self> {
@@ -38,28 +38,28 @@ impl Store {
         })
     }
 
-    /// How many trials are finished.
+    /// Number of finished trials.
     #[getter]
     fn finished(&self) -> PyResult<usize> {
         let mut store = lock(&self.store)?;
         Ok(open(&mut store)?.table.rows.len())
     }
 
-    /// The trials that are not finished.
+    /// Returns the unfinished trials.
     fn missing(&self) -> PyResult<Vec<u64>> {
         let mut store = lock(&self.store)?;
         Ok(open(&mut store)?.missing(self.trials.plan(), u64::MAX))
     }
 
-    /// Takes in rows as `Trials.run` returns them.
+    /// Adds rows as returned by `Trials.run`.
     fn push(&self, rows: &[u8]) -> PyResult<()> {
         let mut store = lock(&self.store)?;
         let plan = self.trials.plan();
         open(&mut store)?.push_table(plan, rows).map_err(failed)
     }
 
-    /// Runs what is missing here, `jobs` trials at a time; one for each core if none are given. `progress` is called with the
-    /// number of finished trials, now and then.
+    /// Runs the missing trials in this process, `jobs` at a time, by default one per core. `progress` is called
+    /// periodically with the number of finished trials.
     #[pyo3(signature = (jobs, progress))]
     fn run(
         &self,
@@ -77,18 +77,18 @@ impl Store {
             let ran = engine::run(&trials, open(&mut store)?, u64::MAX, jobs, stop, &mut count);
             ran.map_err(failed)
         };
-        // A trial's sensors may take longer to set up than Ctrl-C may wait.
+        // Setting up a trial's sensors may take longer than Ctrl-C should be delayed.
         abandonable(py, work, |py| tell(py, progress.as_ref(), &finished))??;
         tell(py, progress.as_ref(), &finished)
     }
 
-    /// Puts the sorted table in place of the growing one, and makes the page.
+    /// Replaces the growing table by the sorted one, and writes the page.
     fn finish(&self, py: Python<'_>) -> PyResult<()> {
         let mut store = lock(&self.store)?;
         let missing = open(&mut store)?.missing(self.trials.plan(), u64::MAX);
         if let (count, Some(first)) = (missing.len(), missing.first()) {
             return Err(PyRuntimeError::new_err(format!(
-                "{count} trials are missing, the first is {first}; expected none"
+                "cannot finish: {count} trials are missing, starting with trial {first}"
             )));
         }
         let Some(whole) = store.take() else {
@@ -100,13 +100,13 @@ impl Store {
     }
 }
 
-/// The store, unless another thread has it: that one may need the interpreter to finish, which waiting here would keep
-/// from it.
+/// Locks the store, or fails if another thread holds it. Waiting would deadlock if that thread needs the interpreter
+/// to finish.
 fn lock(store: &Mutex<Option<store::Store>>) -> PyResult<MutexGuard<'_, Option<store::Store>>> {
     store.try_lock().map_err(|error| {
         PyRuntimeError::new_err(match error {
-            TryLockError::WouldBlock => "the sweep runs on another thread already",
-            TryLockError::Poisoned(_) => "the sweep failed before; expected a new one, resumed",
+            TryLockError::WouldBlock => "the sweep is already running on another thread",
+            TryLockError::Poisoned(_) => "the sweep has failed; create it again and resume",
         })
     })
 }
@@ -116,10 +116,10 @@ fn open(store: &mut Option<store::Store>) -> PyResult<&mut store::Store> {
 }
 
 fn closed() -> PyErr {
-    PyRuntimeError::new_err("the sweep is finished; expected one that is not")
+    PyRuntimeError::new_err("the sweep is finished; start a new one")
 }
 
-/// How many are finished, for another thread to read.
+/// Number of finished trials, readable from another thread.
 struct Count(Arc<AtomicU64>);
 
 impl Progress for Count {

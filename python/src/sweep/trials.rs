@@ -1,4 +1,4 @@
-//! The trials of a plan, wherever they run.
+//! The trials of a plan, which may run on any machine.
 
 use crate::errors::refused;
 use crate::interrupt::interruptible;
@@ -20,8 +20,7 @@ pub struct Trials {
 
 #[pymethods]
 impl Trials {
-    /// The trials of a plan, the text of `sweep.toml`, on a machine where the files that it names are in `folder`, if it
-    /// names any.
+    /// Parses a plan, the text of `sweep.toml`. On this machine, the files that it names are in `folder`.
     #[new]
     #[pyo3(signature = (plan, folder))]
     fn new(plan: &str, folder: Option<PathBuf>) -> PyResult<Self> {
@@ -32,8 +31,8 @@ impl Trials {
         })
     }
 
-    /// `count` trials of `experiment` with `settings` that vary as `vary` says; those that were stopped in the folder
-    /// `resume`, if one is given, which must be the same.
+    /// Plans `count` trials of `experiment` with `settings` and the variations `vary`. With `resume`, continues the
+    /// interrupted sweep in that folder, which must have the same plan.
     #[staticmethod]
     #[pyo3(signature = (experiment, settings, vary, seed, count, resume))]
     fn planned(
@@ -59,13 +58,13 @@ impl Trials {
         self.trials.plan().to_toml()
     }
 
-    /// How many there are.
+    /// Number of trials.
     #[getter]
     fn count(&self) -> u64 {
         self.trials.plan().trials
     }
 
-    /// The files that trials may read (bytes), by the name that the experiment has for each.
+    /// Returns the files that trials may read (bytes), by the name that the experiment uses for each.
     fn files<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let files = PyDict::new(py);
         for (name, bytes) in self.trials.plan().files().map_err(refused)? {
@@ -74,8 +73,8 @@ impl Trials {
         Ok(files)
     }
 
-    /// Runs the trials of these numbers one after the other; their rows as a table with header (CSV). `progress` is called
-    /// with the number of finished ones, now and then.
+    /// Runs the given trials one after the other and returns their rows as a table with a header (CSV). `progress` is
+    /// called periodically with the number of finished trials.
     #[pyo3(signature = (trials, progress=None))]
     fn run<'py>(
         &self,
@@ -94,7 +93,7 @@ impl Trials {
         let work = |stop: &AtomicBool| {
             let mut table = line(&self.trials.header());
             for &trial in &trials {
-                // Nobody wants the rest of what was stopped.
+                // The result of an interrupted trial is discarded.
                 let Some(row) = self.trials.run(trial, stop) else {
                     break;
                 };
@@ -116,7 +115,7 @@ impl Trials {
     }
 }
 
-/// Calls `progress` with how many trials are finished.
+/// Calls `progress` with the number of finished trials.
 pub(super) fn tell(
     py: Python<'_>,
     progress: Option<&Py<PyAny>>,

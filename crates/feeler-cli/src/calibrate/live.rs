@@ -10,18 +10,22 @@ use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
 pub struct LiveArguments {
-    /// Guide through loading the fingertip, which stands on a force sensor, under this camera: /dev/videoN, genicam:ID as `feeler
-    /// cameras` lists it, or - for raw gray frames of the fingertip's size on standard input. LOADS.csv is then the folder that
-    /// pictures and their LOADS.csv (with --wrench, FORCES.csv) are kept in, and found again after Ctrl-C.
+    /// Guide through loading the fingertip, mounted on a force sensor, under this camera.
+    ///
+    /// The camera is /dev/videoN, genicam:ID as listed by `feeler cameras`, or - for raw gray frames of the
+    /// fingertip's size on standard input. LOADS.csv then names the folder for the images and their table (LOADS.csv,
+    /// or FORCES.csv with --wrench). After Ctrl-C, the same command continues in that folder.
     #[arg(long, value_name = "CAMERA", requires_all = ["force_sensor", "input"], conflicts_with = "simulated")]
     pub live: Option<PathBuf>,
-    /// The force sensor under the fingertip: netft://HOST (ATI Net F/T, RDT over UDP), whose web page says what its counts mean, or
-    /// netft://HOST?cpf=COUNTS&cpt=COUNTS, with the counts per newton and newton metre; or ros2:/TOPIC of geometry_msgs/WrenchStamped, N and
-    /// N m, whose graph's router is at tcp/localhost:7447 and whose domain is ROS_DOMAIN_ID unless told otherwise:
-    /// ros2:/TOPIC?connect=tcp/HOST:PORT&domain=NUMBER
+    /// Force sensor under the fingertip: netft://HOST or ros2:/TOPIC.
+    ///
+    /// netft://HOST is an ATI Net F/T sensor (RDT over UDP); its web page provides the counts per unit, unless they
+    /// are given as netft://HOST?cpf=COUNTS&cpt=COUNTS (counts per newton and per newton metre). ros2:/TOPIC is a
+    /// topic of geometry_msgs/WrenchStamped in N and N m, by default from the router at tcp/localhost:7447 in the
+    /// domain ROS_DOMAIN_ID; override both with ros2:/TOPIC?connect=tcp/HOST:PORT&domain=NUMBER.
     #[arg(long, value_name = "ADDRESS", requires = "live")]
     force_sensor: Option<ForceAddress>,
-    /// Frames per second that the camera is asked for.
+    /// Frame rate requested from the camera (Hz).
     #[arg(long, value_name = "HZ", default_value_t = 30.0, requires = "live", value_parser = crate::options::parse_rate)]
     rate: f64,
     #[command(flatten)]
@@ -29,30 +33,29 @@ pub struct LiveArguments {
 }
 
 impl LiveArguments {
-    /// Refuses what would change nothing.
+    /// Rejects camera options that would have no effect.
     pub fn refuse_without_effect(&self) -> Result<(), CommandError> {
         let Some(option) = CameraOptions::from(&self.camera).given() else {
             return Ok(());
         };
         match &self.live {
-            None => {
-                Err(format!("{option} is for a camera; expected --live CAMERA beside it").into())
-            }
+            None => Err(format!("{option} requires --live CAMERA").into()),
             Some(live) if live == Path::new("-") => {
-                Err(format!("{option} is for a camera; - is something else").into())
+                Err(format!("{option} requires a camera; --live - reads standard input").into())
             }
             Some(_) => Ok(()),
         }
     }
 }
 
-/// The folder of pictures and loads, which is made if there is none.
+/// Returns the folder of images and loads with `--live`. It is created if missing.
 pub fn folder(arguments: &Arguments) -> Option<&Path> {
     let input = arguments.input.as_deref()?;
     arguments.live.live.as_ref().map(|_| Path::new(input))
 }
 
-/// What a person should reach: full scale, as far as the command line says; by default 1 N, and half of it of shear.
+/// Loads that the operator should reach: full scale from the command line, by default 1 N of compression and half of
+/// the compression in shear.
 fn goal(arguments: &Arguments) -> Goal {
     let normal = arguments.full_scale_normal.unwrap_or(1.0);
     let shear = arguments.full_scale_shear.unwrap_or(0.5 * normal);
@@ -71,7 +74,7 @@ pub fn guide(
         camera: live.live.as_deref().unwrap_or(Path::new("-")),
         rate: live.rate,
         settings: CameraOptions::from(&live.camera),
-        force_sensor: force_sensor.ok_or("--live: expected --force-sensor, too")?,
+        force_sensor: force_sensor.ok_or("--live requires --force-sensor")?,
         goal: goal(arguments),
         axes: arguments.axes.of_sensor()?,
         model: (!arguments.wrench).then_some(arguments.model),

@@ -1,4 +1,4 @@
-//! `feeler calibrate`
+//! The `feeler calibrate` subcommand.
 
 mod axes;
 mod live;
@@ -26,97 +26,104 @@ use serde::Serialize;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// The experiment whose fingertip is calibrated unless another is named.
+/// Experiment whose fingertip is calibrated by default.
 const EXPERIMENT: &str = "cap-closing";
-/// Most combined loads of a simulated calibration: more would take hours and say nothing new.
+/// Maximum number of combined loads of a simulated calibration; more would take hours without improving the result.
 const MAX_LOADS: i64 = 20_000;
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// The file of loads: a table with the columns picture (a file relative to the table, or FILE@TIME, the time (s) of a frame of a
-    /// video or of a recording by feeler sense), element, f_x, f_y, f_z
-    /// (N, on the finger in the element's frame, f_z positive when pressed); a row of zero force, or without an element, is an unloaded picture. Columns column and
-    /// row (px) tell elements by their places; x_angle (rad) is where x of the force's frame points in the picture.
-    /// With --simulated, the experiment. With --wrench, the file of measured forces: picture, f_x, f_y, f_z (N) and, if
-    /// they were measured, m_x, m_y, m_z (N m), on the whole fingertip.
+    /// Table of loads and images; with --simulated, the experiment.
+    ///
+    /// Columns: picture (a file relative to the table, or FILE@TIME for the frame at TIME (s) of a video or of a
+    /// recording by `feeler sense`), element, f_x, f_y, f_z (N, on the finger in the element's frame; f_z is positive
+    /// when pressed). A row of zero force, or without an element, is an image without load. The columns column and
+    /// row (px) identify elements by position instead; x_angle (rad) is the direction of the force frame's x axis in
+    /// the image.
+    ///
+    /// With --wrench, a table of forces on the whole fingertip: picture, f_x, f_y, f_z (N) and optionally m_x, m_y,
+    /// m_z (N m).
     #[arg(value_name = "LOADS.csv", required_unless_present = "simulated")]
     input: Option<String>,
-    /// Put the loads on the simulated fingertip of the experiment instead.
+    /// Apply loads to the simulated fingertip of the experiment instead.
     #[arg(long)]
     simulated: bool,
-    /// Calibrate the total force on the fingertip, where no single element can be loaded: by all elements together.
+    /// Calibrate the total force on the fingertip from all elements together, if elements cannot be loaded singly.
     #[arg(long, conflicts_with_all = ["simulated", "verbose", "loads", "model"])]
     wrench: bool,
-    /// Keep what the pictures explain nothing of, or contradict.
+    /// Accept a calibration that predicts no better than the mean, or loads that contradict the images.
     #[arg(long)]
     force_fit: bool,
     #[command(flatten)]
     axes: AxesArguments,
-    /// Accept loads out of the usual range: 0.01 to 20 N on an element, with --wrench 0.05 to 200 N on the fingertip.
+    /// Accept loads outside the usual range: 0.01 to 20 N on an element, or with --wrench 0.05 to 200 N on the
+    /// fingertip.
     #[arg(long, conflicts_with = "simulated")]
     confirm_loads: bool,
-    /// The experiment whose fingertip it is: a file, or the name of a built-in one [default: cap-closing]
+    /// Experiment that defines the fingertip: a file, or the name of a built-in one [default: cap-closing]
     #[arg(long, value_name = "EXPERIMENT")]
     experiment: Option<String>,
     #[command(flatten)]
     live: live::LiveArguments,
-    /// The finger of the experiment whose fingertip it is, from 0 [default: what fingers have without
-    /// one of their own]
+    /// Index of the finger whose fingertip is calibrated [default: the fingertip shared by all fingers]
     #[arg(long, value_name = "NUMBER", conflicts_with = "layout")]
     finger: Option<usize>,
-    /// The sensing elements as `feeler locate` found them, instead of an experiment's.
+    /// Layout file of the sensing elements, written by `feeler locate`, instead of an experiment.
     #[arg(long, value_name = "LAYOUT.toml", conflicts_with_all = ["simulated", "experiment"])]
     layout: Option<PathBuf>,
-    /// Output file; a page with curves and residuals is written beside it.
+    /// Calibration file to write; a report with curves and residuals is written next to it.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     #[command(flatten)]
     overwrite: Overwrite,
-    /// Model to fit: the paper's (separable), one that includes the tilt of the column (coupled), or whichever
-    /// predicts held-out loads better (auto).
+    /// Model to fit: separable, coupled or auto.
+    ///
+    /// `separable` is the paper's model, `coupled` also models the tilt of the column, and `auto` chooses the one
+    /// that predicts held-out loads better.
     #[arg(long, value_parser = model, default_value = "auto", value_name = "MODEL")]
     model: ModelChoice,
-    /// Compression that shares of full scale refer to, and that --live guides up to, N [default: the largest load; simulated: 2, less
-    /// with more than 41 elements; live: 1]
+    /// Full-scale compression (N), and target of --live [default: the largest load; simulated: 2, less with more than
+    /// 41 elements; live: 1]
     #[arg(long, value_parser = positive, value_name = "N")]
     full_scale_normal: Option<f64>,
-    /// Shear force that shares of full scale refer to, and that --live guides up to, N [default: the largest load; simulated and live:
-    /// half of the compression]
+    /// Full-scale shear (N), and target of --live [default: the largest load; simulated and live: half of the
+    /// compression]
     #[arg(long, value_parser = positive, value_name = "N")]
     full_scale_shear: Option<f64>,
     /// Print the errors of each element, not only of each ring.
     #[arg(long)]
     verbose: bool,
-    /// Seed of the simulated loads' order and of the simulated camera's noise.
+    /// Random seed of the order of simulated loads and of the simulated camera's noise.
     #[arg(long, default_value_t = CalibrationBenchConfig::default().seed, value_parser = crate::trials::parse_seed)]
     seed: u64,
-    /// Combined loads that are put on the simulated fingertip, at most 20,000 (some 35,000 pictures, which take
-    /// minutes); other kinds in proportion.
+    /// Number of combined loads on the simulated fingertip, at most 20,000; other kinds of load scale with it.
+    ///
+    /// 20,000 combined loads are some 35,000 images, which take minutes.
     #[arg(long, default_value_t = CalibrationBenchConfig::default().combined as u32, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..=MAX_LOADS))]
     loads: u32,
-    /// Write the simulated pictures and their LOADS.csv into this folder, which must not hold any yet.
+    /// Write the simulated images and their LOADS.csv into this folder, which must not contain any yet.
     #[arg(long, value_name = "DIR", requires = "simulated")]
     write_loads: Option<PathBuf>,
     #[command(flatten)]
     json: Json,
 }
 
-/// What `--json` prints: the files, and how well held-out loads are predicted.
+/// Output of `--json`: the files written, and the errors of held-out loads.
 #[derive(Serialize)]
 struct Calibrated<'a> {
     calibration: &'a Path,
     page: &'a Path,
-    /// `elements`: each element by itself; `wrench`: the whole fingertip.
+    /// `elements` if each element was calibrated separately, `wrench` for the whole fingertip.
     of: &'static str,
-    /// What shares of full scale refer to.
+    /// Forces that percentages of full scale refer to.
     full_scale: Option<FullScale>,
-    /// Of each element, in the order of the layout.
+    /// Quality of each element, in the order of the layout.
     elements: Vec<&'a ElementQuality>,
-    /// Of each component of the wrench.
+    /// Quality of each component of the wrench.
     components: &'a [AxisQuality],
 }
 
-/// The model of this name.
+/// Parses the name of a model.
 fn model(name: &str) -> Result<ModelChoice, String> {
     match name {
         "separable" => Ok(ModelChoice::Separable),
@@ -143,7 +150,7 @@ pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, 
     let layout = arguments.layout.as_deref();
     let sensor = named_sensor(experiment_name, arguments.finger, layout)?;
     if let Some(folder) = live::folder(arguments) {
-        // Before an hour's work, not after it.
+        // Fail before an hour of work rather than after it.
         refuse_existing(arguments, [output, &page_path])?;
         live::guide(arguments, folder, &sensor)?;
     }
@@ -153,7 +160,7 @@ pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, 
     let inputs = files.iter().map(|path| Some(path.as_path()));
     let named = [Some(Path::new(experiment_name)), layout];
     let mut outputs = Outputs::new(arguments.overwrite.force, inputs.chain(named));
-    // Opened first, for calibrating takes its time.
+    // Opened first, because calibrating takes a while.
     let file = outputs.create(output, "--output")?;
     let page_file = outputs.create(&page_path, "--output")?;
     let measured = loads.as_ref().map(|loads| {
@@ -209,16 +216,16 @@ pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, 
     Ok(Outcome::Done)
 }
 
-/// The columns of the loads that are x, y and z of an element.
+/// Returns the columns that are x, y and z of an element's force.
 fn columns(arguments: &Arguments) -> ForceAxes {
     match live::folder(arguments) {
-        // Those of the force sensor are turned already.
+        // Live forces are converted when they are recorded.
         Some(_) => ForceAxes::default(),
         None => arguments.axes.of_columns(),
     }
 }
 
-/// The loads on disk; `None` if they are simulated.
+/// Reads the loads from disk, or returns `None` if they are simulated.
 fn loads_file(
     arguments: &Arguments,
     sensor: &SensorGeometry,
@@ -238,7 +245,7 @@ fn loads_file(
     Ok(Some(loads))
 }
 
-/// Refuses outputs that would be refused when they are made.
+/// Fails early if the outputs could not be created later.
 fn refuse_existing(arguments: &Arguments, outputs: [&Path; 2]) -> Result<(), CommandError> {
     let mut made = Outputs::new(arguments.overwrite.force, []);
     for path in outputs {
@@ -247,12 +254,12 @@ fn refuse_existing(arguments: &Arguments, outputs: [&Path; 2]) -> Result<(), Com
     Ok(())
 }
 
-/// The page beside `output`.
+/// Returns the path of the report next to `output`.
 fn page_path(output: &Path) -> Result<PathBuf, CommandError> {
     let page_path = output.with_extension("html");
     if page_path == *output {
         return Err(format!(
-            "--output {}: the page beside it would have the same name; expected a name that ends in .toml",
+            "--output {}: expected a name that ends in .toml, because the report next to it ends in .html",
             output.display()
         )
         .into());
@@ -268,14 +275,14 @@ fn print(arguments: &Arguments, calibration: &Calibration, out: &mut dyn Write) 
     writeln!(out, "{report}")
 }
 
-/// The experiment whose fingertip it is.
+/// Returns the experiment that defines the fingertip.
 fn experiment_name(arguments: &Arguments) -> &str {
     let input = arguments.input.as_deref().filter(|_| arguments.simulated);
     let name = arguments.experiment.as_deref().or(input);
     name.unwrap_or(EXPERIMENT)
 }
 
-/// What is known of each element of a simulated fingertip, where it comes from, and what shares of full scale refer to.
+/// Simulates the loads; returns the samples of each element, a description of their source, and full scale.
 fn simulated(
     arguments: &Arguments,
 ) -> Result<(Vec<ElementRecord>, String, FullScale), CommandError> {

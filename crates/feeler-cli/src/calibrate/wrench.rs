@@ -16,10 +16,10 @@ use feeler_sensing::named_sensor;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Pictures that are named in warnings at most.
+/// Maximum number of images named in warnings.
 const NAMED: usize = 5;
 
-/// Calibrates by what was measured of the whole fingertip.
+/// Calibrates the total force on a fingertip.
 pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     let output = &arguments.output;
     let page_path = page_path(output)?;
@@ -28,7 +28,7 @@ pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, 
     let sensor = named_sensor(experiment_name, arguments.finger, layout)?;
     let csv = match live::folder(arguments) {
         Some(folder) => {
-            // Before an hour's work, not after it.
+            // Fail before an hour of work rather than after it.
             refuse_existing(arguments, [output, &page_path])?;
             live::guide(arguments, folder, &sensor)?;
             folder.join(FORCES)
@@ -44,7 +44,7 @@ pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, 
     let inputs = files.iter().map(|path| Some(path.as_path()));
     let named = [Some(Path::new(experiment_name)), layout];
     let mut outputs = Outputs::new(arguments.overwrite.force, inputs.chain(named));
-    // Opened first, for calibrating takes its time.
+    // Opened first, because calibrating takes a while.
     let file = outputs.create(output, "--output")?;
     let page_file = outputs.create(&page_path, "--output")?;
     let progress = Steps::new(forces.picture_count());
@@ -82,26 +82,26 @@ pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, 
     Ok(Outcome::Done)
 }
 
-/// The file of measured forces.
+/// Returns the path of the table of measured forces.
 fn measured(arguments: &Arguments) -> Result<PathBuf, CommandError> {
     if arguments.full_scale_normal.is_some() || arguments.full_scale_shear.is_some() {
-        let message = "--full-scale-normal, --full-scale-shear: expected --live beside --wrench, which has no full scale itself";
+        let message = "--full-scale-normal, --full-scale-shear: with --wrench these require --live, because a wrench calibration has no full scale";
         return Err(message.into());
     }
     if arguments.axes.are_given() {
-        let message = "--force-axes: expected --live beside --wrench, which takes a table's forces in the frame in which they were measured";
+        let message = "--force-axes: with --wrench this requires --live; forces in a table stay in the frame in which they were measured";
         return Err(message.into());
     }
     let csv = arguments.input.as_deref();
-    let csv = csv.ok_or("--wrench: expected FORCES.csv, the file of measured forces")?;
+    let csv = csv.ok_or("--wrench requires FORCES.csv, the table of measured forces")?;
     Ok(PathBuf::from(csv))
 }
 
-/// What can be done about an error.
+/// Returns the advice for an error.
 fn way_out(error: &feeler::sensor::wrench::WrenchError) -> &'static str {
     use feeler::sensor::wrench::WrenchError;
     match error {
-        WrenchError::ExplainsNothing { .. } => "; --force-fit keeps it all the same",
+        WrenchError::ExplainsNothing { .. } => "; --force-fit accepts it anyway",
         _ => "",
     }
 }
@@ -111,26 +111,26 @@ fn warn_of_skipped(skipped: &[String]) {
         warn(&format!("skipped: {reason}"));
     }
     if skipped.len() > NAMED {
-        warn(&format!("skipped {} more pictures", skipped.len() - NAMED));
+        warn(&format!("skipped {} more images", skipped.len() - NAMED));
     }
 }
 
-/// Says what was not used, and what is not in the calibration.
+/// Warns of ignored images and of components that are left out or doubtful.
 fn warn_of_fit(fitted: &WrenchFit, measured: &MeasuredSamples, recordings: &[String]) {
     if fitted.unusable > 0 {
         let (unusable, all) = (fitted.unusable, measured.samples.len());
         warn(&format!(
-            "in {unusable} of {all} pictures, over a tenth of the elements are dark or saturated; nothing is learned from them"
+            "ignored {unusable} of {all} images, in which more than a tenth of the elements are dark or saturated"
         ));
     }
     for (axis, r2) in &fitted.left_out {
         let name = axis.name();
         match r2 {
             Some(r2) => warn(&format!(
-                "{name} is left out: the pictures explain nothing of it (held-out R² {r2:.2}, above 0 expected); --force-fit keeps it"
+                "{name} is left out: the fit predicts no better than the mean (expected a held-out R² above 0, got {r2:.2}); --force-fit keeps it"
             )),
             None => warn(&format!(
-                "{name} is left out: at least 10 different values in pictures expected"
+                "{name} is left out: expected at least 10 distinct values in the images"
             )),
         }
     }
@@ -148,13 +148,13 @@ fn warn_of_fit(fitted: &WrenchFit, measured: &MeasuredSamples, recordings: &[Str
                 &recordings[recording],
             );
             warn(&format!(
-                "{name} = {measured} {unit} in recording {recording:?} is far from what the pictures show, {predicted:.3} {unit}: is it mistyped?"
+                "{name} = {measured} {unit} in recording {recording:?} is far from the prediction {predicted:.3} {unit}; check for a typo"
             ));
         }
         if !quality.explains() {
             let (name, r2) = (quality.axis.name(), quality.r2);
             warn(&format!(
-                "{name} is kept by --force-fit, though the pictures explain nothing of it (held-out R² {r2:.2})"
+                "{name} is kept because of --force-fit, although the fit predicts no better than the mean (held-out R² {r2:.2})"
             ));
         }
     }

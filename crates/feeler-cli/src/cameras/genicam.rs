@@ -1,4 +1,4 @@
-//! GenICam cameras in words and as JSON.
+//! GenICam cameras as text and JSON.
 
 use super::{Kind, Listed};
 use feeler_sources::genicam::{Abilities, GenicamDevice, GenicamInfo, Range, list as found};
@@ -46,7 +46,7 @@ fn listed(camera: &GenicamInfo) -> Listed {
             json["triggers"] = json!(abilities.triggers);
         }
         Err(reason) => {
-            words.push(format!("what it can do is not known: {reason}"));
+            words.push(format!("capabilities unknown: {reason}"));
             json["missing"] = json!(reason);
         }
     }

@@ -1,4 +1,4 @@
-//! `feeler cameras --measure`: what a camera achieves, by some seconds of its pictures.
+//! `feeler cameras --measure`: measures a camera's performance from a few seconds of images.
 
 use super::measured::{Measured, Spread};
 use super::{Arguments, CommandError, Kind, Outcome};
@@ -14,14 +14,14 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
-/// Duration of a measurement, from the first picture on.
+/// Duration of a measurement, starting with the first image.
 const DURATION: Duration = Duration::from_secs(5);
-/// Longest time before the first picture.
+/// Maximum time until the first image.
 const FIRST: Duration = Duration::from_secs(15);
-/// How long to wait for a picture before looking whether to stop.
+/// Time to wait for an image before checking whether to stop.
 const WAIT: Duration = Duration::from_millis(50);
 
-/// Measures the camera that the arguments name, or else the only one in `kinds`.
+/// Measures the `named` camera, or the only one in `kinds`.
 pub fn measure(
     arguments: &Arguments,
     named: Option<&Path>,
@@ -57,7 +57,7 @@ pub fn measure(
     })
 }
 
-/// The camera to measure if none is named.
+/// Returns the only camera, to measure if none is named.
 fn only_camera(kinds: [Kind; 2]) -> Result<PathBuf, CommandError> {
     let (mut names, mut missing) = (Vec::new(), Vec::new());
     for kind in kinds {
@@ -77,24 +77,24 @@ fn only_camera(kinds: [Kind; 2]) -> Result<PathBuf, CommandError> {
     }
 }
 
-/// What came of the pictures so far.
+/// Counters of a measurement in progress.
 #[derive(Default)]
 struct Counted {
     frames: u64,
     damaged: u64,
-    /// Frame number and stamp (s) of the first and of the newest picture.
+    /// Frame number and stamp (s) of the first and of the latest image.
     first: Option<(u64, f64)>,
     newest: Option<(u64, f64)>,
-    /// Time between pictures that follow each other by their numbers, s.
+    /// Intervals between images with consecutive frame numbers (s).
     intervals: Vec<f64>,
-    /// Bytes of all pictures but the first, which was sent before the measurement begins.
+    /// Bytes of all images except the first, which was sent before the measurement began.
     bytes: Option<u64>,
-    /// Duration of decoding of each picture, s.
+    /// Decoding time of each image (s).
     decoding: Vec<f64>,
 }
 
 impl Counted {
-    /// Counts pictures until the measurement ends or is `interrupted`.
+    /// Counts images until the measurement ends or is `interrupted`.
     fn count(&mut self, pump: &FramePump, interrupted: &AtomicBool) -> Result<(), CommandError> {
         let began = Instant::now();
         let mut until = began + FIRST;
@@ -114,7 +114,7 @@ impl Counted {
                 Err(error) if error.may_pass() => warn(&error.to_string()),
                 Err(error) => {
                     let frames = self.frames;
-                    return Err(format!("{error}; {frames} frames came before").into());
+                    return Err(format!("{error} (after {frames} frames)").into());
                 }
             }
         }
@@ -162,10 +162,10 @@ impl Counted {
     ) -> Result<Measured, CommandError> {
         let camera = camera.display().to_string();
         let (Some((first, began)), Some((newest, ended))) = (self.first, self.newest) else {
-            return Err(format!("{camera}: no picture came; expected at least 1").into());
+            return Err(format!("{camera}: no image received; expected at least 1").into());
         };
         let seconds = ended - began;
-        // Of one picture nothing is known per second.
+        // A single image has no rate.
         let per_second = |count: f64| (seconds > 0.0).then(|| count / seconds);
         let numbers = newest.saturating_sub(first);
         let later = self.frames - 1;
@@ -192,7 +192,7 @@ mod tests {
     use feeler::sensor::camera::{Camera, CameraError, CaptureReport};
     use feeler::sensor::frame::Frame;
 
-    /// Pictures of 1000 bytes at 100 Hz: number 3 is damaged, 5 and 6 are dropped, 9 is the last.
+    /// Camera of 1000-byte images at 100 Hz: number 3 is damaged, 5 and 6 are dropped, 9 is the last.
     struct Lossy(u64);
 
     impl Camera for Lossy {
@@ -225,9 +225,7 @@ mod tests {
         let mut counted = Counted::default();
         let error = counted.count(&pump, &AtomicBool::new(false)).unwrap_err();
         assert!(
-            error
-                .to_string()
-                .contains("unplugged; 7 frames came before"),
+            error.to_string().contains("unplugged (after 7 frames)"),
             "{error}"
         );
         let measured = counted.measured(Path::new("cam"), (2, 1), 100.0).unwrap();
@@ -237,7 +235,7 @@ mod tests {
         );
         assert!((measured.seconds - 0.09).abs() < 1e-9);
         assert!((measured.rate.unwrap() - 6.0 / 0.09).abs() < 1e-6);
-        // Of the pictures after the first, the damaged one included.
+        // All images after the first, including the damaged one.
         assert!((measured.bytes_per_second.unwrap() - 7000.0 / 0.09).abs() < 1e-6);
         let interval = measured.interval.as_ref().unwrap();
         assert!((interval.mean - 0.01).abs() < 1e-9 && interval.standard_deviation < 1e-9);
@@ -249,13 +247,13 @@ mod tests {
     }
 
     #[test]
-    fn without_pictures_nothing_is_measured() {
+    fn a_measurement_requires_images() {
         let counted = Counted::default();
         let error = counted
             .measured(Path::new("cam"), (2, 1), 30.0)
             .unwrap_err();
         assert!(
-            error.to_string().contains("cam: no picture came"),
+            error.to_string().contains("cam: no image received"),
             "{error}"
         );
         assert_eq!(Spread::of(&[]), None);

@@ -1,35 +1,35 @@
-//! The report of a measurement, in words and as JSON.
+//! Report of a measurement as text and JSON.
 
 use serde::Serialize;
 use std::io::{self, Write};
 
-/// What `--json` prints. What is not known is null.
+/// Output of `--json`. Unknown values are null.
 #[derive(Debug, Serialize)]
 pub struct Measured {
     pub camera: String,
     pub width_px: usize,
     pub height_px: usize,
-    /// Hz.
+    /// Requested rate (Hz).
     pub requested_rate: f64,
-    /// Pictures that came.
+    /// Number of images received.
     pub frames: u64,
-    /// Time between the stamps of the first and the last picture, s.
+    /// Time between the stamps of the first and the last image (s).
     pub seconds: f64,
-    /// Pictures that came per second, Hz.
+    /// Rate of received images (Hz).
     pub rate: Option<f64>,
-    /// Pictures that are missing by the frame numbers.
+    /// Number of images missing according to the frame numbers.
     pub dropped: u64,
-    /// Pictures that came and could not be used.
+    /// Number of images received damaged.
     pub damaged: u64,
-    /// As the camera sends them, before decoding.
+    /// Data rate sent by the camera, before decoding.
     pub bytes_per_second: Option<f64>,
-    /// Duration of decoding a picture, s.
+    /// Decoding time per image (s).
     pub decoding: Option<Spread>,
-    /// Time between the stamps of two pictures with consecutive numbers, s.
+    /// Interval between the stamps of consecutive images (s).
     pub interval: Option<Spread>,
 }
 
-/// How values are distributed.
+/// Statistics of a set of values.
 #[derive(Debug, PartialEq, Serialize)]
 pub struct Spread {
     pub mean: f64,
@@ -39,7 +39,7 @@ pub struct Spread {
 }
 
 impl Spread {
-    /// `None` if there are no values.
+    /// Computes the statistics, or returns `None` if `values` is empty.
     pub fn of(values: &[f64]) -> Option<Self> {
         let count = values.len() as f64;
         let mean = values.iter().sum::<f64>() / count;

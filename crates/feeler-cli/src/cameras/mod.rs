@@ -1,4 +1,4 @@
-//! `feeler cameras`
+//! The `feeler cameras` subcommand.
 
 #[cfg_attr(
     not(all(feature = "genicam", target_os = "linux")),
@@ -23,32 +23,34 @@ use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Print JSON, for other programs.
+    /// Print JSON instead of text (see docs/json.md).
     #[arg(long)]
     json: bool,
-    /// List the GenICam camera that Aravis simulates, too: genicam:Fake_1.
+    /// Include the GenICam camera simulated by Aravis, genicam:Fake_1.
     #[arg(long)]
     simulated: bool,
-    /// Take pictures for 5 seconds from this camera (/dev/video0, genicam:ID) or the only one, and report the achieved rate, lost
-    /// pictures, bandwidth, time of decoding, and jitter of the stamps. Ctrl-C reports what was measured until then.
+    /// Measure this camera, or the only one, for 5 seconds.
+    ///
+    /// Reports the achieved frame rate, lost images, bandwidth, decoding time and jitter of the stamps. CAMERA is
+    /// e.g. /dev/video0 or genicam:ID. Ctrl-C ends the measurement early.
     #[arg(long, value_name = "CAMERA", num_args = 0..=1)]
     measure: Option<Option<PathBuf>>,
-    /// Size of the pictures of --measure, px.
+    /// Image size for --measure (px).
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size, default_value = "640x480", requires = "measure")]
     size: (usize, usize),
-    /// Frames per second that --measure requests from the camera.
+    /// Frame rate that --measure requests (Hz).
     #[arg(long, value_name = "HZ", value_parser = parse_rate, default_value_t = 30.0, requires = "measure")]
     rate: f64,
     #[command(flatten)]
     camera: CameraArguments,
 }
 
-/// The cameras of a kind.
+/// Cameras of one kind.
 struct Kind {
     name: &'static str,
-    /// What each is called, as a source of `feeler sense`; what it can do, in words and as JSON.
+    /// The cameras: name as accepted by `feeler sense`, and capabilities as text and JSON.
     cameras: Vec<Listed>,
-    /// What is missing to find more of them, if anything.
+    /// Obstacles that may hide further cameras.
     missing: Vec<String>,
 }
 
@@ -64,7 +66,7 @@ pub fn cameras(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Co
         return measure::measure(arguments, named.as_deref(), kinds, out);
     }
     if let Some(option) = feeler_sensing::CameraOptions::from(&arguments.camera).given() {
-        return Err(format!("{option} is for --measure; expected --measure beside it").into());
+        return Err(format!("{option} requires --measure").into());
     }
     let kinds = kinds();
     if arguments.json {
@@ -73,7 +75,7 @@ pub fn cameras(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Co
     }
     for kind in kinds {
         if kind.cameras.is_empty() && kind.missing.is_empty() {
-            writeln!(out, "{}: no camera answers", kind.name)?;
+            writeln!(out, "{}: no camera found", kind.name)?;
         }
         for Listed { name, words, .. } in kind.cameras {
             let mut words = words.into_iter();

@@ -1,4 +1,4 @@
-//! A program without GenICam cameras.
+//! Stub for builds without GenICam cameras.
 
 use super::Kind;
 use feeler_sensing::NO_GENICAM;

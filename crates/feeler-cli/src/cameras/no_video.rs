@@ -1,4 +1,4 @@
-//! A program without Video4Linux cameras.
+//! Stub for builds without Video4Linux cameras.
 
 use super::Kind;
 use feeler_sensing::NO_VIDEO;

@@ -1,4 +1,4 @@
-//! Video4Linux cameras in words and as JSON.
+//! Video4Linux cameras as text and JSON.
 
 use super::{Kind, Listed};
 use feeler_sources::video::{VideoFormat, VideoInfo, VideoListed, VideoSize, list as found};
@@ -32,7 +32,7 @@ pub fn list() -> Kind {
     kind
 }
 
-/// Why a device cannot be looked at, and what helps.
+/// Describes why a device cannot be queried, and the remedy.
 fn why_not(device: &Path, error: &io::Error) -> String {
     let device_name = device.display();
     if error.kind() != io::ErrorKind::PermissionDenied {
@@ -43,11 +43,11 @@ fn why_not(device: &Path, error: &io::Error) -> String {
     let group = group.and_then(|gid| name_of_group(&groups, gid));
     let group = group.unwrap_or("video");
     format!(
-        "{device_name}: {error}; it is for the group {group} (sudo usermod -aG {group} $USER, then log in again)"
+        "{device_name}: {error}; requires the group {group} (sudo usermod -aG {group} $USER, then log in again)"
     )
 }
 
-/// The name of a group, by the lines of `/etc/group`.
+/// Returns the name of the group `gid` from the contents of `/etc/group`.
 fn name_of_group(groups: &str, gid: u32) -> Option<&str> {
     groups.lines().find_map(|line| {
         let mut fields = line.split(':');
@@ -130,7 +130,7 @@ mod tests {
     use feeler_sources::video::VideoControl;
 
     #[test]
-    fn a_camera_is_told_in_words_and_in_json() {
+    fn describes_a_camera_as_text_and_json() {
         let size = |columns: [u32; 2], rows: [u32; 2], rates: &[f64]| VideoSize {
             columns,
             rows,
@@ -171,12 +171,12 @@ mod tests {
     }
 
     #[test]
-    fn who_may_not_look_is_told_which_group_may() {
+    fn permission_error_names_the_required_group() {
         let groups = "root:x:0:\nbroken\nvideo:x:44:ann,bob\n";
         assert_eq!(name_of_group(groups, 44), Some("video"));
         assert_eq!(name_of_group(groups, 45), None);
         let denied = io::Error::from(io::ErrorKind::PermissionDenied);
         let words = why_not(Path::new("/dev/null"), &denied);
-        assert!(words.contains("it is for the group root"), "{words}");
+        assert!(words.contains("requires the group root"), "{words}");
     }
 }

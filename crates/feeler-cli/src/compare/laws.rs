@@ -1,4 +1,4 @@
-//! The laws that are compared, and what they are called.
+//! Laws to compare, and their names.
 
 use super::PAGE;
 use crate::CommandError;
@@ -6,10 +6,10 @@ use feeler::control::law::LawConfig;
 use feeler::control::law::policy::PolicyConfig;
 use std::path::{Path, PathBuf};
 
-/// Most laws and policies whose curves can be told apart.
+/// Maximum number of laws and policies, for distinguishable curves.
 const MOST_LAWS: usize = 10;
 
-/// The laws and policies that were asked for, by name.
+/// Returns the requested laws and policies with their names.
 pub fn laws(
     names: &[String],
     policies: &[PathBuf],
@@ -18,10 +18,10 @@ pub fn laws(
     for name in names.iter().map(|name| name.trim()) {
         let law = LawConfig::named(name).ok_or_else(|| {
             let names = LawConfig::NAMES.join(", ");
-            format!("--laws: there is no control law {name:?}; expected some of {names}")
+            format!("--laws: unknown control law {name:?}; expected some of {names}")
         })?;
         if laws.iter().any(|(other, _)| other == name) {
-            return Err(format!("--laws: {name} is there twice").into());
+            return Err(format!("--laws: {name} is given twice").into());
         }
         laws.push((name.to_string(), law));
     }
@@ -29,25 +29,22 @@ pub fn laws(
         let policy = policy(file)?;
         if laws.iter().any(|(other, _)| *other == policy.0) {
             let (file, name) = (file.display(), policy.0);
-            let message = format!("there is a {name} already; expected a file of another name");
+            let message = format!("the name {name} is already taken; rename the file");
             return Err(format!("--policy {file}: {message}").into());
         }
         laws.push(policy);
     }
     if laws.len() > MOST_LAWS {
         let count = laws.len();
-        return Err(format!(
-            "{count} laws and policies; expected at most {MOST_LAWS} in one figure"
-        )
-        .into());
+        return Err(format!("expected at most {MOST_LAWS} laws and policies, got {count}").into());
     }
     Ok(laws)
 }
 
-/// The policy in `file`, called by that.
+/// Returns the policy in `file`, named after the file.
 fn policy(file: &Path) -> Result<(String, LawConfig), CommandError> {
     let wrong = |message: &str| format!("--policy {}: {message}", file.display());
-    // It names a folder beside the page, and is part of commands.
+    // The name is used for a folder next to the report, and in commands.
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
     let good = |stem: &&str| stem.chars().all(plain) && !stem.starts_with('.') && *stem != PAGE;
     let stem = file.file_stem().and_then(|stem| stem.to_str());
@@ -56,9 +53,9 @@ fn policy(file: &Path) -> Result<(String, LawConfig), CommandError> {
         .filter(good)
         .ok_or_else(|| wrong(expected))?
         .to_string();
-    // Whatever folder the experiment is in.
+    // Absolute, so that the path does not depend on the experiment's folder.
     let path = file.canonicalize();
-    let path = path.map_err(|e| wrong(&format!("{e}; expected the file of a policy")))?;
+    let path = path.map_err(|e| wrong(&format!("{e}; expected a policy file")))?;
     let path = path.to_str();
     let path = path.ok_or_else(|| wrong("expected a path in UTF-8"))?;
     let policy = PolicyConfig {

@@ -1,4 +1,4 @@
-//! What is said on an emulated bus, as a table.
+//! Log of the packets on an emulated bus, as a table.
 
 use crate::CommandError;
 use feeler_console::PartFile;
@@ -6,14 +6,14 @@ use feeler_drives::emulator::LogEntry;
 use feeler_drives::packet::{Sender, instruction};
 use std::fs::File;
 
-/// The table of a bus's packets, which reaches its file at every look.
+/// Table of a bus's packets, flushed at every write.
 pub struct BusLog {
     rows: csv::Writer<File>,
     file: PartFile,
 }
 
 impl BusLog {
-    /// Begins the table in `file`.
+    /// Starts the table in `file`.
     pub fn new(file: PartFile) -> Result<Self, CommandError> {
         let mut rows = csv::Writer::from_writer(file.writer()?);
         rows.write_record(["time", "from", "id", "instruction", "bytes"])?;
@@ -21,7 +21,7 @@ impl BusLog {
         Ok(Self { rows, file })
     }
 
-    /// Adds what was said.
+    /// Appends packets.
     pub fn write(&mut self, said: &[LogEntry]) -> Result<(), CommandError> {
         for packet in said {
             let (from, instruction) = match packet.sender {
@@ -40,7 +40,7 @@ impl BusLog {
         Ok(self.rows.flush()?)
     }
 
-    /// Moves the table to its place.
+    /// Moves the table to its final path.
     pub fn finish(self) -> Result<(), CommandError> {
         drop(self.rows);
         Ok(self.file.rename()?)

@@ -1,4 +1,4 @@
-//! `feeler drives emulate`
+//! The `feeler drives emulate` subcommand.
 
 use super::EmulateArguments;
 use super::bus_log::BusLog;
@@ -20,11 +20,11 @@ use std::sync::atomic::Ordering;
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 
-/// How often it is looked whether to end.
+/// Interval between checks whether to stop.
 const NAP: Duration = Duration::from_millis(50);
-/// Time constant of servos that move nothing else, s; assumed.
+/// Time constant of servos without a simulated load (s); assumed.
 const LAG: f64 = 0.015;
-/// The fault that stands for those that are typed.
+/// Value of `--fault` that enables faults from standard input.
 const TYPED: &str = "-";
 
 pub fn emulate(arguments: &EmulateArguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
@@ -70,12 +70,12 @@ pub fn emulate(arguments: &EmulateArguments, out: &mut dyn Write) -> Result<Outc
     Ok(Outcome::Done)
 }
 
-/// What was said on the bus since the last look.
+/// Returns the packets since the last call.
 fn said(emulator: &Emulator) -> Vec<LogEntry> {
     emulator.servos().take_log()
 }
 
-/// Faults that arrive on standard input, a line each, read by a thread of their own. What is none is said.
+/// Reads faults from standard input on a background thread, one per line; reports invalid lines on standard error.
 fn typed_faults() -> Receiver<BusFault> {
     let (sender, faults) = channel();
     std::thread::spawn(move || {
@@ -83,9 +83,9 @@ fn typed_faults() -> Receiver<BusFault> {
             match line.trim().parse() {
                 Ok(fault) if sender.send(fault).is_ok() => {}
                 Ok(_) => return,
-                // Where nobody listens, nothing is injected all the same.
+                // If standard error is closed, the invalid line is ignored silently.
                 Err(error) => {
-                    let _ = writeln!(stderr(), "no fault: {error}");
+                    let _ = writeln!(stderr(), "invalid fault: {error}");
                 }
             }
         }
@@ -93,14 +93,14 @@ fn typed_faults() -> Receiver<BusFault> {
     faults
 }
 
-/// Servos that move nothing but themselves, in the middle of their first turn.
+/// Emulates unloaded servos, each in the middle of its first turn.
 fn alone(arguments: &EmulateArguments, clock: RigClock) -> Result<Emulator, CommandError> {
     let (protocol, name) = match arguments.protocol.as_str() {
         "feetech" => (Protocol::Feetech, "STS3215"),
         _ => (Protocol::Dynamixel, "XL330-M288"),
     };
     let model = MODELS.iter().find(|model| model.name == name);
-    let model = model.ok_or("no such model")?;
+    let model = model.ok_or("unknown servo model")?;
     let config = EmulatorConfig {
         protocol,
         baud_rate: arguments.baud_rate,

@@ -1,4 +1,4 @@
-//! `feeler drives home`
+//! The `feeler drives home` subcommand.
 
 use super::HomeArguments;
 use crate::{CommandError, Outcome};
@@ -55,13 +55,13 @@ pub fn home(arguments: &HomeArguments, out: &mut dyn Write) -> Result<Outcome, C
     } else {
         writeln!(
             out,
-            "put these into [drives], or write them with --output FILE"
+            "copy these into [drives], or write them with --output FILE"
         )?;
     }
     Ok(Outcome::Done)
 }
 
-/// The joint angles that the hand stands at, rad: those said, or those of the task's home.
+/// Returns the hand's present joint angles (rad): `said` (deg), or those of the task's home posture if empty.
 fn posture(rig: &ServoRig, said: &[f64]) -> Result<Vec<f64>, CommandError> {
     let joints = 3 * rig.fingers.len();
     if said.is_empty() {
@@ -69,7 +69,7 @@ fn posture(rig: &ServoRig, said: &[f64]) -> Result<Vec<f64>, CommandError> {
         return Ok(home.iter().flat_map(|angles| angles.to_array()).collect());
     }
     if said.len() != joints || !said.iter().all(|angle| angle.abs() <= 360.0) {
-        return Err(format!("--at: {joints} angles from -360 to 360 deg expected, three for each finger, separated by commas").into());
+        return Err(format!("--at: expected {joints} angles from -360 to 360 deg, three per finger, separated by commas").into());
     }
     Ok(said.iter().map(|angle| angle.to_radians()).collect())
 }

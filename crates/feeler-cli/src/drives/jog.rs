@@ -1,4 +1,4 @@
-//! `feeler drives jog`
+//! The `feeler drives jog` subcommand.
 
 use super::JogArguments;
 use crate::{CommandError, Outcome};
@@ -11,9 +11,9 @@ use feeler_drives::hand::{DriveHand, JOG_SPEED};
 use feeler_rig::{ServoRig, all_changes, print_changes};
 use std::io::Write;
 
-/// Most that a joint is turned, degrees.
+/// Maximum angle of a jog (deg).
 const MOST: f64 = 10.0;
-/// Time that a joint may take beyond what its speed says, s.
+/// Time (s) that a joint may take in addition to the time computed from its speed.
 const GRACE: f64 = 1.0;
 
 pub fn jog(arguments: &JogArguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
@@ -21,7 +21,7 @@ pub fn jog(arguments: &JogArguments, out: &mut dyn Write) -> Result<Outcome, Com
     let (finger, joint) = (arguments.finger, usize::from(arguments.joint) - 1);
     if arguments.by.is_nan() || arguments.by.abs() > MOST {
         return Err(format!(
-            "--by {}: at most {MOST} deg in either direction expected",
+            "--by {}: expected at most {MOST} deg in either direction",
             arguments.by
         )
         .into());
@@ -29,7 +29,7 @@ pub fn jog(arguments: &JogArguments, out: &mut dyn Write) -> Result<Outcome, Com
     let most = JOG_SPEED.to_degrees();
     if !(arguments.speed > 0.0 && arguments.speed <= most) {
         return Err(format!(
-            "--speed {}: above 0 and at most {most:.1} deg/s expected",
+            "--speed {}: expected a speed above 0, at most {most:.1} deg/s",
             arguments.speed
         )
         .into());
@@ -44,7 +44,7 @@ pub fn jog(arguments: &JogArguments, out: &mut dyn Write) -> Result<Outcome, Com
     turn(&rig, arguments, (finger, joint), out)
 }
 
-/// Says what would be written.
+/// Prints the planned writes without executing them.
 fn plan(
     rig: &ServoRig,
     arguments: &JogArguments,
@@ -56,12 +56,12 @@ fn plan(
     let (finger, joint) = (arguments.finger, arguments.joint);
     writeln!(
         out,
-        "would give all servos torque, turn theta{joint} of finger {finger} by {by} deg at {speed} deg/s, and take the torque away; nothing was written"
+        "would enable torque of all servos, turn theta{joint} of finger {finger} by {by} deg at {speed} deg/s, and disable torque; nothing was written"
     )?;
     Ok(Outcome::Done)
 }
 
-/// Turns the joint, and says where it got.
+/// Turns the joint, and prints its final angle.
 fn turn(
     rig: &ServoRig,
     arguments: &JogArguments,
@@ -82,7 +82,7 @@ fn turn(
         let (from, to) = (begin.to_degrees(), (begin + by).to_degrees());
         let (lower, upper) = (limits.start().to_degrees(), limits.end().to_degrees());
         return Err(format!(
-            "--by {}: from {from:.1} to {to:.1} deg; {lower:.1} to {upper:.1} deg expected",
+            "--by {}: expected a target from {lower:.1} to {upper:.1} deg, got {to:.1} deg (starting at {from:.1} deg)",
             arguments.by
         )
         .into());
@@ -106,7 +106,7 @@ fn turn(
     let in_time = left > 0.0;
     let why = match in_time {
         true => String::new(),
-        false => format!("; its {patience:.1} s are over"),
+        false => format!("; timed out after {patience:.1} s"),
     };
     writeln!(
         out,

@@ -1,4 +1,4 @@
-//! `feeler drives`
+//! The `feeler drives` subcommand.
 
 #[cfg(all(feature = "drives", target_os = "linux"))]
 mod bus_log;
@@ -25,15 +25,16 @@ pub struct Arguments {
 
 #[derive(Debug, clap::Subcommand)]
 enum Command {
-    /// Emulate a bus of servos on a pseudo-terminal, whose path it prints, until Ctrl-C.
+    /// Emulate a servo bus on a pseudo-terminal until Ctrl-C, and print its path.
     Emulate(EmulateArguments),
-    /// List the servos that answer on a bus. Writes nothing to them.
+    /// List the servos on a bus. Writes nothing to them.
     Scan(ScanArguments),
-    /// Compare the servos of an experiment with its [drives]: models, settings, health, where the joints are. Writes nothing to them.
+    /// Compare an experiment's servos with its [drives]: models, settings, health, joint angles. Writes nothing to
+    /// them.
     Check(RigArguments),
-    /// Find the homing offsets that make the joints' present posture the one they are said to be in. Writes nothing to the servos.
+    /// Compute the homing offsets from the present posture. Writes nothing to the servos.
     Home(HomeArguments),
-    /// Turn one joint by a small angle, slowly, and switch all torque off again.
+    /// Turn one joint slowly by a small angle, then disable torque.
     Jog(JogArguments),
 }
 
@@ -43,29 +44,34 @@ enum Command {
     allow(dead_code, reason = "this program has no servos")
 )]
 struct EmulateArguments {
-    /// The experiment whose servos and simulated world to emulate; without it, servos that move nothing but themselves.
+    /// Experiment whose servos and simulated world are emulated [default: servos without a load]
     experiment: Option<String>,
-    /// Set any value of the experiment, as in drives.baud_rate=57600.
+    /// Override an experiment value, e.g. drives.baud_rate=57600. Repeatable.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     settings: Vec<String>,
-    /// Without an experiment: what the servos speak.
+    /// Protocol of the servos, without an experiment.
     #[arg(long, value_parser = ["dynamixel", "feetech"], conflicts_with = "experiment", default_value = "dynamixel")]
     protocol: String,
-    /// Without an experiment: how many servos there are, with ids from 1 on.
+    /// Number of servos (ids from 1), without an experiment.
     #[arg(long, value_name = "COUNT", conflicts_with = "experiment", default_value = "6", value_parser = clap::value_parser!(u8).range(1..=15))]
     servos: u8,
-    /// Without an experiment: bits a second, for the time that bytes take.
+    /// Baud rate that determines transfer times, without an experiment.
     #[arg(long, value_name = "BITS", conflicts_with = "experiment", default_value = "1000000", value_parser = clap::value_parser!(u32).range(9600..=10_000_000))]
     baud_rate: u32,
-    /// What goes wrong from the start, as in silent=3, flip-bytes=0.01, echo; several are allowed. `-`: what is typed later on, a line
-    /// each.
+    /// Fault to inject from the start, e.g. silent=3, flip-bytes=0.01, echo. Repeatable.
+    ///
+    /// `-` reads faults from standard input, one per line.
     #[arg(long = "fault", value_name = "FAULT")]
     faults: Vec<String>,
-    /// Seconds of the servos' time in a second, 0.01 to 1: a master on a busy computer has more time for its answers.
+    /// Speed of the servos' clock relative to real time, 0.01 to 1.
+    ///
+    /// Below 1, a master on a busy computer has more time for its replies.
     #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = parse_speed)]
     speed: f64,
-    /// Write what is said on the bus to this table, a row for each packet: time (s), who sends it, id, instruction, bytes in hexadecimal
-    /// (parameters of an instruction, the whole of an answer).
+    /// Log the bus traffic to this table.
+    ///
+    /// One row per packet: time (s), sender, id, instruction, bytes in hexadecimal (the parameters of an instruction,
+    /// the whole of a reply).
     #[arg(long, value_name = "FILE.csv")]
     log: Option<PathBuf>,
     #[command(flatten)]
@@ -78,21 +84,23 @@ struct EmulateArguments {
     allow(dead_code, reason = "this program has no servos")
 )]
 struct ScanArguments {
-    /// The serial port, e.g. /dev/ttyUSB0.
+    /// Serial port, e.g. /dev/ttyUSB0.
     port: String,
-    /// What the servos speak; without it, both are tried.
+    /// Protocol of the servos [default: try both]
     #[arg(long, value_parser = ["dynamixel", "feetech"])]
     protocol: Option<String>,
-    /// Bits a second; without it, those that servos are usually set to, one after the other.
+    /// Baud rate of the bus [default: try the usual ones]
     #[arg(long, value_name = "BITS", value_parser = clap::value_parser!(u32).range(9600..=10_000_000))]
     baud_rate: Option<u32>,
-    /// Largest id to ask.
+    /// Largest id to scan.
     #[arg(long, value_name = "ID", default_value = "30", value_parser = clap::value_parser!(u8).range(0..=252))]
     largest_id: u8,
-    /// How long to wait for a servo that may not be there; two turns of a USB adapter's usual 16 ms, unless told.
+    /// Time to wait for the reply of a servo (s).
+    ///
+    /// The default is twice the usual 16 ms latency of a USB adapter.
     #[arg(long, value_name = "S", default_value = "0.035", value_parser = parse_timeout)]
     timeout: f64,
-    /// Say what would be asked, and open no port.
+    /// Print the queries without opening the port.
     #[arg(long)]
     dry_run: bool,
 }
@@ -107,15 +115,15 @@ fn parse_timeout(text: &str) -> Result<f64, String> {
     allow(dead_code, reason = "this program has no servos")
 )]
 pub(super) struct RigArguments {
-    /// An experiment file with a table [drives].
+    /// Experiment file with a table [drives].
     experiment: String,
-    /// Set any value of the experiment, as in drives.port=/dev/ttyUSB1.
+    /// Override an experiment value, e.g. drives.port=/dev/ttyUSB1. Repeatable.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     settings: Vec<String>,
-    /// The serial port in place of the experiment's.
+    /// Serial port, overriding the experiment's.
     #[arg(long)]
     port: Option<String>,
-    /// Say what would be read and written, and write nothing to a servo.
+    /// Print the planned reads and writes, and write nothing to the servos.
     #[arg(long)]
     dry_run: bool,
 }
@@ -128,7 +136,7 @@ pub(super) struct RigArguments {
 struct HomeArguments {
     #[command(flatten)]
     rig: RigArguments,
-    /// The joint angles that the hand stands at, finger by finger, degrees; without them, those of the task's home.
+    /// Present joint angles, finger by finger (deg) [default: the task's home posture]
     #[arg(
         long,
         value_name = "DEG,DEG,...",
@@ -136,7 +144,7 @@ struct HomeArguments {
         allow_negative_numbers = true
     )]
     at: Vec<f64>,
-    /// Write the experiment with the new offsets here.
+    /// Write the experiment with the new offsets to this file.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     #[command(flatten)]
@@ -151,16 +159,16 @@ struct HomeArguments {
 struct JogArguments {
     #[command(flatten)]
     rig: RigArguments,
-    /// The finger, from 0.
+    /// Index of the finger, from 0.
     #[arg(long)]
     finger: usize,
-    /// The joint: 1 for theta1, to 3.
+    /// Joint to turn: 1 for theta1, 2 for theta2, 3 for theta3.
     #[arg(long, value_parser = clap::value_parser!(u8).range(1..=3))]
     joint: u8,
-    /// By how much to turn it, degrees: at most 10 in either direction.
+    /// Angle to turn by (deg), at most 10 in either direction.
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     by: f64,
-    /// How fast, degrees a second: at most 10.
+    /// Speed (deg/s), at most 10.
     #[arg(long, value_name = "DEG_PER_S", default_value = "3")]
     speed: f64,
 }
@@ -174,7 +182,7 @@ impl RigArguments {
     }
 }
 
-/// How fast the time of emulated servos goes.
+/// Parses the speed of the emulated servos' clock.
 fn parse_speed(text: &str) -> Result<f64, String> {
     let speed = text.parse().ok().filter(|s| (0.01..=1.0).contains(s));
     speed.ok_or_else(|| "expected 0.01 to 1".into())

@@ -1,4 +1,4 @@
-//! `feeler drives scan`
+//! The `feeler drives scan` subcommand.
 
 use super::ScanArguments;
 use crate::{CommandError, Outcome};
@@ -8,7 +8,7 @@ use feeler_drives::packet::Protocol;
 use feeler_drives::registers::{Model, Registers};
 use std::io::Write;
 
-/// Bits a second that servos are usually set to.
+/// Baud rates that servos commonly use.
 const USUAL: [u32; 5] = [1_000_000, 57_600, 4_000_000, 2_000_000, 115_200];
 
 pub fn scan(arguments: &ScanArguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
@@ -27,7 +27,7 @@ pub fn scan(arguments: &ScanArguments, out: &mut dyn Write) -> Result<Outcome, C
                 let (port, most) = (&arguments.port, arguments.largest_id);
                 writeln!(
                     out,
-                    "would ask {protocol:?} servos 0 to {most} on {port} at {rate} Bd who they are; writes nothing"
+                    "would ping {protocol:?} servos 0 to {most} on {port} at {rate} Bd; writes nothing"
                 )?;
                 continue;
             }
@@ -38,14 +38,14 @@ pub fn scan(arguments: &ScanArguments, out: &mut dyn Write) -> Result<Outcome, C
         return Ok(Outcome::Done);
     }
     if found == 0 {
-        let advice = "are they supplied, is the cable in, is it the right port?";
-        writeln!(out, "no servo answers; {advice}")?;
+        let advice = "check the power supply, the cable and the port";
+        writeln!(out, "no servo found; {advice}")?;
         return Ok(Outcome::GivenUp);
     }
     Ok(Outcome::Done)
 }
 
-/// Asks all ids; how many answer.
+/// Pings all ids; returns the number of servos that reply.
 fn scan_at(
     arguments: &ScanArguments,
     (protocol, rate): (Protocol, u32),
@@ -66,19 +66,19 @@ fn scan_at(
         match said {
             Ok(said) => writeln!(out, "{rate} Bd, {protocol:?}: servo {id}, {said}")?,
             Err(error @ (BusError::Port(_) | BusError::Echo)) => return Err(error.into()),
-            // Two servos with one id, another baud rate, a loose cable: something is there.
+            // Something is connected: two servos with one id, another baud rate or a loose cable.
             Err(error) => writeln!(out, "{rate} Bd, {protocol:?}: {error}")?,
         }
     }
     Ok(found)
 }
 
-/// What a servo says of itself.
+/// Describes a servo by its registers.
 fn describe(bus: &mut Bus, id: u8) -> Result<String, BusError> {
     let registers = Registers::of(bus.protocol());
     let number = bus.read(id, registers.model)?;
     let model = Model::numbered(bus.protocol(), number);
-    let name = model.map_or("a model that is not known here", |model| model.name);
+    let name = model.map_or("unknown model", |model| model.name);
     let volts = bus.read(id, registers.voltage)? as f64 / 10.0;
     let degrees = bus.read(id, registers.temperature)?;
     let position = bus.read(id, registers.position)?;

@@ -1,4 +1,4 @@
-//! `feeler export lerobot`
+//! The `feeler export lerobot` subcommand.
 
 use super::DataSetArguments;
 use super::folder::NewFolder;
@@ -33,7 +33,7 @@ pub fn export(arguments: &DataSetArguments, out: &mut dyn Write) -> Result<Outco
     Ok(Outcome::Done)
 }
 
-/// Adds a run: how many frames it has; none where it was interrupted.
+/// Adds a run to the data set; returns its number of frames, or `None` if interrupted.
 fn add(
     data_set: &mut lerobot::DataSet,
     run: &Run,

@@ -1,4 +1,4 @@
-//! A folder that is written beside its place.
+//! Atomic creation of an output folder.
 
 use crate::CommandError;
 use feeler_report::make::create_folder;
@@ -6,21 +6,21 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// What every data set has.
+/// File that identifies a folder as a data set.
 const INFO: &str = "meta/info.json";
 
-/// The folder of a data set, which is written as `NAME.part` and renamed when it is whole. Dropped before, it is removed.
+/// A data set's folder, written as `NAME.part` and renamed when complete. Dropping it earlier removes it.
 pub struct NewFolder {
     part: PathBuf,
     path: PathBuf,
 }
 
 impl NewFolder {
-    /// Begins the folder that `--output` says is to be at `path`, of a command that reads `inputs`.
+    /// Creates the partial folder for `path` (from `--output`) of a command that reads `inputs`.
     ///
     /// # Errors
-    /// When something else than an empty folder is there without `force`, or with `force` something else than a data set;
-    /// when an input is in it, or it cannot be made.
+    /// If `path` exists and is not an empty folder (with `force`: not a data set), if it contains an input, or if it
+    /// cannot be created.
     pub fn create<'a>(
         path: &Path,
         force: bool,
@@ -33,7 +33,7 @@ impl NewFolder {
         let Some(name) = path.file_name() else {
             return refuse(path, "expected the name of a folder");
         };
-        // Beside it, whether or not it is written with a slash at its end.
+        // Next to `path`, even if that has a trailing slash.
         let mut part = name.to_owned();
         part.push(".part");
         let part = path.with_file_name(part);
@@ -42,7 +42,7 @@ impl NewFolder {
             let input = input.display();
             return refuse(
                 path,
-                &format!("the input {input} is in it; expected another folder"),
+                &format!("contains the input {input}; expected another folder"),
             );
         }
         if is_there(path) && !force {
@@ -50,12 +50,12 @@ impl NewFolder {
             return refuse(path, what);
         }
         if is_there(path) && !path.join(INFO).is_file() {
-            let what = "is no data set; expected a new folder, or a data set to replace";
+            let what = "is not a data set; expected a new folder, or a data set to replace";
             return refuse(path, what);
         }
         if is_there(&part) {
             if !force {
-                let what = "exists already, as of an export that was killed; expected none, or --force to replace it";
+                let what = "exists already, perhaps from a killed export; remove it, or use --force to replace it";
                 return refuse(&part, what);
             }
             fs::remove_dir_all(&part).map_err(|error| failed(&part, &error))?;
@@ -67,15 +67,15 @@ impl NewFolder {
         })
     }
 
-    /// Where it is until it is whole.
+    /// Returns the path of the partial folder.
     pub fn part(&self) -> &Path {
         &self.part
     }
 
-    /// Moves it to its place, now that it is whole.
+    /// Renames the complete folder to its final path.
     ///
     /// # Errors
-    /// When it cannot be moved, or what it replaces cannot be removed.
+    /// If an existing data set cannot be removed, or the folder cannot be renamed.
     pub fn rename(self) -> Result<(), CommandError> {
         let moved = match fs::remove_dir_all(&self.path) {
             Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
@@ -87,12 +87,12 @@ impl NewFolder {
 
 impl Drop for NewFolder {
     fn drop(&mut self) {
-        // It is not there once it was moved. Should it not go, its name still says that it is partial.
+        // The partial folder no longer exists after a rename. If removal fails, the name still marks it as partial.
         let _ = fs::remove_dir_all(&self.part);
     }
 }
 
-/// Whether something is there, other than an empty folder.
+/// Returns `true` if `path` exists and is not an empty folder.
 fn is_there(path: &Path) -> bool {
     let is_empty = || fs::read_dir(path).is_ok_and(|mut entries| entries.next().is_none());
     fs::symlink_metadata(path).is_ok() && !is_empty()
@@ -105,5 +105,5 @@ fn is_in(input: &Path, folder: &Path) -> bool {
 
 fn failed(path: &Path, error: &io::Error) -> String {
     let path = path.display();
-    format!("--output {path}: {error}; expected a folder that can be written to")
+    format!("--output {path}: {error}; expected a writable folder")
 }

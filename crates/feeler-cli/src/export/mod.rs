@@ -1,4 +1,4 @@
-//! `feeler export`
+//! The `feeler export` subcommand.
 
 #[cfg(feature = "export")]
 mod data_set;
@@ -22,18 +22,18 @@ pub struct Arguments {
 
 #[derive(Debug, clap::Subcommand)]
 enum Format {
-    /// A table in a Parquet file for each run, with a row for each control step: for pandas, Polars, PyArrow, DuckDB.
+    /// Write a Parquet table per run, with one row per control step, for pandas, Polars, PyArrow or DuckDB.
     Parquet(TableArguments),
-    /// A data set of LeRobot, format v3.0: each run is an episode.
+    /// Write a LeRobot data set (format v3.0), with one episode per run.
     Lerobot(DataSetArguments),
 }
 
 #[derive(Debug, clap::Args)]
 struct TableArguments {
-    /// The runs' folders, or recordings.
+    /// Folders of runs, or recordings.
     #[arg(required = true)]
     runs: Vec<PathBuf>,
-    /// A file that ends in .parquet, for one run; or a folder, for RUN.parquet of each.
+    /// Output: FILE.parquet for a single run, otherwise a folder that receives RUN.parquet for each run.
     #[arg(short, long, value_name = "PATH")]
     output: PathBuf,
     #[command(flatten)]
@@ -42,21 +42,21 @@ struct TableArguments {
 
 #[derive(Debug, clap::Args)]
 struct DataSetArguments {
-    /// The runs' folders, or recordings: of the same fingers and elements, and as many control steps per second.
+    /// Folders of runs, or recordings. All must have the same fingers, elements and control rate.
     #[arg(required = true)]
     runs: Vec<PathBuf>,
-    /// The data set's folder.
+    /// Output folder of the data set.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-    /// What the hand does, for policies that are told so in words [default: the experiment's name]
+    /// Task description for language-conditioned policies [default: the experiment's name]
     #[arg(long, value_name = "WORDS")]
     task: Option<String>,
-    /// Replace a data set that is there already. Nothing else is replaced, and no input.
+    /// Replace an existing data set. Other folders and inputs are never replaced.
     #[arg(long)]
     force: bool,
 }
 
-/// Exports runs.
+/// Runs `feeler export`.
 #[cfg(feature = "export")]
 pub fn export(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     match &arguments.format {
@@ -65,7 +65,7 @@ pub fn export(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Com
     }
 }
 
-/// Says that it cannot be done.
+/// Returns an error: this build has no exports.
 #[cfg(not(feature = "export"))]
 pub fn export(_: &Arguments, _: &mut dyn Write) -> Result<Outcome, CommandError> {
     Err("export: this program was built without exports; build it with --features export".into())

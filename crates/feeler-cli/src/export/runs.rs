@@ -1,4 +1,4 @@
-//! The runs that are exported.
+//! Runs to export.
 
 use crate::CommandError;
 use feeler_console::Working;
@@ -9,14 +9,14 @@ use std::path::{Path, PathBuf};
 
 /// A run to export.
 pub struct Run {
-    /// Its folder's name; of a recording that is called otherwise, its own.
+    /// Name of the run's folder, or of the file if it is not called `recording.mcap`.
     pub name: String,
-    /// Its recording.
+    /// Path of the recording.
     pub path: PathBuf,
 }
 
 impl Run {
-    /// The run that is meant by `path`.
+    /// Finds the run at `path`.
     fn find(path: &Path) -> Result<Self, CommandError> {
         let recording = run_folder::recording(path)?;
         let named = |path: &Path| Some(path.file_name()?.to_string_lossy().into_owned());
@@ -32,12 +32,12 @@ impl Run {
         })
     }
 
-    /// The runs that are meant by `paths`.
+    /// Finds the runs at `paths`.
     pub fn find_all(paths: &[PathBuf]) -> Result<Vec<Self>, CommandError> {
         paths.iter().map(|path| Self::find(path)).collect()
     }
 
-    /// Reads its recording.
+    /// Reads the recording.
     pub fn read(&self) -> Result<Recording, CommandError> {
         let _reading = Working::on("reading the recording");
         Ok(Recording::read(&self.path)?)

@@ -1,4 +1,4 @@
-//! `feeler export parquet`
+//! The `feeler export parquet` subcommand.
 
 use super::TableArguments;
 use super::runs::Run;
@@ -22,7 +22,7 @@ pub fn export(arguments: &TableArguments, out: &mut dyn Write) -> Result<Outcome
     let problems = match written {
         Ok(Some(problems)) => problems,
         ended => {
-            // All of them or none.
+            // Export all tables or none.
             parts.into_iter().for_each(PartFile::discard);
             ended?;
             writeln!(out, "interrupted: nothing was exported")?;
@@ -39,14 +39,14 @@ pub fn export(arguments: &TableArguments, out: &mut dyn Write) -> Result<Outcome
     Err(problems.join("\n").into())
 }
 
-/// Where the table of each run goes.
+/// Returns the path of each run's table.
 fn files(runs: &[Run], output: &Path) -> Result<Vec<PathBuf>, CommandError> {
     let refuse = |what: String| Err(format!("--output {}: {what}", output.display()).into());
     if output.extension().is_some_and(|end| end == "parquet") {
         return match runs {
             [_] => Ok(vec![output.to_path_buf()]),
             runs => refuse(format!(
-                "a file is for one run, {} are given; expected a folder",
+                "expected a folder for {} runs; a .parquet file can contain only one",
                 runs.len()
             )),
         };
@@ -55,7 +55,7 @@ fn files(runs: &[Run], output: &Path) -> Result<Vec<PathBuf>, CommandError> {
     names.sort_unstable();
     if let Some(name) = names.windows(2).find(|pair| pair[0] == pair[1]) {
         return refuse(format!(
-            "two runs are called {}; expected runs of different names, or a file for each",
+            "two runs are named {}; rename one, or export them separately",
             name[0]
         ));
     }
@@ -66,7 +66,7 @@ fn files(runs: &[Run], output: &Path) -> Result<Vec<PathBuf>, CommandError> {
     Ok(runs.iter().map(file).collect())
 }
 
-/// Writes the table of each run beside its place: what is wrong with their recordings; none where it was interrupted.
+/// Writes the partial table of each run; returns the problems of the recordings, or `None` if interrupted.
 fn write_all(
     runs: &[Run],
     files: &[PathBuf],

@@ -1,4 +1,4 @@
-//! `feeler certificates`: a lab's own certificate authority, and certificates for each computer.
+//! The `feeler certificates` subcommand: a lab's certificate authority, and certificates for its computers.
 
 use crate::{CommandError, Outcome};
 use feeler_link::right::{Right, RightError};
@@ -8,21 +8,23 @@ use std::str::FromStr;
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Folder of the lab's authority: made when there is none. Keep it where nobody else reads it.
+    /// Folder of the lab's authority; created if missing. Keep it private.
     lab: PathBuf,
-    /// Computers by name or address, each with its rights [default: all]: hand, rig, sense-0 to sense-4, order (stop
-    /// and resume), stop, watch. As in 10.0.0.5=hand,rig,order. Copy LAB/COMPUTER there, and name it with
-    /// --certificates.
+    /// Computers by name or address, each with its rights, e.g. 10.0.0.5=hand,rig,order [default: all rights]
+    ///
+    /// Rights: hand, rig, sense-0 to sense-4, order (stop and resume), stop, watch. Copy LAB/COMPUTER to each
+    /// computer and pass it to programs there with --certificates.
     #[arg(value_name = "COMPUTER[=RIGHTS]", required_unless_present = "list")]
     computers: Vec<Grant>,
-    /// Days for which the certificates are valid [default: 365]
+    /// Validity of the certificates (days) [default: 365]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=3650))]
     days: Option<u32>,
-    /// Make certificates again that the computers have. The old ones stay valid unless --withdraw is given, too.
+    /// Issue existing certificates again. The old ones remain valid unless --withdraw is given too.
     #[arg(long)]
     renew: bool,
-    /// Withdraw certificates that the computers have: LAB/withdrawn.txt names them. Copy it into the hand's folder of
-    /// certificates, and start the hand again.
+    /// Withdraw (revoke) existing certificates.
+    ///
+    /// LAB/withdrawn.txt lists them. Copy it into the hand's certificate folder and restart the hand.
     #[arg(long)]
     withdraw: bool,
     /// List the lab's certificates.
@@ -30,11 +32,11 @@ pub struct Arguments {
     list: bool,
 }
 
-/// A computer, and what it may do.
+/// A computer and its rights.
 #[derive(Debug, Clone, PartialEq)]
 struct Grant {
     computer: String,
-    /// All, where none are named.
+    /// The named rights, or `None` for all.
     rights: Option<Vec<Right>>,
 }
 
@@ -58,13 +60,13 @@ impl FromStr for Grant {
 }
 
 impl Grant {
-    /// The rights that it names, or all.
+    /// Returns the named rights, or all.
     fn rights(&self) -> Vec<Right> {
         self.rights.clone().unwrap_or_else(Right::all)
     }
 }
 
-/// Makes, renews, withdraws or lists certificates.
+/// Issues, renews, withdraws or lists certificates.
 #[cfg(feature = "link")]
 pub fn certificates(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     use feeler_link::certificates::Authority;
@@ -73,7 +75,7 @@ pub fn certificates(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcom
         return Ok(Outcome::Done);
     }
     if arguments.withdraw && arguments.days.is_some() && !arguments.renew {
-        return Err("--days: expected --renew beside --withdraw".into());
+        return Err("--days has no effect with --withdraw; add --renew".into());
     }
     if arguments.renew || arguments.withdraw {
         let mut authority = Authority::open(&arguments.lab)?;
@@ -101,12 +103,12 @@ fn make(
     write!(out, "{}", made(authority, grant, &names, validity)?)?;
     match grant.rights {
         Some(_) => writeln!(out)?,
-        None => writeln!(out, "; all rights, as none were named")?,
+        None => writeln!(out, "; all rights, because none were given")?,
     }
     Ok(())
 }
 
-/// Where certificates of these `names` are now, and how long they are valid.
+/// Describes the location and validity of the certificates `names`.
 #[cfg(feature = "link")]
 fn made(
     authority: &feeler_link::certificates::Authority,
@@ -135,12 +137,12 @@ fn replace(
         writeln!(out, "{}", made(authority, grant, &names, validity)?)?;
         if !arguments.withdraw {
             let old = listed(&old);
-            writeln!(out, "not withdrawn, and valid until they expire: {old}")?;
+            writeln!(out, "not withdrawn, valid until they expire: {old}")?;
         }
     }
     if arguments.withdraw {
         if old.is_empty() {
-            // It says what was expected.
+            // Fails with a message that lists the existing certificates.
             authority.withdraw(computer, &rights)?;
         }
         authority.withdraw_names(&old)?;
@@ -148,7 +150,7 @@ fn replace(
         let (old, list) = (listed(&old), list.display());
         writeln!(
             out,
-            "withdrawn: {old}; copy {list} into the certificates folder of the hand, and start the hand again"
+            "withdrawn: {old}; copy {list} into the certificate folder of the hand and restart the hand"
         )?;
     }
     Ok(())
@@ -200,7 +202,7 @@ fn list(
     Ok(())
 }
 
-/// Says that there is no link.
+/// Returns an error: this build has no link.
 #[cfg(not(feature = "link"))]
 pub fn certificates(arguments: &Arguments, _: &mut dyn Write) -> Result<Outcome, CommandError> {
     let Arguments {
@@ -224,7 +226,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_computer_is_given_the_rights_that_are_named_or_all() {
+    fn a_grant_names_rights_or_gives_all() {
         let some: Grant = "10.0.0.6=sense-1,sense-0,sense-1".parse().unwrap();
         assert_eq!(some.computer, "10.0.0.6");
         assert_eq!(some.rights(), [Right::Sense(0), Right::Sense(1)]);

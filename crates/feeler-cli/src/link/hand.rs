@@ -1,4 +1,4 @@
-//! `feeler hand`
+//! The `feeler hand` subcommand.
 
 use super::{ExperimentArguments, LinkArguments, ListenArguments};
 use crate::options::FlushArguments;
@@ -19,16 +19,15 @@ use std::time::Instant;
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// The experiment to run: a file, or the name of a built-in one (see `feeler list`).
+    /// Experiment file or name of a built-in experiment (see `feeler list`).
     experiment: String,
-    /// The run's folder, which must not hold a run yet [default: runs/NAME-SENSING-seedN]
+    /// Output folder of the run; must not contain a run [default: runs/NAME-SENSING-seedN]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Ask the system for real-time priority and for memory that is never swapped out, so that control
-    /// steps begin on time.
+    /// Request real-time priority and locked memory, so that control steps begin on time.
     #[arg(long)]
     real_time: bool,
-    /// Seconds of the experiment in a second, the same as the rig's; `max` where that waits for the hand.
+    /// Speed relative to real time, the same as the rig's; `max` runs in lockstep with a rig that waits for the hand.
     #[arg(long, default_value = "1")]
     speed: RigSpeed,
     #[command(flatten)]
@@ -41,7 +40,7 @@ pub struct Arguments {
     link: LinkArguments,
 }
 
-/// Controls a hand whose fingers and drives are in other programs, until the task is done.
+/// Controls a hand whose sensors and drives run in other programs, until the task is done.
 pub fn hand(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     let session = arguments
         .values
@@ -80,7 +79,7 @@ pub fn hand(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comma
         record.write(control_loop, instruments)
     });
     let wall_time = start.elapsed().as_secs_f64();
-    // However it ended: what was recorded is kept and reported before anything is said.
+    // Save and report the recording before any error is printed.
     let was_interrupted = interrupted.load(Ordering::Relaxed);
     let end = match &ended {
         Ok(Some(reason)) => RunEnd::because(RunState::GivenUp, reason.as_str()),

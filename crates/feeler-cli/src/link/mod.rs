@@ -1,4 +1,4 @@
-//! Programs of one rig: what their command lines have in common.
+//! Programs of a networked rig, and the arguments that they share.
 
 pub mod bench;
 pub mod certificates;
@@ -14,31 +14,31 @@ use feeler_link::network::Rehearsal;
 use feeler_rig::{LinkOptions, ListenOptions, RigSession};
 use std::path::{Path, PathBuf};
 
-/// How a program takes part in the link.
+/// Network arguments of a program.
 #[derive(Debug, Clone, Default, clap::Args)]
 #[command(next_help_heading = "Link")]
 pub struct LinkArguments {
-    /// Where the hand is, as in tls/10.0.0.5:7447; tried until it is there [default: tcp/127.0.0.1:7447]
+    /// Endpoint of the hand, e.g. tls/10.0.0.5:7447; retried until available [default: tcp/127.0.0.1:7447]
     #[arg(long, value_name = "ENDPOINT")]
     connect: Vec<String>,
-    /// Folder of this computer's certificates, for tls/ endpoints; `feeler certificates` makes them. Each program takes
-    /// that of its right.
+    /// Folder of this computer's certificates, for tls/ endpoints; created by `feeler certificates`.
+    ///
+    /// Each program uses the certificate of its right.
     #[arg(long, value_name = "DIR")]
     certificates: Option<PathBuf>,
-    /// Rehearse a bad network: loss, duplicate (0 to 1), delay, jitter (s), seed, as in
-    /// loss=0.2,jitter=0.05
+    /// Simulate an impaired network: loss, duplicate (0 to 1), delay, jitter (s), seed, e.g. loss=0.2,jitter=0.05
     #[arg(long, value_name = "FAULTS")]
     rehearse: Option<Rehearsal>,
 }
 
-/// Where the hand listens.
+/// Endpoints at which the hand listens.
 #[derive(Debug, Clone, Default, clap::Args)]
 #[command(next_help_heading = "Link")]
 pub struct ListenArguments {
-    /// Where to listen, as in tls/0.0.0.0:7447; several times for several places [default: tcp/127.0.0.1:7447]
+    /// Endpoint to listen at, e.g. tls/0.0.0.0:7447. Repeatable [default: tcp/127.0.0.1:7447]
     #[arg(long, value_name = "ENDPOINT")]
     listen: Vec<String>,
-    /// Listen beyond this computer without certificates: anybody there can then move the hand.
+    /// Listen beyond this computer without certificates: anyone on the network can then move the hand.
     #[arg(long)]
     insecure: bool,
 }
@@ -63,7 +63,7 @@ impl From<&LinkArguments> for LinkOptions {
 }
 
 impl LinkArguments {
-    /// The first option that is given.
+    /// Returns the first option that was given.
     pub fn given(&self) -> Option<&'static str> {
         let options = [
             ("--connect", !self.connect.is_empty()),
@@ -74,19 +74,19 @@ impl LinkArguments {
     }
 }
 
-/// The experiment that all programs of a rig work by.
+/// Arguments that modify the experiment; they must be the same for all programs of a rig.
 #[derive(Debug, Clone, clap::Args)]
 pub struct ExperimentArguments {
     /// Random seed.
     #[arg(long, value_parser = crate::trials::parse_seed)]
     pub seed: Option<u64>,
-    /// Where forces come from: rendered camera pictures, or the feelers themselves plus noise.
+    /// Source of forces: `image` (rendered camera images) or `direct` (simulated forces plus noise).
     #[arg(long, value_parser = ["image", "direct"])]
     pub sensing: Option<String>,
-    /// Set any value of the experiment, as in control.slip_threshold=2.5.
+    /// Override an experiment value, e.g. control.slip_threshold=2.5. Repeatable.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub settings: Vec<String>,
-    /// Name of the rig: programs of the same name hear each other [default: the experiment's name]
+    /// Name of the rig; programs with the same name communicate [default: the experiment's name]
     #[arg(long, value_name = "NAME", help_heading = "Link")]
     pub rig: Option<String>,
 }
@@ -102,13 +102,13 @@ impl ExperimentArguments {
         })
     }
 
-    /// Name of the rig, which is that of the experiment unless said otherwise.
+    /// Returns the name of the rig: the given one, or the experiment's.
     pub fn rig(&self, experiment: &Experiment) -> String {
         let name = || experiment.config.name.clone();
         self.rig.clone().unwrap_or_else(name)
     }
 
-    /// The first option that is given.
+    /// Returns the first option that was given.
     pub fn given(&self) -> Option<&'static str> {
         let options = [
             ("--set", !self.settings.is_empty()),
@@ -119,7 +119,7 @@ impl ExperimentArguments {
         first_given(&options)
     }
 
-    /// What the command line sets, the named flags last.
+    /// Returns the settings given on the command line; dedicated flags come last.
     pub fn settings(&self) -> Vec<String> {
         let seed = self.seed.map(|seed| format!("seed={seed}"));
         let sensing = self.sensing.as_ref().map(|s| format!("sensing={s}"));
@@ -128,10 +128,10 @@ impl ExperimentArguments {
     }
 }
 
-/// The name of the rig that is `given` by it, or by the experiment file that its programs were started with.
+/// Returns the name of a rig, given by name or by the experiment file that its programs use.
 ///
 /// # Errors
-/// When there is no such file, or it is no experiment.
+/// If the file does not exist or is not an experiment.
 pub fn rig_name(given: &str) -> Result<String, CommandError> {
     if Path::new(given).extension().is_some_and(|e| e == "toml") {
         return Ok(Experiment::load(given, &[])?.config.name);

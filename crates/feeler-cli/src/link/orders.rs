@@ -1,4 +1,4 @@
-//! `feeler stop` and `feeler resume`: orders to a hand from anywhere.
+//! The `feeler stop` and `feeler resume` subcommands.
 
 use super::{LinkArguments, rig_name};
 use crate::options::Json;
@@ -14,20 +14,20 @@ use serde::Serialize;
 use std::io::Write;
 use std::time::{Duration, Instant};
 
-/// How long to look for a hand, and how long it may take to heed: it does so between two of its steps, which may be long.
+/// Time to look for a hand, and for the hand to obey; it obeys between two control steps, which may be long.
 const LONGEST: Duration = Duration::from_secs(5);
 
-/// How long a hand is told to stop over its connections before what its stop door says counts.
+/// Time to send a stop over the connections before the answer of the stop server counts.
 const DOOR_NEXT: Duration = Duration::from_secs(1);
 
-/// How long the hand is waited for before what its stop door says is enough.
+/// Time to wait for the hand's connection before the answer of the stop server suffices.
 const DOOR_FIRST: Duration = Duration::from_millis(500);
 
 #[derive(Debug, clap::Args)]
 pub struct StopArguments {
-    /// Name of the rig: that of the experiment, unless its programs were given another; or the experiment's file.
+    /// Name of the rig (by default, that of the experiment), or the experiment file.
     rig: String,
-    /// Who says so, for the hand's screen and record.
+    /// Name of the caller, displayed and recorded by the hand.
     #[arg(long, default_value = BY)]
     from: String,
     #[command(flatten)]
@@ -36,23 +36,23 @@ pub struct StopArguments {
     link: LinkArguments,
 }
 
-/// What came of an order to stop; what `--json` prints.
+/// Result of a stop; output of `--json`.
 #[derive(Default, Serialize)]
 struct Stopped {
-    /// Whether the hand stands still.
+    /// `true` if the hand is stopped.
     stands_still: bool,
-    /// Whether it waits for its rig, and will stand still when it is there.
+    /// `true` if the hand is waiting for its rig, and will hold still once the rig is connected.
     waits_for_rig: bool,
-    /// Number of the stop, by which it is resumed; `None` if the hand gave none.
+    /// Number that identifies the stop for a resume, or `None` if the hand did not assign one.
     number: Option<u64>,
-    /// Why the hand stands still, in its own words.
+    /// Reason given by the hand.
     reason: String,
-    /// All of that in a sentence.
+    /// Summary in one sentence.
     message: String,
 }
 
 impl Stopped {
-    /// Prints it. The order was heeded if the hand stands still or will.
+    /// Prints the result. The order succeeded if the hand is or will be stopped.
     fn print(&self, json: Json, out: &mut dyn Write) -> Result<Outcome, CommandError> {
         match json.json {
             true => print_json(self, out)?,
@@ -67,32 +67,32 @@ impl Stopped {
 
 #[derive(Debug, clap::Args)]
 pub struct ResumeArguments {
-    /// Name of the rig: that of the experiment, unless its programs were given another; or the experiment's file.
+    /// Name of the rig (by default, that of the experiment), or the experiment file.
     rig: String,
-    /// Whose stop to resume [default: "the command line"; where there is none of that name, the hand's own]
+    /// Caller whose stop to resume; without such a stop, the hand's own stop is resumed [default: "the command line"]
     #[arg(long, default_value = BY, hide_default_value = true)]
     from: String,
-    /// Number of the stop to resume, as `feeler stop` and `feeler resume` print it.
+    /// Number of the stop to resume, as printed by `feeler stop` and `feeler resume`.
     #[arg(long, conflicts_with = "from")]
     number: Option<u64>,
     #[command(flatten)]
     link: LinkArguments,
 }
 
-/// Who gives an order on the command line.
+/// Name of the caller on the command line.
 const BY: &str = "the command line";
 
-/// Tells the hand of a rig to stop, and says whether it stands still.
+/// Stops the hand of a rig, and prints whether it stopped.
 pub fn stop(arguments: &StopArguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     told_to_stop(arguments)?.print(arguments.json, out)
 }
 
-/// Tells the hand of a rig to stop.
+/// Stops the hand of a rig.
 fn told_to_stop(arguments: &StopArguments) -> Result<Stopped, CommandError> {
     let link = LinkOptions::from(&arguments.link).with_right(&[Right::Order, Right::Stop])?;
     let rig = &rig_name(&arguments.rig)?;
     let (order, id) = Order::stop(&arguments.from);
-    // Both ways at once: the door is open even where nobody can connect.
+    // Use both ways at once: the stop server answers even if connecting is impossible.
     let door = call_stop_door(&link, rig, id, &arguments.from);
     let client = HandClient::new(link.connect(rig)?)?;
     if !client.wait_until(DOOR_FIRST, |_| true) {
@@ -118,12 +118,12 @@ fn told_to_stop(arguments: &StopArguments) -> Result<Stopped, CommandError> {
         ..Stopped::default()
     };
     Ok(match heeded {
-        // It heeds a stop when it begins.
+        // A waiting hand obeys the stop when it starts.
         Ack::Stable if mode.is_waiting() => Stopped {
             waits_for_rig: true,
             number,
             message: format!(
-                "the hand waits for its rig, and will stand still when it is there (stop {words})"
+                "the hand is waiting for its rig and will hold still once the rig is connected (stop {words})"
             ),
             ..Stopped::default()
         },
@@ -131,21 +131,21 @@ fn told_to_stop(arguments: &StopArguments) -> Result<Stopped, CommandError> {
             stands_still: true,
             number,
             message: format!(
-                "the hand stands still: {} (stop {words}, for {STEADY:?} so far)",
+                "the hand is stopped: {} (stop {words}, confirmed for {STEADY:?})",
                 mode.stopped
             ),
             reason: mode.stopped,
             ..Stopped::default()
         },
-        Ack::Reverted => told("the hand stood still, and somebody resumed it at once"),
+        Ack::Reverted => told("the hand stopped, but another client resumed it at once"),
         Ack::None => match door.recv_timeout(LONGEST) {
             Ok(answer) => said_at_door(answer),
-            Err(_) => told("the hand was told to stop, but does not say that it does"),
+            Err(_) => told("the hand did not confirm the stop"),
         },
     })
 }
 
-/// What the stop door answered.
+/// Interprets the answer of the stop server.
 fn said_at_door(answer: StopAnswer) -> Stopped {
     let (number, reason) = (answer.order, answer.stopped);
     Stopped {
@@ -154,10 +154,12 @@ fn said_at_door(answer: StopAnswer) -> Stopped {
         number: Some(number),
         message: match reason.as_str() {
             "" => format!(
-                "the hand took stop {number}, which is not in force now: somebody resumed it, or the hand hangs"
+                "the hand accepted stop {number}, but it is not in force: another client resumed the hand, or the hand is not responding"
             ),
             stopped => {
-                format!("the hand stands still: {stopped} (stop {number}, by its stop door)")
+                format!(
+                    "the hand is stopped: {stopped} (stop {number}, confirmed by the stop server)"
+                )
             }
         },
         reason,
@@ -165,10 +167,10 @@ fn said_at_door(answer: StopAnswer) -> Stopped {
 }
 
 fn unheard(rig: &str) -> CommandError {
-    format!("no hand of rig {rig:?} was heard within {LONGEST:?}").into()
+    format!("no hand of rig {rig:?} found within {LONGEST:?}").into()
 }
 
-/// Resumes a stop of the hand of a rig, and says whether it goes on.
+/// Resumes a stop of the hand of a rig, and prints whether the hand continues.
 pub fn resume(arguments: &ResumeArguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     let rig = &rig_name(&arguments.rig)?;
     let client = HandClient::new(
@@ -181,7 +183,7 @@ pub fn resume(arguments: &ResumeArguments, out: &mut dyn Write) -> Result<Outcom
     }
     let stops = client.mode().stops;
     if stops.is_empty() {
-        writeln!(out, "no stop of the hand is in force")?;
+        writeln!(out, "the hand is not stopped")?;
         return Ok(Outcome::Done);
     }
     let named = |number| stops.iter().find(|stop| stop.number == number);
@@ -192,7 +194,7 @@ pub fn resume(arguments: &ResumeArguments, out: &mut dyn Write) -> Result<Outcom
     let Some(stop) = chosen else {
         let listed = list(&stops);
         return Err(format!(
-            "none of these stops is yours: say by --number which to resume\n{listed}"
+            "none of these stops is by this caller; choose one with --number\n{listed}"
         )
         .into());
     };
@@ -201,31 +203,28 @@ pub fn resume(arguments: &ResumeArguments, out: &mut dyn Write) -> Result<Outcom
     let order = Order::resume(&arguments.from, number);
     let heeded = client.order(&order, LONGEST, is_so)?;
     if matches!(heeded, Ack::None) {
-        writeln!(
-            out,
-            "the hand was told to go on, but does not say that it does"
-        )?;
+        writeln!(out, "the hand did not confirm the resume")?;
         return Ok(Outcome::GivenUp);
     }
-    // It goes on in its next step, or finds then what it must not go on for.
+    // In its next step the hand continues, or finds another reason to stop.
     client.wait_until(LONGEST, |mode| {
         mode.stops.is_empty() == mode.stopped.is_empty()
     });
     let mode = client.mode();
     if mode.stops.is_empty() && mode.stopped.is_empty() {
-        writeln!(out, "the hand goes on")?;
+        writeln!(out, "the hand has resumed")?;
         return Ok(Outcome::Done);
     }
     writeln!(
         out,
-        "stop {number} is resumed; the hand stays stopped: {}",
+        "stop {number} was resumed; the hand remains stopped: {}",
         mode.stopped
     )?;
     write!(out, "{}", list(&mode.stops))?;
     Ok(Outcome::GivenUp)
 }
 
-/// A line for each of the stops.
+/// Lists stops, one per line.
 fn list(stops: &[StopInForce]) -> String {
     let line = |stop: &StopInForce| format!("  stop {}: {}\n", stop.number, stop.by);
     stops.iter().map(line).collect()

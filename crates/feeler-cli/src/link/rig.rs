@@ -1,4 +1,4 @@
-//! `feeler rig`
+//! The `feeler rig` subcommand.
 
 use super::{ExperimentArguments, LinkArguments};
 use crate::{CommandError, Outcome};
@@ -11,21 +11,22 @@ use std::io::Write;
     allow(dead_code, reason = "this program has no servos")
 )]
 pub struct Arguments {
-    /// The experiment whose servos to serve: a file with a table [drives], or the name of a built-in one (see `feeler list`).
+    /// Experiment whose servos are served: a file with a table [drives], or the name of a built-in one (see `feeler
+    /// list`).
     experiment: String,
-    /// The serial port in place of the experiment's.
+    /// Serial port, overriding the experiment's.
     #[arg(long, conflicts_with = "drives")]
     port: Option<String>,
-    /// Serve servos on an emulated bus, with the simulated world behind them, whose pictures or forces it publishes: `emulated`.
+    /// Serve an emulated servo bus connected to the simulated world, and publish the world's images or forces.
     #[arg(long, value_name = "SERVOS", value_parser = ["emulated"])]
     drives: Option<String>,
-    /// Say what would be read and written, and write nothing to a servo.
+    /// Print the planned reads and writes, and write nothing to the servos.
     #[arg(long)]
     dry_run: bool,
-    /// Ask the system for real-time priority and for memory that is never swapped out, so that servos are asked on time.
+    /// Request real-time priority and locked memory, so that servos are polled on time.
     #[arg(long)]
     real_time: bool,
-    /// Seconds of the experiment in a second, the same as the hand's. Other than 1 for emulated servos alone.
+    /// Speed relative to real time, the same as the hand's. Only emulated servos support values other than 1.
     #[arg(long, default_value = "1")]
     speed: RigSpeed,
     #[command(flatten)]
@@ -50,7 +51,7 @@ pub fn rig(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comman
     feeler_rig::serve_drives(&session, &options, out)
 }
 
-/// Says that there is no such thing.
+/// Returns an error: this build has no servos.
 #[cfg(not(all(feature = "drives", target_os = "linux")))]
 pub fn rig(_: &Arguments, _: &mut dyn Write) -> Result<Outcome, CommandError> {
     Err(

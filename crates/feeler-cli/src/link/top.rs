@@ -1,4 +1,4 @@
-//! `feeler top`: a running rig of several programs on the terminal.
+//! The `feeler top` subcommand: a networked rig in the terminal.
 
 use super::{ExperimentArguments, LinkArguments};
 use crate::{CommandError, Outcome};
@@ -6,9 +6,9 @@ use std::io::Write;
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// The experiment of the rig: a file, or the name of a built-in one (see `feeler list`).
+    /// Experiment of the rig: a file, or the name of a built-in one (see `feeler list`).
     experiment: String,
-    /// Print one picture as text, a second after the rig was first heard; no terminal is needed.
+    /// Print one snapshot as text and exit, one second after the rig is found. Requires no terminal.
     #[arg(long)]
     once: bool,
     #[command(flatten)]
@@ -23,7 +23,7 @@ pub fn top(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comman
     use feeler_link::right::Right;
     if !arguments.once {
         let check = feeler_watch::View::check_terminal();
-        check.map_err(|e| format!("{e}; or --once for a picture as text"))?;
+        check.map_err(|e| format!("{e}; or use --once to print a snapshot"))?;
     }
     let session = arguments
         .values
@@ -38,7 +38,7 @@ pub fn top(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comman
     )
 }
 
-/// Says that there is nothing to show it on.
+/// Returns an error: this build has no terminal view.
 #[cfg(not(feature = "top"))]
 pub fn top(arguments: &Arguments, _: &mut dyn Write) -> Result<Outcome, CommandError> {
     let Arguments {

@@ -1,4 +1,4 @@
-//! `feeler world`
+//! The `feeler world` subcommand.
 
 use super::{ExperimentArguments, LinkArguments};
 use crate::{CommandError, Outcome};
@@ -12,10 +12,11 @@ use std::io::Write;
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// The experiment whose rig to simulate: a file, or the name of a built-in one (see `feeler list`).
+    /// Experiment whose rig is simulated: a file, or the name of a built-in one (see `feeler list`).
     experiment: String,
-    /// Seconds of the experiment in a second, the same as the hand's; `max` waits for the hand's answer to every step instead, and
-    /// then the cap closes bit for bit as in `feeler run`.
+    /// Speed relative to real time, the same as the hand's, or `max` for lockstep.
+    ///
+    /// With `max`, the simulation waits for the hand's answer in every step, and is bit-identical to `feeler run`.
     #[arg(long, default_value = "1")]
     speed: RigSpeed,
     #[command(flatten)]
@@ -37,7 +38,7 @@ pub fn world(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comm
     let mut program = RigProgram::new(rig, &config, network)?;
     program.set_warn(Warnings::on_stderr().warn());
     let name = &experiment.config.name;
-    writeln!(out, "playing the rig of {name}; Ctrl-C ends it")?;
+    writeln!(out, "simulating the rig of {name}; press Ctrl-C to stop")?;
     out.flush()?;
     program.run(&interrupted)?;
     writeln!(out, "{}", program.report())?;

@@ -1,4 +1,4 @@
-//! `feeler robustness --laws`: control laws side by side on the same hands.
+//! `feeler robustness --laws`: compares control laws on the same hands.
 
 use super::{Arguments, entries_of_groups, even};
 use crate::compare::laws::laws;
@@ -14,12 +14,12 @@ use feeler_report::law_shares_page::{LawSharesPage, law_shares_page};
 use feeler_report::robustness_page::percent;
 use std::io::Write;
 
-/// Name of the page in the folder.
+/// File name of the report.
 const PAGE: &str = "laws.html";
-/// Name of what the page shows, for other programs.
+/// File name of the report's data as JSON.
 const JSON: &str = "laws.json";
 
-/// Runs the points of the design under each law, and shows on what share each claim of any hand holds.
+/// Runs the points of the design under each law, and reports the share on which each claim of any hand passes.
 pub fn side_by_side(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     let mut contenders = contenders(&arguments.trial, &arguments.out, trials(arguments)?)?;
     let ended = run(&arguments.trial, &mut contenders)?;
@@ -31,7 +31,7 @@ pub fn side_by_side(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcom
     if ended == Ended::Stopped {
         writeln!(
             out,
-            "interrupted: {} trials are finished under every law and kept; go on with the same command and --resume",
+            "interrupted: {} trials of every law are finished and saved; continue with the same command and --resume",
             page.finished
         )?;
         return Ok(Outcome::GivenUp);
@@ -45,7 +45,7 @@ pub fn side_by_side(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcom
     Ok(Outcome::Done)
 }
 
-/// The trials of each law. They have the same design and seed, so that they draw the same hands.
+/// Returns the trials of each law. They have the same design and seed, and therefore draw the same hands.
 fn trials(
     arguments: &Arguments,
 ) -> Result<Vec<(String, feeler::control::law::LawConfig, Trials)>, CommandError> {
@@ -53,7 +53,7 @@ fn trials(
     let name = arguments
         .experiment
         .as_deref()
-        .ok_or("--laws: expected the experiment beside it, also with --resume")?;
+        .ok_or("--laws requires the experiment, also with --resume")?;
     let design = Design {
         rows: even(arguments.trials)?,
         controls: 0,
@@ -74,7 +74,7 @@ fn trials(
         let trials = Trials::new(&plan)?;
         if trials.hand_claims().next().is_none() {
             return Err(format!(
-                "--laws: {name} has no claims of any hand; expected an experiment in which a cap is screwed in four strokes or more"
+                "--laws: {name} has no claims of any hand; expected an experiment that screws a cap in four strokes or more"
             )
             .into());
         }
@@ -95,7 +95,7 @@ fn page(contenders: &[Contender]) -> LawSharesPage {
     law_shares(&laws)
 }
 
-/// The page's table, for a terminal.
+/// Prints the report's table.
 fn print(page: &LawSharesPage, out: &mut dyn Write) -> std::io::Result<()> {
     writeln!(out, "{} hands at {} points", page.hands, page.finished)?;
     let of = page.laws.first().map_or(&[][..], |law| &law.shares);
@@ -103,7 +103,7 @@ fn print(page: &LawSharesPage, out: &mut dyn Write) -> std::io::Result<()> {
         .iter()
         .map(|share| format!("  {:<22}", share.of))
         .collect();
-    writeln!(out, "{:<24}{}", "holds in", names.trim_end())?;
+    writeln!(out, "{:<24}{}", "passes in", names.trim_end())?;
     for law in &page.laws {
         let shares = law.shares.iter();
         let shares: String = shares
@@ -113,7 +113,7 @@ fn print(page: &LawSharesPage, out: &mut dyn Write) -> std::io::Result<()> {
         if law.refused > 0 {
             writeln!(
                 out,
-                "  of which {} refuses {}: nothing holds there",
+                "  {} rejects {} of them, which count as failed",
                 law.law, law.refused
             )?;
         }

@@ -107,17 +107,14 @@ fn servos_are_found_checked_homed_and_turned() {
 
     let checked = done(&["drives", "check", "my.toml", "--port", port]);
     assert!(
-        checked.contains("servo 2 (theta2 of finger 0): XL330-M077, well, at "),
+        checked.contains("servo 2 (theta2 of finger 0): XL330-M077, ok, at "),
         "{checked}"
     );
     assert!(
         checked.contains("will set Operating Mode (address 11) from 3 to 1"),
         "{checked}"
     );
-    assert!(
-        checked.contains("all servos are as they should be"),
-        "{checked}"
-    );
+    assert!(checked.contains("all servos passed the check"), "{checked}");
 
     // The hand stands at home, so that the offsets come out as they are in the file.
     let home = [
@@ -147,7 +144,7 @@ fn servos_are_found_checked_homed_and_turned() {
     let over_itself = [
         "drives", "home", "my.toml", "--port", port, "--output", "my.toml", "--force",
     ];
-    run(&folder, &over_itself).refused(&["it is an input"]);
+    run(&folder, &over_itself).refused(&["the file is an input"]);
 
     let jog = [
         "drives",
@@ -218,7 +215,10 @@ fn dry_runs_and_bad_input() {
         &["drives", "check", "my.toml"],
         &["/dev/not-there", "serial port"],
     );
-    refused(&["drives", "check", "cap-closing"], &["has no [drives]"]);
+    refused(
+        &["drives", "check", "cap-closing"],
+        &["expected a table [drives]"],
+    );
     refused(
         &["drives", "home", "my.toml", "--at", "1,2"],
         &["--at", "6 angles"],

@@ -12,7 +12,7 @@ use std::path::Path;
 use std::process::{Child, ChildStdout, Command, Stdio};
 use std::time::Duration;
 
-/// Who the hand is told to stop by.
+/// Name of the program that requests the stop.
 const WATCHER: &str = "the watcher of the test";
 
 /// Programs that end with the test, however that ends.
@@ -143,7 +143,7 @@ fn python_sees_forces_and_stops_the_hand() {
         text.contains("more than 1.0 N, hand told to stop"),
         "{text}"
     );
-    let reason = format!("told to stop by {WATCHER}");
+    let reason = format!("stop requested by {WATCHER}");
     let ended = Ended::of(hand.wait_with_output().expect("its words"));
     assert_eq!(ended.status, Some(1), "{ended:?}");
     assert!(ended.stderr.contains(&reason), "{ended:?}");

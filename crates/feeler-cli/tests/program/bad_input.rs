@@ -249,7 +249,7 @@ fn experiments_that_are_none() {
     .unwrap();
     run(&folder, &["check", "idle.toml"]).refused(&[
         "idle.toml",
-        "a task expected",
+        "expected a task",
         "[task.screw]",
     ]);
     fs::write(folder.join("half.toml"), b"name = [").unwrap();
@@ -326,7 +326,7 @@ fn a_truncated_recording_is_reported_as_far_as_it_goes() {
     fs::write(&recording, &bytes[..bytes.len() / 2]).unwrap();
     let ended = run(&folder, &["report", "run"]);
     assert!(ended.stdout.contains("run/report.html"), "{ended:?}");
-    ended.refused(&["incomplete", "up to", " s and says so"]);
+    ended.refused(&["incomplete", "up to", "the report covers the run"]);
     let page = fs::read_to_string(run_folder.join("report.html")).unwrap();
     assert!(page.contains("INCOMPLETE: readable up to"));
 }

@@ -152,7 +152,7 @@ fn signs_and_axes_that_the_pictures_contradict_are_refused_or_converted() {
     bench.refuses(
         with(|f| f),
         &["--force-on", "object"],
-        &["Without --force-on and --force-axes, the forces are what the pictures show"],
+        &["without --force-on and --force-axes, the forces agree with the images"],
     );
     // No option keeps compression that would be reported as tension.
     for reversed in [tension, |f: DVec3| -f] {
@@ -300,7 +300,7 @@ fn loads_that_no_soft_element_bears_are_refused_unless_confirmed() {
         &bench.folder,
         &[&wrench[..], &["--force-axes", "x,y,-z"]].concat(),
     )
-    .refused(&["--force-axes: expected --live"]);
+    .refused(&["--force-axes: with --wrench this requires --live"]);
 }
 
 /// Every other picture, in a recording of its own.

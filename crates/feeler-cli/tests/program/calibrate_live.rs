@@ -194,7 +194,7 @@ fn loads_that_are_put_on_live_make_a_calibration() {
     let ended = end(start(&folder, loads(&[0]), netft));
     assert_eq!(ended.status, Some(2), "{ended:?}");
     for words in [
-        "the camera has ended",
+        "the camera stream has ended",
         "1 of 2 elements need more",
         "bench/LOADS.csv",
     ] {
@@ -214,7 +214,7 @@ fn loads_that_are_put_on_live_make_a_calibration() {
     let late = ended
         .stderr
         .lines()
-        .find_map(|line| line.strip_prefix("the camera is "));
+        .find_map(|line| line.strip_prefix("camera latency: "));
     let late = late
         .and_then(|rest| rest.split_once(' '))
         .expect("a delay")
@@ -294,7 +294,7 @@ fn bad_input_is_refused_in_words() {
     refused(&["--exposure=0.01"], &["--exposure", "--live"]);
     refused(
         &["--live=-", sensor, "--trigger=software"],
-        &["--trigger is for a camera"],
+        &["--trigger requires --live"],
     );
     refused(&["--wrench", "--full-scale-normal=1"], &["--live"]);
     refused(

@@ -74,7 +74,7 @@ fn play(folder: &Path, times: u32) -> Ended {
         let (knows, told) = (Arc::clone(&knows), Arc::<Mutex<String>>::clone(&told));
         move || {
             for line in stderr.lines().map_while(Result::ok) {
-                knows.fetch_or(line.contains("the camera is"), Ordering::Relaxed);
+                knows.fetch_or(line.contains("camera latency"), Ordering::Relaxed);
                 *told.lock().unwrap() += &(line + "\n");
             }
         }
@@ -108,7 +108,7 @@ fn a_fingertip_that_is_loaded_live_makes_the_calibration_that_its_table_makes() 
     let ended = play(&folder, 1);
     assert_eq!(ended.status, Some(2), "{ended:?}");
     for words in [
-        "the camera has ended",
+        "the camera stream has ended",
         "of 5 rounds are done",
         "bench/FORCES.csv --wrench",
     ] {
@@ -128,7 +128,7 @@ fn a_fingertip_that_is_loaded_live_makes_the_calibration_that_its_table_makes() 
         "{resumed}"
     );
     for words in [
-        "the camera is",
+        "camera latency",
         "round 5 of 5 done; held-out errors (RMSE): f_x",
     ] {
         assert!(ended.stderr.contains(words), "no {words:?} in {ended:?}");

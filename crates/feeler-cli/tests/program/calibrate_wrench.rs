@@ -224,7 +224,10 @@ fn what_explains_nothing_and_what_is_damaged_is_said() {
     assert!(!folder.join("wrench.toml").exists());
     let forced = run(&folder, &[&CALIBRATE[..], &["--force-fit"]].concat());
     assert_eq!(forced.status, Some(0), "{forced:?}");
-    assert!(forced.stderr.contains("kept by --force-fit"), "{forced:?}");
+    assert!(
+        forced.stderr.contains("kept because of --force-fit"),
+        "{forced:?}"
+    );
 
     write("picture,f_x\nnowhere.png,1\n");
     run(&folder, &[&CALIBRATE[..], &["--force"]].concat()).refused(&[

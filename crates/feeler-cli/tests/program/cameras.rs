@@ -55,7 +55,7 @@ fn a_genicam_camera_is_measured() {
     let folder = folder("cameras-measure");
     run(&folder, &["cameras", "--measure", "picture.png"])
         .refused(&["--measure picture.png: expected a camera"]);
-    run(&folder, &["cameras", "--gain=1"]).refused(&["--gain is for --measure"]);
+    run(&folder, &["cameras", "--gain=1"]).refused(&["--gain requires --measure"]);
     run(&folder, &["cameras", "--rate=10"]).refused(&["--measure"]);
     if !has_aravis(&folder) {
         return;

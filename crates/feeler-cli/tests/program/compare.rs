@@ -292,7 +292,7 @@ fn what_makes_no_sense_is_refused_before_anything_runs() {
     for name in ["cap-until-closed", "lift"] {
         let words = [
             name,
-            "the laws cannot differ",
+            "control laws have no effect",
             "task.screw with until = \"strokes\"",
         ];
         run(&folder, &["compare", name, "-o=c"]).refused(&words);

@@ -110,7 +110,7 @@ fn random_specimens_are_found_within_5_per_cent() {
 fn the_report_shows_what_was_found_and_what_is_true() {
     let folder = folder("friction-scan-report");
     let (ended, _) = scan(&folder, &[&["sensing=\"direct\""][..], &FRICTION].concat());
-    assert!(ended.done().contains("3 of 3 claims of this task hold"));
+    assert!(ended.done().contains("3 of 3 claims of this task pass"));
     let page = document(&folder.join("scan/report.html"));
     assert!(page.contains("All 3 claims of this task hold."));
     for words in [

@@ -92,8 +92,8 @@ fn a_gap_is_told_wherever_the_recording_is_read() {
     let page = fs::read_to_string(folder.join("run/report.html")).unwrap();
     assert!(page.contains(&format!("GAP: {missing}")));
     let replayed = run(&folder, &["replay", "run", "--from", "forces"]);
-    let until = format!("{before} steps of 2 fingers on record");
+    let until = format!("{before} recorded steps of 2 fingers");
     assert!(replayed.stdout.contains(&until), "{replayed:?}");
     assert!(replayed.stdout.contains("bit for bit"), "{replayed:?}");
-    replayed.refused(&[&missing, "no replay is bit for bit over a gap"]);
+    replayed.refused(&[&missing, "because a gap follows"]);
 }

@@ -68,7 +68,7 @@ fn a_killed_run_is_readable_up_to_its_last_chunk() {
     child.wait().unwrap();
     assert!(!folder.join("run/report.html").exists());
     let ended = run(&folder, &["report", "run"]);
-    ended.refused(&["incomplete", "up to", " s and says so"]);
+    ended.refused(&["incomplete", "up to", "the report covers the run"]);
     let page = fs::read_to_string(folder.join("run/report.html")).unwrap();
     assert!(page.contains("INCOMPLETE: readable up to"));
 }

@@ -91,7 +91,7 @@ fn a_camera_that_is_frozen_stops_the_hand() {
     for sensing in ["sensing=direct", "sensing=image"] {
         let setting = "sim.fault=[{from=0.5, kind.frozen_frame={finger=1}}]";
         let (reason, recording) = fault(&folder, sensing, &[sensing, setting]);
-        let words = "the newest 10 pictures of finger 1 gave the same forces";
+        let words = "the last 10 images of finger 1 gave forces identical";
         assert!(reason.contains(words), "{sensing}: {reason}");
         // The picture of 0.49 s comes again at 0.5 s, and for the tenth time at 0.59 s.
         assert!((stopped_at(&recording) - 0.59).abs() < 1e-9, "{sensing}");

@@ -38,7 +38,7 @@ fn refused_without_change(folder: &Path, arguments: &[&str], words: &[&str]) {
 fn locate_keeps_pictures_and_layouts() {
     let folder = folder("outputs-locate");
     spots(&folder.join("a.png"));
-    let input = ["it is an input"];
+    let input = ["the file is an input"];
     for force in [&[][..], &["--force"]] {
         let with = |arguments: &[&'static str]| [&["locate", "a.png"], arguments, force].concat();
         refused_without_change(&folder, &with(&["-o", "a.png"]), &input);
@@ -49,7 +49,7 @@ fn locate_keeps_pictures_and_layouts() {
         refused_without_change(
             &folder,
             &twice,
-            &["--preview", "written for another option"],
+            &["--preview", "the output of another option"],
         );
     }
     run(&folder, &["locate", "a.png", "-o", "l.toml"]).done();
@@ -74,7 +74,11 @@ fn calibrate_keeps_loads_pictures_and_calibrations() {
     for force in [&[][..], &["--force"]] {
         for output in ["LOADS.csv", "00001.png"] {
             let onto = [&["calibrate", "LOADS.csv", "-o", output], force].concat();
-            refused_without_change(&folder, &onto, &["--output", output, "it is an input"]);
+            refused_without_change(
+                &folder,
+                &onto,
+                &["--output", output, "the file is an input"],
+            );
         }
     }
     let again = [&simulated[..], &["-o", "c.toml"]].concat();
@@ -148,7 +152,7 @@ fn another_law_than_the_papers_is_held_to_the_claims_of_any_hand() {
     let best = ["--set=control.law=best", "--out=best"];
     let said = run(&folder, &[&start[..], &best].concat()).done();
     assert!(
-        said.contains("of 5 claims of any hand hold") && said.contains("final torque"),
+        said.contains("of 5 claims of any hand pass") && said.contains("final torque"),
         "{said}"
     );
     let page = fs::read_to_string(folder.join("best/report.html")).unwrap();
@@ -158,5 +162,5 @@ fn another_law_than_the_papers_is_held_to_the_claims_of_any_hand() {
     assert_eq!(summary["claims"].as_array().map(Vec::len), Some(0));
     assert_eq!(summary["hand_claims"].as_array().map(Vec::len), Some(5));
     let said = run(&folder, &[&start[..], &["--out=paper"]].concat()).done();
-    assert!(said.contains("11 of 11 claims of the paper hold"), "{said}");
+    assert!(said.contains("11 of 11 claims of the paper pass"), "{said}");
 }

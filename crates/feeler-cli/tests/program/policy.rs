@@ -98,7 +98,7 @@ fn a_run_replays_with_the_policy_on_record() {
     assert!(said.stdout.contains("first of commands"), "{said:?}");
     replay("run", &["--set=control.law.policy.file=gone.safetensors"]).refused(&[
         "control.law.policy.file = \"gone.safetensors\"",
-        "expected the file of a policy",
+        "expected a policy file",
     ]);
     run(&folder, &arguments).refused(&[
         "control.law.policy.file = \"my.safetensors\"",
@@ -162,25 +162,25 @@ fn what_is_no_policy_is_refused_before_anything_runs() {
     for (name, words) in [
         (
             "gone.safetensors",
-            &["gone.safetensors", "expected the file of a policy"][..],
+            &["gone.safetensors", "expected a policy file"][..],
         ),
         (
             "text.safetensors",
             &[
                 "text.safetensors",
-                "expected a whole file in safetensors format",
+                "expected a complete file in safetensors format",
             ],
         ),
         (
             "nan.safetensors",
             &[
-                "tensor layer0.bias: NaN as number 0",
-                "expected numbers from",
+                "tensor layer0.bias: expected numbers from",
+                "got NaN at index 0",
             ],
         ),
         (
             "small.safetensors",
-            &["is for fingertips of 40 elements", "expected one for 41"],
+            &["for fingertips of 41 elements", "for 40"],
         ),
         (".", &["control.law.policy.file = \".\"", "directory"]),
     ] {
@@ -194,7 +194,7 @@ fn what_is_no_policy_is_refused_before_anything_runs() {
             "gone.safetensors",
             &["--policy gone.safetensors", "No such file"][..],
         ),
-        ("small.safetensors", &["is for fingertips of 40 elements"]),
+        ("small.safetensors", &["small.safetensors", "for 40"]),
         (
             "best.safetensors",
             &["--policy best.safetensors", "there is a best already"],

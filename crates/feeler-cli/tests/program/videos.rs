@@ -84,7 +84,8 @@ fn a_frame_of_a_video_is_located_like_its_picture() {
     run(&folder, &["locate", "clip.mkv@2", "-o", "no.toml"])
         .refused(&["clip.mkv@2", "expected a time from 0 to 0.44 s"]);
     for named in ["clip.mkv", "clip.mkv@0.05"] {
-        run(&folder, &["locate", named, "--force", "-o", "clip.mkv"]).refused(&["it is an input"]);
+        run(&folder, &["locate", named, "--force", "-o", "clip.mkv"])
+            .refused(&["the file is an input"]);
     }
 }
 

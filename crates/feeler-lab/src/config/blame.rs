@@ -1,4 +1,4 @@
-//! Finds the setting that makes a valid experiment invalid, and keys that may be meant by it.
+//! Finds the setting that makes a valid experiment invalid, and suggests the key that was probably intended.
 
 use super::error::ConfigError;
 use super::experiment_config::ExperimentConfig;
@@ -10,13 +10,13 @@ use toml_edit::DocumentMut;
 
 /// Diagnosis of settings that make a valid experiment invalid.
 pub(super) enum Blamed {
-    /// The same settings, with the first abbreviated key written out.
+    /// The same settings, with the first abbreviated key replaced by its full path.
     Meant(Vec<String>),
-    /// The first invalid setting, and why.
+    /// The first invalid setting and its error.
     Wrong(ConfigError),
 }
 
-/// Diagnoses the first of `settings` that makes a valid `text` invalid; `None` if the text itself is invalid.
+/// Finds the first of `settings` that makes a valid `text` invalid. Returns `None` if the text itself is invalid.
 pub(super) fn to_blame(text: &str, settings: &[String]) -> Option<Blamed> {
     let config = toml::from_str::<ExperimentConfig>(text).ok()?;
     let mut document: DocumentMut = text.parse().ok()?;
@@ -36,7 +36,7 @@ pub(super) fn to_blame(text: &str, settings: &[String]) -> Option<Blamed> {
         let Some(unknown) = message.strip_prefix("unknown field `") else {
             return wrong(message);
         };
-        // Of a longer key, only the beginning shows that it is part of one.
+        // For a key with several segments, the parser reports only the first one as unknown.
         let first = name.split('.').next().unwrap_or(name).trim();
         let is_part = unknown.starts_with(&format!("{first}`"));
         match find(name, &leaves(&config)) {

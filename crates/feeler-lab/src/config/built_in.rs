@@ -1,15 +1,15 @@
-//! The experiments that come with the program.
+//! The built-in experiments.
 
-/// An experiment that comes with the program.
+/// A built-in experiment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct BuiltIn {
-    /// The name to call it by.
+    /// Name of the experiment.
     pub name: &'static str,
-    /// Its file.
+    /// Text of the experiment file.
     pub toml: &'static str,
 }
 
-/// The experiments of these names, from their files.
+/// Builds the array of experiments with the given names from their files.
 macro_rules! built_in {
     ($($name:literal),* $(,)?) => {
         [$(BuiltIn {
@@ -19,7 +19,7 @@ macro_rules! built_in {
     };
 }
 
-/// The experiments that come with the program.
+/// All built-in experiments.
 pub const BUILT_IN: [BuiltIn; 14] = built_in![
     "cap-closing",
     "any-hand",

@@ -1,11 +1,11 @@
-//! The calibration files that an experiment names.
+//! The calibration files that an experiment refers to.
 
 use super::error::ConfigError;
 use super::load::{Experiment, read};
 use feeler::sensor::calibration::Calibration;
 use std::collections::BTreeMap;
 
-/// The calibrations of these names, from their files.
+/// Builds the array of calibrations with the given names from their files.
 macro_rules! built_in {
     ($($name:literal),* $(,)?) => {
         [$((
@@ -15,7 +15,7 @@ macro_rules! built_in {
     };
 }
 
-/// The calibrations that the built-in experiments name.
+/// Calibrations used by the built-in experiments: file name and text.
 const BUILT_IN_CALIBRATIONS: [(&str, &str); 5] = built_in![
     "reference-fingertip",
     "reference-fingertip.coupled",
@@ -24,25 +24,26 @@ const BUILT_IN_CALIBRATIONS: [(&str, &str); 5] = built_in![
     "cap-closing-gel",
 ];
 
-/// The text of the calibration that built-in experiments call `name`.
+/// Returns the text of the built-in calibration `name`, or `None` if there is no such calibration.
 pub fn built_in_calibration(name: &str) -> Option<&'static str> {
     let found = BUILT_IN_CALIBRATIONS.iter().find(|(own, _)| *own == name);
     found.map(|(_, text)| *text)
 }
 
 impl Experiment {
-    /// The same experiment with these calibration files, by the name that it has for each, in place of
-    /// those in its folder.
+    /// Returns the experiment with the given calibration files, keyed by the file name used in the experiment, in
+    /// place of
+    /// the files in its folder.
     #[must_use]
     pub fn with_calibrations(mut self, texts: BTreeMap<String, String>) -> Self {
         self.calibrations = texts;
         self
     }
 
-    /// The calibration that the experiment names for `finger`.
+    /// Loads the calibration of `finger`.
     ///
     /// # Errors
-    /// When its file cannot be read or is no calibration.
+    /// If the file cannot be read or is not a valid calibration.
     pub fn calibration(&self, finger: usize) -> Result<Calibration, ConfigError> {
         let (file, key) = self.config.sensor.calibration(finger);
         let text = self.calibration_text(finger)?;
@@ -53,10 +54,10 @@ impl Experiment {
         })
     }
 
-    /// The text of every calibration file that the experiment names, by the name that it has for it.
+    /// Returns the text of each calibration file, keyed by the file name used in the experiment.
     ///
     /// # Errors
-    /// When one cannot be read.
+    /// If a file cannot be read.
     pub fn calibration_texts(&self) -> Result<BTreeMap<String, String>, ConfigError> {
         let fingers = 0..self.config.hand.finger.len();
         fingers

@@ -1,4 +1,4 @@
-//! What every value of an experiment must be, beyond what each part says of its own.
+//! Requirements on the values of an experiment that involve several of its parts.
 
 use super::experiment_config::ExperimentConfig;
 use feeler::check::{Checker, Problem, Requirement};
@@ -7,17 +7,17 @@ use feeler::hand::MAX_FINGERS;
 use feeler_sim::config::SimConfig;
 use feeler_sim::shape::ShapeConfig;
 
-/// Longest name, bytes: it becomes part of a folder's name.
+/// Maximum length of a name in bytes. The name becomes part of a folder name.
 const MAX_NAME: usize = 64;
 
-/// Every value of `config` that is out of its range.
+/// Returns every value of `config` that is out of range.
 ///
-/// What the camera, the fingers and the optics are made of is checked where they are built.
+/// Cameras, finger geometry and optics are checked when they are built.
 pub(super) fn check(config: &ExperimentConfig) -> Vec<Problem> {
     checked(config).problems()
 }
 
-/// All that is required of the values of `config`.
+/// Returns all requirements on the values of `config`.
 pub(super) fn requirements(config: &ExperimentConfig) -> Vec<Requirement> {
     checked(config).requirements()
 }
@@ -69,25 +69,26 @@ fn check_fingers(config: &ExperimentConfig, checker: &mut Checker) {
         &format!("task.{}.finger", config.task.name()),
         format!("{task} fingers"),
         task == hand,
-        &format!("as many fingers as hand.finger has, {hand}"),
+        &format!("as many fingers as hand.finger ({hand})"),
     );
     let sensors = config.sensor.finger.len();
     checker.require(
         "sensor.finger",
         format!("{sensors} fingers"),
         sensors == 0 || sensors == hand,
-        &format!("none, or as many as hand.finger has, {hand}; an empty one is as [sensor] says"),
+        &format!("no fingers, or as many as hand.finger ({hand}); an empty entry uses the values of [sensor]"),
     );
 }
 
-/// Requires something to touch where the fingers may go. What is within reach of a real rig nobody can tell.
+/// Requires at least one object within the workspace of tasks that must touch one. This can be checked only in
+/// simulation.
 fn check_within_reach(config: &ExperimentConfig, sim: &SimConfig, checker: &mut Checker) {
     if !matches!(config.task, TaskConfig::Contour(_) | TaskConfig::Carry(_)) {
         return;
     }
     let limits = &config.control.limits;
     let (lower, upper) = (limits.workspace_lower, limits.workspace_upper);
-    // Not along z: what is pressed from above is below the fingers.
+    // z is not checked: an object that is pressed from above is below the fingers.
     let inside = |place: [f64; 3]| (0..2).all(|i| (lower[i]..=upper[i]).contains(&place[i]));
     let mut objects = sim.object.values();
     checker.require(
@@ -104,7 +105,7 @@ fn check_within_reach(config: &ExperimentConfig, sim: &SimConfig, checker: &mut 
 mod tests {
     use crate::config::{BUILT_IN, Experiment};
 
-    /// No experiment takes a law that would change nothing.
+    /// Every experiment rejects a law that has no effect in its task.
     #[test]
     fn a_law_is_refused_where_the_task_takes_none() {
         for built_in in BUILT_IN {
@@ -117,7 +118,7 @@ mod tests {
                 .config
                 .task
                 .takes_law();
-            // One that needs no number of its own, as best does of the force on an element.
+            // A law without a required value, such as the force on an element.
             let other = load("normal-only");
             assert_eq!(other.is_ok(), takes, "{}", built_in.name);
             if let Err(error) = other {

@@ -1,4 +1,4 @@
-//! What is to be known of an experiment's values: unit and meaning, as the comments of its file say them, and what they must be.
+//! Descriptions of an experiment's values: unit and meaning from the comments of its file, and the required range.
 
 use super::built_in::BUILT_IN;
 use super::check::requirements;
@@ -6,28 +6,28 @@ use super::load::Experiment;
 use std::collections::BTreeMap;
 use toml_edit::{DocumentMut, Item, Value};
 
-/// The built-in experiment whose comments count where a file has none.
+/// Built-in experiment whose comments are used for keys without a comment.
 const REFERENCE: &str = "cap-closing";
 
-/// What is to be known of a value.
+/// Description of one value.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Described {
-    /// Unit and meaning: the comment beside it; empty where there is none.
+    /// Unit and meaning, from the comment at the end of its line. Empty if there is no comment.
     pub comment: String,
-    /// What it must be, in words; empty where nothing is required.
+    /// Requirement on the value, as text. Empty if there is no requirement.
     pub expected: String,
-    /// The least and the greatest that a number can be, where that is all.
+    /// Minimum and maximum, if the requirement is a numeric range.
     pub range: Option<[f64; 2]>,
 }
 
 impl Experiment {
-    /// What is to be known of its values, by their keys with dots, as in `task.screw.finger.0.home`.
+    /// Returns the descriptions of all values by dotted key, as in `task.screw.finger.0.home`.
     pub fn described(&self) -> BTreeMap<String, Described> {
         let mut all = BTreeMap::<String, Described>::new();
         let reference = BUILT_IN.iter().find(|built_in| built_in.name == REFERENCE);
         let texts = reference.map(|reference| reference.toml);
         for text in texts.into_iter().chain([self.toml.as_str()]) {
-            // The text of an experiment is TOML.
+            // The text was parsed as TOML when the experiment was loaded.
             let document = text.parse().unwrap_or_else(|_| DocumentMut::new());
             take_comments("", document.as_item(), &mut |key, comment| {
                 all.entry(key).or_default().comment = comment;
@@ -36,7 +36,7 @@ impl Experiment {
         for required in requirements(&self.config) {
             let key = required.field.replace('[', ".").replace(']', "");
             let described = all.entry(key).or_default();
-            // Of several, the first one says most.
+            // The first of several requirements is the most informative.
             if described.expected.is_empty() {
                 described.expected = required.expected;
                 described.range = required.range;
@@ -46,7 +46,7 @@ impl Experiment {
     }
 }
 
-/// Calls `take` with each value's key below `key` and the comment beside it, where there is one.
+/// Calls `take` with the key and the trailing comment of each value below `key` that has a comment.
 fn take_comments(key: &str, item: &Item, take: &mut impl FnMut(String, String)) {
     let below = |part: &str| match key {
         "" => part.to_string(),
@@ -66,7 +66,7 @@ fn take_comments(key: &str, item: &Item, take: &mut impl FnMut(String, String)) 
     }
 }
 
-/// The comment behind `value` on its line.
+/// Returns the comment after `value` on its line.
 fn comment(value: &Value) -> Option<String> {
     let suffix = value.decor().suffix()?.as_str()?;
     let comment = suffix.trim().strip_prefix('#')?.trim();

@@ -1,4 +1,4 @@
-//! Why an experiment cannot be used.
+//! Errors of experiment files and of the files that they refer to.
 
 use super::built_in::BUILT_IN;
 use super::key::did_you_mean;
@@ -7,67 +7,67 @@ use feeler::control::law::policy::PolicyError;
 use feeler::sensor::calibration::CalibrationError;
 use std::path::PathBuf;
 
-/// Why an experiment cannot be used.
+/// Error of an experiment that cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum ConfigError {
-    /// Neither a built-in experiment nor a file.
+    /// The name is neither a built-in experiment nor a file.
     #[error(
         "there is no experiment {name:?}: expected a file or one of the built-in {}{}",
         BUILT_IN.map(|b| b.name).join(", "),
         did_you_mean(name, BUILT_IN.iter().map(|b| b.name))
     )]
     Unknown {
-        /// What was asked for.
+        /// The requested name.
         name: String,
     },
-    /// There is no such finger.
+    /// The finger index is out of range.
     #[error("there is no finger {finger}: expected 0 to {}", fingers - 1)]
     NoFinger {
-        /// The finger.
+        /// The requested index.
         finger: usize,
-        /// How many there are.
+        /// Number of fingers.
         fingers: usize,
     },
-    /// A file could not be read.
+    /// A file cannot be read.
     #[error("{}: {source}; expected {expected}", path.display())]
     Read {
         /// The file.
         path: PathBuf,
-        /// What it should be.
+        /// Expected content of the file.
         expected: &'static str,
-        /// What the system said.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// The calibration file could not be read.
+    /// The calibration file cannot be read.
     #[error(
         "{key} = {file:?}: {source}: copy it there, or make one with \
          `feeler calibrate`"
     )]
     CalibrationFile {
-        /// The key that names it.
+        /// The key that contains the file name.
         key: String,
-        /// The file, as the experiment names it.
+        /// The file name used in the experiment.
         file: String,
-        /// Where it was looked for, and what the system said.
+        /// Error that contains the path.
         source: Box<ConfigError>,
     },
-    /// The text is not TOML, or a key is unknown, missing or of the wrong type.
+    /// The text is not valid TOML, or a key is unknown, missing or of the wrong type.
     #[error("{origin}: {message}")]
     Syntax {
-        /// Where the text came from.
+        /// Source of the text.
         origin: String,
-        /// Line, column and what was expected.
+        /// Position in the text, and the expected value.
         message: String,
     },
-    /// Keys that have no default are not there.
+    /// Required keys are missing.
     #[error("{origin}: {} missing: {}; expected as in a file that `feeler init` writes", keys.len(), keys.join(", "))]
     Missing {
-        /// Where the text came from.
+        /// Source of the text.
         origin: String,
-        /// The keys, as far as they can be told.
+        /// The missing keys that could be determined.
         keys: Vec<String>,
     },
-    /// The experiment is for a real rig, and a simulated one is needed.
+    /// A simulation was requested for an experiment that describes a real rig.
     #[error(
         "{name}: the experiment has no [sim], so there is nothing to simulate; expected one with a simulated \
          world, or `feeler hand` for a real rig"
@@ -76,46 +76,46 @@ pub enum ConfigError {
         /// Name of the experiment.
         name: String,
     },
-    /// A setting from the command line makes no sense.
+    /// A setting from the command line is invalid.
     #[error("--set {setting}: {message}")]
     Setting {
         /// The setting.
         setting: String,
-        /// What is wrong with it.
+        /// The problem.
         message: String,
     },
-    /// Values are out of their ranges.
+    /// Values are out of range.
     #[error("{origin}: {}", list(problems))]
     OutOfRange {
-        /// Where the text came from.
+        /// Source of the text.
         origin: String,
-        /// Every value that is out of its range.
+        /// All values that are out of range.
         problems: Vec<Problem>,
     },
-    /// The calibration file cannot be used.
+    /// The calibration file is invalid.
     #[error("{key} = {file:?}: {source}")]
     Calibration {
-        /// The key that names it.
+        /// The key that contains the file name.
         key: String,
-        /// The file.
+        /// The file name used in the experiment.
         file: String,
-        /// What is wrong with it.
+        /// The problem.
         source: Box<CalibrationError>,
     },
-    /// The policy's file could not be read.
+    /// The policy file cannot be read.
     #[error("control.law.policy.file = {file:?}: {source}")]
     PolicyFile {
-        /// The file, as the experiment names it.
+        /// The file name used in the experiment.
         file: String,
-        /// Where it was looked for, and what the system said.
+        /// Error that contains the path.
         source: Box<ConfigError>,
     },
-    /// The policy's file cannot be used.
+    /// The policy file is invalid.
     #[error("control.law.policy.file = {file:?}: {source}")]
     Policy {
-        /// The file.
+        /// The file name used in the experiment.
         file: String,
-        /// What is wrong with it.
+        /// The problem.
         source: Box<PolicyError>,
     },
 }

@@ -1,4 +1,4 @@
-//! Everything that an experiment file says.
+//! The content of an experiment file.
 
 use super::error::ConfigError;
 use super::ros2::RosConfig;
@@ -14,26 +14,28 @@ use feeler_sim::object::ObjectConfig;
 use feeler_sim::thread::ThreadConfig;
 use serde::{Deserialize, Serialize};
 
-/// Everything that an experiment is made of.
+/// Configuration of an experiment.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ExperimentConfig {
     /// Short name, used for the run's folder: letters, digits and hyphens.
     pub name: String,
-    /// What the experiment shows, in a sentence.
+    /// Description of the experiment in one sentence.
     #[serde(default)]
     pub description: String,
     /// Random seed.
     #[serde(default)]
     pub seed: u64,
-    /// Seed that the hand in this file was drawn for, if every seed draws another plausible hand; see
-    /// [`plausible_hand`](crate::sweep::plausible::plausible_hand). Drawn anew if it differs from `seed`.
+    /// Seed for which the hand in this file was drawn; see
+    /// [`plausible_hand`](crate::sweep::plausible::plausible_hand). If present and different from `seed`, another
+    /// plausible
+    /// hand is drawn on loading.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub plausible_hand: Option<i64>,
-    /// Whether simulated forces go through rendered pictures.
+    /// Sensing model of the simulation.
     #[serde(default)]
     pub sensing: Sensing,
-    /// The run is stopped at this simulated time, s.
+    /// Maximum duration of the run in simulated time (s).
     #[serde(default = "a_minute")]
     pub time_limit: f64,
     /// The fingertips' sensors.
@@ -44,15 +46,15 @@ pub struct ExperimentConfig {
     /// The control law.
     #[serde(default)]
     pub control: ControlConfig,
-    /// What the hand does.
+    /// The hand's task.
     pub task: TaskConfig,
-    /// The servos that move the hand, where feeler speaks to them itself.
+    /// Servos of the hand, if feeler drives them directly.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub drives: Option<DrivesConfig>,
-    /// The robot of a ROS 2 graph that is the hand, where there is one.
+    /// Robot of a ROS 2 graph that serves as the hand, if any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ros2: Option<RosConfig>,
-    /// The simulated world that it does it in; none of a real rig.
+    /// The simulated world. `None` for a real rig.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sim: Option<SimConfig>,
 }
@@ -61,59 +63,58 @@ fn a_minute() -> f64 {
     60.0
 }
 
-/// How the controller comes by its forces.
+/// Source of the forces that the controller receives in simulation.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Sensing {
-    /// Through rendered camera frames, moments and calibration.
+    /// Rendered camera images, moments and calibration.
     #[default]
     Image,
-    /// The feelers' forces plus noise, for speed.
+    /// The simulated feelers' forces plus noise; faster.
     Direct,
 }
 
-/// The fingertips' sensors: what all have that say nothing else.
+/// Sensors of the fingertips; defaults for all fingers.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SensorConfig {
-    /// File of the calibration, relative to the experiment's; made by `feeler calibrate`.
+    /// Calibration file, relative to the experiment file; written by `feeler calibrate`.
     pub calibration: String,
-    /// The elements, the camera that looks at them, and how moments are taken of its picture.
+    /// Geometry of the elements, the camera and the evaluation of moments.
     #[serde(default)]
     pub fingertip: FingertipConfig,
-    /// Drift of the lamp and slow creep are taken out of the moments, with these tolerances; without
-    /// it, they are not.
+    /// Tolerances for the compensation of lamp drift and slow creep. Without this table, drift is not compensated.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub drift: Option<DriftConfig>,
-    /// What each finger has of its own: nothing, or an entry per finger of the hand.
+    /// Settings of individual fingers: either empty, or one entry per finger of the hand.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub finger: Vec<FingerSensorConfig>,
 }
 
-/// One finger's sensor, as far as it differs from the others.
+/// Settings of one finger's sensor that differ from the defaults in [`SensorConfig`].
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FingerSensorConfig {
-    /// File of its calibration; without it, `sensor.calibration`.
+    /// Calibration file of this finger. Default: `sensor.calibration`.
     #[serde(default)]
     pub calibration: Option<String>,
-    /// Its fingertip; without it, `sensor.fingertip`.
+    /// Fingertip of this finger. Default: `sensor.fingertip`.
     #[serde(default)]
     pub fingertip: Option<FingertipConfig>,
 }
 
 impl ExperimentConfig {
-    /// The simulated world.
+    /// Returns the simulated world.
     ///
     /// # Errors
-    /// When there is none: the experiment is for a real rig.
+    /// If the experiment describes a real rig.
     pub fn simulation(&self) -> Result<&SimConfig, ConfigError> {
         self.sim.as_ref().ok_or_else(|| ConfigError::NoSimulation {
             name: self.name.clone(),
         })
     }
 
-    /// The simulated cap: the first object on a thread, its name, itself and its thread.
+    /// Returns the simulated cap, which is the first object with a thread: its name, configuration and thread.
     pub fn cap(&self) -> Option<(&str, &ObjectConfig, &ThreadConfig)> {
         self.sim.as_ref()?.cap()
     }
@@ -133,14 +134,14 @@ impl SensorConfig {
         }
     }
 
-    /// The fingertip of `finger`.
+    /// Returns the fingertip of `finger`.
     pub fn fingertip(&self, finger: usize) -> &FingertipConfig {
         let own = self.finger.get(finger);
         own.and_then(|own| own.fingertip.as_ref())
             .unwrap_or(&self.fingertip)
     }
 
-    /// The calibration file of `finger`, and the key that names it.
+    /// Returns the calibration file of `finger`, and the key that contains it.
     pub fn calibration(&self, finger: usize) -> (&str, String) {
         let own = self.finger.get(finger);
         match own.and_then(|own| own.calibration.as_deref()) {

@@ -1,10 +1,10 @@
-//! An experiment file without what stands there as it is by default.
+//! Removes the keys of an experiment file that equal their defaults.
 
 use super::experiment_config::ExperimentConfig;
 use super::load::Experiment;
 use toml_edit::{DocumentMut, Item};
 
-/// Keys that stay even so: what is most often set.
+/// Keys that are kept even if they equal their defaults because they are edited most often.
 const USUAL: [&str; 22] = [
     "name",
     "seed",
@@ -30,14 +30,15 @@ const USUAL: [&str; 22] = [
     "sim.feeler.kinetic_friction",
 ];
 
-/// What stands over the simulated world.
+/// Comment above the simulated world.
 const OVER_SIM: &str = "
 # The simulated world. A real rig has none: leave out [sim] and all that follows.
 ";
 
 impl Experiment {
-    /// A text that says the same in fewer keys: those that have no default or another value, and the usual ones, with their
-    /// comments. It begins with `heading`, which is a comment.
+    /// Returns an equivalent text that contains only required keys, keys that differ from their defaults, and the
+    /// keys that
+    /// are edited most often, with their comments. The text begins with the comment `heading`.
     pub fn in_short(&self, heading: &str) -> String {
         let Ok(mut document) = self.toml.parse::<DocumentMut>() else {
             return self.toml.clone();
@@ -60,7 +61,7 @@ impl Experiment {
     }
 }
 
-/// Whether a key or one below it is usual.
+/// Returns `true` if the key at `path`, or a key below it, is in [`USUAL`].
 fn is_usual(path: &[String]) -> bool {
     let key = path.join(".");
     let below = |usual: &str| usual.strip_prefix(&key)?.chars().next().map(|c| c == '.');
@@ -69,7 +70,7 @@ fn is_usual(path: &[String]) -> bool {
         .any(|usual| *usual == key || below(usual) == Some(true))
 }
 
-/// All keys, each table before what is in it; lists are taken as one.
+/// Returns the paths of all keys, each table before its content. Lists are not descended into.
 fn paths(document: &DocumentMut) -> Vec<Vec<String>> {
     let mut paths = Vec::new();
     collect(document.as_item(), &[], &mut paths);
@@ -88,7 +89,7 @@ fn collect(item: &Item, path: &[String], paths: &mut Vec<Vec<String>>) {
     }
 }
 
-/// Takes out what is at `path`, if anything is.
+/// Removes and returns the item at `path`, if any.
 fn remove(item: &mut Item, path: &[String]) -> Option<Item> {
     let table = item.as_table_like_mut()?;
     match path {
@@ -117,8 +118,9 @@ mod tests {
             assert_eq!(short.sha256(), whole.sha256());
             assert!(text.starts_with("# Heading\nname ="), "{text}");
             let lines = |text: &str| text.lines().count();
-            // Those that say everything, the hand as well, lose a third; a template of which most is to be changed, and those that leave
-            // out what is as by default, little more than their heading.
+            // Experiments that spell out everything, including the hand, lose a third of their text. The template,
+            // most of which
+            // is meant to be changed, and experiments that omit defaults shrink only by about their heading.
             let says_all = built_in.toml.contains("[[hand.finger]]");
             let is_template = built_in.toml.contains("[drives]");
             let of_three = if says_all && !is_template { 2 } else { 3 };
@@ -135,7 +137,7 @@ mod tests {
         assert!(text.lines().count() <= 60, "{text}");
     }
 
-    /// Whatever else the reference experiment says is what a file that does not say it gets.
+    /// All keys default to the values of the reference experiment.
     #[test]
     fn defaults_are_those_of_the_reference_experiment() {
         let text = r#"
@@ -164,7 +166,7 @@ mod tests {
         assert_eq!(least.config, load("cap-closing").config);
     }
 
-    /// What a task of its own experiment needs no word for.
+    /// Defaults of each task equal the values of the experiment that demonstrates it.
     #[test]
     fn defaults_of_tasks_are_those_of_their_experiments() {
         let cases: [(&str, &str, &[&str]); 4] = [
@@ -191,7 +193,7 @@ mod tests {
         }
     }
 
-    /// A setting of one entry leaves the list's others as they are by default.
+    /// Setting one entry of a list leaves the other entries at their defaults.
     #[test]
     fn an_entry_of_a_list_that_is_not_in_the_file_can_be_set() {
         let settings = [

@@ -1,13 +1,13 @@
-//! The values of an experiment by key, and the key that a name means.
+//! Flattens an experiment into key-value pairs and resolves abbreviated keys.
 
 use crate::config::ExperimentConfig;
 use strsim::damerau_levenshtein as distance;
 use toml::Value;
 
-/// Name by which a sweep varies all friction coefficients together. As the name of a single key it is ambiguous.
+/// Name under which a sweep varies all friction coefficients together. As the name of a single key it is ambiguous.
 pub const FRICTION: &str = "friction";
 
-/// Every single value of an experiment with its key, defaults included.
+/// Returns every scalar value of an experiment with its dotted key, defaults included.
 pub fn leaves(config: &ExperimentConfig) -> Vec<(String, Value)> {
     let mut found = Vec::new();
     if let Ok(value) = Value::try_from(config) {
@@ -36,25 +36,25 @@ fn collect(key: &str, value: Value, found: &mut Vec<(String, Value)>) {
     }
 }
 
-/// The number that a value is, if it is one.
+/// Converts a value to a number, if it is numeric.
 pub fn number(value: &Value) -> Option<f64> {
     value
         .as_float()
         .or_else(|| value.as_integer().map(|whole| whole as f64))
 }
 
-/// The one key that `name` means.
+/// Finds the only key that matches `name`, which may be abbreviated.
 ///
 /// # Errors
-/// When there is none, or more than one, in words.
+/// If no key or several keys match, a message that lists candidates.
 pub fn find<'a>(name: &str, leaves: &'a [(String, Value)]) -> Result<&'a (String, Value), String> {
     if name == "seed" {
-        return Err("every trial has a seed of its own anyway: set the sweep's with --seed".into());
+        return Err("seed cannot be varied, because every trial has a separate seed; set the seed of the sweep with --seed".into());
     }
     if let Some(exact) = leaves.iter().find(|(key, _)| key == name) {
         return Ok(exact);
     }
-    // Only the variation of the coefficients is called so, but the coefficients may be meant.
+    // "friction" is a variation of all coefficients; as a key, it is ambiguous among them.
     let is_meant = |key: &str| match name {
         FRICTION => key.ends_with(FRICTION),
         name => means(name, key),
@@ -63,20 +63,20 @@ pub fn find<'a>(name: &str, leaves: &'a [(String, Value)]) -> Result<&'a (String
     match meant[..] {
         [one] => Ok(one),
         [] => Err(format!(
-            "there is no parameter {name:?}; the nearest are {}",
+            "there is no parameter {name:?}; similar names: {}",
             nearest(name, leaves).join(", ")
         )),
         _ => {
             let keys: Vec<_> = meant.iter().take(12).map(|(key, _)| key.as_str()).collect();
             Err(format!(
-                "{name:?} could mean any of {}; say more of it",
+                "{name:?} could mean any of {}; use a longer part of the key",
                 keys.join(", ")
             ))
         }
     }
 }
 
-/// Whether the segments of `name` stand in `key` in this order, the last one last.
+/// Returns `true` if the segments of `name` occur in `key` in this order and both end with the same segment.
 fn means(name: &str, key: &str) -> bool {
     let mut segments = key.split('.').rev();
     let mut names = name.split('.').rev();
@@ -86,7 +86,7 @@ fn means(name: &str, key: &str) -> bool {
     names.all(|name| segments.any(|segment| segment == name))
 }
 
-/// The keys whose last segments are spelt most like `name`'s.
+/// Returns the keys whose last segment is most similar to the last segment of `name`.
 fn nearest(name: &str, leaves: &[(String, Value)]) -> Vec<String> {
     let last = |key: &str| key.rsplit('.').next().unwrap_or(key).to_string();
     let mut ranked: Vec<_> = leaves
@@ -97,9 +97,10 @@ fn nearest(name: &str, leaves: &[(String, Value)]) -> Vec<String> {
     ranked.into_iter().take(4).map(|(_, key)| key).collect()
 }
 
-/// End of an error message that suggests the most similar of `names`; empty if none is similar to `name`.
+/// Returns the end of an error message that suggests the most similar of `names`, or an empty string if none is
+/// similar to `name`.
 pub fn did_you_mean<'a>(name: &str, names: impl Iterator<Item = &'a str>) -> String {
-    /// Largest part of the letters that may differ.
+    /// Maximum fraction of letters that may differ.
     const DIFFERENT: f64 = 1.0 / 3.0;
     let most = (DIFFERENT * name.len() as f64).ceil() as usize;
     let like = names.map(|other| (distance(name, other), other)).min();

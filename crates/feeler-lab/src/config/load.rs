@@ -1,4 +1,4 @@
-//! From a name or a file, and what the command line sets, to an experiment.
+//! Loads an experiment from a built-in name or a file and applies settings from the command line.
 
 use super::blame::{Blamed, to_blame};
 use super::built_in::BUILT_IN;
@@ -18,30 +18,29 @@ use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use toml_edit::DocumentMut;
 
-/// Longest experiment or calibration file, bytes.
+/// Maximum size of an experiment or calibration file in bytes.
 const MAX_TEXT: u64 = 16 << 20;
 
-/// An experiment: its configuration, and the text that says the same with all comments.
+/// An experiment: its checked configuration, and the equivalent text with comments.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Experiment {
-    /// The configuration, checked.
+    /// The checked configuration.
     pub config: ExperimentConfig,
-    /// The experiment file as run, with what the command line set.
+    /// Text of the experiment file with all settings applied.
     pub toml: String,
-    /// The folder that file names are relative to; none for a built-in experiment.
+    /// Folder that file names are relative to. `None` for a built-in experiment.
     pub(super) folder: Option<PathBuf>,
-    /// Calibration files that came with it, by the name that it has for each.
+    /// Calibration files that replace those in the folder, keyed by the file name used in the experiment.
     pub(super) calibrations: BTreeMap<String, String>,
-    /// The policy that came with it.
+    /// Policy file that replaces the one in the folder.
     pub(super) policy: Option<PolicyFile>,
 }
 
 impl Experiment {
-    /// The experiment called `name`, a built-in one or a file, with `settings` of the form
-    /// `control.slip_threshold=2.5` put in.
+    /// Loads the built-in experiment or file `name` and applies `settings` of the form `control.slip_threshold=2.5`.
     ///
     /// # Errors
-    /// When there is none, its text makes no sense, or a value is out of its range.
+    /// If there is no such experiment, its text is invalid, or a value is out of range.
     pub fn load(name: &str, settings: &[String]) -> Result<Self, ConfigError> {
         if let Some(built_in) = BUILT_IN.iter().find(|b| b.name == name) {
             return Self::parse(built_in.toml, name, settings, None);
@@ -56,11 +55,11 @@ impl Experiment {
         Self::parse(&text, name, settings, Some(folder))
     }
 
-    /// The experiment that `text` says, which came from `origin` (for messages). File names in it
-    /// are relative to `folder`; without one, they name built-in files.
+    /// Parses the experiment in `text`. `origin` names the source in error messages. File names in the experiment are
+    /// relative to `folder`; without a folder, they refer to built-in files.
     ///
     /// # Errors
-    /// As [`Self::load`].
+    /// Same as [`Self::load`].
     pub fn parse(
         text: &str,
         origin: &str,
@@ -109,7 +108,7 @@ impl Experiment {
         };
         match experiment.redrawn_hand()? {
             None => Ok(experiment),
-            // What is set takes precedence over what is drawn, except for which hand was drawn.
+            // Explicit settings override drawn values, except for the seed of the drawn hand.
             Some(drawn) => {
                 let seed = format!("plausible_hand={}", experiment.config.seed);
                 let settings = [&drawn[..], settings, &[seed]].concat();
@@ -118,9 +117,11 @@ impl Experiment {
         }
     }
 
-    /// The settings of the plausible hand of this seed; `None` if the experiment draws none, or has it already.
+    /// Returns the settings of the plausible hand for the seed, or `None` if the experiment does not draw a hand or
+    /// already
+    /// contains the one for this seed.
     fn redrawn_hand(&self) -> Result<Option<Vec<String>>, ConfigError> {
-        // A seed in a file is a TOML integer.
+        // TOML integers are signed.
         let seed = self.config.seed as i64;
         if self.config.plausible_hand.is_none_or(|drawn| drawn == seed) {
             return Ok(None);
@@ -133,10 +134,10 @@ impl Experiment {
         Ok(Some(settings))
     }
 
-    /// The same with `settings` put in, too.
+    /// Returns the experiment with additional `settings` applied.
     ///
     /// # Errors
-    /// When a setting makes no sense, or a value is out of its range.
+    /// If a setting is invalid, or a value is out of range.
     pub fn with_settings(&self, settings: &[String]) -> Result<Self, ConfigError> {
         let (origin, folder) = (&self.config.name, self.folder.clone());
         let (calibrations, policy) = (self.calibrations.clone(), self.policy.clone());
@@ -148,10 +149,10 @@ impl Experiment {
         })
     }
 
-    /// The same experiment with `config` in place of its values; its text has no comments.
+    /// Returns the experiment with its values replaced by `config`. The new text has no comments.
     ///
     /// # Errors
-    /// When a value is out of its range.
+    /// If a value is out of range.
     pub fn with_config(&self, config: ExperimentConfig) -> Result<Self, ConfigError> {
         let problems = check(&config);
         if !problems.is_empty() {
@@ -165,21 +166,21 @@ impl Experiment {
         })
     }
 
-    /// SHA-256 of all values, settings included; not of comments, order or layout of the text.
+    /// Returns the SHA-256 of all values, settings included. Comments, order and layout of the text do not affect it.
     pub fn sha256(&self) -> String {
-        // Every value of an experiment came from TOML, or stands for one that can.
+        // Every value came from TOML, or has a TOML equivalent.
         sha256(&toml::to_string(&self.config).unwrap_or_else(|e| e.to_string()))
     }
 
-    /// The folder that file names are relative to.
+    /// Returns the folder that file names are relative to.
     pub fn folder(&self) -> &Path {
         self.folder.as_deref().unwrap_or(Path::new(""))
     }
 
-    /// The fingertip of `finger`; without one, that of all fingers that have none of their own.
+    /// Returns the fingertip of `finger`, or the default fingertip if `finger` is `None`.
     ///
     /// # Errors
-    /// When there is no such finger.
+    /// If there is no such finger.
     pub fn fingertip(&self, finger: Option<usize>) -> Result<&FingertipConfig, ConfigError> {
         let (sensor, fingers) = (&self.config.sensor, self.config.hand.finger.len());
         match finger {
@@ -190,7 +191,7 @@ impl Experiment {
     }
 }
 
-/// A good `text` with all defaults, where `settings` need it.
+/// Returns a valid `text` with all defaults spelled out if any of `settings` indexes a list, else `None`.
 pub(super) fn with_defaults(text: &str, settings: &[String]) -> Option<DocumentMut> {
     let is_index = |part: &str| part.trim().parse::<usize>().is_ok();
     let key = |setting: &'_ String| setting.split('=').next().map(str::to_string);
@@ -200,7 +201,7 @@ pub(super) fn with_defaults(text: &str, settings: &[String]) -> Option<DocumentM
     toml::to_string(&config).ok()?.parse().ok()
 }
 
-/// The keys that `toml` lacks, where that is what the parser stopped at.
+/// Returns the keys that `toml` lacks if the parser stopped at a missing key, else an empty list.
 fn missing_keys(toml: &str, error: &toml::de::Error) -> Vec<String> {
     if !error.message().starts_with("missing field") {
         return Vec::new();
@@ -209,7 +210,7 @@ fn missing_keys(toml: &str, error: &toml::de::Error) -> Vec<String> {
     missing::<ExperimentConfig>(table)
 }
 
-/// The text of a file, unless it is far longer than any that makes sense (a device, a recording).
+/// Reads a text file. Rejects files much longer than any valid one, such as devices and recordings.
 pub(super) fn read(path: &Path, expected: &'static str) -> Result<String, ConfigError> {
     let bytes = read_bytes(path, MAX_TEXT, expected)?;
     String::from_utf8(bytes).map_err(|_| ConfigError::Read {
@@ -219,7 +220,7 @@ pub(super) fn read(path: &Path, expected: &'static str) -> Result<String, Config
     })
 }
 
-/// What a file holds, unless it is longer than `most` bytes.
+/// Reads a file, unless it is longer than `most` bytes.
 pub(super) fn read_bytes(
     path: &Path,
     most: u64,

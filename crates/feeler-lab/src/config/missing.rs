@@ -1,16 +1,17 @@
-//! All keys that a file lacks, as a parser stops at the first one.
+//! Lists all missing keys of a file, where a parser reports only the first one.
 //!
-//! A table is read again and again, each time with a stand-in for every key that was missing before, until nothing is
-//! missing any more or something else is wrong. What was read is thrown away.
+//! The table is deserialized repeatedly, each time with placeholders for the keys found missing so far, until no key is
+//! missing or another error occurs. The deserialized values are discarded.
 
 use super::place::{Place, Stop};
 use serde::Deserialize;
 use toml::{Table, Value};
 
-/// Most keys that are listed: whoever lacks more has another file in mind.
+/// Maximum number of keys listed. A file that lacks more is probably not an experiment at all.
 const MOST: usize = 20;
 
-/// The keys that a `T` needs and `table` lacks, up to [`MOST`]; as far as it can be told where something else is wrong, too.
+/// Returns the keys that a `T` requires and `table` lacks, up to [`MOST`]. The list may be incomplete if the table
+/// has other errors.
 pub(super) fn missing<'de, T: Deserialize<'de>>(table: Table) -> Vec<String> {
     let table = Value::Table(table);
     let mut missing: Vec<String> = Vec::new();
@@ -20,7 +21,7 @@ pub(super) fn missing<'de, T: Deserialize<'de>>(table: Table) -> Vec<String> {
             _ => break,
         }
     }
-    // Of a table that is missing, the keys that it needs say more.
+    // The required keys of a missing table are more informative than the table itself.
     let whole = missing.clone();
     let below = |path: &str| format!("{path}.");
     missing.retain(|path| !whole.iter().any(|other| other.starts_with(&below(path))));

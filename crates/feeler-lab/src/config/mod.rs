@@ -1,5 +1,5 @@
-//! The experiment file: one documented struct, read from TOML, checked once, turned once into
-//! runtime objects.
+//! The experiment file: one documented struct, read from TOML and checked once before it is converted to runtime
+//! objects.
 
 mod blame;
 mod built_in;

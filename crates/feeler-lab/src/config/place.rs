@@ -1,17 +1,17 @@
-//! A place in a TOML file in which keys may be missing.
+//! A position in a TOML file in which keys may be missing.
 
 use serde::de::Error;
 use std::fmt;
 use toml::Value;
 
-/// Why reading ended.
+/// Reason that deserialization stopped.
 #[derive(Debug)]
 pub(super) enum Stop {
     /// This key of the innermost table is missing.
     Key(&'static str),
     /// The key at this path is missing.
     At(String),
-    /// Something else is wrong.
+    /// Any other error.
     Other,
 }
 
@@ -33,20 +33,20 @@ impl Error for Stop {
     }
 }
 
-/// A place in the file, and what stands there.
+/// A position in the file and the value there.
 #[derive(Clone)]
 pub(super) struct Place<'a> {
-    /// What stands there; without it, whatever is asked for.
+    /// The value in the file. `None` for a placeholder, which yields a default of any requested type.
     pub(super) value: Option<&'a Value>,
     pub(super) path: String,
-    /// The keys that were missing so far.
+    /// Paths of the keys found missing so far.
     pub(super) missing: &'a [String],
-    /// Whether a table that does not stand there has all its keys, and not only those that were missing.
+    /// Whether a placeholder table has all of its keys instead of only those in `missing`.
     pub(super) all: bool,
 }
 
 impl<'a> Place<'a> {
-    /// A whole file.
+    /// Returns the position of a whole file.
     pub(super) fn root(file: &'a Value, missing: &'a [String]) -> Self {
         Self {
             value: Some(file),
@@ -77,7 +77,7 @@ impl<'a> Place<'a> {
         }
     }
 
-    /// The entries of the table here: those that stand in the file, then stand-ins.
+    /// Returns the entries of the table at this position: those in the file, then placeholders for missing ones.
     pub(super) fn entries(&self, fields: &[&'static str]) -> Vec<(String, Self)> {
         let table = self.value.and_then(Value::as_table);
         let there = table.into_iter().flatten();
@@ -94,7 +94,7 @@ impl<'a> Place<'a> {
         entries
     }
 
-    /// The elements of the list here, or so many stand-ins.
+    /// Returns the elements of the list at this position, or `stand_ins` placeholders if there is no list.
     pub(super) fn elements(&self, stand_ins: usize) -> Vec<Self> {
         match self.value.and_then(Value::as_array) {
             Some(values) => {

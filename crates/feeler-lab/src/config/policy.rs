@@ -1,4 +1,4 @@
-//! The policy's file that an experiment may name as its control law.
+//! The policy file that an experiment may use as its control law.
 
 use super::error::ConfigError;
 use super::load::{Experiment, read_bytes};
@@ -9,17 +9,17 @@ use feeler_record::PolicyFile;
 use std::sync::Arc;
 
 impl Experiment {
-    /// The same experiment with this policy's file in place of that in its folder, if it is the one that it names.
+    /// Returns the experiment with `policy` in place of the file in its folder, provided that the names agree.
     #[must_use]
     pub fn with_policy(mut self, policy: Option<PolicyFile>) -> Self {
         self.policy = policy;
         self
     }
 
-    /// The file of the policy that the experiment names; none under another law.
+    /// Reads the policy file of the experiment. Returns `None` if the experiment uses another law.
     ///
     /// # Errors
-    /// When it cannot be read.
+    /// If the file cannot be read.
     pub fn policy_file(&self) -> Result<Option<PolicyFile>, ConfigError> {
         let LawConfig::Policy(PolicyConfig { file, .. }) = &self.config.control.law else {
             return Ok(None);
@@ -43,10 +43,10 @@ impl Experiment {
         }))
     }
 
-    /// What the controller is tuned by, with its policy, if it has one.
+    /// Returns the configuration of the controller, with the policy loaded if the law is a policy.
     ///
     /// # Errors
-    /// When the policy's file cannot be read or is none.
+    /// If the policy file cannot be read or is invalid.
     pub fn control(&self) -> Result<ControlConfig, ConfigError> {
         let mut control = self.config.control.clone();
         if let (LawConfig::Policy(policy), Some(file)) = (&mut control.law, self.policy_file()?) {

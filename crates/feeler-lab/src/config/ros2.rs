@@ -1,37 +1,39 @@
-//! The table `[ros2]` of an experiment file: a robot of a ROS 2 graph as the hand, sensors of the graph as its fingertips.
+//! The table `[ros2]` of an experiment file, which uses a robot of a ROS 2 graph as the hand and its sensors as
+//! fingertips.
 
 use feeler::check::Checker;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 
-/// Longest name of a topic or joint.
+/// Maximum length of the name of a topic or joint.
 const MOST_NAME: usize = 255;
 
-/// The robot whose joints are the hand's.
+/// Robot whose joints are the joints of the hand.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RosConfig {
-    /// Topic of its `sensor_msgs/JointState`.
+    /// Topic of the joint states (`sensor_msgs/JointState`).
     #[serde(default = "joint_states")]
     pub joint_states: String,
-    /// Topic of the commands (`std_msgs/Float64MultiArray`, rad/s) of a `forward_command_controller` for velocities, which has the
-    /// joints in the order of this table.
+    /// Topic of velocity commands (`std_msgs/Float64MultiArray`, rad/s) for a `forward_command_controller` whose
+    /// joints are in
+    /// the order of this table.
     #[serde(default = "commands")]
     pub commands: String,
     /// The fingers, in the order of `hand.finger`.
     pub finger: Vec<RosFingerConfig>,
 }
 
-/// One finger: its joints, and its fingertip if that is a sensor of the graph.
+/// Joints of one finger, and its fingertip if that is a sensor of the graph.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RosFingerConfig {
     /// Names of the joints theta1, theta2, theta3.
     pub joints: [String; 3],
-    /// Topic of a `sensor_msgs/PointCloud2` with a point for each element of the fingertip.
+    /// Topic of a `sensor_msgs/PointCloud2` with one point per element of the fingertip.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cloud: Option<String>,
-    /// Topic of a `geometry_msgs/WrenchStamped`, for a fingertip of one element.
+    /// Topic of a `geometry_msgs/WrenchStamped`, for a fingertip with one element.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wrench: Option<String>,
 }
@@ -45,7 +47,7 @@ fn commands() -> String {
 }
 
 impl RosConfig {
-    /// Requires every value of the table `key` to be in its range, for fingertips of so many `elements`, one number for each finger.
+    /// Requires every value of the table `key` to be in range. `elements` is the number of elements of each finger.
     pub fn check(&self, key: &str, elements: &[usize], checker: &mut Checker) {
         name(&format!("{key}.joint_states"), &self.joint_states, checker);
         name(&format!("{key}.commands"), &self.commands, checker);
@@ -54,7 +56,7 @@ impl RosConfig {
             &format!("{key}.finger"),
             format!("{actual} fingers"),
             actual == fingers,
-            &format!("as many fingers as hand.finger has, {fingers}"),
+            &format!("as many fingers as hand.finger ({fingers})"),
         );
         let mut joints = BTreeSet::new();
         for (number, (finger, &elements)) in self.finger.iter().zip(elements).enumerate() {
@@ -63,7 +65,12 @@ impl RosConfig {
                 let field = format!("{key}.joints");
                 name(&field, joint, checker);
                 let value = format!("{joint:?}");
-                checker.require(&field, value, joints.insert(joint), "joints of their own");
+                checker.require(
+                    &field,
+                    value,
+                    joints.insert(joint),
+                    "a different name for each joint",
+                );
             }
             finger.check_sensor(&key, elements, checker);
         }
@@ -84,14 +91,15 @@ impl RosFingerConfig {
                 self.cloud.is_none(),
                 "a wrench or a cloud, not both",
             );
-            let expected =
-                format!("a fingertip of one element; this one has {elements}, which need a cloud");
+            let expected = format!(
+                "a fingertip of one element; this one has {elements}, which requires a cloud"
+            );
             checker.require(&field, format!("{wrench:?}"), elements == 1, &expected);
         }
     }
 }
 
-/// Requires the name of a topic or joint.
+/// Requires a valid name of a topic or joint.
 fn name(field: &str, value: &str, checker: &mut Checker) {
     let good = (1..=MOST_NAME).contains(&value.len()) && !value.chars().any(char::is_whitespace);
     let expected = format!("1 to {MOST_NAME} characters without a space");

@@ -1,11 +1,11 @@
-//! What the command line sets: `control.slip_threshold=2.5` put into an experiment's text.
+//! Applies settings from the command line, such as `control.slip_threshold=2.5`, to the text of an experiment.
 
 use super::error::ConfigError;
 use toml_edit::{DocumentMut, Item, Value};
 
-/// Puts `key.path=value` into a document; numbers in the path index arrays. A list of which it sets one entry is taken from
-/// `full`, the document with all defaults, where `document` does not have it.
-/// That an experiment knows the key shows when the text is read.
+/// Sets `key.path=value` in a document. Numbers in the path index arrays. A list that is missing in `document` is first
+/// copied from `full`, the document with all defaults, so that one entry of it can be set.
+/// Unknown keys are detected later, when the document is deserialized.
 pub(super) fn put(
     document: &mut DocumentMut,
     full: Option<&DocumentMut>,
@@ -30,7 +30,7 @@ pub(super) fn put(
         path = format!("{path}{part}.");
     }
     let value = value.trim();
-    // A word that is no TOML value is a string: --set sensing=direct needs no quotes.
+    // A value that is not TOML is taken as a string, so that --set sensing=direct needs no quotes.
     let parsed = value.parse().unwrap_or_else(|_| Value::from(value));
     let comment = item.as_value().map(|old| old.decor().clone());
     *item = Item::Value(parsed);
@@ -40,7 +40,7 @@ pub(super) fn put(
     Ok(())
 }
 
-/// Puts `value` under `part` into a table that has nothing there.
+/// Inserts `value` into a table under the key `part` unless the key exists.
 fn insert_missing(item: &mut Item, part: &str, value: &Item) {
     if item.is_none() {
         *item = Item::Table(toml_edit::Table::new());
@@ -53,7 +53,7 @@ fn insert_missing(item: &mut Item, part: &str, value: &Item) {
     }
 }
 
-/// The item called `part` in a table, or at index `part` in an array; otherwise what there is.
+/// Returns the item under key `part` of a table or at index `part` of an array, or an error message.
 fn step_into<'a>(item: &'a mut Item, part: &str) -> Result<&'a mut Item, String> {
     let count = match &*item {
         Item::ArrayOfTables(tables) => Some(tables.len()),
@@ -65,12 +65,11 @@ fn step_into<'a>(item: &'a mut Item, part: &str) -> Result<&'a mut Item, String>
         return found
             .ok_or_else(|| format!("{part}: there is no such entry; expected 0 to {last}"));
     }
-    // A key that is not there may be one that has a default.
+    // A missing key may be one that has a default.
     if item.is_none() {
         *item = Item::Table(toml_edit::Table::new());
     }
     let table = item.as_table_like_mut();
     let entry = table.map(|table| table.entry(part).or_insert(Item::None));
-    entry
-        .ok_or_else(|| format!("{part}: there is no such key; it would stand under a single value"))
+    entry.ok_or_else(|| format!("{part}: there is no such key; its parent is a single value"))
 }

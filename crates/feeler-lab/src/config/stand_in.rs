@@ -1,4 +1,4 @@
-//! Reads a TOML file with stand-ins for keys that are missing.
+//! Deserializes a TOML file with placeholders for missing keys.
 
 use super::place::{Place, Stop};
 use serde::de::value::{MapDeserializer, SeqDeserializer, StrDeserializer};
@@ -38,7 +38,7 @@ impl<'de> IntoDeserializer<'de, Stop> for Place<'_> {
     }
 }
 
-/// Methods that ask for a single value: what stands there, or this.
+/// Defines methods that deserialize a single value: the value in the file, or the given placeholder.
 macro_rules! single {
     ($visit:ident($stand_in:expr): $($method:ident)*) => {
         $(fn $method<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Stop> {
@@ -67,7 +67,7 @@ impl<'de> Deserializer<'de> for Place<'_> {
 
     single! { visit_bool(false): deserialize_bool }
     single! { visit_str(""): deserialize_str deserialize_string }
-    // Whatever a number is kept in takes a small one.
+    // Every numeric type accepts a u8.
     single! { visit_u8(0): deserialize_i8 deserialize_i16 deserialize_i32 deserialize_i64 deserialize_u8 deserialize_u16 }
     single! { visit_u8(0): deserialize_u32 deserialize_u64 deserialize_f32 deserialize_f64 }
 
@@ -127,7 +127,7 @@ impl<'de> Deserializer<'de> for Place<'_> {
                 (name.clone(), Some(value))
             }
             Some(_) => return Err(Stop::Other),
-            // Which one is missing nobody can tell, much less what it needs.
+            // The variant is unknown, so use the first one.
             None => (variants.first().ok_or(Stop::Other)?.to_string(), None),
         };
         let content = Place {

@@ -1,6 +1,6 @@
-//! What a TOML value should have been, in the words of who writes the file.
+//! Translates type errors of the TOML parser into terms of the file format.
 
-/// What the parser calls a type, and what its writer does.
+/// Names of types in parser messages, and the terms for them in messages to users.
 const TYPES: [(&[&str], &str); 6] = [
     (&["u8"], "a whole number from 0 to 255"),
     (
@@ -13,7 +13,7 @@ const TYPES: [(&[&str], &str); 6] = [
     (&["a map"], "a table"),
 ];
 
-/// What the parser calls what it found, and what its writer does.
+/// Descriptions of found values in parser messages, and in messages to users.
 const FOUND: [(&str, &str); 7] = [
     ("invalid type: string ", "the text "),
     ("invalid type: integer ", "the whole number "),
@@ -24,14 +24,14 @@ const FOUND: [(&str, &str); 7] = [
     ("invalid value: integer ", "the whole number "),
 ];
 
-/// A parser's message without the names of Rust types.
+/// Returns a parser's message without the names of Rust types.
 pub(super) fn in_words(message: &str) -> String {
     let lines = message.split('\n').map(line_in_words);
     lines.collect::<Vec<_>>().join("\n")
 }
 
 fn line_in_words(line: &str) -> String {
-    // What is quoted of the file stays as it is.
+    // Quoted content of the file is not changed.
     let found = FOUND.iter().find(|(parsers, _)| line.starts_with(parsers));
     let (Some((parsers, own)), Some((_, expected))) = (found, line.rsplit_once(", expected "))
     else {

@@ -1,4 +1,4 @@
-//! What an agent's numbers mean.
+//! Interpretation of actions.
 
 use super::EnvironmentError;
 use feeler::control::limits::LimitsConfig;
@@ -8,33 +8,34 @@ use feeler::hand::kinematics::jacobian;
 use feeler::hand::resolved_rate::resolved_rate;
 use glam::DVec3;
 
-/// No number of an action counts for more, m/s or rad/s: far beyond all limits, and nothing that is made of it overflows.
+/// Actions are clamped to this magnitude (m/s or rad/s), which is far above all limits, to prevent overflow.
 const MOST: f64 = 1e6;
 
-/// What the three numbers of an action for each finger mean.
+/// Meaning of the three numbers of an action per finger.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum ActionKind {
-    /// The fingertip's velocity in the world `W`, m/s.
+    /// Fingertip velocity in the world frame `W` (m/s).
     World,
-    /// The fingertip's velocity in its own frame `T`, m/s: the same for fingers that face each other.
+    /// Fingertip velocity in the fingertip frame `T` (m/s), which has the same meaning for fingers that face each
+    /// other.
     #[default]
     Fingertip,
-    /// Joint velocities theta1..theta3, rad/s. The limits get the fingertip velocity that they make, by the Jacobian.
+    /// Joint velocities theta1 to theta3 (rad/s), converted to a fingertip velocity by the Jacobian before limiting.
     Joints,
 }
 
 impl ActionKind {
-    /// The names of all kinds.
+    /// Names of all kinds.
     pub const NAMES: [&str; 3] = ["world", "fingertip", "joints"];
 
-    /// The kind of this name, if there is one.
+    /// Returns the kind with the given name, if any.
     pub fn named(name: &str) -> Option<Self> {
         let kinds = [Self::World, Self::Fingertip, Self::Joints];
         let index = Self::NAMES.iter().position(|own| *own == name)?;
         kinds.get(index).copied()
     }
 
-    /// How large the three numbers of a finger can be before a limit changes them, whatever their sign.
+    /// Largest magnitude of each number of a finger's action that no limit changes.
     pub(super) fn bounds(self, finger: &FingerGeometry, limits: &LimitsConfig) -> DVec3 {
         match self {
             Self::World | Self::Fingertip => DVec3::splat(limits.fingertip_speed),
@@ -42,7 +43,7 @@ impl ActionKind {
         }
     }
 
-    /// The fingertip velocity that `action` asks of a finger, m/s, in W.
+    /// Converts an action of one finger to a fingertip velocity in W (m/s).
     pub(super) fn velocity(
         self,
         action: DVec3,
@@ -57,7 +58,7 @@ impl ActionKind {
         }
     }
 
-    /// The action that asks for `velocity`, m/s, in W: the other way round.
+    /// Converts a fingertip velocity in W (m/s) to an action; the inverse of [`velocity`](Self::velocity).
     pub(super) fn action(
         self,
         velocity: DVec3,
@@ -72,7 +73,7 @@ impl ActionKind {
     }
 }
 
-/// Requires room for `expected` numbers.
+/// Requires an action of `expected` numbers.
 pub(super) fn check_length(action: &[f64], expected: usize) -> Result<(), EnvironmentError> {
     match action.len() {
         actual if actual == expected => Ok(()),
@@ -80,7 +81,7 @@ pub(super) fn check_length(action: &[f64], expected: usize) -> Result<(), Enviro
     }
 }
 
-/// Requires `count` finite numbers.
+/// Requires an action of `count` finite numbers.
 pub(super) fn check(action: &[f64], count: usize) -> Result<(), EnvironmentError> {
     check_length(action, count)?;
     let mut numbers = action.iter().copied().enumerate();

@@ -1,21 +1,23 @@
 //! Bounds of the numbers of an observation.
 //!
-//! They follow from the experiment: no feeler is compressed by more than the dome's diameter, and friction limits its shear force;
-//! joints are within their limits, and velocities within the speed limits. Values that vary from episode to episode (stiffness,
-//! friction) may be up to [`VARIED`] times the experiment's.
+//! The bounds follow from the experiment: compression of a feeler is limited by the dome's diameter and its shear
+//! force by friction;
+//! joints are within their limits, and velocities within the speed limits. Values that vary between episodes
+//! (stiffness, friction) may
+//! be up to [`VARIED`] times those of the experiment.
 
 use super::Environment;
 use crate::config::ExperimentConfig;
 use feeler::hand::finger::FingerGeometry;
 
-/// Room for what varies, relative to the experiment's own values.
+/// Margin for varied values, as a factor of the experiment's values.
 const VARIED: f64 = 2.0;
-/// Room for noise of forces: standard deviations of each.
+/// Margin for force noise, in standard deviations.
 const NOISE: f64 = 10.0;
-/// Room for noise of joints, relative to their ranges and speeds.
+/// Margin for joint noise, relative to the joint ranges and speed limits.
 const JOINT_NOISE: f64 = 0.1;
 
-/// The bounds of one finger.
+/// Computes the bounds for one finger.
 struct Bounds<'a> {
     config: &'a ExperimentConfig,
     geometry: &'a FingerGeometry,
@@ -24,7 +26,7 @@ struct Bounds<'a> {
 }
 
 impl Environment {
-    /// Least and greatest of each number of an [`observation`](Self::observation), all finite.
+    /// Returns the minimum and maximum of each number of an [`observation`](Self::observation). All are finite.
     pub fn observation_bounds(&self) -> (Vec<f32>, Vec<f32>) {
         let controller = self.session.control_loop().controller();
         let fingers = controller.fingers().iter().zip(&self.layouts).enumerate();
@@ -43,7 +45,7 @@ impl Environment {
 }
 
 impl Bounds<'_> {
-    /// Lower and upper bounds of the `length` numbers of a part.
+    /// Returns the minimum and maximum of each of the `length` numbers of `part`.
     fn of_part(&self, part: &str, length: usize) -> Vec<(f64, f64)> {
         let both = |most: f64| (-most, most);
         let joint = |joint: usize| {
@@ -68,12 +70,12 @@ impl Bounds<'_> {
             "joint_velocities" => (0..length).map(speed).collect(),
             "last_action" | "planned_velocity" => vec![both(self.fingertip_speed()); length],
             "towards_object" => vec![both(1.0); length],
-            // Flags, and what a plan asks for.
+            // Flags, and the requests of a plan.
             _ => vec![(0.0, 1.0); length],
         }
     }
 
-    /// Largest shear force and compression of an element, N.
+    /// Maximum shear force and maximum compression of an element (N).
     fn forces(&self) -> [f64; 2] {
         let sensor = &self.config.sensor;
         let diameter = 2.0 * sensor.fingertip(self.finger).layout.dome_radius;
@@ -90,8 +92,9 @@ impl Bounds<'_> {
         [friction.max(1.0) * normal + noise, normal + noise]
     }
 
-    /// Largest speed of the fingertip along an axis, m/s: what the limits admit along each of three axes, or what the joints at their
-    /// speed limits make of the finger's reach.
+    /// Maximum speed of the fingertip along an axis (m/s): the speed limit along each of three axes, or the speed
+    /// that results from all
+    /// joints at their speed limits at full reach, whichever is larger.
     fn fingertip_speed(&self) -> f64 {
         let limit = 3_f64.sqrt() * self.config.control.limits.fingertip_speed;
         let reach: f64 = self.geometry.links().iter().sum();

@@ -1,4 +1,4 @@
-//! What each episode is made of: the experiment, what varies in it, and the seeds.
+//! The sequence of episodes: the experiment, its varied values, and the seeds.
 
 use super::EnvironmentError;
 use crate::config::Experiment;
@@ -7,10 +7,10 @@ use crate::sweep::trial::generator;
 use rand::RngExt;
 use rand_pcg::Pcg64;
 
-/// The stream that seeds come from which nobody gives.
+/// Name of the random stream that generates seeds when the caller gives none.
 const SEEDS: &str = "next episode";
 
-/// The episodes of one environment.
+/// The sequence of episodes of one environment.
 #[derive(Debug, Clone)]
 pub(super) struct Episodes {
     experiment: Experiment,
@@ -19,8 +19,9 @@ pub(super) struct Episodes {
 }
 
 impl Episodes {
-    /// Episodes of the experiment called `name` with `settings`, in which the `vary` expressions draw anew each time.
-    /// Forces are sensed directly where `settings` do not say otherwise.
+    /// Creates episodes of the experiment `name` with `settings`. The distributions `vary` are drawn for each
+    /// episode. Forces are
+    /// sensed directly unless `settings` selects otherwise.
     pub fn new(name: &str, settings: &[String], vary: &[String]) -> Result<Self, EnvironmentError> {
         let settings = [&["sensing=direct".to_string()], settings].concat();
         let experiment = Experiment::load(name, &settings)?;
@@ -34,12 +35,12 @@ impl Episodes {
         })
     }
 
-    /// The experiment of the newest episode.
+    /// Returns the experiment of the latest episode.
     pub fn experiment(&self) -> &Experiment {
         &self.experiment
     }
 
-    /// Sets the experiment to that of the episode `following` episodes after that of `seed`.
+    /// Sets up the episode that is `following` episodes after the episode of `seed`, and returns its seed.
     pub fn skip_to(&mut self, seed: u64, following: u64) -> Result<u64, EnvironmentError> {
         if following == 0 {
             return self.next(Some(seed));
@@ -51,14 +52,15 @@ impl Episodes {
         self.next(None)
     }
 
-    /// Makes the experiment that of the episode of `seed`, or of the next seed that follows from the last one given.
+    /// Sets up the episode of `seed`, or of the next seed in the sequence started by the last given seed. Returns its
+    /// seed.
     ///
-    /// What varies draws what trial 0 of a sweep of that seed would; so do seeds that nobody gives.
+    /// Varied values are the same as in trial 0 of a sweep with that seed.
     pub fn next(&mut self, seed: Option<u64>) -> Result<u64, EnvironmentError> {
         if let Some(seed) = seed {
             self.seeds = generator(seed, 0, SEEDS);
         }
-        // A seed of an experiment file is a TOML integer, which has a sign.
+        // TOML integers are signed, so a generated seed must fit into 63 bits.
         let seed = seed.unwrap_or_else(|| self.seeds.random::<u64>() >> 1);
         if !self.parameters.is_empty() {
             let draw = |p: &Parameter| {

@@ -1,4 +1,4 @@
-//! Why an environment could not be set up or go on.
+//! Errors of an environment.
 
 use crate::config::ConfigError;
 use crate::experiment::ExperimentError;
@@ -6,27 +6,27 @@ use crate::sweep::SweepError;
 use feeler::control::observation::ObservationError;
 use feeler_sim::picture::PictureError;
 
-/// Why an environment could not be set up or go on.
+/// Error in the setup or a step of an environment.
 #[derive(Debug, thiserror::Error)]
 pub enum EnvironmentError {
     /// The experiment cannot be used.
     #[error(transparent)]
     Config(#[from] ConfigError),
-    /// What varies from episode to episode makes no sense.
+    /// A distribution of varied values is invalid.
     #[error(transparent)]
     Vary(#[from] SweepError),
-    /// An episode could not be set up or go on.
+    /// An episode could not be set up, or failed.
     #[error(transparent)]
     Experiment(#[from] ExperimentError),
-    /// A finger could not be observed.
+    /// The observation of a finger could not be computed.
     #[error(transparent)]
     Observation(#[from] ObservationError),
-    /// The scene could not be drawn.
+    /// The scene could not be rendered.
     #[error(transparent)]
     Picture(#[from] PictureError),
-    /// There are no rewards for what the experiment is about.
+    /// No rewards are defined for the experiment's task.
     #[error(
-        "{name}: there are no rewards for task.{task}; expected task.screw with until = \"strokes\" or \"closed\" and a \
+        "{name}: no rewards are defined for task.{task}; expected task.screw with until = \"strokes\" or \"closed\" and a \
          simulated cap, task.carry with a free object, or task.contour with an object that has an outline"
     )]
     NoGoal {
@@ -35,31 +35,33 @@ pub enum EnvironmentError {
         /// Its task.
         task: &'static str,
     },
-    /// What varies changes how many fingers or elements there are.
-    #[error("episodes with observations of {expected} numbers, this one's have {actual}")]
+    /// The varied values change the number of fingers or elements.
+    #[error(
+        "expected an episode with observations of {expected} numbers, got {actual}; the varied values must not change the fingers or elements"
+    )]
     ObservationLength {
-        /// Numbers of the environment's observation.
+        /// Length of the environment's observations.
         expected: usize,
-        /// Numbers of this episode's.
+        /// Length of this episode's observations.
         actual: usize,
     },
-    /// An action is for another number of fingers.
-    #[error("an action of {expected} numbers, 3 for each finger, expected, {actual} arrived")]
+    /// The length of an action does not match the number of fingers.
+    #[error("expected an action of {expected} numbers (3 per finger), got {actual}")]
     ActionLength {
-        /// Numbers of an action.
+        /// Expected length.
         expected: usize,
-        /// Numbers that arrived.
+        /// Actual length.
         actual: usize,
     },
-    /// A number of an action is not finite.
-    #[error("action[{index}]: a finite number expected, {value} arrived")]
+    /// An action contains a number that is not finite.
+    #[error("action[{index}]: expected a finite number, got {value}")]
     ActionNotFinite {
-        /// Which number.
+        /// Index of the number.
         index: usize,
-        /// What it is.
+        /// The number.
         value: f64,
     },
-    /// There is no episode under way.
-    #[error("there is no episode under way: expected a reset first")]
+    /// A step was requested without an active episode.
+    #[error("no episode is active: reset the environment first")]
     NoEpisode,
 }

@@ -1,13 +1,17 @@
-//! Environments for learning: an experiment as episodes of observations, actions and rewards.
+//! Reinforcement learning environments: an experiment as episodes of observations, actions and rewards.
 //!
-//! The task of the experiment runs inside and plans (SEARCH, MOVE, RELEASE, RETURN); an agent stands where the control law
-//! does. It gets what a law gets, as the numbers of [`ObservationLayout`], and says how the fingertips are to move. That passes the
-//! limits that every command passes. So an agent that says what the experiment's law would say makes the very run that `feeler run`
-//! makes of the same seed, and one that says what the task plans does what a task without a law does.
+//! The task of the experiment plans as usual (SEARCH, MOVE, RELEASE, RETURN), and an agent replaces the control law.
+//! The agent receives
+//! the inputs of a law as the numbers of [`ObservationLayout`] and requests velocities of the fingertips, which pass
+//! the same limits
+//! as every command. An agent that requests the same velocities as the experiment's law therefore reproduces the run of
+//! `feeler run` with the same seed, and an agent that follows the task's plan acts like a task without a law.
 //!
-//! Rewards and what is told beside ([`Environment::info`]) are of the true state of the simulated world, which observations never
-//! contain; the crate's front page says what each task is rewarded for. An episode is over when its goal is reached or lost, when the task is through, or when the
-//! hand is stopped with a reason; it is cut off at the experiment's time limit.
+//! Rewards and [`Environment::info`] are computed from the true state of the simulated world, which observations
+//! never contain.
+//! The crate documentation lists the rewards of each task. An episode terminates when its goal is reached or lost,
+//! when the task is
+//! complete, or when the hand is stopped with a reason. It is truncated at the experiment's time limit.
 
 mod action;
 mod bounds;
@@ -35,40 +39,40 @@ use feeler_sim::picture::{View, draw};
 use glam::DVec3;
 use goal::{Goal, Seen, Verdict, goal};
 
-/// What is told of every step, whatever the goal.
+/// Names of the info values that every goal has.
 const TOLD: [&str; 5] = ["time_s", "phase", "success", "peak_force_n", "slip_work_j"];
 
-/// What an environment is made of.
+/// Configuration of an environment.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct EnvironmentConfig {
-    /// The experiment: a built-in one or a file.
+    /// The experiment: a built-in name or a file.
     pub experiment: String,
-    /// What is set in it, as in `control.slip_threshold=2.5`. Forces are sensed directly unless `sensing=image` is set.
+    /// Settings such as `control.slip_threshold=2.5`. Forces are sensed directly unless `sensing=image` is set.
     pub settings: Vec<String>,
-    /// What each episode draws anew, as in `friction=uniform(0.3,1.2)`.
+    /// Distributions drawn for each episode, such as `friction=uniform(0.3,1.2)`.
     pub vary: Vec<String>,
-    /// What the numbers of an action mean.
+    /// Meaning of the numbers of an action.
     pub action: ActionKind,
 }
 
-/// What one step brought.
+/// Result of one step.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Step {
-    /// Its reward, in the unit of the goal.
+    /// Reward, in the unit of the goal.
     pub reward: f64,
     /// Whether the episode is over.
     pub terminated: bool,
-    /// Whether it was cut off at the time limit.
+    /// Whether the episode was cut off at the time limit.
     pub truncated: bool,
 }
 
-/// An experiment as episodes, one at a time.
+/// An experiment as a sequence of episodes.
 pub struct Environment {
     episodes: Episodes,
     action: ActionKind,
     goal: Box<dyn Goal>,
     session: Session,
-    /// Whether the session is that of an episode that goes on.
+    /// Whether the session belongs to an unfinished episode.
     under_way: bool,
     layouts: Vec<ObservationLayout>,
     velocities: Vec<DVec3>,
@@ -77,19 +81,19 @@ pub struct Environment {
 }
 
 impl Environment {
-    /// The environment of `config`, before the first episode.
+    /// Creates an environment. Call [`reset`](Self::reset) to begin the first episode.
     ///
     /// # Errors
-    /// When the experiment cannot be used, or there are no rewards for its task.
+    /// If the experiment cannot be used, or no rewards are defined for its task.
     pub fn new(config: &EnvironmentConfig) -> Result<Self, EnvironmentError> {
         let episodes = Episodes::new(&config.experiment, &config.settings, &config.vary)?;
         Self::of(episodes, config.action)
     }
 
-    /// Another one of the same kind, before its first episode.
+    /// Creates another environment with the same configuration.
     ///
     /// # Errors
-    /// As [`Self::new`].
+    /// Same as [`Self::new`].
     pub fn another(&self) -> Result<Self, EnvironmentError> {
         Self::of(self.episodes.clone(), self.action)
     }
@@ -112,28 +116,30 @@ impl Environment {
         })
     }
 
-    /// Begins the episode of `seed`; without one, that of a seed that follows from the last one given. Its number.
+    /// Begins the episode of `seed`, or of the next seed in the sequence started by the last given seed. Returns its
+    /// seed.
     ///
     /// # Errors
-    /// When what varies in it, or a part of the rig, makes no sense. There is then no episode under way.
+    /// If a varied value or a part of the rig is invalid. Afterwards, no episode is active.
     pub fn reset(&mut self, seed: Option<u64>) -> Result<u64, EnvironmentError> {
         self.under_way = false;
         let seed = self.episodes.next(seed)?;
         self.begin(seed)
     }
 
-    /// Begins the episode `following` episodes after that of `seed` (0: that one), as resets without a seed reach it. Returns the
-    /// episode's own seed.
+    /// Begins the episode that is `following` episodes after the episode of `seed` (0: that episode itself), as
+    /// reached by
+    /// resets without a seed. Returns the seed of the episode.
     ///
     /// # Errors
-    /// As [`Self::reset`].
+    /// Same as [`Self::reset`].
     pub fn reset_to(&mut self, seed: u64, following: u64) -> Result<u64, EnvironmentError> {
         self.under_way = false;
         let seed = self.episodes.skip_to(seed, following)?;
         self.begin(seed)
     }
 
-    /// Begins the episode of `seed`, for which the experiment is already set.
+    /// Begins the episode of `seed`, for which the experiment is already set up.
     fn begin(&mut self, seed: u64) -> Result<u64, EnvironmentError> {
         let experiment = self.episodes.experiment();
         self.session = Session::drawing(experiment, Pictures::Sensed)?;
@@ -155,12 +161,14 @@ impl Environment {
         Ok(seed)
     }
 
-    /// Makes a control step in which the fingers do what `action` says, three numbers each. The task then plans on what they
-    /// feel, which is the next [observation](Self::observation). Does not allocate.
+    /// Executes one control step with `action`, three numbers per finger. The task then plans with the new tactile
+    /// data, which is the
+    /// next [observation](Self::observation). Does not allocate.
     ///
     /// # Errors
-    /// When there is no episode under way, `action` has another length or a number that is not finite; then nothing has happened. When
-    /// the rig fails; the episode is over then.
+    /// If no episode is active, or `action` has the wrong length or a number that is not finite; the environment is
+    /// then unchanged.
+    /// If the rig fails; the episode is then over.
     pub fn step(&mut self, action: &[f64]) -> Result<Step, EnvironmentError> {
         if !self.under_way {
             return Err(EnvironmentError::NoEpisode);
@@ -191,22 +199,22 @@ impl Environment {
         })
     }
 
-    /// What the hand feels: each finger's observation after the other's, as [`layouts`](Self::layouts) say.
+    /// Returns the latest observation: the numbers of each finger in turn, as described by [`layouts`](Self::layouts).
     pub fn observation(&self) -> &[f32] {
         &self.observation
     }
 
-    /// Where in each finger's observation what stands.
+    /// Returns the layout of each finger's part of the observation.
     pub fn layouts(&self) -> &[ObservationLayout] {
         &self.layouts
     }
 
-    /// Numbers of an action: three for each finger.
+    /// Length of an action: three numbers per finger.
     pub fn action_len(&self) -> usize {
         3 * self.layouts.len()
     }
 
-    /// How large each number of an action can be before a limit changes it, of either sign: m/s or rad/s.
+    /// Returns the largest magnitude of each number of an action that no limit changes (m/s or rad/s).
     pub fn action_bounds(&self) -> Vec<f64> {
         let limits = &self.experiment().config.control.limits;
         let fingers = self.controller().fingers().iter();
@@ -219,7 +227,7 @@ impl Environment {
     /// Writes the action that follows the task's plan.
     ///
     /// # Errors
-    /// When `action` has another length than an action.
+    /// If `action` has the wrong length.
     pub fn guide(&self, action: &mut [f64]) -> Result<(), EnvironmentError> {
         action::check_length(action, self.action_len())?;
         let control_loop = self.session.control_loop();
@@ -235,36 +243,36 @@ impl Environment {
         Ok(())
     }
 
-    /// What is told of the newest step, in truth, in the order of [`info_names`](Self::info_names).
+    /// Returns ground-truth values of the latest step, in the order of [`info_names`](Self::info_names).
     pub fn info(&self) -> &[f64] {
         &self.info
     }
 
-    /// What is told of each step, with units; the phase as its number in [`Phase`], success as 0 or 1.
+    /// Returns the names of the info values, with units. The phase is its number in [`Phase`]; success is 0 or 1.
     pub fn info_names(&self) -> Vec<&'static str> {
         [&TOLD, self.goal.names()].concat()
     }
 
-    /// Why the hand was stopped, if it was.
+    /// Returns the reason that the hand was stopped, if it was.
     pub fn stop_reason(&self) -> Option<&StopReason> {
         self.controller().stop_reason()
     }
 
-    /// Draws the scene as it is now: `width` times `height` pixels, row by row from the top, red, green and blue of each.
+    /// Renders the scene in its current state as `width` times `height` RGB pixels, row by row from the top.
     ///
     /// # Errors
-    /// When `rgb` has another length than three bytes for each pixel.
+    /// If the length of `rgb` is not three bytes per pixel.
     pub fn render(&self, size: (usize, usize), rgb: &mut [u8]) -> Result<(), EnvironmentError> {
         let world = self.session.rig().world();
         Ok(draw(&world, &View::of(&world), size, rgb)?)
     }
 
-    /// The experiment of the newest episode.
+    /// Returns the experiment of the latest episode.
     pub fn experiment(&self) -> &Experiment {
         self.episodes.experiment()
     }
 
-    /// The run behind the newest episode.
+    /// Returns the session of the latest episode.
     pub fn session(&self) -> &Session {
         &self.session
     }
@@ -273,7 +281,7 @@ impl Environment {
         self.session.control_loop().controller()
     }
 
-    /// Judges the newest step, and tells of it.
+    /// Evaluates the latest step and updates the info values.
     fn judge(&mut self) -> Verdict {
         let world = self.session.rig().world();
         let period = self.episodes.experiment().config.control.period;
@@ -298,7 +306,7 @@ impl Environment {
     }
 }
 
-/// Writes to `info` what is told of the newest step of `session`.
+/// Writes the info values of the latest step of `session` to `info`.
 fn tell(session: &Session, goal: &dyn Goal, seen: &Seen<'_>, info: &mut [f64]) {
     let control_loop = session.control_loop();
     let told = [
@@ -313,7 +321,7 @@ fn tell(session: &Session, goal: &dyn Goal, seen: &Seen<'_>, info: &mut [f64]) {
     goal.tell(own);
 }
 
-/// Where in the observation of each finger of `session` what stands.
+/// Returns the layout of each finger's observation in `session`.
 fn observation_layouts(session: &Session) -> Vec<ObservationLayout> {
     let elements = session.layouts().iter().map(|layout| layout.elements.len());
     elements

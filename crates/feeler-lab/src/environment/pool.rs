@@ -1,4 +1,4 @@
-//! Threads that work on the parts of something, again and again.
+//! A thread pool that repeatedly applies a function to a fixed set of parts.
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -7,11 +7,12 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-/// For how long a thread that has nothing to do looks for work before it sleeps. To wake one takes some 50 us on a virtual
-/// machine, as long as a dozen environments need for a step.
+/// Time for which an idle thread spins before it sleeps. Waking a thread takes about 50 us on a virtual machine, as
+/// long as a
+/// step of a dozen environments.
 const LOOKS: Duration = Duration::from_micros(50);
 
-/// Parts, and the threads that work on them. Dropping it ends the threads.
+/// The parts and the threads that work on them. The threads end when the pool is dropped.
 pub(super) struct Pool<T> {
     shared: Arc<Shared<T>>,
     threads: Vec<JoinHandle<()>>,
@@ -20,43 +21,43 @@ pub(super) struct Pool<T> {
 struct Shared<T> {
     parts: Vec<Mutex<T>>,
     work: fn(&mut T),
-    /// The parts of each thread, which it takes first, as they are in its processor's cache.
+    /// Parts assigned to each thread, which works on them first because they are in its processor's cache.
     shares: Vec<Share>,
-    /// Parts of this round that are not finished.
+    /// Number of unfinished parts in this round.
     left: AtomicUsize,
     /// Number of the round; changed with `state` locked.
     round: AtomicU64,
     state: Mutex<State>,
-    /// There is a new round, or none will come.
+    /// Signals a new round or the end of the pool.
     begins: Condvar,
-    /// The round's last part is finished, or a thread has come up.
+    /// Signals that the last part of the round is finished, or that a thread has started.
     ends: Condvar,
 }
 
-/// Parts in a row, on a cache line of their own.
+/// A range of parts, aligned to a separate cache line.
 #[repr(align(128))]
 struct Share {
     first: usize,
     end: usize,
-    /// The first that nobody has taken in this round.
+    /// Index of the first part not yet taken in this round.
     next: AtomicUsize,
 }
 
 struct State {
-    /// The first part that panicked, and what it said.
+    /// Index and message of the first part that panicked.
     panicked: Option<(usize, String)>,
-    /// Threads that have come up.
+    /// Number of started threads.
     up: usize,
-    /// Threads that sleep until a round begins.
+    /// Number of threads that sleep until the next round.
     sleeping: usize,
     closing: bool,
 }
 
 impl<T: Send + 'static> Pool<T> {
-    /// `threads` threads for `parts`, the caller's among them. `work` is what is done with each part in each round.
+    /// Creates a pool of `threads` threads, including the caller's, that applies `work` to each part in each round.
     ///
     /// # Errors
-    /// When the system has no more threads.
+    /// If the system cannot create the threads.
     pub fn new(parts: Vec<T>, threads: usize, work: fn(&mut T)) -> std::io::Result<Self> {
         let (count, threads) = (parts.len(), threads.max(1));
         let share = |index| Share {
@@ -89,7 +90,7 @@ impl<T: Send + 'static> Pool<T> {
             pool.threads
                 .push(thread.spawn(move || shared.serve(index))?);
         }
-        // What a thread allocates to come up is allocated by then.
+        // Wait until all threads have started, so that their allocations at startup are done.
         let mut state = lock(&pool.shared.state);
         while state.up < pool.threads.len() {
             state = wait(&pool.shared.ends, state);
@@ -98,10 +99,10 @@ impl<T: Send + 'static> Pool<T> {
         Ok(pool)
     }
 
-    /// Works on all parts, each on whichever thread comes first. Does not allocate.
+    /// Runs one round: applies the function to each part, on any thread. Does not allocate.
     ///
     /// # Errors
-    /// The first part that panicked, and what it said; the others are finished all the same.
+    /// Index and message of the first part that panicked. The other parts are finished nevertheless.
     pub fn run(&self) -> Result<(), (usize, String)> {
         let shared = &*self.shared;
         shared.begin();
@@ -115,7 +116,7 @@ impl<T: Send + 'static> Pool<T> {
         state.panicked.take().map_or(Ok(()), Err)
     }
 
-    /// The parts, between rounds.
+    /// Iterates over the parts, between rounds.
     pub fn parts(&self) -> impl Iterator<Item = MutexGuard<'_, T>> {
         self.shared.parts.iter().map(lock)
     }
@@ -126,16 +127,16 @@ impl<T> Drop for Pool<T> {
         lock(&self.shared.state).closing = true;
         self.shared.begins.notify_all();
         for thread in self.threads.drain(..) {
-            // What a part panics with is told by `run`; the threads themselves do not.
+            // Panics of parts are returned by `run`; the threads themselves do not panic.
             let _ = thread.join();
         }
     }
 }
 
 impl<T> Shared<T> {
-    /// Begins a round: the parts are there to be taken.
+    /// Begins a round by making the parts available.
     fn begin(&self) {
-        // Before any part can be taken, also by a thread that still looks for parts of the round before.
+        // Must precede the release of the parts, as a thread may still be looking for parts of the previous round.
         self.left.store(self.parts.len(), Ordering::Relaxed);
         for share in &self.shares {
             share.next.store(share.first, Ordering::Release);
@@ -168,7 +169,7 @@ impl<T> Shared<T> {
         }
     }
 
-    /// Works on the parts of thread `index`, then on others', for as long as there are some that nobody has taken.
+    /// Works on the parts of thread `index`, then on those of other threads, until all parts are taken.
     fn take_parts(&self, index: usize) {
         let (before, own) = self.shares.split_at(index);
         for share in own.iter().chain(before) {
@@ -192,14 +193,14 @@ impl<T> Shared<T> {
             }
         }
         if self.left.fetch_sub(1, Ordering::AcqRel) == 1 {
-            // Locked, so that nobody who has just found it unfinished misses this.
+            // Locked so that a caller that has just found the round unfinished does not miss the notification.
             let _state = lock(&self.state);
             self.ends.notify_all();
         }
     }
 }
 
-/// Whether `it_is` within [`LOOKS`].
+/// Spins until `it_is` returns `true`, for at most [`LOOKS`]. Returns `true` if it did.
 fn soon(it_is: impl Fn() -> bool) -> bool {
     let start = Instant::now();
     while start.elapsed() < LOOKS {
@@ -213,7 +214,7 @@ fn soon(it_is: impl Fn() -> bool) -> bool {
     it_is()
 }
 
-/// A panic elsewhere does not lock anything for good.
+/// Locks a mutex and ignores poisoning, because panics are reported separately.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -224,7 +225,7 @@ fn wait<'a, T>(condition: &Condvar, guard: MutexGuard<'a, T>) -> MutexGuard<'a, 
         .unwrap_or_else(PoisonError::into_inner)
 }
 
-/// What a panic said.
+/// Returns the message of a panic.
 fn words(panic: &(dyn Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().map(ToString::to_string);
     let text = text.or_else(|| panic.downcast_ref::<String>().cloned());
@@ -266,11 +267,11 @@ mod tests {
         }
     }
 
-    /// A thread that is through with its own parts takes another's: else this would not end.
+    /// A thread that has finished its parts takes those of another; otherwise this test would not end.
     #[test]
     fn parts_of_a_thread_that_is_busy_are_taken_by_another() {
         type Part = (usize, Arc<(Mutex<bool>, Condvar)>);
-        // Both are the first thread's: part 0 waits for part 1.
+        // Both parts are assigned to the first thread: part 0 waits for part 1.
         fn work((index, after): &mut Part) {
             let (is_done, changes) = &**after;
             let mut done = lock(is_done);

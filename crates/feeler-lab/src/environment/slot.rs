@@ -1,27 +1,27 @@
-//! One of many environments: what it is told to do in a round, and what came of it.
+//! One environment of a vector environment, with its requested operation and results.
 
 use super::vector::Autoreset;
 use super::{Environment, EnvironmentError, Step};
 
-/// What an environment does in a round.
+/// Operation of an environment in a round.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(super) enum Order {
-    /// Nothing.
+    /// No operation.
     #[default]
     Rest,
-    /// It makes a step.
+    /// Makes a step.
     Step,
-    /// It begins an episode: that of a seed, or the next.
+    /// Begins an episode, with the given seed or the next one.
     Reset(Option<u64>),
 }
 
-/// An environment with its order and what came of it.
+/// An environment with its requested operation and results.
 pub(super) struct Slot {
     pub environment: Environment,
     pub order: Order,
     pub action: Vec<f64>,
     pub step: Step,
-    /// Observation and info at the end of an episode, where the newest step has already begun another.
+    /// Final observation and info of an episode, if the latest step already began another one.
     pub last: Last,
     pub error: Option<EnvironmentError>,
     autoreset: Autoreset,
@@ -29,16 +29,16 @@ pub(super) struct Slot {
     begins: bool,
 }
 
-/// How an episode ended that was followed by another in the same step.
+/// Final state of an episode that was followed by another one in the same step.
 pub(super) struct Last {
-    /// Whether there is one.
+    /// Whether the latest step ended an episode.
     pub is_new: bool,
     pub observation: Vec<f32>,
     pub info: Vec<f64>,
 }
 
 impl Slot {
-    /// A slot for `environment`, before its first episode.
+    /// Creates a slot for `environment`, before its first episode.
     pub fn new(environment: Environment, autoreset: Autoreset) -> Self {
         Self {
             order: Order::default(),
@@ -56,7 +56,7 @@ impl Slot {
         }
     }
 
-    /// Does what it was told to.
+    /// Executes the requested operation.
     pub fn work(&mut self) {
         self.last.is_new = false;
         self.error = match self.order {

@@ -1,52 +1,52 @@
-//! Why many environments could not step.
+//! Errors of a vector environment.
 
 use super::EnvironmentError;
 
-/// Most environments, and most threads.
+/// Maximum number of environments, and of threads.
 const MOST: usize = 1 << 17;
 
-/// Why many environments could not step.
+/// Error in the setup or a step of a vector environment.
 #[derive(Debug, thiserror::Error)]
 pub enum VectorError {
-    /// One of them could not be set up or go on.
+    /// An environment could not be set up, or failed.
     #[error("environment {index}: {source}")]
     Environment {
-        /// Which one.
+        /// Index of the environment.
         index: usize,
-        /// What it said.
+        /// Its error.
         source: Box<EnvironmentError>,
     },
-    /// One of them made the program panic; it needs a reset.
+    /// An environment panicked. It must be reset.
     #[error("environments {first} to {last}: the program panicked: {message}")]
     Panicked {
-        /// First of those that were stepped together.
+        /// Index of the first environment of the group that was stepped together.
         first: usize,
-        /// Last of those.
+        /// Index of the last environment of the group.
         last: usize,
-        /// What the panic said.
+        /// Message of the panic.
         message: String,
     },
-    /// There are too few or too many of something.
-    #[error("{what}: {expected} expected, {actual} arrived")]
+    /// A number is out of range, or a length is wrong.
+    #[error("{what}: expected {expected}, got {actual}")]
     Count {
-        /// What.
+        /// Name of the quantity.
         what: &'static str,
-        /// How many there should be.
+        /// Expected value.
         expected: String,
-        /// How many there are.
+        /// Actual value.
         actual: usize,
     },
-    /// The system has no more threads.
+    /// The system cannot create the threads.
     #[error("{threads} threads: {source}")]
     Threads {
-        /// How many were asked for.
+        /// Requested number of threads.
         threads: usize,
-        /// What the system said.
+        /// Error of the operating system.
         source: std::io::Error,
     },
 }
 
-/// What environment `index` said.
+/// Returns a function that wraps an error of environment `index`.
 pub(super) fn at(index: usize) -> impl Fn(EnvironmentError) -> VectorError {
     move |source| VectorError::Environment {
         index,
@@ -54,7 +54,7 @@ pub(super) fn at(index: usize) -> impl Fn(EnvironmentError) -> VectorError {
     }
 }
 
-/// Requires `expected` of something.
+/// Requires a number to be `expected`.
 pub(super) fn check_count(
     what: &'static str,
     expected: usize,
@@ -70,7 +70,7 @@ pub(super) fn check_count(
     })
 }
 
-/// Requires some of something, and not far too many.
+/// Requires a number from 1 to [`MOST`].
 pub(super) fn check_range(what: &'static str, actual: usize) -> Result<(), VectorError> {
     if (1..=MOST).contains(&actual) {
         return Ok(());

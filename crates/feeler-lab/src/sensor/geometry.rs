@@ -1,4 +1,4 @@
-//! Where a sensor's elements are: by an experiment's fingertip, or by a layout that was located.
+//! Geometry of a sensor, from the fingertip of an experiment or from a located layout.
 
 use crate::config::{ConfigError, Experiment};
 use feeler::sensor::calibration::{Calibration, CalibrationError, LengthUnit, MadeFor};
@@ -15,28 +15,28 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-/// Longest layout or calibration file, bytes.
+/// Maximum size of a layout or calibration file in bytes.
 const MAX_TEXT: u64 = 16 << 20;
 
-/// Why a sensor's geometry or its calibration cannot be used.
+/// Error of a sensor geometry or calibration that cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum GeometryError {
-    /// A file could not be read.
+    /// A file cannot be read.
     #[error(transparent)]
     File(#[from] std::io::Error),
-    /// The layout makes no sense.
+    /// The layout is invalid.
     #[error(transparent)]
     Layout(#[from] LayoutError),
-    /// The fingertip makes no sense.
+    /// The fingertip is invalid.
     #[error(transparent)]
     Fingertip(#[from] FingertipError),
-    /// Moments cannot be taken.
+    /// Moments cannot be computed.
     #[error(transparent)]
     Moments(#[from] MomentsError),
-    /// The calibration makes no sense, or was made for another sensor.
+    /// The calibration is invalid or was made for another sensor.
     #[error(transparent)]
     Calibration(#[from] CalibrationError),
-    /// The wrench calibration makes no sense, or was made for another sensor.
+    /// The wrench calibration is invalid or was made for another sensor.
     #[error(transparent)]
     Wrench(#[from] WrenchError),
     /// The experiment cannot be used.
@@ -44,46 +44,47 @@ pub enum GeometryError {
     Config(#[from] ConfigError),
 }
 
-/// What is needed of a sensor to take moments of its pictures, and to tell it from others.
+/// Data required to compute the moments of a sensor's images and to identify the sensor.
 #[derive(Debug, Clone)]
 pub struct SensorGeometry {
-    /// Columns and rows of its pictures, px.
+    /// Width and height of the images (px).
     pub size: (usize, usize),
-    /// Takes the moments.
+    /// Computes the moments.
     pub kernel: MomentsKernel,
-    /// The pixels of each element.
+    /// Pixels of each element, with weights.
     pub regions: Vec<Vec<WeightedPixel>>,
-    /// Where the camera sees each element.
+    /// Projection of each element into the image.
     pub seen: Vec<SeenElement>,
-    /// Rotation of each element's frame in the fingertip's; none where lengths are px.
+    /// Rotation from each element's frame to the fingertip frame. Empty if lengths are in pixels.
     pub frames: Vec<DMat3>,
-    /// Part of an element's pixels that may be saturated, unless another one is asked for.
+    /// Default for the maximum fraction of an element's pixels that may be saturated.
     pub max_saturated: f64,
-    /// What a calibration of it says that it was made for.
+    /// Identification of the sensor for which a calibration is made.
     pub made_for: MadeFor,
 }
 
 impl SensorGeometry {
-    /// The fingertip of the experiment called `name`: that of `finger`, or what fingers have without one of their own.
+    /// Returns the geometry of the fingertip of `finger` in the experiment `name`, or of its default fingertip if
+    /// `finger` is `None`.
     ///
     /// # Errors
-    /// When there is no such experiment or finger, or the fingertip makes no sense.
+    /// If there is no such experiment or finger, or the fingertip is invalid.
     pub fn of_experiment(name: &str, finger: Option<usize>) -> Result<Self, GeometryError> {
         Self::of_fingertip(Experiment::load(name, &[])?.fingertip(finger)?)
     }
 
-    /// The layout in the file at `path`, as `feeler locate` writes it.
+    /// Reads a layout file, as written by `feeler locate`.
     ///
     /// # Errors
-    /// When it cannot be read or makes no sense.
+    /// If the file cannot be read or is invalid.
     pub fn read_layout(path: &Path) -> Result<Self, GeometryError> {
         Self::of_layout(&read_layout(path)?)
     }
 
-    /// The elements of `layout`; without a dome in it, lengths are px.
+    /// Returns the geometry of a located layout. Lengths are in pixels if the layout has no dome.
     ///
     /// # Errors
-    /// When the layout makes no sense.
+    /// If the layout is invalid.
     pub fn of_layout(layout: &LocatedLayout) -> Result<Self, GeometryError> {
         let unit = match layout.dome {
             Some(_) => LengthUnit::Metre,
@@ -100,10 +101,10 @@ impl SensorGeometry {
         })
     }
 
-    /// The fingertip that `config` describes.
+    /// Returns the geometry of the fingertip that `config` describes.
     ///
     /// # Errors
-    /// When it makes no sense.
+    /// If the fingertip is invalid.
     pub fn of_fingertip(config: &FingertipConfig) -> Result<Self, GeometryError> {
         let (layout, _) = Fingertip::layout_and_projection(config)?;
         let (kernel, regions) = Fingertip::kernel_and_subregions(config)?;
@@ -118,10 +119,10 @@ impl SensorGeometry {
         })
     }
 
-    /// The calibration in the file at `path`, if it was made for this sensor.
+    /// Reads the calibration at `path` and verifies that it was made for this sensor.
     ///
     /// # Errors
-    /// When it cannot be read, makes no sense, or was made for another sensor.
+    /// If the file cannot be read, is invalid, or was made for another sensor.
     pub fn read_calibration(&self, path: &Path) -> Result<Calibration, GeometryError> {
         let calibration = Calibration::from_toml(&read_text(path)?)?;
         self.made_for.check_same(&calibration.made_for)?;
@@ -129,15 +130,15 @@ impl SensorGeometry {
     }
 }
 
-/// The layout in the file at `path`, as `feeler locate` writes it.
+/// Reads a layout file, as written by `feeler locate`.
 ///
 /// # Errors
-/// When it cannot be read or makes no sense.
+/// If the file cannot be read or is invalid.
 pub fn read_layout(path: &Path) -> Result<LocatedLayout, GeometryError> {
     Ok(LocatedLayout::from_toml(&read_text(path)?)?)
 }
 
-/// The text of a layout's or a calibration's file.
+/// Reads the text of a layout or calibration file.
 pub(super) fn read_text(path: &Path) -> Result<String, std::io::Error> {
     let mut text = String::new();
     File::open(path)?.take(MAX_TEXT).read_to_string(&mut text)?;

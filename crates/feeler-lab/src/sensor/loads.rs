@@ -1,5 +1,4 @@
-//! Loads on disk: pictures, or recordings of what was sensed, and the CSV that says what was on the
-//! elements in each.
+//! Calibration loads on disk: a CSV file with the forces on the elements, and the images or recordings it refers to.
 
 use super::SensorGeometry;
 use super::recorded::{NamedFrame, NamedFrames, files_of};
@@ -16,59 +15,60 @@ use glam::DVec3;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
-/// Why loads on disk cannot be used.
+/// Error of a file of loads or of the images that it refers to.
 #[derive(Debug, thiserror::Error)]
 pub enum LoadsFileError {
-    /// The file could not be read.
+    /// The file cannot be read.
     #[error("{}: {source}; expected a CSV file of {}", csv.display(), COLUMNS.join(","))]
     File {
-        /// The file.
+        /// Path of the CSV file.
         csv: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// It is no file of loads.
+    /// The file is not a valid table of loads.
     #[error("{}: {source}", csv.display())]
     Loads {
-        /// The file.
+        /// Path of the CSV file.
         csv: PathBuf,
-        /// What is wrong with it.
+        /// The problem.
         source: LoadsError,
     },
-    /// The pictures contradict it.
+    /// The images contradict the loads.
     #[error("{}: {source}", csv.display())]
     Contradicted {
-        /// The file.
+        /// Path of the CSV file.
         csv: PathBuf,
-        /// What they contradict.
+        /// The contradiction.
         source: LoadCheckError,
     },
-    /// A picture that it names cannot be used.
+    /// An image that the file refers to cannot be used.
     #[error("{}: line {line}: picture = {picture:?}: {what}", csv.display())]
     Picture {
-        /// The file.
+        /// Path of the CSV file.
         csv: PathBuf,
-        /// Line of the picture's first row.
+        /// Line of the image's first row.
         line: u64,
-        /// The picture, as the file names it.
+        /// Name of the image, as in the file.
         picture: String,
         /// What was found and what was expected.
         what: String,
     },
 }
 
-/// A file of loads, with what was on the elements in each picture that it names.
+/// A file of loads: the forces on the elements in each image.
 pub struct LoadsFile {
     csv: PathBuf,
     pictures: Vec<LoadedPicture>,
 }
 
 impl LoadsFile {
-    /// Reads the file of loads at `csv`, on a sensor whose elements are `seen` so; `axes` are the columns, with their signs, that are x, y and
-    /// z of an element.
+    /// Reads the file of loads at `csv` for a sensor with the elements `seen`. `axes` assigns columns, with signs, to
+    /// the axes
+    /// x, y and z of an element.
     ///
     /// # Errors
-    /// When it cannot be read, or is no such file.
+    /// If the file cannot be read or is invalid.
     pub fn read(csv: &Path, seen: &[SeenElement], axes: ForceAxes) -> Result<Self, LoadsFileError> {
         let csv = csv.to_path_buf();
         let file = match File::open(&csv) {
@@ -81,22 +81,22 @@ impl LoadsFile {
         }
     }
 
-    /// The file's name.
+    /// Returns the path as text.
     pub fn name(&self) -> String {
         self.csv.display().to_string()
     }
 
-    /// All files that are read: the file of loads, and the pictures and recordings that it names.
+    /// Returns all input files: the file of loads, and the images and recordings it refers to.
     pub fn files(&self) -> Vec<PathBuf> {
         files_of(&self.csv, self.picture_names())
     }
 
-    /// Number of pictures.
+    /// Number of images.
     pub fn picture_count(&self) -> usize {
         self.pictures.len()
     }
 
-    /// Calls `loaded` with each element that was loaded, and the force on it in its frame, N.
+    /// Calls `loaded` with each loaded element and the force on it in its frame (N).
     pub fn each_force(&self, mut loaded: impl FnMut(usize, DVec3)) {
         for picture in &self.pictures {
             for (element, force) in picture.forces.iter().enumerate() {
@@ -107,20 +107,20 @@ impl LoadsFile {
         }
     }
 
-    /// Refuses loads that no soft element bears, or that no picture shows.
+    /// Rejects loads that are too large for a soft element or too small to be visible.
     ///
     /// # Errors
-    /// Names the largest load and the likely unit.
+    /// If the largest load is out of range. The error suggests the likely unit.
     pub fn check_magnitude(&self) -> Result<(), LoadsFileError> {
         let forces = self.pictures.iter().flat_map(|picture| &picture.forces);
         let forces = forces.copied().flatten();
         self.checked(check_magnitude("an element", forces, ELEMENT_RANGE))
     }
 
-    /// Refuses loads that the pictures contradict: numbers of elements, signs and axes, zeros of recordings.
+    /// Rejects loads that contradict the images in the number of elements, signs, axes or the zeros of recordings.
     ///
     /// # Errors
-    /// Names what they contradict, and the likely cause.
+    /// If there is a contradiction. The error suggests its likely cause.
     pub fn check(&self, measured: &RecordBuilder) -> Result<(), LoadsFileError> {
         let pictures = measured.pictures();
         self.checked(check_numbers(pictures))?;
@@ -128,12 +128,13 @@ impl LoadsFile {
         self.checked(check_unloaded(pictures, self.picture_names()))
     }
 
-    /// Refuses loads that contradict the `calibration` fitted to them: a single one that the others do not predict and that exceeds them all,
-    /// and those that are off by another constant in one recording than in another. Returns a single one that the others do not predict but
-    /// that is of their size.
+    /// Rejects loads that contradict the `calibration` fitted to them: a single outlier that exceeds all other loads,
+    /// or
+    /// constant offsets that differ between recordings. Returns a single outlier of ordinary size as a warning.
     ///
     /// # Errors
-    /// Names the load and what is predicted, or column, recordings and the difference.
+    /// If there is a contradiction. The error contains the load and its prediction, or the column, the recordings and
+    /// their difference.
     pub fn check_fit(
         &self,
         measured: &RecordBuilder,
@@ -161,10 +162,11 @@ impl LoadsFile {
         self.pictures.iter().map(|loaded| loaded.picture.as_str())
     }
 
-    /// Takes the moments of all pictures, and of the recordings at their times, with `sensor`; calls `measured` after each.
+    /// Computes the moments of all images, and reads those of recordings at the given times. Calls `measured` after
+    /// each one.
     ///
     /// # Errors
-    /// Names the line of the picture that cannot be used, and what was expected.
+    /// If an image cannot be used. The error contains its line and the expected content.
     pub fn measure(
         &self,
         sensor: &SensorGeometry,

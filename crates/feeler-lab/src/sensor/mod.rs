@@ -1,4 +1,4 @@
-//! A sensor as it is named in commands: its geometry, and the loads that it is calibrated with.
+//! Sensors as named in commands: their geometry, and the loads for their calibration.
 
 mod geometry;
 mod loads;

@@ -1,5 +1,5 @@
-//! Frames that a CSV file or a person names: pictures, frames of videos, and frames of recordings that `feeler sense` made; of
-//! these their pictures, where they were kept, else what was sensed of them.
+//! Frames named in CSV files or on the command line: image files, frames of videos, and frames of recordings made by
+//! `feeler sense`, which contain either images or only moments.
 
 use feeler::sensor::camera::Camera;
 use feeler::sensor::frame::{Frame, Picture};
@@ -12,39 +12,39 @@ use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
-/// Frames by their names, in a folder. Each recording is opened once.
+/// Reads frames by name, relative to a folder. Each recording is opened once.
 pub struct NamedFrames {
     folder: PathBuf,
-    /// Width and height of the sensor's pictures, px.
+    /// Width and height of the sensor's images (px).
     size: (usize, usize),
     recordings: HashMap<PathBuf, Result<Recorded, String>>,
-    /// The video that is decoded, one at a time.
+    /// The only video that is currently being decoded.
     decoding: Option<PathBuf>,
 }
 
-/// A recording, and when its frames were taken.
+/// A recording and the timestamps of its frames.
 struct Recorded {
-    /// s.
+    /// Timestamps (s).
     stamps: Vec<f64>,
     frames: Frames,
 }
 
-/// What is on record of each frame.
+/// Recorded content of the frames.
 enum Frames {
     Pictures(SensedPictures),
     Moments(Vec<Moments>),
     Video(Box<VideoFrames>),
 }
 
-/// What there is of one frame.
+/// Content of one frame.
 pub enum NamedFrame {
-    /// Its picture, of the sensor's size.
+    /// The image, of the sensor's size.
     Picture(Picture),
-    /// No picture, but its moments, which have been taken.
+    /// No image; the recorded moments have been copied to the caller's buffer.
     Sensed,
 }
 
-/// The recording or the video, and the time (s), that `FILE.mcap@TIME` or `FILE.mp4@TIME` names.
+/// Splits `FILE.mcap@TIME` or `FILE.mp4@TIME` into the file and the time (s).
 fn recorded(name: &str) -> Option<(&str, f64)> {
     let (file, time) = name.rsplit_once('@')?;
     let path = Path::new(file);
@@ -53,17 +53,18 @@ fn recorded(name: &str) -> Option<(&str, f64)> {
     is_recording.then_some((file, time))
 }
 
-/// The file of the frame that `name` names.
+/// Returns the file that contains the frame `name`.
 pub fn file_of(name: &Path) -> &Path {
     let recorded = name.to_str().and_then(recorded);
     recorded.map_or(name, |(file, _)| Path::new(file))
 }
 
-/// The picture that `name` names: a picture's file, the first frame of a video, or `FILE@TIME`, the frame of a video or of a recording
-/// with pictures that is nearest to that time (s).
+/// Reads the image `name`: an image file, the first frame of a video, or `FILE@TIME`, the frame nearest to that time
+/// (s) of a
+/// video or of a recording with images.
 ///
 /// # Errors
-/// What was expected and what was found, in words, with the file's name.
+/// If the image cannot be read. The message contains the file name, the expected content and the problem.
 pub fn named_picture(name: &Path) -> Result<Picture, String> {
     let named = |e: &dyn std::fmt::Display| format!("{}: {e}", name.display());
     if let Some((file, time)) = name.to_str().and_then(recorded) {
@@ -71,7 +72,7 @@ pub fn named_picture(name: &Path) -> Result<Picture, String> {
         let nearest = nearest(&recorded.stamps, time).map_err(|e| named(&e))?;
         let picture = recorded.picture(nearest).map_err(|e| named(&e))?;
         return picture.ok_or_else(|| {
-            named(&"no pictures in it; expected a recording by `feeler sense --record-frames`")
+            named(&"it contains no images; expected a recording by `feeler sense --record-frames`")
         });
     }
     if !is_video_name(name) {
@@ -84,7 +85,7 @@ pub fn named_picture(name: &Path) -> Result<Picture, String> {
     Ok(frame.picture)
 }
 
-/// The file at `csv`, and the files of the frames that it names, each once.
+/// Returns the file at `csv` and the files of the frames it names, without duplicates.
 pub fn files_of<'a>(csv: &Path, names: impl Iterator<Item = &'a str>) -> Vec<PathBuf> {
     let named = names.map(|name| folder(csv).join(recorded(name).map_or(name, |(file, _)| file)));
     let files: HashSet<_> = named.chain([csv.to_path_buf()]).collect();
@@ -96,7 +97,8 @@ fn folder(csv: &Path) -> &Path {
 }
 
 impl NamedFrames {
-    /// The frames that the file at `csv` names, of a sensor whose pictures have this `size` (width, height), px.
+    /// Creates a reader of the frames named in the file at `csv`. `size` is the width and height of the sensor's
+    /// images (px).
     pub fn new(csv: &Path, size: (usize, usize)) -> Self {
         Self {
             folder: folder(csv).to_path_buf(),
@@ -106,11 +108,12 @@ impl NamedFrames {
         }
     }
 
-    /// The frame called `name`: a picture's file, or `FILE.mcap@TIME` or `FILE.mp4@TIME`, which names the frame nearest to that time
-    /// (s); it must be within half of the time between frames. Where a recording has no pictures, takes its `moments`.
+    /// Reads the frame `name`: an image file, or `FILE.mcap@TIME` or `FILE.mp4@TIME`, the frame nearest to that time
+    /// (s), which
+    /// must be within half a frame interval. If a recording has no images, its moments are copied to `moments`.
     ///
     /// # Errors
-    /// What was expected and what was found, in words.
+    /// If the frame cannot be read. The message contains the expected content and the problem.
     pub fn get(
         &mut self,
         name: &str,
@@ -121,13 +124,13 @@ impl NamedFrames {
             let path = self.folder.join(name);
             if is_video_name(&path) {
                 return Err(
-                    "a video; expected FILE@TIME, as in clip.mp4@1.5, the time (s) of a frame"
+                    "the file is a video; expected FILE@TIME with the time of a frame in seconds, as in clip.mp4@1.5"
                         .into(),
                 );
             }
             let picture = read_picture(&path);
             let picture =
-                picture.map_err(|e| format!("{e}; expected a picture of {width}x{height} px"))?;
+                picture.map_err(|e| format!("{e}; expected an image of {width}x{height} px"))?;
             return self.checked(picture);
         };
         let path = self.folder.join(file);
@@ -145,11 +148,11 @@ impl NamedFrames {
             take(&frames[nearest], moments)?;
             return Ok(NamedFrame::Sensed);
         }
-        let picture = recorded.picture(nearest)?.ok_or("there is no picture")?;
+        let picture = recorded.picture(nearest)?.ok_or("the frame has no image")?;
         self.checked(picture)
     }
 
-    /// Ends the decoding of another video than that at `path`: each takes a process.
+    /// Stops decoding any video other than `path`, because each decoder is a separate process.
     fn stop_decoding_others(&mut self, path: &Path) {
         if self.decoding.as_deref() == Some(path) {
             return;
@@ -166,7 +169,7 @@ impl NamedFrames {
         self.decoding = Some(path.to_path_buf());
     }
 
-    /// The picture, unless it is of another size than the sensor's.
+    /// Returns the image if it has the sensor's size.
     fn checked(&self, picture: Picture) -> Result<NamedFrame, String> {
         let (width, height) = self.size;
         let (columns, rows) = (picture.width, picture.height);
@@ -174,7 +177,7 @@ impl NamedFrames {
             return Ok(NamedFrame::Picture(picture));
         }
         Err(format!(
-            "it has {columns}x{rows} px; expected a picture of {width}x{height} px"
+            "the image has {columns}x{rows} px; expected {width}x{height} px"
         ))
     }
 }
@@ -202,7 +205,7 @@ impl Recorded {
         })
     }
 
-    /// The picture of frame `index`, or `None` if no pictures are on record.
+    /// Returns the image of frame `index`, or `None` if the recording contains no images.
     fn picture(&mut self, index: usize) -> Result<Option<Picture>, String> {
         match &mut self.frames {
             Frames::Pictures(pictures) => Ok(Some(pictures.read(index)?)),
@@ -215,7 +218,7 @@ impl Recorded {
     }
 }
 
-/// The frame nearest to `time`, s.
+/// Returns the index of the frame nearest to `time` (s).
 fn nearest(stamps: &[f64], time: f64) -> Result<usize, String> {
     let off = |stamp: f64| (stamp - time).abs();
     let frames = stamps.iter().copied().enumerate();
@@ -223,7 +226,7 @@ fn nearest(stamps: &[f64], time: f64) -> Result<usize, String> {
     let (index, stamp) = nearest.ok_or("the recording is empty")?;
     let (first, last) = (stamps[0], stamps[stamps.len() - 1]);
     let spacing = (last - first) / (stamps.len() - 1).max(1) as f64;
-    // A hair more than half of it, for times that were rounded.
+    // Slightly more than half an interval, to allow for rounded times.
     if off(stamp) > 0.501 * spacing + 1e-6 {
         return Err(format!(
             "the nearest frame is at {stamp} s; expected a time from {first} to {last} s"
@@ -232,13 +235,13 @@ fn nearest(stamps: &[f64], time: f64) -> Result<usize, String> {
     Ok(index)
 }
 
-/// Takes the moments of a recorded frame.
+/// Copies the moments of a recorded frame.
 fn take(frame: &Moments, moments: &mut [ElementMoments]) -> Result<(), String> {
     let lists = [&frame.integrated_gray, &frame.centroid_x, &frame.centroid_y];
     if let Some(list) = lists.iter().find(|list| list.len() != moments.len()) {
         let (actual, expected) = (list.len(), moments.len());
         return Err(format!(
-            "it was recorded of {actual} elements; expected {expected}, or its pictures (`feeler sense --record-frames`)"
+            "the recording has {actual} elements; expected {expected}, or a recording with images (`feeler sense --record-frames`)"
         ));
     }
     for (element, moments) in moments.iter_mut().enumerate() {

@@ -1,5 +1,5 @@
-//! Measured wrenches on disk: pictures, or recordings of what was sensed, and the CSV that says what acted on the whole fingertip
-//! in each.
+//! Measured wrenches on disk: a CSV file with the wrench on the whole fingertip, and the images or recordings it
+//! refers to.
 
 use super::geometry::read_text;
 use super::recorded::{NamedFrame, NamedFrames, files_of};
@@ -14,32 +14,32 @@ use glam::DVec3;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
-/// Why measured wrenches on disk cannot be used.
+/// Error of a file of measured wrenches or of the images that it refers to.
 #[derive(Debug, thiserror::Error)]
 pub enum ForcesFileError {
-    /// The file could not be read.
+    /// The file cannot be read.
     #[error("{}: {source}; expected a CSV file of picture,f_x,f_y,f_z,m_x,m_y,m_z", csv.display())]
     File {
-        /// The file.
+        /// Path of the CSV file.
         csv: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// It is no file of measured wrenches.
+    /// The file is not a valid table of wrenches.
     #[error("{}: {source}", csv.display())]
     Forces {
-        /// The file.
+        /// Path of the CSV file.
         csv: PathBuf,
-        /// What is wrong with it.
+        /// The problem.
         source: ForcesError,
     },
-    /// The sensor cannot sense.
+    /// Moments cannot be computed for the sensor.
     #[error(transparent)]
     Sensing(#[from] SensingError),
-    /// No picture that it names can be used.
-    #[error("no picture can be used, the first not as {reason}")]
+    /// None of the images can be used.
+    #[error("none of the images can be used; the first: {reason}")]
     NoPicture {
-        /// What is wrong with the first.
+        /// The problem with the first image.
         reason: String,
     },
 }
@@ -50,13 +50,13 @@ pub struct ForcesFile {
     forces: MeasuredForces,
 }
 
-/// What a file's pictures say.
+/// Moments of the images of a file of wrenches.
 pub struct MeasuredSamples {
-    /// Pictures that could be read, recording by recording, in the order of time.
+    /// The images that could be read, grouped by recording and ordered by time.
     pub samples: Vec<WrenchSample>,
-    /// What each is called, and in which line of the file.
+    /// Name and line number of each sample's image.
     pub pictures: Vec<(String, u64)>,
-    /// What was wrong with the others: file, line, expected and found.
+    /// Messages about the other images: file, line, and the problem.
     pub skipped: Vec<String>,
 }
 
@@ -64,7 +64,7 @@ impl ForcesFile {
     /// Reads the file of measured wrenches at `csv`.
     ///
     /// # Errors
-    /// When it cannot be read, or is no such file.
+    /// If the file cannot be read or is invalid.
     pub fn read(csv: &Path) -> Result<Self, ForcesFileError> {
         let csv = csv.to_path_buf();
         let file = match File::open(&csv) {
@@ -77,17 +77,17 @@ impl ForcesFile {
         }
     }
 
-    /// The file's name.
+    /// Returns the path as text.
     pub fn name(&self) -> String {
         self.csv.display().to_string()
     }
 
-    /// Name of each recording.
+    /// Names of the recordings.
     pub fn recordings(&self) -> &[String] {
         &self.forces.recordings
     }
 
-    /// Calls `measured` with each force of which all components were measured, N.
+    /// Calls `measured` with each force (N) of which all three components were measured.
     pub fn each_force(&self, mut measured: impl FnMut(DVec3)) {
         for picture in &self.forces.pictures {
             if let [Some(x), Some(y), Some(z), ..] = picture.wrench {
@@ -96,10 +96,10 @@ impl ForcesFile {
         }
     }
 
-    /// Refuses forces that no soft fingertip bears, or that no picture shows.
+    /// Rejects forces that are too large for a soft fingertip or too small to be visible.
     ///
     /// # Errors
-    /// Names the largest force and the likely unit.
+    /// If the largest force is out of range. The error suggests the likely unit.
     pub fn check_magnitude(&self) -> Result<(), LoadCheckError> {
         let pictures = self.forces.pictures.iter();
         let forces = pictures.map(|picture| {
@@ -109,12 +109,12 @@ impl ForcesFile {
         check_magnitude("the fingertip", forces, FINGERTIP_RANGE)
     }
 
-    /// Number of pictures.
+    /// Number of images.
     pub fn picture_count(&self) -> usize {
         self.forces.pictures.len()
     }
 
-    /// All files that are read: the file of wrenches, and the pictures and recordings that it names.
+    /// Returns all input files: the file of wrenches, and the images and recordings it refers to.
     pub fn files(&self) -> Vec<PathBuf> {
         let pictures = self.forces.pictures.iter();
         files_of(
@@ -123,11 +123,12 @@ impl ForcesFile {
         )
     }
 
-    /// Senses all pictures, and the recordings at their times, with `sensor`; calls `sensed` after each. A picture that cannot be
-    /// used is skipped, with a reason.
+    /// Computes the moments of all images, and reads those of recordings at the given times. Calls `sensed` after
+    /// each one. Images
+    /// that cannot be used are skipped with a message.
     ///
     /// # Errors
-    /// When no picture can be used.
+    /// If none of the images can be used.
     pub fn sense(
         &self,
         sensor: &SensorGeometry,
@@ -174,7 +175,7 @@ impl ForcesFile {
     }
 }
 
-/// Looks at pictures and into recordings.
+/// Reads images and recordings and computes their moments.
 struct Eye {
     frames: NamedFrames,
     chain: SensingChain,
@@ -183,7 +184,7 @@ struct Eye {
 }
 
 impl Eye {
-    /// The moments of each element; none of one that is dark or saturated.
+    /// Returns the moments of each element, `None` for elements that are dark or saturated.
     fn see(&mut self, name: &str) -> Result<Vec<Option<ElementMoments>>, String> {
         let NamedFrame::Picture(picture) = self.frames.get(name, &mut self.moments)? else {
             let lit = |moments: &ElementMoments| {
@@ -199,10 +200,11 @@ impl Eye {
 }
 
 impl SensorGeometry {
-    /// The wrench calibration in the file at `path`, if it is one and was made for this sensor; none where the file is of another kind.
+    /// Reads the wrench calibration at `path` and verifies that it was made for this sensor. Returns `None` if the
+    /// file is of another kind.
     ///
     /// # Errors
-    /// When the file cannot be read, or is a wrench calibration that makes no sense or was made for another sensor.
+    /// If the file cannot be read, is invalid, or was made for another sensor.
     pub fn read_wrench_calibration(
         &self,
         path: &Path,

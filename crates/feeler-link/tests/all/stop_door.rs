@@ -25,7 +25,7 @@ fn counting() -> impl Fn(u64, &str) -> StopAnswer + Send + Sync + 'static {
     let orders = AtomicU64::new(0);
     move |_, from| StopAnswer {
         order: orders.fetch_add(1, Ordering::Relaxed) + 1,
-        stopped: format!("told to stop by {from}"),
+        stopped: format!("stop requested by {from}"),
     }
 }
 
@@ -49,7 +49,7 @@ fn a_call_is_one_order_and_is_told_what_the_hand_is_about() {
     let _door = StopDoor::open(&endpoints, None, "bench", counting()).expect("a door");
     let first = call_stop(&endpoints, None, "bench", (1, "the \x1b[31mswitch")).expect("an answer");
     assert_eq!(first.order, 1);
-    assert_eq!(first.stopped, "told to stop by the \\u{1b}[31mswitch");
+    assert_eq!(first.stopped, "stop requested by the \\u{1b}[31mswitch");
     let long = "x".repeat(1000);
     let second = call_stop(&endpoints, None, "bench", (2, &long)).expect("an answer");
     assert_eq!((second.order, second.stopped.len()), (2, 256));

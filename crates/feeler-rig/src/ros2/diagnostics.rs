@@ -1,9 +1,9 @@
-//! How a rig is, for `/diagnostics`.
+//! State of a rig for `/diagnostics`.
 
 use feeler_ros2::message::{DiagnosticLevel, DiagnosticStatus, KeyValue};
 use feeler_watch::{Program, ProgramState, Snapshot};
 
-/// One status for the hand, one for each program.
+/// Returns one status for the hand and one for each program.
 pub fn diagnostics(snapshot: &Snapshot, node: &str) -> Vec<DiagnosticStatus> {
     let programs = snapshot
         .programs
@@ -18,7 +18,7 @@ fn of_hand(snapshot: &Snapshot, node: &str) -> DiagnosticStatus {
     let fault = snapshot.fault.as_ref().filter(|fault| !fault.over);
     let (level, message) = match (fault, snapshot.task) {
         (Some(fault), _) => (DiagnosticLevel::Error, fault.words.clone()),
-        (None, None) => (DiagnosticLevel::Stale, "no hand was heard".into()),
+        (None, None) => (DiagnosticLevel::Stale, "no hand found".into()),
         (None, _) if !snapshot.notice.is_empty() => {
             (DiagnosticLevel::Warn, snapshot.notice.clone())
         }
@@ -66,8 +66,8 @@ fn of_program(program: &Program, node: &str) -> DiagnosticStatus {
         None => format!("{node}: {} program", program.name),
     };
     let (level, message) = match &program.state {
-        ProgramState::Alive => (DiagnosticLevel::Ok, "its data come".to_string()),
-        ProgramState::Silent => (DiagnosticLevel::Stale, "nothing is heard of it".to_string()),
+        ProgramState::Alive => (DiagnosticLevel::Ok, "receiving data".to_string()),
+        ProgramState::Silent => (DiagnosticLevel::Stale, "no data".to_string()),
         ProgramState::Refused { why } => (DiagnosticLevel::Error, format!("refused: {why}")),
     };
     let values = [
@@ -83,7 +83,7 @@ fn of_program(program: &Program, node: &str) -> DiagnosticStatus {
     status(level, name, message, values.into())
 }
 
-/// A status; the name begins with the node's, as aggregators expect.
+/// Creates a status. Its name begins with that of the node, as aggregators expect.
 pub fn status(
     level: DiagnosticLevel,
     name: String,

@@ -1,4 +1,4 @@
-//! A sensor of a ROS 2 graph as the fingertip of a finger.
+//! A ROS 2 tactile sensor as the fingertip of a finger.
 
 use feeler::sensor::reading::TactileFrame;
 use feeler_console::CommandError;
@@ -12,21 +12,22 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// How long to wait for forces before looking whether to end.
+/// Time to wait for forces before checking whether to stop.
 const WAIT: Duration = Duration::from_millis(50);
 
-/// The sensor program of one finger.
+/// Sensor program of one finger.
 pub struct Fingertip {
     finger: usize,
     sensor: RosSensor,
     program: SensorProgram,
     frame: TactileFrame,
-    /// Why the newest forces were of no use; empty where they were not.
+    /// Error of the latest forces; empty if they are valid.
     trouble: String,
 }
 
 impl Fingertip {
-    /// The sensor that `config` names for `finger` of `experiment`; none where it names none. `network` is that of whoever senses there.
+    /// Creates the sensor that `config` specifies for `finger` of `experiment`, or returns `None` if it specifies
+    /// none. `network` opens the network with the rights of that finger's sensor.
     pub fn new(
         node: &mut Node,
         (experiment, finger): (&Experiment, usize),
@@ -59,15 +60,16 @@ impl Fingertip {
         }))
     }
 
-    /// Warnings go to `warn`.
+    /// Sets the receiver of warnings.
     pub fn set_warn(&mut self, warn: Warn) {
         self.program.set_warn(warn);
     }
 
-    /// Publishes what is sensed until `interrupted` is raised. What is stale or of no use is not published, so that the hand stops.
+    /// Publishes tactile data until `interrupted` is set. Stale or invalid data are not published, so that the hand
+    /// stops.
     ///
     /// # Errors
-    /// When the network fails.
+    /// If the network fails.
     pub fn run(&mut self, interrupted: &AtomicBool) -> Result<(), ProgramError> {
         while !interrupted.load(Ordering::Relaxed) {
             self.program.check_peers();
@@ -90,7 +92,7 @@ impl Fingertip {
         Ok(())
     }
 
-    /// Warns of what is new.
+    /// Warns when trouble starts.
     fn tell(&mut self, trouble: String) {
         if self.trouble.is_empty() {
             let finger = self.finger;

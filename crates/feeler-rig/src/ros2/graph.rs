@@ -1,4 +1,4 @@
-//! The node that the command line asks for.
+//! ROS 2 node configured by the command line.
 
 use feeler_console::CommandError;
 use feeler_console::Warnings;
@@ -10,23 +10,23 @@ use feeler_ros2::parameter_server::serve_parameters;
 use serde_json::json;
 use std::time::{Duration, Instant};
 
-/// Where a program learns in which domain it is.
+/// Environment variable of the domain.
 const DOMAIN_VARIABLE: &str = "ROS_DOMAIN_ID";
 
-/// Why no parameter can be set.
-const FIXED: &str = "an experiment's values are checked together when its programs start, and stay as they are; start them with --set";
+/// Reason why parameters cannot be set.
+const FIXED: &str = "read-only: an experiment's values are checked together when its programs start; restart them with --set";
 
-/// A node that is alone for so long is told of.
+/// Time without any peer after which a warning is printed.
 const PATIENCE: Duration = Duration::from_secs(2);
 
-/// What the node of a hand is called where nobody says otherwise.
+/// Default name of a hand's node.
 pub const NODE_NAME: &str = "feeler";
 
-/// The domain that the environment names.
+/// Returns the domain given by the environment.
 pub fn domain_of_environment() -> Result<u32, CommandError> {
     match std::env::var(DOMAIN_VARIABLE) {
         Ok(text) if !text.is_empty() => text.parse().map_err(|_| {
-            format!("{DOMAIN_VARIABLE}: a number from 0 to 232 expected, found {text:?}").into()
+            format!("{DOMAIN_VARIABLE}: expected a number from 0 to 232, got {text:?}").into()
         }),
         _ => Ok(0),
     }
@@ -62,8 +62,8 @@ pub fn config(options: &GraphOptions, name: &str) -> Result<NodeConfig, CommandE
     })
 }
 
-/// Refuses a router of the graph where the hand of a rig is, at one of `hands`: both have the same port unless told otherwise, and whoever
-/// takes the one for the other hears nothing.
+/// Rejects a router at the endpoint of the rig's hand, one of `hands`. Both use the same default port, and connecting
+/// to the wrong one yields no data.
 pub fn check_ports(graph: &NodeConfig, hands: &[String]) -> Result<(), CommandError> {
     let place = |endpoint: &str| {
         let (protocol, address) = endpoint.split_once('/')?;
@@ -72,7 +72,7 @@ pub fn check_ports(graph: &NodeConfig, hands: &[String]) -> Result<(), CommandEr
             "localhost" | "127.0.0.1" | "[::1]" | "[::]" | "0.0.0.0" => "localhost",
             other => other,
         };
-        // The link's TLS is over TCP, too.
+        // TLS endpoints of the link use TCP, too.
         let protocol = protocol.replace("tls", "tcp");
         Some((
             protocol,
@@ -88,13 +88,13 @@ pub fn check_ports(graph: &NodeConfig, hands: &[String]) -> Result<(), CommandEr
     match graph.connect.iter().find(is_hand) {
         None => Ok(()),
         Some(endpoint) => Err(format!(
-            "the hand of the rig and the router of ROS 2 cannot both be at {endpoint}; leave that port to ROS 2, start the hand with --listen tcp/127.0.0.1:7557, and its other programs and this one with --connect tcp/127.0.0.1:7557"
+            "the rig's hand and the ROS 2 router cannot both be at {endpoint}; leave that port to ROS 2, start the hand with --listen tcp/127.0.0.1:7557, and this and all other programs of the rig with --connect tcp/127.0.0.1:7557"
         )
         .into()),
     }
 }
 
-/// Tells a user whose node is alone, as where no router was started.
+/// Warns while a node has no peers, e.g. because no router is running.
 pub struct Company {
     places: String,
     since: Instant,
@@ -103,7 +103,7 @@ pub struct Company {
 }
 
 impl Company {
-    /// Of a node that looks for others where `graph` says.
+    /// Creates the warning for a node that connects as `graph` specifies.
     pub fn new(graph: &NodeConfig) -> Self {
         Self {
             places: graph.connect.join(", "),
@@ -113,12 +113,12 @@ impl Company {
         }
     }
 
-    /// Looks whether `node` is alone, and says what is new of that.
+    /// Checks whether `node` has peers, and prints a message on changes.
     pub fn look(&mut self, node: &Node) {
         match (node.has_company(), self.is_told) {
             (false, false) if self.since.elapsed() >= PATIENCE => {
                 let line = format!(
-                    "ROS 2: nobody is at {}; waiting for a router there (ros2 run rmw_zenoh_cpp rmw_zenohd) or a node",
+                    "ROS 2: nothing found at {}; waiting for a router (ros2 run rmw_zenoh_cpp rmw_zenohd) or a node there",
                     self.places
                 );
                 self.warnings.queue(&line);
@@ -134,7 +134,7 @@ impl Company {
     }
 }
 
-/// Serves law, thresholds and all other values of control and task as parameters.
+/// Serves all values of control and task, including law and thresholds, as parameters.
 pub fn serve_settings(
     node: &mut Node,
     experiment: &Experiment,
@@ -162,7 +162,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_hand_and_the_router_are_told_apart() {
+    fn hand_and_router_must_not_share_an_endpoint() {
         let check = |router: &str, hand: &str| {
             let graph = NodeConfig {
                 name: NodeName::new(0, "/", "a").expect("a name"),

@@ -1,4 +1,4 @@
-//! The joints of a robot as those of a rig.
+//! A ROS 2 robot's joints as those of a rig.
 
 use feeler::hand::{Hand, HandCommand, HandError, HandState};
 use feeler_console::Warnings;
@@ -7,22 +7,22 @@ use feeler_link::programs::Rig;
 use feeler_ros2::ros_hand::RosHand;
 use std::time::{Duration, Instant};
 
-/// Who waits for so long for a robot wants to know why.
+/// Time to wait for the first joint states before a message is printed.
 const PATIENCE: Duration = Duration::from_secs(2);
 
-/// A robot's joints. The rig's time is that of the graph, from when they were first read: a command is as old as the stamps of the joint
-/// states say that it was made from.
+/// A robot's joints. The rig's time is the graph's time since the first joint states. The age of a command follows
+/// from the stamps of the joint states that it is based on.
 pub struct RobotRig {
     hand: RosHand,
-    /// The graph's time at the rig's time 0, s.
+    /// The graph's time (s) at time 0 of the rig.
     began: Option<f64>,
     warnings: Warnings,
-    /// Since when there are no joint states, and whether that was said; none while there are.
+    /// Start of the current lack of joint states, and `true` if it was reported. `None` while joint states arrive.
     lost: Option<(Instant, bool)>,
 }
 
 impl RobotRig {
-    /// Serves the joints of `hand`; says when they are lost and found.
+    /// Serves the joints of `hand`, and reports when their states are lost and found.
     pub fn new(hand: RosHand, warnings: Warnings) -> Self {
         Self {
             hand,
@@ -32,17 +32,17 @@ impl RobotRig {
         }
     }
 
-    /// Says what is new of whether there are joint states.
+    /// Prints a message when joint states are lost or found.
     fn tell(&mut self, read: &Result<(), HandError>) {
         let (since, is_told) = self.lost.unwrap_or((Instant::now(), false));
         self.lost = match read {
             Ok(()) => {
                 if is_told {
-                    self.warnings.queue("the robot's joint states are there");
+                    self.warnings.queue("receiving the robot's joint states");
                 }
                 None
             }
-            // Before the first ones, a graph needs a moment.
+            // Discovery in the graph takes a moment.
             Err(_) if self.began.is_none() && since.elapsed() < PATIENCE => Some((since, false)),
             Err(error) => {
                 if !is_told {
@@ -61,7 +61,7 @@ impl Rig for RobotRig {
     }
 
     fn time(&self) -> f64 {
-        // Without a clock nothing can be read, and so nothing moves.
+        // Without a clock nothing can be read, so nothing moves.
         let now = self.hand.now().ok();
         now.zip(self.began).map_or(0.0, |(now, began)| now - began)
     }

@@ -1,4 +1,4 @@
-//! The services that stop and resume the hand of a rig, as `feeler stop` and `feeler resume` do.
+//! Services that stop and resume the hand of a rig, like `feeler stop` and `feeler resume`.
 
 use feeler_console::CommandError;
 use feeler_link::hand_client::{Ack, HandClient};
@@ -9,7 +9,7 @@ use feeler_ros2::node::Node;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// How long an order is said before it is told that the hand does not heed it.
+/// Time to repeat an order before it fails.
 const LONGEST: Duration = Duration::from_secs(3);
 
 /// Serves `/stop` and `/resume` of the hand that `client` calls.
@@ -22,7 +22,7 @@ pub fn serve_orders(node: &mut Node, client: HandClient) -> Result<(), CommandEr
     Ok(())
 }
 
-/// What came of an order, in words.
+/// Description of the result of an order.
 type Answered = Result<String, String>;
 
 fn response(answered: Answered) -> TriggerResponse {
@@ -48,11 +48,11 @@ fn stop(client: &HandClient, by: &str) -> Answered {
         .map_or(0, |stop| stop.number);
     match heeded {
         Ack::Stable => Ok(format!(
-            "the hand stands still: {} (stop {number})",
+            "the hand is stopped: {} (stop {number})",
             mode.stopped
         )),
-        Ack::Reverted => Err("the hand stood still, and somebody resumed it at once".into()),
-        Ack::None => Err("the hand was told to stop, but does not say that it does".into()),
+        Ack::Reverted => Err("the hand stopped, but another client resumed it at once".into()),
+        Ack::None => Err("the hand did not confirm the stop".into()),
     }
 }
 
@@ -61,7 +61,7 @@ fn resume(client: &HandClient, by: &str) -> Answered {
     let Some(stop) = stop_to_resume(&mode.stops, by) else {
         return Err(match mode.stops.first() {
             Some(stop) => format!(
-                "stop {} is by {}, who alone resumes it, or feeler resume --number {0}",
+                "stop {} is by {}, and can be resumed only by that caller or with feeler resume --number {0}",
                 stop.number, stop.by
             ),
             None => "the hand is not stopped".into(),
@@ -77,15 +77,15 @@ fn resume(client: &HandClient, by: &str) -> Answered {
         Ack::Stable | Ack::Reverted => {
             let mode = client.mode();
             match mode.stops.first() {
-                None => Ok(format!("stop {number} is resumed")),
+                None => Ok(format!("stop {number} was resumed")),
                 Some(other) => Ok(format!(
-                    "stop {number} is resumed; stop {} by {} is in force",
+                    "stop {number} was resumed; stop {} by {} is still in force",
                     other.number, other.by
                 )),
             }
         }
         Ack::None => Err(format!(
-            "the hand does not say that stop {number} is resumed"
+            "the hand did not confirm the resume of stop {number}"
         )),
     }
 }

@@ -1,4 +1,4 @@
-//! `feeler ros2 RECORDING`: a recording in real time.
+//! `feeler ros2 RECORDING`: replays a recording in real time.
 
 use super::diagnostics::status;
 use super::graph::{Company, GraphOptions, NODE_NAME, config, serve_settings};
@@ -21,9 +21,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Ctrl-C is seen this soon.
+/// Maximum delay in reacting to Ctrl-C.
 const PATIENCE: Duration = Duration::from_millis(50);
-/// Time between two diagnostics, s of the recording.
+/// Interval between diagnostics, in the recording's time (s).
 const DIAGNOSTICS_INTERVAL: f64 = 1.0;
 
 /// Publishes the recording at `path`, at `speed` times its real time, until it ends or until Ctrl-C.
@@ -38,7 +38,7 @@ pub fn publish_recording(
     out: &mut dyn Write,
 ) -> Result<Outcome, CommandError> {
     if !(speed.is_finite() && speed > 0.0) {
-        return Err(format!("--speed: a number above 0 expected, found {speed}").into());
+        return Err(format!("--speed: expected a number above 0, got {speed}").into());
     }
     let graph = config(graph, NODE_NAME)?;
     let recording = Recording::read(path)?;
@@ -73,17 +73,17 @@ pub fn publish_recording(
     })
 }
 
-/// Times of a recording as those of the graph.
+/// Conversion from the recording's time to the graph's.
 struct Times {
-    /// When the recording begins, s.
+    /// Time of the recording's first step (s).
     first: f64,
     speed: f64,
-    /// When the replay began, s since 1970; none where stamps are the recording's own.
+    /// Start of the replay (s since 1970), or `None` if stamps are in the recording's time.
     began: Option<f64>,
 }
 
 impl Times {
-    /// How long after the replay's beginning `time` is due, s.
+    /// Returns the delay (s) from the start of the replay until `time` is due.
     fn due(&self, time: f64) -> f64 {
         (time - self.first) / self.speed
     }
@@ -93,7 +93,7 @@ impl Times {
     }
 }
 
-/// What is published of a recording.
+/// State of a replay.
 struct Replay {
     node: Node,
     company: Company,
@@ -101,16 +101,16 @@ struct Replay {
     publishers: HandPublishers,
     times: Times,
     slip_threshold: f64,
-    /// Number of each finger's newest picture that was published.
+    /// Sequence number of the last published frame of each finger.
     seen: Vec<Option<u64>>,
-    /// Kept, so that its memory is.
+    /// Reused buffer.
     forces: Vec<DVec3>,
-    /// Time of the newest diagnostics, s.
+    /// Time of the latest diagnostics (s).
     told: f64,
 }
 
 impl Replay {
-    /// Whether it went to the end.
+    /// Publishes all steps on time; returns `false` if interrupted.
     fn play(&mut self, recording: &Recording, interrupted: &AtomicBool) -> Result<bool, NodeError> {
         let began = Instant::now();
         for (number, step) in Steps::new(recording).enumerate() {
@@ -163,7 +163,7 @@ impl Replay {
 
     fn publish_joints(&mut self, step: &Step) -> Result<(), NodeError> {
         let joints = step.fingers.iter().filter_map(|finger| finger.joints);
-        // They are read together.
+        // All joints are read at once.
         let stamp = joints
             .clone()
             .next()

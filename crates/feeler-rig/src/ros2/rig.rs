@@ -1,4 +1,4 @@
-//! `feeler ros2 RIG`: a running rig of several programs.
+//! `feeler ros2 RIG`: publishes a running networked rig.
 
 use super::diagnostics::diagnostics;
 use super::graph::{Company, GraphOptions, NODE_NAME, check_ports, config, serve_settings};
@@ -21,9 +21,9 @@ use std::io::Write;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
-/// Longest time between two looks at whether to end.
+/// Maximum delay in reacting to Ctrl-C.
 const PATIENCE: Duration = Duration::from_millis(50);
-/// Time between two diagnostics.
+/// Interval between diagnostics.
 const DIAGNOSTICS_INTERVAL: Duration = Duration::from_secs(1);
 
 /// Publishes the rig of `session` as a node until Ctrl-C.
@@ -67,7 +67,7 @@ pub fn publish_rig(
     Ok(Outcome::Done)
 }
 
-/// What is published of a rig.
+/// State of a published rig.
 struct RigNode {
     node: Node,
     company: Company,
@@ -75,13 +75,13 @@ struct RigNode {
     publishers: HandPublishers,
     stamps: Stamps,
     slip_threshold: f64,
-    /// Program and number of the newest state that was published.
+    /// Program instance and sequence number of the last published state.
     state: Option<(u64, u64)>,
-    /// The same of each finger.
+    /// Program instance and sequence number of the last published update of each finger.
     seen: Vec<Option<(u64, u64)>>,
-    /// Kept, so that its memory is.
+    /// Reused buffer.
     forces: Vec<DVec3>,
-    /// The time of the newest state.
+    /// Time of the latest state.
     now: Option<Time>,
 }
 
@@ -117,7 +117,7 @@ impl RigNode {
         Ok(())
     }
 
-    /// Publishes what is new of what was `heard`.
+    /// Publishes the data that are new since the last call.
     fn take(&mut self, heard: &feeler_watch::Heard) -> Result<(), NodeError> {
         let arrived = time_of_day();
         let number = |header: MessageHeader| Some((header.instance, header.sequence));

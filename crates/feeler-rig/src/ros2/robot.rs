@@ -20,9 +20,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
 
-/// What the node is called where nobody says otherwise.
+/// Default name of the node.
 const NODE_NAME: &str = "feeler_rig";
-/// How often joint states are looked for that do not come.
+/// Interval of checks for missing joint states.
 const LOOK: Duration = Duration::from_millis(20);
 
 /// Serves the robot that the table `[ros2]` of the session's experiment names, until Ctrl-C. The age of data is judged by
@@ -44,7 +44,7 @@ pub fn serve_robot(
     let robot = experiment.config.ros2.as_ref().ok_or_else(|| {
         let name = &experiment.config.name;
         format!(
-            "experiment {name}: a table [ros2] expected, which names the robot's joints and topics; found none (see docs/ros2.md)"
+            "experiment {name}: expected a table [ros2] that names the robot's joints and topics (see docs/ros2.md)"
         )
     })?;
     let graph = config(graph, NODE_NAME)?;
@@ -72,7 +72,7 @@ pub fn serve_robot(
     }
     writeln!(
         out,
-        "the robot at {} is the rig of {name}, and this the ROS 2 node {}; Ctrl-C ends it",
+        "serving the robot at {} as the rig of {name}, as the ROS 2 node {}; press Ctrl-C to stop",
         robot.joint_states,
         node.name()
     )?;
@@ -87,7 +87,7 @@ pub fn serve_robot(
             let interrupted = &interrupted;
             sensing.push(scope.spawn(move || {
                 let ended = fingertip.run(interrupted);
-                // None of them goes on without the others.
+                // If one of them ends, all end.
                 interrupted.store(true, Ordering::Relaxed);
                 ended
             }));
@@ -104,7 +104,7 @@ pub fn serve_robot(
     Ok(Outcome::Done)
 }
 
-/// The robot as a hand.
+/// Creates the hand of the robot.
 fn robot_hand(node: &mut Node, robot: &RosConfig, age: SensorAge) -> Result<RosHand, RosHandError> {
     let fingers = robot.finger.iter();
     let config = RosHandConfig {
@@ -117,8 +117,8 @@ fn robot_hand(node: &mut Node, robot: &RosConfig, age: SensorAge) -> Result<RosH
     RosHand::new(node, config, age.clock)
 }
 
-/// Serves the joints until `interrupted` is raised. While there are no joint states, the robot is told to stand, and nothing is published, so
-/// that the hand stops, too; it goes on when they are there again.
+/// Serves the joints until `interrupted` is set. While joint states are missing, the robot is commanded to hold still
+/// and nothing is published, so that the hand stops too; both resume when joint states return.
 fn serve_joints(
     program: &mut RigProgram<RobotRig>,
     interrupted: &AtomicBool,

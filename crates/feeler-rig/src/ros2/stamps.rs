@@ -1,24 +1,24 @@
-//! Times of a run as those of the graph.
+//! Conversion from a run's time to the graph's.
 
 use feeler_record::ros::Time;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-/// A run whose time is further behind that of day than ever before by this, s, goes slower, or was held up.
+/// Delay (s) beyond the smallest one seen above which a clock is taken to run slower or to have paused.
 const LONGEST_BEHIND: f64 = 0.1;
 
-/// Most clocks of a rig: one of each program. Of more, the oldest is forgotten.
+/// Maximum number of clocks in a rig, one per program. Beyond, the oldest is dropped.
 const MOST_CLOCKS: usize = 16;
 
-/// Makes stamps of the graph from those of a run.
+/// Converter of a run's stamps to the graph's.
 pub enum Stamps {
-    /// They are the run's.
+    /// Use the run's time.
     OfTheRun,
-    /// They are of the time of day. Of each clock, by its number: what is to be added to its stamps, s.
+    /// Use the time of day. Contains, for each clock's id, the offset to add to its stamps (s).
     OfTheDay(Vec<(u64, f64)>),
 }
 
 impl Stamps {
-    /// The run's own, or those of the time of day.
+    /// Creates a converter to the run's time or to the time of day.
     pub fn new(of_the_run: bool) -> Self {
         match of_the_run {
             true => Self::OfTheRun,
@@ -26,8 +26,8 @@ impl Stamps {
         }
     }
 
-    /// The stamp of something that a `clock` says is of `stamp`, s, and that arrived at `now`, s since 1970. That which took least
-    /// time to arrive tells how the clock goes.
+    /// Converts `stamp` (s) of `clock`, received at `now` (s since 1970). The message with the shortest delay
+    /// determines the clock's offset.
     pub fn of(&mut self, clock: u64, stamp: f64, now: f64) -> Option<Time> {
         let Self::OfTheDay(clocks) = self else {
             return Time::of(stamp);
@@ -53,7 +53,7 @@ impl Stamps {
     }
 }
 
-/// The time of day, s since 1970.
+/// Returns the time of day (s since 1970).
 pub fn time_of_day() -> f64 {
     let since = SystemTime::now().duration_since(UNIX_EPOCH);
     since.map_or(0.0, |since| since.as_secs_f64())
@@ -64,7 +64,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_came_quickest_tells_how_the_clock_goes() {
+    fn the_shortest_delay_determines_the_offset() {
         let mut stamps = Stamps::new(false);
         let mut of = |clock, stamp, now| {
             let time = stamps.of(clock, stamp, now).expect("a time");

@@ -1,4 +1,4 @@
-//! Refuses loads that cannot be what the pictures show, with the options that convert or keep them.
+//! Plausibility checks of loads and fits. The messages name the options that convert or accept the loads.
 
 use feeler::sensor::calibration::{Calibration, explained};
 use feeler::sensor::calibration_fit::ElementRecord;
@@ -9,18 +9,17 @@ use feeler_console::CommandError;
 use feeler_console::warn;
 use feeler_lab::sensor::{LoadsFile, LoadsFileError};
 
-/// Refuses loads that no soft element bears, or that no picture shows.
+/// Rejects loads outside the range that a soft element can bear and a camera can resolve.
 pub fn magnitude(loads: &LoadsFile) -> Result<(), CommandError> {
     loads
         .check_magnitude()
         .map_err(|error| format!("{error}{CONFIRM}").into())
 }
 
-/// What can be done about loads that are out of range.
-pub const CONFIRM: &str =
-    " A unit in the header, such as f_z [mN] or [kN], converts them; --confirm-loads keeps them";
+/// Advice appended to messages about loads that are out of range.
+pub const CONFIRM: &str = " (add the unit to the header, as in f_z [mN], to convert them, or use --confirm-loads to accept them)";
 
-/// Refuses loads, turned by `axes`, whose elements, axes, signs or zeros the pictures contradict.
+/// Rejects loads (converted by `axes`) whose elements, axes, signs or zeros contradict the images.
 pub fn before_fitting(
     loads: &LoadsFile,
     measured: &RecordBuilder,
@@ -32,7 +31,8 @@ pub fn before_fitting(
     })
 }
 
-/// Refuses loads that contradict the calibration fitted to them, zeros of recordings included, and warns of a doubtful one.
+/// Rejects loads that contradict the calibration fitted to them, including zero offsets of recordings; warns of a
+/// doubtful load.
 pub fn after_fitting(
     loads: &LoadsFile,
     measured: &RecordBuilder,
@@ -41,12 +41,14 @@ pub fn after_fitting(
     let checked = loads.check_fit(measured, calibration);
     let doubtful = checked.map_err(|error| format!("{error}{}", keeping(&error)))?;
     if let Some(load) = doubtful {
-        warn(&format!("{load} Or is its picture unlike the others?"));
+        warn(&format!(
+            "{load} (its image may also differ from the others)"
+        ));
     }
     Ok(())
 }
 
-/// What can be done about an error.
+/// Returns the advice for an error.
 fn way_out(error: &LoadsFileError, axes: ForceAxes) -> String {
     let LoadsFileError::Contradicted {
         source: LoadCheckError::Axes {
@@ -59,8 +61,7 @@ fn way_out(error: &LoadsFileError, axes: ForceAxes) -> String {
     };
     let converting = seen.after(axes);
     if converting == ForceAxes::default() {
-        return " Without --force-on and --force-axes, the forces are what the pictures show"
-            .into();
+        return " (without --force-on and --force-axes, the forces agree with the images)".into();
     }
     let option = match converting == ForceAxes::default().reversed() {
         true => "--force-on object".into(),
@@ -69,21 +70,21 @@ fn way_out(error: &LoadsFileError, axes: ForceAxes) -> String {
     let instead = if axes == ForceAxes::default() {
         ""
     } else {
-        " alone"
+        " instead"
     };
-    format!(" If the table is so, {option}{instead} converts it")
+    format!(" (if the table was measured in these axes, use {option}{instead} to convert it)")
 }
 
-/// Names the option that accepts loads which are refused.
+/// Returns advice that names the option to accept rejected loads.
 fn keeping(error: &LoadsFileError) -> String {
     let what = error.to_string();
     let separator = if what.ends_with('?') { "" } else { ";" };
-    format!("{separator} --force-fit keeps them all the same")
+    format!("{separator} --force-fit accepts them anyway")
 }
 
-/// Refuses a calibration that is fitted to noise.
+/// Rejects a calibration that fits noise.
 pub fn noise(calibration: &Calibration, records: &[ElementRecord]) -> Result<(), CommandError> {
-    /// Part of the variance of loads that must be explained.
+    /// Minimum fraction of the loads' variance that must be explained.
     const LEAST: f64 = 0.2;
     let explained = explained(calibration, records);
     let axes = ["f_x", "f_y", "f_z"].into_iter().zip(explained.to_array());
@@ -95,9 +96,9 @@ pub fn noise(calibration: &Calibration, records: &[ElementRecord]) -> Result<(),
         return Ok(());
     }
     Err(format!(
-        "the pictures explain nothing of {}, at least {LEAST} expected: are the elements numbered as in the layout, \
-         where `feeler locate --preview` draws the numbers, or named by their places (columns column, row)? --force-fit keeps \
-         it all the same",
+        "the images explain too little of {}; expected at least {LEAST}. Check that the elements are numbered as in the layout \
+         (`feeler locate --preview` draws the numbers), or identify them by position (columns column, row); --force-fit \
+         accepts the fit anyway",
         unexplained.join(", ")
     )
     .into())

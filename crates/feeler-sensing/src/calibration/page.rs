@@ -1,4 +1,4 @@
-//! What the page of a calibration shows of it.
+//! HTML report of a calibration.
 
 use feeler::sensor::calibration::{
     Calibration, CalibrationModel, ElementCalibration, ForceMap, Inputs, LengthUnit,
@@ -9,10 +9,10 @@ use feeler_report::calibration_page::{
 };
 use glam::{DVec2, DVec3};
 
-/// Points of a curve.
+/// Number of segments of a curve.
 const STEPS: usize = 60;
 
-/// The page of `calibration`, fitted to `records` from `source`, as HTML.
+/// Renders the report of `calibration`, fitted to `records` from `source`, as HTML.
 pub fn page(calibration: &Calibration, records: &[ElementRecord], source: &str) -> String {
     let elements = &calibration.elements;
     let name = |index: usize| format!("Element {index}");
@@ -27,7 +27,7 @@ pub fn page(calibration: &Calibration, records: &[ElementRecord], source: &str) 
             resolution: quality.resolution.map(|f| f.to_array()),
         }
     });
-    // Micrometres where lengths are metres.
+    // Metres are shown in micrometres.
     let (length_unit, scale) = match calibration.made_for.length_unit {
         LengthUnit::Metre => ("µm", 1e6),
         LengthUnit::Pixel => ("px", 1.0),
@@ -50,7 +50,7 @@ pub fn page(calibration: &Calibration, records: &[ElementRecord], source: &str) 
     })
 }
 
-/// The elements to draw: the first of each ring, or of all; and the worst in shear and in compression.
+/// Returns the elements to draw: the first of each ring, and the worst in shear and in compression.
 fn drawn(calibration: &Calibration) -> Vec<usize> {
     let full_scale = calibration.full_scale;
     let worst = |of: fn(DVec3) -> f64| {
@@ -75,7 +75,7 @@ fn drawn(calibration: &Calibration) -> Vec<usize> {
     drawn
 }
 
-/// Loads, curves and residuals of one element, lengths times `scale`.
+/// Returns the loads, curves and residuals of one element, with lengths multiplied by `scale`.
 fn element_loads(element: &ElementCalibration, record: &ElementRecord, scale: f64) -> ElementLoads {
     let mut loads = ElementLoads::default();
     let samples = match &record.held_out {
@@ -95,7 +95,7 @@ fn element_loads(element: &ElementCalibration, record: &ElementRecord, scale: f6
         }
     }
     let [growth, x, y] = element.map.ranges();
-    // A separable map's curves do not depend on anything else.
+    // The curves of a separable map are independent of each other.
     let shares = match element.map {
         ForceMap::Separable(_) => &[0.0][..],
         ForceMap::Coupled(_) => &[0.0, 0.5, 1.0][..],
@@ -117,7 +117,7 @@ fn element_loads(element: &ElementCalibration, record: &ElementRecord, scale: f6
     loads
 }
 
-/// `force` over a range of inputs, which are drawn times `scale`.
+/// Samples `force` over a range of inputs; the returned inputs are multiplied by `scale`.
 fn curve([low, high]: [f64; 2], scale: f64, force: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
     let steps = 0..=STEPS;
     steps

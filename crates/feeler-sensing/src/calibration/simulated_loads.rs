@@ -1,4 +1,4 @@
-//! Simulated loads, written to disk as a laboratory's would be.
+//! Simulated loads, written to disk in the format of laboratory data.
 
 use feeler::sensor::fingertip::{Fingertip, FingertipConfig};
 use feeler::sensor::frame::Picture;
@@ -12,13 +12,13 @@ use glam::{DVec2, DVec3};
 use image::{ExtendedColorType, ImageFormat};
 use std::path::Path;
 
-/// Name of the file of loads in the folder that simulated loads are written to.
+/// File name of the table of loads.
 const LOADS: &str = "LOADS.csv";
-/// Name of a picture of the untouched fingertip there, for `feeler locate`.
+/// File name of an image of the unloaded fingertip, for `feeler locate`.
 const UNTOUCHED: &str = "untouched.png";
 
-/// Writes pictures of the simulated fingertip under load, and the file of loads; one without any load twice, under a name that
-/// says so.
+/// Writes images of the simulated fingertip under load, with their table of loads. An image without load is saved a
+/// second time under the name [`UNTOUCHED`].
 pub fn write_simulated_loads(
     folder: &Path,
     fingertip: &FingertipConfig,
@@ -27,10 +27,10 @@ pub fn write_simulated_loads(
 ) -> Result<(), CommandError> {
     let failed = |e: &dyn std::fmt::Display| {
         let folder = folder.display();
-        format!("--write-loads {folder}: {e}; expected a new folder that can be written to")
+        format!("--write-loads {folder}: {e}; expected a new, writable folder")
     };
     create_folder(folder).map_err(|e| failed(&e))?;
-    // Written last: its rows may name pictures only when all are there.
+    // Written last: its rows must not refer to missing images.
     let file = Outputs::new(false, []).create(&folder.join(LOADS), "--write-loads")?;
     let mut rows = csv::Writer::from_writer(Vec::new());
     rows.write_record(COLUMNS.iter().chain(&PLACE_COLUMNS))
@@ -39,7 +39,7 @@ pub fn write_simulated_loads(
     let save = |name: &str, picture: &Picture| {
         let path = folder.join(name);
         if path.exists() {
-            return Err(failed(&format!("there is a {name} already")));
+            return Err(failed(&format!("{name} exists already")));
         }
         let (width, height) = (picture.width as u32, picture.height as u32);
         let (gray, png) = (ExtendedColorType::L8, ImageFormat::Png);

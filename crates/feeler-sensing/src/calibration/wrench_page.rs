@@ -1,10 +1,10 @@
-//! What the page of a wrench calibration shows of it.
+//! HTML report of a wrench calibration.
 
 use super::wrench_table::named;
 use feeler::sensor::wrench::WrenchFit;
 use feeler_report::wrench_page::{AxisPoints, PredictedPoint, WrenchPage, wrench_page as render};
 
-/// The page of what was fitted to the recordings of these names from `source`, as HTML.
+/// Renders the report of a fit to the named `recordings` from `source`, as HTML.
 pub fn wrench_page(fitted: &WrenchFit, recordings: &[String], source: &str) -> String {
     let calibration = &fitted.calibration;
     let axes = calibration.quality.iter().zip(&fitted.held_out);

@@ -1,17 +1,17 @@
-//! How far a wrench calibration is off, as text.
+//! Errors of a wrench calibration as text.
 
 use feeler::sensor::wrench::WrenchCalibration;
 use feeler::sensor::wrench::features::{Growth, Terms};
 use feeler::sensor::wrench::quality::{AxisQuality, Errors, RecordingQuality};
 use std::fmt::Write;
 
-/// Columns of the names of recordings, at least.
+/// Minimum width of the column of recording names.
 const NAME: usize = 22;
 
-/// Held-out errors by component, and by recording.
+/// Formats the held-out errors by component and by recording.
 pub fn wrench_table(calibration: &WrenchCalibration) -> String {
     let mut text = String::new();
-    // Writing to a string cannot fail.
+    // Writing to a `String` cannot fail.
     let _ = write_axes(&mut text, calibration);
     let _ = write_recordings(&mut text, &calibration.quality);
     text
@@ -20,7 +20,7 @@ pub fn wrench_table(calibration: &WrenchCalibration) -> String {
 fn write_axes(text: &mut String, calibration: &WrenchCalibration) -> std::fmt::Result {
     writeln!(
         text,
-        "held-out errors, blocks of time left out (% of the measured range); the same of predicting the mean"
+        "held-out errors with blocks of time left out (% of the measured range), and RMSE of predicting the mean"
     )?;
     writeln!(
         text,
@@ -59,7 +59,7 @@ fn write_recordings(text: &mut String, qualities: &[AxisQuality]) -> std::fmt::R
     let width = width.unwrap_or(0).max(NAME);
     writeln!(
         text,
-        "\nby recording: RMSE and MAE with its blocks left out; with all of it left out, and the mean error then (drift)"
+        "\nby recording: RMSE / MAE with blocks of it left out; with the whole recording left out; its mean error then (drift)"
     )?;
     for quality in qualities {
         for RecordingQuality {
@@ -86,7 +86,7 @@ fn write_recordings(text: &mut String, qualities: &[AxisQuality]) -> std::fmt::R
     Ok(())
 }
 
-/// Terms in words.
+/// Describes the terms of a regression.
 pub fn named(terms: Terms) -> String {
     let growth = match terms.growth {
         Growth::Ignored => None,

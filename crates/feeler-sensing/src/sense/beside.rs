@@ -44,7 +44,7 @@ impl Beside {
         }
     }
 
-    /// Shows how far it is.
+    /// Shows the progress.
     pub fn progress(&self, line: String) {
         match self {
             Self::Waiting(bar) => {

@@ -1,4 +1,4 @@
-//! What counts of all that was heard of a rig.
+//! Received data of a rig, restricted to live programs.
 
 use super::programs::warnings;
 use crate::snapshot::{Fault, UNKNOWN};
@@ -10,19 +10,19 @@ use feeler_link::message::{
 use feeler_link::watch_inbox::WatchInbox;
 use glam::DVec3;
 
-/// What was heard of programs that are still there: what others said last is no news.
+/// Latest data from programs that are still alive; data from others is outdated.
 pub struct Heard<'a> {
     /// Messages received from the rig.
     pub inbox: &'a WatchInbox,
     now: f64,
-    /// What the hand is about.
+    /// Mode of the hand.
     pub mode: Option<&'a HandMode>,
-    /// Where the joints are.
+    /// State of the joints.
     pub state: Option<&'a StateMessage>,
 }
 
 impl<'a> Heard<'a> {
-    /// What `inbox` holds at `now`, s.
+    /// Selects the valid contents of `inbox` at `now` (s).
     pub fn new(inbox: &'a WatchInbox, now: f64) -> Self {
         let mode = inbox.mode();
         let state = inbox.state();
@@ -35,7 +35,7 @@ impl<'a> Heard<'a> {
         }
     }
 
-    /// What `finger` feels.
+    /// Returns the flags and the tactile update of `finger`.
     pub fn finger(&self, finger: usize) -> Option<(FingerFlags, &TactileUpdate)> {
         let felt = self.inbox.finger(finger);
         felt.filter(|(_, update)| {
@@ -50,12 +50,12 @@ impl<'a> Heard<'a> {
         })
     }
 
-    /// What the rig measures beside its joints.
+    /// Returns the readings of the rig's instruments.
     pub fn instruments(&self) -> Option<InstrumentsMessage> {
         self.state?.instruments.first().copied()
     }
 
-    /// What is wrong now.
+    /// Returns the current faults.
     pub fn faults(&self) -> Vec<String> {
         let stopped = self.mode.filter(|mode| !mode.stopped.is_empty());
         let stopped = stopped.map(|mode| {
@@ -73,14 +73,14 @@ impl<'a> Heard<'a> {
         stopped.into_iter().chain(warnings).collect()
     }
 
-    /// What a program said went wrong before it was watched.
+    /// Returns a fault that a program reports from before this program was watching.
     pub fn said(&self) -> Option<Fault> {
         let peers = self.inbox.peers().all().iter();
         let mut said = peers.filter(|peer| peer.refused.is_none() && !peer.is_silent(self.now));
         let peer = said.find(|peer| !peer.heartbeat.fault.is_empty())?;
         Some(Fault {
             time: UNKNOWN,
-            words: format!("{} says: {}", peer.name(), peer.heartbeat.fault),
+            words: format!("{} reports: {}", peer.name(), peer.heartbeat.fault),
             over: true,
         })
     }
@@ -99,12 +99,12 @@ fn is_there(
         .any(|peer| (peer.heartbeat.instance, peer.heartbeat.finger) == (instance, finger))
 }
 
-/// The force at each element, N; not a number where there is no valid one.
+/// Returns the force at each element (N), NaN if invalid.
 pub fn forces(update: &TactileUpdate) -> Vec<DVec3> {
     update.valid_forces().collect()
 }
 
-/// A finger of which nothing is heard.
+/// Returns the values of a finger without data.
 pub fn nothing_felt(elements: usize) -> (FingerFlags, Vec<DVec3>, Vec<f64>) {
     let flags = FingerFlags {
         grasp_force: UNKNOWN,

@@ -1,12 +1,11 @@
-//! The programs of a rig as its heartbeats tell, and what is wrong with them.
+//! Programs of a rig and their problems, from heartbeats.
 
 use crate::snapshot::{Program, ProgramState, UNKNOWN};
 use feeler_link::message::{NO_FINGER, ProgramKind};
 use feeler_link::mismatch::Mismatch;
 use feeler_link::peers::{Peer, Peers};
 
-/// The programs of a hand of so many `fingers`: those that should be there first, then those that are
-/// refused.
+/// Lists the programs of a hand with `fingers` fingers: the expected ones first, then the rejected ones.
 pub fn programs(peers: &Peers, fingers: usize, now: f64) -> Vec<Program> {
     let senses = (0..fingers).map(|finger| (ProgramKind::Sense, finger as u32));
     let places = senses.chain([
@@ -27,19 +26,18 @@ pub fn programs(peers: &Peers, fingers: usize, now: f64) -> Vec<Program> {
         .collect()
 }
 
-/// Those that are there and not taken, and why.
+/// Returns the live programs that are rejected, with the reason.
 fn refused(peers: &Peers, now: f64) -> impl Iterator<Item = (&Peer, &Mismatch)> {
     let there = peers.all().iter().filter(move |peer| !peer.is_silent(now));
     there.filter_map(|peer| Some((peer, peer.refused.as_ref()?)))
 }
 
-/// What is wrong with the programs, in words: those that were heard and are no more, and those that are
-/// refused.
+/// Describes the problems of programs: those that have become silent, and those that are rejected.
 pub fn warnings(peers: &Peers, now: f64) -> Vec<String> {
     let gone = |peer: &&Peer| peer.refused.is_none() && peer.works() && peer.is_silent(now);
     let gone = peers.all().iter().filter(gone).map(|peer| {
         let (name, since) = (peer.name(), now - peer.heard);
-        format!("{name} not heard for {since:.1} s")
+        format!("{name} silent for {since:.1} s")
     });
     let refused = refused(peers, now).map(|(peer, mismatch)| {
         let version = &peer.heartbeat.version;
@@ -76,7 +74,7 @@ fn program(peer: &Peer, now: f64) -> Program {
     }
 }
 
-/// A program that was never heard.
+/// Returns the entry of an expected program that has not been found yet.
 fn absent(name: &str, number: u32) -> Program {
     Program {
         name: name.into(),
@@ -122,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn who_is_gone_refused_or_was_never_heard_is_told_apart() {
+    fn silent_refused_and_absent_programs_are_distinguished() {
         let mut peers = Peers::new(Expected {
             speed: None,
             experiment: "ours".into(),
@@ -148,7 +146,7 @@ mod tests {
             ("world", ProgramState::Refused { .. }, _)
         ));
         let warnings = warnings(&peers, 3.5);
-        assert_eq!(warnings[0], "hand not heard for 3.5 s");
+        assert_eq!(warnings[0], "hand silent for 3.5 s");
         assert!(
             warnings[1].starts_with("refused, feeler 9.9.9: world works by experiment another")
         );

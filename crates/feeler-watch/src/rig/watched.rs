@@ -1,4 +1,4 @@
-//! What was heard of a rig, as a picture to be drawn.
+//! Received data of a rig as a [`Snapshot`] to render.
 
 use super::heard::{Heard, forces, nothing_felt};
 use super::programs::programs;
@@ -25,31 +25,31 @@ use std::sync::Arc;
 use std::thread;
 use std::time::Duration;
 
-/// How often an order is said: a message that the network cannot take is dropped.
+/// Number of times an order is sent, because the network may drop a message.
 const REPEATS: usize = 3;
-/// Time between two of them.
+/// Interval between repeated orders.
 const INTERVAL: Duration = Duration::from_millis(10);
 
-/// A rig that is watched.
+/// A rig that is being watched.
 pub struct Watched {
     rig: String,
     config: ExperimentConfig,
-    /// SHA-256 of the experiment that thresholds and layouts are taken from.
+    /// SHA-256 of the experiment that defines thresholds and layouts.
     experiment: String,
     layouts: Vec<ElementLayout>,
     network: Arc<dyn Network>,
     inbox: Shared<WatchInbox>,
     clock: TimeSource,
     torque: History,
-    /// The program whose torque that is, by its instance.
+    /// Instance of the program that the torque history belongs to.
     torque_of: Option<u64>,
-    /// Whether the hand was ever heard and nothing was wrong.
+    /// `true` once the hand has been found without faults.
     was_well: bool,
     fault: Option<Fault>,
 }
 
 impl Watched {
-    /// Begins to listen to the `rig` of `experiment`. Nothing is sent.
+    /// Subscribes to the `rig` of `experiment`. Sends nothing.
     pub fn new(
         experiment: &Experiment,
         rig: &str,
@@ -62,7 +62,7 @@ impl Watched {
         for topic in topics {
             let (inbox, clock) = (inbox.clone(), clock.clone());
             let heard = move |topic, bytes: &[u8]| {
-                // What is refused is counted there.
+                // The inbox counts rejected messages.
                 let _ = inbox.lock().take(topic, bytes, clock());
                 if topic == Topic::State {
                     inbox.changed();
@@ -85,17 +85,17 @@ impl Watched {
         })
     }
 
-    /// The rig's name.
+    /// Returns the rig's name.
     pub fn rig(&self) -> &str {
         &self.rig
     }
 
-    /// Stops the hand, as `from` says.
+    /// Stops the hand on behalf of `from`.
     pub fn stop(&self, from: &str) -> Result<(), LinkError> {
         self.send(&Order::stop(from).0)
     }
 
-    /// Resumes the stop that `from` is to resume, if there is one.
+    /// Resumes the stop that `from` may resume, if any.
     pub fn resume(&self, from: &str) -> Result<(), LinkError> {
         let number = self.to_resume(from);
         number.map_or(Ok(()), |number| self.send(&Order::resume(from, number)))
@@ -109,33 +109,34 @@ impl Watched {
         Ok(())
     }
 
-    /// Number of the stop that `from` is to resume, if there is one.
+    /// Returns the number of the stop that `from` may resume, if any.
     fn to_resume(&self, from: &str) -> Option<u64> {
         let inbox = self.inbox.lock();
         let stops = &inbox.mode()?.stops;
         Some(stop_to_resume(stops, from)?.number)
     }
 
-    /// Whether the hand says that it is stopped.
+    /// Returns `true` if the hand reports that it is stopped.
     pub fn is_stopped(&self) -> bool {
         let inbox = self.inbox.lock();
         let heard = Heard::new(&inbox, (self.clock)());
         heard.mode.is_some_and(|mode| !mode.stopped.is_empty())
     }
 
-    /// What the rig measures beside its joints.
+    /// Returns the readings of the rig's instruments.
     pub fn instruments(&self) -> Option<InstrumentsMessage> {
         let inbox = self.inbox.lock();
         Heard::new(&inbox, (self.clock)()).instruments()
     }
 
-    /// Whether any program of the rig was heard.
+    /// Returns `true` if any program of the rig has been found.
     pub fn hears_somebody(&self) -> bool {
         let inbox = self.inbox.lock();
         inbox.peers().all().iter().any(|peer| peer.works())
     }
 
-    /// Waits for a state of the joints of another number or program than `last`, for at most `longest`; whether it came.
+    /// Waits at most `longest` for a joint state whose program or sequence number differs from `last`; returns `true`
+    /// if it arrived.
     pub fn wait_for_state(&self, last: Option<(u64, u64)>, longest: Duration) -> bool {
         let is_new = |inbox: &mut WatchInbox| {
             let state = inbox.state().map(|state| state.header);
@@ -144,13 +145,13 @@ impl Watched {
         self.inbox.wait_for(longest, is_new)
     }
 
-    /// Looks at what was heard of programs that are still there.
+    /// Calls `look` with the latest data from live programs.
     pub fn heard<T>(&self, look: impl FnOnce(&Heard) -> T) -> T {
         let inbox = self.inbox.lock();
         look(&Heard::new(&inbox, (self.clock)()))
     }
 
-    /// Takes in the newest torque and whether something is wrong.
+    /// Updates the torque history and the fault.
     pub fn look(&mut self) {
         let inbox = self.inbox.lock();
         let heard = Heard::new(&inbox, (self.clock)());
@@ -163,13 +164,13 @@ impl Watched {
             self.torque.push(time, instruments.torque);
         }
         let faults = heard.faults();
-        // When something went wrong that was so from the beginning, nobody here knows.
+        // The start time of a fault that existed from the beginning is unknown.
         let began = if self.was_well { time } else { UNKNOWN };
         self.was_well |= heard.mode.is_some() && faults.is_empty();
         self.fault = fault(self.fault.take(), faults, began);
     }
 
-    /// What there is to be seen now.
+    /// Returns a snapshot of the current state.
     pub fn snapshot(&self) -> Snapshot {
         let (inbox, now) = (self.inbox.lock(), (self.clock)());
         let heard = Heard::new(&inbox, now);
@@ -229,16 +230,16 @@ impl Watched {
     fn notice(&self, heard: &Heard) -> String {
         let theirs = heard.inbox.experiment();
         if heard.mode.is_some_and(HandMode::is_waiting) {
-            "the hand waits for the others".into()
+            "the hand is waiting for other programs".into()
         } else if !theirs.is_empty() && theirs != self.experiment {
-            "the rig has other settings".into()
+            "the rig runs with different settings".into()
         } else {
             String::new()
         }
     }
 }
 
-/// The fault to show where `before` was shown and `faults` are there now: since `now`, s, if they are new.
+/// Returns the fault to show, given the one shown `before` and the current `faults`. A new fault starts at `now` (s).
 fn fault(before: Option<Fault>, faults: Vec<String>, now: f64) -> Option<Fault> {
     if faults.is_empty() {
         return before.map(|fault| Fault {
@@ -246,7 +247,7 @@ fn fault(before: Option<Fault>, faults: Vec<String>, now: f64) -> Option<Fault> 
             ..fault
         });
     }
-    // As long as something is wrong, the time is that at which it began.
+    // An ongoing fault keeps its start time.
     let began = before.filter(|fault| !fault.over);
     Some(Fault {
         time: began.map_or(now, |fault| fault.time),

@@ -1,20 +1,20 @@
-//! What the keys ask for.
+//! Key actions.
 
 use ratatui::crossterm::event::{Event, KeyCode, KeyEventKind, KeyModifiers};
 
-/// What whoever watches wants done.
+/// Action requested by the user.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Action {
-    /// Leave.
+    /// Quit.
     Quit,
     /// Stop the hand.
     Stop,
-    /// Let the hand go on.
+    /// Resume the hand.
     Resume,
 }
 
 impl Action {
-    /// What `event` asks for, if anything. A terminal in raw mode sends Ctrl-C as a key.
+    /// Returns the action of `event`, if any. A terminal in raw mode reports Ctrl-C as a key.
     pub fn of(event: &Event) -> Option<Self> {
         let key = event.as_key_event()?;
         if key.kind == KeyEventKind::Release {

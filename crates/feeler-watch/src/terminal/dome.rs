@@ -1,7 +1,7 @@
-//! A fingertip as seen from outside along its axis, with what its elements feel.
+//! A fingertip seen from outside along its axis, with the forces on its elements.
 //!
-//! The apex is in the middle, y of `T` to the right, z up; an element stands as far from the middle as its
-//! normal is turned away from the axis.
+//! The apex is in the middle, y of `T` points right, z up. The distance of an element from the middle is proportional
+//! to the angle between its normal and the axis.
 
 use super::palette::{ARROW, BAD, FRAME, QUIET, SLIPPING, heat};
 use super::snapshot::Finger;
@@ -17,30 +17,30 @@ use ratatui::widgets::canvas::{Canvas, Context, Line};
 use std::borrow::Cow;
 use std::f64::consts::{FRAC_PI_4, TAU};
 
-/// Where the outermost elements are drawn, as a part of the rim's radius.
+/// Radius of the outermost elements, as a fraction of the rim's.
 const OUTERMOST: f64 = 0.87;
-/// A compression below this is drawn as none, N: sensors tell nothing below.
+/// Compression below which an element is drawn as unloaded (N).
 const LEAST_COMPRESSION: f64 = 0.02;
-/// A tangential force below this has no arrow, N.
+/// Tangential force below which no arrow is drawn (N).
 const LEAST_SHEAR: f64 = 0.03;
-/// The longest arrow, as a part of the rim's radius: not much longer than from one ring to the next.
+/// Maximum arrow length, as a fraction of the rim's radius: about the distance between rings.
 const LONGEST_ARROW: f64 = 0.4;
-/// The shortest arrow, as a part of the longest: its head is to leave the element's cell on most screens.
+/// Minimum arrow length, as a fraction of the maximum: the head must be outside the element's cell on most screens.
 const SHORTEST_ARROW: f64 = 0.45;
-/// Arrows from 0 counter-clockwise, 45 degrees apart.
+/// Arrow heads counter-clockwise from the right, 45 degrees apart.
 const ARROWS: [&str; 8] = ["→", "↗", "↑", "↖", "←", "↙", "↓", "↘"];
-/// From this radius of the rim on, in cells' widths, touching elements are drawn with their number.
+/// Radius of the rim (in cell widths) from which loaded elements are drawn with their number.
 const RADIUS_OF_NUMBERS: f64 = 15.0;
-/// Lines that the rim is drawn of.
+/// Number of line segments of the rim.
 const RIM_LINES: u32 = 90;
 
-/// An element as it is drawn: positions and arrows as parts of the rim's radius.
+/// An element as drawn; positions and arrows are fractions of the rim's radius.
 struct Mark {
     element: usize,
     position: DVec2,
-    /// Its tangential force; zero for none to be shown.
+    /// Tangential force; zero to draw no arrow.
     arrow: DVec2,
-    /// Its compression, N.
+    /// Compression (N).
     compression: f64,
     slips: bool,
     is_largest: bool,
@@ -52,18 +52,17 @@ impl Mark {
     }
 }
 
-/// Draws the elements of `finger`: the harder pressed, the warmer; arrows for the tangential force on the
-/// feeler by the object; the largest marked.
+/// Draws the elements of `finger`: colour shows compression, arrows show the tangential force on the feeler by the
+/// object, and the element with the largest force is marked.
 pub fn draw_dome(frame: &mut Frame, area: Rect, finger: &Finger) {
     if area.width < 5 || area.height < 3 {
         return;
     }
     let marks = marks(finger);
-    // With a column in the middle, the picture is as symmetric as the fingertip.
+    // An odd width makes the drawing symmetric.
     let width = (area.width - 1) | 1;
     let area = Rect { width, ..area };
-    // One unit for each cell, so that every glyph comes to stand in the cell that is meant. A cell is
-    // twice as high as wide.
+    // One unit per cell, so that each glyph is drawn in the intended cell. A cell is twice as high as wide.
     let (right, top) = (f64::from(area.width - 1), f64::from(area.height - 1));
     let radius = (right / 2.0).min(top);
     let place = |p: DVec2| DVec2::new(right / 2.0 + radius * p.x, top / 2.0 + radius * p.y / 2.0);
@@ -79,7 +78,7 @@ pub fn draw_dome(frame: &mut Frame, area: Rect, finger: &Finger) {
                     draw_element(context, mark, &finger.thresholds, with_number, place);
                 }
             };
-            // An arrow hides what is not pressed, and nothing hides what is.
+            // Arrows cover unloaded elements; loaded elements cover arrows.
             elements(context, false);
             for mark in &marks {
                 draw_arrow(context, mark, place);
@@ -89,14 +88,14 @@ pub fn draw_dome(frame: &mut Frame, area: Rect, finger: &Finger) {
     frame.render_widget(canvas, area);
 }
 
-/// The arrow's head that points along `direction`, seen with y up.
+/// Returns the arrow head that points along `direction`, with y up.
 pub fn arrow_head(direction: DVec2) -> &'static str {
     let eighth = (direction.to_angle().rem_euclid(TAU) / FRAC_PI_4).round();
     ARROWS[eighth as usize % ARROWS.len()]
 }
 
-/// Where the tangential force of `force` (in `E_i`) points to, as seen along the axis of `T`; along the dome,
-/// so that it is not shorter far from the apex. Zero when it is too small to be shown.
+/// Returns the tangential part of `force` (in `E_i`) as seen along the axis of `T`. Its length is that along the
+/// dome, so that it is not foreshortened far from the apex. Returns zero if it is too small to be shown.
 pub fn seen_shear(element: &SensingElement, force: glam::DVec3) -> DVec2 {
     let shear = force.xy();
     if !shear.is_finite() || shear.length() < LEAST_SHEAR {
@@ -107,7 +106,7 @@ pub fn seen_shear(element: &SensingElement, force: glam::DVec3) -> DVec2 {
     shear.length() * (shear.x * x + shear.y * y).normalize_or_zero()
 }
 
-/// The elements, the hardest pressed last, so that nothing hides it.
+/// Returns the elements sorted by compression, so that the largest is drawn on top.
 fn marks(finger: &Finger) -> Vec<Mark> {
     let outermost = finger.elements.iter().map(polar_angle).fold(0.1, f64::max);
     let thresholds = &finger.thresholds;
@@ -133,14 +132,14 @@ fn marks(finger: &Finger) -> Vec<Mark> {
     marks
 }
 
-/// Angle between the dome's axis and the element's normal, rad.
+/// Returns the angle between the dome's axis and the element's normal (rad).
 fn polar_angle(element: &SensingElement) -> f64 {
     let normal = element.normal();
     let angle = normal.yz().length().atan2(normal.x);
     if angle.is_finite() { angle } else { 0.0 }
 }
 
-/// The arrow of the tangential force `shear`, N. It is longest at half of `over_force`.
+/// Returns the arrow of the tangential force `shear` (N). It reaches its maximum length at half of `over_force`.
 fn arrow(shear: DVec2, over_force: f64) -> DVec2 {
     let part = 2.0 * shear.length() / over_force;
     let part = if part.is_finite() {
@@ -212,7 +211,7 @@ fn draw_line(context: &mut Context, from: DVec2, to: DVec2, style: Style) {
     context.draw(&Line::new(from.x, from.y, to.x, to.y, color));
 }
 
-/// Prints `text` from the cell around `at` on.
+/// Prints `text`, starting in the cell around `at`.
 fn print(context: &mut Context, at: DVec2, text: impl Into<Cow<'static, str>>, style: Style) {
     let at = at.round();
     context.print(at.x, at.y, Span::styled(text, style));
@@ -235,7 +234,7 @@ mod tests {
         let _ = arrow_head(DVec2::NAN);
     }
 
-    /// At the side of the dome, the meridian leads outward and the parallel around the apex.
+    /// At the side of the dome, x (the meridian) points outward, and y (the parallel) around the apex.
     #[test]
     fn shear_is_seen_along_meridian_and_parallel() {
         for azimuth in [0.0_f64, 1.0, 2.5, -2.0] {

@@ -1,4 +1,4 @@
-//! Where everything stands on the screen.
+//! Layout of the screen.
 
 use super::finger::draw_finger;
 use super::palette::QUIET;
@@ -10,13 +10,13 @@ use ratatui::Frame;
 use ratatui::layout::{Constraint, Layout, Rect};
 use ratatui::text::Line;
 
-/// A screen lower than this shows no torque and programs, but fingers.
+/// Minimum height of a screen that shows torque and programs.
 const LEAST_HEIGHT_OF_BAND: u16 = 16;
-/// A screen narrower than this shows programs alone beneath the fingers.
+/// Minimum width of a screen that shows torque next to the programs.
 const LEAST_WIDTH_OF_TORQUE: u16 = 70;
 
-/// Draws `snapshot` over the whole of `frame`, whatever its size. It is made for 80 columns and 24 rows, and
-/// uses what there is beyond.
+/// Draws `snapshot` on the whole of `frame`. Any size works; the layout is designed for 80 columns and 24 rows or
+/// more.
 pub fn draw(frame: &mut Frame, snapshot: &Snapshot) {
     let area = frame.area();
     let band = band_height(area.height, snapshot.programs.len());
@@ -39,8 +39,7 @@ pub fn draw(frame: &mut Frame, snapshot: &Snapshot) {
     draw_keys(frame, keys, snapshot);
 }
 
-/// Height of the panels beneath the fingers: a row for each of `programs`, but not more than a third of the
-/// screen.
+/// Returns the height of the panels below the fingers: one row for each of `programs`, up to a third of the screen.
 fn band_height(height: u16, programs: usize) -> u16 {
     if height < LEAST_HEIGHT_OF_BAND {
         return 0;
@@ -52,7 +51,7 @@ fn band_height(height: u16, programs: usize) -> u16 {
 
 fn draw_fingers(frame: &mut Frame, area: Rect, snapshot: &Snapshot) {
     if snapshot.fingers.is_empty() {
-        frame.render_widget(Line::styled(" no finger heard of yet", QUIET), area);
+        frame.render_widget(Line::styled(" no fingers found yet", QUIET), area);
         return;
     }
     let panels = Layout::horizontal(snapshot.fingers.iter().map(|_| Constraint::Fill(1)));

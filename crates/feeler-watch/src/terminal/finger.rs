@@ -1,4 +1,4 @@
-//! A panel for a finger: flags, grasp force, the picture of its fingertip, forces, joint angles.
+//! Panel of a finger: flags, grasp force, fingertip, forces, joint angles.
 
 use super::dome::draw_dome;
 use super::force_list::{WIDTH, draw_force_list};
@@ -11,7 +11,7 @@ use ratatui::layout::{Constraint, Layout, Rect};
 use ratatui::text::{Line, Span};
 use ratatui::widgets::{Block, BorderType};
 
-/// A panel narrower than this has no room for words that go without saying.
+/// Minimum width of a panel with labels.
 const LEAST_WIDTH_OF_WORDS: u16 = 36;
 
 /// Draws `finger` into `area`.
@@ -33,10 +33,10 @@ pub fn draw_finger(frame: &mut Frame, area: Rect, finger: &Finger) {
     draw_force_list(frame, list, finger);
 }
 
-/// The places of the dome and the list: side by side, or one above the other in a narrow panel.
+/// Returns the areas of dome and list: side by side, or one above the other in a narrow panel.
 fn share(body: Rect) -> (Rect, Rect) {
     let areas = if body.width >= WIDTH + 14 {
-        // As wide as high, where a cell is twice as high as wide.
+        // Square, because a cell is twice as high as wide.
         let list = body.width.saturating_sub(2 * body.height + 2).max(WIDTH);
         Layout::horizontal([Constraint::Fill(1), Constraint::Length(list)])
             .spacing(1)
@@ -58,7 +58,7 @@ fn flags(finger: &Finger) -> Line<'static> {
     ])
 }
 
-/// The grasp force against the force at which the fingers start to move.
+/// Formats the grasp force, relative to the force at which the fingers start to move.
 fn grasp(finger: &Finger, width: usize) -> Line<'static> {
     const LABEL: &str = "grasp ";
     let (force, target) = (finger.flags.grasp_force, finger.grasp_target);

@@ -1,4 +1,4 @@
-//! The elements that are pressed hardest, with their forces.
+//! List of the elements under the largest compression.
 
 use super::dome::{arrow_head, seen_shear};
 use super::palette::{ARROW, QUIET, SLIPPING, TITLE, heat, heat_scale};
@@ -10,17 +10,17 @@ use ratatui::layout::{Constraint, Layout, Rect};
 use ratatui::style::{Modifier, Style};
 use ratatui::text::{Line, Span, Text};
 
-/// The width that the list wants.
+/// Preferred width of the list.
 pub const WIDTH: u16 = 18;
-/// From this width on, all three components are listed.
+/// Minimum width that shows all three components.
 const WIDTH_OF_COMPONENTS: u16 = 29;
-/// A compression below this is not listed, N.
+/// Minimum compression of listed elements (N).
 const LEAST_COMPRESSION: f64 = 0.02;
-/// From this height on, there is room to say what the picture of the dome means.
+/// Minimum height that shows the legend.
 const HEIGHT_OF_LEGEND: u16 = 14;
 
-/// Lists the elements of `finger` that are pressed hardest, as many as fit into `area`, and says what the
-/// picture beside them means.
+/// Lists the elements of `finger` under the largest compression, as many as fit into `area`, with a legend of the
+/// dome next to it.
 pub fn draw_force_list(frame: &mut Frame, area: Rect, finger: &Finger) {
     if area.height < HEIGHT_OF_LEGEND {
         draw_forces(frame, area, finger);
@@ -63,7 +63,7 @@ fn draw_forces(frame: &mut Frame, area: Rect, finger: &Finger) {
         let words = if is_known {
             "  no contact"
         } else {
-            "  not known"
+            "  unknown"
         };
         lines.push(Line::styled(words, QUIET));
     }
@@ -72,7 +72,7 @@ fn draw_forces(frame: &mut Frame, area: Rect, finger: &Finger) {
     frame.render_widget(Text::from(lines), area);
 }
 
-/// The `count` elements of largest compression, the largest first.
+/// Returns the `count` elements of largest compression, in descending order.
 fn hardest_pressed(finger: &Finger, count: usize) -> Vec<usize> {
     let force = |&element: &usize| finger.forces[element].z;
     let elements = 0..finger.forces.len();
@@ -112,7 +112,7 @@ fn row(finger: &Finger, element: usize, by_component: bool) -> Line<'static> {
     }
 }
 
-/// The tangential force with its direction as seen on the picture of the dome: ` ↗ 0.32`.
+/// Formats the tangential force with its direction on the drawn dome: ` ↗ 0.32`.
 fn shear_words(finger: &Finger, element: usize, force: DVec3) -> String {
     let element = finger.elements.get(element);
     let seen = element.map_or(DVec2::ZERO, |element| seen_shear(element, force));

@@ -1,15 +1,16 @@
-//! A bar for a quantity, with a mark for what it should come to.
+//! A bar gauge with a target mark.
 
 use super::palette::{MARK, QUIET};
 use ratatui::style::Style;
 use ratatui::text::Span;
 
-/// A cell that is filled to 0 … 7 eighths.
+/// Cells filled to 0 … 7 eighths.
 const EIGHTHS: [char; 8] = ['·', '▏', '▎', '▍', '▌', '▋', '▊', '▉'];
 
-/// A bar of `width` cells for `value` (at least 0) in `style`. It goes up to twice `target`, which is marked.
+/// Returns a bar of `width` cells for `value` (at least 0) in `style`. Its range is 0 to twice `target`, which is
+/// marked.
 pub fn gauge(value: f64, target: f64, width: usize, style: Style) -> Vec<Span<'static>> {
-    // A value that is no number fills nothing; the cast saturates.
+    // NaN is drawn as an empty bar: the cast saturates.
     let part = (value / (2.0 * target)).clamp(0.0, 1.0);
     let eighths = (part * (8 * width) as f64).round() as usize;
     let mark = width / 2;
@@ -45,7 +46,7 @@ mod tests {
     }
 
     #[test]
-    fn no_value_breaks_it() {
+    fn handles_any_value() {
         for (value, target) in [(f64::NAN, 1.0), (-1.0, 1.0), (0.0, 0.0), (1.0, f64::NAN)] {
             assert_eq!(text(value, target), "····┃···", "{value} {target}");
         }

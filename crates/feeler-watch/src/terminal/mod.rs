@@ -1,7 +1,7 @@
-//! A running system on a terminal: flags, forces and phase of the hand, and how its programs are.
+//! Terminal view of a running system: flags, forces and phase of the hand, and the state of its programs.
 //!
-//! [`Snapshot`] is plain data, whoever fills it: a run in this process or programs on a network.
-//! [`draw()`] puts one on a screen of any size, and [`View`] is the terminal with its keys.
+//! [`Snapshot`] is plain data, produced by a run in this process or from programs on a network. [`draw()`] renders
+//! one on a screen of any size; [`View`] owns the terminal and its keys.
 
 mod action;
 mod arrivals;

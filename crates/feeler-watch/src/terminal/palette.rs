@@ -1,48 +1,48 @@
-//! Colours: of the 256 that nearly every terminal has, those that can be read on black and on white.
+//! Colours from the common palette of 256 that are readable on black and on white.
 
 use ratatui::style::{Color, Modifier, Style};
 use ratatui::text::Span;
 
-/// From hardly pressed to the limit.
+/// Colours from no load to the limit.
 const HEAT: [u8; 9] = [33, 37, 71, 106, 142, 178, 208, 202, 196];
 
-/// What is there but does not matter now.
+/// Unimportant information.
 pub const QUIET: Style = Style::new().fg(Color::Indexed(244));
 /// Frames around panels.
 pub const FRAME: Style = Style::new().fg(Color::Indexed(240));
-/// Titles, not in the colour of the frame that they stand in.
+/// Titles; differ in colour from the surrounding frame.
 pub const TITLE: Style = Style::new().fg(Color::Reset).add_modifier(Modifier::BOLD);
-/// As it should be.
+/// Normal state.
 pub const GOOD: Style = Style::new().fg(Color::Indexed(71));
-/// Worth a look.
+/// Warning.
 pub const WARNING: Style = Style::new().fg(Color::Indexed(178));
-/// Wrong.
+/// Fault.
 pub const BAD: Style = Style::new().fg(Color::Indexed(196));
-/// What something is measured against.
+/// Target mark of a gauge.
 pub const MARK: Style = Style::new().add_modifier(Modifier::BOLD);
-/// A quantity by itself.
+/// A plain quantity.
 pub const QUANTITY: Style = Style::new().fg(Color::Indexed(38));
-/// Where a force points to.
+/// Arrow of a force.
 pub const ARROW: Style = Style::new().fg(Color::Reset).add_modifier(Modifier::BOLD);
-/// What slips.
+/// Slipping element.
 pub const SLIPPING: Style = Style::new().fg(Color::Indexed(170));
 
-/// All colours of [`heat`], the coolest first.
+/// Returns all colours of [`heat`], coolest first.
 pub fn heat_scale() -> impl Iterator<Item = Style> {
     HEAT.into_iter()
         .map(|color| Style::new().fg(Color::Indexed(color)))
 }
 
-/// The colour of `part` of a limit, from 0 to 1.
+/// Returns the colour of a fraction of a limit, from 0 to 1.
 pub fn heat(part: f64) -> Style {
     let steps = HEAT.len() as f64;
-    // A part that is no number counts as 0.
+    // NaN counts as 0.
     let step = (part.clamp(0.0, 1.0) * steps) as usize;
     Style::new().fg(Color::Indexed(HEAT[step.min(HEAT.len() - 1)]))
 }
 
-/// A word that is lit or not: in capitals on a ground of `style`'s colour, or quietly in small letters, so
-/// that one can tell without colours.
+/// Formats a label that is lit or not: in capitals on a background of `style`'s colour, or muted in lower case, so
+/// that the state is visible without colours.
 pub fn badge(word: &str, lit: bool, style: Style) -> Span<'static> {
     if lit {
         let lit = style.add_modifier(Modifier::REVERSED | Modifier::BOLD);

@@ -1,4 +1,4 @@
-//! The table of the programs.
+//! Table of the programs.
 
 use super::palette::{BAD, FRAME, GOOD, QUIET, TITLE, WARNING};
 use super::snapshot::{Program, ProgramState, Snapshot};
@@ -9,10 +9,11 @@ use ratatui::style::Style;
 use ratatui::text::{Line, Span};
 use ratatui::widgets::{Block, BorderType, Cell, Row, Table};
 
-/// From this width on, versions are shown.
+/// Minimum width that shows versions.
 const WIDTH_OF_VERSIONS: u16 = 60;
 
-/// Draws what is known of the programs; those that do not fit are counted, and what the view missed.
+/// Draws the table of programs, the number of programs that do not fit, and the number of messages that the view
+/// missed.
 pub fn draw_programs(frame: &mut Frame, area: Rect, snapshot: &Snapshot) {
     let programs = &snapshot.programs;
     let mut block = Block::bordered()
@@ -81,7 +82,7 @@ fn rate(rate: f64) -> String {
     }
 }
 
-/// The part that was lost, or how many where the whole is not known.
+/// Formats the fraction of messages lost, or their number if the total is unknown.
 fn lost(program: &Program) -> String {
     match program.received {
         Some(_) => per_cent(program.lost_part()),
@@ -92,10 +93,8 @@ fn lost(program: &Program) -> String {
 fn state(program: &Program, has_room: bool) -> Line<'static> {
     let (mark, style, words) = match &program.state {
         ProgramState::Alive => ("●", GOOD, "alive".into()),
-        ProgramState::Silent if !program.age.is_finite() => ("○", WARNING, "unheard".into()),
-        ProgramState::Silent if has_room => {
-            ("○", BAD, format!("not heard for {}", age(program.age)))
-        }
+        ProgramState::Silent if !program.age.is_finite() => ("○", WARNING, "not found".into()),
+        ProgramState::Silent if has_room => ("○", BAD, format!("silent for {}", age(program.age))),
         ProgramState::Silent => ("○", BAD, "SILENT".into()),
         ProgramState::Refused { why } => ("✗", BAD, format!("REFUSED: {why}")),
     };

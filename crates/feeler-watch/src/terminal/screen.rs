@@ -1,4 +1,4 @@
-//! A run on the terminal view: what is shown of it, and what the keys do to it.
+//! Terminal view of a run: display and key actions.
 
 use super::arrivals::Arrivals;
 use crate::terminal::{
@@ -16,41 +16,42 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
-/// Who stops the hand when a key is pressed.
+/// Name of the caller for stops by key.
 const BY: &str = "the keyboard";
 
-/// A run on the terminal view.
+/// Terminal view of a run.
 pub struct Screen {
     view: View,
     run: RunState,
 }
 
-/// What is remembered of a run from step to step.
+/// State of a run that is kept between steps.
 struct RunState {
     config: ExperimentConfig,
     layouts: Vec<ElementLayout>,
     title: String,
-    /// The pictures, or what stands for them, of each finger.
+    /// Frames of each finger, or their equivalent with direct sensing.
     frames: Vec<Arrivals>,
-    /// The control steps.
+    /// Control steps.
     steps: Arrivals,
     torque: History,
     fault: Option<Fault>,
     speed: Speedometer,
-    /// Steps that began later than the next one was due; none where steps have no real time.
+    /// Number of steps that began later than the next one was due; `None` if steps are not tied to real time.
     late: Option<u64>,
-    /// The angle of the cap, where there is one, rad.
+    /// Angle of the cap (rad), if any.
     cap_angle: Option<f64>,
     newest_torque: f64,
 }
 
 impl Screen {
-    /// Says whether there can be a screen, before anything is begun.
+    /// Checks that a terminal view is possible, before anything is started.
     pub fn check() -> Result<(), CommandError> {
         View::check_terminal().map_err(|e| format!("--top: {e}").into())
     }
 
-    /// Takes the terminal for a run of `experiment`, whose steps have real times where it `is_paced`. `interrupted` is raised when whoever watches leaves.
+    /// Opens the terminal view for a run of `experiment`; `is_paced` is `true` if its steps are tied to real time.
+    /// `interrupted` is set when the user quits.
     pub fn open(
         experiment: &Experiment,
         is_paced: bool,
@@ -61,7 +62,7 @@ impl Screen {
         Ok(Self { view, run })
     }
 
-    /// Takes in the newest step of `control_loop`; shows it, when it is time to; does what the keys ask for.
+    /// Registers the latest step of `control_loop`, shows it if an update is due, and executes key actions.
     pub fn step(
         &mut self,
         control_loop: &mut SimulatedLoop,
@@ -76,16 +77,16 @@ impl Screen {
                     .controller_mut()
                     .stop(StopReason::Told { by: BY.into() }),
                 Action::Resume => control_loop.controller_mut().resume(),
-                // The view says that it is interrupted.
+                // The view sets the interrupt flag itself.
                 Action::Quit => {}
             }
         }
     }
 
-    /// Shows how the run ended until whoever watches leaves.
+    /// Shows the end of the run until the user quits.
     pub fn wait_for_quit(mut self, control_loop: &SimulatedLoop) {
         let snapshot = Snapshot {
-            notice: "the run is over and its report made: q leaves".into(),
+            notice: "the run has ended and its report is written; press q to quit".into(),
             hand_listens: false,
             ..self.run.snapshot(control_loop)
         };
@@ -96,7 +97,7 @@ impl Screen {
 impl RunState {
     fn new(config: &ExperimentConfig, is_paced: bool) -> Result<Self, CommandError> {
         let sensing = match config.sensing {
-            Sensing::Image => "pictures",
+            Sensing::Image => "images",
             Sensing::Direct => "direct sensing",
         };
         Ok(Self {
@@ -130,7 +131,7 @@ impl RunState {
         self.take_fault(control_loop, now);
     }
 
-    /// A stop of the hand is a fault, and over when the hand goes on.
+    /// Registers a stop of the hand as a fault, which is over when the hand resumes.
     fn take_fault(&mut self, control_loop: &SimulatedLoop, now: f64) {
         let reason = control_loop.controller().stop_reason();
         match (reason, &mut self.fault) {
@@ -191,7 +192,7 @@ impl RunState {
             .collect()
     }
 
-    /// The programs that a run has in one process, as if each were one by itself.
+    /// Lists sensors, hand and rig, which share this process, as separate programs.
     fn programs(&self, control_loop: &SimulatedLoop) -> Vec<Program> {
         let now = control_loop.state().stamp;
         let sensors = self.frames.iter().zip(control_loop.touches()).enumerate();
@@ -202,7 +203,7 @@ impl RunState {
             late: self.late,
             ..program("hand", &self.steps, 0.0)
         });
-        // The rig is read once in each control step.
+        // The rig is read once per control step.
         programs.push(program("rig", &self.steps, 0.0));
         programs
     }
@@ -237,16 +238,16 @@ fn program(name: &str, arrivals: &Arrivals, age: f64) -> Program {
     }
 }
 
-/// How fast simulated time goes.
+/// Measures the speed of simulated time.
 struct Speedometer {
-    /// Real and simulated time (s) when the measurement under way began.
+    /// Real and simulated time (s) at the start of the current measurement.
     begun: (Instant, f64),
-    /// Simulated seconds in a real second by the last measurement.
+    /// Speed relative to real time, from the last measurement.
     speed: f64,
 }
 
 impl Speedometer {
-    /// A measurement takes this long.
+    /// Duration of a measurement.
     const DURATION: Duration = Duration::from_millis(500);
 
     fn new() -> Self {
@@ -256,7 +257,7 @@ impl Speedometer {
         }
     }
 
-    /// It is `time`, s simulated, now.
+    /// Registers the current simulated time (s).
     fn time(&mut self, time: f64) {
         let (begun, from) = self.begun;
         let elapsed = begun.elapsed();

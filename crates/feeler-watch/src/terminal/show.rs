@@ -1,4 +1,4 @@
-//! Shows a rig until whoever watches leaves, or once; passes on what the keys say.
+//! Shows a rig until the user quits, or once, and sends the orders of key presses.
 
 use super::{Action, View, text};
 use crate::rig::Watched;
@@ -13,15 +13,15 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Who stops the hand when a key is pressed.
+/// Name of the caller for orders by key.
 const BY: &str = "the keyboard of feeler top";
-/// Time between two looks at what was heard and at the keys.
+/// Interval between checks of received data and keys.
 const INTERVAL: Duration = Duration::from_millis(10);
-/// How long a rig is waited for that is to be shown once.
+/// Maximum time to wait for a rig that is shown once.
 const LONGEST: Duration = Duration::from_secs(5);
-/// How long it is listened to then: heartbeats come ten times a second.
+/// Time to collect data before it is shown once: heartbeats arrive ten times per second.
 const LISTENING: Duration = Duration::from_secs(1);
-/// Columns and rows of what is printed.
+/// Columns and rows of the printed snapshot.
 const PRINTED: (u16, u16) = (120, 40);
 
 /// Shows the rig named `rig`, which runs `experiment` and is connected by `network`, until the user quits. If `once`,
@@ -41,7 +41,7 @@ pub fn show_rig(
     if once {
         print(watched, &interrupted, out)
     } else {
-        // The view raises the same flag when whoever watches leaves.
+        // The view sets the same flag when the user quits.
         let view = View::open(&interrupted)?;
         keep_showing(watched, view, &interrupted)
     }
@@ -59,7 +59,7 @@ fn keep_showing(
             match action {
                 Action::Stop => watched.stop(BY)?,
                 Action::Resume => watched.resume(BY)?,
-                // The view says that it is left.
+                // The view sets the flag itself.
                 Action::Quit => {}
             }
         }
@@ -81,7 +81,7 @@ fn print(
         }
         if heard.is_none() && begun.elapsed() > LONGEST {
             let rig = watched.rig();
-            let failed = format!("no program of rig {rig:?} was heard within {LONGEST:?}");
+            let failed = format!("no program of rig {rig:?} found within {LONGEST:?}");
             return Err(failed.into());
         }
         if heard.is_none() && watched.hears_somebody() {
@@ -91,7 +91,7 @@ fn print(
         thread::sleep(INTERVAL);
     }
     let (width, height) = PRINTED;
-    // There are no keys.
+    // Keys have no effect.
     let snapshot = Snapshot {
         hand_listens: false,
         ..watched.snapshot()

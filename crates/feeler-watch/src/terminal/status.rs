@@ -1,4 +1,4 @@
-//! The lines above and below the panels: what runs, how far it is, what went wrong, which keys there are.
+//! Lines above and below the panels: title, progress, faults, keys.
 
 use super::palette::{BAD, GOOD, QUANTITY, QUIET, TITLE, WARNING, badge};
 use super::snapshot::{Fault, Snapshot, TaskState, TimeBase};
@@ -10,14 +10,14 @@ use ratatui::style::{Modifier, Style};
 use ratatui::text::{Line, Span};
 
 const NAME: &str = " feeler ";
-/// The phases of a stroke, in their order.
+/// Phases of a stroke, in order.
 const ROUND: [Phase; 4] = [Phase::Search, Phase::Move, Phase::Release, Phase::Return];
 
-/// The first line: what runs, and the time.
+/// Draws the first line: title and time.
 pub fn draw_title(frame: &mut Frame, area: Rect, snapshot: &Snapshot) {
     let name = QUANTITY.add_modifier(Modifier::REVERSED | Modifier::BOLD);
     let time = time(snapshot);
-    // The time is worth more than the end of a long title.
+    // The time takes precedence over the end of a long title.
     let room = usize::from(area.width).saturating_sub(NAME.len() + 2 + time.width());
     let title = Line::from(vec![
         Span::styled(NAME, name),
@@ -37,10 +37,10 @@ fn time(snapshot: &Snapshot) -> Line<'static> {
     }
 }
 
-/// The second line: phase and stroke, and how far the cap is.
+/// Draws the second line: phase, stroke and the cap's angle.
 pub fn draw_task(frame: &mut Frame, area: Rect, snapshot: &Snapshot) {
     let task = snapshot.task.map_or_else(
-        || Line::styled(" no hand is heard", QUIET),
+        || Line::styled(" no hand found", QUIET),
         |task| task_line(&task),
     );
     let cap = snapshot.true_cap_angle.map(|angle| {
@@ -73,14 +73,14 @@ fn task_line(task: &TaskState) -> Line<'static> {
     Line::from(spans)
 }
 
-/// The last line but one: the last fault.
+/// Draws the second last line: the latest fault.
 pub fn draw_fault(frame: &mut Frame, area: Rect, snapshot: &Snapshot) {
     let width = usize::from(area.width);
     let line = match &snapshot.fault {
         None => Line::styled(" ✓ no fault so far", QUIET),
         Some(Fault { time, words, over }) => {
             let (mark, style) = if *over {
-                ("✓ over:", BAD)
+                ("✓ resolved:", BAD)
             } else {
                 ("✗", BAD.add_modifier(Modifier::BOLD))
             };
@@ -96,7 +96,7 @@ pub fn draw_fault(frame: &mut Frame, area: Rect, snapshot: &Snapshot) {
     frame.render_widget(line, area);
 }
 
-/// The last line: the keys, and what whoever watches should know.
+/// Draws the last line: keys and notice.
 pub fn draw_keys(frame: &mut Frame, area: Rect, snapshot: &Snapshot) {
     let hand: &[_] = if snapshot.hand_listens {
         &[("s", "stop the hand"), ("r", "resume")]
@@ -116,7 +116,7 @@ fn key_style() -> Style {
     TITLE.add_modifier(Modifier::REVERSED)
 }
 
-/// Draws `left` and `right` to the ends of `area`; where they meet, the left one counts.
+/// Draws `left` and `right` at the ends of `area`; `right` is omitted if both do not fit.
 fn ends(frame: &mut Frame, area: Rect, left: Line<'static>, right: Line<'static>) {
     let taken = u16::try_from(left.width() + 1).unwrap_or(u16::MAX);
     frame.render_widget(left, area);

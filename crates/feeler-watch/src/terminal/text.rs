@@ -1,13 +1,13 @@
-//! A picture as text, for where there is no terminal.
+//! Snapshots as text, without a terminal.
 
 use super::draw::draw;
 use super::snapshot::Snapshot;
 use ratatui::Terminal;
 use ratatui::backend::TestBackend;
 
-/// What a screen of `width` columns and `height` rows shows of `snapshot`, line by line, without colours.
+/// Renders `snapshot` on a screen of `width` columns and `height` rows as text without colours.
 pub fn text(snapshot: &Snapshot, width: u16, height: u16) -> String {
-    // A screen in memory never fails.
+    // Drawing into memory cannot fail.
     let Ok(mut terminal) = Terminal::new(TestBackend::new(width, height));
     let Ok(_) = terminal.draw(|frame| draw(frame, snapshot));
     let cells = &terminal.backend().buffer().content;

@@ -1,4 +1,4 @@
-//! The panel of the torque sensor.
+//! Panel of the torque sensor.
 
 use super::palette::{FRAME, QUANTITY, QUIET, TITLE, WARNING};
 use super::snapshot::Torque;
@@ -8,13 +8,12 @@ use ratatui::layout::Rect;
 use ratatui::text::{Line, Span};
 use ratatui::widgets::{Block, BorderType, RenderDirection, Sparkline, SparklineBar};
 
-/// The highest bar stands for this at least, N·m: below, a torque sensor shows its noise.
+/// Minimum full scale (N·m); smaller torques are sensor noise.
 const LEAST_SCALE: f64 = 2e-3;
-/// Height of the highest bar, as the bars are counted.
+/// Height of the highest bar, in the sparkline's units.
 const FULL_HEIGHT: f64 = 1e4;
 
-/// Draws the newest torque and its last seconds, the newest to the right; what opens the cap in another
-/// colour.
+/// Draws the latest torque and its recent history, newest on the right; opening torques have a different colour.
 pub fn draw_torque(frame: &mut Frame, area: Rect, torque: Option<&Torque>) {
     let block = Block::bordered()
         .border_type(BorderType::Rounded)
@@ -50,9 +49,9 @@ pub fn draw_torque(frame: &mut Frame, area: Rect, torque: Option<&Torque>) {
 }
 
 fn bar(torque: f64, scale: f64) -> SparklineBar {
-    // The cast takes what is no number for 0.
+    // The cast converts NaN to 0.
     let height = (FULL_HEIGHT * torque.abs() / scale) as u64;
-    // Noise about 0 stays in one colour.
+    // Small negative values are noise.
     let opens = torque < -0.1 * scale;
     let style = if opens { WARNING } else { QUANTITY };
     SparklineBar::from(height).style(style)

@@ -1,4 +1,4 @@
-//! The terminal: a thread that draws the newest snapshot and listens to the keys.
+//! Terminal output and input: a thread that draws the latest snapshot and reads keys.
 
 use super::action::Action;
 use super::draw::draw;
@@ -18,57 +18,57 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-/// A snapshot is drawn this long after the one before at the earliest: 30 in a second.
+/// Minimum time between two drawn snapshots: 30 per second.
 const FRAME_INTERVAL: Duration = Duration::from_nanos(1_000_000_000 / 30);
-/// The drawing thread looks this often whether there is something to do.
+/// Interval at which the drawing thread checks for work.
 const PATIENCE: Duration = Duration::from_millis(10);
 
-/// A thread is waited for this long in the end.
+/// Maximum time to wait for a thread on closing.
 const FAREWELL: Duration = Duration::from_millis(500);
 
-/// Whether the terminal shows the view at the moment. There is one terminal, so there is one of these.
+/// `true` while the terminal shows the view. Global, because there is only one terminal.
 static SHOWN: AtomicBool = AtomicBool::new(false);
 
-/// Why there is no view.
+/// Error that prevents a view.
 #[derive(Debug, thiserror::Error)]
 pub enum ViewError {
-    /// There is nobody to look at it.
-    #[error("{0} is not a terminal; expected to be started in one, without redirection")]
+    /// Input or output is not a terminal.
+    #[error("{0} is not a terminal; run this program in a terminal, without redirection")]
     NoTerminal(&'static str),
-    /// Whoever takes the terminal from the background is halted by the system, and hears no signal.
+    /// The program is in the background: the system would halt it without a signal.
     #[error(
-        "this program is in the background of its terminal; expected in the foreground: without &, and with timeout --foreground"
+        "this program is in the background of its terminal; run it in the foreground: without &, and with timeout --foreground"
     )]
     Background,
-    /// The terminal does not do what is needed.
+    /// The terminal lacks a required function.
     #[error("the terminal cannot be used: {0}")]
     Terminal(#[from] io::Error),
 }
 
-/// A view on the terminal. Standard error is drawn on, so that results can be written to standard output.
-/// The terminal is as before when this is dropped, and before a panic is told.
+/// A view on the terminal. It draws on standard error, so that results can be written to standard output. The
+/// terminal is restored when the view is dropped, and before a panic is printed.
 pub struct View {
     shared: Arc<Shared>,
     actions: Receiver<Action>,
-    /// It ends when the view is closed or the terminal fails.
+    /// The drawing thread; it ends when the view is closed or the terminal fails.
     thread: Option<JoinHandle<io::Result<()>>>,
     shown: Option<Instant>,
 }
 
 struct Shared {
-    /// The newest snapshot that is not drawn yet.
+    /// Latest snapshot that is not drawn yet.
     newest: Mutex<Option<Snapshot>>,
-    /// Whether the view is to end.
+    /// `true` if the view is being closed.
     closing: AtomicBool,
-    /// Whether whoever watches wants to leave.
+    /// `true` if the user wants to quit.
     quit: Arc<AtomicBool>,
 }
 
 impl View {
-    /// Whether there is a terminal to show something on.
+    /// Checks that there is a usable terminal.
     ///
     /// # Errors
-    /// When standard input or standard error is none, or this program is in its background.
+    /// If standard input or standard error is not a terminal, or the program runs in its background.
     pub fn check_terminal() -> Result<(), ViewError> {
         if !stderr().is_terminal() {
             return Err(ViewError::NoTerminal("standard error"));
@@ -82,11 +82,11 @@ impl View {
         Ok(())
     }
 
-    /// Takes the terminal. `quit` is raised when whoever watches wants to leave, and ends
-    /// [`wait_for_quit`](Self::wait_for_quit) when something else raises it.
+    /// Takes over the terminal. `quit` is set when the user quits; if set elsewhere, it ends
+    /// [`wait_for_quit`](Self::wait_for_quit).
     ///
     /// # Errors
-    /// When there is no terminal, or it cannot be used.
+    /// If there is no terminal, or it cannot be used.
     pub fn open(quit: &Arc<AtomicBool>) -> Result<Self, ViewError> {
         Self::check_terminal()?;
         let shared = Arc::new(Shared {
@@ -96,7 +96,7 @@ impl View {
         });
         restore_on_panic(Arc::clone(&shared));
         let (sender, actions) = channel();
-        // From here on, dropping it gives the terminal back, whatever fails.
+        // From here on, dropping the view restores the terminal.
         let mut view = Self {
             shared,
             actions,
@@ -113,25 +113,25 @@ impl View {
         Ok(view)
     }
 
-    /// Shows what `snapshot` makes, unless one was shown hardly before. It does not wait for the terminal.
+    /// Shows the result of `snapshot`, unless the previous one is too recent. Does not wait for the terminal.
     pub fn show(&mut self, snapshot: impl FnOnce() -> Snapshot) {
         let now = Instant::now();
         if self.shown.is_some_and(|shown| now - shown < FRAME_INTERVAL) {
             return;
         }
         self.shown = Some(now);
-        // The other thread holds the lock no longer than it takes to take a snapshot out.
+        // The drawing thread holds the lock only while taking a snapshot out.
         if let Ok(mut newest) = self.shared.newest.try_lock() {
             *newest = Some(snapshot());
         }
     }
 
-    /// What whoever watches wanted done since the last call, quitting aside.
+    /// Returns the actions requested since the last call, except quitting.
     pub fn actions(&self) -> impl Iterator<Item = Action> {
         self.actions.try_iter()
     }
 
-    /// Shows `snapshot` until whoever watches wants to leave.
+    /// Shows `snapshot` until the user quits.
     pub fn wait_for_quit(&mut self, snapshot: Snapshot) {
         let newest = self.shared.newest.lock();
         *newest.unwrap_or_else(PoisonError::into_inner) = Some(snapshot);
@@ -140,7 +140,7 @@ impl View {
         }
     }
 
-    /// Whether the terminal still shows what it is given.
+    /// Returns `true` while the view is displayed.
     pub fn is_open(&self) -> bool {
         self.thread
             .as_ref()
@@ -151,8 +151,8 @@ impl View {
 impl Drop for View {
     fn drop(&mut self) {
         self.shared.closing.store(true, Ordering::Relaxed);
-        // Where the terminal went away, crossterm reads on for ever; where it takes nothing any more, writing
-        // waits for ever. The threads are left to end with the program then, and nobody is there to be told.
+        // If the terminal is gone, crossterm may read forever; if it accepts no output, writing may block forever. In
+        // both cases the threads are abandoned until the process exits.
         wait_for(self.thread.as_ref());
         match thread::Builder::new().spawn(restore) {
             Ok(restoring) => wait_for(Some(&restoring)),
@@ -161,7 +161,7 @@ impl Drop for View {
     }
 }
 
-/// Waits for `thread` to end, but not for ever.
+/// Waits for `thread` to end, up to [`FAREWELL`].
 fn wait_for<T>(thread: Option<&JoinHandle<T>>) {
     let start = Instant::now();
     while thread.is_some_and(|thread| !thread.is_finished()) && start.elapsed() < FAREWELL {
@@ -169,30 +169,30 @@ fn wait_for<T>(thread: Option<&JoinHandle<T>>) {
     }
 }
 
-/// Whether another program has the terminal that would be drawn on.
+/// Returns `true` if the terminal belongs to another program's process group.
 #[cfg(target_os = "linux")]
 fn is_in_background() -> bool {
     let foreground = rustix::termios::tcgetpgrp(stderr());
-    // A terminal that is not this session's own halts nobody.
+    // The system does not halt a program for using a terminal of another session.
     foreground.is_ok_and(|foreground| foreground != rustix::process::getpgrp())
 }
 
-/// Whether another program has the terminal that would be drawn on; not known here.
+/// Returns `false`: unknown on this platform.
 #[cfg(not(target_os = "linux"))]
 fn is_in_background() -> bool {
     false
 }
 
-/// Gives the terminal back, if the view has it.
+/// Restores the terminal if the view uses it.
 fn restore() {
     if SHOWN.swap(false, Ordering::Relaxed) {
-        // As above: a terminal that went away.
+        // Errors mean that the terminal is gone.
         let _ = disable_raw_mode();
         let _ = execute!(stderr(), LeaveAlternateScreen, Show);
     }
 }
 
-/// Has a panic of any thread told on the terminal as it was before.
+/// Restores the terminal before a panic of any thread is printed.
 fn restore_on_panic(shared: Arc<Shared>) {
     let tell = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |panic| {
@@ -221,7 +221,7 @@ fn keep_drawing(
     Ok(())
 }
 
-/// Waits a little for keys and passes on what they mean; whether the screen has another size now.
+/// Waits briefly for keys and sends their actions; returns `true` if the screen was resized.
 fn read_events(shared: &Shared, actions: &Sender<Action>) -> io::Result<bool> {
     let mut resized = false;
     let mut patience = PATIENCE;
@@ -231,7 +231,7 @@ fn read_events(shared: &Shared, actions: &Sender<Action>) -> io::Result<bool> {
         resized |= matches!(event, Event::Resize(..));
         match Action::of(&event) {
             Some(Action::Quit) => shared.quit.store(true, Ordering::Relaxed),
-            // Nobody listens any more once the view is being closed.
+            // The receiver is gone while the view is being closed.
             Some(action) => drop(actions.send(action)),
             None => {}
         }

@@ -1,9 +1,9 @@
-//! Numbers in few characters, whatever they are.
+//! Compact formatting of numbers.
 
-/// Stands for a number that is not known.
+/// Placeholder for an unknown number.
 pub const DASH: &str = "–";
 
-/// `value` with `decimals`, in powers of ten when it is huge, a dash when it is not finite.
+/// Formats `value` with `decimals` digits, huge values as powers of ten, non-finite ones as a dash.
 pub fn number(value: f64, decimals: usize) -> String {
     if !value.is_finite() {
         DASH.into()
@@ -11,7 +11,7 @@ pub fn number(value: f64, decimals: usize) -> String {
         format!("{value:.0e}")
     } else {
         let text = format!("{value:.decimals$}");
-        // A small negative number is not "-0.00".
+        // Avoids "-0.00".
         match text.strip_prefix('-') {
             Some(digits) if digits.bytes().all(|b| matches!(b, b'0' | b'.')) => digits.into(),
             _ => text,
@@ -19,7 +19,7 @@ pub fn number(value: f64, decimals: usize) -> String {
     }
 }
 
-/// A time in the unit that suits it: `12 ms`, `3.4 s`, `5 min`.
+/// Formats a duration in a suitable unit: `12 ms`, `3.4 s`, `5 min`.
 pub fn age(seconds: f64) -> String {
     let seconds_shown = seconds.abs();
     if !seconds.is_finite() {
@@ -33,12 +33,12 @@ pub fn age(seconds: f64) -> String {
     }
 }
 
-/// How many times real time: `1.0 ×`, `620 ×`.
+/// Formats a multiple of real time: `1.0 ×`, `620 ×`.
 pub fn speed(factor: f64) -> String {
     format!("{} ×", number(factor, if factor < 9.95 { 1 } else { 0 }))
 }
 
-/// An angle, rad, in degrees with `decimals`.
+/// Formats an angle (rad) in degrees with `decimals`.
 pub fn degrees(angle: f64, decimals: usize) -> String {
     if angle.is_finite() {
         format!("{}°", number(angle.to_degrees(), decimals))
@@ -47,7 +47,7 @@ pub fn degrees(angle: f64, decimals: usize) -> String {
     }
 }
 
-/// A part of a whole in per cent, at most six characters.
+/// Formats a fraction as a percentage of at most six characters.
 pub fn per_cent(part: Option<f64>) -> String {
     match part {
         Some(part) if part.is_finite() => format!("{} %", number(100.0 * part, 1)),
@@ -55,7 +55,7 @@ pub fn per_cent(part: Option<f64>) -> String {
     }
 }
 
-/// The first `width` characters of `text`, with an ellipsis where something is missing.
+/// Returns the first `width` characters of `text`, with an ellipsis if it is cut.
 pub fn clipped(text: &str, width: usize) -> String {
     if text.chars().count() <= width {
         return text.into();

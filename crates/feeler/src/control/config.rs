@@ -1,4 +1,4 @@
-//! What the controller is tuned by.
+//! Configuration of the controller.
 
 use super::flags::FlagThresholds;
 use super::law::tri_axial::Reflex;
@@ -10,39 +10,39 @@ use crate::check::{Checker, MAX};
 use crate::sensor::layout::ElementLayout;
 use serde::{Deserialize, Serialize};
 
-/// Everything that the control law can be tuned by.
+/// Parameters of the controller, the table `[control]` of an experiment file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct ControlConfig {
-    /// Time from one command to the next, s.
+    /// Control period (s).
     pub period: f64,
-    /// Forces older than this many control periods stop the hand.
+    /// Maximum age of forces, in control periods. Older forces stop the hand.
     pub stale_periods: f64,
-    /// F1: an element pressed harder than this touches, N.
+    /// F1: compression above which an element counts as touching (N).
     pub touch_force: f64,
-    /// F2: an element pressed harder than this may not be pressed further, N.
+    /// F2: compression above which an element must not be pressed further (N).
     pub over_force: f64,
-    /// dr: an element whose shear force changes faster than this slips, N/s.
+    /// dr: shear rate above which an element counts as slipping (N/s).
     pub slip_threshold: f64,
-    /// v_r: speed of re-compression, m/s.
+    /// v_r: speed of re-compression (m/s).
     pub recompression_speed: f64,
-    /// A moving finger whose grasp force is below this is re-compressed, too, N.
+    /// Grasp force below which a moving finger is also re-compressed (N).
     pub minimum_grasp_force: f64,
-    /// When a hand that was stopped because data were stale goes on.
+    /// When the hand resumes after a stop caused by stale data.
     pub resume: ResumePolicy,
-    /// What a hand that moves does when its recording cannot be written.
+    /// Reaction of a moving hand if its recording cannot be written.
     pub on_recording_failure: RecordingFailure,
-    /// How a finger does what the task wants.
+    /// Control law: how each finger follows the task's plan.
     pub law: LawConfig,
-    /// What no command may exceed.
+    /// Limits that every command must respect.
     pub limits: LimitsConfig,
-    /// What stops the hand because a sensor cannot be right.
+    /// Thresholds of the sensor plausibility checks.
     #[serde(skip_serializing_if = "MonitorConfig::is_default")]
     pub monitor: MonitorConfig,
 }
 
 impl Default for ControlConfig {
-    /// The reference experiment's.
+    /// Values of the reference experiment.
     fn default() -> Self {
         Self {
             period: 0.01,
@@ -61,31 +61,31 @@ impl Default for ControlConfig {
     }
 }
 
-/// When a hand that was stopped because data were stale goes on.
+/// When the hand resumes after a stop caused by stale data.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ResumePolicy {
-    /// When somebody tells it to.
+    /// When an operator or a program requests it.
     #[default]
     Told,
-    /// As soon as data are fresh again.
+    /// As soon as the data are fresh again.
     Fresh,
 }
 
-/// What a hand that moves does when its recording cannot be written, as on a full disk or one that hangs. Where time is
-/// simulated, the run waits for the disk, and a full one ends it.
+/// Reaction of a moving hand if its recording cannot be written, for example because the disk is full or hangs. In
+/// simulated time, the run waits for the disk instead, and a full disk ends it.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum RecordingFailure {
-    /// It goes on; the record has a gap, or ends there.
+    /// The hand continues; the recording has a gap or ends early.
     #[default]
     Continue,
-    /// It stops, and the run ends.
+    /// The hand stops and the run ends.
     Stop,
 }
 
 impl ControlConfig {
-    /// The thresholds of the flag analyzer.
+    /// Thresholds of the flag analyzer.
     pub fn thresholds(&self) -> FlagThresholds {
         FlagThresholds {
             touch_force: self.touch_force,
@@ -94,7 +94,7 @@ impl ControlConfig {
         }
     }
 
-    /// The reflex of the paper's law.
+    /// Parameters of the paper's reflex.
     pub fn reflex(&self) -> Reflex {
         Reflex {
             recompression_speed: self.recompression_speed,
@@ -102,17 +102,17 @@ impl ControlConfig {
         }
     }
 
-    /// The control law for a hand whose fingers have the elements of `layouts`, at rest.
+    /// Creates the control law for a hand whose fingers have the elements of `layouts`, in its initial state.
     ///
     /// # Errors
-    /// If a policy was not read, or is for other fingertips.
+    /// If a policy file has not been loaded, or the policy was made for other fingertips.
     pub fn hand_law(&self, layouts: &[ElementLayout]) -> Result<Box<dyn HandLaw>, LawError> {
         self.law
             .hand_law(self.reflex(), &self.thresholds(), layouts)
     }
 
-    /// Requires every value, and those of the task that it is for, to be in its range. Keys are those of an experiment
-    /// file: `control` and `task`.
+    /// Requires all values, and the values of `task`, to be in their ranges. Keys are those of an experiment file:
+    /// `control` and `task`.
     pub fn check(&self, task: &TaskConfig, checker: &mut Checker) {
         checker.between("control.period", self.period, 1e-4, 1.0);
         checker.between("control.stale_periods", self.stale_periods, 0.5, 1e3);
@@ -137,7 +137,7 @@ impl ControlConfig {
         task.check(self.period, &self.thresholds(), &self.limits, checker);
     }
 
-    /// Requires a law where the task takes one, and none where it would change nothing.
+    /// Requires the default law for a task that does not use a law.
     fn check_law_of(&self, task: &TaskConfig, checker: &mut Checker) {
         checker.require(
             "control.law",
@@ -159,7 +159,7 @@ mod tests {
     use crate::control::law::best::BestConfig;
 
     fn fields(control: &ControlConfig, task: &str) -> Vec<String> {
-        let task: TaskConfig = toml::from_str(task).expect("a task");
+        let task: TaskConfig = toml::from_str(task).expect("a valid task");
         let mut checker = Checker::default();
         control.check(&task, &mut checker);
         let problems = checker.problems().into_iter();
@@ -174,7 +174,7 @@ mod tests {
         assert_eq!(fields(&control, contour), [""; 0]);
     }
 
-    /// All problems are found, those of the law, the limits and the task, too.
+    /// All problems are reported, including those of the law, the limits and the task.
     #[test]
     fn every_problem_has_its_key() {
         let control = ControlConfig {

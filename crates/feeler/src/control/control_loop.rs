@@ -1,4 +1,4 @@
-//! The loop: feel, decide, move.
+//! The control loop: sense, decide, command.
 
 use super::controller::Controller;
 use super::sense::HandSense;
@@ -11,23 +11,23 @@ use glam::DVec3;
 use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
 
-/// Why the loop could not go round.
+/// Error that aborts a control cycle.
 #[derive(Debug, thiserror::Error)]
 pub enum ControlError {
     /// A tactile sensor delivered no forces.
     #[error("finger {finger}: {source}")]
     Sensor {
-        /// The finger.
+        /// Index of the finger.
         finger: usize,
-        /// What the sensor said.
+        /// Error of the sensor.
         source: SensorError,
     },
-    /// The hand could not be read or moved.
+    /// The hand could not be read or commanded.
     #[error(transparent)]
     Hand(#[from] HandError),
 }
 
-/// Sensors, hand and controller, wired up. Time is that of the data; the loop knows no clock.
+/// Connects sensors, hand and controller. All times come from the data; the loop reads no clock.
 pub struct ControlLoop<S, H> {
     sensors: Vec<S>,
     hand: H,
@@ -37,15 +37,15 @@ pub struct ControlLoop<S, H> {
     command: HandCommand,
 }
 
-/// What a program does around each step of [`ControlLoop::run_supervised`].
+/// Hooks that run around each step of [`ControlLoop::run_supervised`].
 pub trait Supervisor<S, H> {
-    /// What it ends the run with.
+    /// Value that ends the run.
     type Break;
 
-    /// Called when a step is due, before anything is read: stops the hand or lets it go on, as it has to.
+    /// Called when a step is due, before anything is read. Can stop the hand or let it resume.
     fn before_step(&mut self, control_loop: &mut ControlLoop<S, H>, tick: &Tick);
 
-    /// Called after every step, which it sees whole: records, shows, ends the run.
+    /// Called after every step, for example to record or display it, or to end the run.
     fn after_step(
         &mut self,
         control_loop: &mut ControlLoop<S, H>,
@@ -53,7 +53,7 @@ pub trait Supervisor<S, H> {
     ) -> ControlFlow<Self::Break>;
 }
 
-/// A program that has nothing to do before a step.
+/// A supervisor with a hook after each step only.
 struct AfterStep<F>(F);
 
 impl<S, H, B, F> Supervisor<S, H> for AfterStep<F>
@@ -70,7 +70,7 @@ where
 }
 
 impl<S: TouchSource, H: Hand> ControlLoop<S, H> {
-    /// A loop over one sensor per finger of `hand`.
+    /// Creates a loop from `hand`, one sensor per finger and a controller.
     pub fn new(sensors: Vec<S>, hand: H, controller: Controller) -> Self {
         let fingers = hand.finger_count();
         let nothing = |s: &S| FingerTouch::none(s.element_count());
@@ -84,19 +84,19 @@ impl<S: TouchSource, H: Hand> ControlLoop<S, H> {
         }
     }
 
-    /// Goes round once: reads the hand and the sensors, decides, commands the hand.
+    /// Runs one control cycle: reads the hand and the sensors, decides, commands the hand.
     ///
     /// # Errors
-    /// When a sensor or the hand fails. The hand is then told to stop first.
+    /// If a sensor or the hand fails. The hand is commanded to stop first.
     pub fn step(&mut self) -> Result<(), ControlError> {
         self.sense()?;
         self.act()
     }
 
-    /// The first half of a [`step`](Self::step): reads the hand and the sensors.
+    /// First half of a [`step`](Self::step): reads the hand and the sensors.
     ///
     /// # Errors
-    /// When one of them fails. The hand is then told to stop first.
+    /// If the hand or a sensor fails. The hand is commanded to stop first.
     pub fn sense(&mut self) -> Result<(), ControlError> {
         if let Err(error) = self.read() {
             let what = match error {
@@ -105,61 +105,61 @@ impl<S: TouchSource, H: Hand> ControlLoop<S, H> {
             };
             self.controller.stop(StopReason::ReadFailed { what });
             self.command.set_to_stop();
-            // The error that is reported is the first one, not what stopping may add to it.
+            // Report the first error; ignore a failure of the stop command.
             let _ = self.hand.command(&self.command);
             return Err(error);
         }
         Ok(())
     }
 
-    /// The second half of a [`step`](Self::step): decides on what was read, commands the hand.
+    /// Second half of a [`step`](Self::step): decides based on the latest readings and commands the hand.
     ///
     /// # Errors
-    /// When the hand fails.
+    /// If the hand fails.
     pub fn act(&mut self) -> Result<(), ControlError> {
         self.controller
             .decide(&self.touches, &self.state, &mut self.command);
         Ok(self.hand.command(&self.command)?)
     }
 
-    /// Reads the hand and the sensors, and plans: a [`step`](Self::step) up to where the control laws would
-    /// decide. For whoever decides in their place, with [`follow`](Self::follow).
+    /// Reads the hand and the sensors and updates the plans: a [`step`](Self::step) up to the point where the control
+    /// laws decide. For callers that replace the laws by calling [`follow`](Self::follow).
     ///
     /// # Errors
-    /// When one of them fails. The hand is then told to stop first.
+    /// If the hand or a sensor fails. The hand is commanded to stop first.
     pub fn plan(&mut self) -> Result<(), ControlError> {
         self.sense()?;
         self.controller.plan(&self.touches, &self.state);
         Ok(())
     }
 
-    /// The rest of a [`step`](Self::step) after [`plan`](Self::plan), as the control laws say.
+    /// Completes a [`step`](Self::step) after [`plan`](Self::plan), with the velocities of the control laws.
     ///
     /// # Errors
-    /// When the hand fails.
+    /// If the hand fails.
     pub fn obey(&mut self) -> Result<(), ControlError> {
         self.controller
             .obey(&self.touches, &self.state, &mut self.command);
         Ok(self.hand.command(&self.command)?)
     }
 
-    /// The rest of a [`step`](Self::step) after [`plan`](Self::plan): commands the hand what the limits let through of
-    /// these velocities of the fingertips, m/s, in W ([`Controller::follow`]).
+    /// Completes a [`step`](Self::step) after [`plan`](Self::plan) with the given fingertip velocities (m/s, in W)
+    /// instead of the laws' velocities. They pass the same limits; see [`Controller::follow`].
     ///
     /// # Errors
-    /// When the hand fails.
+    /// If the hand fails.
     pub fn follow(&mut self, velocities: &[DVec3]) -> Result<(), ControlError> {
         self.controller
             .follow(velocities, &self.state, &mut self.command);
         Ok(self.hand.command(&self.command)?)
     }
 
-    /// Makes a step whenever `schedule` says so, until `each_step` breaks or `interrupted` is raised (Ctrl-C);
-    /// then tells the hand to stop. `each_step` sees the loop after every step, and how punctual that was.
-    /// Returns what `each_step` broke with, if it did.
+    /// Runs a step at each tick of `schedule` until `each_step` breaks or `interrupted` is set (Ctrl-C), then stops
+    /// the hand. `each_step` is called after every step with the loop and the tick. Returns the value with which
+    /// `each_step` broke, if any.
     ///
-    /// Missed periods are not made up for. More than `most_missed` in a row stop the hand with
-    /// [`StopReason::MissedPeriods`]: its drives went on with an old command for so long.
+    /// Missed periods are not made up for. More than `most_missed` missed periods in a row stop the hand with
+    /// [`StopReason::MissedPeriods`], because the drives were executing a stale command.
     ///
     /// # Errors
     /// As [`step`](Self::step).
@@ -178,7 +178,7 @@ impl<S: TouchSource, H: Hand> ControlLoop<S, H> {
         )
     }
 
-    /// As [`run`](Self::run), for a program that has something to do before each step, too.
+    /// Like [`run`](Self::run), but with hooks before and after each step.
     ///
     /// # Errors
     /// As [`step`](Self::step).
@@ -220,12 +220,12 @@ impl<S: TouchSource, H: Hand> ControlLoop<S, H> {
         Ok(())
     }
 
-    /// The same sensors and controller with another hand, of as many fingers.
+    /// Replaces the hand by another one with the same number of fingers.
     pub fn with_hand<G: Hand>(self, hand: G) -> ControlLoop<S, G> {
         ControlLoop::new(self.sensors, hand, self.controller)
     }
 
-    /// The same with what `change` makes of the sensors, one per finger.
+    /// Replaces the sensors, one per finger, by the result of `change`.
     ///
     /// # Errors
     /// Those of `change`.
@@ -237,37 +237,37 @@ impl<S: TouchSource, H: Hand> ControlLoop<S, H> {
         Ok(ControlLoop::new(sensors, self.hand, self.controller))
     }
 
-    /// The sensors, one per finger.
+    /// Sensors, one per finger.
     pub fn sensors(&self) -> &[S] {
         &self.sensors
     }
 
-    /// What each finger felt.
+    /// Latest tactile reading of each finger.
     pub fn touches(&self) -> &[FingerTouch] {
         &self.touches
     }
 
-    /// What the hand felt, where its fingertips are as of the newest step.
+    /// Latest tactile readings with the fingertip poses of the latest step.
     pub fn hand_sense(&self) -> HandSense<'_> {
         self.controller.hand_sense(&self.touches, &self.state)
     }
 
-    /// The newest joint state.
+    /// Latest joint state.
     pub fn state(&self) -> &HandState {
         &self.state
     }
 
-    /// The newest command.
+    /// Latest command.
     pub fn command(&self) -> &HandCommand {
         &self.command
     }
 
-    /// The controller, as of the newest step.
+    /// The controller.
     pub fn controller(&self) -> &Controller {
         &self.controller
     }
 
-    /// The controller, for who stops the hand or lets it go on from outside the control law.
+    /// The controller, for callers that stop the hand or let it resume.
     pub fn controller_mut(&mut self) -> &mut Controller {
         &mut self.controller
     }

@@ -1,4 +1,4 @@
-//! The hand program's decision: from tactile frames and joint angles to joint velocities.
+//! The controller: computes joint velocities from tactile frames and joint angles.
 
 pub use super::config::{ControlConfig, RecordingFailure, ResumePolicy};
 
@@ -18,25 +18,25 @@ use crate::hand::{HandCommand, HandState};
 use crate::sensor::layout::ElementLayout;
 use glam::DVec3;
 
-/// One finger as the controller drives it.
+/// State of one finger in the controller.
 #[derive(Debug, Clone)]
 pub struct FingerControl {
     geometry: FingerGeometry,
-    /// The velocity that the control law, or who acts in its place, wants of it, m/s, in W.
+    /// Fingertip velocity requested by the law or an external policy (m/s, in W).
     pub velocity: DVec3,
-    /// What the limits made of that.
+    /// The request after limiting.
     pub admitted: Admitted,
     monitor: FingerMonitor,
 }
 
 impl FingerControl {
-    /// Its links and joints.
+    /// Geometry and joint limits of the finger.
     pub fn geometry(&self) -> &FingerGeometry {
         &self.geometry
     }
 }
 
-/// Task, law and limits with their memory.
+/// Runs the task, the control law, the limits and the monitors of a hand.
 #[derive(Debug, Clone)]
 pub struct Controller {
     config: ControlConfig,
@@ -45,22 +45,22 @@ pub struct Controller {
     layouts: Vec<ElementLayout>,
     task: Box<dyn Task>,
     law: Box<dyn HandLaw>,
-    /// Whether the law considers each finger closed; see [`HandSense::closed`].
+    /// `true` if the law considers the finger closed; see [`HandSense::closed`].
     closed: Vec<Option<bool>>,
-    /// Velocity of each fingertip by the law, m/s, in W.
+    /// Fingertip velocities by the law (m/s, in W).
     velocities: Vec<DVec3>,
-    /// What the task wants of each finger.
+    /// The task's plan for each finger.
     plans: Vec<Plan>,
-    /// Whether the newest input was found good and has not been acted on.
+    /// `true` if the latest input was valid and no command has been derived from it yet.
     planned: bool,
     stop_reason: Option<StopReason>,
 }
 
 impl Controller {
-    /// A controller for a hand of `fingers`, each with the elements of its own of `layouts`.
+    /// Creates a controller for a hand with the given `fingers` and the element layout of each.
     ///
     /// # Errors
-    /// When the law is a policy that was not read, or is for other fingertips.
+    /// If the law is a policy that has not been loaded, or was made for other fingertips.
     pub fn new(
         config: ControlConfig,
         task: &TaskConfig,
@@ -70,7 +70,7 @@ impl Controller {
         Self::with_task(config, task.task(), fingers, layouts)
     }
 
-    /// The same for a task that is not among those of [`TaskConfig`].
+    /// Like [`new`](Self::new), but with a custom task.
     ///
     /// # Errors
     /// As [`Self::new`].
@@ -107,28 +107,28 @@ impl Controller {
         })
     }
 
-    /// The fingers as of the newest decision.
+    /// State of each finger as of the latest decision.
     pub fn fingers(&self) -> &[FingerControl] {
         &self.fingers
     }
 
-    /// Gives each finger, by its number, the law that `law` makes for it, in place of the one it has.
+    /// Replaces the law of each finger by `law(finger)`, where `finger` is the finger's index.
     pub fn set_laws(&mut self, law: impl Fn(usize) -> Box<dyn Law>) {
         let laws = (0..self.fingers.len()).map(law).collect();
         self.law = Box::new(FingerLaws::new(laws));
     }
 
-    /// Where each fingertip is, by the encoders, as of the newest decision.
+    /// Fingertip poses from the encoders, as of the latest decision.
     pub fn poses(&self) -> &[FingertipPose] {
         &self.poses
     }
 
-    /// The task as of the newest decision.
+    /// The task as of the latest decision.
     pub fn task(&self) -> &dyn Task {
         &*self.task
     }
 
-    /// Where the task stands: [`Phase::Stopped`] while the hand is stopped.
+    /// Phase of the task, or [`Phase::Stopped`] while the hand is stopped.
     pub fn phase(&self) -> Phase {
         match self.stop_reason {
             Some(_) => Phase::Stopped,
@@ -136,17 +136,17 @@ impl Controller {
         }
     }
 
-    /// Why the hand was stopped, if it was.
+    /// Reason of the stop, or `None` while the hand is not stopped.
     pub fn stop_reason(&self) -> Option<&StopReason> {
         self.stop_reason.as_ref()
     }
 
-    /// What the task wants of each finger, as of the newest decision; nothing while the hand is stopped.
+    /// The task's plan for each finger, as of the latest decision. All plans are at rest while the hand is stopped.
     pub fn plans(&self) -> &[Plan] {
         &self.plans
     }
 
-    /// What all fingers feel, where they are as of the newest decision.
+    /// Combines the given readings with the poses and layouts of the latest decision.
     pub fn hand_sense<'a>(
         &'a self,
         touches: &'a [FingerTouch],
@@ -158,9 +158,8 @@ impl Controller {
         }
     }
 
-    /// Decides what all fingers do for the next control period: what each finger felt and the
-    /// joint state in, joint velocities out. Allocates nothing; a fault in the
-    /// input stops all fingers with a [`StopReason`].
+    /// Computes the joint velocities of all fingers for the next control period from tactile readings and the joint
+    /// state. Does not allocate. A fault in the input stops all fingers with a [`StopReason`].
     pub fn decide(
         &mut self,
         touches: &[FingerTouch],
@@ -171,8 +170,8 @@ impl Controller {
         self.obey(touches, state, command);
     }
 
-    /// The first half of a [decision](Self::decide), for whoever acts in place of the laws: checks what arrived and asks the
-    /// task for its [`plans`](Self::plans). [`follow`](Self::follow) is the other half.
+    /// First half of [`decide`](Self::decide): checks the input and updates the task's [`plans`](Self::plans).
+    /// Complete it with [`obey`](Self::obey), or with [`follow`](Self::follow) to replace the laws.
     pub fn plan(&mut self, touches: &[FingerTouch], state: &HandState) {
         let planned = self
             .feel(touches, state)
@@ -184,7 +183,7 @@ impl Controller {
         }
     }
 
-    /// The second half of a [decision](Self::decide) after [`plan`](Self::plan), as the laws say.
+    /// Second half of [`decide`](Self::decide), after [`plan`](Self::plan): applies the control laws.
     pub fn obey(&mut self, touches: &[FingerTouch], state: &HandState, command: &mut HandCommand) {
         if self.planned {
             self.obey_laws(touches, state);
@@ -192,9 +191,9 @@ impl Controller {
         self.admit(state, command);
     }
 
-    /// The second half of a [decision](Self::decide) after [`plan`](Self::plan), with these velocities of the fingertips in place of
-    /// the laws', m/s, in W. They pass the same limits. A velocity that is missing or not finite stops all fingers with a
-    /// [`StopReason`]; while the hand is stopped, or after no new plan, nothing moves.
+    /// Second half of [`decide`](Self::decide), after [`plan`](Self::plan), with the given fingertip velocities (m/s,
+    /// in W) instead of the laws' velocities. They pass the same limits. A missing or non-finite velocity stops all
+    /// fingers with a [`StopReason`]. Nothing moves while the hand is stopped, or without a new plan.
     pub fn follow(&mut self, velocities: &[DVec3], state: &HandState, command: &mut HandCommand) {
         let count = check_count("velocities", self.fingers.len(), velocities.len());
         if let Err(reason) = count {
@@ -208,8 +207,9 @@ impl Controller {
         self.admit(state, command);
     }
 
-    /// Stops all fingers at once, until told to [`resume`](Self::resume). The first reason is kept; but
-    /// stale data may become fresh by themselves, and that must not undo what somebody said meanwhile.
+    /// Stops all fingers at once, until [`resume`](Self::resume) is called. The first reason is kept, with one
+    /// exception: a requested stop replaces a stop caused by stale data, because such a stop may end automatically
+    /// and a requested one must not.
     pub fn stop(&mut self, reason: StopReason) {
         let told = matches!(reason, StopReason::Told { .. });
         match &self.stop_reason {
@@ -227,8 +227,8 @@ impl Controller {
         }
     }
 
-    /// Goes on where the hand was stopped. Where the cause is still there, the next decision stops it again.
-    /// What joints and pictures did meanwhile is not held against them: somebody may have moved the fingers.
+    /// Resumes after a stop. If the cause persists, the next decision stops the hand again. The monitors are reset,
+    /// because the fingers may have been moved during the stop.
     pub fn resume(&mut self) {
         if self.stop_reason.take().is_some() {
             for finger in &mut self.fingers {
@@ -237,7 +237,7 @@ impl Controller {
         }
     }
 
-    /// Checks what arrived, and where each finger is.
+    /// Checks the input and updates the fingertip poses.
     fn feel(&mut self, touches: &[FingerTouch], state: &HandState) -> Result<(), StopReason> {
         let expected = self.fingers.len();
         check_count("tactile frames", expected, touches.len())?;
@@ -251,7 +251,7 @@ impl Controller {
         {
             check_input(finger, layout.elements.len(), touch, joints)?;
             let age = state.stamp - touch.stamp;
-            // Also refuses an age that is not a number, and forces from a time to come.
+            // Also rejects a NaN age, and forces with a stamp in the future.
             if age.is_nan() || age.abs() > limit {
                 return Err(StopReason::StaleForces { finger, age, limit });
             }
@@ -261,7 +261,7 @@ impl Controller {
         Ok(())
     }
 
-    /// Checks whether what the sensors of a hand under way say can be true.
+    /// Checks the plausibility of the sensor readings while the hand moves.
     fn watch(&mut self, touches: &[FingerTouch], state: &HandState) -> Result<(), StopReason> {
         if self.stop_reason.is_some() {
             return Ok(());
@@ -276,7 +276,7 @@ impl Controller {
         Ok(())
     }
 
-    /// Asks the task what it wants of each finger.
+    /// Advances the task and updates the plan of each finger.
     fn ask_task(&mut self, touches: &[FingerTouch], state: &HandState) -> Result<(), StopReason> {
         if self.stop_reason.is_some() {
             return Ok(());
@@ -294,7 +294,7 @@ impl Controller {
         Ok(())
     }
 
-    /// What the law of each finger makes of its plan.
+    /// Computes the velocity of each finger by the control law.
     fn obey_laws(&mut self, touches: &[FingerTouch], state: &HandState) {
         let hand = HandSense::new(state, touches, &self.poses, &self.layouts);
         self.law
@@ -304,7 +304,7 @@ impl Controller {
         }
     }
 
-    /// Makes the command of what the limits let through of each finger's velocity: once for each plan.
+    /// Creates the command by limiting the velocity of each finger, once per plan.
     fn admit(&mut self, state: &HandState, command: &mut HandCommand) {
         command.set_to_stop();
         match std::mem::take(&mut self.planned) {

@@ -1,34 +1,34 @@
-//! What a hand knows of its own feelers, and where their tips are by the forces on them.
+//! Stiffness and tip radius of feelers, and the tip position under load.
 
 use super::sense::FingerSense;
 use crate::check::Checker;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-/// A feeler as measured on the fingertip, on a bench.
+/// Properties of a feeler, measured on a test bench.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct FeelerShape {
-    /// Stiffness along its axis, N/m.
+    /// Stiffness along the feeler's axis (N/m).
     pub normal_stiffness: f64,
-    /// Stiffness across its axis, N/m.
+    /// Stiffness across the feeler's axis (N/m).
     pub shear_stiffness: f64,
-    /// Radius of its rounded tip, m.
+    /// Radius of the rounded tip (m).
     pub tip_radius: f64,
 }
 
-/// Contact stiffness of one feeler, N/m.
+/// Contact stiffness of a feeler (N/m).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stiffness {
-    /// Along its axis.
+    /// Stiffness along the axis.
     pub normal: f64,
-    /// Across its axis.
+    /// Stiffness across the axis.
     pub shear: f64,
 }
 
 impl Stiffness {
-    /// Displacement of the tip by a `force` on the feeler, m: force (N) and displacement in the element's frame, with the
-    /// force in z positive where the feeler is pressed, back along z.
+    /// Displacement of the tip (m) by a `force` (N) on the feeler, both in the element's frame. `force.z` is the
+    /// compression, positive when pressed; it displaces the tip along -z.
     pub fn displacement(&self, force: DVec3) -> DVec3 {
         DVec3::new(
             force.x / self.shear,
@@ -39,7 +39,7 @@ impl Stiffness {
 }
 
 impl Default for FeelerShape {
-    /// The nominal rubber of the reference experiment's fingertip.
+    /// Nominal rubber of the reference experiment's fingertip.
     fn default() -> Self {
         Self {
             normal_stiffness: 205.0,
@@ -60,7 +60,7 @@ impl FeelerShape {
         checker.all_positive(key, &positive);
     }
 
-    /// Its contact stiffness.
+    /// Contact stiffness.
     pub fn stiffness(&self) -> Stiffness {
         Stiffness {
             normal: self.normal_stiffness,
@@ -68,8 +68,8 @@ impl FeelerShape {
         }
     }
 
-    /// Centre of the deformed tip of `element`, m, in W: where the tip is without load, and how far the
-    /// `force` on it, N, in W, has pushed it.
+    /// Centre of the tip of `element` under load (m, in W): the rest position plus the displacement by `force` (N, in
+    /// W). `None` if there is no such element.
     pub fn tip(&self, finger: &FingerSense<'_>, element: usize, force: DVec3) -> Option<DVec3> {
         let axis = finger.normal(element)?;
         let along = force.dot(axis) * axis;

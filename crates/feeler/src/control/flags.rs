@@ -1,38 +1,38 @@
-//! The flag analyzer (paper, Fig. 4): from tri-axial forces to TOUCH, SLIP and OVER.
+//! The flag analyzer (paper, Fig. 4): computes TOUCH, SLIP and OVER from tri-axial forces.
 
 use crate::sensor::reading::TactileFrame;
 use glam::DVec3;
 use multiversion::multiversion;
 
-/// The thresholds of the flag analyzer.
+/// Thresholds of the flag analyzer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FlagThresholds {
-    /// F1: an element pressed harder than this touches, N.
+    /// F1: compression above which an element counts as touching (N).
     pub touch_force: f64,
-    /// F2: an element pressed harder than this may not be pressed further, N.
+    /// F2: compression above which an element must not be pressed further (N).
     pub over_force: f64,
-    /// dr: an element whose shear force changes faster than this slips, N/s.
+    /// dr: shear rate above which an element counts as slipping (N/s).
     pub slip_threshold: f64,
 }
 
-/// What one finger feels, in the words of the paper.
+/// Flags and grasp force of one finger (paper, Fig. 4).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FingerFlags {
-    /// An element is pressed harder than F1, or slips.
+    /// TOUCH: the compression of an element is above F1, or SLIP is raised.
     pub touch: bool,
-    /// An element's shear force changes faster than dr.
+    /// SLIP: the shear rate of an element is above dr.
     pub slip: bool,
-    /// An element is pressed harder than F2.
+    /// OVER: the compression of an element is above F2.
     pub over: bool,
-    /// The touching element (F_z > F1) of largest F_z.
+    /// Touching element (F_z > F1) with the largest F_z, if any.
     pub largest_element: Option<usize>,
-    /// Grasp force: sum of the elements' compressions F_z > 0, N.
+    /// Grasp force: sum of the elements' compressions F_z > 0 (N).
     pub grasp_force: f64,
 }
 
 impl FingerFlags {
-    /// What is to be seen of these flags and those of a `newer` frame together: what was up in either is
-    /// up; force and element are the newer's, the element at least where it has one.
+    /// Merges these flags with those of a `newer` frame. A flag is raised if it is raised in either. The force is the
+    /// newer one, and so is the element if the newer frame has one.
     pub fn then(self, newer: Self) -> Self {
         Self {
             touch: self.touch || newer.touch,
@@ -44,19 +44,19 @@ impl FingerFlags {
     }
 }
 
-/// Turns one finger's tactile frames into flags.
+/// Computes the flags of one finger from its tactile frames.
 #[derive(Debug, Clone)]
 pub struct FlagAnalyzer {
     thresholds: FlagThresholds,
     previous: Option<Previous>,
     flags: FingerFlags,
-    /// |d(F_x, F_y)/dt| of each element, N/s.
+    /// |d(F_x, F_y)/dt| of each element (N/s).
     shear_rate: Vec<f64>,
-    /// (F_x, F_y) of each element at the previous frame, N.
+    /// (F_x, F_y) of each element at the previous frame (N).
     previous_shear: Vec<[f64; 2]>,
 }
 
-/// The frame that shear rates are taken against.
+/// The frame that shear rates refer to.
 #[derive(Debug, Clone, Copy)]
 struct Previous {
     sequence: u64,
@@ -64,7 +64,7 @@ struct Previous {
 }
 
 impl FlagAnalyzer {
-    /// An analyzer for a finger of `elements` sensing elements that has felt nothing yet.
+    /// Creates an analyzer for a finger of `elements` sensing elements.
     pub fn new(thresholds: FlagThresholds, elements: usize) -> Self {
         Self {
             thresholds,
@@ -75,18 +75,18 @@ impl FlagAnalyzer {
         }
     }
 
-    /// The shear rate |d(F_x, F_y)/dt| of each element at the newest frame, N/s.
+    /// Shear rate |d(F_x, F_y)/dt| of each element at the latest frame (N/s).
     pub fn shear_rate(&self) -> &[f64] {
         &self.shear_rate
     }
 
-    /// Time of the newest frame that was analysed, s; not a number before the first.
+    /// Time of the latest analysed frame (s), or NaN before the first.
     pub fn stamp(&self) -> f64 {
         self.previous.map_or(f64::NAN, |p| p.stamp)
     }
 
-    /// The flags at `frame`. A frame that was analysed already changes nothing; the first frame
-    /// has no shear rate. Elements without a valid force raise no flag.
+    /// Returns the flags at `frame`. A frame that has been analysed already changes nothing. The first frame has zero
+    /// shear rates. Elements without a valid force raise no flag.
     pub fn analyze(&mut self, frame: &TactileFrame) -> FingerFlags {
         let seen = self.previous.is_some_and(|p| p.sequence == frame.sequence);
         if !seen {
@@ -132,11 +132,11 @@ impl FlagAnalyzer {
     }
 }
 
-/// Elements whose shear rates are worked out side by side.
+/// Number of elements whose shear rates are computed in parallel.
 const LANES: usize = 4;
 
-/// The rates at which shear forces changed from the `previous` ones, `interval` seconds ago, to those of `forces`, which then take their
-/// place. Without an interval they are 0.
+/// Computes the shear rates from the `previous` forces, `interval` seconds ago, to `forces`, and stores `forces` as
+/// the new previous ones. If `interval` is 0 or negative, the rates are 0.
 #[multiversion(targets("x86_64+avx2"))]
 fn shear_rates(forces: &[DVec3], previous: &mut [[f64; 2]], interval: f64, rates: &mut [f64]) {
     let count = forces.len().min(rates.len());
@@ -164,7 +164,7 @@ fn shear_rates_of<const N: usize>(
         previous[lane] = [x, y];
         let (x, y) = (x - before_x, y - before_y);
         let rate = (x * x + y * y).sqrt() / interval;
-        // Of an element without a valid force in either frame, the rate is unknown.
+        // The rate is NaN if the element has no valid force in one of the frames.
         rates[lane] = if interval > 0.0 && !rate.is_nan() {
             rate
         } else {

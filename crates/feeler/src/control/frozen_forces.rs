@@ -1,28 +1,28 @@
-//! Whether new pictures of a finger go on saying the same.
+//! Detects a frozen camera by its repeated forces.
 
 use super::stop_reason::StopReason;
 use super::touch::FingerTouch;
 use glam::DVec3;
 
-/// Counts new tactile frames with the same forces, to the bit. A camera's noise changes every picture, and with it the
-/// forces; a driver that repeats a picture under new stamps does not.
+/// Counts new tactile frames with bit-identical forces. Camera noise changes every image and with it the forces; a
+/// driver that repeats an image under new stamps does not.
 ///
-/// Frames without any force do not count: a sensor may leave out forces that are too small for it.
+/// Frames in which all forces are zero do not count, because a sensor may suppress forces below its resolution.
 #[derive(Debug, Clone)]
 pub struct FrozenForces {
-    /// So many frames like the one before are too many; 0 for none.
+    /// Number of consecutive repetitions that is a fault; 0 disables the check.
     limit: u32,
-    /// Sequence number of the newest frame.
+    /// Sequence number of the latest frame.
     sequence: Option<u64>,
-    /// Its forces, N.
+    /// Forces of the latest frame (N).
     forces: Vec<DVec3>,
-    /// Frames before it that were the same.
+    /// Number of consecutive repetitions so far.
     same: u32,
 }
 
 impl FrozenForces {
-    /// For a finger of `elements` elements, of whose frames `limit` in a row may not be like the one before; 0 for any
-    /// number.
+    /// Creates a detector for a finger of `elements` elements that reports a fault after `limit` consecutive
+    /// repetitions; 0 disables it.
     pub fn new(limit: u32, elements: usize) -> Self {
         Self {
             limit,
@@ -32,15 +32,16 @@ impl FrozenForces {
         }
     }
 
-    /// Forgets what was.
+    /// Forgets all previous frames.
     pub fn reset(&mut self) {
         (self.sequence, self.same) = (None, 0);
     }
 
-    /// Looks at what `finger` felt, which is of as many elements. Does not allocate.
+    /// Checks the latest reading of `finger`, which must have the number of elements given to [`new`](Self::new).
+    /// Does not allocate.
     ///
     /// # Errors
-    /// When as many new frames as the limit were the same.
+    /// If the number of consecutive repetitions has reached the limit.
     pub fn watch(&mut self, finger: usize, touch: &FingerTouch) -> Result<(), StopReason> {
         let frame = &touch.frame;
         if self.limit == 0 || self.sequence == Some(frame.sequence) {

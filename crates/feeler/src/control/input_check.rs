@@ -1,11 +1,11 @@
-//! Whether what arrives for a decision can be decided on.
+//! Validity checks of the controller's input.
 
 use super::stop_reason::StopReason;
 use super::touch::FingerTouch;
 use crate::hand::JointState;
 use glam::DVec3;
 
-/// There are as many of `what` as there are fingers.
+/// Checks that there are as many of `what` as there are fingers.
 pub(super) fn check_count(
     what: &'static str,
     expected: usize,
@@ -22,7 +22,7 @@ pub(super) fn check_count(
     }
 }
 
-/// What arrived of `finger` fits its `elements` elements, and all of it is a number.
+/// Checks that the input of `finger` has `elements` elements and that all numbers are finite.
 pub(super) fn check_input(
     finger: usize,
     elements: usize,
@@ -37,8 +37,8 @@ pub(super) fn check_input(
             actual: forces.len(),
         });
     }
-    // In every step of every finger, so one pass without a branch; what is wrong is found out afterwards. Zero times what is not finite
-    // is not a number, and stays so.
+    // This runs for every finger in every step, so it is a single pass without branches; the cause is determined
+    // afterwards. Zero times a non-finite number is NaN, and so is the sum.
     let not_finite = |what| StopReason::NotFinite { finger, what };
     let zeros = forces.iter().fold(DVec3::ZERO, |sum, &f| sum + 0.0 * f);
     if zeros != DVec3::ZERO {
@@ -52,7 +52,7 @@ pub(super) fn check_input(
     Ok(())
 }
 
-/// No element is pressed harder than `limit`, N, where there is one.
+/// Checks that no element is pressed harder than `limit` (N), if a limit is given.
 pub(super) fn check_load(
     finger: usize,
     touch: &FingerTouch,

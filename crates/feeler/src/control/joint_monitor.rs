@@ -1,14 +1,14 @@
-//! Whether a finger's joint sensors tell the truth, as far as its commands and its geometry show.
+//! Plausibility checks of joint sensors against the commands and the finger's geometry.
 //!
-//! **Following.** A drive follows its commanded velocity with some lag. Let `Q` be the integral of the commands. With a
-//! delay, a first-order lag or any other response that neither overshoots nor takes longer than `servo_lag`, the joint
-//! angle is a weighted mean of what `Q` was within that time, so that the angle through which the joint turns lies
-//! between bounds that the least and greatest `Q` give. A joint that stays outside of them by more than
-//! [`joint_deviation`](super::monitor_config::MonitorConfig::joint_deviation) and a fifth of what was commanded does not
-//! do what it is told, or its sensor does not say so: frozen, reversed, of another scale, or blocked where it should move.
-//! A finger that presses is not blocked: its feelers give way, and the law stops pressing at F2.
+//! **Deviation.** A drive follows its commanded velocity with some lag. Let `Q` be the integral of the commands. For
+//! a delay, a first-order lag or any other response that neither overshoots nor takes longer than `servo_lag`, the
+//! joint angle is a weighted mean of `Q` within that time. So the minimum and maximum of `Q` bound the angle through
+//! which the joint turns. If the measured turn exceeds these bounds by more than
+//! [`joint_deviation`](super::monitor_config::MonitorConfig::joint_deviation) plus a fifth of the commanded turn, the
+//! drive does not follow its commands or its sensor is wrong: frozen, reversed, of another scale, or blocked.
+//! Pressing does not trigger this check: the feelers yield, and the law stops pressing at F2.
 //!
-//! **Jumps.** A joint cannot turn faster than it is built to, nor far beyond its limits.
+//! **Jumps.** A joint cannot turn faster than its speed limit, and cannot be far outside of its limits.
 
 use super::monitor_config::MonitorConfig;
 use super::stop_reason::StopReason;
@@ -16,18 +16,18 @@ use crate::hand::finger::FingerGeometry;
 use glam::DVec3;
 use std::f64::consts::FRAC_PI_2;
 
-/// Time over which turns are compared, s: long enough for the slowest search to show a frozen joint.
+/// Time over which turns are compared (s): long enough to detect a frozen joint in the slowest search.
 const WINDOW: f64 = 2.0;
-/// Blocks that the window and the lag before it are divided into.
+/// Number of blocks into which the window and the preceding lag are divided.
 const BLOCKS: usize = 64;
-/// Part of the commanded turn by which the measured one may differ: the scale of a speed loop.
+/// Relative tolerance of the measured turn: the scale error of a velocity loop.
 const SCALE_TOLERANCE: f64 = 0.2;
-/// Angle by which noise of an encoder may exceed the greatest speed between two readings, rad.
+/// Tolerance for encoder noise between two readings (rad), in addition to the maximum turn.
 const JUMP_NOISE: f64 = 0.005;
-/// How far beyond its limits a joint may be, rad: zeros that are off, and limits drawn too narrow.
+/// Tolerance beyond the joint limits (rad), for wrong encoder zeros and limits that are set too narrow.
 const BEYOND_LIMITS: f64 = FRAC_PI_2;
 
-/// Least and greatest commanded angle of each joint in some time, rad, on a common scale.
+/// Minimum and maximum commanded angle of each joint within an interval (rad).
 #[derive(Debug, Clone, Copy, Default)]
 struct Range {
     low: DVec3,
@@ -50,7 +50,7 @@ impl Range {
     }
 }
 
-/// A part of the window: joint angles at its begin, and commanded angles all through it.
+/// A part of the window: the joint angles at its start, and the range of commanded angles during it.
 #[derive(Debug, Clone, Copy, Default)]
 struct Block {
     begin: f64,
@@ -58,31 +58,32 @@ struct Block {
     commanded: Range,
 }
 
-/// The newest reading.
+/// The latest reading.
 #[derive(Debug, Clone, Copy)]
 struct Reading {
     stamp: f64,
     position: DVec3,
 }
 
-/// What one finger's joints were told and showed in the last seconds. Of a fixed size.
+/// Compares the commands and readings of one finger's joints over the last seconds. Of a fixed size.
 #[derive(Debug, Clone)]
 pub struct JointMonitor {
     config: MonitorConfig,
-    /// Gap between two readings after which nothing is known of what the drives did, s.
+    /// Maximum time between two readings (s). After a longer gap, the drives' motion is unknown and the comparison
+    /// restarts.
     most_gap: f64,
     newest: Option<Reading>,
-    /// Integral of the commands since it began, rad.
+    /// Integral of the commands since the last restart (rad).
     commanded: DVec3,
-    /// The last blocks that are whole: `count` of them, the newest before `next`.
+    /// Ring buffer of completed blocks: `count` of them, the newest before `next`.
     blocks: [Block; BLOCKS],
     next: usize,
     count: usize,
-    /// The block under way.
+    /// The block in progress.
     current: Block,
 }
 
-/// A joint's number, from 0, and what is wrong with it.
+/// Index of a joint, from 0, and its fault.
 type JointFault = (usize, Fault);
 
 enum Fault {
@@ -92,7 +93,7 @@ enum Fault {
 }
 
 impl JointMonitor {
-    /// A monitor that has seen nothing yet; a gap of more than `most_gap` (s) between two readings starts it afresh.
+    /// Creates a monitor. A gap of more than `most_gap` (s) between two readings restarts the comparison.
     pub fn new(config: MonitorConfig, most_gap: f64) -> Self {
         Self {
             config,
@@ -106,16 +107,16 @@ impl JointMonitor {
         }
     }
 
-    /// Forgets what was: joints may have been moved from outside.
+    /// Forgets all readings, for example because the joints may have been moved externally.
     pub fn reset(&mut self) {
         self.newest = None;
     }
 
-    /// Looks at the joint angles `position` (rad) of `finger` at `stamp` (s). Since the reading before, its drives were to
-    /// turn with `command` (rad/s). Does not allocate.
+    /// Checks the joint angles `position` (rad) of `finger` at `stamp` (s). `command` is the joint velocity (rad/s)
+    /// in effect since the previous reading. Does not allocate.
     ///
     /// # Errors
-    /// When the joints cannot be there, cannot have come there, or were not told to.
+    /// If a joint is far outside of its limits, turned too fast, or did not follow its commands.
     pub fn watch(
         &mut self,
         finger: usize,
@@ -141,7 +142,7 @@ impl JointMonitor {
         command: DVec3,
     ) -> Option<JointFault> {
         let before = self.newest.replace(reading);
-        // A clock that goes back is another clock.
+        // A clock that runs backwards has been replaced by another clock.
         let before = before.filter(|before| reading.stamp >= before.stamp);
         let Some(before) = before else {
             self.begin(reading);
@@ -166,7 +167,7 @@ impl JointMonitor {
         self.deviation(reading)
     }
 
-    /// Begins anew at `reading`.
+    /// Restarts the comparison at `reading`.
     fn begin(&mut self, reading: Reading) {
         self.commanded = DVec3::ZERO;
         self.count = 0;
@@ -192,12 +193,12 @@ impl JointMonitor {
         (WINDOW + self.config.servo_lag) / BLOCKS as f64
     }
 
-    /// The whole block that was `back` before the newest one.
+    /// The completed block `back` blocks before the newest one.
     fn block(&self, back: usize) -> Block {
         self.blocks[(self.next + 2 * BLOCKS - 1 - back) % BLOCKS]
     }
 
-    /// The commanded angles of `blocks` whole blocks up to that `back` before the newest one.
+    /// Range of the commanded angles of `blocks` completed blocks, ending `back` blocks before the newest one.
     fn commanded(&self, back: usize, blocks: usize) -> Range {
         let before = (back..back + blocks).map(|back| self.block(back).commanded);
         before.reduce(Range::or).unwrap_or_default()
@@ -220,7 +221,8 @@ impl JointMonitor {
         Some((joint, jump))
     }
 
-    /// Whether a joint has turned otherwise than commanded since the oldest block before which the lag is known.
+    /// Returns the first joint whose turn deviates from the commands, measured from the oldest block with a known
+    /// history of one lag.
     fn deviation(&self, now: Reading) -> Option<JointFault> {
         let lag = (self.config.servo_lag / self.block_length())
             .ceil()
@@ -286,7 +288,7 @@ impl Fault {
     }
 }
 
-/// The first joint that is where none can be.
+/// Returns the first joint that is far outside of its limits.
 fn beyond_limits(geometry: &FingerGeometry, position: DVec3) -> Option<usize> {
     let low = position.cmplt(geometry.joint_lower() - BEYOND_LIMITS);
     let high = position.cmpgt(geometry.joint_upper() + BEYOND_LIMITS);

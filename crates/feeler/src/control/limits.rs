@@ -1,8 +1,8 @@
-//! The only door to the hand: every command that moves it passes the finite check, the workspace, the
-//! joint limits, the speed limits and the acceleration limit, in this order.
+//! The single path of motion commands: every command passes the finite check, the workspace, the speed limit of the
+//! fingertip, the joint limits, the joint speed limits and the acceleration limit, in this order.
 //!
-//! A command to stop does not: it is for all drives at once, as fast as they brake, whatever the
-//! acceleration limit.
+//! Stop commands do not: they stop all drives at once, as fast as the drives brake, regardless of the acceleration
+//! limit.
 
 use crate::check::Checker;
 use crate::hand::finger::FingerGeometry;
@@ -10,26 +10,26 @@ use crate::hand::resolved_rate::{damping_threshold, resolved_rate};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-/// What a command may ask of the hand, beside the joint limits of each finger.
+/// Limits of all commands, in addition to the joint limits of each finger.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct LimitsConfig {
-    /// Lowest corner of the box in which the domes' centres may be, m, in W.
+    /// Lower corner of the box that the domes' centres must stay in (m, in W).
     pub workspace_lower: [f64; 3],
-    /// Highest corner of that box, m, in W.
+    /// Upper corner of that box (m, in W).
     pub workspace_upper: [f64; 3],
-    /// Greatest speed of a fingertip, m/s.
+    /// Maximum speed of a fingertip (m/s).
     pub fingertip_speed: f64,
-    /// Greatest acceleration of a joint, rad/s².
+    /// Maximum acceleration of a joint (rad/s²).
     pub joint_acceleration: f64,
-    /// An element that is pressed harder than this stops the hand for good, N: something has gone wrong that no
-    /// task foresaw. Without it, nothing does.
+    /// Compression of an element above which the hand stops without resuming (N), as a guard against unforeseen
+    /// failures. `None` disables the check.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub element_force: Option<f64>,
 }
 
 impl Default for LimitsConfig {
-    /// The reference experiment's: a box about its cap.
+    /// Values of the reference experiment: a box around its cap.
     fn default() -> Self {
         Self {
             workspace_lower: [-0.06, -0.03, 0.07],
@@ -41,32 +41,33 @@ impl Default for LimitsConfig {
     }
 }
 
-/// What is asked of one finger, and where it stands.
+/// Requested velocity and current state of one finger.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Request {
-    /// Wanted velocity of the fingertip, m/s, in W.
+    /// Requested velocity of the fingertip (m/s, in W).
     pub velocity: DVec3,
-    /// Where the dome's centre is, m, in W.
+    /// Position of the dome's centre (m, in W).
     pub position: DVec3,
-    /// Joint angles, rad.
+    /// Joint angles (rad).
     pub theta: DVec3,
-    /// Joint velocities of the command before, rad/s.
+    /// Joint velocities of the previous command (rad/s).
     pub previous: DVec3,
 }
 
-/// What may be asked of one finger's drives.
+/// Joint velocities of one finger after limiting.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Admitted {
-    /// Joint velocities, rad/s.
+    /// Joint velocities (rad/s).
     pub joint_velocity: DVec3,
-    /// Whether a limit changed what was asked.
+    /// `true` if a limit changed the request.
     pub limited: bool,
-    /// Damping of the inverse Jacobian near a singularity, m/rad; 0 elsewhere.
+    /// Damping of the inverse Jacobian (m/rad), nonzero only near a singularity.
     pub damping: f64,
 }
 
 impl LimitsConfig {
-    /// Requires every value of the table `key` to be in its range, where `over_force` (F2), N, is a usual force.
+    /// Requires every value of the table `key` to be in its range. `over_force` is F2 (N), the largest ordinary
+    /// force.
     pub fn check(&self, key: &str, over_force: f64, checker: &mut Checker) {
         let positive = [
             ("fingertip_speed", self.fingertip_speed),
@@ -91,9 +92,8 @@ impl LimitsConfig {
         );
     }
 
-    /// Turns a wanted fingertip velocity into joint velocities for a control period of `period`
-    /// seconds, from which the finger can always be braked before a limit. `None` when the request
-    /// or what becomes of it is not finite.
+    /// Converts a requested fingertip velocity into joint velocities for a control period of `period` seconds, such
+    /// that the finger can always brake before a limit. Returns `None` if the request or the result is not finite.
     pub fn admit(
         &self,
         geometry: &FingerGeometry,
@@ -119,7 +119,7 @@ impl LimitsConfig {
         };
         let within = braking.keep_within(request.theta, rate.joint_velocity, joint_limits);
         let speed = scale_to(within, geometry.joint_speed_limit());
-        // Joint by joint: a joint that must brake must not wait for one that may speed up.
+        // Per joint: a joint that must brake must not wait for another one that may accelerate.
         let most_change = DVec3::splat(self.joint_acceleration * period);
         let change = (speed - request.previous).clamp(-most_change, most_change);
         let joint_velocity = request.previous + change;
@@ -130,11 +130,11 @@ impl LimitsConfig {
         })
     }
 
-    /// The velocity, slowed down where it leads to the workspace's end.
+    /// Returns the velocity, slowed down near the boundary of the workspace.
     ///
-    /// A fingertip brakes as fast as the joint accelerations allow where the finger is closest to
-    /// being singular; elsewhere it could brake harder. Closer still, where the inverse Jacobian is
-    /// damped, it does not go quite where it is told, and may leave the workspace a little.
+    /// The assumed braking deceleration of the fingertip is the one at the threshold of singularity damping;
+    /// elsewhere the finger could brake harder. Even closer to a singularity, where the inverse Jacobian is damped,
+    /// the fingertip does not follow its velocity exactly and may leave the workspace slightly.
     fn keep_in_workspace(
         &self,
         geometry: &FingerGeometry,
@@ -151,17 +151,17 @@ impl LimitsConfig {
     }
 }
 
-/// How fast something that is commanded once per period can be stopped.
+/// Stopping distance of a quantity that is commanded once per period.
 struct Braking {
-    /// Greatest deceleration, per s².
+    /// Maximum deceleration, per s².
     deceleration: f64,
-    /// Time from one command to the next, s.
+    /// Control period (s).
     period: f64,
 }
 
 impl Braking {
-    /// `velocity`, each component slowed down until braking from it ends within `limits`. What is
-    /// outside of them may only come back.
+    /// Returns `velocity`, with each component slowed down such that braking ends within `limits`. A component that
+    /// is outside of them may only return.
     fn keep_within(
         &self,
         position: DVec3,
@@ -173,8 +173,8 @@ impl Braking {
         velocity.max(-down).min(up)
     }
 
-    /// Greatest speed that stops within `room`: at once, if that is within the deceleration; or
-    /// slower by `bT` each period, which from speed v goes on for `(v + bT/2)² / 2b` at most.
+    /// Maximum speed that can be stopped within `room`: either in one period, if the deceleration allows that, or by
+    /// `bT` each period, which from speed v covers at most `(v + bT/2)² / 2b`.
     fn greatest_speed(&self, room: f64) -> f64 {
         let (room, most_change) = (room.max(0.0), self.deceleration * self.period);
         let at_once = (room / self.period).min(most_change);
@@ -183,7 +183,7 @@ impl Braking {
     }
 }
 
-/// `vector`, shortened without change of direction until no component exceeds that of `most`.
+/// Scales `vector` down, keeping its direction, until no component exceeds that of `most`.
 fn scale_to(vector: DVec3, most: DVec3) -> DVec3 {
     let excess = (vector.abs() / most).max_element();
     if excess > 1.0 {

@@ -1,4 +1,4 @@
-//! Fingers' sensors on threads of their own: whoever steps waits for no camera.
+//! Reads the sensors on background threads, so that the control loop never blocks on a camera.
 
 use super::flags::FlagThresholds;
 use super::touch::{AnalyzedSensor, FingerTouch, TouchSource};
@@ -8,16 +8,16 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// What one finger felt since it was asked last.
+/// Latest reading of one finger.
 struct Felt {
     touch: FingerTouch,
-    /// When the newest of it was at hand, where nobody has asked since; on the monotonic clock.
+    /// Time on the monotonic clock at which the latest unread data arrived; `None` if all data has been read.
     arrived: Option<Duration>,
-    /// Why there will be no more.
+    /// Error that ended the sensor's thread.
     failed: Option<String>,
 }
 
-/// What all fingers felt, and who waits for it.
+/// Readings of all fingers, shared between the sensor threads and the control loop.
 struct Board {
     fingers: Mutex<Vec<Felt>>,
     changed: Condvar,
@@ -29,24 +29,25 @@ impl Board {
     }
 }
 
-/// What one finger's sensor says, which is read on a thread of its own. A sensor that fails stops the hand, as any; one that is late
-/// says the same again, until that is stale.
+/// A source of tactile readings whose sensor runs on a background thread. A sensor that fails stops the hand, as
+/// usual. While a sensor is late, its last reading is returned again, until it becomes stale.
 ///
-/// The thread ends at its next reading after all that belongs to it is dropped. One whose sensor waits for ever is left waiting.
+/// The thread ends after its next reading once all handles are dropped. A thread whose sensor blocks forever is not
+/// joined.
 pub struct LiveTouch {
     board: Arc<Board>,
     finger: usize,
     elements: usize,
 }
 
-/// When something new of all fingers is at hand, for [`Following`](crate::pace::Following).
+/// Signals when new data of all fingers is available; for [`Following`](crate::pace::Following).
 pub struct LiveArrivals(Arc<Board>);
 
-/// Reads `sensors`, one per finger, on threads of their own, and raises flags by `thresholds` on what each measures. A sensor may take as
-/// long as it likes, as one does whose camera waits for its next picture.
+/// Reads `sensors`, one per finger, on background threads, and computes their flags by `thresholds`. A sensor may
+/// block for any time, for example until its camera's next frame.
 ///
 /// # Errors
-/// When the system gives no thread.
+/// If the system cannot create a thread.
 pub fn live<S: TactileSensor + Send + 'static>(
     sensors: Vec<S>,
     thresholds: FlagThresholds,
@@ -85,7 +86,7 @@ pub fn live<S: TactileSensor + Send + 'static>(
 }
 
 impl Board {
-    /// Takes in what `finger` felt, or why it could not; whether it may feel more.
+    /// Stores a reading of `finger` or the error of its sensor. Returns `true` if the sensor thread should continue.
     fn put(&self, finger: usize, touch: &FingerTouch, read: Result<(), SensorError>) -> bool {
         let now = Monotonic::new().now();
         let mut fingers = self.lock();
@@ -93,10 +94,10 @@ impl Board {
             return false;
         };
         match read {
-            // One picture is lost, and the next may be good.
+            // One frame is lost; the next may be valid.
             Err(SensorError::Camera(error)) if error.may_pass() => return true,
             Err(error) => felt.failed = Some(error.to_string()),
-            // A camera that is stuck says nothing new.
+            // A stuck camera delivers no new data.
             Ok(()) if is_same(touch, &felt.touch) => return true,
             Ok(()) => {
                 let seen = felt.arrived.is_none();
@@ -116,7 +117,7 @@ impl Board {
     }
 }
 
-/// Whether `touch` is of the same picture as the one `before`.
+/// Returns whether `touch` is from the same image as `before`.
 fn is_same(touch: &FingerTouch, before: &FingerTouch) -> bool {
     touch.stamp == before.stamp && touch.frame.sequence == before.frame.sequence
 }
@@ -150,7 +151,7 @@ impl Arrivals for LiveArrivals {
         let end = Instant::now() + longest;
         let mut fingers = self.0.lock();
         loop {
-            // One that failed has nothing more to wait for: the step will tell.
+            // A failed sensor delivers nothing more; the step reports its error.
             if fingers.iter().any(|felt| felt.failed.is_some()) {
                 return Some(Monotonic::new().now());
             }

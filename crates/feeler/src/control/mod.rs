@@ -1,4 +1,4 @@
-//! The hand program: from forces to flags, from flags to fingertip velocities, to joint velocities.
+//! The controller: from forces to flags, fingertip velocities and joint velocities.
 
 mod config;
 pub mod control_loop;

@@ -1,4 +1,4 @@
-//! Whether what the hand's sensors say can be true.
+//! Plausibility checks of the hand's sensors.
 
 use super::frozen_forces::FrozenForces;
 use super::joint_monitor::JointMonitor;
@@ -8,7 +8,7 @@ use super::touch::FingerTouch;
 use crate::hand::finger::FingerGeometry;
 use glam::DVec3;
 
-/// What is watched of one finger: its joints and its forces.
+/// Monitors the joints and forces of one finger.
 #[derive(Debug, Clone)]
 pub struct FingerMonitor {
     joints: JointMonitor,
@@ -16,8 +16,8 @@ pub struct FingerMonitor {
 }
 
 impl FingerMonitor {
-    /// A monitor of a finger of `elements` elements that has seen nothing yet. After a gap of more than `most_gap` (s)
-    /// between two joint states, what the drives did is not known.
+    /// Creates a monitor for a finger of `elements` elements. After a gap of more than `most_gap` (s) between two
+    /// joint states, the motion of the drives is unknown.
     pub fn new(config: MonitorConfig, elements: usize, most_gap: f64) -> Self {
         Self {
             joints: JointMonitor::new(config, most_gap),
@@ -25,17 +25,17 @@ impl FingerMonitor {
         }
     }
 
-    /// Forgets what was, as the hand goes on after a stop.
+    /// Forgets all readings, for use when the hand resumes after a stop.
     pub fn reset(&mut self) {
         self.joints.reset();
         self.forces.reset();
     }
 
-    /// Looks at what `finger` felt, and at its joint angles (rad) and their stamp (s), after its drives were told to turn
-    /// with `command`, rad/s. Does not allocate.
+    /// Checks the latest tactile reading of `finger` and its joint angles (stamp in s, angles in rad). `command` is
+    /// the joint velocity in effect since the previous reading (rad/s). Does not allocate.
     ///
     /// # Errors
-    /// When a sensor cannot be right.
+    /// If a sensor reading is implausible.
     pub fn watch(
         &mut self,
         (finger, geometry): (usize, &FingerGeometry),

@@ -1,30 +1,30 @@
-//! By how much joints and pictures may differ from what a sound rig shows.
+//! Thresholds of the plausibility checks of joint and tactile sensors.
 
 use crate::check::Checker;
 use serde::{Deserialize, Serialize};
 
-/// What the controller watches for sensors that lie. 0 switches a check off.
+/// Thresholds for implausible sensor data. 0 disables a check.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct MonitorConfig {
-    /// Angle by which a joint's measured turn may differ from the commanded one within about two seconds, rad, beside
-    /// a fifth of that turn.
+    /// Maximum deviation of a joint's measured turn from the commanded turn over about two seconds (rad), in addition
+    /// to a fifth of that turn.
     pub joint_deviation: f64,
-    /// Time within which the drives do what they are told, s: lag and dead time together.
+    /// Maximum time in which the drives follow a command (s): lag and dead time together.
     pub servo_lag: f64,
-    /// How many times its greatest joint speed a joint may seem to turn between two readings.
+    /// Maximum apparent speed of a joint between two readings, as a multiple of its speed limit.
     pub joint_jump: f64,
-    /// So many new pictures in a row that give a finger the same forces to the bit as the one before stop the hand.
+    /// Number of consecutive new images with bit-identical forces that stops the hand.
     pub frozen_frames: u32,
 }
 
 impl Default for MonitorConfig {
-    /// For drives with an encoder at each joint and cameras with noise.
+    /// Values for drives with an encoder at each joint and cameras with noise.
     ///
-    /// `joint_deviation`: 1.5 mm at a fingertip 0.1 m from the joint, which a columnar feeler gives way by; more than
-    /// encoder steps, play and stick-slip of small drives amount to. `servo_lag`: velocity loops of small drives have
-    /// 3 to 50 ms, and a bus or a network adds a few periods. `joint_jump`: twice, for overshoot. `frozen_frames`: 0.1 s at
-    /// 100 Hz; the noise of any real camera makes even two equal pictures unlikely.
+    /// `joint_deviation`: 1.5 mm at a fingertip 0.1 m from the joint, a distance by which a columnar feeler yields;
+    /// more than the encoder resolution, backlash and stick-slip of small drives. `servo_lag`: velocity loops of
+    /// small drives have 3 to 50 ms, and a bus or a network adds a few periods. `joint_jump`: 2, to allow for
+    /// overshoot. `frozen_frames`: 0.1 s at 100 Hz; camera noise makes even two identical images unlikely.
     fn default() -> Self {
         Self {
             joint_deviation: 0.015,
@@ -48,7 +48,7 @@ impl MonitorConfig {
         }
     }
 
-    /// Whether it is the default, which need not be written down.
+    /// Returns whether all values are the defaults, so that the table can be omitted.
     pub fn is_default(&self) -> bool {
         *self == Self::default()
     }

@@ -1,67 +1,67 @@
-//! One finger's observation as plain numbers: what a learnt policy takes, and what an environment hands out.
+//! Observations of one finger as flat arrays of numbers, for learnt policies and Gymnasium environments.
 //!
-//! Velocities and directions are in the fingertip frame `T`, so that one policy serves fingers that face each other. Forces
-//! are in their element's frame `E_i`, as sensors deliver them.
+//! Velocities and directions are in the fingertip frame `T`, so that one policy works for fingers that face each
+//! other. Forces are in the element frame `E_i`, as sensors deliver them.
 
 use super::plan::Plan;
 use super::sense::FingerSense;
 use glam::DVec3;
 use std::ops::Range;
 
-/// Numbers beside the elements' forces.
+/// Number of entries other than the elements' forces.
 const BESIDE_FORCES: usize = 21;
 
-/// Why an observation could not be written.
+/// Error returned when an observation cannot be written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum ObservationError {
-    /// The finger has another number of elements.
-    #[error("an observation of {expected} elements, the finger has forces on {actual}")]
+    /// The finger has a different number of elements than the observation.
+    #[error("expected a finger of {expected} elements, got forces on {actual}")]
     ElementCount {
-        /// Elements of the observation.
+        /// Number of elements of the observation.
         expected: usize,
-        /// Elements of the finger.
+        /// Number of elements of the finger.
         actual: usize,
     },
-    /// There is more or less room than numbers.
-    #[error("an observation of {expected} numbers, there is room for {actual}")]
+    /// The buffer has a different length than the observation.
+    #[error("expected a buffer for {expected} numbers, got {actual}")]
     Length {
-        /// Numbers of the observation.
+        /// Length of the observation.
         expected: usize,
-        /// Room for them.
+        /// Length of the buffer.
         actual: usize,
     },
 }
 
-/// Where in an observation what stands.
+/// Layout of an observation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ObservationLayout {
-    /// Elements of the finger.
+    /// Number of elements of the finger.
     pub elements: usize,
 }
 
 /// A part of an observation.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ObservationPart {
-    /// What it is called.
+    /// Name of the part.
     pub name: &'static str,
-    /// Its unit and frame.
+    /// Unit and frame of the part.
     pub unit: &'static str,
-    /// Where it stands.
+    /// Indices of the part within the observation.
     pub range: Range<usize>,
 }
 
 impl ObservationLayout {
-    /// How many numbers there are.
+    /// Length of the observation.
     #[expect(clippy::len_without_is_empty, reason = "no observation is empty")]
     pub fn len(&self) -> usize {
         3 * self.elements + BESIDE_FORCES
     }
 
-    /// What stands in an observation, in this order.
+    /// Parts of an observation, in order.
     pub fn parts(&self) -> [ObservationPart; 12] {
         let mut end = 0;
         [
-            // F_x, F_y, F_z of one element after the other.
+            // F_x, F_y, F_z of each element in turn.
             ("forces", "N, in E_i", 3 * self.elements),
             ("touch", "0 or 1", 1),
             ("slip", "0 or 1", 1),
@@ -86,17 +86,17 @@ impl ObservationLayout {
         })
     }
 
-    /// Where the part called `name` stands, if there is one.
+    /// Indices of the part called `name`, or `None` if there is no such part.
     pub fn range(&self, name: &str) -> Option<Range<usize>> {
         let mut parts = self.parts().into_iter();
         parts.find_map(|part| (part.name == name).then_some(part.range))
     }
 
-    /// Writes what a finger with the `plan` feels, which was last asked to move its fingertip at `last_action` (m/s, in W).
-    /// Does not allocate.
+    /// Writes the observation of a finger with the given `plan` and readings. `last_action` is its last requested
+    /// fingertip velocity (m/s, in W). Does not allocate.
     ///
     /// # Errors
-    /// When the finger has another number of elements, or `observation` another length than [`len`](Self::len).
+    /// If the number of elements differs, or if the length of `observation` differs from [`len`](Self::len).
     pub fn write(
         &self,
         plan: &Plan,
@@ -166,9 +166,9 @@ mod tests {
         })
     }
 
-    /// A finger that is turned by a quarter about z: its `x` is W's `y`, its `y` W's `-x`.
+    /// The finger is rotated by a quarter turn about z: its `x` is W's `y`, its `y` is W's `-x`.
     #[test]
-    fn every_number_stands_in_its_part_and_vectors_in_the_fingertip_frame() {
+    fn numbers_are_in_their_parts_and_vectors_in_the_fingertip_frame() {
         let layout = layout();
         let mut touch = FingerTouch::none(2);
         touch.frame.forces = vec![DVec3::new(0.1, 0.2, 0.3), DVec3::new(-0.4, 0.5, -0.6)];
@@ -201,7 +201,7 @@ mod tests {
         let last = DVec3::new(8.0, 9.0, 10.0);
         observed
             .write(&plan, &sense, last, &mut numbers)
-            .expect("it fits");
+            .expect("the buffer fits");
         let expected: [&[f32]; 12] = [
             &[0.1, 0.2, 0.3, -0.4, 0.5, -0.6],
             &[1.0],

@@ -1,11 +1,11 @@
-//! Where a task stands.
+//! Phases of a task.
 
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// Where the task stands.
+/// Phase of a task.
 ///
-/// The numbers are those of recordings.
+/// Recordings contain these numbers.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(into = "u8", try_from = "u8")]
 pub enum Phase {
@@ -14,18 +14,18 @@ pub enum Phase {
     Search = 0,
     /// The fingers move the object.
     Move = 1,
-    /// The fingers detach.
+    /// The fingers release the object.
     Release = 2,
-    /// The fingers go home.
+    /// The fingers return home.
     Return = 3,
     /// All strokes are done.
     Done = 4,
-    /// The task was given up.
+    /// The hand was stopped.
     Stopped = 5,
 }
 
 impl Phase {
-    /// Every phase, in the order of their numbers.
+    /// All phases, in the order of their numbers.
     pub const ALL: [Self; 6] = [
         Self::Search,
         Self::Move,
@@ -47,7 +47,7 @@ impl TryFrom<u8> for Phase {
 
     fn try_from(number: u8) -> Result<Self, Self::Error> {
         let phase = Self::ALL.get(usize::from(number)).copied();
-        phase.ok_or_else(|| format!("task phase 0..=5 expected, {number} found"))
+        phase.ok_or_else(|| format!("expected a task phase from 0 to 5, got {number}"))
     }
 }
 

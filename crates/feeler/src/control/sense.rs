@@ -1,4 +1,4 @@
-//! What a hand feels in one control step: all that tasks and control laws decide on.
+//! Sensor readings of a hand in one control step, the input of tasks and control laws.
 
 use super::flags::FingerFlags;
 use super::touch::FingerTouch;
@@ -6,12 +6,12 @@ use crate::hand::{HandState, JointState};
 use crate::sensor::layout::ElementLayout;
 use glam::{DMat3, DVec3};
 
-/// Where a fingertip is, by its encoders.
+/// Pose of a fingertip, from its encoders.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FingertipPose {
-    /// Its dome's centre, m, in W.
+    /// Position of the dome's centre (m, in W).
     pub position: DVec3,
-    /// Rotation from its frame `T` to W.
+    /// Rotation from the fingertip frame `T` to W.
     pub rotation: DMat3,
 }
 
@@ -24,32 +24,32 @@ impl Default for FingertipPose {
     }
 }
 
-/// What one finger feels, and where.
+/// Readings and pose of one finger.
 #[derive(Debug, Clone, Copy)]
 pub struct FingerSense<'a> {
-    /// Where its fingertip is.
+    /// Pose of the fingertip.
     pub pose: FingertipPose,
-    /// Its joint angles and velocities, by its encoders.
+    /// Joint angles and velocities from the encoders.
     pub joints: JointState,
-    /// The forces on all its elements, their shear rates and the flags.
+    /// Forces on all elements, their shear rates and the flags.
     pub touch: &'a FingerTouch,
-    /// Where its elements sit on the dome.
+    /// Positions of the elements on the dome.
     pub layout: &'a ElementLayout,
 }
 
 impl FingerSense<'_> {
-    /// TOUCH, SLIP, OVER and grasp force.
+    /// TOUCH, SLIP, OVER and the grasp force.
     pub fn flags(&self) -> &FingerFlags {
         &self.touch.flags
     }
 
-    /// The dome's outward normal at `element`, a unit vector in W; none where there is no such element.
+    /// The dome's outward normal at `element`, a unit vector in W, or `None` if there is no such element.
     pub fn normal(&self, element: usize) -> Option<DVec3> {
         let element = self.layout.elements.get(element)?;
         Some(self.pose.rotation * element.normal())
     }
 
-    /// Force on the feeler of `element` by what it touches, N, in W; zero where there is no such element.
+    /// Force on the feeler of `element` by the object (N, in W), or zero if there is no such element.
     pub fn force(&self, element: usize) -> DVec3 {
         let force = self.touch.frame.forces.get(element);
         let element = self.layout.elements.get(element);
@@ -59,33 +59,34 @@ impl FingerSense<'_> {
         self.pose.rotation * element.force_on_fingertip(*force)
     }
 
-    /// Resultant force on the fingertip by what it touches, N, in W; see
+    /// Resultant force on the fingertip by the object (N, in W); see
     /// [`TactileFrame::resultant`](crate::sensor::reading::TactileFrame::resultant).
     pub fn resultant(&self) -> DVec3 {
         self.pose.rotation * self.touch.frame.resultant(self.layout)
     }
 }
 
-/// What the whole hand feels in one control step.
+/// Readings of the whole hand in one control step.
 #[derive(Debug, Clone, Copy)]
 pub struct HandSense<'a> {
-    /// Time of the control step, s.
+    /// Time of the control step (s).
     pub stamp: f64,
-    /// Where each fingertip is.
+    /// Pose of each fingertip.
     pub poses: &'a [FingertipPose],
-    /// Each finger's joint angles and velocities.
+    /// Joint angles and velocities of each finger.
     pub joints: &'a [JointState],
-    /// What each finger felt since the last control step.
+    /// Tactile readings of each finger since the last control step.
     pub touches: &'a [FingerTouch],
-    /// The elements of each finger.
+    /// Element layout of each finger.
     pub layouts: &'a [ElementLayout],
-    /// Whether the control law considers each finger closed on the object; `None`, and missing for a finger, if the
-    /// law leaves that to the task.
+    /// `true` for each finger that the control law considers closed on the object; `None` or a missing entry leaves
+    /// the decision to the task.
     pub closed: &'a [Option<bool>],
 }
 
 impl<'a> HandSense<'a> {
-    /// What fingers with elements as in `layouts` feel, whose encoders say `state`: `touches`, with their tips at `poses`.
+    /// Combines the encoder readings `state` with the tactile readings, fingertip poses and element layouts of all
+    /// fingers.
     pub fn new(
         state: &'a HandState,
         touches: &'a [FingerTouch],
@@ -102,8 +103,8 @@ impl<'a> HandSense<'a> {
         }
     }
 
-    /// Whether `finger` has closed on the object: as the control law says, or else if its grasp force is at least
-    /// `grasp_force` (N). `false` if there is no such finger.
+    /// Returns whether `finger` has closed on the object. The control law decides, if it does so; otherwise the grasp
+    /// force must be at least `grasp_force` (N). `false` if there is no such finger.
     pub fn has_closed(&self, finger: usize, grasp_force: f64) -> bool {
         let by_force = || {
             let touch = self.touches.get(finger);
@@ -113,7 +114,7 @@ impl<'a> HandSense<'a> {
         by_law.unwrap_or_else(by_force)
     }
 
-    /// One finger, if there is such a finger.
+    /// Readings of one finger, or `None` if there is no such finger.
     pub fn finger(&self, finger: usize) -> Option<FingerSense<'a>> {
         Some(FingerSense {
             pose: *self.poses.get(finger)?,
@@ -123,7 +124,7 @@ impl<'a> HandSense<'a> {
         })
     }
 
-    /// The fingers, one after the other.
+    /// Iterates over the fingers.
     pub fn fingers(&self) -> impl Iterator<Item = FingerSense<'a>> + use<'a> {
         let stand = self.poses.iter().zip(self.joints);
         let fingers = stand.zip(self.touches).zip(self.layouts);

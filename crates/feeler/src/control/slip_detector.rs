@@ -1,47 +1,48 @@
-//! Slip of each element: the shear that is missing.
+//! Slip detection per element from missing shear.
 //!
-//! A feeler that sticks to something at rest is a spring between its tip and a fixed point, so that the
-//! fingertip's own motion foretells its next shear force. What is missing from that has been lost by slipping. The
-//! paper's detector, by contrast, takes the rate of shear alone ([`FlagAnalyzer`](super::flags::FlagAnalyzer)),
-//! to which a feeler that sticks to a fast fingertip looks like one that slips.
+//! A feeler that sticks to an object at rest is a spring between its tip and a fixed point, so the fingertip's motion
+//! predicts its next shear force. Shear that is missing from the prediction has been lost by slipping. The paper's
+//! detector uses only the shear rate ([`FlagAnalyzer`](super::flags::FlagAnalyzer)) and cannot distinguish a feeler
+//! that slips from one that sticks to a fast fingertip.
 //!
-//! On an object that goes along with the fingertip, all that sticks misses shear alike, for its springs are not
-//! stretched by the whole way of the fingertip. [`SlipDetector::on_what_may_move`] takes what every touching
-//! element misses for that. A dragged object goes no farther than what drags it, so whatever misses more than all that the
-//! fingertip's motion foretells has slipped. Where all that touch slip alike, and by less than that, it sees none of them.
+//! On an object that moves along with the fingertip, all sticking elements miss the same share of the predicted
+//! change, because their springs are stretched by only a part of the fingertip's motion.
+//! [`SlipDetector::on_what_may_move`] attributes the share that every touching element misses to the object's motion.
+//! A dragged object moves no farther than the fingertip, so an element that misses more than the whole predicted
+//! change has slipped. If all touching elements slip alike by less than that, the slip is not detected.
 
 use super::feeler_shape::{FeelerShape, Stiffness};
 use super::sense::{FingerSense, FingertipPose};
 use glam::DVec3;
 
-/// What part of the change of shear that is foretold may be missing because the rubber is softer than it is thought to be.
+/// Share of the predicted shear change that may be missing because the stiffness is uncertain.
 const DOUBT: f64 = 0.08;
-/// What part of what was missing at the frame before counts at this one…
+/// Share of the shear missing at the previous frame that is carried over to the next frame.
 const PERSISTENCE: f64 = 0.8;
-/// …up to this, N: by itself too little to be called slip.
+/// Maximum shear that is carried over (N), too small to count as slip by itself.
 const MOST_CARRIED: f64 = 0.004;
 
-/// Foretells shear from frame to frame.
+/// Predicts the shear of each element from frame to frame and reports the missing part.
 #[derive(Debug, Clone)]
 pub struct SlipDetector {
-    /// What the hand knows of its own feelers.
+    /// Stiffness and tip radius of the feelers.
     feeler: FeelerShape,
-    /// Only elements that are pressed harder than this in two frames are looked at, N.
+    /// Compression (N) that an element must exceed in two consecutive frames to be evaluated.
     touch_force: f64,
-    /// Whether what is touched may move.
+    /// `true` if the touched object may move.
     may_move: bool,
-    /// Where the fingertip was at the frame before.
+    /// Fingertip pose at the previous frame.
     before: Option<FingertipPose>,
-    /// Forces at the frame before, N.
+    /// Forces at the previous frame (N).
     forces: Vec<DVec3>,
-    /// Shear foretold for this frame on what stands still, N, of each element that is looked at.
+    /// Predicted shear on an object at rest (N), or `None` for elements that are not evaluated.
     foretold: Vec<Option<DVec3>>,
-    /// Shear lost by slipping since the frame before, N.
+    /// Shear lost by slipping since the previous frame (N).
     missing: Vec<f64>,
 }
 
 impl SlipDetector {
-    /// A detector for a finger of `elements` elements that has felt nothing yet, and touches what stands still.
+    /// Creates a detector for a finger of `elements` elements that touches an object at rest.
     pub fn new(feeler: FeelerShape, elements: usize) -> Self {
         Self {
             feeler,
@@ -54,8 +55,9 @@ impl SlipDetector {
         }
     }
 
-    /// The same for what may move along with the fingertip. Only elements that are pressed harder than `touch_force` (F1), N,
-    /// are looked at: those that hold on to nothing would have no say in whether it moves.
+    /// Creates a detector for an object that may move along with the fingertip. Only elements that are pressed harder
+    /// than `touch_force` (F1, N) are evaluated, because looser elements carry no information about the object's
+    /// motion.
     pub fn on_what_may_move(feeler: FeelerShape, touch_force: f64, elements: usize) -> Self {
         Self {
             touch_force,
@@ -70,22 +72,24 @@ impl SlipDetector {
         self.feeler.shear_stiffness = stiffness.shear;
     }
 
-    /// Shear (N) that each element has lost by slipping, as far as can be told from what the stiffness leaves open, with
-    /// a part of what it lost before: what slips slips on. About 0 or less where it sticks, touches nothing, or has only
-    /// begun to touch. To be called once a frame.
+    /// Returns the shear (N) that each element has lost by slipping, less a margin for the uncertain stiffness, plus
+    /// a part of its earlier loss, because a slipping element tends to keep slipping. It is about 0 or negative for
+    /// elements that stick, do not touch, or have just begun to touch. Must be called once per frame.
     pub fn detect(&mut self, finger: &FingerSense<'_>) -> &[f64] {
         let along = self.foretell(finger);
         self.detect_on(finger, along)
     }
 
-    /// Predicts the shear of this frame. Returns the part of the fingertip's motion that the touched object may have followed,
-    /// 0 to 1, judged by this finger alone. To be called once a frame, before [`detect_on`](Self::detect_on).
+    /// Predicts the shear of this frame. Returns the share of the fingertip's motion that the touched object may have
+    /// followed, 0 to 1, judged by this finger alone. Must be called once per frame, before
+    /// [`detect_on`](Self::detect_on).
     pub fn foretell(&mut self, finger: &FingerSense<'_>) -> f64 {
         self.predict(finger);
         self.gone_along(&finger.touch.frame.forces)
     }
 
-    /// Like [`detect`](Self::detect), but on an object that has followed the part `along` of the fingertip's motion, 0 to 1.
+    /// Like [`detect`](Self::detect), but for an object that has followed the share `along` of the fingertip's
+    /// motion, 0 to 1.
     pub fn detect_on(&mut self, finger: &FingerSense<'_>, along: f64) -> &[f64] {
         let forces = &finger.touch.frame.forces;
         let own = self.forces.iter_mut().zip(&mut self.missing);
@@ -103,7 +107,7 @@ impl SlipDetector {
         &self.missing
     }
 
-    /// Foretells the shear of every element that touched at the frame before and does now.
+    /// Predicts the shear of every element that touches in both the previous and the current frame.
     fn predict(&mut self, finger: &FingerSense<'_>) {
         let now = finger.pose;
         let before = self.before.replace(now).unwrap_or(now);
@@ -123,8 +127,8 @@ impl SlipDetector {
         }
     }
 
-    /// What part of the fingertip's way what it touches has gone along, 0 to 1: the least part of what was foretold that is
-    /// missing from any touching element. All of it where none touches.
+    /// Share of the fingertip's motion that the object has followed, 0 to 1: the smallest share of the predicted
+    /// change that any touching element misses. 1 if no element touches.
     fn gone_along(&self, forces: &[DVec3]) -> f64 {
         if !self.may_move {
             return 0.0;
@@ -141,13 +145,13 @@ impl SlipDetector {
     }
 }
 
-/// Force of an element that sticks, after its undeformed tip and frame have gone from one pose to the other;
-/// its force before was `last`.
+/// Predicts the force on a sticking element whose undeformed tip moves from one pose to another. `last` is its
+/// previous force.
 fn foretold_force(feeler: &FeelerShape, [before, now]: &[FingertipPose; 2], last: DVec3) -> DVec3 {
-    // How far the tip is pushed off its rest, in its own frame: back along z, along its shear across it.
+    // Displacement of the tip from rest in its own frame: along -z by the compression, across by the shear.
     let pushed = feeler.stiffness().displacement(last);
     let held = before.position + before.rotation * pushed;
-    // The tip's sphere rolls as the fingertip turns, on a surface that faces the feeler.
+    // The spherical tip rolls as the fingertip rotates, on a surface that faces the feeler.
     let twice = before.rotation.x_axis.cross(now.rotation.x_axis)
         + before.rotation.y_axis.cross(now.rotation.y_axis)
         + before.rotation.z_axis.cross(now.rotation.z_axis);

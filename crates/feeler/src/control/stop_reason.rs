@@ -1,190 +1,190 @@
-//! Why a hand stops before its task is done.
+//! Reasons for stopping a hand before its task is done.
 
-/// Why the hand was stopped before the task was done.
+/// Reason for which the hand was stopped before its task was done.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum StopReason {
-    /// A finger found nothing to grasp.
-    #[error("finger {finger} came {travel:.4} m from home without a grasp (limit {limit} m)")]
+    /// A finger found no object to grasp.
+    #[error("finger {finger} travelled {travel:.4} m from home without a grasp (limit {limit} m)")]
     NothingToGrasp {
-        /// The finger.
+        /// Index of the finger.
         finger: usize,
-        /// How far it came, m.
+        /// Distance that the finger travelled from home (m).
         travel: f64,
-        /// How far it was to come at most, m.
+        /// Maximum travel (m).
         limit: f64,
     },
-    /// A finger has lost the object that it pressed.
+    /// A finger lost contact with the object it was pressing.
     #[error(
-        "finger {finger} lost the object while it sheared or slid: expected an object that reaches as far along its axis as the finger slides"
+        "finger {finger} lost contact while it sheared or slid: expected an object that extends along its axis as far as the finger slides"
     )]
     ContactLost {
-        /// The finger.
+        /// Index of the finger.
         finger: usize,
     },
-    /// What arrived is for another number of fingers.
-    #[error("the hand has {expected} fingers, the {what} that arrived are of {actual}")]
+    /// The input has a different number of fingers than the hand.
+    #[error("expected {what} of {expected} fingers, got {actual}")]
     FingerCount {
-        /// What arrived.
+        /// Kind of input.
         what: &'static str,
-        /// Fingers of the hand.
+        /// Number of fingers of the hand.
         expected: usize,
-        /// Fingers that it was for.
+        /// Number of fingers in the input.
         actual: usize,
     },
-    /// A tactile frame is for another number of elements.
-    #[error("finger {finger} has {expected} elements, its forces are of {actual}")]
+    /// A tactile frame has a different number of elements than its finger.
+    #[error("expected forces on {expected} elements of finger {finger}, got {actual}")]
     ElementCount {
-        /// The finger.
+        /// Index of the finger.
         finger: usize,
-        /// Its elements.
+        /// Number of elements of the finger.
         expected: usize,
-        /// Elements of the tactile frame.
+        /// Number of elements in the tactile frame.
         actual: usize,
     },
-    /// A finger's sensor or the hand's encoders could not be read.
+    /// A tactile sensor or the hand's encoders could not be read.
     #[error("{what} could not be read")]
     ReadFailed {
-        /// What could not be read.
+        /// Device that could not be read.
         what: &'static str,
     },
-    /// A finger's forces are too old to act on, or from a time to come.
+    /// A finger's forces are too old, or their stamp is in the future.
     #[error("the forces of finger {finger} are {age:.4} s old (limit {limit} s)")]
     StaleForces {
-        /// The finger.
+        /// Index of the finger.
         finger: usize,
-        /// Age of its newest tactile frame, s; negative when that is from a time to come.
+        /// Age of the latest tactile frame (s), negative if its stamp is in the future.
         age: f64,
-        /// Greatest age allowed, s.
+        /// Maximum age (s).
         limit: f64,
     },
-    /// The joint angles are too old to act on, or none have arrived.
+    /// The joint angles are too old, or have not been received.
     #[error("the joint angles are {age:.4} s old (limit {limit} s)")]
     StaleState {
-        /// Age of the newest, s.
+        /// Age of the latest joint angles (s).
         age: f64,
-        /// Greatest age allowed, s.
+        /// Maximum age (s).
         limit: f64,
     },
-    /// An element's force is unknown: its sub-region is dark or saturated, or what was measured is no number.
+    /// The force on an element is unknown: its sub-region is dark or saturated, or the measurement is not a number.
     #[error(
-        "element {element} of finger {finger} has no valid force: its sub-region is dark or saturated, or its force is no number"
+        "element {element} of finger {finger} has no valid force: its sub-region is dark or saturated, or its force is not a number"
     )]
     NoForce {
-        /// The finger.
+        /// Index of the finger.
         finger: usize,
         /// The first such element.
         element: usize,
     },
-    /// New pictures go on giving the same forces to the bit, which noise never does.
+    /// New images keep giving bit-identical forces, which camera noise prevents on a working camera.
     #[error(
-        "the newest {frames} pictures of finger {finger} gave the same forces to the bit as the one before: its camera is frozen (a sensor without noise needs control.monitor.frozen_frames = 0)"
+        "the last {frames} images of finger {finger} gave forces identical to those before: its camera is frozen (for a sensor without noise, set control.monitor.frozen_frames = 0)"
     )]
     FrozenForces {
-        /// The finger.
+        /// Index of the finger.
         finger: usize,
-        /// New frames that were the same as the one before.
+        /// Number of consecutive repetitions.
         frames: u32,
     },
-    /// A joint is where it cannot be.
+    /// A joint angle is far outside of the joint's limits.
     #[error(
         "joint {joint} of finger {finger} reads {angle:.4} rad, far beyond its limits of {lower:.4} to {upper:.4} rad"
     )]
     JointOutOfRange {
-        /// The finger.
+        /// Index of the finger.
         finger: usize,
-        /// The joint: theta1 is joint 0.
+        /// Index of the joint; theta1 is joint 0.
         joint: usize,
-        /// Its angle as read, rad.
+        /// Measured angle (rad).
         angle: f64,
-        /// Its lower limit, rad.
+        /// Lower limit (rad).
         lower: f64,
-        /// Its upper limit, rad.
+        /// Upper limit (rad).
         upper: f64,
     },
     /// A joint turned faster than it can.
     #[error(
-        "joint {joint} of finger {finger} jumped by {turn:.4} rad within {elapsed:.4} s: it can turn by {limit:.4} rad at most"
+        "joint {joint} of finger {finger} jumped by {turn:.4} rad within {elapsed:.4} s (limit {limit:.4} rad)"
     )]
     JointJump {
-        /// The finger.
+        /// Index of the finger.
         finger: usize,
-        /// The joint: theta1 is joint 0.
+        /// Index of the joint; theta1 is joint 0.
         joint: usize,
-        /// By how much it turned between two readings, rad.
+        /// Turn between two readings (rad).
         turn: f64,
-        /// Time between them, s.
+        /// Time between the readings (s).
         elapsed: f64,
-        /// By how much it can have turned, rad.
+        /// Maximum possible turn (rad).
         limit: f64,
     },
-    /// A joint did not turn as it was told.
+    /// A joint did not follow its commands.
     #[error(
-        "joint {joint} of finger {finger} turned by {turn:.4} rad within {time:.2} s where {expected:.4} rad was commanded: its sensor or its drive fails, or something blocks it"
+        "joint {joint} of finger {finger} turned by {turn:.4} rad within {time:.2} s where {expected:.4} rad was commanded: its sensor or drive has failed, or it is blocked"
     )]
     JointDeviation {
-        /// The finger.
+        /// Index of the finger.
         finger: usize,
-        /// The joint: theta1 is joint 0.
+        /// Index of the joint; theta1 is joint 0.
         joint: usize,
-        /// By how much it turned by its sensor, rad.
+        /// Measured turn (rad).
         turn: f64,
-        /// What it was told, as near to that as the drives' lag allows, rad.
+        /// Closest turn that agrees with the commands and the drives' lag (rad).
         expected: f64,
-        /// Time in which it did, s.
+        /// Duration of the turn (s).
         time: f64,
     },
     /// An element is pressed harder than the limits allow.
     #[error("element {element} of finger {finger} is pressed with {force:.2} N (limit {limit} N)")]
     Overload {
-        /// The finger.
+        /// Index of the finger.
         finger: usize,
         /// The first such element.
         element: usize,
-        /// Its compression, N.
+        /// Compression of the element (N).
         force: f64,
-        /// The limit, N.
+        /// Maximum compression (N).
         limit: f64,
     },
-    /// The task cannot go on, for a reason of its own.
+    /// The task cannot continue.
     #[error("the task gave up: {reason}")]
     TaskFailed {
-        /// Why.
+        /// Reason given by the task.
         reason: String,
     },
-    /// Somebody said so.
-    #[error("told to stop by {by}")]
+    /// An operator or a program requested the stop.
+    #[error("stop requested by {by}")]
     Told {
-        /// Who.
+        /// Source of the request.
         by: String,
     },
-    /// The control loop came round too late: the drives went on with an old command meanwhile.
+    /// The control loop was late, so that the drives kept executing a stale command.
     #[error("the control loop missed {missed} periods in a row (limit {limit})")]
     MissedPeriods {
-        /// Whole periods without a step.
+        /// Number of consecutive periods without a step.
         missed: u64,
-        /// How many may be missed.
+        /// Maximum number of missed periods.
         limit: u64,
     },
-    /// In a replay: somebody stopped the hand at this step on record.
-    #[error("it was stopped from outside the control law on record")]
+    /// In a replay: the recorded hand was stopped at this step by an external request.
+    #[error("the recorded hand was stopped by an external request")]
     OnRecord,
     /// A force, a joint angle or a command is not a finite number.
     #[error("finger {finger} has a {what} that is not a finite number")]
     NotFinite {
-        /// The finger.
+        /// Index of the finger.
         finger: usize,
-        /// Which quantity.
+        /// The affected quantity.
         what: &'static str,
     },
 }
 
 impl StopReason {
-    /// Whether it came of data that were too old.
+    /// Returns whether stale data caused the stop.
     pub fn is_stale(&self) -> bool {
         matches!(self, Self::StaleForces { .. } | Self::StaleState { .. })
     }
 
-    /// Whether a sensor said what cannot be true.
+    /// Returns whether an implausible sensor reading caused the stop.
     pub fn is_sensor_fault(&self) -> bool {
         matches!(
             self,
@@ -195,8 +195,8 @@ impl StopReason {
         )
     }
 
-    /// Whether its cause may go away while the hand waits, so that it can go on; after a sensor fault only when somebody
-    /// has looked and says so.
+    /// Returns whether the cause may go away while the hand waits, so that it can resume. After a sensor fault, an
+    /// operator must check the hand and request that.
     pub fn may_pass(&self) -> bool {
         self.is_stale()
             || self.is_sensor_fault()

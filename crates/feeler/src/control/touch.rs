@@ -1,27 +1,27 @@
-//! What a finger felt since the last control step, and where that comes from.
+//! Tactile readings of a finger, and the sources that provide them.
 
 use super::flags::{FingerFlags, FlagAnalyzer, FlagThresholds};
 use crate::sensor::frame::Frame;
 use crate::sensor::reading::{SensorError, TactileFrame, TactileSensor};
 
-/// What one finger felt: its newest forces, and the flags of all frames since the last control step.
+/// A tactile reading of one finger: its latest forces, and the flags of all frames since the last control step.
 ///
-/// Allocated once with [`FingerTouch::none`] and filled again and again.
+/// Allocate it once with [`FingerTouch::none`] and reuse it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FingerTouch {
-    /// The newest forces.
+    /// The latest forces.
     pub frame: TactileFrame,
-    /// Time of the newest picture (s), not of its newest copy: a camera that is stuck goes stale. Not a
-    /// number before the first.
+    /// Time of the latest distinct image (s), or NaN before the first. Repetitions of an image do not update it, so
+    /// the readings of a stuck camera become stale.
     pub stamp: f64,
-    /// The flags, each up if it was up in any of the frames.
+    /// The flags, each raised if it was raised in any of the frames.
     pub flags: FingerFlags,
-    /// The shear rate |d(F_x, F_y)/dt| of each element at the newest frame, N/s.
+    /// Shear rate |d(F_x, F_y)/dt| of each element at the latest frame (N/s).
     pub shear_rate: Vec<f64>,
 }
 
 impl FingerTouch {
-    /// A finger of `elements` elements that has felt nothing yet.
+    /// Creates an empty reading for a finger of `elements` elements.
     pub fn none(elements: usize) -> Self {
         Self {
             frame: TactileFrame::unloaded(elements),
@@ -31,7 +31,7 @@ impl FingerTouch {
         }
     }
 
-    /// Takes the flags and shear rates that `analyzer` makes of the frame.
+    /// Updates the flags and shear rates from the frame by `analyzer`.
     pub fn analyze(&mut self, analyzer: &mut FlagAnalyzer) {
         self.flags = analyzer.analyze(&self.frame);
         self.stamp = analyzer.stamp();
@@ -39,7 +39,7 @@ impl FingerTouch {
         self.shear_rate.extend_from_slice(analyzer.shear_rate());
     }
 
-    /// Becomes what `other` is, without taking memory where both are of as many elements.
+    /// Copies `other` into `self`. Does not allocate if both have the same number of elements.
     pub fn copy_from(&mut self, other: &Self) {
         self.frame.sequence = other.frame.sequence;
         self.frame.stamp = other.frame.stamp;
@@ -49,28 +49,28 @@ impl FingerTouch {
     }
 }
 
-/// Something that says what one finger felt since it was asked last.
+/// A source of tactile readings for one finger.
 pub trait TouchSource {
     /// Number of sensing elements.
     fn element_count(&self) -> usize;
 
-    /// Tells that [`touch`](Self::touch) is called next: a source that works on a thread of its own begins now, so that those of several
-    /// fingers work side by side. Others have nothing to do.
+    /// Called right before [`touch`](Self::touch). Sources that sense on a background thread start here, so that
+    /// those of several fingers run in parallel; the default does nothing.
     fn begin(&mut self) {}
 
-    /// Fills `touch` with what was felt since the last call; where nothing new was, with the same again.
+    /// Fills `touch` with the readings since the last call, or with the previous reading if there is no new data.
     ///
     /// # Errors
-    /// When `touch` is for another number of elements, or nothing could be measured.
+    /// If `touch` has a different number of elements, or the sensor failed.
     fn touch(&mut self, touch: &mut FingerTouch) -> Result<(), SensorError>;
 
-    /// The picture that the newest forces come from, where there is one at hand.
+    /// The camera frame from which the latest forces were measured, if available.
     fn frame(&self) -> Option<&Frame> {
         None
     }
 }
 
-/// A tactile sensor with its flag analyzer: the whole sensor program of one finger.
+/// A tactile sensor with a flag analyzer.
 #[derive(Debug, Clone)]
 pub struct AnalyzedSensor<S> {
     sensor: S,
@@ -78,7 +78,7 @@ pub struct AnalyzedSensor<S> {
 }
 
 impl<S: TactileSensor> AnalyzedSensor<S> {
-    /// Raises flags by `thresholds` on what `sensor` measures.
+    /// Computes flags by `thresholds` from the measurements of `sensor`.
     pub fn new(sensor: S, thresholds: FlagThresholds) -> Self {
         let analyzer = FlagAnalyzer::new(thresholds, sensor.element_count());
         Self { sensor, analyzer }

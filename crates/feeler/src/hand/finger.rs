@@ -1,67 +1,67 @@
-//! What never changes of a finger: where its base is, how long its links are, what its joints allow.
+//! Geometry and joint limits of a finger.
 
 use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 
-/// Range of a link length that is accepted, m; the first link may also be 0.
+/// Accepted range of link lengths (m). The first link may also be 0.
 const LINK_RANGE: std::ops::RangeInclusive<f64> = 1e-3..=1.0;
 
-/// Largest coordinate of a finger base, m.
+/// Maximum absolute coordinate of a finger base (m).
 const BASE_RANGE: f64 = 100.0;
 
-/// Largest angle in a configuration, degrees.
+/// Maximum absolute angle in a configuration (degrees).
 const ANGLE_RANGE_DEG: f64 = 360.0;
 
-/// One finger with three joints, as it stands in the experiment file.
+/// Configuration of a finger with three joints, as in the experiment file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FingerConfig {
-    /// Origin of the finger base `B`, on the axis of joint 1, in the world `W`, m; each coordinate
-    /// within -100..100.
+    /// Origin of the finger base `B`, on the axis of joint 1, in the world `W` (m). Each coordinate is within
+    /// -100..100.
     pub base_position: [f64; 3],
-    /// Rotation of the base about its y axis, phi1, degrees. The base stands at `Ry(phi1) Rx(phi2)`.
+    /// Rotation phi1 of the base about its y axis (degrees). The orientation of the base is `Ry(phi1) Rx(phi2)`.
     pub phi1_deg: f64,
-    /// Rotation of the base about its x axis, phi2, degrees.
+    /// Rotation phi2 of the base about its x axis (degrees).
     pub phi2_deg: f64,
-    /// Link lengths l2 (from the axis of joint 1 to that of joint 2; 0 allowed), l3 (joint 2 to 3)
-    /// and l4 (joint 3 to the dome's centre), m; 0.001..1.
+    /// Link lengths (m): l2 from the axis of joint 1 to the axis of joint 2 (may be 0), l3 from joint 2 to joint 3,
+    /// and l4 from joint 3 to the dome's centre. Each is 0.001..1.
     pub links: [f64; 3],
-    /// Smallest joint angles theta1..theta3, degrees.
+    /// Lower limits of the joint angles theta1..theta3 (degrees).
     pub joint_lower_deg: [f64; 3],
-    /// Largest joint angles theta1..theta3, degrees; each above its `joint_lower_deg`.
+    /// Upper limits of the joint angles theta1..theta3 (degrees), each above its `joint_lower_deg`.
     pub joint_upper_deg: [f64; 3],
-    /// Largest joint speeds of theta1..theta3 in either direction, rad/s; above 0.
+    /// Maximum joint speeds of theta1..theta3 in either direction (rad/s), above 0.
     pub joint_speed_limit: [f64; 3],
 }
 
-/// Why a [`FingerConfig`] describes no finger.
+/// Error returned for an invalid [`FingerConfig`].
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum FingerError {
-    /// A value is not finite or outside of its range.
+    /// A value is not finite or out of its range.
     #[error("{field} = {value}: expected {expected}")]
     OutOfRange {
         /// Field of the configuration.
         field: String,
-        /// The value that arrived.
+        /// The rejected value.
         value: f64,
-        /// What was expected.
+        /// Description of the valid values.
         expected: &'static str,
     },
-    /// A joint has no room between its limits.
+    /// The upper limit of a joint is not above its lower limit.
     #[error(
         "joint_upper_deg[{index}] = {upper_deg}: expected more than joint_lower_deg[{index}] = {lower_deg}"
     )]
     JointLimits {
         /// Index of the joint, from 0.
         index: usize,
-        /// Its lower limit, degrees.
+        /// Lower limit of the joint (degrees).
         lower_deg: f64,
-        /// Its upper limit, degrees.
+        /// Upper limit of the joint (degrees).
         upper_deg: f64,
     },
 }
 
-/// A finger ready for computing: [`FingerConfig`] checked, in radians, base rotation multiplied out.
+/// A checked [`FingerConfig`], with angles in radians and the base rotation precomputed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FingerGeometry {
     base_position: DVec3,
@@ -74,10 +74,10 @@ pub struct FingerGeometry {
 }
 
 impl FingerGeometry {
-    /// Checks `config` and precomputes what the kinematics needs of it.
+    /// Checks `config` and precomputes the base rotation.
     ///
     /// # Errors
-    /// When a value is not finite or outside of the range that its field documents.
+    /// If a value is not finite or outside of the range that its field documents.
     pub fn new(config: &FingerConfig) -> Result<Self, FingerError> {
         check(config)?;
         let (phi1, phi2) = (config.phi1_deg.to_radians(), config.phi2_deg.to_radians());
@@ -93,37 +93,37 @@ impl FingerGeometry {
         })
     }
 
-    /// Origin of the finger base `B` in the world `W`, m.
+    /// Origin of the finger base `B` in the world `W` (m).
     pub fn base_position(&self) -> DVec3 {
         self.base_position
     }
 
-    /// Rotation of the finger base, `Ry(phi1) Rx(phi2)`: takes a vector in `B` to `W`.
+    /// Rotation of the finger base, `Ry(phi1) Rx(phi2)`. It transforms vectors from `B` to `W`.
     pub fn base_rotation(&self) -> DMat3 {
         self.base_rotation
     }
 
-    /// Angles phi1 and phi2 of the finger base, rad.
+    /// Angles phi1 and phi2 of the finger base (rad).
     pub fn base_angles(&self) -> (f64, f64) {
         self.base_angles
     }
 
-    /// Link lengths l2, l3, l4, m.
+    /// Link lengths l2, l3 and l4 (m).
     pub fn links(&self) -> [f64; 3] {
         self.links
     }
 
-    /// Smallest joint angles theta1..theta3, rad.
+    /// Lower limits of the joint angles theta1..theta3 (rad).
     pub fn joint_lower(&self) -> DVec3 {
         self.joint_lower
     }
 
-    /// Largest joint angles theta1..theta3, rad.
+    /// Upper limits of the joint angles theta1..theta3 (rad).
     pub fn joint_upper(&self) -> DVec3 {
         self.joint_upper
     }
 
-    /// Largest joint speeds of theta1..theta3 in either direction, rad/s.
+    /// Maximum joint speeds of theta1..theta3 in either direction (rad/s).
     pub fn joint_speed_limit(&self) -> DVec3 {
         self.joint_speed_limit
     }

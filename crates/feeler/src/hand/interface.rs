@@ -1,30 +1,30 @@
-//! The seam between the hand program and whatever moves: a simulated rig, a recording, real drives.
+//! Interface between the controller and a simulated, recorded or real hand.
 
 use glam::DVec3;
 
-/// Most fingers that a hand has.
+/// Maximum number of fingers of a hand.
 pub const MAX_FINGERS: usize = 5;
 
-/// What the encoders of one finger say.
+/// Encoder readings of one finger.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct JointState {
-    /// Joint angles theta1..theta3, rad.
+    /// Joint angles theta1..theta3 (rad).
     pub position: DVec3,
-    /// Joint velocities, rad/s.
+    /// Joint velocities (rad/s).
     pub velocity: DVec3,
 }
 
-/// What the encoders of all fingers say at one time.
+/// Encoder readings of all fingers at one time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HandState {
-    /// Time of the reading, s.
+    /// Time of the reading (s).
     pub stamp: f64,
-    /// One entry per finger.
+    /// Readings, one per finger.
     pub joints: Vec<JointState>,
 }
 
 impl HandState {
-    /// `fingers` fingers at joint angles zero and at rest, at time 0.
+    /// Returns the state of `fingers` fingers at zero joint angles, at rest, at time 0.
     pub fn zero(fingers: usize) -> Self {
         Self {
             stamp: 0.0,
@@ -33,11 +33,11 @@ impl HandState {
     }
 }
 
-/// What the drives of all fingers are to do until the next command.
+/// Joint velocities for all fingers, in effect until the next command.
 ///
-/// A command that moves anything is made in one place, the controller, of what the limits admit:
-/// nobody else can write velocities into one. Whoever has no controller can only [`stop`](Self::stop),
-/// or [`relay`](Self::relay) the command of a hand program elsewhere.
+/// Only the controller can create a command that moves a finger, and only with velocities that have passed the
+/// limits. Other code can only [`stop`](Self::stop) the hand or [`relay`](Self::relay) the command of a hand program
+/// that runs elsewhere.
 ///
 /// ```compile_fail,E0451
 /// use feeler::{glam::DVec3, hand::HandCommand};
@@ -49,26 +49,26 @@ pub struct HandCommand {
 }
 
 impl HandCommand {
-    /// All `fingers` fingers stop.
+    /// Returns the command that stops all `fingers` fingers.
     pub fn stop(fingers: usize) -> Self {
         Self {
             joint_velocity: vec![DVec3::ZERO; fingers],
         }
     }
 
-    /// Joint velocities theta1..theta3 of each finger, rad/s.
+    /// Joint velocities of theta1..theta3 of each finger (rad/s).
     pub fn joint_velocity(&self) -> &[DVec3] {
         &self.joint_velocity
     }
 
-    /// Makes it a command to stop, for as many fingers as before.
+    /// Turns this command into a stop command for the same number of fingers.
     pub fn set_to_stop(&mut self) {
         self.joint_velocity.fill(DVec3::ZERO);
     }
 
-    /// Makes it the command that came from a hand program elsewhere, whose controller has limited it:
-    /// joint velocities of each finger, rad/s. A finger that it says nothing of stops. For the side
-    /// that has the drives; does not allocate.
+    /// Copies the joint velocities (rad/s) of a command that a remote hand program sent and its controller has
+    /// already limited. Fingers that are missing from `joint_velocity` stop. For the process that owns the drives.
+    /// Does not allocate.
     pub fn relay(&mut self, joint_velocity: &[DVec3]) {
         self.set_to_stop();
         for (own, &relayed) in self.joint_velocity.iter_mut().zip(joint_velocity) {
@@ -76,38 +76,38 @@ impl HandCommand {
         }
     }
 
-    /// The velocities, for the controller to put in what the limits admit.
+    /// Mutable access to the velocities, for the controller to fill in the limited ones.
     pub(crate) fn admitted_mut(&mut self) -> &mut [DVec3] {
         &mut self.joint_velocity
     }
 }
 
-/// Why a hand could not be read or moved.
+/// Error returned when a hand cannot be read or moved.
 #[derive(Debug, thiserror::Error)]
 pub enum HandError {
-    /// The state or the command is for another number of fingers.
+    /// The state or command has a different number of fingers than the hand.
     #[error("the hand has {expected} fingers, the state or command has {actual}")]
     FingerCount {
-        /// Fingers of the hand.
+        /// Number of fingers of the hand.
         expected: usize,
-        /// Fingers of the state or command.
+        /// Number of fingers of the state or command.
         actual: usize,
     },
-    /// The hand cannot go on.
+    /// The hand has failed.
     #[error("{0}")]
     Failed(String),
-    /// There is no further state (the end of a recording).
+    /// The recording has no further states.
     #[error("no hand state after the {count} on record")]
     Ended {
-        /// How many there were.
+        /// Number of states in the recording.
         count: u64,
     },
 }
 
-/// Refuses a state or command for `actual` fingers where the hand has `expected`.
+/// Checks that a state or command has as many fingers as the hand.
 ///
 /// # Errors
-/// When they differ.
+/// If `actual` differs from `expected`.
 pub fn check_finger_count(expected: usize, actual: usize) -> Result<(), HandError> {
     if actual == expected {
         Ok(())
@@ -121,21 +121,21 @@ pub trait Hand {
     /// Number of fingers.
     fn finger_count(&self) -> usize;
 
-    /// Fills `state` with the newest encoder readings.
+    /// Fills `state` with the latest encoder readings.
     ///
     /// # Errors
-    /// When `state` is for another number of fingers, or nothing could be read.
+    /// If `state` has a different number of fingers, or the encoders could not be read.
     fn read(&mut self, state: &mut HandState) -> Result<(), HandError>;
 
-    /// Sends joint velocities to the drives. They hold for one control period; a simulated hand
-    /// advances its world by that period.
+    /// Sends joint velocities to the drives. They are in effect for one control period; a simulated hand advances its
+    /// world by that period.
     ///
     /// # Errors
-    /// When `command` is for another number of fingers, or the drives did not take it.
+    /// If `command` has a different number of fingers, or the drives rejected it.
     fn command(&mut self, command: &HandCommand) -> Result<(), HandError>;
 }
 
-/// A hand of whichever kind.
+/// Forwards to the boxed hand.
 impl<H: Hand + ?Sized> Hand for Box<H> {
     fn finger_count(&self) -> usize {
         (**self).finger_count()

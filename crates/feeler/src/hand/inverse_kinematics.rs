@@ -1,9 +1,9 @@
-//! Joint angles for a fingertip position, eq. (10).
+//! Inverse kinematics of a finger: joint angles for a fingertip position, eq. (10).
 //!
-//! The iteration of eq. (10) runs from the angles it is given, so that a finger asked for a
-//! position nearby stays in its posture. Where it leaves the joint limits or gets stuck, it starts
-//! again from the other postures: left and right of the axis of joint 1, elbow up and down, at most
-//! four, which the cosine law gives. So it finds a solution whenever there is one.
+//! The iteration of eq. (10) starts from the given joint angles, so that a finger keeps its posture for a nearby
+//! target. If the result violates a joint limit or the iteration gets stuck, it restarts from the other postures
+//! (left or right of the axis of joint 1, elbow up or down; at most four), which follow from the cosine law. So every
+//! solution within the limits is found.
 
 use glam::DVec3;
 
@@ -14,27 +14,25 @@ use super::resolved_rate::{damping, solve_damped};
 
 pub use super::kinematics_error::{KinematicsError, POSITION_TOLERANCE};
 
-/// Where the iteration stops, m; the rest of the tolerance is for clamping to the joint limits.
+/// Residual at which the iteration stops (m). The rest of the tolerance is left for clamping to the joint limits.
 const ITERATION_TOLERANCE: f64 = 0.5 * POSITION_TOLERANCE;
 
-/// Largest change of a joint angle in one step, rad.
+/// Maximum change of a joint angle in one step (rad).
 const STEP_LIMIT: f64 = 0.5;
 
-/// Steps from one start. Within one posture 15 are enough, see the test below.
+/// Maximum number of steps from one start. Within one posture 15 suffice; see the test below.
 const STEPS: usize = 40;
 
-/// How often a step that does not come nearer is halved.
+/// Maximum number of times that a step is halved if it does not reduce the distance to the target.
 const HALVINGS: usize = 10;
 
-/// Joint angles theta1..theta3 (rad, within the joint limits) that bring the fingertip to `target`
-/// (in the world `W`, m) within [`POSITION_TOLERANCE`], eq. (10).
+/// Returns joint angles theta1..theta3 (rad, within the joint limits) that bring the fingertip within
+/// [`POSITION_TOLERANCE`] of `target` (in the world `W`, m), eq. (10).
 ///
-/// `start` (rad) says where the iteration starts, normally the present joint angles. It may be
-/// outside of the joint limits.
+/// The iteration starts at `start` (rad), normally the current joint angles. They may be outside of the joint limits.
 ///
 /// # Errors
-/// When `target` is out of reach, when all its postures are outside of the joint limits, or when an
-/// argument is not finite.
+/// If `target` is out of reach, if all its postures violate the joint limits, or if an argument is not finite.
 pub fn inverse_kinematics(
     geometry: &FingerGeometry,
     target: DVec3,
@@ -62,7 +60,7 @@ fn restart(
 ) -> Result<DVec3, KinematicsError> {
     let (lower, upper) = (geometry.joint_lower(), geometry.joint_upper());
     let start = start.clamp(lower, upper);
-    // First by how far it is outside of the limits (all inside are equal), then by distance.
+    // Order by limit violation first (all postures within the limits are equal), then by distance.
     let excess = |theta: &DVec3| limit_excess(geometry, *theta).max(JOINT_TOLERANCE);
     let best = postures(geometry, target, start)?
         .into_iter()
@@ -89,18 +87,18 @@ fn restart(
     Ok(theta)
 }
 
-/// Where the iteration of eq. (10) ended.
+/// Result of the iteration of eq. (10).
 struct Iterate {
     theta: DVec3,
-    /// Distance of the fingertip from the target, m.
+    /// Distance of the fingertip from the target (m).
     residual: f64,
 }
 
-/// Eq. (10) from `start`: steps `J^-1 (r_d - r)`, none longer than [`STEP_LIMIT`], each halved
-/// until it comes nearer to the target.
+/// Iterates eq. (10) from `start` with steps `J^-1 (r_d - r)` of at most [`STEP_LIMIT`]. Each step is halved until it
+/// reduces the distance to the target.
 ///
-/// Near a singularity the step is damped. The damping is never larger than the residual, so it
-/// fades on the way to a singular target too.
+/// Near a singularity the step is damped. The damping never exceeds the residual, so it vanishes even as a singular
+/// target is approached.
 fn iterate(geometry: &FingerGeometry, target: DVec3, start: DVec3) -> Iterate {
     let mut theta = start;
     let mut chain = Chain::at(geometry, theta);
@@ -140,7 +138,7 @@ mod tests {
     use crate::hand::finger::FingerConfig;
     use std::f64::consts::TAU;
 
-    /// A finger that bends its elbow one way only, as most do.
+    /// Returns a finger whose elbow bends one way only, as is common.
     fn geometry() -> FingerGeometry {
         FingerGeometry::new(&FingerConfig {
             base_position: [-0.144, 0.0, 0.06],
@@ -154,7 +152,7 @@ mod tests {
         .unwrap()
     }
 
-    /// 7 x 7 x 7 joint angles that fill the joint limits.
+    /// Returns a grid of 7 x 7 x 7 joint angles that spans the joint limits.
     fn grid(geometry: &FingerGeometry) -> impl Iterator<Item = DVec3> {
         let (lower, span) = (
             geometry.joint_lower(),
@@ -197,8 +195,8 @@ mod tests {
                 assert!(miss < 1e-15, "{miss:e} m from {target}");
                 nearest = nearest.min(turn_near(&geometry, theta, goal).distance(goal));
             }
-            // One of them is the one the target was made from; theta3 is at least 15 degrees from
-            // straight, where the arc cosine loses a factor of 4.
+            // One posture is `goal` itself. theta3 is at least 15 degrees from straight, where the arc cosine loses a
+            // factor of 4 in precision.
             assert!(nearest < 1e-13, "{nearest:e} rad");
         }
     }
@@ -208,7 +206,7 @@ mod tests {
         let geometry = geometry();
         let inside = DVec3::new(0.5, 0.2, -1.0);
         let turned = turn_near(&geometry, inside + DVec3::new(TAU, -TAU, 3.0 * TAU), inside);
-        // Two additions of 3 turns, 19 rad: 4e-15 each.
+        // Two additions of 3 turns (19 rad) have a rounding error of 4e-15 each.
         assert!(turned.abs_diff_eq(inside, 1e-14), "{turned}");
     }
 }

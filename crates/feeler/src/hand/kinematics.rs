@@ -5,34 +5,34 @@ use glam::{DMat3, DVec3};
 use super::finger::FingerGeometry;
 use super::sin_cos::sin_cos;
 
-/// Where the fingertip is and how it is turned, at joint angles `theta` (theta1..theta3, rad).
+/// Returns the fingertip pose at joint angles `theta` (theta1..theta3, rad).
 ///
-/// Returns the fingertip position `r` in the world `W`, m (the dome's centre, origin of the
-/// fingertip frame `T`), and the rotation `R` of eq. (3), which takes a vector in `T` to `W`. The
-/// first column of `R`, x of `T`, is the direction of the last link and the dome's outward axis.
+/// The position `r` is the dome's centre, the origin of the fingertip frame `T`, in the world `W` (m). The rotation
+/// `R` of eq. (3) transforms vectors from `T` to `W`. Its first column, the x axis of `T`, is the direction of the
+/// last link and the dome's outward axis.
 #[inline(always)]
 pub fn fingertip_pose(geometry: &FingerGeometry, theta: DVec3) -> (DVec3, DMat3) {
     let chain = Chain::at(geometry, theta);
     (chain.position(geometry), chain.rotation)
 }
 
-/// The Jacobian of eq. (2) at joint angles `theta` (rad): `r_dot = J theta_dot`.
+/// Returns the Jacobian of eq. (2) at joint angles `theta` (rad): `r_dot = J theta_dot`.
 ///
-/// Column i is the fingertip velocity in `W` per unit velocity of joint i, m/rad. The first column
-/// is orthogonal to the other two, at every `theta`.
+/// Column i is the fingertip velocity in `W` per unit velocity of joint i (m/rad). The first column is always
+/// orthogonal to the other two.
 pub fn jacobian(geometry: &FingerGeometry, theta: DVec3) -> DMat3 {
     Chain::at(geometry, theta).jacobian(geometry)
 }
 
-/// The finger at one set of joint angles: what pose and Jacobian have in common.
+/// Intermediate results at one set of joint angles, shared by the pose and the Jacobian.
 pub(super) struct Chain {
-    /// Column 1 of the matrix a of eq. (3): the finger plane's horizontal direction, in `W`.
+    /// Column 1 of the matrix a of eq. (3): horizontal direction of the finger's plane, in `W`.
     radial: DVec3,
-    /// Column 3 of a: the finger plane's other direction, the axis of joint 1, in `W`.
+    /// Column 3 of a: axis of joint 1 and second direction of the finger's plane, in `W`.
     axial: DVec3,
-    /// Fingertip along `radial` from the axis of joint 1, `l2 + l3 c2 + l4 c23`, m.
+    /// Distance of the fingertip from the axis of joint 1 along `radial`, `l2 + l3 c2 + l4 c23` (m).
     radius: f64,
-    /// Fingertip along `axial` from the base, `l3 s2 + l4 s23`, m.
+    /// Distance of the fingertip from the base along `axial`, `l3 s2 + l4 s23` (m).
     height: f64,
     sin_theta3: f64,
     cos_theta3: f64,
@@ -45,7 +45,7 @@ impl Chain {
     pub(super) fn at(geometry: &FingerGeometry, theta: DVec3) -> Self {
         let (sines, cosines) = sin_cos(theta);
         let ([s1, s2, s3], [c1, c2, c3]) = (sines.to_array(), cosines.to_array());
-        // By the sum formulas, so that a finite theta2 + theta3 cannot overflow.
+        // The sum formulas avoid an overflow of theta2 + theta3.
         let (s23, c23) = (s2 * c3 + c2 * s3, c2 * c3 - s2 * s3);
         let [l2, l3, l4] = geometry.links();
 
@@ -70,12 +70,12 @@ impl Chain {
         }
     }
 
-    /// Fingertip position in `W`, m.
+    /// Fingertip position in `W` (m).
     pub(super) fn position(&self, geometry: &FingerGeometry) -> DVec3 {
         geometry.base_position() + self.radial * self.radius + self.axial * self.height
     }
 
-    /// Eq. (2), m/rad.
+    /// Jacobian of eq. (2) (m/rad).
     pub(super) fn jacobian(&self, geometry: &FingerGeometry) -> DMat3 {
         let [_, l3, l4] = geometry.links();
         let r = &self.rotation;

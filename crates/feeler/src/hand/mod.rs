@@ -1,9 +1,8 @@
-//! The finger as a mechanism: geometry, kinematics, and the seam to its drives.
+//! Finger geometry, kinematics and the interface to the drives.
 //!
-//! A finger has three joints (paper, section III). Joint 1 turns the finger's plane about the z
-//! axis of the base `B`; joints 2 and 3 move links l3 and l4 in that plane, from a shoulder that
-//! stands l2 away from the axis of joint 1. Angles are in rad, lengths in m, and positions and
-//! velocities of the fingertip are in the world `W`.
+//! A finger has three joints (paper, section III). Joint 1 turns the finger's plane about the z axis of the base `B`.
+//! Joints 2 and 3 move links l3 and l4 in that plane, starting at a distance l2 from the axis of joint 1. Angles are
+//! in rad, lengths in m; positions and velocities of the fingertip are in the world `W`.
 //!
 //! With `c2 = cos(theta2)`, `s23 = sin(theta2 + theta3)` and so on, and a1, a2, a3 the columns of a:
 //!
@@ -18,14 +17,13 @@
 //! theta <- theta + J^-1 (r_d - r)                                                       (10)
 //! ```
 //!
-//! r is the origin of the fingertip frame `T`, the dome's centre; R takes a vector in `T` to `W`.
-//! x of `T` (R1) is along the last link, which is the dome's outward axis; y of `T` (R2) lies in
-//! the finger's plane, where theta2 and theta3 grow; z of `T` (R3) is normal to that plane, and
-//! theta1 moves the fingertip along -R3. The matrix a of eq. (3) and the sign of eq. (10) are
-//! misprinted in the paper; here they are right.
+//! r is the origin of the fingertip frame `T`, the dome's centre; R transforms vectors from `T` to `W`. The x axis of
+//! `T` (R1) points along the last link, which is the dome's outward axis. The y axis (R2) lies in the finger's plane,
+//! in the direction of growing theta2 and theta3. The z axis (R3) is normal to that plane; theta1 moves the fingertip
+//! along -R3. The paper misprints the matrix a of eq. (3) and the sign of eq. (10); this code uses the corrected
+//! forms.
 //!
-//! `J` is singular where the finger is straight or folded (`sin(theta3) = 0`) and where its tip is
-//! on the axis of joint 1.
+//! `J` is singular if the finger is straight or folded (`sin(theta3) = 0`), or if its tip is on the axis of joint 1.
 
 pub mod finger;
 mod interface;

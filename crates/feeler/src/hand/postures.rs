@@ -1,6 +1,6 @@
-//! The postures of a finger in closed form, and angles within the joint limits.
+//! Closed-form postures of a finger, and wrapping of angles into the joint limits.
 //!
-//! An iteration finds one posture; by the cosine law all of them are known, so that none within the
+//! The iteration of eq. (10) finds a single posture. The cosine law gives all postures, so that none within the
 //! limits is missed.
 
 use super::finger::FingerGeometry;
@@ -8,15 +8,15 @@ use super::kinematics_error::{KinematicsError, POSITION_TOLERANCE};
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-/// How far outside of the reachable range a target may be, m.
+/// Maximum distance of a target outside of the reachable range (m).
 const REACH_TOLERANCE: f64 = 0.25 * POSITION_TOLERANCE;
 
-/// How far outside of its limits an angle may be from rounding, rad. It is then clamped.
+/// Maximum violation of a joint limit that is attributed to rounding (rad). Such an angle is clamped.
 pub(super) const JOINT_TOLERANCE: f64 = 1e-11;
 
-/// The up to four postures that bring the fingertip to `target`, by the cosine law, rad.
+/// Returns the postures, at most four, that bring the fingertip to `target`, by the cosine law (rad).
 ///
-/// Where an angle does not matter (target on the axis of joint 1 or 2) it is that of `start`.
+/// An angle that does not matter (for a target on the axis of joint 1 or 2) is taken from `start`.
 pub(super) fn postures(
     geometry: &FingerGeometry,
     target: DVec3,
@@ -59,8 +59,8 @@ pub(super) fn postures(
     Ok(all)
 }
 
-/// `theta` turned by whole turns, per joint: inside of the limits if possible, else as near to
-/// `start` as possible.
+/// Adds whole turns to each angle of `theta`, so that it is within its joint limits if possible, otherwise as close
+/// to `start` as possible.
 pub(super) fn turn_near(geometry: &FingerGeometry, theta: DVec3, start: DVec3) -> DVec3 {
     let (lower, upper) = (geometry.joint_lower(), geometry.joint_upper());
     let near = theta + ((start.clamp(lower, upper) - theta) / TAU).round() * TAU;
@@ -74,7 +74,7 @@ pub(super) fn turn_near(geometry: &FingerGeometry, theta: DVec3, start: DVec3) -
     }))
 }
 
-/// By how much `theta` exceeds the joint limits, rad; negative within them.
+/// Maximum violation of the joint limits by `theta` (rad), negative if all angles are within their limits.
 pub(super) fn limit_excess(geometry: &FingerGeometry, theta: DVec3) -> f64 {
     (geometry.joint_lower() - theta)
         .max(theta - geometry.joint_upper())

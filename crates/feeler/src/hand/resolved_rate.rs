@@ -1,41 +1,39 @@
-//! Resolved motion rate control, eq. (1), with damping near a singularity.
+//! Resolved motion rate control, eq. (1), damped near singularities.
 //!
-//! Away from singularities this is eq. (1), `theta_dot = J^-1 r_dot`. Where the smallest singular
-//! value sigma of `J` is below a threshold epsilon, it is the damped least-squares solution
+//! Away from singularities this is eq. (1), `theta_dot = J^-1 r_dot`. If the smallest singular value sigma of `J` is
+//! below a threshold epsilon, it is the damped least-squares solution
 //!
 //! ```text
 //! theta_dot = J^T (J J^T + lambda^2 I)^-1 r_dot,    lambda^2 = epsilon^2 - sigma^2
 //! ```
 //!
-//! lambda grows from 0 at `sigma = epsilon` to epsilon at the singularity, so the joint velocity is
-//! continuous. A direction with singular value `s >= sigma` is amplified by
-//! `s / (s^2 + epsilon^2 - sigma^2)`, which is at most `1 / epsilon`; hence everywhere
-//! `|theta_dot| <= |r_dot| / epsilon`.
+//! lambda grows from 0 at `sigma = epsilon` to epsilon at the singularity, so the joint velocity is continuous. A
+//! direction with singular value `s >= sigma` is amplified by `s / (s^2 + epsilon^2 - sigma^2)`, which is at most `1
+//! / epsilon`. So `|theta_dot| <= |r_dot| / epsilon` everywhere.
 
 use glam::{DMat3, DVec3};
 
 use super::finger::FingerGeometry;
 use super::kinematics::jacobian;
 
-/// epsilon as a share of the shorter of l3 and l4. With equal links damping starts when the finger
-/// is within about 13 degrees of straight, or its tip within a tenth of a link from the axis of
-/// joint 1.
+/// epsilon as a fraction of the shorter of l3 and l4. With equal links, damping starts within about 13 degrees of a
+/// straight finger, or if the tip is within a tenth of a link of the axis of joint 1.
 const THRESHOLD_SHARE: f64 = 0.1;
 
-/// Joint velocity for a wanted fingertip velocity, and how much of it damping changed.
+/// Joint velocity for a fingertip velocity, with the damping that was applied.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ResolvedRate {
-    /// Velocities of theta1..theta3, rad/s. Not limited to the finger's joint speeds.
+    /// Velocities of theta1..theta3 (rad/s), not limited to the finger's joint speeds.
     pub joint_velocity: DVec3,
-    /// lambda, m/rad: 0 where eq. (1) holds exactly, [`damping_threshold`] at a singularity.
+    /// lambda (m/rad): 0 if eq. (1) holds exactly, [`damping_threshold`] at a singularity.
     pub damping: f64,
 }
 
-/// Joint velocity that moves the fingertip with `fingertip_velocity` (in the world `W`, m/s) at
-/// joint angles `theta` (rad), eq. (1).
+/// Returns the joint velocity that moves the fingertip at `fingertip_velocity` (in the world `W`, m/s) at joint
+/// angles `theta` (rad), eq. (1).
 ///
-/// Finite arguments give a finite result, a singularity included; one beyond the range of `f64`
-/// stops at the largest finite value. NaN or infinity in an argument makes the result NaN.
+/// Finite arguments give a finite result, even at a singularity; a result beyond the range of `f64` saturates at the
+/// largest finite value. A NaN or infinity in an argument makes the result NaN.
 pub fn resolved_rate(
     geometry: &FingerGeometry,
     theta: DVec3,
@@ -43,7 +41,7 @@ pub fn resolved_rate(
 ) -> ResolvedRate {
     let jacobian = jacobian(geometry, theta);
     let damping = damping(geometry, &jacobian);
-    // Solved for a velocity of magnitude 1, so that no product in between can overflow.
+    // Solved for a velocity of magnitude 1, so that no intermediate product can overflow.
     let magnitude = fingertip_velocity
         .abs()
         .max_element()
@@ -55,20 +53,20 @@ pub fn resolved_rate(
     }
 }
 
-/// epsilon, m/rad: damping starts where the smallest singular value of the Jacobian is below it.
+/// Threshold epsilon (m/rad): damping starts when the smallest singular value of the Jacobian falls below it.
 pub fn damping_threshold(geometry: &FingerGeometry) -> f64 {
     let [_, l3, l4] = geometry.links();
     THRESHOLD_SHARE * l3.min(l4)
 }
 
-/// lambda for `jacobian`, m/rad.
+/// Damping lambda for `jacobian` (m/rad).
 pub(super) fn damping(geometry: &FingerGeometry, jacobian: &DMat3) -> f64 {
     let threshold = damping_threshold(geometry);
     let sigma = smallest_singular_value(jacobian);
     (threshold * threshold - sigma * sigma).max(0.0).sqrt()
 }
 
-/// The damped least-squares solution x of `jacobian x = b`; for `damping` 0, `jacobian^-1 b`.
+/// Damped least-squares solution x of `jacobian x = b`; `jacobian^-1 b` if `damping` is 0.
 pub(super) fn solve_damped(jacobian: &DMat3, b: DVec3, damping: f64) -> DVec3 {
     if damping == 0.0 {
         return jacobian.inverse() * b;
@@ -78,15 +76,15 @@ pub(super) fn solve_damped(jacobian: &DMat3, b: DVec3, damping: f64) -> DVec3 {
     transpose * (gram.inverse() * b)
 }
 
-/// Smallest singular value of a finger's Jacobian, m/rad.
+/// Smallest singular value of a finger's Jacobian (m/rad).
 ///
-/// Closed form: the first column is orthogonal to the others, so its length is one singular value;
-/// the two others are those of the remaining 3 x 2 matrix. Their product is the area that its
-/// columns span, which unlike the difference of the squares loses no digits when it goes to 0.
+/// Closed form: the first column is orthogonal to the others, so its length is one singular value. The other two are
+/// the singular values of the remaining 3 x 2 matrix. Their product is the area that its columns span, which unlike
+/// the difference of the squares loses no digits as it approaches 0.
 fn smallest_singular_value(jacobian: &DMat3) -> f64 {
     let (u, w) = (jacobian.y_axis, jacobian.z_axis);
     let (uu, ww, uw) = (u.length_squared(), w.length_squared(), u.dot(w));
-    // Far from where squares overflow, for which the library's function takes its time.
+    // The squares are far from overflow, so the slower `hypot` is not needed.
     let spread = ((uu - ww) * (uu - ww) + 4.0 * uw * uw).sqrt();
     let largest = (0.5 * (uu + ww + spread)).sqrt();
     let area = u.cross(w).length();
@@ -151,8 +149,8 @@ mod tests {
             }
         }
         let jump = (at(undamped).joint_velocity - at(damped).joint_velocity).length();
-        // The two angles are neighbours; damped and undamped solver differ by rounding, 1e-16 times
-        // the squared condition number (about 500) times the joint velocity (about 200 rad/s).
+        // The two angles are adjacent floating-point numbers. The damped and undamped solver differ by rounding:
+        // 1e-16 times the squared condition number (about 500) times the joint velocity (about 200 rad/s).
         assert!(jump < 1e-9, "{jump:e}");
     }
 

@@ -1,23 +1,25 @@
-//! Sine and cosine with the same digits on every processor; of a finger's joint angles side by side.
+//! Vectorised sine and cosine of joint angles, with identical results on every processor.
 //!
-//! The system's library works on one angle at a time and has other last digits on other processors; no maintained library
-//! works on several without knowing the processor when it is compiled. This is plain arithmetic, which compilers make vector
-//! instructions of, with the same result everywhere.
+//! The system's math library handles one angle at a time, and its last digits differ between processors. No
+//! maintained crate vectorises these functions without fixing the processor at compile time. This module uses plain
+//! arithmetic, which compilers vectorise, with the same result everywhere.
 
 use glam::DVec3;
 use std::f64::consts::FRAC_PI_4;
 
-/// Angles up to here are reduced to within 1e-16 rad, rad: the reduction's first part is exact.
+/// Maximum angle (rad) for which the range reduction is accurate to 1e-16 rad, because its first product is exact.
 const MOST: f64 = 1e5;
 
-/// Quarter turns in a radian.
+/// Quarter turns per radian.
 const QUARTERS: f64 = std::f64::consts::FRAC_2_PI;
-/// To add it rounds a number of up to 2^51 to a whole one, whose last bits are the sum's.
+/// Magic number for rounding: adding it rounds a number of up to 2^51 to an integer, whose low bits are then the low
+/// bits of the sum.
 const ROUNDER: f64 = 6_755_399_441_055_744.0;
-/// The first 33 bits of a quarter turn, and what is missing (fdlibm, `e_rem_pio2.c`).
+/// The first 33 bits of a quarter turn, and the remainder (fdlibm, `e_rem_pio2.c`).
 const QUARTER: [f64; 2] = [1.570_796_326_734_125_6, 6.077_100_506_506_192e-11];
 
-/// Minimax polynomials on an eighth of a turn of either sign: `sin x = x + x^3 S(x^2)` (fdlibm, `k_sin.c`)...
+/// Minimax polynomial S for angles up to an eighth of a turn in magnitude: `sin x = x + x^3 S(x^2)` (fdlibm,
+/// `k_sin.c`).
 const SINE: [f64; 6] = [
     -1.666_666_666_666_663_2e-1,
     8.333_333_333_322_49e-3,
@@ -26,7 +28,7 @@ const SINE: [f64; 6] = [
     -2.505_076_025_340_686_3e-8,
     1.589_690_995_211_55e-10,
 ];
-/// ... and `cos x = 1 - x^2 / 2 + x^4 C(x^2)` (fdlibm, `k_cos.c`).
+/// Minimax polynomial C for the same angles: `cos x = 1 - x^2 / 2 + x^4 C(x^2)` (fdlibm, `k_cos.c`).
 const COSINE: [f64; 6] = [
     4.166_666_666_666_66e-2,
     -1.388_888_888_887_411e-3,
@@ -36,7 +38,7 @@ const COSINE: [f64; 6] = [
     -1.135_964_755_778_819_5e-11,
 ];
 
-/// Sine and cosine of three `angles`, rad, each to within one unit in the last place of 1.
+/// Returns the sines and cosines of three `angles` (rad), each to within one unit in the last place of 1.
 #[inline(always)]
 pub fn sin_cos(angles: DVec3) -> (DVec3, DVec3) {
     if angles.abs().max_element() > MOST {
@@ -54,13 +56,13 @@ pub fn sin_cos(angles: DVec3) -> (DVec3, DVec3) {
     )
 }
 
-/// The same of one `angle`, rad.
+/// Returns the sine and cosine of one `angle` (rad), bit-identical to [`sin_cos`].
 #[inline(always)]
 pub fn sin_cos_of(angle: f64) -> (f64, f64) {
     if angle.abs() > MOST {
         return angle.sin_cos();
     }
-    // Mostly it is small, and there is nothing to reduce.
+    // Fast path: most angles are small and need no range reduction.
     if angle.abs() < FRAC_PI_4 {
         return (sine_of(angle, 0.0), cosine_of(angle, 0.0));
     }
@@ -78,10 +80,10 @@ fn lanes<const LANES: usize>(angles: [f64; LANES]) -> ([f64; LANES], [f64; LANES
         let first = angles[lane] - quarters * QUARTER[0];
         let missing = quarters * QUARTER[1];
         let x = first - missing;
-        // What was rounded off it.
+        // Rounding error of `x`.
         let rest = (first - x) - missing;
         let (sine, cosine) = (sine_of(x, rest).to_bits(), cosine_of(x, rest).to_bits());
-        // Each quarter turn makes the cosine the sine, and the sine the negative cosine.
+        // Each quarter turn turns the cosine into the sine, and the sine into the negative cosine.
         let odd = 0_u64.wrapping_sub(quadrant & 1);
         let (to_sine, to_cosine) = (sine & !odd | cosine & odd, cosine & !odd | sine & odd);
         sines[lane] = f64::from_bits(to_sine ^ ((quadrant & 2) << 62));
@@ -90,7 +92,7 @@ fn lanes<const LANES: usize>(angles: [f64; LANES]) -> ([f64; LANES], [f64; LANES
     (sines, cosines)
 }
 
-/// Sine of `x + rest`, where `rest` is what rounding took off `x`.
+/// Sine of `x + rest`, where `rest` is the rounding error of `x`.
 #[inline(always)]
 fn sine_of(x: f64, rest: f64) -> f64 {
     let [s1, s2, s3, s4, s5, s6] = SINE;
@@ -101,7 +103,7 @@ fn sine_of(x: f64, rest: f64) -> f64 {
     x - ((z * (0.5 * rest - v * r) - rest) - v * s1)
 }
 
-/// The same of the cosine.
+/// Cosine of `x + rest`, where `rest` is the rounding error of `x`.
 #[inline(always)]
 fn cosine_of(x: f64, rest: f64) -> f64 {
     let [c1, c2, c3, c4, c5, c6] = COSINE;
@@ -117,7 +119,8 @@ fn cosine_of(x: f64, rest: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// The system's functions are right to within one unit in the last place; ours to within one more, of 1.
+    /// The system's functions are correct to one unit in the last place; these add at most one unit in the last place
+    /// of 1.
     const TOLERANCE: f64 = 2.0 * f64::EPSILON;
 
     fn compare(angle: f64) {
@@ -137,12 +140,12 @@ mod tests {
     }
 
     #[test]
-    fn they_are_those_of_the_systems_library() {
+    fn results_match_the_system_library() {
         for step in 0..200_000 {
             compare(f64::from(step) * 1e-4);
             compare(f64::from(step) * 0.499_999);
         }
-        // Around where quadrants meet, and beyond what is reduced here.
+        // Angles near quadrant boundaries, and beyond the range reduction.
         for quarter in 0..1_000 {
             let angle = f64::from(quarter) * std::f64::consts::FRAC_PI_4;
             for off in [0.0, 1e-16, 1e-12, 1e-8] {
@@ -168,7 +171,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_angle_has_neither() {
+    fn non_finite_angles_give_nan() {
         for angle in [f64::NAN, f64::INFINITY] {
             let (sine, cosine) = sin_cos(DVec3::new(0.0, angle, 0.0));
             assert!(sine.y.is_nan() && cosine.y.is_nan());

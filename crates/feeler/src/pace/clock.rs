@@ -1,24 +1,24 @@
-//! The clock that a pace is kept by.
+//! Clocks that a schedule runs on.
 
 use std::time::Duration;
 
-/// A clock that only goes forward, and sleep until it shows a time.
+/// A monotonic clock that can sleep until a given time.
 pub trait Clock {
-    /// Time since an origin of the clock's own.
+    /// Time since the clock's origin.
     fn now(&self) -> Duration;
 
-    /// Sleeps until the clock shows `time`. It may return early: who calls looks at the clock again.
+    /// Sleeps until the clock reaches `time`. May return early, so callers must check the clock again.
     fn sleep_until(&self, time: Duration);
 }
 
-/// The system's monotonic clock. It is not set, and stands still while the system is suspended.
+/// The system's monotonic clock. It is never set, and does not advance while the system is suspended.
 #[cfg(target_os = "linux")]
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Monotonic;
 
 #[cfg(target_os = "linux")]
 impl Monotonic {
-    /// The clock.
+    /// Creates the clock.
     pub fn new() -> Self {
         Self
     }
@@ -36,13 +36,13 @@ impl Clock for Monotonic {
         let Ok(time) = rustix::time::Timespec::try_from(time) else {
             return;
         };
-        // The time is absolute: nothing is lost between reading the clock and falling asleep. A signal
-        // wakes early, as the trait allows.
+        // The time is absolute, so no delay between reading the clock and going to sleep adds up. A signal wakes the
+        // thread early, as the trait allows.
         let _ = rustix::thread::clock_nanosleep_absolute(rustix::thread::ClockId::Monotonic, &time);
     }
 }
 
-/// The standard library's clock, on systems without sleep until an absolute time.
+/// The standard library's clock, for systems that cannot sleep until an absolute time.
 #[cfg(not(target_os = "linux"))]
 #[derive(Clone, Copy, Debug)]
 pub struct Monotonic {
@@ -51,7 +51,7 @@ pub struct Monotonic {
 
 #[cfg(not(target_os = "linux"))]
 impl Monotonic {
-    /// The clock, its origin now.
+    /// Creates a clock whose origin is now.
     pub fn new() -> Self {
         let origin = std::time::Instant::now();
         Self { origin }

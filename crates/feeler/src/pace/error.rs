@@ -1,15 +1,15 @@
-//! What can be wrong with a pace that is asked for.
+//! Errors of schedules.
 
-/// Why there is no pace.
+/// Error returned when a schedule cannot be created.
 #[derive(Debug, thiserror::Error)]
 pub enum PaceError {
-    /// The period is not one that a system's timer can keep.
-    #[error("a control period is between 1e-6 and 3600 s, not {period} s")]
+    /// The period is outside of the range that a system timer supports.
+    #[error("expected a control period between 1e-6 and 3600 s, got {period} s")]
     Period {
-        /// The period asked for, s.
+        /// The rejected period (s).
         period: f64,
     },
-    /// The histogram of lateness could not be made.
-    #[error("no histogram of lateness: {0}")]
+    /// The histogram of lateness could not be created.
+    #[error("failed to create the histogram of lateness: {0}")]
     Histogram(#[from] hdrhistogram::CreationError),
 }

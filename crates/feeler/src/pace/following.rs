@@ -1,4 +1,4 @@
-//! Steps that follow what arrives, as pictures do: no sooner, and no later than if nothing did.
+//! A schedule that starts each step when new data has arrived, or after a timeout.
 
 use super::clock::{Clock, Monotonic};
 use super::error::PaceError;
@@ -7,48 +7,52 @@ use super::timer::{NAP, Tick};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// How far something may be behind its period before a step is made without it, in periods: twice what cameras and networks jitter.
+/// Maximum delay of a source, in periods, before a step starts without its data: twice the jitter of cameras and
+/// networks.
 const GRACE: f64 = 0.25;
-/// Shortest time from one step to the next, in periods.
+/// Minimum time between the starts of two steps, in periods.
 const SHORTEST: f64 = 0.5;
 
-/// Where what steps are made of arrives.
+/// A set of data sources whose data triggers steps.
 pub trait Arrivals {
-    /// Waits until each source has something that no step was made of yet, for at most `longest`; when the last of it arrived, on the
-    /// clock of the schedule. A step is made of all that is there when it begins.
+    /// Blocks until every source has data that no step has used yet, for at most `longest`. Returns the arrival time
+    /// of the last of that data on the schedule's clock, or `None` after the timeout. A step uses all data that is
+    /// available when it starts.
     fn wait_for(&mut self, longest: Duration) -> Option<Duration>;
 }
 
-/// A step as soon as something new has arrived from each source, so that a step need not wait for a clock that runs beside theirs. Where
-/// one is behind by more than a quarter of a period, steps are made without it, once a period: what is missing goes stale, and stops the
-/// hand as it does under any schedule. Steps are at least half a period apart.
+/// Schedule that starts a step as soon as every source has new data, so that the loop need not wait for a clock that
+/// is not synchronised with the sources. If a source is late by more than a quarter of a period, steps run without it
+/// once a period; its data then becomes stale and stops the hand, as under any schedule. Steps are at least half a
+/// period apart.
 #[derive(Clone, Debug)]
 pub struct Following<A, C = Monotonic> {
     arrivals: A,
     clock: C,
     period: Duration,
-    /// Number of the newest step, and when it began.
+    /// Number of the latest step, and the time when it started.
     steps: u64,
     newest: Duration,
-    /// When the next step is made without what has not arrived.
+    /// Time when the next step starts even if data is missing.
     latest: Duration,
 }
 
 impl<A: Arrivals> Following<A> {
-    /// Follows `arrivals`, expected once each `period` (s), from now on, on the system's monotonic clock.
+    /// Creates a schedule that starts now and follows `arrivals`, which are expected once each `period` (s), on the
+    /// system's monotonic clock.
     ///
     /// # Errors
-    /// When the period is not between 1e-6 and 3600 s.
+    /// If the period is not between 1e-6 and 3600 s.
     pub fn new(arrivals: A, period: f64) -> Result<Self, PaceError> {
         Self::with_clock(arrivals, period, Monotonic::new())
     }
 }
 
 impl<A: Arrivals, C: Clock> Following<A, C> {
-    /// The same on `clock`.
+    /// Like [`new`](Self::new), but on `clock`.
     ///
     /// # Errors
-    /// When the period is not between 1e-6 and 3600 s.
+    /// If the period is not between 1e-6 and 3600 s.
     pub fn with_clock(arrivals: A, period: f64, clock: C) -> Result<Self, PaceError> {
         if !(1e-6..=3600.0).contains(&period) {
             return Err(PaceError::Period { period });
@@ -64,7 +68,8 @@ impl<A: Arrivals, C: Clock> Following<A, C> {
         })
     }
 
-    /// When the last of what the next step is made of arrived, once that is there; none until the step is due without it.
+    /// Waits for the next step. Returns the arrival time of the last data it uses, `Some(None)` if the step is due
+    /// without complete data, or `None` if interrupted.
     fn wait(&mut self, interrupted: &AtomicBool) -> Option<Option<Duration>> {
         let earliest = self.newest + self.period.mul_f64(SHORTEST);
         while !interrupted.load(Ordering::Relaxed) {
@@ -91,13 +96,13 @@ impl<A: Arrivals, C: Clock> Schedule for Following<A, C> {
         let arrived = self.wait(interrupted)?;
         let now = self.clock.now();
         let due = arrived.unwrap_or(self.latest);
-        // The nearest number of periods, as arrivals jitter.
+        // The nearest number of periods, because arrivals jitter.
         let periods = (now.saturating_sub(self.newest)).div_duration_f64(self.period);
         let gone = (periods.round() as u64).max(1);
         self.steps += gone;
         self.latest = match arrived {
             Some(_) => now + self.period.mul_f64(1.0 + GRACE),
-            // Once a period from here on, unless that is missed, too.
+            // From here on once a period, unless a step takes longer.
             None => (self.latest + self.period).max(now + self.period.mul_f64(SHORTEST)),
         };
         self.newest = now;
@@ -118,7 +123,7 @@ mod tests {
 
     static GO_ON: AtomicBool = AtomicBool::new(false);
 
-    /// Time that goes on where somebody sleeps.
+    /// A clock that advances only when a thread sleeps.
     #[derive(Clone, Default)]
     struct Slept(Rc<Cell<Duration>>);
 
@@ -132,7 +137,7 @@ mod tests {
         }
     }
 
-    /// What arrives at these times, ms, by each source; and when the newest step was made.
+    /// Scheduled arrival times (ms) of each source, and the time of the latest step.
     struct Planned {
         clock: Slept,
         times: Vec<Vec<f64>>,
@@ -156,7 +161,8 @@ mod tests {
         }
     }
 
-    /// The times, ms, and ticks of the first steps of 10 ms where this arrives; each step takes `busy` ms.
+    /// Start times (ms) and ticks of the first `count` steps of 10 ms, with data arriving at `times` and steps that
+    /// take `busy` ms.
     fn steps(times: &[&[f64]], count: usize, busy: f64) -> Vec<(f64, Tick)> {
         let (clock, stepped) = (Slept::default(), Slept::default());
         let arrivals = Planned {
@@ -181,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn a_step_begins_when_the_last_finger_s_picture_has_arrived() {
+    fn a_step_starts_when_the_last_fingers_frame_has_arrived() {
         let made = steps(
             &[&[6.0, 16.5, 26.0, 36.0], &[7.0, 16.0, 27.5, 37.0]],
             4,
@@ -199,9 +205,10 @@ mod tests {
         );
     }
 
-    /// Once a period, and of the other's pictures; and as before, once the camera is back.
+    /// Steps run once a period with the other camera's frames, and follow both cameras again once the stalled one is
+    /// back.
     #[test]
-    fn a_camera_that_stalls_does_not_stall_the_steps() {
+    fn a_stalled_camera_does_not_stall_the_steps() {
         let other: Vec<f64> = (0..12).map(|n| 8.0 + 10.0 * f64::from(n)).collect();
         let made = steps(&[&[8.0, 18.0, 78.0, 88.0], &other], 9, 1.0);
         let expected = [8.0, 18.0, 30.5, 40.5, 50.5, 60.5, 70.5, 78.0, 88.0];
@@ -211,20 +218,20 @@ mod tests {
     }
 
     #[test]
-    fn pictures_that_come_in_bursts_make_no_burst_of_steps() {
+    fn a_burst_of_frames_causes_no_burst_of_steps() {
         let made = steps(&[&[10.0, 10.1, 10.2, 20.0, 30.0]], 3, 0.1);
-        // Those that came meanwhile are seen together.
+        // Frames that arrived in the meantime are used in one step.
         assert_eq!(times(&made), [10.0, 15.0, 20.0]);
     }
 
     #[test]
-    fn a_step_that_takes_too_long_misses_periods_and_begins_at_once() {
+    fn after_an_overrun_periods_are_missed_and_the_next_step_starts_at_once() {
         let every: Vec<f64> = (1..20).map(|n| 10.0 * f64::from(n)).collect();
         let made = steps(&[&every], 3, 34.0);
         assert_eq!(times(&made), [10.0, 44.0, 78.0]);
         let (_, late) = made[1];
         assert_eq!((late.number, late.missed, late.overran), (4, 2, true));
-        // The first of what it is made of came at 20 ms.
+        // The first frame used by this step arrived at 20 ms.
         assert!((late.lateness - 0.024).abs() < 1e-9, "{late:?}");
     }
 

@@ -1,6 +1,6 @@
-//! The control period on the wall clock: when the next step is due, and how punctual the steps were.
+//! Schedules for the control period in real time, and statistics of their punctuality.
 //!
-//! Nothing in the control loop reads a clock. Who hosts it on a real hand waits here between its steps:
+//! The control loop itself never reads a clock. A program that runs it on a real hand waits between its steps:
 //!
 //! ```no_run
 //! use feeler::pace::{Pace, Punctuality};

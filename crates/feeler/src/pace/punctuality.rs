@@ -1,49 +1,49 @@
-//! How punctual the steps were.
+//! Statistics of the lateness of steps.
 
 use super::error::PaceError;
 use super::timer::Tick;
 use hdrhistogram::Histogram;
 use std::fmt;
 
-/// Lateness is told apart from 1 ns to an hour, in ns.
+/// Maximum lateness that the histogram distinguishes, one hour, in ns. The minimum is 1 ns.
 const LONGEST: u64 = 3_600_000_000_000;
 
-/// Digits to which percentiles are kept: 1 %, for 40 kB.
+/// Significant digits of the percentiles: 1 % in 40 kB.
 const DIGITS: u8 = 2;
 
-/// Gathers ticks in a fixed amount of memory, all of it taken when it is made.
+/// Accumulates statistics of ticks. All memory is allocated at creation.
 #[derive(Clone, Debug)]
 pub struct Punctuality {
-    /// Lateness, ns.
+    /// Histogram of lateness (ns).
     histogram: Histogram<u64>,
-    /// s.
+    /// Maximum lateness (s).
     largest: f64,
     missed: u64,
     overruns: u64,
 }
 
-/// What ticks had in common. Lateness is in s, and none before the first tick.
+/// Statistics of the recorded ticks. Lateness is in s, and `None` before the first tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PunctualitySummary {
-    /// Steps that were begun. Those that were missed are not among them.
+    /// Number of steps that started, without the missed ones.
     pub steps: u64,
-    /// Periods that went by whole without a step.
+    /// Number of periods that passed without a step.
     pub missed: u64,
-    /// Steps that began late because the step before took too long.
+    /// Number of steps that started late because the previous step took too long.
     pub overruns: u64,
-    /// Lateness that half of the steps did not exceed, to 1 %.
+    /// Median lateness, to 1 %.
     pub median: Option<f64>,
-    /// Lateness that 99 % of the steps did not exceed, to 1 %.
+    /// 99th percentile of the lateness, to 1 %.
     pub percentile_99: Option<f64>,
-    /// The largest lateness.
+    /// Maximum lateness.
     pub largest: Option<f64>,
 }
 
 impl Punctuality {
-    /// Without any ticks yet.
+    /// Creates empty statistics.
     ///
     /// # Errors
-    /// When the histogram cannot be made.
+    /// If the histogram cannot be created.
     pub fn new() -> Result<Self, PaceError> {
         Ok(Self {
             histogram: Histogram::new_with_bounds(1, LONGEST, DIGITS)?,
@@ -53,7 +53,7 @@ impl Punctuality {
         })
     }
 
-    /// Counts a tick in.
+    /// Adds a tick to the statistics.
     pub fn record(&mut self, tick: &Tick) {
         self.histogram
             .saturating_record((tick.lateness * 1e9).round() as u64);
@@ -62,7 +62,7 @@ impl Punctuality {
         self.overruns += u64::from(tick.overran);
     }
 
-    /// What the ticks so far had in common.
+    /// Statistics of the ticks recorded so far.
     pub fn summary(&self) -> PunctualitySummary {
         let steps = self.histogram.len();
         PunctualitySummary {
@@ -75,9 +75,9 @@ impl Punctuality {
         }
     }
 
-    /// Lateness that a share of the steps did not exceed, s.
+    /// Quantile of the lateness (s), for a `share` from 0 to 1.
     fn quantile(&self, share: f64) -> Option<f64> {
-        // The histogram answers with the upper end of a bin, which may be above what was recorded.
+        // The histogram returns the upper end of a bin, which may exceed the largest recorded value.
         let value = self.histogram.value_at_quantile(share) as f64 * 1e-9;
         (!self.histogram.is_empty()).then_some(value.min(self.largest))
     }

@@ -1,71 +1,71 @@
-//! Asks the system for punctuality: priority over other threads, memory that stays, a fine timer.
+//! Real-time scheduling: thread priority, locked memory and fine-grained timers.
 //!
-//! Each is asked for by itself, and a refusal ends nothing: the loop runs as it is, less punctually. Start
-//! other threads before [`raise_priority`] and [`fine_timer`]: on Linux threads inherit both.
+//! Each request is independent of the others. If the system refuses one, the loop still runs, but less punctually. On
+//! Linux, threads inherit the effects of [`raise_priority`] and [`fine_timer`], so start other threads first.
 
 #[cfg_attr(target_os = "linux", path = "real_time/linux.rs")]
 #[cfg_attr(not(target_os = "linux"), path = "real_time/elsewhere.rs")]
 mod system;
 
-/// A moderate real-time priority: above every ordinary thread, below 50, which Linux gives its interrupt
-/// threads. They bring pictures and messages, and must get ahead of the loop that waits for them.
+/// A moderate real-time priority: above all ordinary threads, and below 50, the priority of Linux interrupt threads.
+/// These deliver images and messages, so they must take precedence over the loop that waits for them.
 pub const MODERATE: u8 = 40;
 
-/// Why the system did not grant something, and what would help.
+/// Error returned when the system refuses a request, with advice on how to grant it.
 #[derive(Debug, thiserror::Error)]
 pub enum Refusal {
-    /// The user may not have this priority.
+    /// The user may not use this priority.
     #[error(
-        "no real-time priority {priority}, this user may have at most {limit}: raise the limit \
+        "real-time priority {priority} exceeds this user's limit of {limit}: raise the limit \
          (`ulimit -r`, or rtprio in /etc/security/limits.conf and log in again), or grant the program \
          CAP_SYS_NICE (`sudo setcap cap_sys_nice+ep PROGRAM`)"
     )]
     Priority {
-        /// The priority asked for.
+        /// The requested priority.
         priority: u8,
-        /// The highest that the user's limit allows: 0 for none.
+        /// The maximum priority that the user's limit allows; 0 if it allows none.
         limit: u64,
     },
-    /// The priority is none.
-    #[error("a real-time priority is between 1 and 99, not {priority}")]
+    /// The priority is out of range.
+    #[error("expected a real-time priority between 1 and 99, got {priority}")]
     PriorityRange {
-        /// The priority asked for.
+        /// The requested priority.
         priority: u8,
     },
-    /// The user may lock only some memory. A program that grew beyond it would be given no more memory
-    /// and end, so nothing is locked.
+    /// The user may lock only a limited amount of memory. A program that exceeds the limit would fail to allocate and
+    /// abort, so nothing is locked.
     #[error(
-        "memory is not locked, this user may lock at most {limit} bytes: lift the limit (`ulimit -l \
+        "cannot lock memory, this user may lock at most {limit} bytes: raise the limit (`ulimit -l \
          unlimited`, or memlock in /etc/security/limits.conf and log in again), or grant the program \
          CAP_IPC_LOCK (`sudo setcap cap_ipc_lock+ep PROGRAM`)"
     )]
     MemoryLimit {
-        /// What the user's limit allows, bytes.
+        /// The user's limit, in bytes.
         limit: u64,
     },
-    /// This kind of system has no such thing, or feeler does not know how to ask for it.
-    #[error("no {what}: feeler asks for it on Linux only")]
+    /// This operating system lacks the feature, or feeler does not support it there.
+    #[error("{what} is supported on Linux only")]
     Unsupported {
-        /// What was asked for.
+        /// The requested feature.
         what: &'static str,
     },
-    /// The system refused for a reason that is not known to be its user's limits: memory, or what a
-    /// container or control group is allowed.
-    #[error("no {what}: {reason} (in a container, see what it is allowed)")]
+    /// The system refused for another reason than the user's limits, such as a lack of memory or the restrictions of
+    /// a container or control group.
+    #[error("{what} refused: {reason} (in a container, check its permissions)")]
     System {
-        /// What was asked for.
+        /// The requested feature.
         what: &'static str,
-        /// The system's reason.
+        /// Error reported by the system.
         reason: std::io::Error,
     },
 }
 
-/// Schedules the calling thread ahead of all ordinary ones (`SCHED_FIFO`), at `priority` from 1 to 99.
+/// Gives the calling thread real-time scheduling (`SCHED_FIFO`) at `priority` from 1 to 99.
 ///
-/// It must sleep in every period: while it runs, nothing else may.
+/// The thread must sleep in every period: while it runs, no ordinary thread can use its processor.
 ///
 /// # Errors
-/// When the system refuses; the thread then goes on as it was.
+/// If the system refuses. The thread then keeps its scheduling.
 pub fn raise_priority(priority: u8) -> Result<(), Refusal> {
     if !(1..=99).contains(&priority) {
         return Err(Refusal::PriorityRange { priority });
@@ -73,19 +73,19 @@ pub fn raise_priority(priority: u8) -> Result<(), Refusal> {
     system::raise_priority(priority)
 }
 
-/// Keeps all of the program's memory, present and future, from being paged out.
+/// Prevents all present and future memory of the process from being paged out.
 ///
 /// # Errors
-/// When the system refuses, or would later on: see [`Refusal::MemoryLimit`]. Nothing is locked then.
+/// If the system refuses, or would refuse later; see [`Refusal::MemoryLimit`]. No memory is locked then.
 pub fn lock_memory() -> Result<(), Refusal> {
     system::lock_memory()
 }
 
-/// Has the calling thread woken when its sleep ends, not up to 50 us later, which Linux does to wake
-/// several threads at once. Takes no privilege; a thread of real-time priority has no need of it.
+/// Reduces the timer slack of the calling thread to the minimum. By default, Linux may wake a thread up to 50 us
+/// late, to wake several threads at once. Needs no privilege. Threads with a real-time priority have no timer slack.
 ///
 /// # Errors
-/// When the system refuses.
+/// If the system refuses.
 pub fn fine_timer() -> Result<(), Refusal> {
     system::fine_timer()
 }

@@ -1,12 +1,12 @@
-//! When steps begin: in real time, or as soon as they can.
+//! Schedules of steps, in real time or as fast as possible.
 
 use super::clock::Clock;
 use super::timer::{Pace, Tick};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Says when each step of a loop begins.
+/// Determines when each step of a loop starts.
 pub trait Schedule {
-    /// Waits until the next step is due; none is due any more once `interrupted` is raised.
+    /// Waits until the next step is due. Returns `None` once `interrupted` is set.
     fn next_tick(&mut self, interrupted: &AtomicBool) -> Option<Tick>;
 }
 
@@ -22,7 +22,7 @@ impl<S: Schedule + ?Sized> Schedule for Box<S> {
     }
 }
 
-/// Steps one after the other without waiting, as a simulation makes them.
+/// Schedule without waiting, for simulations.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Unpaced {
     steps: u64,

@@ -1,31 +1,30 @@
-//! Waits for the multiples of the control period.
+//! Schedule at a fixed control period.
 
 use super::clock::{Clock, Monotonic};
 use super::error::PaceError;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// The longest sleep between two looks at whether to stop.
+/// Maximum duration of a sleep between two checks of the stop flag.
 pub(super) const NAP: Duration = Duration::from_millis(50);
 
 /// A step that is due.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tick {
-    /// How many periods have gone by since the start: 1 for the first tick when nothing is missed. The
-    /// step is that of the latest deadline that has come.
+    /// Number of periods since the start: 1 for the first tick if no period is missed. The step belongs to the latest
+    /// deadline that has passed.
     pub number: u64,
-    /// How long after the deadline that was waited for the wait ended, s. With missed periods, more than
-    /// a period.
+    /// Time between the awaited deadline and the end of the wait (s). It exceeds a period if periods were missed.
     pub lateness: f64,
-    /// Periods since the last tick that went by whole without a step. They are not made up for.
+    /// Number of whole periods since the last tick that passed without a step. Missed steps are not made up for.
     pub missed: u64,
-    /// Whether the deadline had passed when the wait began: the step before took longer than there was
-    /// time. Otherwise any lateness is the system's.
+    /// `true` if the deadline had passed when the wait began, that is, if the previous step took too long. Otherwise
+    /// any lateness is due to the system.
     pub overran: bool,
 }
 
 impl Tick {
-    /// The tick of step `number`, from 1, that begins on time.
+    /// Returns the tick of step `number` (from 1) without lateness.
     pub fn on_time(number: u64) -> Self {
         Self {
             number,
@@ -36,33 +35,34 @@ impl Tick {
     }
 }
 
-/// An absolute timer: deadlines are the multiples of a period since its start, however late a step was.
+/// Timer with absolute deadlines: they are the multiples of the period since the start, independent of the lateness
+/// of steps.
 #[derive(Clone, Debug)]
 pub struct Pace<C = Monotonic> {
     clock: C,
-    /// s.
+    /// Period (s).
     period: f64,
     start: Duration,
-    /// Which multiple of the period is due next.
+    /// Multiple of the period that is due next.
     next: u64,
 }
 
 impl Pace {
-    /// A pace of `period` (s) that starts now, on the system's monotonic clock. The first deadline is a
-    /// period away.
+    /// Creates a timer of `period` (s) that starts now, on the system's monotonic clock. The first deadline is one
+    /// period from now.
     ///
     /// # Errors
-    /// When the period is not between 1e-6 and 3600 s.
+    /// If the period is not between 1e-6 and 3600 s.
     pub fn new(period: f64) -> Result<Self, PaceError> {
         Self::with_clock(period, Monotonic::new())
     }
 }
 
 impl<C: Clock> Pace<C> {
-    /// A pace of `period` (s) that starts now, on `clock`.
+    /// Creates a timer of `period` (s) that starts now, on `clock`.
     ///
     /// # Errors
-    /// When the period is not between 1e-6 and 3600 s.
+    /// If the period is not between 1e-6 and 3600 s.
     pub fn with_clock(period: f64, clock: C) -> Result<Self, PaceError> {
         if !(1e-6..=3600.0).contains(&period) {
             return Err(PaceError::Period { period });
@@ -76,23 +76,23 @@ impl<C: Clock> Pace<C> {
         })
     }
 
-    /// The period, s.
+    /// Control period (s).
     pub fn period(&self) -> f64 {
         self.period
     }
 
-    /// When the next step is due, s since the start.
+    /// Next deadline, in s since the start.
     pub fn deadline(&self) -> f64 {
         self.since_start(self.next).as_secs_f64()
     }
 
-    /// Starts again: the next deadline is a period from now.
+    /// Restarts the timer: the next deadline is one period from now.
     pub fn restart(&mut self) {
         self.start = self.clock.now();
         self.next = 1;
     }
 
-    /// Sleeps until the next step is due; returns at once when it already is.
+    /// Sleeps until the next step is due; returns at once if it already is.
     pub fn wait(&mut self) -> Tick {
         let deadline = self.due();
         let asked = self.clock.now();
@@ -104,8 +104,7 @@ impl<C: Clock> Pace<C> {
         self.tick(asked, now)
     }
 
-    /// Sleeps until the next step is due, or for at most 50 ms after `stop` is raised: then none is due any
-    /// more.
+    /// Sleeps until the next step is due. Returns `None` if `stop` is set, within 50 ms.
     pub fn wait_unless(&mut self, stop: &AtomicBool) -> Option<Tick> {
         let deadline = self.due();
         let asked = self.clock.now();
@@ -114,7 +113,7 @@ impl<C: Clock> Pace<C> {
             if now >= deadline {
                 return Some(self.tick(asked, now));
             }
-            // A signal may wake another thread than this one, so a long sleep is taken in naps.
+            // A signal may wake another thread than this one, so long sleeps are split.
             self.clock.sleep_until(deadline.min(now + NAP));
             now = self.clock.now();
         }
@@ -126,13 +125,13 @@ impl<C: Clock> Pace<C> {
         self.start + self.since_start(self.next)
     }
 
-    /// The deadline of a multiple of the period, from the start. It is made by one product, so that what a
-    /// nanosecond cannot express does not add up.
+    /// Deadline of a multiple of the period, relative to the start. It is a single product, so that rounding to
+    /// nanoseconds does not accumulate.
     fn since_start(&self, multiple: u64) -> Duration {
         Duration::from_secs_f64(multiple as f64 * self.period)
     }
 
-    /// The tick of a wait that began at `asked` and ended at `now`, past the deadline.
+    /// Returns the tick of a wait that began at `asked` and ended at `now`, after the deadline.
     fn tick(&mut self, asked: Duration, now: Duration) -> Tick {
         let deadline = self.due();
         let number = self.latest(now);
@@ -146,10 +145,10 @@ impl<C: Clock> Pace<C> {
         }
     }
 
-    /// The last multiple of the period whose deadline is not after `now`; at least the next.
+    /// Latest multiple of the period whose deadline is not after `now`, but at least the next multiple.
     fn latest(&self, now: Duration) -> u64 {
         let elapsed = now.saturating_sub(self.start);
-        // The quotient is rounded, which may be one off at a deadline.
+        // Because of rounding, the quotient may be off by one at a deadline.
         let mut latest = (elapsed.as_secs_f64() / self.period) as u64;
         if self.since_start(latest) > elapsed {
             latest -= 1;

@@ -1,7 +1,7 @@
-"""Gymnasium environments: an experiment as episodes, single and as a native vector on threads.
+"""Gymnasium environments that run an experiment in episodes, single or as a native vector environment on threads.
 
-After ``import feeler``, ``gymnasium.make("feeler/CapClosing-v0")`` and
-``gymnasium.make_vec("feeler/CapClosing-v0", num_envs=256)`` make them.
+After ``import feeler``, create them with ``gymnasium.make("feeler/CapClosing-v0")`` or
+``gymnasium.make_vec("feeler/CapClosing-v0", num_envs=256)``.
 """
 
 from __future__ import annotations

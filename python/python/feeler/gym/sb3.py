@@ -1,4 +1,4 @@
-"""Stable-Baselines3's own kind of vector environment."""
+"""Vector environment for Stable-Baselines3."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ Indices = int | Iterable[int] | None
 class SB3VecEnv(Base):
     """A :class:`TactileVectorEnv` for Stable-Baselines3: ``PPO("MlpPolicy", SB3VecEnv(num_envs=64, experiment="lift"))``.
 
-    Actions are scaled: -1 to 1 is the range of the environment's, as its algorithms expect.
+    Actions are scaled: -1 to 1 maps to the range of the environment's action space, as the algorithms expect.
     """
 
     def __init__(self, num_envs: int, **options: Any) -> None:
-        """``options`` as those of :class:`TactileVectorEnv`, but for ``autoreset_mode`` and ``copy``."""
+        """Creates the environments; ``options`` as for :class:`TactileVectorEnv`, except ``autoreset_mode`` and ``copy``."""
         from gymnasium import spaces
 
         self.environments = TactileVectorEnv(num_envs, autoreset_mode=AutoresetMode.SAME_STEP, **options)
@@ -46,7 +46,7 @@ class SB3VecEnv(Base):
         self._actions: NDArray[np.float64] | None = None
 
     def seed(self, seed: int | None = None) -> list[int | None]:
-        """Seeds for the next :meth:`reset`."""
+        """Sets the seeds for the next :meth:`reset`."""
         self._seed = seed
         return [None if seed is None else seed + i for i in range(self.num_envs)]
 
@@ -58,13 +58,13 @@ class SB3VecEnv(Base):
         return observations
 
     def step_async(self, actions: NDArray[Any]) -> None:
-        """Takes the actions [num_envs, 3F], -1 to 1."""
+        """Stores the actions [num_envs, 3F], -1 to 1, for the next :meth:`step_wait`."""
         self._actions = np.asarray(actions, dtype=np.float64) * self._bounds
 
     def step_wait(self) -> tuple[Any, NDArray[np.float32], NDArray[np.bool_], list[dict[str, Any]]]:
-        """Makes the step: observations, rewards, whether episodes are over, infos."""
+        """Runs the step and returns observations, rewards, dones and infos."""
         if self._actions is None:
-            raise RuntimeError("step_wait: expected step_async first")
+            raise RuntimeError("step_wait: call step_async first")
         observations, rewards, terminated, truncated, infos = self.environments.step(self._actions)
         self._actions = None
         over = terminated | truncated
@@ -75,7 +75,7 @@ class SB3VecEnv(Base):
         return observations, rewards.astype(np.float32), over, rows
 
     def step(self, actions: NDArray[Any]) -> tuple[Any, NDArray[np.float32], NDArray[np.bool_], list[dict[str, Any]]]:
-        """Both halves of a step."""
+        """Runs :meth:`step_async` and :meth:`step_wait`."""
         self.step_async(actions)
         return self.step_wait()
 
@@ -84,19 +84,19 @@ class SB3VecEnv(Base):
         self.environments.close()
 
     def get_attr(self, attr_name: str, indices: Indices = None) -> list[Any]:
-        """The attribute of the environments, once for each."""
+        """Returns the attribute of the shared object once per environment."""
         return [getattr(self.environments, attr_name)] * len(self._numbers(indices))
 
     def set_attr(self, attr_name: str, value: Any, indices: Indices = None) -> None:
-        """Refuses: the environments are one object."""
-        raise NotImplementedError(f"{attr_name}: the environments are one object; make them with other options")
+        """Not supported, because all environments are one object."""
+        raise NotImplementedError(f"{attr_name}: the environments are one object; create them with other options")
 
     def env_method(self, method_name: str, *arguments: Any, indices: Indices = None, **options: Any) -> list[Any]:
-        """Refuses: the environments are one object."""
+        """Not supported, because all environments are one object."""
         raise NotImplementedError(f"{method_name}: the environments are one object; call its methods")
 
     def env_is_wrapped(self, wrapper_class: type[Any], indices: Indices = None) -> list[bool]:
-        """No environment is wrapped."""
+        """Returns ``False`` for each environment: none is wrapped."""
         return [False] * len(self._numbers(indices))
 
     def _numbers(self, indices: Indices) -> Sequence[int]:

@@ -1,4 +1,4 @@
-"""What observations and actions are made of."""
+"""Observation and action spaces of the environments."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ ObservationKind = Literal["flat", "dict"]
 Observation = NDArray[np.float32] | dict[str, NDArray[np.float32]]
 
 PICTURE_SHAPE = (360, 480, 3)
-"""Rows, columns and colours of a rendered picture."""
+"""Rows, columns and colour channels of a rendered image."""
 
 
 class Spaces:
-    """The spaces of an environment, and the way from its flat numbers to a dictionary."""
+    """Spaces of an environment, and conversion of flat observations to dictionaries."""
 
     def __init__(self, spec: _core.EnvironmentSpec, kind: ObservationKind) -> None:
         if kind not in ("flat", "dict"):
@@ -52,7 +52,7 @@ class Spaces:
         return (self.fingers, length) if length > 1 else (self.fingers,)
 
     def observe(self, flat: NDArray[np.float32]) -> Observation:
-        """The observation of flat numbers [..., L]: themselves, or parts of them by name [..., F, ...]."""
+        """Converts flat observations [..., L] to the kind of this space: unchanged, or split by name [..., F, ...]."""
         return flat if self.kind == "flat" else self._parts(flat)
 
     def _parts(self, flat: NDArray[np.float32]) -> dict[str, NDArray[np.float32]]:
@@ -64,10 +64,10 @@ class Spaces:
         }
 
     def info(self, numbers: NDArray[np.float64]) -> dict[str, float]:
-        """What is told of one step, by name."""
+        """Returns the info of one step by name."""
         return dict(zip(self.info_names, numbers.tolist(), strict=True))
 
 
 def expressions(vary: Mapping[str, str] | None) -> list[str]:
-    """``{"friction": "uniform(0.3,1.2)"}`` as the program's ``--vary`` takes it."""
+    """Converts ``{"friction": "uniform(0.3,1.2)"}`` into arguments of the program's ``--vary`` option."""
     return [f"{name}={distribution}" for name, distribution in (vary or {}).items()]

@@ -1,4 +1,4 @@
-"""One environment."""
+"""A single environment."""
 
 from __future__ import annotations
 
@@ -16,24 +16,23 @@ from feeler.sensing import PathLike
 
 
 class TactileEnv(gymnasium.Env[Observation, NDArray[np.float64]]):
-    """An experiment as episodes, a control step at a time.
+    """An environment that runs an experiment in episodes; each step is one control step.
 
-    The experiment's task runs inside and plans (SEARCH, MOVE, RELEASE, RETURN); the agent stands where the control law does: it
-    gets what a law gets, and says how the fingertips are to move. What it says passes the limits that every command passes.
-    Rewards and info are of the simulated world's true state, which observations never contain; the page *Learning* of the book
-    says what they are and why.
+    The experiment's task plans the motion (SEARCH, MOVE, RELEASE, RETURN). The agent replaces the control law: it receives
+    the same data and chooses the motion of the fingertips, to which the usual limits apply. Rewards and info are computed from
+    the simulated world's true state, which observations never contain; the book's page *Learning* describes them.
 
-    Observations are flat (float32 [L], one finger's numbers after the other's) or a dictionary of float32 arrays for F fingers
-    of E elements: ``forces`` [F, E, 3] (N, in E_i), ``touch``, ``slip``, ``over`` [F] (0 or 1), ``grasp_force`` [F] (N),
+    Observations are flat (float32 [L], the fingers one after the other) or a dictionary of float32 arrays for F fingers of E
+    elements: ``forces`` [F, E, 3] (N, in E_i), ``touch``, ``slip``, ``over`` [F] (0 or 1), ``grasp_force`` [F] (N),
     ``joint_angles`` [F, 3] (rad), ``joint_velocities`` [F, 3] (rad/s), ``last_action`` [F, 3] (m/s), ``planned_velocity``
-    [F, 3] (m/s), ``towards_object`` [F, 3], ``reflex``, ``keep_grasp`` [F] (0 or 1: whether the plan asks for it). Velocities
-    and directions are in the fingertip's frame T.
+    [F, 3] (m/s), ``towards_object`` [F, 3], ``reflex``, ``keep_grasp`` [F] (1 if the plan requests it, otherwise 0).
+    Velocities and directions are in the fingertip's frame T.
 
     Actions are float64 [3F]: velocities of the fingertips in T (``fingertip``) or W (``world``), m/s, or of the joints
-    (``joints``), rad/s. What exceeds the limits is clipped; what is not finite is refused.
+    (``joints``), rad/s. Actions beyond the limits are clipped; non-finite ones raise an error.
 
-    It can be pickled and copied, as for processes of joblib, Ray or multiprocessing. The copy makes the steps of the episode
-    under way again.
+    Environments can be pickled and copied, for example for joblib, Ray or multiprocessing. A copy repeats the steps of the
+    current episode.
     """
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 100}  # noqa: RUF012 (as in the base class)
@@ -48,26 +47,26 @@ class TactileEnv(gymnasium.Env[Observation, NDArray[np.float64]]):
         observation: ObservationKind = "flat",
         render_mode: str | None = None,
     ) -> None:
-        """The environment, before its first episode.
+        """Creates the environment; call :meth:`reset` to start an episode.
 
         Parameters
         ----------
         experiment
-            A built-in experiment, or a file.
+            An experiment file, or the name of a built-in experiment.
         settings
-            Values of it. Forces are sensed directly unless ``{"sensing": "image"}`` is among them.
+            Values of the experiment. Forces are sensed directly unless they contain ``{"sensing": "image"}``.
         vary
-            What each episode draws anew, as in ``{"friction": "uniform(0.3,1.2)"}``; names and distributions are those of
-            sweeps.
+            Distributions from which each episode draws parameters, as in ``{"friction": "uniform(0.3,1.2)"}``. Names and
+            distributions are those of sweeps.
         action, observation
-            What the numbers mean; see the class.
+            Kind of actions and observations; see the class.
         render_mode
-            ``"rgb_array"``, or None for none.
+            ``"rgb_array"``, or ``None`` to disable rendering.
 
         Raises
         ------
         ValueError
-            When the experiment cannot be used, or there are no rewards for its task.
+            If the experiment is invalid, or no rewards are defined for its task.
         """
         if render_mode is not None and render_mode not in self.metadata["render_modes"]:
             raise ValueError(f"render_mode = {render_mode!r}: expected None or one of {self.metadata['render_modes']}")
@@ -86,32 +85,32 @@ class TactileEnv(gymnasium.Env[Observation, NDArray[np.float64]]):
         self._info = np.empty(len(spec.info_names))
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict[str, Any]]:
-        """Begins the episode of ``seed``, or the next of those that follow from the last seed given.
+        """Begins the episode of ``seed``, or without a seed, the next episode that is derived from the last seed given.
 
-        The seed alone determines the episode: what varies in it, noise, where the cap seats.
+        The seed alone determines the episode: varied parameters, noise and the cap's seat.
         """
         fresh = self._np_random_seed is None
         super().reset(seed=seed)
         if seed is None and fresh:
-            # The first episode of an environment that nobody gave a seed.
+            # The first episode without any seed.
             seed = int(self.np_random.integers(2**63))
         flat = np.empty(self._spaces.length, dtype=np.float32)
         own = self._environment.reset(seed, flat, self._info)
-        # The seed last given, and which of the episodes that follow from it this is.
+        # The last seed given, and the index of this episode among those derived from it.
         given, following = self._episode or (own, -1)
         self._episode = (given, following + 1) if seed is None else (own, 0)
         self._actions = []
         return self._spaces.observe(flat), {"seed": own, **self._spaces.info(self._info)}
 
     def step(self, action: ArrayLike) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
-        """Makes a control step in which the fingers do what ``action`` says.
+        """Runs one control step with ``action``.
 
         Raises
         ------
         ValueError
-            When the action has another shape or a number that is not finite.
+            If the action has another shape or a non-finite component.
         RuntimeError
-            When there is no episode under way.
+            If no episode is in progress.
         """
         flat = np.empty(self._spaces.length, dtype=np.float32)
         numbers = np.ascontiguousarray(action, dtype=np.float64)
@@ -125,7 +124,7 @@ class TactileEnv(gymnasium.Env[Observation, NDArray[np.float64]]):
         return self._spaces.observe(flat), reward, terminated, truncated, info
 
     def render(self) -> NDArray[np.uint8] | None:
-        """A picture of the scene: links, domes with their elements coloured by force, objects; uint8 [H, W, 3]."""
+        """Renders the scene (links, domes with elements coloured by force, objects) as uint8 [H, W, 3]."""
         if self.render_mode is None:
             return None
         picture = np.empty(PICTURE_SHAPE, dtype=np.uint8)
@@ -133,17 +132,17 @@ class TactileEnv(gymnasium.Env[Observation, NDArray[np.float64]]):
         return picture
 
     def guide(self) -> NDArray[np.float64]:
-        """The action that follows the task's plan."""
+        """Returns the action that follows the task's plan."""
         action = np.empty(self.action_space.shape or ())
         self._environment.guide(action)
         return action
 
     def __getstate__(self) -> dict[str, Any]:
-        """What a copy is made of: an episode under way is its seed and its actions, which determine it."""
+        """Returns the state of a copy. The current episode is stored as its seed and actions, which determine it."""
         return {name: value for name, value in self.__dict__.items() if name != "_environment"}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        """Makes the environment again, and the episode under way up to its newest step."""
+        """Recreates the environment, and repeats the current episode up to its latest step."""
         self.__dict__.update(state)
         self._environment = _core.SingleEnvironment(*self._made_of)
         if self._episode is None:

@@ -1,4 +1,4 @@
-"""Many environments that step together, on threads of Rust."""
+"""Vector environment whose environments are stepped together, on native threads."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from feeler.sensing import BoolArray, FloatArray, PathLike
 
 
 class TactileVectorEnv(VectorEnv[Observation, FloatArray, NDArray[Any]]):
-    """``num_envs`` environments as :class:`TactileEnv`; number i comes out as a single one would with its seed."""
+    """A vector of ``num_envs`` environments. Each gives the same results as a :class:`TactileEnv` with the same seed."""
 
     def __init__(
         self,
@@ -35,28 +35,28 @@ class TactileVectorEnv(VectorEnv[Observation, FloatArray, NDArray[Any]]):
         copy: bool = True,
         render_mode: str | None = None,
     ) -> None:
-        """The environments, before their first episodes.
+        """Creates the environments; call :meth:`reset` to start episodes.
 
         Parameters
         ----------
         num_envs
-            How many.
+            Number of environments.
         experiment, settings, vary, action, observation
-            As of :class:`TactileEnv`.
+            As for :class:`TactileEnv`.
         threads
-            How many step them; as many as there are processors if left out.
+            Number of threads; by default, the number of available processors.
         autoreset_mode
-            When an environment whose episode is over begins the next: in the step after, in the same step
-            (``infos["final_obs"]`` is how the old one ended), or when told to, by ``reset(options={"reset_mask": ...})``.
+            When an environment begins a new episode after the end of one: in the next step, in the same step
+            (``infos["final_obs"]`` contains the last observation), or by ``reset(options={"reset_mask": ...})`` only.
         copy
-            Whether each step returns arrays of its own. Without, they are written over by the next step, and read-only.
+            ``True`` returns new arrays from each step. ``False`` returns read-only views that the next step overwrites.
         render_mode
-            ``"rgb_array"``, or None for none.
+            ``"rgb_array"``, or ``None`` to disable rendering.
 
         Raises
         ------
         ValueError
-            When the experiment cannot be used, or there are no rewards for its task.
+            If the experiment is invalid, or no rewards are defined for its task.
         """
         mode = AutoresetMode(autoreset_mode)
         if render_mode not in (None, "rgb_array"):
@@ -100,20 +100,20 @@ class TactileVectorEnv(VectorEnv[Observation, FloatArray, NDArray[Any]]):
         seed: int | Sequence[int | None] | None = None,
         options: dict[str, Any] | None = None,
     ) -> tuple[Observation, dict[str, Any]]:
-        """Begins an episode in each environment, or in each that ``options["reset_mask"]`` has ``True`` for.
+        """Begins an episode in each environment, or in each with ``True`` in ``options["reset_mask"]``.
 
         Parameters
         ----------
         seed
-            One for each environment; of a number ``s``, environment i gets ``s + i``. Without seeds, episodes follow from
-            the last ones given.
+            One seed per environment, or a number ``s``, which gives environment i the seed ``s + i``. Without seeds, episodes
+            are derived from the last seeds given.
         options
             ``{"reset_mask": bool [num_envs]}``.
         """
         fresh = self._np_random_seed is None
         super().reset(seed=seed if isinstance(seed, int) else None)
         if seed is None and fresh:
-            # The first episodes of environments that nobody gave seeds.
+            # The first episodes without any seeds.
             seeds: list[int | None] = self.np_random.integers(2**62, size=self.num_envs).tolist()
         elif seed is None:
             seeds = [None] * self.num_envs
@@ -129,14 +129,14 @@ class TactileVectorEnv(VectorEnv[Observation, FloatArray, NDArray[Any]]):
         return self._observations(), self._infos()
 
     def step(self, actions: ArrayLike) -> tuple[Observation, FloatArray, BoolArray, BoolArray, dict[str, Any]]:
-        """Makes a control step in each environment.
+        """Runs one control step in each environment.
 
         Raises
         ------
         ValueError
-            When ``actions`` is not [num_envs, 3F], or a number of it is not finite.
+            If ``actions`` is not [num_envs, 3F], or has a non-finite component.
         RuntimeError
-            When an environment failed: which, and why.
+            If an environment failed; the message names it and the reason.
         """
         numbers = np.ascontiguousarray(actions, dtype=np.float64)
         if numbers.shape != self.action_space.shape:
@@ -151,7 +151,7 @@ class TactileVectorEnv(VectorEnv[Observation, FloatArray, NDArray[Any]]):
         return self._observations(), _view(rewards), _view(terminated), _view(truncated), infos
 
     def render(self) -> tuple[NDArray[np.uint8], ...] | None:
-        """A picture of each scene, as of :meth:`TactileEnv.render`."""
+        """Renders each scene, as :meth:`TactileEnv.render`."""
         if self.render_mode is None:
             return None
         pictures = np.empty((self.num_envs, *PICTURE_SHAPE), dtype=np.uint8)
@@ -160,7 +160,7 @@ class TactileVectorEnv(VectorEnv[Observation, FloatArray, NDArray[Any]]):
         return tuple(pictures)
 
     def guide(self) -> FloatArray:
-        """The actions [num_envs, 3F] that follow the tasks' plans."""
+        """Returns the actions [num_envs, 3F] that follow the tasks' plans."""
         actions = np.empty(self.action_space.shape or ())
         self._environments.guide(actions)
         return actions
@@ -176,7 +176,7 @@ class TactileVectorEnv(VectorEnv[Observation, FloatArray, NDArray[Any]]):
         return {name: table[:, column] for column, name in enumerate(self._spaces.info_names)}
 
     def _add_last(self, infos: dict[str, Any]) -> None:
-        """How the episodes ended that were over in this step, as Gymnasium has it."""
+        """Adds the last observations and infos of the episodes that ended in this step, in Gymnasium's format."""
         over = self._results[2] | self._results[3]
         if not over.any():
             return
@@ -196,7 +196,7 @@ class TactileVectorEnv(VectorEnv[Observation, FloatArray, NDArray[Any]]):
 
 
 def _processors() -> int:
-    """Processors that this process may use."""
+    """Number of processors available to this process."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 

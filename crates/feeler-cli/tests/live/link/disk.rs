@@ -67,9 +67,9 @@ fn on_a_frozen_disk(setup: Setup, test: impl FnOnce(&mut Rig, &mut Running, &Dis
 fn a_disk_that_hangs_leaves_a_gap_and_stops_no_hand() {
     let setup = Setup::new("link-frozen-disk").with(&[NO_HURRY]).at(QUARTER);
     on_a_frozen_disk(setup, |rig, hand, disk| {
-        hand.wait_for("recording: the disk takes nothing");
+        hand.wait_for("recording: the disk accepts no data");
         assert!(disk.freeze(false));
-        hand.wait_for("recording: goes on");
+        hand.wait_for("recording: resumed");
         hand.signal("INT");
         let (status, said) = hand.wait();
         assert_eq!(status, Some(1), "{said}");
@@ -90,7 +90,7 @@ fn a_disk_that_hangs_stops_the_hand_where_the_experiment_says_so() {
         .with(&[NO_HURRY, stop])
         .at(QUARTER);
     on_a_frozen_disk(setup, |_, hand, disk| {
-        hand.wait_for("the hand was stopped: recording: the disk takes nothing");
+        hand.wait_for("the hand was stopped: recording: the disk accepts no data");
         assert!(disk.freeze(false));
         let (status, said) = hand.wait();
         assert_eq!(status, Some(1), "{said}");
@@ -101,7 +101,7 @@ fn a_disk_that_hangs_stops_the_hand_where_the_experiment_says_so() {
 fn the_end_waits_for_a_disk_that_hangs_but_not_for_ever() {
     let setup = Setup::new("link-disk-end").with(&[NO_HURRY]).at(QUARTER);
     on_a_frozen_disk(setup, |rig, hand, disk| {
-        hand.wait_for("recording: the disk takes nothing");
+        hand.wait_for("recording: the disk accepts no data");
         hand.signal("INT");
         // The system lets go of the program only once its disk answers, but it has said all before.
         hand.wait_for("the recording is partial");
@@ -125,7 +125,7 @@ fn a_full_disk_ends_the_record_and_not_the_hand() {
         .at(QUARTER)
         .start();
     let mut hand = rig.setup.hand_with_files_up_to(300);
-    hand.wait_for("the hand goes on without a record");
+    hand.wait_for("the hand continues without recording");
     std::thread::sleep(Duration::from_millis(300));
     hand.signal("INT");
     let (status, said) = hand.wait();

@@ -54,7 +54,7 @@ fn a_sensor_program_that_is_killed_stops_the_hand_until_it_is_told_to_go_on() {
     hand.wait_for("stopped: the forces of finger 1");
     let refused = rig.setup.order("resume", &[]);
     assert_eq!(refused.status, Some(1), "{refused:?}");
-    assert!(refused.stdout.contains("stays stopped"), "{refused:?}");
+    assert!(refused.stdout.contains("remains stopped"), "{refused:?}");
     rig.start_sense(1);
     rig.resume(&hand);
     hand.wait_for("going on");

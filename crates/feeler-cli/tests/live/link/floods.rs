@@ -42,12 +42,12 @@ fn failed_handshakes_keep_no_stop_out() {
         over.store(true, Ordering::Relaxed);
         let told = told.done();
         assert!(
-            told.contains("stands still: told to stop by the test"),
+            told.contains("is stopped: stop requested by the test"),
             "{told}"
         );
     });
-    hand.wait_for("stopped: told to stop by the test");
-    check(&mut rig, hand, "told to stop by the test");
+    hand.wait_for("stopped: stop requested by the test");
+    check(&mut rig, hand, "stop requested by the test");
 }
 
 #[test]
@@ -58,12 +58,12 @@ fn silent_connections_keep_no_stop_out() {
     let silent: Vec<TcpStream> = (0..120).map(|_| connect()).collect();
     let told = rig.setup.order("stop", &[]).done();
     assert!(
-        told.contains("stands still: told to stop by the test"),
+        told.contains("is stopped: stop requested by the test"),
         "{told}"
     );
     drop(silent);
-    hand.wait_for("stopped: told to stop by the test");
-    check(&mut rig, hand, "told to stop by the test");
+    hand.wait_for("stopped: stop requested by the test");
+    check(&mut rig, hand, "stop requested by the test");
 }
 
 /// Garbage on all topics, as fast as it goes.

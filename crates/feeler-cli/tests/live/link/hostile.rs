@@ -32,7 +32,7 @@ fn a_hostile_peer_is_counted_and_moves_nothing() {
     let mut hand = rig.moving_hand(&[]);
     // A hand that is told to stop stays so, whatever comes.
     rig.setup.order("stop", &[]).done();
-    hand.wait_for("stopped: told to stop by the test");
+    hand.wait_for("stopped: stop requested by the test");
     let peer = connect(&rig.setup.endpoint);
     let instances = spy(&peer);
     let stops = Arc::new(Mutex::new(Vec::new()));
@@ -49,7 +49,7 @@ fn a_hostile_peer_is_counted_and_moves_nothing() {
     assert!(told.stdout.contains("somebody"), "{told:?}");
     rig.resume_from(&hand, "somebody");
     hand.wait_for("going on");
-    let said = check(&mut rig, hand, "told to stop by the test");
+    let said = check(&mut rig, hand, "stop requested by the test");
     for said in [said.hand, said.world] {
         for reason in ["malformed", "of another size", "not finite", "too long"] {
             assert!(said.contains(reason), "no {reason:?} in {said}");

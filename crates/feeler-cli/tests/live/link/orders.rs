@@ -16,16 +16,16 @@ fn a_hand_stops_when_told_to_and_goes_on_when_told_to() {
     let mut hand = rig.moving_hand(&[]);
     let told = rig.setup.order("stop", &[]).done();
     assert!(
-        told.contains("stands still: told to stop by the test"),
+        told.contains("is stopped: stop requested by the test"),
         "{told}"
     );
-    hand.wait_for("stopped: told to stop by the test");
+    hand.wait_for("stopped: stop requested by the test");
     let told = rig.resume(&hand);
-    assert!(told.contains("goes on"), "{told}");
+    assert!(told.contains("has resumed"), "{told}");
     hand.wait_for("going on");
     let told = rig.setup.order("resume", &[]);
-    assert!(told.stdout.contains("no stop"), "{told:?}");
-    check(&mut rig, hand, "told to stop by the test");
+    assert!(told.stdout.contains("not stopped"), "{told:?}");
+    check(&mut rig, hand, "stop requested by the test");
 }
 
 #[test]
@@ -51,7 +51,7 @@ fn stops_of_two_need_two_resumes() {
     assert!(passer_by.stderr.contains("--number"), "{passer_by:?}");
     rig.resume_from(&hand, "the door\u{1b}[2J");
     hand.wait_for("going on");
-    check(&mut rig, hand, "told to stop by the test");
+    check(&mut rig, hand, "stop requested by the test");
 }
 
 /// Whoever resumes all that he can think of resumes no stop that is yet to come.
@@ -81,11 +81,11 @@ fn a_stop_holds_against_resumes_that_do_not_name_it() {
         thread::sleep(Duration::from_millis(500));
         over.store(true, Ordering::Relaxed);
         let [first, second] = orders;
-        assert!(!first.stdout.contains("stands still"), "{first:?}");
+        assert!(!first.stdout.contains("the hand is stopped"), "{first:?}");
         let second = second.done();
-        assert!(second.contains("stands still"), "{second}");
+        assert!(second.contains("the hand is stopped"), "{second}");
     });
-    check(&mut rig, hand, "told to stop by the test");
+    check(&mut rig, hand, "stop requested by the test");
     let task = rig.setup.recording().task;
     let since = task.iter().rposition(|step| !step.reason.is_empty());
     let held = &task[since.expect("the second stop")..];
@@ -99,11 +99,11 @@ fn a_long_name_hides_no_hand() {
     let mut hand = rig.moving_hand(&[]);
     let name = "x".repeat(65_519);
     let told = rig.setup.order_from("stop", &name).done();
-    assert!(told.contains("stands still"), "{told}");
-    hand.wait_for("stopped: told to stop by xxx");
+    assert!(told.contains("the hand is stopped"), "{told}");
+    hand.wait_for("stopped: stop requested by xxx");
     rig.resume_from(&hand, &name);
     hand.wait_for("going on");
-    check(&mut rig, hand, "told to stop by xxx");
+    check(&mut rig, hand, "stop requested by xxx");
 }
 
 #[test]
@@ -134,10 +134,10 @@ fn only_who_has_a_certificate_of_the_lab_takes_part() {
     rig.setup
         .order("stop", &elsewhere)
         .refused(&["no hand of rig"]);
-    assert!(!hand.said().contains("told to stop"), "{}", hand.said());
+    assert!(!hand.said().contains("stop requested"), "{}", hand.said());
     rig.setup.order("stop", &lab).done();
-    hand.wait_for("stopped: told to stop by the test");
-    check(&mut rig, hand, "told to stop by the test");
+    hand.wait_for("stopped: stop requested by the test");
+    check(&mut rig, hand, "stop requested by the test");
 }
 
 #[test]

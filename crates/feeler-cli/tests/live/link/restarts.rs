@@ -73,9 +73,9 @@ fn a_hand_may_start_again_beside_its_rig() {
     }
     let mut hand = rig.moving_hand(&[]);
     let told = rig.setup.order("stop", &[]).done();
-    assert!(told.contains("stands still"), "{told}");
-    hand.wait_for("stopped: told to stop");
-    check(&mut rig, hand, "told to stop");
+    assert!(told.contains("the hand is stopped"), "{told}");
+    hand.wait_for("stopped: stop requested");
+    check(&mut rig, hand, "stop requested");
 }
 
 /// A picture of an unloaded fingertip of the reference rig.

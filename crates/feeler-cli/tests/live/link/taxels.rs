@@ -71,9 +71,9 @@ fn a_hand_moves_on_what_taxels_feel() {
     rig.senses[0] = drive(&rig);
     let mut hand = rig.moving_hand(&[]);
     let told = rig.setup.order("stop", &[]).done();
-    assert!(told.contains("stands still"), "{told}");
-    hand.wait_for("stopped: told to stop");
-    check(&mut rig, hand, "told to stop");
+    assert!(told.contains("the hand is stopped"), "{told}");
+    hand.wait_for("stopped: stop requested");
+    check(&mut rig, hand, "stop requested");
     let recording = rig.setup.recording();
     let frames = &recording.fingers[0].tactile;
     let felt = frames.iter().map(|frame| DVec3::from(frame.forces[FELT]));

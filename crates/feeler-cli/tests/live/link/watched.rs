@@ -96,7 +96,7 @@ fn keys_reach_the_hand_and_it_is_missed_when_it_is_gone() {
     terminal.wait_for("SEARCH");
     terminal.press("s");
     terminal.wait_for("STOPPED");
-    hand.wait_for("stopped: told to stop by the keyboard of feeler top");
+    hand.wait_for("stopped: stop requested by the keyboard of feeler top");
     // A busy machine may have stopped the hand for want of fresh data, too.
     within_reason(&hand, || {
         terminal.press("r");
@@ -104,7 +104,7 @@ fn keys_reach_the_hand_and_it_is_missed_when_it_is_gone() {
         hand.said().contains("going on")
     });
     hand.signal("KILL");
-    terminal.wait_for("not heard");
+    terminal.wait_for("silent for");
     terminal.press("q");
     let (drawn, status) = terminal.end();
     assert_eq!(status, Some(0), "{drawn}");

@@ -52,10 +52,10 @@ fn a_node_outlives_its_hand_and_a_frozen_one_holds_none_up() {
     let graph = unused_endpoint();
     let mut node = node(&rig, "ros2", &graph);
     node.wait_for("is the ROS 2 node");
-    node.wait_for("nobody is at tcp/127.0.0.1:");
+    node.wait_for("nothing found at tcp/127.0.0.1:");
     node.signal("STOP");
     let told = rig.setup.order("stop", &[]).done();
-    assert!(told.contains("stands still"), "{told}");
+    assert!(told.contains("the hand is stopped"), "{told}");
     rig.resume(&hand);
     node.signal("CONT");
 

@@ -48,7 +48,7 @@ fn another_implementation_stops_and_resumes_the_hand_of_a_rig() {
     assert!(
         answers[0]["message"]
             .to_string()
-            .contains("told to stop by the ROS 2 node /feeler"),
+            .contains("stop requested by the ROS 2 node /feeler"),
         "{answers:?}"
     );
     assert_eq!(answers[1]["success"], true, "{answers:?}");

@@ -238,7 +238,7 @@ fn whatever_is_wrong_with_a_robot_or_its_fingertip_stops_the_hand() {
         count(&lab, "going on") > resumed
     });
     let said = lab.rig.said();
-    for words in ["the robot's joint states are there", "ahead of the clock"] {
+    for words in ["receiving the robot's joint states", "ahead of the clock"] {
         assert!(said.contains(words), "{words}: {said}");
     }
     // Of a robot that is silent, the stamps are too old a moment before or after nothing came for too long: who looks says one of both.

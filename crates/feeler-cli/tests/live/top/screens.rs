@@ -95,7 +95,7 @@ fn a_hand_that_stopped() {
     check(&stopped(), &words, &["no fault"]);
     let mut resumed = stopped();
     resumed.fault.as_mut().unwrap().over = true;
-    check(&resumed, &["over: 3.21 s: the forces"], &["✗"]);
+    check(&resumed, &["resolved: 3.21 s: the forces"], &["✗"]);
 }
 
 #[test]
@@ -103,7 +103,7 @@ fn a_program_that_is_silent_and_one_that_is_refused() {
     let words = ["2.5 s", "✗ REFUSE", " 0.50 s", "7 missed here"];
     check(&silent(), &words, &["simulated", "truth"]);
     let wide = screen(&silent(), 120, 40);
-    for word in ["✗ REFUSED: another", "○ not heard for 2.5 s"] {
+    for word in ["✗ REFUSED: another", "○ silent for 2.5 s"] {
         assert!(wide.contains(word), "no {word:?} in\n{wide}");
     }
     let narrow = screen(&silent(), 80, 24);
@@ -112,11 +112,7 @@ fn a_program_that_is_silent_and_one_that_is_refused() {
 
 #[test]
 fn nothing_is_known_yet() {
-    let words = [
-        "no hand is heard",
-        "no finger heard of yet",
-        "no torque sensor",
-    ];
+    let words = ["no hand found", "no fingers found yet", "no torque sensor"];
     check(&Snapshot::default(), &words, &["stop the hand"]);
 }
 

@@ -51,9 +51,9 @@ fn keys_stop_the_hand_and_let_it_go_on_and_leave() {
     };
     terminal.wait_for("simulated");
     terminal.press("s");
-    terminal.wait_for("told");
+    terminal.wait_for("stop requested");
     terminal.press("r");
-    terminal.wait_for("over:");
+    terminal.wait_for("resolved:");
     terminal.press("\u{3}");
     let (drawn, status) = terminal.end();
     assert_eq!(status, Some(1), "{drawn}");
@@ -63,7 +63,7 @@ fn keys_stop_the_hand_and_let_it_go_on_and_leave() {
     // What was recorded is whole, and says who stopped the hand.
     run(&folder, &["report", "run"]).done();
     let recording = fs::read(folder.join("run/recording.mcap")).expect("a recording");
-    let words = b"told to stop by the keyboard";
+    let words = b"stop requested by the keyboard";
     assert!(recording.windows(words.len()).any(|part| part == words));
 }
 

@@ -28,5 +28,5 @@ fn what_is_neither_a_recording_nor_an_experiment_is_refused() {
     run(&folder, &["view", "none.mcap", "--no-open"]).refused(&["none.mcap"]);
     run(&folder, &["view", "no-such-rig", "--no-open"]).refused(&["no-such-rig"]);
     let arguments = ["run", "cap-closing", "--no-open", "--out=run"];
-    run(&folder, &arguments).refused(&["--no-open is for a run that is watched by --view"]);
+    run(&folder, &arguments).refused(&["--no-open requires --view"]);
 }

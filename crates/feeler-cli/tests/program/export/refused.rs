@@ -34,7 +34,7 @@ fn tables_replace_nothing_unless_told_to() {
     export(&onto_input).refused(&["--output one/recording.mcap", "expected a folder"]);
     fs::copy(folder.join("one/recording.mcap"), folder.join("in.parquet")).unwrap();
     let onto_input = ["in.parquet", "-o", "in.parquet", "--force"];
-    export(&onto_input).refused(&["it is an input"]);
+    export(&onto_input).refused(&["the file is an input"]);
     export(&["one", "one", "-o", "o"]).refused(&["two runs are called one"]);
     export(&["one", "in.parquet", "-o", "x.parquet"]).refused(&["2 are given", "a folder"]);
     export(&["nothing", "-o", "x.parquet"]).refused(&["nothing", "there is no recording"]);
@@ -79,7 +79,7 @@ fn a_data_set_replaces_only_a_data_set() {
     fs::create_dir(folder.join("mine")).unwrap();
     fs::write(folder.join("mine/file"), "mine").unwrap();
     for mine in ["file", "mine", "mine/"] {
-        export(&["one", "-o", mine, "--force"]).refused(&["is no data set"]);
+        export(&["one", "-o", mine, "--force"]).refused(&["is not a data set"]);
     }
     for nameless in [".", "set/.."] {
         export(&["one", "-o", nameless, "--force"]).refused(&["the name of a folder"]);
@@ -112,7 +112,7 @@ fn a_data_set_that_fails_leaves_none() {
     assert_eq!(names(&folder), ["one", "two"]);
     fs::create_dir_all(folder.join("set.part/data")).unwrap();
     let export = ["export", "lerobot", "one", "-o", "set"];
-    run(&folder, &export).refused(&["set.part", "an export that was killed"]);
+    run(&folder, &export).refused(&["set.part", "a killed export"]);
     run(&folder, &[&export[..], &["--force"]].concat()).done();
     assert_eq!(names(&folder), ["one", "set", "two"]);
 }

@@ -174,7 +174,7 @@ fn caps_that_are_oval_or_off_their_centre_are_closed() {
             &folder,
             &["run", "cap-closing", "--sensing=direct", set, "--out", &out],
         );
-        assert!(run.done().contains("claims of the paper hold"));
+        assert!(run.done().contains("claims of the paper pass"));
         let summary = std::fs::read_to_string(folder.join(&out).join("summary.json")).unwrap();
         let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
         assert_eq!(summary["strokes"].as_array().unwrap().len(), 4, "{set}");

@@ -214,7 +214,10 @@ fn outputs_that_cannot_be_written() {
         ),
         (
             "missing/out.csv",
-            ["--output missing/out.csv", "expected a file in a folder"],
+            [
+                "--output missing/out.csv",
+                "expected a file in a writable folder",
+            ],
         ),
         ("missing/out.mcap", ["missing/out.mcap", "No such file"]),
         (
@@ -300,7 +303,7 @@ fn an_input_is_never_written_over() {
         ]
     };
     for output in ["c.csv", "link.csv"] {
-        run(&folder, &onto(output)).refused(&["--output", output, "it is an input"]);
+        run(&folder, &onto(output)).refused(&["--output", output, "the file is an input"]);
     }
 }
 

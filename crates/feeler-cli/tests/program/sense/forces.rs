@@ -305,7 +305,7 @@ fn a_recorded_run_gives_its_forces_out() {
     }
     run(&folder, &["sense", "run", "--finger=2"]).refused(&["--finger 2", "less than 2"]);
     let onto_itself = ["sense", "run", "-o", "run/recording.mcap"];
-    run(&folder, &onto_itself).refused(&["it is an input"]);
+    run(&folder, &onto_itself).refused(&["the file is an input"]);
     run(&folder, &["sense", "run", "--layout", "none.toml"])
         .refused(&["--layout is for pictures", "run is something else"]);
     let bytes = fs::read(folder.join("run/recording.mcap")).unwrap();

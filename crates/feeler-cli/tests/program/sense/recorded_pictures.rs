@@ -137,5 +137,5 @@ fn pictures_go_into_mcap_alone() {
         "-o",
         "x.mcap",
     ];
-    run(&folder, &onto_itself).refused(&["x.mcap", "it is an input"]);
+    run(&folder, &onto_itself).refused(&["x.mcap", "the file is an input"]);
 }

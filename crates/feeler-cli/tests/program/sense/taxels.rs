@@ -344,7 +344,7 @@ fn bad_input_is_refused() {
         "forces.csv",
         "--force",
     ])
-    .refused(&["it is an input"]);
+    .refused(&["the file is an input"]);
     sense(&[
         "forces.csv",
         "--taxels",

@@ -1,4 +1,4 @@
-//! One element after the other is loaded: to pictures and their LOADS.csv.
+//! Guided loading of one element after another, saved as images with LOADS.csv.
 
 use super::folder::Folder;
 use super::guide::Guide;
@@ -22,10 +22,10 @@ pub struct Elements<'a> {
 }
 
 impl<'a> Elements<'a> {
-    /// Of what is in the folder, or of nothing.
+    /// Opens the folder at `path`, which may contain the results of an earlier session.
     ///
     /// # Errors
-    /// When the folder cannot be written to, holds something else, or what was taken of another sensor.
+    /// If the folder is not writable, or its contents are unrelated or belong to another sensor.
     pub fn open(
         path: &Path,
         sensor: &'a SensorGeometry,
@@ -54,7 +54,7 @@ impl<'a> Elements<'a> {
         })
     }
 
-    /// Elements of which something is missing.
+    /// Returns the number of incomplete elements.
     fn left(&self) -> usize {
         let elements = self.calibration.coverage().iter();
         elements.filter(|element| !element.is_complete()).count()

@@ -1,4 +1,4 @@
-//! What was taken live, on disk: pictures and their table, to which is added as they come.
+//! Folder of images recorded live, with a table that grows by one row per image.
 
 use feeler::sensor::frame::Picture;
 use feeler_console::CommandError;
@@ -9,24 +9,24 @@ use std::fs::{self, File};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// The folder.
+/// An open folder and its table.
 pub struct Folder {
     path: PathBuf,
     table: PathBuf,
     rows: File,
-    /// Pictures in it; the next one has this number.
+    /// Number of images; also the number of the next one.
     pictures: usize,
 }
 
 impl Folder {
-    /// Opens the folder, or makes it, with the table of this name and these columns; whether there are rows in it.
+    /// Opens or creates the folder with a table of the given name and columns; returns `true` if the table has rows.
     ///
     /// # Errors
-    /// When it cannot be written to, or holds something else.
+    /// If the folder is not writable, or contains other files and no such table.
     pub fn open(path: &Path, table: &str, columns: &str) -> Result<(Self, bool), CommandError> {
         let failed = |e: &dyn std::fmt::Display| {
             let path = path.display();
-            format!("{path}: {e}; expected a new folder, or one of an earlier --live")
+            format!("{path}: {e}; expected a new folder, or the folder of an earlier --live")
         };
         create_folder(path).map_err(|e| failed(&e))?;
         let name = table;
@@ -34,12 +34,12 @@ impl Folder {
         let is_new = !table.exists();
         let mut has_rows = false;
         if !is_new {
-            // Killed while it was written.
+            // The program may have been killed while writing.
             cut_torn_line(&table).map_err(|e| failed(&e))?;
             let text = fs::read_to_string(&table).map_err(|e| failed(&e))?;
             has_rows = text.lines().nth(1).is_some();
         } else if fs::read_dir(path).map_err(|e| failed(&e))?.next().is_some() {
-            return Err(failed(&format!("it is not empty, and has no {name}")).into());
+            return Err(failed(&format!("the folder is not empty and contains no {name}")).into());
         }
         let rows = File::options().create(true).append(true).open(&table);
         let mut rows = rows.map_err(|e| failed(&e))?;
@@ -55,30 +55,30 @@ impl Folder {
         Ok((folder, has_rows))
     }
 
-    /// The table.
+    /// Returns the path of the table.
     pub fn table(&self) -> &Path {
         &self.table
     }
 
-    /// Number of pictures in it.
+    /// Returns the number of images.
     pub fn pictures(&self) -> usize {
         self.pictures
     }
 
-    /// Takes note of pictures that were there before.
+    /// Adds images of an earlier session to the count.
     pub fn count(&mut self, pictures: usize) {
         self.pictures += pictures;
     }
 
-    /// Adds a picture, and the row that begins with its name and goes on with `values`.
+    /// Saves an image, and appends a row of its file name followed by `values`.
     pub fn add(&mut self, picture: &Picture, values: &str) -> Result<(), CommandError> {
         let name = self.save(picture)?;
-        // In one piece, so that only the system can tear it.
+        // A single write, so that only a crash of the system can tear the row.
         let written = self.rows.write_all(format!("{name},{values}\n").as_bytes());
         written.map_err(|e| format!("{}: {e}", self.table.display()).into())
     }
 
-    /// Writes a picture under the next name that is free: one whose row was not written any more is in the way of none.
+    /// Saves an image under the next free name. An existing file may lack its row if an earlier session was killed.
     fn save(&mut self, picture: &Picture) -> Result<String, CommandError> {
         let (name, path) = loop {
             let name = format!("{:05}.png", self.pictures);

@@ -1,4 +1,4 @@
-//! The force sensor under a fingertip, of whichever kind.
+//! Force sensors under a fingertip.
 
 use feeler_console::CommandError;
 use feeler_rig::WrenchAddress;
@@ -7,10 +7,10 @@ use feeler_rig::WrenchTopic;
 use feeler_sources::netft::{ForceSample, NetFt, NetFtAddress};
 use std::str::FromStr;
 
-/// What the address of a topic begins with.
+/// Prefix of a ROS 2 topic's address.
 const ROS2: &str = "ros2:";
 
-/// Where a force sensor is.
+/// Address of a force sensor.
 #[derive(Debug, Clone)]
 pub enum ForceAddress {
     /// ATI Net F/T sensor.
@@ -33,7 +33,7 @@ impl FromStr for ForceAddress {
     }
 }
 
-/// A force sensor that delivers.
+/// A connected force sensor.
 pub enum ForceSensor {
     NetFt(NetFt),
     #[cfg(feature = "ros2")]
@@ -41,7 +41,7 @@ pub enum ForceSensor {
 }
 
 impl ForceSensor {
-    /// Begins to listen to the sensor at `address`.
+    /// Connects to the sensor at `address`.
     pub fn connect(address: &ForceAddress) -> Result<Self, CommandError> {
         match address {
             ForceAddress::NetFt(address) => Ok(Self::NetFt(NetFt::connect(address)?)),
@@ -52,7 +52,7 @@ impl ForceSensor {
         }
     }
 
-    /// The next sample that has come in, if there is one. Does not wait.
+    /// Returns the next sample, or `None` if none has arrived. Does not block.
     pub fn next_sample(&self) -> Result<Option<ForceSample>, CommandError> {
         match self {
             Self::NetFt(sensor) => Ok(sensor.next_sample()?),

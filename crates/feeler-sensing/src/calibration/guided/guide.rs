@@ -1,4 +1,4 @@
-//! What a person who loads one element after the other is told.
+//! Display for the operator while loading one element after another.
 
 use super::screen::{Screen, missing_before_loads};
 use feeler::sensor::calibration::{FullScale, MadeFor};
@@ -9,11 +9,11 @@ use feeler_lab::sensor::SensorGeometry;
 use glam::DVec3;
 use std::fmt::Write as _;
 
-/// New samples of an element after which its error is found anew.
+/// Number of new samples of an element after which its error is estimated again.
 const SAMPLES: usize = 8;
-/// A probe does not pull: where a force does by so much of full scale, the force sensor's axes are others than said.
+/// Tension, as a fraction of full scale, above which the force sensor's axes must be wrong: a probe cannot pull.
 const PULLED: f64 = 0.1;
-/// Elements that are named as missing at most.
+/// Maximum number of missing elements that are listed.
 const NAMED: usize = 8;
 
 pub struct Guide<'a> {
@@ -23,9 +23,9 @@ pub struct Guide<'a> {
     screen: Screen,
     complete: usize,
     seen: Seen,
-    /// What was taken of each element since the start, to tell how well it can be fitted.
+    /// Samples of each element in this session, to estimate its fit.
     records: Vec<ElementRecord>,
-    /// The element whose error was found last, and its root mean square along x, y, z, N.
+    /// Element whose error was estimated last, and its root mean square error along x, y, z (N).
     error: Option<(usize, DVec3)>,
 }
 
@@ -43,22 +43,22 @@ impl<'a> Guide<'a> {
         }
     }
 
-    /// Takes what the newest picture was good for.
+    /// Registers how the latest image was used.
     pub fn seen(&mut self, seen: &Seen) {
         if let Seen::Enough { element, force } = *seen
             && force.z < -PULLED * self.full_scale.normal
         {
             self.warn(&format!(
-                "element {element} seems to be pulled: is --force-axes right?"
+                "element {element} seems to be pulled; check --force-axes"
             ));
         }
         self.seen = *seen;
     }
 
-    /// Takes a sample; finds the element's error where enough have come.
+    /// Adds a sample, and estimates the element's error after every few samples.
     pub fn sample(&mut self, element: usize, force: DVec3, moments: &[ElementMoments]) {
         for (index, (record, &moments)) in self.records.iter_mut().zip(moments).enumerate() {
-            // The others are not touched. A reference is the mean of some pictures, not of all.
+            // The other elements are unloaded. A reference is the mean of a limited number of images.
             if index == element {
                 record.fitted.push(LoadSample { force, moments });
             } else if record.unloaded.len() < 64 {
@@ -74,26 +74,26 @@ impl<'a> Guide<'a> {
             ..self.sensor.made_for.clone()
         };
         let record = std::slice::from_ref(record);
-        // Too few of a kind determine no map: it is found when there are more.
+        // The fit fails as long as there are too few samples of one kind.
         if let Ok(fitted) = fit(made_for, record, self.model, self.full_scale) {
             let rms = fitted.elements.first().map(|own| own.quality.held_out.rms);
             self.error = rms.map(|rms| (element, rms));
         }
     }
 
-    /// Says that something is wrong which may pass.
+    /// Shows a warning about a condition that may be temporary.
     pub fn warn(&mut self, what: &str) {
         self.screen.warn(what);
     }
 
-    /// Shows how far it is.
+    /// Shows the progress.
     pub fn show(&mut self, calibration: &LiveCalibration) {
         let stage = match calibration.stage() {
             Stage::Untouched { .. } => "do not touch the fingertip",
             Stage::Presses { .. } => {
-                "press any element three times and let go, to find how late the camera is"
+                "press and release any element three times, to measure the camera's latency"
             }
-            Stage::Loads => "load one element after the other",
+            Stage::Loads => "load one element after another",
         };
         let coverage = calibration.coverage();
         let complete = coverage
@@ -116,7 +116,7 @@ impl<'a> Guide<'a> {
         }
     }
 
-    /// Takes it off the screen.
+    /// Clears the display.
     pub fn end(&self) {
         self.screen.end();
     }
@@ -142,7 +142,7 @@ impl<'a> Guide<'a> {
                 )
             })
             .collect();
-        // Writing to a string does not fail.
+        // Writing to a `String` cannot fail.
         let _ = writeln!(text, "next: {}", names.join("; "));
         if let Some(error) = &self.error {
             let _ = writeln!(text, "{}", in_words(error));
@@ -150,7 +150,7 @@ impl<'a> Guide<'a> {
         text
     }
 
-    /// What is touched now and what is missing of it, in words.
+    /// Describes the current contact, and the loads missing from the touched element.
     fn now(&self, calibration: &LiveCalibration) -> String {
         match self.seen {
             Seen::Sample { element, force } | Seen::Enough { element, force } => {
@@ -158,20 +158,20 @@ impl<'a> Guide<'a> {
                     .missing(calibration.goal())
                     .to_string();
                 let missing = if missing.is_empty() {
-                    "complete: go on to another"
+                    "complete; continue with another element"
                 } else {
                     &missing
                 };
                 let DVec3 { x, y, z } = force;
                 format!("element {element}: {z:.2} N, shear {x:+.2}, {y:+.2} N; {missing}")
             }
-            Seen::Unclear => "touch one element alone, and slower".into(),
-            Seen::Untouched | Seen::Nothing => "nothing is touched".into(),
+            Seen::Unclear => "touch only one element, and more slowly".into(),
+            Seen::Untouched | Seen::Nothing => "no contact".into(),
         }
     }
 }
 
-/// How far an element's calibration is off so far.
+/// Describes the error of an element's calibration so far.
 fn in_words((element, rms): &(usize, DVec3)) -> String {
     let mn = 1e3 * *rms;
     format!(

@@ -34,9 +34,9 @@ pub const LOADS: &str = "LOADS.csv";
 /// Name of the table of wrenches on the whole fingertip.
 pub const FORCES: &str = "FORCES.csv";
 
-/// Pictures that wait for their forces at most: half a second's of a fast camera.
+/// Maximum number of images that wait for their forces: half a second of a fast camera.
 const WAITING: usize = 32;
-/// How long to wait for a picture before looking at forces and Ctrl-C.
+/// Time to wait for an image before checking for forces and Ctrl-C.
 const WAIT: Duration = Duration::from_millis(20);
 
 /// Camera and force sensor of a guided calibration, and what it calibrates.
@@ -74,35 +74,36 @@ impl GuideOptions<'_> {
     }
 }
 
-/// What a person does: which loads are wanted, and what is kept of them.
+/// A guided procedure: the loads that it requires, and the images that it saves.
 trait Work {
-    /// Takes a load on the fingertip, in its frame, at a time, s.
+    /// Adds a load on the fingertip, in its frame, measured at `at` (s).
     fn load(&mut self, at: f64, load: Wrench);
-    /// Whether loads are known for as long as a picture of that time needs.
+    /// Returns `true` if all loads needed for an image taken at `at` (s) have arrived.
     fn is_ready(&self, at: f64) -> bool;
-    /// Takes a picture of that time, and its moments.
+    /// Processes an image taken at `at` (s), and its moments.
     fn picture(
         &mut self,
         at: f64,
         picture: &Picture,
         moments: &[ElementMoments],
     ) -> Result<(), CommandError>;
-    /// Shows how far it is.
+    /// Shows the progress.
     fn show(&mut self);
-    /// Says that something is wrong which may pass.
+    /// Shows a warning about a condition that may be temporary.
     fn warn(&mut self, what: &str);
-    /// Takes it off the screen.
+    /// Clears the display.
     fn end(&self);
-    /// What is kept.
+    /// Returns the folder of saved images.
     fn kept(&self) -> &Folder;
-    /// What is missing, in words; none if nothing is.
+    /// Describes the missing loads, or returns `None` if the procedure is complete.
     fn missing(&self) -> Option<String>;
 }
 
-/// Guides through the loads until the folder has all that is needed, or Ctrl-C.
+/// Guides the operator until the folder contains all required loads, or until Ctrl-C.
 ///
 /// # Errors
-/// When the camera ends, or the folder cannot be written to; what was kept is there all the same, as after Ctrl-C.
+/// If the camera stream ends, the folder is not writable, or the procedure is interrupted. Images saved so far are
+/// kept.
 pub fn guide(
     options: &GuideOptions<'_>,
     folder: &Path,
@@ -146,22 +147,22 @@ pub fn guide(
         ""
     };
     Err(format!(
-        "{why}: {} pictures are kept in {place}, and {missing}; the same command goes on from there, and `feeler calibrate {}{wrench}` \
-         calibrates by what there is",
+        "{why}: saved {} images in {place}; {missing}. Repeat the command to continue, or run `feeler calibrate {}{wrench}` to \
+         calibrate with these images",
         kept.pictures(),
         kept.table().display()
     )
     .into())
 }
 
-/// A person at work.
+/// State of a guided calibration.
 struct Guided<'a> {
     sensor: &'a SensorGeometry,
     axes: ForceAxes,
     began: Instant,
-    /// When the camera's stamps were 0, if they are times of exposure.
+    /// Time at which the camera's stamps were 0, if they are times of exposure.
     exposed_since: Option<Instant>,
-    /// Pictures that wait for the forces of their time.
+    /// Images that wait for the forces at their time.
     waiting: VecDeque<(f64, Frame)>,
     moments: Vec<ElementMoments>,
     work: Box<dyn Work + 'a>,
@@ -190,7 +191,9 @@ impl Guided<'_> {
                 match frame {
                     Ok(frame) => self.waiting.push_back((self.time_of(&frame, at), frame)),
                     Err(error) if error.may_pass() => self.work.warn(&error.to_string()),
-                    Err(CameraError::Ended { .. }) => return Err("the camera has ended".into()),
+                    Err(CameraError::Ended { .. }) => {
+                        return Err("the camera stream has ended".into());
+                    }
                     Err(error) => return Err(error.into()),
                 }
             }
@@ -200,7 +203,7 @@ impl Guided<'_> {
         Ok(())
     }
 
-    /// Takes the pictures whose forces are known, and the oldest where too many wait.
+    /// Processes the images whose forces are known, and the oldest ones if too many wait.
     fn pictures(&mut self, pump: &FramePump) -> Result<(), CommandError> {
         while let Some(&(at, _)) = self.waiting.front()
             && (self.work.is_ready(at) || self.waiting.len() > WAITING)
@@ -214,7 +217,7 @@ impl Guided<'_> {
         Ok(())
     }
 
-    /// Seconds on the clock of forces and pictures.
+    /// Converts an instant to the common clock of forces and images (s).
     fn time(&self, at: Instant) -> f64 {
         at.saturating_duration_since(self.began).as_secs_f64()
     }
@@ -228,7 +231,7 @@ impl Guided<'_> {
         self.work.load(self.time(sample.at), load);
     }
 
-    /// The time that a picture is of: its stamp, if that tells, or when it came in.
+    /// Returns the time (s) of an image: of its exposure if the camera reports it, otherwise of its arrival.
     fn time_of(&self, frame: &Frame, at: Instant) -> f64 {
         match self.exposed_since {
             Some(since) => self.time(since) + frame.stamp,

@@ -1,20 +1,20 @@
-//! What a person who loads a fingertip is told: a few lines on a terminal; elsewhere a line for each step that is done.
+//! Display for the operator: a few lines that are updated on a terminal, otherwise one line per completed step.
 
 use feeler::sensor::live_calibration::{Delay, Stage};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{IsTerminal, Write as _, stderr};
 use std::time::{Duration, Instant};
 
-/// Redrawn this often at most.
+/// Minimum time between two updates.
 const INTERVAL: Duration = Duration::from_millis(100);
-/// A warning is shown for so long.
+/// Duration for which a warning is shown.
 const WARNED: Duration = Duration::from_secs(3);
 
 pub struct Screen {
     bar: ProgressBar,
     on_terminal: bool,
     drawn: Instant,
-    /// The stage that was said last.
+    /// Stage that was announced last.
     stage: Option<&'static str>,
     warning: Option<(String, Instant)>,
 }
@@ -33,14 +33,14 @@ impl Screen {
         }
     }
 
-    /// Says that a step is done, where there is no terminal.
+    /// Prints a completed step if standard error is not a terminal.
     pub fn step(&self, words: &str) {
         if !self.on_terminal {
             say(words);
         }
     }
 
-    /// Says that something is wrong which may pass.
+    /// Shows a warning about a condition that may be temporary.
     pub fn warn(&mut self, what: &str) {
         let is_new = self.warning.as_ref().is_none_or(|(said, _)| said != what);
         if is_new {
@@ -49,7 +49,7 @@ impl Screen {
         self.warning = Some((what.to_string(), Instant::now()));
     }
 
-    /// Says that a stage begins, in these words.
+    /// Announces the start of a stage.
     pub fn stage(&mut self, stage: Stage, words: &'static str, delay: Option<Delay>) {
         if self.stage == Some(words) {
             return;
@@ -57,11 +57,11 @@ impl Screen {
         self.stage = Some(words);
         self.step(words);
         if let (Stage::Loads, Some(delay)) = (stage, delay) {
-            self.step(&format!("the camera is {:.0} ms late", 1e3 * delay.seconds));
+            self.step(&format!("camera latency: {:.0} ms", 1e3 * delay.seconds));
         }
     }
 
-    /// Whether it is time to draw.
+    /// Returns `true` if the display is due for an update.
     pub fn is_due(&mut self) -> bool {
         let due = self.on_terminal && self.drawn.elapsed() >= INTERVAL;
         if due {
@@ -70,7 +70,7 @@ impl Screen {
         due
     }
 
-    /// Draws some lines.
+    /// Draws `lines`, and the latest warning if it is recent.
     pub fn draw(&self, mut lines: String) {
         if let Some((warning, at)) = &self.warning
             && at.elapsed() < WARNED
@@ -80,20 +80,20 @@ impl Screen {
         self.bar.set_message(lines);
     }
 
-    /// Takes it off the screen.
+    /// Clears the display.
     pub fn end(&self) {
         self.bar.finish_and_clear();
     }
 }
 
-/// What is missing before loads are taken; none once they are.
+/// Describes the step that is missing before loading can start, or returns `None` if loading has started.
 pub fn missing_before_loads(stage: Stage) -> Option<String> {
     match stage {
-        Stage::Untouched { missing } => Some(format!("{missing} more pictures")),
+        Stage::Untouched { missing } => Some(format!("{missing} more images")),
         Stage::Presses {
             found: Some(delay), ..
         } => Some(format!(
-            "pictures and forces do not go together well (correlation {:.2}, 0.9 expected): press slower",
+            "images and forces correlate poorly (expected at least 0.9, got {:.2}); press more slowly",
             delay.correlation
         )),
         Stage::Presses { missing, .. } => Some(format!("{missing} more presses")),
@@ -102,6 +102,6 @@ pub fn missing_before_loads(stage: Stage) -> Option<String> {
 }
 
 fn say(words: &str) {
-    // Standard error that is closed is no reason to stop.
+    // A closed standard error is not a reason to stop.
     let _ = writeln!(stderr(), "{words}");
 }

@@ -1,4 +1,5 @@
-//! The fingertip is loaded as a whole, where no single element can be: to pictures and their FORCES.csv.
+//! Guided loading of the whole fingertip, for sensors whose elements cannot be loaded singly; saved as images with
+//! FORCES.csv.
 
 use super::folder::Folder;
 use super::screen::{Screen, missing_before_loads};
@@ -14,7 +15,7 @@ use feeler_lab::sensor::{ForcesFile, SensorGeometry};
 use std::fmt::Write as _;
 use std::path::Path;
 
-/// A probe does not pull: where a force does by so much of full scale, the force sensor's axes are others than said.
+/// Tension, as a fraction of full scale, above which the force sensor's axes must be wrong: a probe cannot pull.
 const PULLED: f64 = 0.1;
 
 pub struct Whole<'a> {
@@ -23,19 +24,19 @@ pub struct Whole<'a> {
     live: LiveWrench,
     screen: Screen,
     seen: SeenWrench,
-    /// Name of what is taken from now on, as one recording.
+    /// Name of this session's recording in the table.
     recording: String,
-    /// What was taken since the start, to tell how well it can be fitted; the round in which that was done last, and what it told.
+    /// Samples of this session, to estimate the fit; the round of the last estimate, and its result.
     samples: Vec<WrenchSample>,
     round: u32,
     errors: Option<String>,
 }
 
 impl<'a> Whole<'a> {
-    /// Of what is in the folder, or of nothing.
+    /// Opens the folder at `path`, which may contain the results of an earlier session.
     ///
     /// # Errors
-    /// When the folder cannot be written to, or holds something else.
+    /// If the folder is not writable or contains other files.
     pub fn open(path: &Path, sensor: &'a SensorGeometry, goal: Goal) -> Result<Self, CommandError> {
         let columns = "picture,f_x,f_y,f_z,m_x,m_y,m_z,recording,time";
         let (mut kept, has_rows) = Folder::open(path, FORCES, columns)?;
@@ -73,7 +74,7 @@ impl<'a> Whole<'a> {
         let values = [x, y, z, a, b, c];
         let mut row = String::new();
         for value in values {
-            // Writing to a string does not fail.
+            // Writing to a `String` cannot fail.
             let _ = write!(row, "{value},");
         }
         let _ = write!(row, "{},{at}", self.recording);
@@ -90,7 +91,7 @@ impl<'a> Whole<'a> {
         Ok(())
     }
 
-    /// Finds the errors anew after each round.
+    /// Estimates the errors again after each round.
     fn judge(&mut self) {
         let round = self.live.coverage().round();
         if round <= self.round {
@@ -114,7 +115,7 @@ impl<'a> Whole<'a> {
                 let errors: Vec<String> = errors.collect();
                 format!("held-out errors (RMSE): {}", errors.join(", "))
             }
-            Err(error) => format!("held-out errors are not known yet: {error}"),
+            Err(error) => format!("held-out errors not available yet: {error}"),
         });
         let (rounds, errors) = (WrenchCoverage::rounds(), self.errors.as_deref());
         let errors = errors.unwrap_or_default();
@@ -122,7 +123,7 @@ impl<'a> Whole<'a> {
             .step(&format!("round {round} of {rounds} done; {errors}"));
     }
 
-    /// What is touched now and what is missing, in words.
+    /// Describes the current contact and the missing loads.
     fn now(&self) -> String {
         let missing = self.live.coverage().missing(self.live.goal());
         match self.seen {
@@ -133,9 +134,9 @@ impl<'a> Whole<'a> {
                     -force.z, force.x, force.y
                 )
             }
-            SeenWrench::Unclear => format!("slower\nmissing: {missing}"),
+            SeenWrench::Unclear => format!("press more slowly\nmissing: {missing}"),
             SeenWrench::Untouched | SeenWrench::Nothing => {
-                format!("nothing is touched\nmissing: {missing}")
+                format!("no contact\nmissing: {missing}")
             }
         }
     }
@@ -178,7 +179,7 @@ impl Work for Whole<'_> {
             }
             SeenWrench::Enough(wrench) if wrench.force.z > PULLED * self.live.goal().normal => {
                 let what =
-                    "the fingertip seems to be pulled: is --force-axes right, with z outward?";
+                    "the fingertip seems to be pulled; check --force-axes (z points outward)";
                 self.screen.warn(what);
             }
             SeenWrench::Enough(_) | SeenWrench::Nothing | SeenWrench::Unclear => {}
@@ -190,9 +191,9 @@ impl Work for Whole<'_> {
         let stage = match self.live.stage() {
             Stage::Untouched { .. } => "do not touch the fingertip",
             Stage::Presses { .. } => {
-                "press the fingertip three times and let go, to find how late the camera is"
+                "press and release the fingertip three times, to measure the camera's latency"
             }
-            Stage::Loads => "press and push the fingertip, all over and all ways",
+            Stage::Loads => "press and shear the fingertip everywhere and in all directions",
         };
         self.screen
             .stage(self.live.stage(), stage, self.live.delay());
@@ -216,6 +217,6 @@ impl Work for Whole<'_> {
     fn missing(&self) -> Option<String> {
         let coverage = self.live.coverage();
         let (round, rounds) = (coverage.round(), WrenchCoverage::rounds());
-        (!coverage.is_complete()).then(|| format!("{round} of {rounds} rounds are done"))
+        (!coverage.is_complete()).then(|| format!("{round} of {rounds} rounds done"))
     }
 }

@@ -1,27 +1,28 @@
-//! Loss of contact: whether what was grasped still loads the elements.
+//! Detection of a lost grasp from the load on the elements.
 
 use super::lens_fit::LensFit;
 use super::{GraspSlipError, Picture, RegularPattern, part, passed};
 use crate::check::Checker;
 use glam::DVec2;
 
-/// How far above the threshold the load must have been for a grasp to be one.
+/// Load, in thresholds, above which contact counts as a grasp.
 const HELD: f64 = 1.5;
-/// Least load that a score is taken of: no sensor measures less.
+/// Lower bound of the load in the score, below the resolution of any sensor.
 const LEAST: f64 = 1e-9;
 
-/// What [`ContactLoss`] goes by.
+/// Parameters of [`ContactLoss`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactLossConfig {
-    /// Time constant of the filter, s. A loss is told about as much later.
+    /// Time constant of the filter (s). It is also about the delay of detection.
     pub time_constant: f64,
-    /// Load below which nothing is held, in units of the scale: spacings of a pattern, or full scales of shear.
+    /// Load below which no object is held, in units of the scale: the spacing of a pattern, or the full scale of
+    /// shear.
     pub threshold: f64,
 }
 
 impl Default for ContactLossConfig {
-    /// 0.5 s, and 0.0185 spacings, for a pattern of markers: on 40 recorded grasps with six gels, 0.016 to 0.021 do as well.
-    /// A controller may take 0.1 s. For shear, it is for the sensor's owner to say what is noise.
+    /// 0.5 s and 0.0185 spacings, for a pattern of markers. On 40 recorded grasps with six gels, 0.016 to 0.021
+    /// perform equally well. A controller may use 0.1 s. For shear, choose a threshold above the sensor's noise.
     fn default() -> Self {
         Self {
             time_constant: 0.5,
@@ -43,31 +44,31 @@ impl ContactLossConfig {
     }
 }
 
-/// What is known of the contact.
+/// State of the contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Contact {
-    /// Nothing: it is not known what the elements are untouched, or too few of them were seen so far.
+    /// Unknown: there is no reference for the untouched elements, or too few of them have been measured so far.
     Unknown,
-    /// No load was above 1.5 thresholds yet.
+    /// The load has not exceeded 1.5 thresholds yet.
     Untouched,
-    /// The load was above 1.5 thresholds and has not fallen below one since.
+    /// The load has exceeded 1.5 thresholds and has not fallen below one since.
     Held,
-    /// After that, it has fallen below the threshold. Also where it was let go on purpose.
+    /// The load has fallen below the threshold after a grasp, also if the object was released on purpose.
     Lost,
 }
 
-/// What the elements are held against.
+/// Reference that the elements are compared with.
 #[derive(Debug, Clone)]
 enum Reference {
-    /// Nothing.
+    /// No reference.
     Unknown,
-    /// Their vectors are 0 where nothing touches, for so many elements.
+    /// The vectors of this number of elements are 0 without contact.
     Untouched(usize),
-    /// Their places are a pattern seen through a lens where nothing touches.
+    /// Without contact, the positions of the elements are a regular pattern seen through a lens.
     Pattern(Box<LensFit>),
 }
 
-/// Tells whether what was grasped is still held, from the load on the elements.
+/// Detects from the load on the elements whether a grasped object is still held.
 ///
 /// With q_i the vector of element i in units of `scale`, n elements, and a = 1 - exp(-dt / tau):
 ///
@@ -75,30 +76,32 @@ enum Reference {
 /// l = sqrt(sum |e_i|^2 / n)        L += a (l - L)        score: -ln L
 /// ```
 ///
-/// - [`from_untouched`](Self::from_untouched): q is displacement or shear from an untouched reference, and e = q.
-/// - [`on_pattern`](Self::on_pattern): q is the place in the picture, and e what remains of it beside all places
-///   that an untouched, regular pattern could have: moved and sheared as a plane, tilted, and seen through a lens. A touch
-///   that moves all elements alike is not seen.
-/// - [`without_reference`](Self::without_reference): nothing is known, and it says so.
+/// - [`from_untouched`](Self::from_untouched): q is the displacement or shear relative to an untouched reference, and
+///   e = q.
+/// - [`on_pattern`](Self::on_pattern): q is the position in the image, and e its residual after fitting all images of
+///   an untouched, regular pattern: translated, sheared and tilted, seen through a lens. A load that displaces all
+///   elements alike is not detected.
+/// - [`without_reference`](Self::without_reference): the contact is always [`Contact::Unknown`].
 ///
-/// Elements that have no vector in a frame do not count in it; a frame in which more than half have none leaves L as it is.
+/// Elements without a vector are left out of a frame's load. A frame in which more than half of the elements have
+/// none leaves L unchanged.
 #[derive(Debug, Clone)]
 pub struct ContactLoss {
     config: ContactLossConfig,
     scale: f64,
     reference: Reference,
     load: Option<f64>,
-    /// Time of frames that told nothing, since the last that did, s.
+    /// Time since the last usable frame (s).
     waited: f64,
     contact: Contact,
 }
 
 impl ContactLoss {
-    /// For so many elements, whose vectors are shear or displacement from an untouched reference. `scale`: full scale of
-    /// shear, or their spacing, in the unit of the vectors.
+    /// Creates a detector for `elements` elements whose vectors are shear or displacement relative to an untouched
+    /// reference. `scale` is the full scale of shear, or the spacing of the elements, in the unit of the vectors.
     ///
     /// # Errors
-    /// When a value is out of range.
+    /// If a value is out of range.
     pub fn from_untouched(
         elements: usize,
         scale: f64,
@@ -108,11 +111,12 @@ impl ContactLoss {
         Ok(Self::new(config, scale, Reference::Untouched(elements)))
     }
 
-    /// For elements that are markers in a `picture` and were at `places` in one frame, touched or not, in px; not a number where
-    /// one has none. The scale is their spacing; its [`RegularPattern`] is found at once.
+    /// Creates a detector for markers in a `picture` that were at `places` (px) in one frame, with or without
+    /// contact; NaN for markers that were not found. The scale is the markers' spacing. Finds their
+    /// [`RegularPattern`].
     ///
     /// # Errors
-    /// When the places are no regular pattern, or a value is out of range.
+    /// If the places are not a regular pattern, or a value is out of range.
     pub fn on_pattern(
         places: &[DVec2],
         picture: Option<Picture>,
@@ -125,7 +129,7 @@ impl ContactLoss {
         Ok(Self::new(config, scale, Reference::Pattern(Box::new(fit))))
     }
 
-    /// For elements of which nobody knows what they are untouched: the contact stays unknown.
+    /// Creates a detector for elements without a known reference. The contact stays unknown.
     pub fn without_reference() -> Self {
         Self::new(ContactLossConfig::default(), 1.0, Reference::Unknown)
     }
@@ -141,14 +145,14 @@ impl ContactLoss {
         }
     }
 
-    /// Begins another grasp with the same sensor.
+    /// Restarts the detector for another grasp with the same sensor.
     pub fn restart(&mut self) {
         (self.load, self.waited, self.contact) = (None, 0.0, Contact::Unknown);
     }
 
-    /// Takes the next frame, `interval` (s) after the one before, with a vector for each element, not a number where it has
-    /// none; those beyond the number of elements do not count. After the first frame, an interval that is not positive
-    /// changes nothing. To be called once a frame; neither allocates nor panics.
+    /// Updates the contact with the next frame, `interval` (s) after the previous one. `vectors` has one vector per
+    /// element, NaN for an element without one; excess vectors are ignored. After the first frame, an interval of 0
+    /// or less changes nothing. Must be called once per frame; neither allocates nor panics.
     pub fn update(&mut self, interval: f64, vectors: impl IntoIterator<Item = DVec2>) -> Contact {
         let interval = passed(interval) + self.waited;
         self.waited = interval;
@@ -175,24 +179,24 @@ impl ContactLoss {
         self.contact
     }
 
-    /// What is known of the contact at the newest frame.
+    /// State of the contact at the latest frame.
     pub fn contact(&self) -> Contact {
         self.contact
     }
 
-    /// L, the filtered load in units of the scale; none while it is unknown.
+    /// L, the filtered load in units of the scale, or `None` while it is unknown.
     pub fn load(&self) -> Option<f64> {
         self.load
     }
 
-    /// -ln L: the higher, the surer nothing is held. None while it is unknown.
+    /// -ln L, or `None` while it is unknown. The higher the score, the more likely the object is lost.
     pub fn score(&self) -> Option<f64> {
         self.load.map(|load| -load.max(LEAST).ln())
     }
 }
 
-/// Root of the mean square of the vectors that there are, in units of the scale; none where more than half of so many
-/// elements have none.
+/// Root mean square of the valid vectors in units of the scale, or `None` if more than half of the elements have
+/// none.
 fn rms(vectors: impl Iterator<Item = DVec2>, (elements, scale): (usize, f64)) -> Option<f64> {
     let (mut sum, mut count) = (0.0, 0_usize);
     for vector in vectors.filter_map(|vector| super::scaled(vector, scale)) {

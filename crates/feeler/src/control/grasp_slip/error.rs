@@ -1,38 +1,40 @@
-//! Why a detector of slip in grasps cannot be set up.
+//! Errors of the slip detectors for grasps.
 
 use super::FEWEST_ELEMENTS;
 use crate::check::Problem;
 
-/// Why a detector of slip in grasps cannot be set up.
+/// Error returned when a slip detector for grasps cannot be created.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum GraspSlipError {
     /// There are too few places for a pattern.
-    #[error("{actual} elements; expected at least {FEWEST_ELEMENTS} for a regular pattern")]
+    #[error("expected at least {FEWEST_ELEMENTS} elements for a regular pattern, got {actual}")]
     TooFew {
-        /// Places that are numbers.
+        /// Number of valid places.
         actual: usize,
     },
-    /// The places are no grid.
+    /// The places do not form a grid.
     #[error(
-        "no regular pattern: {covered} of {elements} elements can be reached from neighbour to neighbour in equal steps, \
+        "not a regular pattern: {covered} of {elements} elements can be reached from neighbour to neighbour in equal steps, \
          {agreeing} of {neighbours} pairs of neighbours are one step apart; expected nine of ten"
     )]
     NotAGrid {
-        /// Elements that steps lead to.
+        /// Number of elements reached in equal steps.
         covered: usize,
-        /// Elements in all.
+        /// Total number of elements.
         elements: usize,
-        /// Neighbours by their indices that are a step apart in the picture.
+        /// Number of pairs of neighbours in the grid that are one step apart in the image.
         agreeing: usize,
-        /// Neighbours by their indices.
+        /// Number of pairs of neighbours in the grid.
         neighbours: usize,
     },
-    /// The places do not tell the lens from the pattern.
-    #[error("the pattern has {columns} columns and {rows} rows; expected at least 3 of each")]
+    /// The pattern is too narrow to separate it from the lens's distortion.
+    #[error(
+        "expected a pattern of at least 3 columns and 3 rows, got {columns} columns and {rows} rows"
+    )]
     TooNarrow {
-        /// Different indices along the first step.
+        /// Number of distinct indices along the first step.
         columns: usize,
-        /// Different indices along the second.
+        /// Number of distinct indices along the second step.
         rows: usize,
     },
     /// Values of the configuration are out of range.

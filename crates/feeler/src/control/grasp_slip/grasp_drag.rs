@@ -1,23 +1,25 @@
-//! Drag: how far the load of a grasp is from its own slow mean.
+//! Drag: deviation of the load of a grasp from its own slow mean.
 
 use super::{GraspSlipError, LARGEST, part, passed};
 use crate::check::Checker;
 use glam::DVec3;
 
-/// Median of |x| of a normal distribution of standard deviation 1, times the square root of 2 for the difference of two samples.
+/// Median of |x| for a normal distribution of standard deviation 1, times the square root of 2 for the difference of
+/// two samples.
 const MEDIAN_OF_CHANGES: f64 = 0.953_87;
 
-/// Times of [`GraspDrag`].
+/// Time constants of [`GraspDrag`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GraspDragConfig {
-    /// Time constant of the filter that takes out noise, s.
+    /// Time constant of the noise filter (s).
     pub fast: f64,
-    /// Time constant of the slow mean that loads are held against, s: what creeps slower is no slip.
+    /// Time constant of the slow mean that loads are compared with (s). Slower creep does not count as slip.
     pub slow: f64,
 }
 
 impl Default for GraspDragConfig {
-    /// 0.05 s and 1 s: on recordings of two sensors, 0.3 to 3 s do as well within 0.05 of area under the curve.
+    /// 0.05 s and 1 s. On recordings of two sensors, 0.3 to 3 s perform equally well, within 0.05 of area under the
+    /// curve.
     fn default() -> Self {
         Self {
             fast: 0.05,
@@ -39,14 +41,14 @@ impl GraspDragConfig {
     }
 }
 
-/// One element.
+/// Filter state of one element.
 #[derive(Debug, Clone, Copy)]
 struct Filtered {
-    /// The filtered vector, in units of the scale; not a number before the first.
+    /// Filtered vector in units of the scale, or NaN before the first vector.
     fast: DVec3,
-    /// Its slow mean.
+    /// Slow mean of `fast`.
     slow: DVec3,
-    /// Time since the element's newest vector, s, where frames without one came since.
+    /// Time since the element's latest vector, if it is missing in the latest frames (s).
     missing: f64,
 }
 
@@ -56,20 +58,21 @@ const NOTHING: Filtered = Filtered {
     missing: 0.0,
 };
 
-/// Tells whether what is grasped is displaced in the grip.
+/// Detects whether a grasped object moves within the grip.
 ///
-/// Of each element's vector u_i (force, or displacement; 0 along the normal where only its plane is seen) in units of `scale`, with
-/// a = 1 - exp(-dt / tau):
+/// For each element's vector u_i (force or displacement; with 0 as the normal component if only tangential
+/// displacement is measured) in units of `scale`, with a = 1 - exp(-dt / tau):
 ///
 /// ```text
 /// f_i += a_fast (u_i - f_i)        m_i += a_slow (f_i - m_i)        D = sqrt(mean over i of |f_i - m_i|^2)
 /// ```
 ///
-/// The normal counts, as an object that is dragged tilts in the grip and shifts its load from element to element.
+/// The normal component is included, because an object that is dragged tilts in the grip and shifts its load between
+/// elements.
 ///
-/// D has no unit. With the sensor's noise as scale ([`noise_of`]) it counts standard deviations; which D is a slip differs
-/// from sensor to sensor. A load that is put on, let go or shaken is an excursion, too: D tells a grasp that is at rest from
-/// one that is not, and it is for who knows the task to ask at the right time.
+/// D is dimensionless. With the sensor's noise as scale ([`noise_of`]) it is in standard deviations; which value of D
+/// indicates a slip depends on the sensor. Applying, releasing or shaking a load also raises D: it distinguishes a
+/// grasp at rest from one that is not, and the caller must evaluate it at a suitable time in the task.
 #[derive(Debug, Clone)]
 pub struct GraspDrag {
     config: GraspDragConfig,
@@ -79,10 +82,10 @@ pub struct GraspDrag {
 }
 
 impl GraspDrag {
-    /// For so many elements, whose vectors are in units of `scale` (N, m, px or counts, as the vectors are).
+    /// Creates a detector for `elements` elements whose vectors are in units of `scale` (N, m, px or counts).
     ///
     /// # Errors
-    /// When scale or times are out of range.
+    /// If the scale or a time constant is out of range.
     pub fn new(
         elements: usize,
         scale: f64,
@@ -97,16 +100,16 @@ impl GraspDrag {
         })
     }
 
-    /// Begins another grasp: what was felt before has nothing to do with it.
+    /// Restarts the detector for another grasp.
     pub fn restart(&mut self) {
         self.elements.fill(NOTHING);
         self.drag = None;
     }
 
-    /// Takes the next frame, `interval` (s) after the one before, with a vector for each element, not a number where it has
-    /// none; those beyond the number of elements do not count. An interval that is not positive changes nothing but for
-    /// elements that had no vector yet. D, if any element has a vector. To be called once a frame; neither allocates nor
-    /// panics.
+    /// Updates D with the next frame, `interval` (s) after the previous one. `vectors` has one vector per element,
+    /// NaN for an element without one; excess vectors are ignored. An interval of 0 or less only initialises elements
+    /// that had no vector yet. Returns D, or `None` if no element has a vector. Must be called once per frame;
+    /// neither allocates nor panics.
     pub fn update(
         &mut self,
         interval: f64,
@@ -147,19 +150,20 @@ impl GraspDrag {
         self.drag
     }
 
-    /// D at the newest frame; none where no element had a vector.
+    /// D at the latest frame, or `None` if no element had a vector.
     pub fn drag(&self) -> Option<f64> {
         self.drag
     }
 }
 
-/// Standard deviation of the noise in each component of a sensor's vectors, in their unit, from the `changes` of components
-/// between neighbouring frames: their median size by 0.954, which slips, jolts and gaps do not move. None of no changes, or
-/// where most are 0. Sorts them.
+/// Estimates the standard deviation of the noise in each component of a sensor's vectors, in their unit. `changes`
+/// are the differences of components between consecutive frames; they are sorted in place. The estimate is their
+/// median magnitude divided by 0.954, which is robust against slips, jolts and gaps. Returns `None` if there are no
+/// changes or most are 0.
 pub fn noise_of(changes: &mut [f64]) -> Option<f64> {
     changes.iter_mut().for_each(|change| *change = change.abs());
     changes.sort_unstable_by(f64::total_cmp);
-    // Those that are not a number stand last.
+    // NaNs are sorted last.
     let known = changes.partition_point(|change| !change.is_nan());
     let median = *changes.get(known / 2).filter(|_| known > 0)?;
     (median > 0.0).then_some(median / MEDIAN_OF_CHANGES)

@@ -1,14 +1,14 @@
-//! What of the places of markers no untouched pattern explains, whatever lens it is seen through.
+//! Residual of marker positions after fitting an untouched pattern seen through an unknown lens.
 
 use super::{GraspSlipError, Picture, RegularPattern, scaled};
 use glam::DVec2;
 use nalgebra::DMatrix;
 
-/// Ways in which an untouched pattern may be seen differently.
+/// Number of parameters of the appearance of an untouched pattern.
 const WAYS: usize = 11;
-/// Least diagonal of a triangular factor, relative to the largest, for which its columns tell anything apart.
+/// Minimum diagonal entry of a triangular factor, relative to the largest, for independent columns.
 const RANK: f64 = 1e-8;
-/// Least pivot where elements are missing: those that are left still tell all ways apart.
+/// Minimum pivot if elements are missing, so that the remaining ones still determine all parameters.
 const PIVOT: f64 = 1e-3;
 
 type Ways = [f64; WAYS];
@@ -16,28 +16,29 @@ type Ways = [f64; WAYS];
 /// An element of the pattern.
 #[derive(Debug, Clone)]
 struct Element {
-    /// Where the untouched pattern would have it, in units of the scale.
+    /// Position in the fitted untouched pattern, in units of the scale.
     ideal: DVec2,
-    /// Its rows of the orthonormal basis, of x and of y.
+    /// Rows of the orthonormal basis for x and y.
     basis: [Ways; 2],
 }
 
-/// The orthonormal basis of all places that an untouched pattern could have in the picture: six numbers for its plane, one for
-/// the lens's radial distortion, two for perspective, and two for decentring (Brown, "Decentering distortion of lenses",
-/// Photogrammetric Engineering 32 (1966)).
+/// Orthonormal basis of all positions that an untouched pattern can have in the image: six parameters for its plane,
+/// one for the lens's radial distortion, two for perspective, and two for decentring (Brown, "Decentering distortion
+/// of lenses", Photogrammetric Engineering 32 (1966)).
 #[derive(Debug, Clone)]
 pub struct LensFit {
-    /// None for an element that has no place in the pattern.
+    /// `None` for an element that is not in the pattern.
     elements: Vec<Option<Element>>,
-    /// Elements that have one.
+    /// Number of elements in the pattern.
     count: usize,
 }
 
 impl LensFit {
-    /// For the `pattern` of `places` (px), seen in `picture`; where that is not known, the pattern is taken to fill it.
+    /// Fits the `pattern` of `places` (px) in `picture`. If `picture` is `None`, the pattern is assumed to fill the
+    /// image.
     ///
     /// # Errors
-    /// When the pattern is too small to tell the ways apart.
+    /// If the pattern is too small to determine all parameters.
     pub fn new(
         pattern: &RegularPattern,
         places: &[DVec2],
@@ -83,11 +84,11 @@ impl LensFit {
         })
     }
 
-    /// Root of the mean square of what remains of the vectors (places, px) in units of `scale`; none where too few elements
-    /// have one. Neither allocates nor panics.
+    /// Root mean square residual of the vectors (positions, px) in units of `scale`, or `None` if too few elements
+    /// have a vector. Neither allocates nor panics.
     ///
-    /// Where elements are missing, the pattern is fitted to those that are left, and what remains is made up for the
-    /// freedom that the fit has there.
+    /// If elements are missing, the pattern is fitted to the remaining ones, and the residual is corrected for the
+    /// lower number of degrees of freedom.
     pub fn residual(&self, vectors: impl IntoIterator<Item = DVec2>, scale: f64) -> Option<f64> {
         let mut vectors = vectors.into_iter();
         let (mut along, mut missing) = ([0.0; WAYS], [[0.0; WAYS]; WAYS]);
@@ -123,7 +124,7 @@ impl LensFit {
     }
 }
 
-/// The places of the best plane through the members: affine in their indices; none where there is none.
+/// Positions of the members in the best affine fit of their indices, or `None` if the fit fails.
 fn on_plane(members: &[((i32, i32), DVec2)]) -> Option<Vec<DVec2>> {
     let design = DMatrix::from_fn(members.len(), 3, |row, column| {
         let (column_index, row_index) = members[row].0;
@@ -137,7 +138,7 @@ fn on_plane(members: &[((i32, i32), DVec2)]) -> Option<Vec<DVec2>> {
     Some(places.collect())
 }
 
-/// The picture that these places would fill.
+/// The image that these places would fill.
 fn around(places: &[DVec2]) -> Picture {
     let none = (DVec2::INFINITY, DVec2::NEG_INFINITY);
     let (low, high) = (places.iter()).fold(none, |(low, high), &p| (low.min(p), high.max(p)));
@@ -147,7 +148,7 @@ fn around(places: &[DVec2]) -> Picture {
     }
 }
 
-/// What each way does to x and to y of a place, in half widths from the picture's middle.
+/// Derivatives of a position's x and y by each parameter, in half widths from the image centre.
 fn ways(DVec2 { x: a, y: b }: DVec2) -> [Ways; 2] {
     let square = a * a + b * b;
     let (over, under) = (square + 2.0 * a * a, square + 2.0 * b * b);
@@ -190,8 +191,9 @@ fn add_square(sum: &mut [Ways; WAYS], row: &Ways) {
     }
 }
 
-/// What a fit to the elements that are left explains: c' (1 - G)^-1 c, of `missing` rows' squares G and of c `along` each
-/// way, by Cholesky's factors; none where they do not tell the ways apart.
+/// Sum of squares that a fit to the remaining elements explains: c' (1 - G)^-1 c by Cholesky factorisation, with G
+/// from the `missing` rows and c the projections `along` the basis. `None` if the remaining elements do not determine
+/// all parameters.
 fn explained(missing: [Ways; WAYS], along: Ways) -> Option<f64> {
     let mut lower = [[0.0; WAYS]; WAYS];
     let (mut solved, mut explained) = ([0.0; WAYS], 0.0);

@@ -1,27 +1,28 @@
-//! Slip of what moves with the hand: a grasped object.
+//! Slip of a grasped object that moves with the hand.
 //!
-//! The detectors for objects that stand still ([`FlagAnalyzer`](super::flags::FlagAnalyzer),
-//! [`SlipDetector`](super::slip_detector::SlipDetector)) take slip from the rate of shear, or from the fingertip's own
-//! motion. In a grasp that is lifted, carried and shaken, shear changes without any slip, and the object goes along with
-//! the fingertip. Two things can be told there from the elements' displacements or shears alone:
+//! The detectors for objects at rest ([`FlagAnalyzer`](super::flags::FlagAnalyzer),
+//! [`SlipDetector`](super::slip_detector::SlipDetector)) derive slip from the shear rate or from the fingertip's own
+//! motion. In a grasp that is lifted, carried and shaken, shear changes without any slip, and the object moves with
+//! the fingertip. Two events can be detected there from the elements' displacements or shears alone:
 //!
-//! - [`ContactLoss`]: *is the object still held?* The load on the elements, as their departure from what they are
-//!   untouched; where nobody knows that, from a [`RegularPattern`] as a lens shows it.
-//! - [`GraspDrag`]: *is it displaced in the grip?* The excursion of every element's load from its own slow mean.
+//! - [`ContactLoss`]: *Is the object still held?* Uses the load on the elements relative to their untouched state, or
+//!   relative to a [`RegularPattern`] seen through a lens if that state is unknown.
+//! - [`GraspDrag`]: *Does the object move within the grip?* Uses the deviation of every element's load from its own
+//!   slow mean.
 //!
-//! These are two events, and each detector is blind to the other: an object that is gone drags nothing, and one that is
-//! dragged still loads the elements. Both take one vector per element, from any sensor: displacements of markers or feelers,
-//! or forces of taxels; [`GraspDrag`] takes loads along the normal, too, where there are any. A vector that is not a number stands for an element that has none in that frame. Updating
-//! them neither allocates nor panics; the same frames give the same numbers.
+//! Each detector is blind to the other event: a lost object no longer drags the elements, and a dragged object still
+//! loads them. Both take one vector per element from any sensor: displacements of markers or feelers, or forces of
+//! taxels. [`GraspDrag`] also uses normal loads, if available. A NaN vector marks an element without a measurement in
+//! that frame. Updates neither allocate nor panic, and the same frames give the same results.
 //!
-//! Neither warns ahead: a loss is known when the elements are unloaded, and on purpose it looks as by accident; drag is known
-//! when loads have changed. `docs/slip.md` has their scores on recordings.
+//! Neither detector predicts slip. A loss is detected once the elements are unloaded, whether on purpose or by
+//! accident; drag is detected once loads have changed. `docs/slip.md` lists their scores on recordings.
 //!
 //! ```
 //! use feeler::control::grasp_slip::{Contact, ContactLoss, ContactLossConfig, GraspDrag, GraspDragConfig};
 //! use glam::{DVec2, DVec3};
 //!
-//! // Three elements of 1 N full scale, whose shear is known from an untouched reference, at 100 Hz.
+//! // Three elements of 1 N full scale, whose shear is relative to an untouched reference, at 100 Hz.
 //! let mut loss = ContactLoss::from_untouched(3, 1.0, ContactLossConfig::default())?;
 //! let mut drag = GraspDrag::new(3, 0.01, GraspDragConfig::default())?;
 //! for frame in 0..300 {
@@ -46,17 +47,17 @@ pub use regular_pattern::{FEWEST_ELEMENTS, Picture, RegularPattern};
 
 use glam::DVec2;
 
-/// Largest vector in units of the scale that a sensor could mean: beyond it, squares would drown everything else.
+/// Largest plausible vector, in units of the scale. Larger ones are rejected, because their squares would dominate
+/// the sums.
 const LARGEST: f64 = 1e6;
 
-/// The vector in units of `scale`, if it is one.
+/// The vector in units of `scale`, or `None` if it is NaN or implausibly large.
 fn scaled(vector: DVec2, scale: f64) -> Option<DVec2> {
     let scaled = vector / scale;
     (scaled.x.abs() <= LARGEST && scaled.y.abs() <= LARGEST).then_some(scaled)
 }
 
-/// The part of the way to a new value that an exponential filter goes in `interval` (s): 0 where no time has passed, or it is
-/// not a number.
+/// Weight of a new value in an exponential filter after `interval` (s); 0 if the interval is not positive.
 fn part(interval: f64, time_constant: f64) -> f64 {
     match interval > 0.0 {
         true => -(-interval / time_constant).exp_m1(),
@@ -64,7 +65,7 @@ fn part(interval: f64, time_constant: f64) -> f64 {
     }
 }
 
-/// The interval, if time has passed; 0 for one that is negative or not a number, as where stamps are repeated or go back.
+/// The interval, or 0 if it is negative or NaN, as with repeated or decreasing stamps.
 fn passed(interval: f64) -> f64 {
     interval.max(0.0)
 }

@@ -1,31 +1,33 @@
-//! The regular pattern that markers are printed in: each one's place in the grid.
+//! Detection of the regular grid in which markers are printed.
 
 use super::GraspSlipError;
 use glam::DVec2;
 use std::collections::{HashMap, HashSet, VecDeque};
 
-/// Fewest elements of a pattern: with two coordinates each, they leave more to look at than the lens takes away.
+/// Minimum number of elements of a pattern: their two coordinates each leave enough degrees of freedom after the lens
+/// fit.
 pub const FEWEST_ELEMENTS: usize = 12;
-/// Within how many spacings elements are neighbours: steps along rows and columns may differ by a third.
+/// Maximum distance between neighbours, in spacings. Steps along rows and columns may differ by a third.
 const NEAR: f64 = 1.35;
-/// How far, in spacings, differences of places may be apart to be one step.
+/// Maximum distance between two difference vectors that count as the same step, in spacings.
 const ALIKE: f64 = 0.25;
-/// How far, in spacings, a neighbour may be from where its step leads; a touch moves neighbours nearly alike.
+/// Maximum distance of a neighbour from its predicted position, in spacings. A touch displaces neighbours almost
+/// equally.
 const TOLERANCE: f64 = 0.4;
-/// Share of the elements that must be reached, and of neighbours that must be one step apart.
+/// Minimum share of elements that must be reached, and of pairs of neighbours that must be one step apart.
 const MOST: f64 = 0.9;
 
-/// The picture that a pattern is seen in.
+/// Geometry of the image that contains a pattern.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Picture {
-    /// Where the lens's axis meets it, px: about its middle.
+    /// Intersection with the lens's axis (px), near the image centre.
     pub centre: DVec2,
-    /// Half its width, px.
+    /// Half the image width (px).
     pub half_width: f64,
 }
 
 impl Picture {
-    /// One of so many columns and rows, with the lens before its middle.
+    /// Geometry of an image of `columns` x `rows` pixels, with the lens's axis through its centre.
     pub fn of_size(columns: usize, rows: usize) -> Self {
         let size = DVec2::new(columns as f64, rows as f64);
         Self {
@@ -35,8 +37,8 @@ impl Picture {
     }
 }
 
-/// Places in a picture as a grid: any two directions of steps, so that squares, rectangles, rows that are set off and hexagons
-/// are all one.
+/// Grid indices of positions in an image. The two step directions are arbitrary, so that square, rectangular, offset
+/// and hexagonal grids are all covered.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RegularPattern {
     indices: Vec<Option<(i32, i32)>>,
@@ -44,13 +46,13 @@ pub struct RegularPattern {
 }
 
 impl RegularPattern {
-    /// Finds the pattern of `places` (px): from the middle one to its neighbours, and so on, in steps that may slowly
-    /// change across the picture, as lens and touch have it. Places that are no numbers, and those that no step leads to, have no
-    /// index.
+    /// Finds the grid of `places` (px). The search starts at the centre and proceeds from neighbour to neighbour, in
+    /// steps that may vary slowly across the image because of the lens and of touch. NaN places and places that no
+    /// step reaches get no index.
     ///
     /// # Errors
-    /// When there are fewer than [`FEWEST_ELEMENTS`], less than nine of ten can be reached, or less than nine of
-    /// ten neighbours are one step apart.
+    /// If there are fewer than [`FEWEST_ELEMENTS`] places, if less than nine of ten can be reached, or if less than
+    /// nine of ten pairs of neighbours are one step apart.
     pub fn of(places: &[DVec2]) -> Result<Self, GraspSlipError> {
         let known: Vec<_> = (0..places.len())
             .filter(|&i| places[i].is_finite())
@@ -88,12 +90,13 @@ impl RegularPattern {
         Ok(Self { indices, spacing })
     }
 
-    /// How many steps of each direction lead to each element from one near the middle; none where none do.
+    /// Grid index of each element, in steps along both directions from an element near the centre; `None` for
+    /// elements outside of the grid.
     pub fn indices(&self) -> &[Option<(i32, i32)>] {
         &self.indices
     }
 
-    /// Median distance of an element from its nearest neighbour, px.
+    /// Median distance between an element and its nearest neighbour (px).
     pub fn spacing(&self) -> f64 {
         self.spacing
     }
@@ -111,7 +114,7 @@ fn spacing(places: &[DVec2], known: &[usize]) -> f64 {
     distances[distances.len() / 2].sqrt()
 }
 
-/// The two steps from neighbour to neighbour that most neighbours have in common, px; the second in another direction.
+/// The two most common steps between neighbours (px), in different directions.
 fn steps(places: &[DVec2], known: &[usize], spacing: f64) -> Option<[DVec2; 2]> {
     let mut differences = Vec::new();
     for (rank, &i) in known.iter().enumerate() {
@@ -129,9 +132,9 @@ fn steps(places: &[DVec2], known: &[usize], spacing: f64) -> Option<[DVec2; 2]> 
     Some([first, second])
 }
 
-/// Mean of the differences, of either sign, that are most like each other.
+/// Mean of the largest group of similar differences, regardless of their sign.
 fn commonest(differences: &[DVec2], spacing: f64) -> Option<DVec2> {
-    /// As many are tried, evenly chosen.
+    /// Maximum number of candidates, evenly spaced.
     const TRIED: usize = 200;
     let alike = |step: DVec2| {
         differences.iter().filter_map(move |&d| {
@@ -142,13 +145,13 @@ fn commonest(differences: &[DVec2], spacing: f64) -> Option<DVec2> {
     let tried = differences
         .iter()
         .step_by(differences.len().div_ceil(TRIED).max(1));
-    // Of several, the first.
+    // The first of equals.
     let best = tried.rev().max_by_key(|&&step| alike(step).count())?;
     let count = alike(*best).count();
     Some(alike(*best).sum::<DVec2>() / count as f64)
 }
 
-/// Walks from the middle.
+/// Assigns indices by a breadth-first search from the centre.
 fn walk(
     places: &[DVec2],
     known: &[usize],
@@ -191,7 +194,7 @@ fn nearest(places: &[DVec2], known: &[usize], to: DVec2) -> Option<usize> {
     known.min_by(|a, b| distance(a).total_cmp(&distance(b)))
 }
 
-/// How many of the neighbours by their indices are one step apart, of how many.
+/// Number of pairs of grid neighbours that are one step apart, and the number of all pairs.
 fn agreement(
     places: &[DVec2],
     indices: &[Option<(i32, i32)>],

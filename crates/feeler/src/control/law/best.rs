@@ -1,9 +1,9 @@
-//! Beyond the paper: grip before slip.
+//! Control law that raises the grip before slip. Not in the paper.
 //!
-//! Tri-axial forces tell how much of the friction is used, `|f_t| / f_n`, long before anything slips. This
-//! law learns the friction coefficient from the touch itself, keeps the grasp force in proportion to the
-//! shear, so that it rises before a slip and not after, and presses or gives way so that no element
-//! exceeds its force. It needs neither SLIP nor OVER.
+//! Tri-axial forces show how much of the available friction is used, `|f_t| / f_n`, long before an element slips.
+//! This law learns the friction coefficient from touch and keeps the grasp force in proportion to the shear, so that
+//! it rises before a slip instead of after it. It presses or yields such that no element exceeds its maximum force.
+//! It needs neither SLIP nor OVER.
 
 use super::{FRICTION, Law};
 use crate::check::Checker;
@@ -13,36 +13,35 @@ use crate::control::sense::FingerSense;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-/// What the law is tuned by.
+/// Parameters of the law.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct BestConfig {
-    /// Coefficient of friction that is believed before anything was felt.
+    /// Initial estimate of the friction coefficient.
     pub friction: f64,
-    /// Part of the way that the learnt friction goes towards what one frame of one element shows.
+    /// Weight of one element's observation in one frame when the friction estimate is updated.
     pub learning_rate: f64,
-    /// Grasp force over what the learnt friction needs for the shear that is felt.
+    /// Grasp force relative to the force that the learnt friction requires for the measured shear.
     pub margin: f64,
-    /// Least grasp force while a grasp is kept, N.
+    /// Minimum grasp force while a grasp is kept (N).
     pub least_grasp_force: f64,
-    /// Force that no element is to exceed, N. Limited to F2 (`control.over_force`) when the law is built, so that one
-    /// value serves hands whose elements are rated differently.
+    /// Maximum force on an element (N). Limited to F2 (`control.over_force`) when the law is created, so that one
+    /// value works for hands with differently rated elements.
     pub element_force: f64,
-    /// An element that leans to the surface stands against it with its shear, too; when it slips, up to
-    /// this part of its whole force becomes compression at a stroke.
+    /// Share of an element's total force that may become compression when the element slips. An inclined element
+    /// supports the surface with its shear, too.
     pub slip_share: f64,
-    /// Speed of pressing per missing force of an element, m/(N·s).
+    /// Pressing speed per missing force of an element, m/(N·s).
     pub gain: f64,
-    /// Greatest speed of pressing or giving way, m/s.
+    /// Maximum speed of pressing or yielding (m/s).
     pub pressing_speed: f64,
 }
 
 impl Default for BestConfig {
-    /// For the reference experiment, chosen on 60 trials of `feeler compare cap-closing --seed 3`. The margin
-    /// is that large because the shear of a seated cap grows on while the grip follows. The element's force is
-    /// such that the hardest pressed element bears no more than under the paper's law. The gain is half of
-    /// 0.31 m/(N·s), where rubber of 205 N/m and a delay of 25 ms from force to motion begin to swing
-    /// (`gain k T = π/2`).
+    /// Values for the reference experiment, chosen on 60 trials of `feeler compare cap-closing --seed 3`. The margin
+    /// is large because the shear of a seated cap keeps growing while the grip follows. With this element force, the
+    /// most loaded element bears no more than under the paper's law. The gain is half of 0.31 m/(N·s), the onset of
+    /// oscillation for rubber of 205 N/m and a delay of 25 ms from force to motion (`gain k T = π/2`).
     fn default() -> Self {
         Self {
             friction: 0.6,
@@ -58,8 +57,8 @@ impl Default for BestConfig {
 }
 
 impl BestConfig {
-    /// Requires every value of the table `key` to be in its range; elements touch as the `thresholds` say. An element force
-    /// above F2 is valid, see [`Self::limited_to`].
+    /// Requires every value of the table `key` to be in its range. `thresholds` defines when an element touches. An
+    /// element force above F2 is valid; see [`Self::limited_to`].
     pub fn check(&self, key: &str, thresholds: &FlagThresholds, checker: &mut Checker) {
         let key = |field: &str| format!("{key}.{field}");
         checker.between(&key("friction"), self.friction, FRICTION.0, FRICTION.1);
@@ -86,51 +85,51 @@ impl BestConfig {
     }
 }
 
-/// An element that is pressed less than this may be noise, N.
+/// Compression below which an element's force is treated as noise (N).
 const NOISE: f64 = 0.02;
-/// An element that is pressed less than this says nothing about friction, N.
+/// Compression below which an element is not used to learn friction (N).
 const TELLING_FORCE: f64 = 0.15;
-/// An element whose shear force falls by this much from one frame to the next has slipped, N.
+/// Drop of the shear force between two frames that indicates a slip (N).
 const SLIP_DROP: f64 = 0.04;
-/// Range of coefficients that are believed.
+/// Plausible range of friction coefficients.
 const BELIEVABLE: (f64, f64) = (0.15, 1.5);
 
-/// Force of one element along the finger's direction into the object and across it, N.
+/// Force of one element along the pressing direction and across it (N).
 #[derive(Debug, Clone, Copy, Default)]
 struct Load {
     normal: f64,
     shear: f64,
 }
 
-/// What a finger's touching elements bear together.
+/// Total load on a finger's touching elements.
 #[derive(Debug, Clone, Copy, Default)]
 struct ContactLoad {
     /// Direction that presses the finger into the object, a unit vector in W.
     inward: DVec3,
-    /// Sum of normal forces, N.
+    /// Sum of normal forces (N).
     normal: f64,
-    /// Sum of the magnitudes of shear, N.
+    /// Sum of the magnitudes of shear (N).
     shear: f64,
-    /// Largest compression of an element, or what a slip may make of it, N.
+    /// Largest compression of an element, present or expected after a slip (N).
     largest: f64,
-    /// Number of elements that bear more than a little.
+    /// Number of elements with a significant normal force.
     touching: f64,
 }
 
-/// One finger that learns the friction of what it touches.
+/// The law's state for one finger, with its learnt friction.
 #[derive(Debug, Clone)]
 pub struct Best {
     config: BestConfig,
-    /// Learnt coefficient of friction.
+    /// Learnt friction coefficient.
     friction: f64,
-    /// What each element bore at the newest frame.
+    /// Load on each element at the latest frame.
     loads: Vec<Load>,
-    /// Sequence number of that frame.
+    /// Sequence number of the latest frame.
     newest: Option<u64>,
 }
 
 impl Best {
-    /// A finger of `elements` elements that has learnt nothing yet.
+    /// Creates the law for a finger of `elements` elements.
     pub fn new(config: BestConfig, elements: usize) -> Self {
         Self {
             friction: config.friction,
@@ -140,12 +139,12 @@ impl Best {
         }
     }
 
-    /// The learnt coefficient of friction.
+    /// Learnt friction coefficient.
     pub fn friction(&self) -> f64 {
         self.friction
     }
 
-    /// Takes in the newest forces: what the finger bears, and what that teaches about friction.
+    /// Updates the friction with the latest forces and returns the finger's load.
     fn feel(&mut self, finger: &FingerSense<'_>, towards_object: DVec3) -> ContactLoad {
         let frame = &finger.touch.frame;
         let new = self.newest.replace(frame.sequence) != Some(frame.sequence);
@@ -176,12 +175,12 @@ impl Best {
         grip
     }
 
-    /// Speed at which the finger presses on, or gives way where it is negative, m/s.
+    /// Pressing speed (m/s); negative to yield.
     fn pressing(&self, grip: &ContactLoad) -> f64 {
         let config = &self.config;
         let needed = config.margin * grip.shear / self.friction;
         let missing = needed.max(config.least_grasp_force) - grip.normal;
-        // All that touch share in a press.
+        // The touching elements share the force.
         let each = missing / grip.touching.max(1.0);
         let room = config.element_force - grip.largest;
         let speed = config.gain * each.min(room);
@@ -200,7 +199,7 @@ impl Law for Best {
 }
 
 impl Load {
-    /// Of the `force` on a feeler (N, in W) where `inward` points into the object.
+    /// Splits the `force` on a feeler (N, in W); `inward` points into the object.
     fn new(force: DVec3, inward: DVec3) -> Self {
         let normal = -force.dot(inward);
         Self {
@@ -210,7 +209,7 @@ impl Load {
     }
 }
 
-/// The dome's outward normal where it touches: the mean of the elements', weighted by their force.
+/// Mean of the touching elements' outward dome normals, weighted by force.
 fn inward(finger: &FingerSense<'_>) -> Option<DVec3> {
     let forces = finger.touch.frame.forces.iter().enumerate();
     let weighted = forces.filter(|(_, force)| force.z > NOISE);
@@ -220,8 +219,8 @@ fn inward(finger: &FingerSense<'_>) -> Option<DVec3> {
     sum.try_normalize()
 }
 
-/// What is believed about friction after one element's load went from `last` to `now`: a slip shows the
-/// coefficient, and what holds shows that it is no less.
+/// Friction estimate after the load of one element has changed from `last` to `now`. A slip shows the coefficient
+/// itself; a sticking element shows a lower bound.
 fn learnt(friction: f64, rate: f64, last: Load, now: Load) -> f64 {
     if last.normal < TELLING_FORCE || now.normal < TELLING_FORCE {
         return friction;

@@ -1,4 +1,4 @@
-//! Which control law, and what it is tuned by.
+//! Selection and parameters of the control law.
 
 use super::best::{Best, BestConfig};
 use super::missing_shear::{MissingShear, MissingShearConfig};
@@ -16,53 +16,51 @@ use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 use std::fmt;
 
-/// Why there is no such law for a finger.
+/// Error returned when a control law cannot be created.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum LawError {
-    /// The policy's file was named, but not read.
-    #[error("the policy {file:?} was not read; expected its model beside its name")]
+    /// The policy's file has not been loaded.
+    #[error("the policy {file:?} has not been loaded")]
     NotRead {
-        /// The file.
+        /// Path of the file.
         file: String,
     },
-    /// The policy is for other fingertips.
-    #[error(
-        "the policy {file:?} is for fingertips of {actual} elements; expected one for {expected}"
-    )]
+    /// The policy was made for other fingertips.
+    #[error("expected a policy for fingertips of {expected} elements, got {file:?} for {actual}")]
     Elements {
-        /// The policy's file.
+        /// Path of the policy's file.
         file: String,
-        /// Elements of the finger.
+        /// Number of elements of the finger.
         expected: usize,
-        /// Elements that the policy is for.
+        /// Number of elements that the policy requires.
         actual: usize,
     },
 }
 
-/// Which control law. In a file either its name, as in `law = "best"`, or its name with what it is tuned
-/// by, as in `law.best = { margin = 1.5 }`.
+/// The control law. An experiment file contains either its name, as in `law = "best"`, or its name with parameters,
+/// as in `law.best = { margin = 1.5 }`.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum LawConfig {
-    /// The paper's (Fig. 5): re-compression on slip, which tri-axial forces show.
+    /// The paper's law (Fig. 5): re-compression on slip, detected from tri-axial forces.
     #[default]
     TriAxial,
-    /// The same reflex, on slip that is told from missing shear.
+    /// The paper's reflex, with slip detected from missing shear.
     TriAxialMissingShear(MissingShearConfig),
-    /// Compression alone, with an assumed friction and load.
+    /// Uses compression only, with an assumed friction and load.
     NormalOnly(NormalOnlyConfig),
-    /// The plan, without touch.
+    /// Follows the plan without touch.
     OpenLoop(OpenLoopConfig),
-    /// Grip before slip, with friction learnt from touch.
+    /// Raises the grip before slip, with friction learnt from touch.
     Best(BestConfig),
-    /// All fingers turn the object about the pivot that touch has found.
+    /// All fingers turn the object about a pivot that is estimated from touch.
     Pivot(PivotConfig),
-    /// A network that was trained elsewhere, in a file.
+    /// A trained neural network, loaded from a file.
     Policy(PolicyConfig),
 }
 
 impl LawConfig {
-    /// The names of the laws that need no file.
+    /// Names of the laws that need no file.
     pub const NAMES: [&str; 6] = [
         "tri-axial",
         "tri-axial-missing-shear",
@@ -72,7 +70,7 @@ impl LawConfig {
         "pivot",
     ];
 
-    /// The law of this name with its defaults, if there is one.
+    /// The law with this name and default parameters, or `None` if there is no such law.
     pub fn named(name: &str) -> Option<Self> {
         Some(match name {
             "tri-axial" => Self::TriAxial,
@@ -85,7 +83,7 @@ impl LawConfig {
         })
     }
 
-    /// Its name, as in an experiment file.
+    /// Name of the law, as in an experiment file.
     pub fn name(&self) -> &'static str {
         match self {
             Self::TriAxial => "tri-axial",
@@ -98,11 +96,11 @@ impl LawConfig {
         }
     }
 
-    /// The law's source, for whoever asks how simple it is; none where a file says what it does.
+    /// Source code of the law, from which reports measure its size; `None` for a law that is loaded from a file.
     pub fn source(&self) -> Option<&'static str> {
         Some(match self {
             Self::TriAxial => include_str!("tri_axial.rs"),
-            // With all that it is made of: nothing else looks for slip so.
+            // Includes the slip detector, which no other law uses.
             Self::TriAxialMissingShear(_) => concat!(
                 include_str!("tri_axial.rs"),
                 include_str!("missing_shear.rs"),
@@ -126,8 +124,8 @@ impl LawConfig {
         })
     }
 
-    /// Requires every value to be in its range. The law stands in the table `key`; elements touch and are pressed enough as
-    /// the `thresholds` say.
+    /// Requires every value to be in its range. `key` is the table that contains the law; `thresholds` defines F1 and
+    /// F2.
     pub fn check(&self, key: &str, thresholds: &FlagThresholds, checker: &mut Checker) {
         let key = format!("{key}.{}", self.name());
         match self {
@@ -137,16 +135,16 @@ impl LawConfig {
             Self::OpenLoop(law) => law.check(&key, checker),
             Self::Best(law) => law.check(&key, thresholds, checker),
             Self::Pivot(law) => law.check(&key, checker),
-            // Its file is checked where it is read.
+            // The file is checked when it is loaded.
             Self::Policy(_) => {}
         }
     }
 
-    /// The law for a hand whose fingers have the elements of `layouts`, at rest, which touch and are pressed enough as the
-    /// `thresholds` say.
+    /// Creates the control law for a hand whose fingers have the elements of `layouts`, in its initial state.
+    /// `thresholds` defines F1 and F2.
     ///
     /// # Errors
-    /// If a policy was not read, or is for other fingertips.
+    /// If a policy file has not been loaded, or the policy was made for other fingertips.
     pub fn hand_law(
         &self,
         reflex: Reflex,
@@ -170,11 +168,11 @@ impl LawConfig {
         Ok(Box::new(FingerLaws::new(laws.unwrap_or_default())))
     }
 
-    /// The law for one finger of `elements` elements, at rest, which touch where they are pressed harder than `touch_force`
-    /// (F1), N; `None` if the law moves all fingers together.
+    /// Creates the law for one finger of `elements` elements, in its initial state. Elements touch above
+    /// `touch_force` (F1, N). Returns `None` if the law moves all fingers together.
     ///
     /// # Errors
-    /// If a policy was not read, or is for other fingertips.
+    /// If a policy file has not been loaded, or the policy was made for other fingertips.
     pub fn finger_law(
         &self,
         reflex: Reflex,
@@ -214,7 +212,7 @@ impl<'de> Deserialize<'de> for LawConfig {
     }
 }
 
-/// The laws as a table may have them: one of them.
+/// Table form of the law; exactly one field must be set.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 struct Laws {
@@ -243,7 +241,7 @@ impl<'de> Visitor<'de> for NameOrTable {
         LawConfig::named(name).ok_or_else(|| {
             let names = LawConfig::NAMES.join(", ");
             E::custom(format!(
-                "there is no control law {name:?}: expected one of {names}, or law.policy with a file"
+                "unknown control law {name:?}: expected one of {names}, or law.policy with a file"
             ))
         })
     }
@@ -263,7 +261,7 @@ impl<'de> Visitor<'de> for NameOrTable {
         match (found.next(), found.next()) {
             (Some(law), None) => Ok(law),
             _ => Err(A::Error::custom(
-                "one control law expected, as in law.best = { margin = 1.5 }",
+                "expected exactly one control law, as in law.best = { margin = 1.5 }",
             )),
         }
     }

@@ -1,18 +1,18 @@
-//! A law of its own for each finger, as a law for the hand.
+//! A law for the hand that consists of independent laws for each finger.
 
 use super::{HandLaw, Law};
 use crate::control::plan::Plan;
 use crate::control::sense::HandSense;
 use glam::DVec3;
 
-/// Moves each finger by a [`Law`] of its own, which receives nothing from the other fingers.
+/// Moves each finger by a separate [`Law`] that receives no data from the other fingers.
 #[derive(Debug, Clone)]
 pub struct FingerLaws {
     laws: Vec<Box<dyn Law>>,
 }
 
 impl FingerLaws {
-    /// One law for each finger, in order.
+    /// Creates the law from one law per finger, in order.
     pub fn new(laws: Vec<Box<dyn Law>>) -> Self {
         Self { laws }
     }

@@ -1,8 +1,8 @@
-//! The paper's law with another source of SLIP: the shear that is missing from what the fingertip's own motion
-//! foretells ([`SlipDetector`]), instead of the rate of shear.
+//! The paper's law with another source of SLIP: shear that is missing from the prediction by the fingertip's own
+//! motion ([`SlipDetector`]), instead of the shear rate.
 //!
-//! It needs the fingertip's pose, which a sensor's program does not know; so it is the hand's to look for slip, and the
-//! SLIP that sensors raise, and that is recorded, stays the paper's.
+//! The detector needs the fingertip's pose, which sensor programs do not have, so it runs in the control law. The
+//! SLIP flag that sensors raise, and that is recorded, remains the paper's.
 
 use super::Law;
 use super::tri_axial::{FingerSpeedEstimator, Reflex};
@@ -15,18 +15,18 @@ use crate::control::slip_detector::SlipDetector;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-/// What slip is told by.
+/// Parameters of slip detection.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct MissingShearConfig {
-    /// An element that misses more shear than this slips, N.
+    /// Missing shear above which an element counts as slipping (N).
     pub threshold: f64,
-    /// What the hand knows of its own feelers.
+    /// Stiffness and tip radius of the feelers.
     pub feeler: FeelerShape,
 }
 
 impl Default for MissingShearConfig {
-    /// The threshold that `feeler score-slip` chooses for a precision of 96 % on what may move.
+    /// The threshold that `feeler score-slip` chooses for a precision of 96 % on objects that may move.
     fn default() -> Self {
         Self {
             threshold: 0.0098,
@@ -43,20 +43,20 @@ impl MissingShearConfig {
     }
 }
 
-/// One finger that is moved as the paper has it, and looks for slip itself.
+/// The law's state for one finger, with its slip detector.
 #[derive(Debug, Clone)]
 pub struct MissingShear {
     estimator: FingerSpeedEstimator,
     detector: SlipDetector,
     threshold: f64,
-    /// Sequence number of the newest frame that was looked at.
+    /// Sequence number of the latest evaluated frame.
     newest: Option<u64>,
-    /// Whether an element slipped by that frame.
+    /// `true` if an element slipped in that frame.
     slip: bool,
 }
 
 impl MissingShear {
-    /// A finger of `elements` elements at rest, which touch where they are pressed harder than `touch_force` (F1), N.
+    /// Creates the law for a finger of `elements` elements, which touch above `touch_force` (F1, N).
     pub fn new(
         config: &MissingShearConfig,
         reflex: Reflex,
@@ -73,7 +73,7 @@ impl MissingShear {
         }
     }
 
-    /// Whether an element slips, by the newest frame; the same again until there is a newer one.
+    /// Returns whether an element slips in the latest frame. Repeats the last result until there is a newer frame.
     fn slips(&mut self, finger: &FingerSense<'_>) -> bool {
         let frame = &finger.touch.frame;
         if self.newest.replace(frame.sequence) != Some(frame.sequence) {
@@ -89,7 +89,7 @@ impl Law for MissingShear {
         let slip = self.slips(finger);
         let flags = finger.flags();
         let flags = FingerFlags {
-            // What slips here is pressed, so that TOUCH needs no word of SLIP.
+            // An element that slips here is pressed, so TOUCH does not depend on SLIP.
             touch: flags.largest_element.is_some(),
             slip,
             ..*flags

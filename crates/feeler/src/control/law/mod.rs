@@ -1,5 +1,5 @@
-//! How a finger does what the task wants without losing or crushing what it touches: the trait of every
-//! control law, and the laws that come with the program.
+//! Control laws: traits for laws that follow a task's plan without losing or crushing the object, and the built-in
+//! laws.
 
 pub mod best;
 mod config;
@@ -20,14 +20,14 @@ use dyn_clone::DynClone;
 use glam::DVec3;
 use std::fmt::Debug;
 
-/// Coefficients of friction that anything could have.
+/// Valid range of friction coefficients.
 const FRICTION: (f64, f64) = (0.01, 10.0);
 
-/// From one finger's plan and what it feels to its velocity; each finger has a law of its own.
+/// A control law for one finger. Each finger has a separate instance.
 ///
-/// It is part of the control path: it neither allocates nor panics.
+/// Laws are part of the control path: they neither allocate nor panic.
 pub trait Law: DynClone + Debug + Send {
-    /// Velocity of the fingertip until the next control step, m/s, in W.
+    /// Velocity of the fingertip until the next control step (m/s, in W).
     fn velocity(&mut self, plan: &Plan, finger: &FingerSense<'_>) -> DVec3;
 }
 
@@ -35,13 +35,13 @@ dyn_clone::clone_trait_object!(Law);
 
 /// A control law for all fingers of a hand together.
 ///
-/// It is part of the control path: its methods neither allocate nor panic.
+/// Laws are part of the control path: the methods neither allocate nor panic.
 pub trait HandLaw: DynClone + Debug + Send {
     /// Updates the law with the hand's state and forces, before the task plans. Writes for each finger whether it has
     /// closed on the object; `None` leaves that decision to the task. The default does nothing.
     fn observe(&mut self, _hand: &HandSense<'_>, _closed: &mut [Option<bool>]) {}
 
-    /// Writes the velocity of each fingertip until the next control step, m/s, in W, from its plan in `plans`.
+    /// Writes the velocity of each fingertip until the next control step (m/s, in W), given its plan.
     fn velocities(&mut self, plans: &[Plan], hand: &HandSense<'_>, velocities: &mut [DVec3]);
 }
 

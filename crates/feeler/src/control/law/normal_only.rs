@@ -1,5 +1,5 @@
-//! What a sensor of compression alone allows: it feels no shear, so neither slip nor how much of the
-//! friction is used. The grasp force is kept at what an assumed friction needs for an assumed load.
+//! Control law for sensors that measure only compression. Without shear, neither slip nor the used friction is known,
+//! so the grasp force is regulated to the value that an assumed friction requires for an assumed load.
 
 use super::{FRICTION, Law};
 use crate::check::Checker;
@@ -8,23 +8,23 @@ use crate::control::sense::FingerSense;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-/// What is assumed because it cannot be felt, and how the grasp force is kept.
+/// Assumptions and parameters of the law.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct NormalOnlyConfig {
-    /// Assumed coefficient of friction.
+    /// Assumed friction coefficient.
     pub friction: f64,
-    /// Assumed tangential load on a finger, N.
+    /// Assumed tangential load on a finger (N).
     pub tangential_load: f64,
-    /// Speed of pressing per missing grasp force, m/(N·s).
+    /// Pressing speed per missing grasp force, m/(N·s).
     pub gain: f64,
-    /// Greatest speed of pressing or giving way, m/s.
+    /// Maximum speed of pressing or yielding (m/s).
     pub pressing_speed: f64,
 }
 
 impl Default for NormalOnlyConfig {
-    /// The load is that of 42 mN·m, with which the reference experiment's cap is closed, on a cap of 14 mm between
-    /// two fingers.
+    /// The load corresponds to 42 mN·m, the closing torque of the reference experiment, on a cap of 14 mm radius
+    /// between two fingers.
     fn default() -> Self {
         Self {
             friction: 0.8,
@@ -46,14 +46,14 @@ impl NormalOnlyConfig {
     }
 }
 
-/// One finger that keeps its grasp force.
+/// The law's state for one finger.
 #[derive(Debug, Clone)]
 pub struct NormalOnly {
     config: NormalOnlyConfig,
 }
 
 impl NormalOnly {
-    /// A finger at rest.
+    /// Creates the law.
     pub fn new(config: NormalOnlyConfig) -> Self {
         Self { config }
     }
@@ -64,7 +64,7 @@ impl Law for NormalOnly {
         if !plan.keep_grasp {
             return plan.velocity;
         }
-        // Of the flags, only those that come of compression: neither TOUCH nor SLIP.
+        // Use only flags that derive from compression: neither TOUCH nor SLIP.
         let flags = finger.flags();
         let pressing = flags.largest_element.and_then(|e| finger.normal(e));
         let direction = pressing.unwrap_or(plan.towards_object);

@@ -1,8 +1,8 @@
-//! The plan, carried out without touch: what a hand does that knows where the object is, and no more.
+//! Control law that follows the plan without touch, as a hand would that only knows the object's position.
 //!
-//! The task's approach ends by its own grasp force under every law; that is where a stroke begins, not
-//! part of the law. From there a planner would press in by a planned distance, so that the straight
-//! stroke does not leave the round object, and then hold its course whatever happens.
+//! The task's approach ends at its own grasp force under every law; that defines the start of a stroke and is not
+//! part of the law. From there, a finger presses in by a planned distance, so that the straight stroke does not leave
+//! the round object, and then follows its course regardless of forces.
 
 use super::Law;
 use crate::check::Checker;
@@ -11,20 +11,20 @@ use crate::control::sense::FingerSense;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-/// What the plan adds to the task's path.
+/// Motion that the law adds to the task's path.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct OpenLoopConfig {
-    /// How far a finger that grasps is pressed on towards the object, m.
+    /// Distance by which a grasping finger is pressed further towards the object (m).
     pub squeeze: f64,
-    /// How fast, m/s.
+    /// Speed of that motion (m/s).
     pub squeeze_speed: f64,
 }
 
 impl Default for OpenLoopConfig {
     /// The stroke of the reference task, to 7.35 mm past the cap's apex, leaves the circle of 34.1 mm on which
-    /// fingertip and cap touch by 0.75 mm. The squeeze makes up for most of that; soft feelers, pressed by
-    /// 1.0 N when the stroke begins, hold on for the rest. More of it presses elements beyond their limit.
+    /// fingertip and cap touch by 0.75 mm. The squeeze compensates most of that; soft feelers, pressed by 1.0 N when
+    /// the stroke begins, stay in contact for the rest. A larger squeeze presses elements beyond their limit.
     fn default() -> Self {
         Self {
             squeeze: 0.0005,
@@ -41,16 +41,16 @@ impl OpenLoopConfig {
     }
 }
 
-/// One finger that follows its plan.
+/// The law's state for one finger.
 #[derive(Debug, Clone)]
 pub struct OpenLoop {
     config: OpenLoopConfig,
-    /// Where the grasp began, m, in W, while the plan is to keep one.
+    /// Position at which the grasp began (m, in W), or `None` while the plan keeps no grasp.
     grasped_at: Option<DVec3>,
 }
 
 impl OpenLoop {
-    /// A finger at rest.
+    /// Creates the law.
     pub fn new(config: OpenLoopConfig) -> Self {
         Self {
             config,

@@ -1,7 +1,7 @@
-//! A learnt policy: a network that adds to the plan where the plan asks for a reflex.
+//! Learnt policy: a neural network whose output is added to the plan's velocity while the plan requests a reflex.
 //!
-//! It is trained elsewhere and read from a file; running it takes neither Python nor a library. Of what came before it
-//! knows its own last action alone.
+//! It is trained elsewhere and loaded from a file; evaluating it needs neither Python nor a library. Its only memory
+//! is its own last action.
 
 mod file;
 mod network;
@@ -18,18 +18,18 @@ use network::{Network, Scratch};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// Which policy.
+/// Selection of a policy.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PolicyConfig {
-    /// File of the policy, relative to the experiment's.
+    /// File of the policy, relative to the experiment file.
     pub file: String,
-    /// What the file holds, once it was read.
+    /// Content of the file, or `None` before it is loaded.
     #[serde(skip)]
     pub model: Option<Arc<PolicyModel>>,
 }
 
-/// What a policy's file holds.
+/// Content of a policy file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PolicyModel {
     elements: usize,
@@ -38,48 +38,49 @@ pub struct PolicyModel {
 }
 
 impl PolicyModel {
-    /// Reads a policy's file: safetensors, whose metadata are text.
+    /// Parses a policy file: safetensors with text metadata.
     ///
     /// | metadata | meaning |
     /// |---|---|
     /// | `format` | [`FORMAT`] |
     /// | `activation` | `tanh` or `relu`, between two layers |
-    /// | `elements` | number of elements E of the fingertips that it is for |
-    /// | `residual_speed` | greatest speed that each component of the output adds to the plan's, m/s |
-    /// | `description` | anything; may be left out |
+    /// | `elements` | number of elements E of the fingertips that the policy was made for |
+    /// | `residual_speed` | maximum speed that each component of the output adds to the plan's velocity (m/s) |
+    /// | `description` | any text; optional |
     ///
     /// | tensor (F32, C order) | shape |
     /// |---|---|
     /// | `input.mean`, `input.scale` | `[N]`, N numbers of an [`ObservationLayout`] of E elements |
     /// | `layer0.weight`, `layer0.bias` | `[outputs, N]`, `[outputs]` |
-    /// | `layer1.weight`, … up to seven more | `[outputs, outputs of the layer before]`; the last has 3 outputs |
+    /// | `layer1.weight`, … up to seven more | `[outputs, outputs of the previous layer]`; the last has 3 outputs |
     ///
     /// # Errors
-    /// When anything is missing, unknown, of another shape or out of range, more than 8 layers or 1,024 outputs included.
+    /// If an entry or tensor is missing, unknown, of another shape or out of range, including more than 8 layers or
+    /// 1,024 outputs.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, PolicyError> {
         file::read(bytes)
     }
 
-    /// Number of elements of the fingertips that it is for.
+    /// Number of elements of the fingertips that the policy was made for.
     pub fn elements(&self) -> usize {
         self.elements
     }
 }
 
-/// One finger that does as a policy says.
+/// The law's state for one finger that is controlled by a policy.
 ///
-/// Where the plan asks for a reflex, the finger's velocity is the plan's plus `residual_speed * tanh(outputs)`, outputs along the
-/// axes of the fingertip's frame `T`; where not, it is the plan's alone.
+/// While the plan requests a reflex, the finger's velocity is the plan's plus `residual_speed * tanh(outputs)`, with
+/// the outputs along the axes of the fingertip frame `T`. Otherwise it is the plan's velocity.
 #[derive(Debug, Clone)]
 pub struct Policy {
     model: Arc<PolicyModel>,
     scratch: Scratch,
-    /// The newest velocity, m/s, in W.
+    /// Latest velocity (m/s, in W).
     last_action: DVec3,
 }
 
 impl Policy {
-    /// A finger at rest.
+    /// Creates the law for a finger at rest.
     pub fn new(model: Arc<PolicyModel>) -> Self {
         Self {
             scratch: model.network.scratch(),
@@ -88,7 +89,7 @@ impl Policy {
         }
     }
 
-    /// What the network adds to the plan, m/s, in W.
+    /// Velocity that the network adds to the plan's (m/s, in W).
     fn residual(&mut self, plan: &Plan, finger: &FingerSense<'_>) -> DVec3 {
         let elements = self.model.elements;
         let layout = ObservationLayout { elements };
@@ -97,7 +98,7 @@ impl Policy {
             .write(plan, finger, self.last_action, inputs)
             .is_err()
         {
-            // A finger of other elements: the controller stops the hand.
+            // The number of elements differs: NaN makes the controller stop the hand.
             return DVec3::NAN;
         }
         let outputs = self.model.network.evaluate(&mut self.scratch);

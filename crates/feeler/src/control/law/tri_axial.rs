@@ -1,4 +1,4 @@
-//! The finger speed estimator (paper, Fig. 5): from the mode and the flags to a fingertip velocity.
+//! The finger speed estimator (paper, Fig. 5): computes the fingertip velocity from the plan and the flags.
 
 use super::Law;
 use crate::control::flags::FingerFlags;
@@ -6,16 +6,16 @@ use crate::control::plan::Plan;
 use crate::control::sense::FingerSense;
 use glam::DVec3;
 
-/// The reflex that presses a slipping or weakly grasping finger into the object.
+/// Parameters of the reflex that presses a slipping or weakly grasping finger into the object.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reflex {
-    /// v_r: speed of re-compression, m/s.
+    /// v_r: speed of re-compression (m/s).
     pub recompression_speed: f64,
-    /// A moving finger whose grasp force is below this is re-compressed, too, N.
+    /// Grasp force below which a moving finger is also re-compressed (N).
     pub minimum_grasp_force: f64,
 }
 
-/// Estimates one finger's velocity and keeps it while neither plan nor flags change.
+/// Computes one finger's velocity and keeps it while neither plan nor flags change.
 #[derive(Debug, Clone)]
 pub struct FingerSpeedEstimator {
     reflex: Reflex,
@@ -23,7 +23,7 @@ pub struct FingerSpeedEstimator {
     velocity: DVec3,
 }
 
-/// What the velocity depends on.
+/// Inputs that determine the velocity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Situation {
     plan: Plan,
@@ -42,7 +42,7 @@ impl Law for FingerSpeedEstimator {
 }
 
 impl FingerSpeedEstimator {
-    /// An estimator for a finger at rest.
+    /// Creates an estimator for a finger at rest.
     pub fn new(reflex: Reflex) -> Self {
         Self {
             reflex,
@@ -51,9 +51,8 @@ impl FingerSpeedEstimator {
         }
     }
 
-    /// Velocity of the fingertip, m/s, in W. `pressing` is the direction that presses the touching
-    /// element of largest F_z further into the object: its outward dome normal, in W, if there is
-    /// such an element.
+    /// Velocity of the fingertip (m/s, in W). `pressing` is the outward dome normal (in W) of the touching element
+    /// with the largest F_z, if any: the direction that presses it further into the object.
     pub fn estimate(&mut self, plan: &Plan, flags: &FingerFlags, pressing: Option<DVec3>) -> DVec3 {
         let situation = Situation {
             plan: *plan,
@@ -69,7 +68,7 @@ impl FingerSpeedEstimator {
         self.velocity
     }
 
-    /// The re-compressive velocity: none while an element is over its limit.
+    /// The re-compressive velocity, zero while an element is over its limit.
     fn recompression(&self, situation: &Situation, pressing: Option<DVec3>) -> DVec3 {
         let slipping = situation.slip && situation.plan.reflex;
         let direction = match pressing {

@@ -1,9 +1,10 @@
-//! A cap that is screwed until the hand feels that it is closed, or unscrewed until it is open.
+//! Task that screws a cap until the hand detects that it is closed, or unscrews it until it is open.
 //!
-//! The strokes are those of the [screw task](super::screw), with two differences. The task itself holds the grip: it presses each finger
-//! as hard as it is to be, no harder, whether it slips or not. And it goes on until it knows what became of the cap:
-//! first gently; once a stroke turns the cap less than half as far as it should, with the whole grip allowed; and when
-//! the fingers have slipped over a cap that stands still in two strokes, by what it resisted on the way.
+//! The strokes are those of the [screw task](super::screw), with two differences. First, the task controls the grip
+//! itself: it presses each finger with a definite force, whether the finger slips or not. Second, it continues until
+//! the state of the cap is known. It grips gently at first. Once a stroke turns the cap by less than half of the
+//! expected angle, it uses the maximum grip. Once the fingers have slipped over a cap at rest in two consecutive
+//! strokes, the resistance measured so far decides the outcome.
 
 use super::Finding;
 use super::Task;
@@ -19,20 +20,21 @@ use crate::control::stop_reason::StopReason;
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
 
-/// Strokes that a cap must stand still in.
+/// Number of consecutive strokes in which a cap must stand still.
 const STILL_STROKES: u32 = 2;
-/// A stroke that turns the cap less than this share of its travel meets resistance.
+/// Share of the expected turn below which a stroke has met resistance.
 const FREE_SHARE: f64 = 0.5;
-/// A finger grips when it has this share of the grip wanted.
+/// Share of the requested grip at which a finger counts as gripping.
 const GRIPPING: f64 = 0.9;
-/// A finger that drags with this share of what no cap's friction would hold drags no further: what holds it is no friction.
+/// Share of the maximum friction force at which a finger stops dragging: beyond it, something other than friction
+/// holds the finger.
 const DRAGGED: f64 = 0.97;
-/// From this share on it slows down.
+/// Share of the maximum friction force above which a finger slows down.
 const SLOWED: f64 = 0.92;
-/// Elements are pressed no harder than this share of what damages them: shear and noise come on top.
+/// Maximum compression of elements as a share of the damaging force. The rest is left for shear and noise.
 const GUARDED: f64 = 0.85;
 
-/// The state machine.
+/// State machine of the task.
 #[derive(Debug, Clone)]
 pub struct CapTask {
     config: ScrewConfig,
@@ -42,11 +44,11 @@ pub struct CapTask {
     curve: ResistanceCurve,
     phase: Phase,
     stroke: u32,
-    /// Whether the whole grip allowed is used.
+    /// `true` if the maximum grip is used.
     firm: bool,
-    /// Strokes in a row in which the cap stood still.
+    /// Number of consecutive strokes in which the cap stood still.
     still: u32,
-    /// How far the cap was turned before this stroke, and in it, rad.
+    /// Angle by which the cap was turned before this stroke, and in it (rad).
     turned: f64,
     stroke_turn: f64,
     outcome: Option<&'static str>,
@@ -54,7 +56,7 @@ pub struct CapTask {
 }
 
 impl CapTask {
-    /// The task at its beginning.
+    /// Creates the task in its initial state.
     pub fn new(config: &ScrewConfig, cap: &CapConfig) -> Self {
         let axis = DVec2::from_array(cap.axis);
         let paths: Vec<_> = config.finger.iter().map(Path::new).collect();
@@ -83,7 +85,7 @@ impl CapTask {
         task
     }
 
-    /// The grip force of each finger that is wanted now, N.
+    /// Requested grip force of each finger (N).
     fn grip(&self) -> f64 {
         match self.firm {
             true => self.cap.grip,
@@ -134,7 +136,7 @@ impl CapTask {
         }
     }
 
-    /// What the stroke that has just been made says.
+    /// Evaluates the completed stroke.
     fn judge(&mut self) {
         let Some(radius) = self.touch.radius() else {
             return self.end("no cap");
@@ -161,11 +163,11 @@ impl CapTask {
             self.end("undecided");
         }
         let resists = self.stroke_turn < free;
-        // A cap that closes resists more and more; one that opens does so no longer once it has given way.
+        // A closing cap resists more and more; an opening cap stops resisting once it has come loose.
         self.firm = resists || (self.firm && self.config.until == Until::Closed);
     }
 
-    /// What a cap is that cannot be turned any further.
+    /// Outcome for a cap that cannot be turned any further.
     fn verdict(&self) -> &'static str {
         let too_early = self.turned < TAU * self.cap.least_turns;
         let stiffness = self.stiffness().unwrap_or(f64::INFINITY);
@@ -176,13 +178,13 @@ impl CapTask {
         }
     }
 
-    /// Stiffness of what the cap has met, as felt, N·m/rad.
+    /// Measured stiffness of the resistance that the cap has met (N·m/rad).
     fn stiffness(&self) -> Option<f64> {
         self.curve
             .stiffness(self.config.grasp_force / self.cap.grip)
     }
 
-    /// Force of `finger` along its stroke, as a share of what it could put on a cap of the most friction there is.
+    /// Force of `finger` along its stroke, as a share of the force that the maximum friction allows.
     fn drag(&self, finger: usize) -> f64 {
         let felt = self.touch.fingers.get(finger);
         felt.map_or(0.0, |felt| felt.shear) / (self.cap.most_friction * self.grip())
@@ -192,7 +194,7 @@ impl CapTask {
         self.outcome = self.outcome.or(Some(outcome));
     }
 
-    /// Keeps what was found out, the torque being `torque`.
+    /// Updates the findings; `torque` is the current torque.
     fn note(&mut self, torque: f64) {
         let grips = self.touch.fingers.iter().map(|finger| finger.grip);
         let found = [
@@ -206,7 +208,7 @@ impl CapTask {
         self.findings = found.map(|(name, value)| Finding { name, value });
     }
 
-    /// Speed towards the axis that makes the grip of `finger` what it is to be, m/s.
+    /// Speed towards the axis that regulates the grip of `finger` (m/s).
     fn press(&self, finger: usize) -> f64 {
         let Some(felt) = self.touch.fingers.get(finger) else {
             return 0.0;
@@ -217,7 +219,8 @@ impl CapTask {
         (self.cap.grip_gain * missing.min(left)).clamp(-outward, inward)
     }
 
-    /// Speed of the stroke of `finger`, m/s: less where it would press an element too hard, or drag as no friction could hold it.
+    /// Speed of the stroke of `finger` (m/s), reduced if it would press an element too hard or drag beyond the
+    /// maximum friction.
     fn pace(&self, finger: usize) -> f64 {
         let largest = self.touch.fingers.get(finger).map_or(0.0, |f| f.largest);
         let left = 1.0 - largest / self.cap.damage_force;
@@ -274,7 +277,8 @@ impl Task for CapTask {
             Phase::Return => homeward(path.home - position, self.config.return_speed),
             Phase::Done | Phase::Stopped => DVec3::ZERO,
         };
-        // The grip is the task's: a finger that presses more because it slips would never find the limit of a definite grip.
+        // The task controls the grip. A reflex that presses on slip would never reach the friction limit of a
+        // definite grip.
         Plan {
             velocity,
             towards_object: path.approach,
@@ -314,7 +318,7 @@ mod tests {
     const RADIUS: f64 = 0.014;
     const TRAVEL: f64 = 0.02;
 
-    /// Two fingers on a cap that is screwed until `until`.
+    /// Returns a task of two fingers on a cap that is screwed until `until`.
     fn task(until: Until) -> CapTask {
         let finger = |side: f64| FingerPathConfig {
             home: [0.05 * side, 0.0, 0.0],
@@ -351,7 +355,7 @@ mod tests {
         CapTask::new(&config, &cap)
     }
 
-    /// What the task says after each stroke: by how much it turns the cap, rad, and whether both fingers slip.
+    /// Returns the outcome after each stroke, given the turn of the cap (rad) and whether both fingers slip.
     fn judged(task: &mut CapTask, strokes: &[(f64, bool)]) -> Vec<Option<&'static str>> {
         let judge = |&(turn, slid): &(f64, bool)| {
             for felt in &mut task.touch.fingers {
@@ -366,7 +370,7 @@ mod tests {
     }
 
     const STILL: (f64, bool) = (0.01, true);
-    /// Less than half of what the travel would turn a cap freely.
+    /// Less than half of the turn of a freely turning cap.
     const TURNS: (f64, bool) = (0.3 * TRAVEL / RADIUS, true);
 
     #[test]
@@ -381,9 +385,9 @@ mod tests {
     }
 
     #[test]
-    fn a_gentle_stroke_or_one_that_does_not_slip_is_none_that_stands_still() {
+    fn gentle_strokes_and_strokes_without_slip_do_not_count_as_still() {
         let mut gentle = task(Until::Closed);
-        // The first is made gently, and says that the next shall be firm.
+        // The first stroke is gentle; it makes the next one firm.
         assert_eq!(
             judged(&mut gentle, &[STILL, STILL, STILL]),
             [None, None, Some("closed")]

@@ -1,4 +1,4 @@
-//! When a cap is done with, and what is known of it beforehand.
+//! End condition of the screw task, and properties of the cap.
 
 use crate::check::{Checker, MAX};
 use crate::control::feeler_shape::FeelerShape;
@@ -8,10 +8,10 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Until {
-    /// After as many as `strokes` says.
+    /// After the number of `strokes`.
     #[default]
     Strokes,
-    /// When the hand feels that the cap is closed, or what keeps it from being so; after `strokes` at most.
+    /// When the hand detects that the cap is closed or cannot be closed; after `strokes` at most.
     Closed,
     /// When the hand has turned the cap open; after `strokes` at most.
     Open,
@@ -30,52 +30,53 @@ defaults! {
     open_turns: f64 = 1.0,
 }
 
-/// What is known of a cap before it is touched, and how it may be treated. The torque that a hand can put on it is limited by friction:
-/// static coefficient times `grip` times radius times fingers.
+/// Prior knowledge of a cap, and limits of its handling. The torque that a hand can exert is limited by friction:
+/// static coefficient times `grip` times radius times number of fingers.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CapConfig {
-    /// Where its axis is thought to be, x and y, m, in W.
+    /// Assumed position of the axis, x and y (m, in W).
     #[serde(default = "default::axis")]
     pub axis: [f64; 2],
-    /// Grip force allowed, of each finger towards the axis, N; `grasp_force` of the task is that of gentle strokes.
+    /// Maximum grip force of each finger towards the axis (N). Gentle strokes use the task's `grasp_force`.
     pub grip: f64,
-    /// Force F_z on an element that damages it if it stays, N.
+    /// Force F_z that damages an element if it persists (N).
     #[serde(default = "default::damage_force")]
     pub damage_force: f64,
-    /// Speed towards the axis for each newton of grip that is missing, m/s/N.
+    /// Speed towards the axis per missing grip force, m/(s·N).
     #[serde(default = "default::grip_gain")]
     pub grip_gain: f64,
-    /// How far a finger goes off the cap between strokes, m.
+    /// Distance of a finger from the cap between strokes (m).
     #[serde(default = "default::clearance")]
     pub clearance: f64,
-    /// A stroke that turns the cap less than this, rad, has not turned it.
+    /// Turn of the cap below which a stroke counts as not having turned it (rad).
     #[serde(default = "default::still_turn")]
     pub still_turn: f64,
-    /// No cap has more friction than this. Where a finger drags harder without slipping, something else holds it, as
-    /// knurls do, and it drags no further: more force would not be measured rightly, and nobody asked for the torque.
+    /// Upper bound of the friction coefficient of any cap. If a finger drags harder without slipping, something else
+    /// holds it, such as knurls, and it drags no further: larger forces would not be measured correctly, and the
+    /// torque is not needed.
     #[serde(default = "default::most_friction")]
     pub most_friction: f64,
-    /// What resists a cap before it stands still is no seat if it is softer than this, N·m/rad.
+    /// Minimum stiffness of a seat (N·m/rad). Softer resistance before a standstill is not a seat.
     #[serde(default = "default::softest_seat")]
     pub softest_seat: f64,
-    /// A cap that stands still before so many turns is not closed.
+    /// Minimum number of turns of a closed cap. A cap that stands still earlier is not closed.
     #[serde(default = "default::least_turns")]
     pub least_turns: f64,
-    /// A cap that still turns after so many turns never tightens.
+    /// Number of turns after which a cap that still turns counts as spinning freely.
     #[serde(default = "default::most_turns")]
     pub most_turns: f64,
-    /// A cap that is to be opened is open after so many turns; until then, it does not matter.
+    /// Number of turns after which a cap counts as open.
     #[serde(default = "default::open_turns")]
     pub open_turns: f64,
-    /// The feelers, as measured on a bench.
+    /// Properties of the feelers, measured on a test bench.
     #[serde(default)]
     pub feeler: FeelerShape,
 }
 
 impl CapConfig {
-    /// Requires every value of the table `key` to be in its range, and the grip to be at least the `grasp_force`, which
-    /// comes with its key.
+    /// Requires every value of the table `key` to be in its range, and the grip to be at least `grasp_force`, given
+    /// with its key.
     pub fn check(&self, key: &str, grasp_force: (&str, f64), checker: &mut Checker) {
         let [x, y] = self.axis;
         checker.vector(&format!("{key}.axis"), [x, y, 0.0]);

@@ -1,45 +1,47 @@
-//! A cap as fingers feel it: the torque on it, how far it turns, its radius and the grip, from forces and encoders.
+//! Estimates torque, turn, radius and grip of a cap from forces and encoders.
 //!
-//! A feeler bends under its force by what its stiffness says, so that force and encoders tell where its tip holds on to the cap: the
-//! *anchor*. Where the tip sticks, the anchor goes with the cap. Where it slips, the shear force drops within a frame, and
-//! what the anchor makes of way then is not the cap's.
+//! A feeler deflects under its force according to its stiffness, so force and encoders give the point where its tip
+//! touches the cap: the *anchor*. While the tip sticks, the anchor moves with the cap. When it slips, the shear force
+//! drops within a frame, and the anchor's motion is not the cap's.
 
 use crate::control::feeler_shape::FeelerShape;
 use crate::control::sense::{FingerSense, HandSense};
 use glam::{DVec2, DVec3};
 
-/// Elements pressed less than this say nothing, N.
+/// Compression below which an element is ignored (N).
 const TOUCH: f64 = 0.1;
-/// A shear force that drops between frames by more than this share of the normal force has slipped…
+/// Drop of the shear force between frames that indicates a slip, as a share of the normal force.
 const SLIP_SHARE: f64 = 0.05;
-/// …and by more than this, N: far above the noise of a frame.
+/// Constant added to that threshold (N), far above the noise of a frame.
 const SLIP_DROP: f64 = 0.01;
-/// A finger that slipped slides on until it has not slipped for so many frames: small slips between large ones drown in noise.
+/// Number of frames without slip after which a sliding finger counts as sticking: small slips between large ones are
+/// hidden by noise.
 const SLIDING: u32 = 5;
 
-/// What one finger feels of the cap, and what it has to remember for that.
+/// Estimates from one finger, and the state they need.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct FingerFeel {
-    /// Force towards the axis, N, on the cap.
+    /// Force on the cap towards the axis (N).
     pub grip: f64,
-    /// Force along the stroke, N, on the cap.
+    /// Force on the cap along the stroke (N).
     pub shear: f64,
-    /// Torque on the cap about the axis, positive with the stroke, N·m.
+    /// Torque on the cap about the axis, positive in the direction of the stroke (N·m).
     pub torque: f64,
-    /// From the axis to the contact of the element that is pressed hardest, m.
+    /// Distance from the axis to the contact of the most loaded element (m).
     pub radius: f64,
-    /// F_z of that element, N.
+    /// F_z of the most loaded element (N).
     pub largest: f64,
-    /// Frames for which that element has not slipped.
+    /// Number of frames since the most loaded element last slipped.
     sticking: u32,
-    /// Whether it has slipped since the stroke began.
+    /// `true` if the most loaded element has slipped since the stroke began.
     pub slid: bool,
-    /// How far that element's anchor went with the stroke since the frame before, m; none where it slides or is another one.
+    /// Motion of the most loaded element's anchor along the stroke since the previous frame (m); `None` while it
+    /// slides, or if another element was the most loaded one.
     advance: Option<f64>,
     leading: Option<Leading>,
 }
 
-/// The element that is pressed hardest, at one frame.
+/// The most loaded element at one frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Leading {
     element: usize,
@@ -48,20 +50,21 @@ struct Leading {
     sequence: u64,
 }
 
-/// What all fingers feel of a cap whose axis is about where they think.
+/// Estimates from all fingers for a cap whose axis is known approximately.
 #[derive(Debug, Clone)]
 pub struct CapTouch {
-    /// Where the axis is thought to be, m, in W.
+    /// Assumed position of the axis (m, in W).
     axis: DVec2,
     feeler: FeelerShape,
-    /// 1 where the strokes turn counter-clockwise as seen from above, else -1.
+    /// 1 if the strokes turn counter-clockwise seen from above, otherwise -1.
     sense: f64,
-    /// Each finger.
+    /// Estimates from each finger.
     pub fingers: Vec<FingerFeel>,
 }
 
 impl CapTouch {
-    /// Nothing felt yet by `fingers` fingers, whose strokes turn about `axis` (m, in W) in the sense of `sense`.
+    /// Creates the estimator for `fingers` fingers whose strokes turn about `axis` (m, in W); the sign of `sense` is
+    /// the direction.
     pub fn new(axis: DVec2, feeler: FeelerShape, sense: f64, fingers: usize) -> Self {
         Self {
             axis,
@@ -71,7 +74,7 @@ impl CapTouch {
         }
     }
 
-    /// Takes in what the fingers feel now.
+    /// Updates the estimates with the latest readings.
     pub fn feel(&mut self, hand: &HandSense<'_>) {
         let (axis, feeler, sense) = (self.axis, self.feeler, self.sense);
         for (own, finger) in self.fingers.iter_mut().zip(hand.fingers()) {
@@ -79,7 +82,7 @@ impl CapTouch {
         }
     }
 
-    /// Forgets what slipped: a stroke begins.
+    /// Starts a stroke: resets the slips.
     pub fn begin_stroke(&mut self) {
         for finger in &mut self.fingers {
             finger.slid = false;
@@ -88,19 +91,19 @@ impl CapTouch {
         }
     }
 
-    /// Torque on the cap by all fingers about the axis, positive with the stroke, N·m. Opposing fingers make a couple, which is the
-    /// same about any axis: that the cap stands elsewhere by a little does not matter.
+    /// Total torque on the cap about the axis, positive in the direction of the stroke (N·m). Opposing fingers form a
+    /// couple, whose torque is the same about any axis, so a small error of the axis does not matter.
     pub fn torque(&self) -> f64 {
         self.fingers.iter().map(|finger| finger.torque).sum()
     }
 
-    /// The cap's radius, mean over the fingers that touch, m. Where it stands off its place, it is nearer to one and
-    /// farther from another.
+    /// Radius of the cap, averaged over the touching fingers (m). If the assumed axis is off, one finger is nearer
+    /// and another one farther.
     pub fn radius(&self) -> Option<f64> {
         mean(self.touching().map(|finger| finger.radius))
     }
 
-    /// By how much the cap turned since the frame before, by the fingers that stick to it, rad.
+    /// Turn of the cap since the previous frame (rad), from the fingers that stick to it.
     pub fn turned(&self) -> f64 {
         let advance = mean(self.fingers.iter().filter_map(|finger| finger.advance));
         match (advance, self.radius()) {
@@ -159,7 +162,7 @@ impl FingerFeel {
         self.follow(leading);
     }
 
-    /// How far the leading element's anchor went since the frame before, and whether it slipped.
+    /// Updates the motion of the leading element's anchor, and whether it slipped.
     fn follow(&mut self, leading: Option<(Leading, DVec2, f64)>) {
         let before = self.leading;
         self.leading = leading.map(|(now, ..)| now);

@@ -1,28 +1,28 @@
-//! What the strokes on a cap come to: from turn and torque as felt to "closed", "cross-threaded", "spinning freely".
+//! Torque-angle curve of a cap, from which its seat is identified.
 
-/// Lowest torque that the curve has a point for, N·m.
+/// Lowest torque of the curve (N·m).
 const LOWEST: f64 = 1e-3;
-/// Each point's torque relative to the one before.
+/// Ratio of the torques of consecutive points.
 const RATIO: f64 = 1.03;
-/// Points: up to 0.4 N·m.
+/// Number of points: up to 0.4 N·m.
 const POINTS: usize = 204;
-/// The stiffness of what the cap meets is taken up to this share of the largest torque: below the limit of friction, where fingers
-/// slip and feel turns that are none…
+/// The stiffness is measured up to this share of the largest torque, below the limit of friction, where fingers slip
+/// and measure spurious turns.
 const HIGHEST: f64 = 0.9;
-/// …and from so many times the limit of gentle strokes, in which they have slipped, too…
+/// The stiffness is measured from this multiple of the limit of gentle strokes, in which the fingers slipped as well.
 const ABOVE_GENTLE: f64 = 1.2;
-/// …but over a span of this share of the largest torque at least.
+/// Minimum span of the stiffness measurement, as a share of the largest torque.
 const SPAN: f64 = 0.2;
 
-/// How far the cap had turned when the torque first rose above each of a row of values.
+/// Turn of the cap at which the torque first exceeded each of a series of values.
 ///
-/// A cap turns only while the torque balances what resists it, and resistance on a seat only grows: where the
-/// torque is larger than ever before, it is the resistance at that angle.
+/// A cap turns only while the torque equals its resistance, and the resistance on a seat only grows. So whenever the
+/// torque exceeds all earlier values, it is the resistance at that angle.
 #[derive(Debug, Clone)]
 pub struct ResistanceCurve {
     turn: [f64; POINTS],
     reached: usize,
-    /// Largest torque so far, N·m.
+    /// Largest torque so far (N·m).
     pub largest: f64,
 }
 
@@ -37,7 +37,7 @@ impl Default for ResistanceCurve {
 }
 
 impl ResistanceCurve {
-    /// Takes in the torque (N·m) at an angle (rad).
+    /// Adds a torque (N·m) at an angle (rad).
     pub fn push(&mut self, torque: f64, turn: f64) {
         self.largest = self.largest.max(torque);
         while let Some(point) = self.turn.get_mut(self.reached) {
@@ -49,8 +49,8 @@ impl ResistanceCurve {
         }
     }
 
-    /// Stiffness of what the cap has met, N·m/rad, once there is a largest torque; infinite where it gave way by nothing. Gentle
-    /// strokes grip with a share `gentle` of what the firm ones do.
+    /// Stiffness of the resistance (N·m/rad), infinite if the cap did not turn, or `None` before any torque. Gentle
+    /// strokes grip with the share `gentle` of the grip of firm ones.
     pub fn stiffness(&self, gentle: f64) -> Option<f64> {
         let lowest = (ABOVE_GENTLE * gentle).min(HIGHEST - SPAN);
         let (low, high) = (self.point(lowest)?, self.point(HIGHEST)?);
@@ -82,7 +82,7 @@ mod tests {
     fn the_stiffness_of_a_seat_is_that_of_its_line_whatever_comes_before() {
         let mut curve = ResistanceCurve::default();
         assert_eq!(curve.stiffness(0.5), None);
-        // Runs down at 3 mN·m for 2 rad, then 0.3 N·m/rad; every stroke begins at no torque.
+        // Runs down at 3 mN·m for 2 rad, then with 0.3 N·m/rad; every stroke begins at zero torque.
         for stroke in 0..4 {
             for step in 0..100 {
                 let turn = 0.55 * (f64::from(stroke) + f64::from(step) / 100.0);
@@ -97,7 +97,7 @@ mod tests {
     }
 
     #[test]
-    fn what_gives_way_by_nothing_is_infinitely_stiff() {
+    fn a_cap_that_does_not_turn_is_infinitely_stiff() {
         let mut curve = ResistanceCurve::default();
         for step in 0..60 {
             curve.push(1e-3 * f64::from(step), 0.0);
@@ -106,7 +106,7 @@ mod tests {
         assert_eq!(curve.largest, 1e-3 * 59.0);
     }
 
-    /// What resists with 0.1 N·m/rad up to 42 mN·m and with 0.5 N·m/rad from there to 50 mN·m, felt in steps of 10 µN·m.
+    /// Resists with 0.1 N·m/rad up to 42 mN·m, then with 0.5 N·m/rad up to 50 mN·m, sampled in steps of 10 µN·m.
     fn bent() -> ResistanceCurve {
         let mut curve = ResistanceCurve::default();
         for step in 0..=5000 {
@@ -121,11 +121,11 @@ mod tests {
 
     #[test]
     fn gentle_strokes_that_grip_as_hard_as_firm_ones_leave_a_fifth_of_the_torque_to_judge_by() {
-        // From 35 to 45 mN·m it gives way by 70 and by 6 mrad.
+        // From 35 to 45 mN·m it yields by 70 and by 6 mrad.
         let expected = 0.010 / 0.076;
         for gentle in [0.6, 0.7, 0.74, 1.0, 3.0] {
             let stiffness = bent().stiffness(gentle).expect("a stiffness");
-            // Points are 3 % apart, and either end may be one off: 1.4 of 10 mN·m, of which the turn goes along.
+            // Points are 3 % apart, and each end may be off by one: 1.4 of 10 mN·m, which also affects the turn.
             let error = (stiffness / expected - 1.0).abs();
             assert!(error < 0.15, "{stiffness} N m/rad with {gentle}");
         }

@@ -1,4 +1,4 @@
-//! Which task an experiment is about.
+//! Selection and parameters of the task.
 
 use super::Task;
 use super::cap::CapTask;
@@ -13,13 +13,13 @@ use crate::control::flags::FlagThresholds;
 use crate::control::limits::LimitsConfig;
 use serde::{Deserialize, Serialize};
 
-/// Which task, and everything that it can be tuned by.
+/// The task of an experiment with its parameters.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", try_from = "Tasks")]
 pub enum TaskConfig {
-    /// Turns something by touching, moving and releasing it, again and again.
+    /// Turns an object by repeatedly touching, moving and releasing it.
     Screw(ScrewConfig),
-    /// Goes round an upright object and draws its outline.
+    /// Moves around an upright object and traces its outline.
     Contour(ContourConfig),
     /// Slides or lifts an object along a path.
     Carry(CarryConfig),
@@ -30,7 +30,7 @@ pub enum TaskConfig {
 }
 
 impl TaskConfig {
-    /// The task at its beginning.
+    /// Creates the task in its initial state.
     pub fn task(&self) -> Box<dyn Task> {
         match self {
             Self::Screw(config) => match (config.until, &config.cap) {
@@ -44,7 +44,7 @@ impl TaskConfig {
         }
     }
 
-    /// Its name, as in an experiment file.
+    /// Name of the task, as in an experiment file.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Screw(_) => "screw",
@@ -55,7 +55,7 @@ impl TaskConfig {
         }
     }
 
-    /// Where the dome's centre of each finger starts from, m, in W.
+    /// Start position of each finger's dome centre (m, in W).
     pub fn homes(&self) -> Vec<[f64; 3]> {
         match self {
             Self::Screw(config) => config.finger.iter().map(|path| path.home).collect(),
@@ -66,7 +66,7 @@ impl TaskConfig {
         }
     }
 
-    /// How many times the fingers touch and release.
+    /// Number of times that the fingers touch and release.
     pub fn strokes(&self) -> u32 {
         match self {
             Self::Screw(config) => config.strokes,
@@ -76,17 +76,17 @@ impl TaskConfig {
         }
     }
 
-    /// Tasks whose fingers a [law](crate::control::law) drives, in words for messages.
+    /// Tasks whose fingers are moved by a [law](crate::control::law), for messages.
     pub const WITH_LAW: &str = "task.screw with until = \"strokes\"";
 
-    /// Whether the fingers move as the experiment's control law says. The other tasks control their
-    /// contact forces themselves, and no law changes what they do.
+    /// Returns whether the experiment's control law moves the fingers. The other tasks control their contact forces
+    /// themselves and ignore the law.
     pub fn takes_law(&self) -> bool {
         matches!(self, Self::Screw(config) if config.until == Until::Strokes)
     }
 
-    /// Requires every value of the table `task` to be in its range, with a control period of `period` seconds; elements touch
-    /// and are pressed enough as the `thresholds` say, and fingers stay within the `limits`.
+    /// Requires every value of the table `task` to be in its range, for a control period of `period` seconds.
+    /// `thresholds` defines F1 and F2; homes must be within `limits`.
     pub fn check(
         &self,
         period: f64,
@@ -110,7 +110,7 @@ impl TaskConfig {
         }
     }
 
-    /// Requires homes where the fingers may go.
+    /// Requires homes within the workspace.
     fn check_homes(&self, key: &str, limits: &LimitsConfig, checker: &mut Checker) {
         let (lower, upper) = (limits.workspace_lower, limits.workspace_upper);
         for (finger, home) in self.homes().into_iter().enumerate() {
@@ -123,7 +123,7 @@ impl TaskConfig {
         }
     }
 
-    /// The grasp force that each finger is to reach before it moves on, N.
+    /// Grasp force that each finger must reach before it moves on (N).
     pub fn grasp_force(&self) -> f64 {
         match self {
             Self::Screw(config) => config.grasp_force,
@@ -135,7 +135,8 @@ impl TaskConfig {
     }
 }
 
-/// The tasks as a file may have them: one of them. An enum would do, but for its words where a key is unknown.
+/// Table form of the task; exactly one field must be set. Unlike an enum, it gives a helpful message for unknown
+/// keys.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Tasks {
@@ -160,8 +161,8 @@ impl TryFrom<Tasks> for TaskConfig {
         let mut found = found.into_iter().flatten();
         match (found.next(), found.next()) {
             (Some(task), None) => Ok(task),
-            (None, _) => Err("a task expected, as in [task.screw]; there is none"),
-            (Some(_), Some(_)) => Err("one task expected, as in [task.screw]; there are several"),
+            (None, _) => Err("expected a task, as in [task.screw], got none"),
+            (Some(_), Some(_)) => Err("expected exactly one task, as in [task.screw], got several"),
         }
     }
 }

@@ -1,10 +1,9 @@
-//! What a hand does: the trait of every task, and the tasks that come with the program.
+//! Tasks of a hand: the [`Task`] trait and the built-in tasks.
 //!
-//! A task is a small state machine. It says where each finger should go; how a finger gets there without
-//! losing or crushing what it holds is the [law](super::law)'s work, and what it may never do the
-//! [limits](super::limits)'.
+//! A task is a state machine that plans each finger's motion. The [law](super::law) determines how a finger follows
+//! the plan without losing or crushing the object, and the [limits](super::limits) restrict every command.
 
-/// The values of keys that a file may leave out, beside keys that it may not: a module of functions for
+/// Defines default values for optional keys of a table that also has required keys: a module of functions for
 /// `#[serde(default = "default::key")]`. A table without required keys has a [`Default`] instead.
 macro_rules! defaults {
     ($($key:ident: $type:ty = $value:expr),* $(,)?) => {
@@ -40,40 +39,40 @@ use super::stop_reason::StopReason;
 use dyn_clone::DynClone;
 use std::fmt::Debug;
 
-/// From what all fingers feel to what each of them is to do.
+/// Plans the motion of all fingers from their readings.
 ///
-/// In every control step [`advance`](Self::advance) comes first, then [`plan`](Self::plan) for each finger. While
-/// the hand is stopped, a task is not asked; afterwards it goes on where it was. Its methods are part of the control path:
-/// they neither allocate nor panic.
+/// In every control step, [`advance`](Self::advance) is called first, then [`plan`](Self::plan) for each finger. A
+/// task is not called while the hand is stopped, and continues from the same state afterwards. The methods are part
+/// of the control path: they neither allocate nor panic.
 pub trait Task: DynClone + Debug + Send {
-    /// Takes in what the fingers feel, and goes on to the next phase where it is time to.
+    /// Updates the task with the readings of all fingers, and starts the next phase when due.
     ///
     /// # Errors
-    /// Why the task has to be given up.
+    /// If the task cannot continue.
     fn advance(&mut self, hand: &HandSense<'_>) -> Result<(), StopReason>;
 
-    /// What finger `finger` is to do.
+    /// Planned motion of finger `finger`.
     fn plan(&self, finger: usize, hand: &HandSense<'_>) -> Plan;
 
-    /// Where the task stands; [`Phase::Done`] ends the run.
+    /// Current phase; [`Phase::Done`] ends the run.
     fn phase(&self) -> Phase;
 
-    /// How many times the fingers have begun to touch and release, from 1.
+    /// Number of the current cycle of touching and releasing, from 1.
     fn stroke(&self) -> u32 {
         1
     }
 
-    /// What the task found out so far, always in the same order.
+    /// Findings of the task so far, always in the same order.
     fn findings(&self) -> &[Finding] {
         &[]
     }
 
-    /// What came of the task, in a few words ("closed", "no cap"), once it can tell.
+    /// Outcome of the task in a few words ("closed", "no cap"), or `None` while it is unknown.
     fn outcome(&self) -> Option<&'static str> {
         None
     }
 
-    /// Whether what came of the task is something else than it was for.
+    /// Returns whether the outcome is a failure.
     fn failed(&self) -> bool {
         false
     }
@@ -81,11 +80,11 @@ pub trait Task: DynClone + Debug + Send {
 
 dyn_clone::clone_trait_object!(Task);
 
-/// One thing that a task found out.
+/// A quantity that a task has measured.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Finding {
-    /// What it is called, with its unit where it has one: `static_friction`, `torque_nm`.
+    /// Name, with the unit if any: `static_friction`, `torque_nm`.
     pub name: &'static str,
-    /// Its value, in SI units.
+    /// Value in SI units.
     pub value: f64,
 }

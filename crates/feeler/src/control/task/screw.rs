@@ -1,4 +1,4 @@
-//! The screw task: SEARCH, MOVE, RELEASE, RETURN, again and again (paper, section V.B).
+//! The screw task: repeats SEARCH, MOVE, RELEASE and RETURN (paper, section V.B).
 
 pub use super::screw_config::{FingerPathConfig, ScrewConfig};
 
@@ -11,7 +11,7 @@ use crate::control::sense::{FingerSense, HandSense};
 use crate::control::stop_reason::StopReason;
 use glam::DVec3;
 
-/// The state machine of the task.
+/// State machine of the task.
 #[derive(Debug, Clone)]
 pub struct ScrewTask {
     config: ScrewConfig,
@@ -20,23 +20,23 @@ pub struct ScrewTask {
     stroke: u32,
 }
 
-/// One finger's rectangle, under way.
+/// State of one finger on its rectangle.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Path {
-    /// Where the finger returns to, m, in W.
+    /// Position to which the finger returns (m, in W).
     pub home: DVec3,
-    /// Where it was at the beginning of the task, m, in W.
+    /// Position at the start of the task (m, in W).
     start: DVec3,
     /// Unit vector towards the object, in W.
     pub approach: DVec3,
     /// Unit vector along the stroke, in W.
     pub stroke: DVec3,
-    /// Where the stroke began, m, in W.
+    /// Position at which the stroke began (m, in W).
     pub stroke_start: DVec3,
 }
 
 impl ScrewTask {
-    /// The task at its beginning, before the first stroke.
+    /// Creates the task in its initial state, before the first stroke.
     pub fn new(config: &ScrewConfig) -> Self {
         Self {
             paths: config.finger.iter().map(Path::new).collect(),
@@ -72,7 +72,7 @@ impl ScrewTask {
 }
 
 impl Task for ScrewTask {
-    /// Goes on to the next phase once every finger is through with this one.
+    /// Starts the next phase once every finger has completed the current one.
     fn advance(&mut self, hand: &HandSense<'_>) -> Result<(), StopReason> {
         let config = &self.config;
         match self.phase {
@@ -142,7 +142,7 @@ impl Task for ScrewTask {
 }
 
 impl Path {
-    /// The rectangle of `config`, at its beginning.
+    /// Creates the rectangle of `config`, at its start.
     pub fn new(config: &FingerPathConfig) -> Self {
         let home = DVec3::from_array(config.home);
         Self {
@@ -154,23 +154,23 @@ impl Path {
         }
     }
 
-    /// How far along the stroke a finger at `position` is, m.
+    /// Distance along the stroke of a finger at `position` (m).
     pub fn travelled(&self, position: DVec3) -> f64 {
         (position - self.stroke_start).dot(self.stroke)
     }
 
-    /// How far from home towards the object a finger at `position` is, m.
+    /// Distance from home towards the object of a finger at `position` (m).
     pub fn approached(&self, position: DVec3) -> f64 {
         (position - self.home).dot(self.approach)
     }
 
-    /// From now on the finger returns no farther than `clearance` (m) off where this stroke began.
+    /// Moves home to at most `clearance` (m) from where this stroke began.
     pub fn stay_near(&mut self, clearance: f64) {
         let way = self.searched(self.stroke_start) - clearance;
         self.home = self.start + way.max(0.0) * self.approach;
     }
 
-    /// How far towards the object from where the task began a finger at `position` is, m.
+    /// Distance from the start of the task towards the object of a finger at `position` (m).
     pub fn searched(&self, position: DVec3) -> f64 {
         (position - self.start).dot(self.approach)
     }

@@ -1,44 +1,44 @@
-//! What the screw task is tuned by.
+//! Configuration of the screw task.
 
 use super::cap_config::{CapConfig, Until};
 use crate::check::Checker;
 use serde::{Deserialize, Serialize};
 
-/// The roughly planned rectangle that each finger goes round.
+/// Parameters of the roughly planned rectangle that each finger follows.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ScrewConfig {
     /// When the strokes end.
     #[serde(default)]
     pub until: Until,
-    /// How many times the fingers touch, turn and release; at most, unless it is until this count.
+    /// Number of times that the fingers touch, turn and release; the maximum number unless `until` is `strokes`.
     #[serde(default = "default::strokes")]
     pub strokes: u32,
-    /// v_0: speed of the approach, m/s.
+    /// v_0: speed of the approach (m/s).
     #[serde(default = "default::search_speed")]
     pub search_speed: f64,
-    /// A finger that searches stops at this grasp force, N; all fingers there start to move.
+    /// Grasp force at which a searching finger stops (N). Once all fingers have reached it, they start to move.
     #[serde(default = "default::grasp_force")]
     pub grasp_force: f64,
-    /// A finger that has come this far from home and feels no grasp stops the task, m.
+    /// Maximum travel from home without a grasp (m). A finger that exceeds it stops the task.
     #[serde(default = "default::search_limit")]
     pub search_limit: f64,
-    /// v_m: speed of the stroke, m/s.
+    /// v_m: speed of the stroke (m/s).
     #[serde(default = "default::move_speed")]
     pub move_speed: f64,
-    /// Length of the stroke, m.
+    /// Length of the stroke (m).
     #[serde(default = "default::travel")]
     pub travel: f64,
-    /// Speed of release and return, m/s.
+    /// Speed of release and return (m/s).
     #[serde(default = "default::return_speed")]
     pub return_speed: f64,
-    /// A finger is home within this distance, m.
+    /// Maximum distance from home at which a finger counts as home (m).
     #[serde(default = "default::home_tolerance")]
     pub home_tolerance: f64,
-    /// What is known of the cap; needed unless the strokes are counted.
+    /// Properties of the cap; required unless `until` is `strokes`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cap: Option<CapConfig>,
-    /// Each finger's rectangle.
+    /// Rectangle of each finger.
     pub finger: Vec<FingerPathConfig>,
 }
 
@@ -53,15 +53,15 @@ defaults! {
     home_tolerance: f64 = 0.0002,
 }
 
-/// One finger's rectangle.
+/// Rectangle of one finger.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FingerPathConfig {
-    /// Where the dome's centre starts from, m, in W.
+    /// Start position of the dome's centre (m, in W).
     pub home: [f64; 3],
-    /// Direction in which the finger searches for the object, in W; its length does not matter.
+    /// Search direction (in W); its length does not matter.
     pub approach: [f64; 3],
-    /// Direction of the stroke, in W; its length does not matter.
+    /// Direction of the stroke (in W); its length does not matter.
     pub stroke: [f64; 3],
 }
 
@@ -84,7 +84,7 @@ impl ScrewConfig {
             "none".to_string(),
             self.until == Until::Strokes || self.cap.is_some(),
             &format!(
-                "what is known of the cap, as in [{key}.cap], because the strokes are not counted"
+                "a table [{key}.cap] with the properties of the cap, unless until = \"strokes\""
             ),
         );
         if let Some(cap) = &self.cap {

@@ -1,11 +1,11 @@
-//! How far a search goes.
+//! Limit of a search.
 
 use crate::control::stop_reason::StopReason;
 
-/// Gives up a search that has come further than `limit`, m, without finding anything.
+/// Checks that a search has not exceeded its maximum travel.
 ///
 /// # Errors
-/// When `travel` is more than `limit`.
+/// If `travel` is more than `limit` (m).
 pub fn check_search(finger: usize, travel: f64, limit: f64) -> Result<(), StopReason> {
     if travel > limit {
         return Err(StopReason::NothingToGrasp {

@@ -1,4 +1,4 @@
-//! Where feeler does not know how to ask.
+//! Fallback for systems without real-time support in feeler.
 
 use super::Refusal;
 

@@ -1,4 +1,4 @@
-//! What Linux grants.
+//! Real-time requests on Linux.
 
 use super::Refusal;
 use rustix::mm::{MlockAllFlags, mlockall};
@@ -11,7 +11,7 @@ use thread_priority::{
     set_thread_priority_and_policy, thread_native_id,
 };
 
-/// `priority` is from 1 to 99.
+/// Requires a `priority` from 1 to 99.
 pub fn raise_priority(priority: u8) -> Result<(), Refusal> {
     let Ok(value) = ThreadPriorityValue::try_from(priority) else {
         return Err(Refusal::PriorityRange { priority });
@@ -56,7 +56,7 @@ fn may_lock_without_limit() -> bool {
 }
 
 pub fn fine_timer() -> Result<(), Refusal> {
-    // Zero would ask for the default instead.
+    // Zero would restore the default slack.
     set_current_timer_slack(Some(NonZeroU64::MIN)).map_err(|e| Refusal::System {
         what: "fine timer",
         reason: e.into(),

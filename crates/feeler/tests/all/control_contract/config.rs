@@ -53,8 +53,11 @@ fn a_law_is_named_or_given_with_its_values() {
             "tri-axial, tri-axial-missing-shear, normal-only, open-loop, best",
         ),
         ("law = 3", "a control law: one of tri-axial"),
-        ("[law]", "one control law expected"),
-        ("[law.best]\n[law.open-loop]", "one control law expected"),
+        ("[law]", "expected exactly one control law"),
+        (
+            "[law.best]\n[law.open-loop]",
+            "expected exactly one control law",
+        ),
         ("[law.worst]", "worst"),
     ] {
         let message = law(text).expect_err("refused");

@@ -1,4 +1,4 @@
-//! Files that are no policies: each is refused with what was expected and what arrived.
+//! Invalid policy files are rejected with the expected and the actual content.
 
 use super::policy::saying;
 use super::policy_file::PolicyFile;
@@ -9,7 +9,7 @@ fn good() -> PolicyFile {
     PolicyFile::drawn(2, &[5, 4], 3)
 }
 
-/// That `bytes` are refused with all of these words.
+/// Asserts that `bytes` are rejected with a message that contains all of `words`.
 fn refused(bytes: &[u8], words: &[&str]) {
     let Err(error) = PolicyModel::from_bytes(bytes) else {
         panic!("expected {words:?}, but it is a policy");
@@ -27,38 +27,69 @@ fn metadata_are_as_expected_or_named() {
         (
             "format",
             "feeler-policy-2",
-            &["metadata format: \"feeler-policy-2\"", "feeler-policy-1"][..],
+            &[
+                "metadata format: expected \"feeler-policy-1\"",
+                "got \"feeler-policy-2\"",
+            ][..],
         ),
         (
             "activation",
             "gelu",
-            &["activation: \"gelu\"", "\"tanh\" or \"relu\""],
+            &["activation: expected \"tanh\" or \"relu\", got \"gelu\""],
         ),
-        ("elements", "0", &["elements: \"0\"", "from 1 to 512"]),
-        ("elements", "513", &["elements: \"513\"", "from 1 to 512"]),
-        ("elements", "-1", &["elements: \"-1\""]),
-        ("elements", "two", &["elements: \"two\""]),
+        (
+            "elements",
+            "0",
+            &["elements: expected", "from 1 to 512, got \"0\""],
+        ),
+        (
+            "elements",
+            "513",
+            &["elements: expected", "from 1 to 512, got \"513\""],
+        ),
+        (
+            "elements",
+            "-1",
+            &["metadata elements: expected", "got \"-1\""],
+        ),
+        (
+            "elements",
+            "two",
+            &["metadata elements: expected", "got \"two\""],
+        ),
         (
             "elements",
             "3",
             &[
-                "input.mean: F32 of shape [27]",
-                "expected F32 of shape [30]",
+                "input.mean: expected F32 of shape [30]",
+                "got F32 of shape [27]",
             ],
         ),
         (
             "residual_speed",
             "nan",
-            &["residual_speed: \"nan\"", "0 to 1 m/s"],
+            &[
+                "metadata residual_speed: expected",
+                "got \"nan\"",
+                "0 to 1 m/s",
+            ],
         ),
-        ("residual_speed", "-0.1", &["residual_speed: \"-0.1\""]),
-        ("residual_speed", "1.1", &["residual_speed: \"1.1\""]),
+        (
+            "residual_speed",
+            "-0.1",
+            &["metadata residual_speed: expected", "got \"-0.1\""],
+        ),
+        (
+            "residual_speed",
+            "1.1",
+            &["metadata residual_speed: expected", "got \"1.1\""],
+        ),
         (
             "framework",
             "jax",
             &[
-                "metadata framework: there is no such entry",
-                "residual_speed, description",
+                "metadata framework: expected",
+                "residual_speed, description, got an unknown entry",
             ],
         ),
     ] {
@@ -87,7 +118,7 @@ fn tensors_are_there_of_their_shape_finite_and_no_others() {
             let mut file = good();
             let (_, numbers) = file.tensors.get_mut(name).expect("a tensor");
             numbers[1] = number;
-            refused(&file.bytes(), &[name, shown, "as number 1", "to 1e6"]);
+            refused(&file.bytes(), &[name, shown, "at index 1", "to 1e6"]);
         }
     }
     type Change = (&'static str, &'static [usize], &'static [&'static str]);
@@ -96,52 +127,52 @@ fn tensors_are_there_of_their_shape_finite_and_no_others() {
             "input.scale",
             &[26],
             &[
-                "input.scale: F32 of shape [26]",
-                "expected F32 of shape [27]",
+                "input.scale: expected F32 of shape [27]",
+                "got F32 of shape [26]",
             ],
         ),
         (
             "layer0.weight",
             &[27, 5],
             &[
-                "layer0.weight: F32 of shape [27, 5]",
-                "expected F32 of shape [27, 27]",
+                "layer0.weight: expected F32 of shape [27, 27]",
+                "got F32 of shape [27, 5]",
             ],
         ),
         (
             "layer0.weight",
             &[1025, 27],
-            &["layer0.weight: shape [1025, 27]", "1 to 1024 outputs"],
+            &["layer0.weight: expected 1 to 1024 outputs, got shape [1025, 27]"],
         ),
         (
             "layer0.weight",
             &[0, 27],
-            &["layer0.weight: shape [0, 27]", "1 to 1024 outputs"],
+            &["layer0.weight: expected 1 to 1024 outputs, got shape [0, 27]"],
         ),
         (
             "layer0.weight",
             &[],
-            &["layer0.weight: shape []", "1 to 1024 outputs"],
+            &["layer0.weight: expected 1 to 1024 outputs, got shape []"],
         ),
         (
             "layer1.bias",
             &[4, 1],
-            &["layer1.bias: F32 of shape [4, 1]", "shape [4]"],
+            &["layer1.bias: expected F32 of shape [4], got F32 of shape [4, 1]"],
         ),
         (
             "layer2.weight",
             &[4, 4],
             &[
-                "layer2.weight: F32 of shape [4, 4]",
-                "expected F32 of shape [3, 4]",
+                "layer2.weight: expected F32 of shape [3, 4]",
+                "got F32 of shape [4, 4]",
             ],
         ),
         (
             "layer4.weight",
             &[3, 3],
             &[
-                "layer4.weight: not to be used",
-                "layer2.bias; up to 8 layers",
+                "layer4.weight: expected only",
+                "layer2.bias; up to 8 layers, got an unknown tensor",
             ],
         ),
     ];
@@ -154,11 +185,14 @@ fn tensors_are_there_of_their_shape_finite_and_no_others() {
     file.put("input.scale", &[27], vec![0.0; 27]);
     refused(
         &file.bytes(),
-        &["input.scale: 0 as number 0", "from 1e-6 to 1e6"],
+        &[
+            "input.scale: expected",
+            "from 1e-6 to 1e6, got 0 at index 0",
+        ],
     );
     refused(
         &PolicyFile::drawn(2, &[4; 8], 3).bytes(),
-        &["layer7.weight: F32 of shape [4, 4]"],
+        &["layer7.weight: expected", "got F32 of shape [4, 4]"],
     );
 }
 
@@ -171,8 +205,8 @@ fn other_numbers_than_single_precision_are_refused() {
     refused(
         &bytes,
         &[
-            "input.mean: F64 of shape [27]",
-            "expected F32 of shape [27]",
+            "input.mean: expected F32 of shape [27]",
+            "got F64 of shape [27]",
         ],
     );
 }
@@ -191,12 +225,12 @@ fn what_is_no_whole_file_is_refused() {
     refused(&[0xff; 64], &["header", "safetensors"]);
     refused(
         &vec![0; (40 << 20) + 1],
-        &["41943041 bytes", "at most 41943040"],
+        &["at most 41943040 bytes", "got 41943041"],
     );
     let mut broken = whole;
     for byte in 0..400 {
         broken[byte] ^= 0x55;
-        // Whatever it is now, it is said in words.
+        // If the file is invalid now, the message states what was expected.
         if let Err(error) = PolicyModel::from_bytes(&broken) {
             assert!(error.to_string().contains("expected"), "{error}");
         }

@@ -6,19 +6,19 @@ use nalgebra::{Matrix3, Vector3};
 /// Weight of the prior relative to one contact point.
 const PRIOR_WEIGHT: f64 = 0.3;
 
-/// A circle seen along z of W.
+/// A circle in the x-y plane of W.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Circle {
-    /// Its centre, m, x and y in W.
+    /// Centre (m, x and y in W).
     pub centre: DVec2,
-    /// Its radius, m.
+    /// Radius (m).
     pub radius: f64,
 }
 
 /// Running sums of an algebraic circle fit (Kåsa, IEEE Trans. Instrum. Meas. 25, 1976) with a weak prior.
 ///
-/// The circle is `x² + y² = a x + b y + g` with the least sum of squared residuals. Coordinates are relative to the
-/// prior's centre, so that the sums keep their digits.
+/// The circle `x² + y² = a x + b y + g` minimises the sum of squared residuals. Coordinates are relative to the
+/// prior's centre for numerical accuracy.
 #[derive(Debug, Clone)]
 pub(super) struct CircleFit {
     prior: Circle,
@@ -28,18 +28,18 @@ pub(super) struct CircleFit {
 }
 
 impl CircleFit {
-    /// A fit without points, whose prior is a circle about `centre` (m, in W) of `radius` (m).
+    /// Creates a fit without points. The prior is a circle around `centre` (m, in W) with `radius` (m).
     pub fn new(centre: DVec2, radius: f64) -> Self {
         let square = radius * radius;
         Self {
             prior: Circle { centre, radius },
-            // a = b = 0 and g = radius², each to within the radius.
+            // a = b = 0 and g = radius², scaled like a contact point at that radius.
             matrix: PRIOR_WEIGHT * Matrix3::from_diagonal(&Vector3::new(square, square, 1.0)),
             right: PRIOR_WEIGHT * Vector3::new(0.0, 0.0, square),
         }
     }
 
-    /// Adds a contact point, m, x and y in W.
+    /// Adds a contact point (m, x and y in W).
     pub fn add(&mut self, point: DVec2) {
         let point = point - self.prior.centre;
         let row = Vector3::new(point.x, point.y, 1.0);
@@ -47,7 +47,7 @@ impl CircleFit {
         self.right += row * point.length_squared();
     }
 
-    /// The circle that fits all points and the prior best.
+    /// The best fit of all points and the prior.
     pub fn circle(&self) -> Circle {
         // The prior makes the matrix positive definite.
         let Some(factor) = self.matrix.cholesky() else {
@@ -66,7 +66,7 @@ impl CircleFit {
 mod tests {
     use super::*;
 
-    /// Points at `angles` (rad) on a circle of 16 mm about (3, -2) mm.
+    /// Fits points at `angles` (rad) on a circle of 16 mm around (3, -2) mm.
     fn fitted(angles: impl IntoIterator<Item = f64>) -> Circle {
         let mut fit = CircleFit::new(DVec2::ZERO, 0.012);
         for angle in angles {
@@ -81,8 +81,8 @@ mod tests {
         assert!(circle.centre.length() < 1e-12 && (circle.radius - 0.012).abs() < 1e-12);
     }
 
-    /// Two fingers whose contacts sweep 0.3 rad on opposite sides, in as many points as two strokes give. Across the
-    /// fingers' line the prior counts for 0.3 % of the points' sum of squares there, and is 2 mm off: 6 µm.
+    /// The contacts of two fingers sweep 0.3 rad on opposite sides, with as many points as in two strokes. Across the
+    /// line between the fingers, the prior has 0.3 % of the points' weight and is off by 2 mm, which gives 6 µm.
     #[test]
     fn contacts_on_both_sides_give_centre_and_radius() {
         let sweep = (0..1000).map(|i| 3e-4 * f64::from(i));

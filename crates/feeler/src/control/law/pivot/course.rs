@@ -1,12 +1,12 @@
-//! Path of one finger's MOVE, and how far from a circle its planned straight line is.
+//! Path of a finger's MOVE, and its deviation from a circle if it followed the planned straight line.
 
 use super::circle::Circle;
 use glam::DVec2;
 
-/// Part of the travel over which a path is compared with the planned line.
+/// Range of the travel, as fractions, over which a path is compared with the planned line.
 const WINDOW: (f64, f64) = (0.25, 0.98);
 
-/// Where a MOVE began and ended, m, x and y in W, and its planned direction.
+/// Start and end of a MOVE (m, x and y in W), and its planned direction.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Course {
     pub start: DVec2,
@@ -15,8 +15,8 @@ pub(super) struct Course {
 }
 
 impl Course {
-    /// Standard deviation of the distance from the pivot that the planned straight line would have, m: with
-    /// `R ≈ R_0 + u²/2R` at the distance u along the line from the foot of the pivot's perpendicular.
+    /// Standard deviation of the distance between the planned straight line and the pivot (m), using `R ≈ R_0 +
+    /// u²/2R` at the distance u along the line from the foot of the perpendicular through the pivot.
     pub fn line_deviation(&self, circle: &Circle) -> f64 {
         let along = |point: DVec2| (point - circle.centre).dot(self.direction);
         let (first, last) = (along(self.start), along(self.end));
@@ -36,7 +36,7 @@ impl Course {
 mod tests {
     use super::*;
 
-    /// Against the distance of points on the line, one by one.
+    /// Compares with the standard deviation over sampled points.
     #[test]
     fn the_planned_line_has_the_deviation_of_its_points() {
         let circle = Circle {
@@ -48,7 +48,7 @@ mod tests {
             end: DVec2::new(-0.0325, -0.0045),
             direction: DVec2::NEG_Y,
         };
-        // The line passes through where the window begins; its distance from the pivot there is that of the circle.
+        // Points on the planned line within the window.
         let radii: Vec<f64> = (0..=1000)
             .map(|k| {
                 let part = WINDOW.0 + (WINDOW.1 - WINDOW.0) * f64::from(k) / 1000.0;
@@ -58,7 +58,7 @@ mod tests {
             .collect();
         let mean = radii.iter().sum::<f64>() / radii.len() as f64;
         let variance = radii.iter().map(|r| (r - mean).powi(2)).sum::<f64>() / radii.len() as f64;
-        // The next term of the root is (u/2R)² of the first: 1 %.
+        // The next term of the expansion is (u/2R)² of the first: 1 %.
         let found = course.line_deviation(&circle);
         assert!(
             (found / variance.sqrt() - 1.0).abs() < 0.01,

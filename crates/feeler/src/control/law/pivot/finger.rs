@@ -1,4 +1,4 @@
-//! One finger that closes on the object and turns it about the pivot.
+//! State of one finger that closes on the object and turns it about the pivot.
 
 mod closing;
 
@@ -14,24 +14,24 @@ use crate::control::sense::FingerSense;
 use crate::sensor::layout::ElementLayout;
 use glam::{DVec2, DVec3};
 
-/// An element that is pressed less than this may be noise, N.
+/// Compression below which an element's force is treated as noise (N).
 const NOISE: f64 = 0.03;
-/// Part of the newest rate in the low-passed rate of the largest element force.
+/// Weight of the latest rate in the low-passed rate of the largest element force.
 const RATE_FILTER: f64 = 0.5;
-/// How far ahead the largest element force is extrapolated, s: about a control period and a drive's lag.
+/// Lead time for extrapolating the largest element force (s): about a control period plus a drive's lag.
 const LEAD: f64 = 0.03;
-/// In the first stroke, whose path does not count, an element force is regulated to this, relative to F2…
+/// Target of the largest element force in the first stroke, whose path does not count, relative to F2.
 const FIRST_FORCE: f64 = 0.95;
-/// …with this gain, 1/s.
+/// Gain of the force regulator in the first stroke (1/s).
 const FIRST_GAIN: f64 = 8.0;
-/// The guard acts at this, relative to F2, while the radius is not settled: in the first two strokes.
+/// Guard threshold in the first two strokes, before the radius has settled, relative to F2.
 const EARLY_GUARD: f64 = 1.1;
-/// Gain of the guard, 1/s.
+/// Gain of the guard (1/s).
 const GUARD_GAIN: f64 = 20.0;
-/// Strokes after which the radius is settled.
+/// Number of strokes after which the radius has settled.
 const SETTLED: u32 = 2;
-/// Largest element force to aim for, relative to F2, while the object has not yet resisted being turned: when it does, the
-/// force rises although the path stays.
+/// Maximum target of the largest element force, relative to F2, before the object has resisted being turned. When it
+/// does, the force rises even on an unchanged path.
 const LOOSE_FORCE: f64 = 1.0;
 
 /// Kind of motion that a plan requests of a finger.
@@ -48,34 +48,34 @@ pub(super) enum Motion {
 /// First contact of a closing motion.
 #[derive(Debug, Clone, Copy)]
 struct Onset {
-    /// The dome's centre, m, x and y in W.
+    /// Position of the dome's centre (m, x and y in W).
     position: DVec2,
-    /// Largest element force, N.
+    /// Largest element force (N).
     force: f64,
 }
 
-/// One finger.
+/// State of one finger.
 #[derive(Debug, Clone)]
 pub(super) struct Finger {
     dome_radius: f64,
-    /// F1, N.
+    /// F1 (N).
     touch_force: f64,
     stiffness_fit: StiffnessFit,
     /// Contact stiffness from all closing motions so far; `None` before the first.
     stiffness: Option<Stiffness>,
     motion: Motion,
-    /// Sequence number of the newest tactile frame.
+    /// Sequence number of the latest tactile frame.
     newest: Option<u64>,
-    /// Grasp force, and the largest element force with its low-passed rate: N, N, N/s.
+    /// Grasp force (N), largest element force (N) and its low-passed rate (N/s).
     grip: f64,
     force: f64,
     force_rate: f64,
     frame_stamp: f64,
-    /// The dome's centre, m, x and y in W.
+    /// Position of the dome's centre (m, x and y in W).
     position: DVec2,
-    /// Position at which the first closing motion began, m; `None` before it.
+    /// Position at which the first closing motion began (m), or `None` before it.
     home: Option<DVec2>,
-    /// First contact of the latest closing motion, and of the one before it.
+    /// First contacts of the latest and the previous closing motion.
     onset: Option<Onset>,
     onset_before: Option<Onset>,
     course: Course,
@@ -87,7 +87,7 @@ pub(super) struct Finger {
 }
 
 impl Finger {
-    /// A finger with the elements of `layout`, which touch above `touch_force` (F1, N).
+    /// Creates the state of a finger with the elements of `layout`, which touch above `touch_force` (F1, N).
     pub fn new(layout: &ElementLayout, touch_force: f64) -> Self {
         Self {
             dome_radius: layout.dome_radius,
@@ -112,17 +112,17 @@ impl Finger {
         }
     }
 
-    /// The dome's centre, m, x and y in W.
+    /// Position of the dome's centre (m, x and y in W).
     pub fn position(&self) -> DVec2 {
         self.position
     }
 
-    /// Where the finger first began to close, m, x and y in W.
+    /// Position at which the finger first began to close (m, x and y in W).
     pub fn home(&self) -> DVec2 {
         self.home.unwrap_or(self.position)
     }
 
-    /// Radius of the dome at the tips of the unloaded feelers, m.
+    /// Radius of the dome at the tips of the unloaded feelers (m).
     pub fn dome_radius(&self) -> f64 {
         self.dome_radius
     }
@@ -132,8 +132,8 @@ impl Finger {
         self.motion
     }
 
-    /// Updates the finger with the latest position and forces. Adds touching elements to the stiffness while closing, and
-    /// to `contacts` while turning.
+    /// Updates the finger with the latest position and forces. Adds touching elements to the stiffness fit while
+    /// closing, and to `contacts` while turning.
     pub fn feel(&mut self, sense: &FingerSense<'_>, mut contacts: Option<&mut CircleFit>) {
         self.position = sense.pose.position.truncate();
         let frame = &sense.touch.frame;
@@ -164,14 +164,14 @@ impl Finger {
         }
     }
 
-    /// Predicts the shear forces of the newest frame. Returns the part of the fingertip's motion that the object may have
-    /// followed, 0 to 1, judged by this finger alone.
+    /// Predicts the shear forces of the latest frame. Returns the share of the fingertip's motion that the object may
+    /// have followed, 0 to 1, judged by this finger alone.
     pub fn foretell_shear(&mut self, sense: &FingerSense<'_>) -> f64 {
         self.needed_grip.foretell(sense)
     }
 
-    /// Updates slip and the necessary grasp force with the newest frame, on an object that has followed the part `along` of
-    /// the fingertip's motion, 0 to 1.
+    /// Updates slip and the required grasp force with the latest frame, for an object that has followed the share
+    /// `along` of the fingertip's motion, 0 to 1.
     pub fn feel_slip(&mut self, sense: &FingerSense<'_>, circle: Option<Circle>, along: f64) {
         if let (Some(stiffness), Some(circle)) = (self.stiffness, circle) {
             let surface = Surface {
@@ -257,7 +257,7 @@ impl Finger {
             return;
         };
         let target = self.next_target(config, rated_force);
-        // The radius is still a guess in the second stroke: it stays on the circle.
+        // The radius is still uncertain in the second stroke, so the finger stays on the circle.
         let settled = self.strokes + 1 >= SETTLED;
         let line = if settled {
             self.course.line_deviation(circle)
@@ -271,7 +271,7 @@ impl Finger {
         }
     }
 
-    /// Largest element force that the next stroke aims for, N.
+    /// Target of the largest element force in the next stroke (N).
     fn next_target(&self, config: &PivotConfig, rated_force: f64) -> f64 {
         let most = if self.record.resisted() {
             f64::INFINITY
@@ -281,7 +281,7 @@ impl Finger {
         config.peak_force.min(most) * rated_force
     }
 
-    /// Velocity of a finger that turns the object, m/s, in W: around the pivot at the planned speed, at the radius
+    /// Velocity of a finger that turns the object (m/s, in W): around the pivot at the planned speed, at the radius
     /// learnt in earlier strokes.
     pub fn turn(
         &mut self,
@@ -315,7 +315,7 @@ impl Finger {
         (speed * tangent + radial * outward).extend(plan.velocity.z)
     }
 
-    /// Speed away from the pivot, m/s, of a finger that is `inside` (m) its circle.
+    /// Speed away from the pivot (m/s) of a finger that is `inside` (m) its circle.
     fn radial_speed(&self, config: &PivotConfig, rated_force: f64, inside: f64) -> f64 {
         let Some(stiffness) = self.stiffness else {
             return config.gain * inside;

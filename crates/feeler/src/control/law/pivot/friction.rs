@@ -1,31 +1,31 @@
-//! Friction coefficient of one finger's contact, learnt from elements that stick and elements that slip.
+//! Friction coefficient of one finger's contact, learnt from sticking and slipping elements.
 
-/// An element that lost more shear than this has slipped if it used most of the friction; relative to the standard deviation of
-/// the noise.
+/// Lost shear above which an element has slipped if it used most of the friction, in standard deviations of the
+/// noise.
 const SLIP_NOISES: f64 = 4.0;
-/// Part of the friction coefficient from which on an element is likely to slip.
+/// Share of the friction coefficient above which an element is likely to slip.
 const NEAR: f64 = 0.92;
-/// An element that lost more shear than this has slipped in any case; relative to its normal force.
+/// Lost shear above which an element has slipped in any case, relative to its normal force.
 const LARGE_LOSS: f64 = 0.2;
-/// Range of friction coefficients.
+/// Valid range of friction coefficients.
 const RANGE: (f64, f64) = (0.1, 3.0);
-/// Weight of a slip at a larger ratio than the coefficient, or of a larger ratio that an element bears without slip…
+/// Weight of a force ratio above the estimated coefficient, at a slip or without one.
 const RISE: f64 = 0.3;
-/// …and of a slip at a smaller ratio, which may be a false alarm.
+/// Weight of a slip at a force ratio below the estimated coefficient, which may be a false alarm.
 const FALL: f64 = 0.1;
-/// Relative growth of the coefficient without slip, 1/s, so that the grip falls until an element slips.
+/// Relative growth of the coefficient without slip (1/s), so that the grip decreases until an element slips.
 const GROWTH: f64 = 0.05;
 
-/// Forces on one touching element at the newest frame.
+/// Forces on one touching element at the latest frame.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Observation {
-    /// Tangential force relative to normal force.
+    /// Ratio of tangential to normal force.
     pub ratio: f64,
-    /// Normal force, N.
+    /// Normal force (N).
     pub normal: f64,
-    /// Shear lost since the frame before, N.
+    /// Shear lost since the previous frame (N).
     pub lost: f64,
-    /// Standard deviation of the noise of a shear component, N.
+    /// Standard deviation of the noise of a shear component (N).
     pub noise: f64,
 }
 
@@ -34,14 +34,14 @@ pub(super) struct Observation {
 pub(super) struct Friction {
     /// Friction coefficient; `None` before the first slip.
     coefficient: Option<f64>,
-    /// Tangential relative to normal force of each element at the frame before; `None` if it did not touch.
+    /// Ratio of tangential to normal force of each element at the previous frame; `None` if it did not touch.
     ratios: Vec<Option<f64>>,
-    /// Whether an element slipped in the newest frame.
+    /// `true` if an element slipped in the latest frame.
     slips: bool,
 }
 
 impl Friction {
-    /// The friction of a finger of `elements` elements, before the first contact.
+    /// Creates the estimate for a finger of `elements` elements.
     pub fn new(elements: usize) -> Self {
         Self {
             coefficient: None,
@@ -55,12 +55,12 @@ impl Friction {
         self.coefficient
     }
 
-    /// Whether an element slipped in the newest frame.
+    /// Returns whether an element slipped in the latest frame.
     pub fn slips(&self) -> bool {
         self.slips
     }
 
-    /// Starts a frame that comes `interval` (s) after the one before.
+    /// Starts a frame, `interval` (s) after the previous one.
     pub fn start(&mut self, interval: f64) {
         let slipped = std::mem::take(&mut self.slips);
         if !slipped && let Some(coefficient) = &mut self.coefficient {
@@ -68,7 +68,7 @@ impl Friction {
         }
     }
 
-    /// Ends the stroke: no element touches, no element slips.
+    /// Ends the stroke: no element touches or slips.
     pub fn rest(&mut self) {
         self.ratios.fill(None);
         self.slips = false;
@@ -85,7 +85,7 @@ impl Friction {
         };
         let is_near = self.coefficient.is_none_or(|known| before > NEAR * known);
         if now.lost > SLIP_NOISES * now.noise && (is_near || now.lost > LARGE_LOSS * now.normal) {
-            // The ratio at which it slipped is the one before: sliding friction is smaller.
+            // Use the ratio before the slip: sliding friction is smaller.
             self.learn(before);
             self.slips = true;
         } else if self.coefficient.is_some_and(|known| now.ratio > known) {
@@ -114,7 +114,7 @@ mod tests {
         })
     }
 
-    /// The frames of one element, 10 ms apart: ratio, and shear lost (N).
+    /// Processes the frames of one element, 10 ms apart, given as ratio and lost shear (N).
     fn felt(frames: &[(f64, f64)]) -> Friction {
         let mut friction = Friction::new(1);
         for &(ratio, lost) in frames {
@@ -133,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn noise_is_no_slip() {
+    fn noise_is_not_a_slip() {
         let friction = felt(&[(0.8, 0.0), (0.9, 0.0), (0.9, 0.007)]);
         assert!(!friction.slips() && friction.coefficient().is_none());
     }
@@ -144,7 +144,7 @@ mod tests {
         assert!(!felt(&[&known[..], &[(0.5, 0.02)]].concat()).slips());
         let friction = felt(&[&known[..], &[(0.2, 0.05)]].concat());
         assert!(friction.slips());
-        // A tenth of the way from 0.9 to 0.5, but for the growth in a frame without slip.
+        // A tenth of the difference between 0.9 and 0.5, apart from the growth in a frame without slip.
         let coefficient = friction.coefficient().expect("a coefficient");
         assert!((coefficient - 0.86).abs() < 0.002, "{coefficient}");
     }

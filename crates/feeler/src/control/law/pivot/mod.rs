@@ -1,13 +1,13 @@
-//! Beyond the paper: all fingers turn the object about the pivot that touch has found.
+//! Control law in which all fingers turn the object about a pivot estimated from touch. Not in the paper.
 //!
-//! The law needs no model of the object and no tuning for the hand. While a finger closes, the law measures the contact
-//! stiffness of its feelers (`stiffness.rs`). The displaced tips of all touching feelers then lie on the object's surface;
-//! a circle through them (`circle.rs`) gives the pivot. In MOVE each fingertip goes around the pivot at a radius that is
-//! learnt from stroke to stroke, so that the largest element force approaches `peak_force` times F2
-//! (`stroke.rs`). With [`Grip::AsNeeded`], the radius follows the grasp force that the load needs instead
+//! The law needs neither a model of the object nor tuning for the hand. While a finger closes, the law measures the
+//! contact stiffness of its feelers (`stiffness.rs`). The displaced tips of all touching feelers then lie on the
+//! object's surface; a circle through them (`circle.rs`) gives the pivot. In MOVE, each fingertip moves around the
+//! pivot at a radius that is learnt from stroke to stroke, so that the largest element force approaches `peak_force`
+//! times F2 (`stroke.rs`). With [`Grip::AsNeeded`], the radius instead follows the grasp force that the load requires
 //! (`needed_grip.rs`).
 //!
-//! The object's axis is taken to be parallel to z of W; positions here are x and y in W.
+//! The object's axis is assumed to be parallel to z of W; positions are x and y in W.
 
 mod circle;
 mod course;
@@ -28,14 +28,14 @@ use finger::{Finger, Motion};
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
-/// How firmly the fingers grip.
+/// Firmness of the grip.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Grip {
-    /// As firmly as the rating of the elements allows: turns the object with the largest torque.
+    /// As firm as the rating of the elements allows. Turns the object with the largest torque.
     #[default]
     Firm,
-    /// Little more firmly than slip shows to be necessary: squeezes the object least.
+    /// Slightly firmer than slip shows to be necessary. Squeezes the object least.
     AsNeeded,
 }
 
@@ -49,23 +49,23 @@ impl Grip {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct PivotConfig {
-    /// How firmly the fingers grip.
+    /// Firmness of the grip.
     #[serde(skip_serializing_if = "Grip::is_firm")]
     pub grip: Grip,
-    /// Largest element force that a stroke aims for, relative to F2.
+    /// Target of the largest element force in a stroke, relative to F2.
     pub peak_force: f64,
     /// Element force above which a finger retreats from the object, relative to F2; at least `peak_force`.
     pub guard_force: f64,
-    /// Radial speed per radial error, 1/s.
+    /// Radial speed per radial error (1/s).
     pub gain: f64,
-    /// How far a finger may leave the circle to keep its grasp force level: standard deviation of the radius relative to
-    /// that of the planned straight line.
+    /// Maximum deviation from the circle that a finger may use to keep its grasp force constant: standard deviation
+    /// of the radius relative to that along the planned straight line.
     pub path_tolerance: f64,
 }
 
 impl Default for PivotConfig {
-    /// Chosen on hands drawn with the seeds 101 to 107 and 20000 to 60149. Drives with a lag of 30 ms and a control
-    /// period of 10 ms begin to swing at a gain of about 30/s.
+    /// Values chosen on hands drawn with the seeds 101 to 107 and 20000 to 60149. Drives with a lag of 30 ms and a
+    /// control period of 10 ms start to oscillate at a gain of about 30/s.
     fn default() -> Self {
         Self {
             grip: Grip::Firm,
@@ -93,18 +93,18 @@ impl PivotConfig {
 #[derive(Debug, Clone)]
 pub struct Pivot {
     config: PivotConfig,
-    /// F2, N.
+    /// F2 (N).
     rated_force: f64,
     fingers: Vec<Finger>,
     /// Contact points so far; `None` before all fingers have closed for the first time.
     contacts: Option<CircleFit>,
-    /// The circle through them.
+    /// The circle through the contact points.
     circle: Option<Circle>,
 }
 
 impl Pivot {
-    /// The law for fingers with the elements of `layouts`, before the first contact. F2 of the `thresholds` is the rated
-    /// force of an element; an element above F1 counts as a contact point.
+    /// Creates the law for fingers with the elements of `layouts`. F2 of the `thresholds` is the rated force of an
+    /// element; an element above F1 counts as a contact point.
     pub fn new(
         config: &PivotConfig,
         thresholds: &FlagThresholds,
@@ -120,8 +120,8 @@ impl Pivot {
         }
     }
 
-    /// Starts the circle fit with a prior from the fingers' positions: the circle between several fingertips, or one as large
-    /// as its own dome in front of a single fingertip.
+    /// Starts the circle fit. The prior is the circle between several fingertips, or a circle of the dome's size in
+    /// front of a single fingertip.
     fn start_circle(&mut self, plans: &[Plan]) {
         let (centre, radius) = match &self.fingers[..] {
             [lone] => {
@@ -142,8 +142,8 @@ impl Pivot {
         self.circle = Some(Circle { centre, radius });
     }
 
-    /// Updates slip and the necessary grasp force of each finger. As all fingers turn the same object, the element that
-    /// sticks best, of any finger, shows how far the object has followed their motion.
+    /// Updates slip and the required grasp force of each finger. As all fingers turn the same object, the element
+    /// that sticks best, of any finger, shows how far the object has followed their motion.
     fn feel_slip(&mut self, hand: &HandSense<'_>) {
         let fingers = self.fingers.iter_mut().zip(hand.fingers());
         let along = fingers.map(|(finger, sense)| finger.foretell_shear(&sense));
@@ -153,7 +153,7 @@ impl Pivot {
         }
     }
 
-    /// Offset of the pivot from the centre of the fingers' start positions, m; zero for a single finger.
+    /// Offset of the pivot from the centre of the fingers' start positions (m); zero for a single finger.
     fn pivot_offset(&self, circle: &Circle) -> DVec2 {
         if self.fingers.len() < 2 {
             return DVec2::ZERO;

@@ -1,8 +1,8 @@
-//! Grip of a finger that presses the object little more than slip shows to be necessary.
+//! Grip that presses the object slightly more than slip shows to be necessary.
 //!
-//! The least grasp force is the load on the finger over the friction coefficient (`friction.rs`). A slip is answered in the
-//! same control period: a pulse of velocity presses the feelers deeper by a fixed part, however slow the drives
-//! are, and the grasp force stays higher for a while.
+//! The minimum grasp force is the load on the finger divided by the friction coefficient (`friction.rs`). The finger
+//! reacts to a slip within the same control period: a velocity pulse presses the feelers deeper by a fixed fraction,
+//! independent of the speed of the drives, and the grasp force stays higher for a while.
 
 use super::friction::{Friction, Observation};
 use crate::control::feeler_shape::{FeelerShape, Stiffness};
@@ -10,33 +10,33 @@ use crate::control::sense::FingerSense;
 use crate::control::slip_detector::SlipDetector;
 use glam::{DVec2, DVec3};
 
-/// Additional grasp force after a slip, relative to the least that holds…
+/// Additional grasp force after a slip, relative to the minimum.
 const EXTRA: f64 = 0.15;
-/// …which decays with this time constant, s.
+/// Time constant of the decay of the additional grasp force (s).
 const EXTRA_TIME: f64 = 0.1;
-/// Depth of the pulse after a slip, relative to the depth to which the feelers are pressed.
+/// Depth of the pulse after a slip, relative to the current depth of the feelers.
 const PULSE: f64 = 0.45;
-/// Least grasp force, relative to F1: below F1 an element does not touch, and its slip is not noticed.
+/// Minimum grasp force, relative to F1: below F1 an element does not touch, and its slip goes undetected.
 const LEAST_TOUCH: f64 = 1.5;
-/// Relative change of the grasp force per relative error, 1/s.
+/// Relative change of the grasp force per relative error (1/s).
 const GAIN: f64 = 10.0;
-/// Largest relative error that the gain applies to.
+/// Maximum relative error that the gain applies to.
 const LARGEST_ERROR: f64 = 0.5;
-/// Fastest motion towards the object and away from it, m/s.
+/// Maximum speeds towards the object and away from it (m/s).
 const INWARD_SPEED: f64 = 0.05;
 const OUTWARD_SPEED: f64 = 0.004;
-/// Time over which the load is extrapolated, s: about a control period and a drive's lag…
+/// Lead time for extrapolating the load (s): about a control period plus a drive's lag.
 const LOAD_LEAD: f64 = 0.03;
-/// …and the grasp force, s.
+/// Lead time for extrapolating the grasp force (s).
 const GRIP_LEAD: f64 = 0.015;
-/// Weight of the newest rate in a low-passed rate.
+/// Weight of the latest rate in a low-passed rate.
 const RATE_FILTER: f64 = 0.4;
-/// Weight of the newest frame in the variance of the noise.
+/// Weight of the latest frame in the variance of the noise.
 const NOISE_FILTER: f64 = 0.02;
-/// An element whose force is below this does not touch, N.
+/// Compression below which an element does not touch (N).
 const UNTOUCHED: f64 = 0.03;
 
-/// A force, N, and its low-passed rate, N/s.
+/// A force (N) and its low-passed rate (N/s).
 #[derive(Debug, Clone, Copy, Default)]
 struct Tracked {
     force: f64,
@@ -62,13 +62,13 @@ impl Tracked {
 pub(super) struct Surface {
     /// Contact stiffness of the feelers.
     pub stiffness: Stiffness,
-    /// The object's axis, m, x and y in W.
+    /// Position of the object's axis (m, x and y in W).
     pub pivot: DVec2,
 }
 
 impl Surface {
-    /// Force on the feeler of `element`, N: along the surface's normal (positive where it is pressed), along the surface's
-    /// tangent across z of W, and along z. `None` if the element does not touch.
+    /// Force on the feeler of `element` (N): along the surface's normal (positive when pressed), along the surface's
+    /// tangent perpendicular to z of W, and along z. `None` if the element does not touch.
     fn force(&self, sense: &FingerSense<'_>, element: usize) -> Option<DVec3> {
         let own = sense.layout.elements.get(element)?;
         let force = *sense.touch.frame.forces.get(element)?;
@@ -93,25 +93,26 @@ impl Surface {
 pub(super) struct NeededGrip {
     detector: SlipDetector,
     friction: Friction,
-    /// F1, N.
+    /// F1 (N).
     touch_force: f64,
-    /// Sequence number of the newest frame, and whether [`Self::feel`] has yet to process it.
+    /// Sequence number of the latest frame, and whether [`Self::feel`] has yet to process it.
     newest: Option<u64>,
     is_new: bool,
     stamp: f64,
-    /// Interval between the two newest frames, s.
+    /// Interval between the two latest frames (s).
     interval: f64,
-    /// Variance of the noise of a shear component, N².
+    /// Variance of the noise of a shear component (N²).
     noise: f64,
-    /// Sums over the touching elements: force along the surface's normal, and along its tangent across z of W.
+    /// Sums over the touching elements: force along the surface's normal, and along its tangent perpendicular to z of
+    /// W.
     normal: Tracked,
     load: Tracked,
-    /// Additional grasp force by the latest slip, relative to the least that holds.
+    /// Additional grasp force because of the latest slip, relative to the minimum.
     extra: f64,
 }
 
 impl NeededGrip {
-    /// The grip of a finger of `elements` elements, which touch above `touch_force` (F1, N).
+    /// Creates the grip of a finger of `elements` elements, which touch above `touch_force` (F1, N).
     pub fn new(touch_force: f64, elements: usize) -> Self {
         let feeler = FeelerShape::default();
         Self {
@@ -134,8 +135,8 @@ impl NeededGrip {
         self.detector.set_stiffness(stiffness);
     }
 
-    /// Predicts the shear forces of a new frame. Returns the part of the fingertip's motion that the object may have followed,
-    /// 0 to 1, judged by this finger alone; 1 if the frame is not new.
+    /// Predicts the shear forces of a new frame. Returns the share of the fingertip's motion that the object may have
+    /// followed, 0 to 1, judged by this finger alone; 1 if the frame is not new.
     pub fn foretell(&mut self, sense: &FingerSense<'_>) -> f64 {
         let sequence = Some(sense.touch.frame.sequence);
         self.is_new = std::mem::replace(&mut self.newest, sequence) != sequence;
@@ -146,8 +147,8 @@ impl NeededGrip {
         self.detector.foretell(sense)
     }
 
-    /// Updates slip, friction and load with a new frame of a finger that `turns` the object. The object has followed the part
-    /// `along` of the fingertip's motion, 0 to 1.
+    /// Updates slip, friction and load with a new frame of a finger that `turns` the object. The object has followed
+    /// the share `along` of the fingertip's motion, 0 to 1.
     pub fn feel(&mut self, sense: &FingerSense<'_>, surface: Surface, turns: bool, along: f64) {
         if !std::mem::take(&mut self.is_new) {
             return;
@@ -195,7 +196,7 @@ impl NeededGrip {
         }
     }
 
-    /// Speed away from the pivot, m/s, of a finger whose most pressed feeler yields by `depth` (m).
+    /// Speed away from the pivot (m/s) of a finger whose most pressed feeler yields by `depth` (m).
     pub fn speed(&self, depth: f64) -> f64 {
         let pulse = if self.friction.slips() && self.interval > 0.0 {
             PULSE / self.interval
@@ -207,7 +208,7 @@ impl NeededGrip {
         -inward.clamp(-OUTWARD_SPEED, INWARD_SPEED)
     }
 
-    /// Grasp force that is missing, relative to the present one; 0 while the friction is unknown or nothing touches.
+    /// Missing grasp force relative to the current one; 0 while the friction is unknown or no element touches.
     fn missing_grip(&self) -> f64 {
         let (Some(friction), true) = (self.friction.coefficient(), self.normal.force > 0.0) else {
             return 0.0;

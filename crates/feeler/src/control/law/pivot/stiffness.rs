@@ -3,17 +3,18 @@
 use crate::control::feeler_shape::Stiffness;
 use glam::{DMat3, DVec3};
 
-/// Least sum of squared motion that defines a slope, m².
+/// Minimum sum of squared motion that defines a slope (m²).
 const LEAST_MOTION: f64 = 1e-8;
-/// Shear stiffness relative to the normal stiffness if the closing motion has no shear: typical of incompressible rubber.
+/// Shear stiffness relative to the normal stiffness if the closing motion has no shear: typical of incompressible
+/// rubber.
 const USUAL_RATIO: f64 = 0.5;
-/// Range of that ratio.
+/// Valid range of that ratio.
 const RATIO: (f64, f64) = (0.1, 1.0);
 
 /// Slopes of force over motion, pooled over all elements and closing motions.
 ///
-/// A feeler that sticks to an object at rest is a spring: its force changes in proportion to the motion of its undeformed
-/// tip. Each element has an offset of its own, as it touches at a time of its own.
+/// A feeler that sticks to an object at rest is a spring: its force changes in proportion to the motion of its
+/// undeformed tip. The offset differs between elements, as they touch at different times.
 #[derive(Debug, Clone)]
 pub(super) struct StiffnessFit {
     elements: Vec<Touched>,
@@ -22,12 +23,12 @@ pub(super) struct StiffnessFit {
     shear: Slope,
 }
 
-/// The present contact of one element.
+/// The current contact of one element.
 #[derive(Debug, Clone, Copy, Default)]
 struct Touched {
-    /// Undeformed tip when it began to touch, m, in W.
+    /// Position of the undeformed tip at first contact (m, in W).
     first: DVec3,
-    /// Frames in which it touches, and the means of its motion (m) and force (N) over them, in its frame.
+    /// Number of frames in contact, and the means of motion (m) and force (N) over them, in the element's frame.
     frames: f64,
     motion: DVec3,
     force: DVec3,
@@ -38,14 +39,14 @@ struct Touched {
 /// Sums of a least-squares slope through centred data.
 #[derive(Debug, Clone, Copy, Default)]
 struct Slope {
-    /// Sum of motion², m².
+    /// Sum of motion² (m²).
     motion: f64,
-    /// Sum of motion times force, N·m.
+    /// Sum of motion times force (N·m).
     product: f64,
 }
 
 impl StiffnessFit {
-    /// A fit for a fingertip of `elements` elements.
+    /// Creates a fit for a fingertip of `elements` elements.
     pub fn new(elements: usize) -> Self {
         Self {
             elements: vec![Touched::default(); elements],
@@ -61,8 +62,8 @@ impl StiffnessFit {
         }
     }
 
-    /// Ends a contact of an element. The next one has an offset of its own, so that a force that was only noise does not
-    /// count with all the motion after it.
+    /// Ends a contact of an element. The next contact has a separate offset, so that noise does not count as a
+    /// contact that lasted through all the motion after it.
     pub fn release(&mut self, element: usize) {
         if let Some(touched) = self.elements.get_mut(element)
             && touched.frames > 0.0
@@ -73,8 +74,8 @@ impl StiffnessFit {
         }
     }
 
-    /// Adds a frame of a touching element: its undeformed `tip`, m, in W; the `rotation` from its frame to W; and the
-    /// `force` on it, N, in its frame, positive in z where it is pressed.
+    /// Adds a frame of a touching element: its undeformed `tip` (m, in W), the `rotation` from its frame to W, and
+    /// the `force` on it (N, in its frame, positive in z when pressed).
     pub fn add(&mut self, element: usize, tip: DVec3, rotation: DMat3, force: DVec3) {
         let Some(touched) = self.elements.get_mut(element) else {
             return;
@@ -82,7 +83,7 @@ impl StiffnessFit {
         if touched.frames == 0.0 {
             touched.first = tip;
         }
-        // Relative to the first contact, so that a turn of the frame does not count as motion.
+        // Relative to the first contact, so that a rotation of the frame does not count as motion.
         let motion = rotation.transpose() * (tip - touched.first);
         touched.frames += 1.0;
         // Centred sums by Welford's update.
@@ -93,11 +94,11 @@ impl StiffnessFit {
         touched.normal.motion += motion_off.z * left.z;
         touched.normal.product += force_off.z * left.z;
         touched.shear.motion += motion_off.truncate().dot(left.truncate());
-        // Shear is the force on the feeler: against its motion.
+        // Shear is the force on the feeler, opposite to its motion.
         touched.shear.product -= force_off.truncate().dot(left.truncate());
     }
 
-    /// The stiffness by all closing motions so far; `None` before one was long enough.
+    /// Stiffness from all closing motions so far; `None` before one was long enough.
     pub fn stiffness(&self) -> Option<Stiffness> {
         let (mut normal, mut shear) = (self.normal, self.shear);
         for touched in &self.elements {
@@ -119,7 +120,7 @@ impl Slope {
         self.product += other.product;
     }
 
-    /// N/m; `None` without enough motion, or if force does not rise with motion.
+    /// Slope (N/m); `None` without enough motion, or if force does not rise with motion.
     fn slope(self) -> Option<f64> {
         let slope = self.product / self.motion;
         (self.motion > LEAST_MOTION && slope > 0.0).then_some(slope)
@@ -130,7 +131,8 @@ impl Slope {
 mod tests {
     use super::*;
 
-    /// Two elements that touch at different depths and move askew, in frames that turn by 0.1 rad, far from W's origin.
+    /// Two elements that touch at different depths and move obliquely, in frames that rotate by 0.1 rad, far from W's
+    /// origin.
     #[test]
     fn springs_have_their_stiffness() {
         let (normal, shear) = (300.0, 120.0);

@@ -1,42 +1,42 @@
-//! Record of one finger's MOVE, and the radius and compliance of its next stroke computed from it.
+//! Record of one finger's MOVE, from which the radius and compliance of its next stroke are computed.
 
 use crate::control::feeler_shape::Stiffness;
 
-/// Angle about the pivot that one sector of a stroke covers, rad.
+/// Angle about the pivot that one sector of a stroke covers (rad).
 const SECTOR: f64 = 0.0125;
-/// Sectors of a stroke; the last one covers whatever comes after it, too.
+/// Number of sectors of a stroke; the last one also covers everything after it.
 const SECTORS: usize = 64;
-/// Least number of sectors of a stroke that is long enough to learn from.
+/// Minimum number of sectors of a stroke that is long enough to learn from.
 const FEWEST_SECTORS: usize = 5;
-/// A finger that felt less than its target advances by the missing force over the stiffness, divided by this: friction
-/// tilts feelers, so that force rises faster with depth than their stiffness says.
+/// A finger below its target force advances by the missing force over the stiffness, divided by this factor: friction
+/// tilts feelers, so that force rises faster with depth than their stiffness predicts.
 const ADVANCE: f64 = 1.5;
 /// Tolerance of the grasp force: standard deviation relative to its mean.
 const GRIP_TOLERANCE: f64 = 0.15;
-/// A stroke whose variation and deviation are both below this, relative to their tolerances, needs no more compliance.
+/// Variation and deviation, relative to their tolerances, below which a stroke needs no more compliance.
 const GOOD_ENOUGH: f64 = 0.6;
-/// Radial compliances to choose from: multiples of this, relative to the compliance of one feeler.
+/// Step of the candidate radial compliances, relative to the compliance of one feeler.
 const COMPLIANCE_STEP: f64 = 0.05;
-/// Number of multiples.
+/// Number of steps.
 const COMPLIANCE_STEPS: u32 = 10;
 /// Fixed-point iterations for the path of a compliant finger.
 const ITERATIONS: u32 = 8;
-/// Part of the samples at the beginning of a stroke, where forces still build up, that the variation leaves out.
+/// Share of the samples at the start of a stroke, where forces still build up, that the variation leaves out.
 const BUILD_UP: f64 = 0.2;
-/// Lower limit of forces that other forces are divided by or compared with, N.
+/// Lower limit of forces that are used as divisors or references (N).
 const LEAST_FORCE: f64 = 0.05;
-/// An object resists if the tangential force on a fingertip exceeds this, relative to its grasp force.
+/// Tangential force on a fingertip, relative to its grasp force, above which the object resists.
 const RESISTS: f64 = 0.5;
 
 /// Means and maxima over one sector.
 #[derive(Debug, Clone, Copy, Default)]
 struct Sector {
     samples: f64,
-    /// Mean distance of the dome's centre from the pivot, m.
+    /// Mean distance of the dome's centre from the pivot (m).
     radius: f64,
-    /// Mean grasp force, N.
+    /// Mean grasp force (N).
     grip: f64,
-    /// Mean and maximum of the largest element force, N.
+    /// Mean and maximum of the largest element force (N).
     mean_force: f64,
     most_force: f64,
 }
@@ -44,15 +44,15 @@ struct Sector {
 /// One control step of a MOVE.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sample {
-    /// Angle swept about the pivot since MOVE began, rad.
+    /// Angle swept about the pivot since MOVE began (rad).
     pub swept: f64,
-    /// Distance of the dome's centre from the pivot, m.
+    /// Distance of the dome's centre from the pivot (m).
     pub radius: f64,
-    /// Grasp force, N.
+    /// Grasp force (N).
     pub grip: f64,
-    /// Largest element force, N.
+    /// Largest element force (N).
     pub force: f64,
-    /// Tangential force on the fingertip against its motion, N.
+    /// Tangential force on the fingertip against its motion (N).
     pub tangential: f64,
 }
 
@@ -66,26 +66,26 @@ pub(super) struct StrokeRecord {
 /// Parameters of a finger's next stroke.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Lesson {
-    /// Distance of the dome's centre from the pivot, m.
+    /// Distance of the dome's centre from the pivot (m).
     pub radius: f64,
-    /// Expected mean of the grasp force, N.
+    /// Expected mean of the grasp force (N).
     pub mean_grip: f64,
-    /// Radial compliance: the finger gives way by this times the excess of grasp force, m/N.
+    /// Radial compliance (m/N): the finger yields by this times the excess of grasp force.
     pub compliance: f64,
 }
 
-/// What a stroke with a given compliance is expected to be like.
+/// Prediction of a stroke with a given compliance.
 #[derive(Debug, Clone, Copy)]
 struct Forecast {
     lesson: Lesson,
-    /// Standard deviation of the radius, m.
+    /// Standard deviation of the radius (m).
     path_deviation: f64,
     /// Standard deviation of the grasp force relative to its mean.
     grip_variation: f64,
 }
 
 impl StrokeRecord {
-    /// A MOVE that has not begun.
+    /// Creates an empty record.
     pub fn new() -> Self {
         Self {
             sectors: [Sector::default(); SECTORS],
@@ -105,17 +105,16 @@ impl StrokeRecord {
         self.resisted |= sample.tangential > RESISTS * sample.grip.max(LEAST_FORCE);
     }
 
-    /// Whether the object resisted being turned in some part of the stroke.
+    /// Returns whether the object resisted being turned in some part of the stroke.
     pub fn resisted(&self) -> bool {
         self.resisted
     }
 
-    /// Radius of the next stroke for a largest element force of `target` (N) and the compliance that suits it best;
-    /// `None` if this stroke was too short. `path_tolerance` (m) is the standard deviation of the radius that a path may
-    /// have.
+    /// Radius of the next stroke for a largest element force of `target` (N), and the best compliance; `None` if this
+    /// stroke was too short. `path_tolerance` (m) is the tolerated standard deviation of the radius.
     ///
-    /// A stiff finger follows the circle, and its grasp force varies; a compliant one leaves the circle to keep the force
-    /// level. The compliance makes the larger of both, relative to their tolerances, as small as possible.
+    /// A stiff finger follows the circle, and its grasp force varies; a compliant one leaves the circle to keep the
+    /// force constant. The chosen compliance minimises the larger of both deviations, relative to their tolerances.
     pub fn lesson(&self, target: f64, stiffness: Stiffness, path_tolerance: f64) -> Option<Lesson> {
         if self.sectors().count() < FEWEST_SECTORS {
             return None;
@@ -129,13 +128,13 @@ impl StrokeRecord {
             let grip = forecast.grip_variation / GRIP_TOLERANCE;
             path.max(grip).max(GOOD_ENOUGH)
         };
-        // The first of equals: the stiffest.
+        // The first of equals, which is the stiffest.
         let best = forecasts.min_by(|a, b| cost(a).total_cmp(&cost(b)))?;
         Some(best.lesson)
     }
 
-    /// Forecast of a stroke with a `compliance` (m/N) whose largest element force is `target` (N), with every sector
-    /// as a spring about its record.
+    /// Predicts a stroke with a `compliance` (m/N) whose largest element force is `target` (N), modelling every
+    /// sector as a spring about its record.
     fn forecast(&self, target: f64, stiffness: Stiffness, compliance: f64) -> Forecast {
         let allowed = |sector: &Sector| {
             let excess = sector.most_force - target;
@@ -200,7 +199,7 @@ mod tests {
         shear: 100.0,
     };
 
-    /// A stroke at a radius of 32 mm in which the largest element force is `force(k)` in sector `k` of 20.
+    /// A stroke at a radius of 32 mm whose largest element force is `force(k)` in sector `k` of 20.
     fn record(force: impl Fn(usize) -> f64) -> StrokeRecord {
         let mut record = StrokeRecord::new();
         for step in 0..100 {
@@ -226,7 +225,7 @@ mod tests {
         let lesson = on_circle(&record(|k| if k == 7 { 0.5 } else { 0.3 }), 0.4);
         let expected = 0.032 + 0.1 / 200.0;
         assert!((lesson.radius - expected).abs() < 1e-12, "{lesson:?}");
-        // Too little force: two thirds of what the stiffness says.
+        // Too little force: two thirds of the advance that the stiffness predicts.
         let lesson = on_circle(&record(|_| 0.3), 0.4);
         let expected = 0.032 - 0.1 / ADVANCE / 200.0;
         assert!((lesson.radius - expected).abs() < 1e-12, "{lesson:?}");
@@ -256,12 +255,12 @@ mod tests {
         };
         assert_eq!(compliance(&record(|_| 0.4), 1.0), 0.0);
         let uneven = record(|k| if k % 2 == 0 { 0.3 } else { 0.5 });
-        // As much as there is if the path does not matter.
+        // The maximum compliance if the path does not matter.
         let most = COMPLIANCE_STEP * f64::from(COMPLIANCE_STEPS);
         assert!((compliance(&uneven, 1.0) - most).abs() < 1e-12);
-        // Springs of 400 N/m whose forces vary by ±0.2 N about a mean of about 0.9 N: with a compliance of 0.1/200 m/N by
-        // ±0.167 N, 1.2 times the tolerance, on a path of ±0.083 mm. A path tolerance of 0.069 mm balances both, to within
-        // a step of compliance.
+        // Springs of 400 N/m whose forces vary by ±0.2 N about a mean of about 0.9 N. With a compliance of 0.1/200
+        // m/N they vary by ±0.167 N, 1.2 times the tolerance, on a path of ±0.083 mm. A path tolerance of 0.069 mm
+        // balances both, to within a step of compliance.
         let balanced = compliance(&uneven, 0.083e-3 / 1.2);
         assert!(
             (balanced - 0.1).abs() < COMPLIANCE_STEP + 1e-9,

@@ -1,4 +1,4 @@
-//! A policy's file: safetensors with everything in it checked.
+//! Policy files: safetensors whose entire content is validated.
 
 use super::PolicyModel;
 use super::network::{Activation, LARGEST, Layer, Network};
@@ -7,21 +7,21 @@ use crate::sensor::layout::MAX_ELEMENTS;
 use safetensors::SafeTensors;
 use safetensors::tensor::{Dtype, Metadata, SafeTensorError};
 
-/// What a file's metadata have as `format`.
+/// Value of `format` in the metadata.
 pub const FORMAT: &str = "feeler-policy-1";
-/// Longest file, bytes: more than the largest network has.
+/// Maximum file size (bytes), above the size of the largest network.
 pub const MAX_BYTES: usize = 40 << 20;
-/// Most layers.
+/// Maximum number of layers.
 const MAX_LAYERS: usize = 8;
-/// Most outputs of a layer.
+/// Maximum number of outputs of a layer.
 const MAX_WIDTH: usize = 1024;
 /// Components of a velocity.
 const OUTPUTS: usize = 3;
-/// Smallest scale of an input.
+/// Minimum scale of an input.
 const SMALLEST_SCALE: f32 = 1e-6;
-/// Greatest speed that a network may add to the plan's, m/s.
+/// Maximum speed that a network may add to the plan's (m/s).
 const MAX_RESIDUAL_SPEED: f64 = 1.0;
-/// What the metadata may say.
+/// Valid keys of the metadata.
 const KEYS: [&str; 5] = [
     "format",
     "activation",
@@ -30,44 +30,44 @@ const KEYS: [&str; 5] = [
     "description",
 ];
 
-/// Why a file is no policy.
+/// Error returned for an invalid policy file.
 #[derive(Debug, thiserror::Error)]
 pub enum PolicyError {
-    /// It is too long.
-    #[error("{actual} bytes; expected a policy of at most {MAX_BYTES}")]
+    /// The file is too long.
+    #[error("expected a policy of at most {MAX_BYTES} bytes, got {actual}")]
     TooLong {
-        /// Its length, bytes.
+        /// Length of the file (bytes).
         actual: usize,
     },
-    /// It is of another kind, or damaged.
-    #[error("{source}; expected a whole file in safetensors format")]
+    /// The file is damaged or not in safetensors format.
+    #[error("expected a complete file in safetensors format: {source}")]
     Container {
-        /// What the format's reader said.
+        /// Error of the parser.
         source: SafeTensorError,
     },
-    /// An entry of the metadata is missing, unknown or wrong.
-    #[error("metadata {key}: {actual}; expected {expected}")]
+    /// An entry of the metadata is missing, unknown or invalid.
+    #[error("metadata {key}: expected {expected}, got {actual}")]
     Metadata {
-        /// The entry.
+        /// Key of the entry.
         key: String,
-        /// What it must be.
+        /// Description of the valid values.
         expected: String,
-        /// What it is.
+        /// The value found.
         actual: String,
     },
-    /// A tensor is missing, unknown or wrong.
-    #[error("tensor {name}: {actual}; expected {expected}")]
+    /// A tensor is missing, unknown or invalid.
+    #[error("tensor {name}: expected {expected}, got {actual}")]
     Tensor {
-        /// The tensor.
+        /// Name of the tensor.
         name: String,
-        /// What it must be.
+        /// Description of the valid tensor.
         expected: String,
-        /// What it is.
+        /// The tensor found.
         actual: String,
     },
 }
 
-/// Reads what [`PolicyModel::from_bytes`] describes.
+/// Parses a file as described by [`PolicyModel::from_bytes`].
 pub(super) fn read(bytes: &[u8]) -> Result<PolicyModel, PolicyError> {
     if bytes.len() > MAX_BYTES {
         let actual = bytes.len();
@@ -100,7 +100,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<PolicyModel, PolicyError> {
     })
 }
 
-/// A file whose tensors lie within it.
+/// A file whose tensors are within its bounds.
 struct File<'a> {
     header: Metadata,
     data: &'a [u8],
@@ -115,7 +115,7 @@ impl<'a> File<'a> {
         Ok(Self { header, data })
     }
 
-    /// Refuses metadata that nothing reads.
+    /// Rejects unknown metadata.
     fn check_keys(&self) -> Result<(), PolicyError> {
         let keys = self.header.metadata().iter().flatten().map(|(key, _)| key);
         match keys.filter(|key| !KEYS.contains(&key.as_str())).min() {
@@ -123,12 +123,12 @@ impl<'a> File<'a> {
             Some(key) => Err(PolicyError::Metadata {
                 key: key.clone(),
                 expected: KEYS.join(", "),
-                actual: "there is no such entry".into(),
+                actual: "an unknown entry".into(),
             }),
         }
     }
 
-    /// What `parse` makes of an entry of the metadata.
+    /// Parses an entry of the metadata by `parse`.
     fn parsed<T>(
         &self,
         key: &str,
@@ -175,12 +175,12 @@ impl<'a> File<'a> {
             Some(name) => Err(PolicyError::Tensor {
                 name,
                 expected: format!("only {}; up to {MAX_LAYERS} layers", names.join(", ")),
-                actual: "not to be used".into(),
+                actual: "an unknown tensor".into(),
             }),
         }
     }
 
-    /// How many outputs a hidden layer of these weights has.
+    /// Number of outputs of a hidden layer, from the shape of its weights.
     fn width(&self, weights: &str) -> Result<usize, PolicyError> {
         let shape = self.header.info(weights).map_or(&[][..], |t| &t.shape);
         let width = shape.first().copied().unwrap_or_default();
@@ -193,7 +193,7 @@ impl<'a> File<'a> {
         good.then_some(width).ok_or_else(wrong)
     }
 
-    /// The numbers of a tensor of this shape, none below `least` or above [`LARGEST`].
+    /// Returns the numbers of a tensor of this shape. Each must be from `least` to [`LARGEST`].
     fn numbers(&self, name: &str, shape: &[usize], least: f32) -> Result<Vec<f32>, PolicyError> {
         let wrong = |expected: String, actual: String| PolicyError::Tensor {
             name: name.to_string(),
@@ -215,7 +215,7 @@ impl<'a> File<'a> {
             None => Ok(numbers),
             Some(at) => Err(wrong(
                 format!("numbers from {least:e} to {LARGEST:e}"),
-                format!("{} as number {at}", numbers[at]),
+                format!("{} at index {at}", numbers[at]),
             )),
         }
     }

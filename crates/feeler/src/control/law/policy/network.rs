@@ -1,37 +1,38 @@
-//! A network of dense layers, evaluated without allocation, in the same order of operations whatever the processor.
+//! A network of dense layers, evaluated without allocation and in the same order of operations on every processor.
 
 use super::tanh::tanh;
 use multiversion::multiversion;
 
-/// Outputs of a layer that are summed up together: as many as wide registers hold while all inputs pass by.
+/// Number of outputs of a layer that are accumulated together: as many as wide registers hold while all inputs are
+/// processed.
 const LANES: usize = 32;
 
 /// Values of as many neurons.
 type Block = [f32; LANES];
 
-/// No number of a network's file is larger, and no value between two layers becomes larger, so that no sum overflows.
+/// Maximum magnitude of all numbers in a network file and of all values between two layers, so that no sum overflows.
 pub(super) const LARGEST: f32 = 1e6;
 
-/// What stands between two layers.
+/// Activation function between two layers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Activation {
     /// The hyperbolic tangent.
     Tanh,
-    /// The positive part, up to 1e6.
+    /// The positive part, at most 1e6.
     Relu,
 }
 
-/// A layer each of whose outputs depends on all inputs.
+/// A fully connected layer.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Layer {
     inputs: usize,
-    /// For each block of outputs a row for each input; zero beyond the last output.
+    /// One row per input for each block of outputs; zero beyond the last output.
     weights: Vec<Block>,
     biases: Vec<Block>,
 }
 
 impl Layer {
-    /// From weights in C order, `[biases.len(), inputs]`.
+    /// Creates a layer from weights in C order, `[biases.len(), inputs]`.
     pub fn new(inputs: usize, weights: &[f32], biases: &[f32]) -> Self {
         let blocks = biases.len().div_ceil(LANES);
         let mut layer = Self {
@@ -50,22 +51,22 @@ impl Layer {
     }
 }
 
-/// Normalisation and layers.
+/// Input normalisation and layers.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Network {
-    /// Taken from each input.
+    /// Subtracted from each input.
     pub mean: Vec<f32>,
-    /// What the rest is divided by.
+    /// Divisor of each input after subtracting the mean.
     pub scale: Vec<f32>,
     pub activation: Activation,
     pub layers: Vec<Layer>,
 }
 
-/// Where a network is evaluated.
+/// Buffers for evaluating a network.
 #[derive(Debug, Clone)]
 pub(super) struct Scratch {
     inputs: Vec<f32>,
-    /// What a layer takes, and what it gives.
+    /// Input and output of a layer.
     values: [Vec<Block>; 2],
 }
 
@@ -77,7 +78,7 @@ impl Scratch {
 }
 
 impl Network {
-    /// Memory to evaluate it in.
+    /// Allocates buffers for evaluating the network.
     pub fn scratch(&self) -> Scratch {
         let widths = self.layers.iter().map(|layer| layer.biases.len());
         let zeros = vec![[0.0; LANES]; widths.fold(1, usize::max)];
@@ -87,7 +88,8 @@ impl Network {
         }
     }
 
-    /// The first three outputs of the last layer for the inputs in `scratch`, which are used up; finite if those are.
+    /// Returns the first three outputs of the last layer for the inputs in `scratch`, which are overwritten. The
+    /// outputs are finite if the inputs are.
     pub fn evaluate(&self, scratch: &mut Scratch) -> [f32; 3] {
         let Scratch {
             inputs,
@@ -115,8 +117,8 @@ fn normalise(values: &mut [f32], mean: &[f32], scale: &[f32]) {
     }
 }
 
-/// `outputs = weights inputs + biases`, with the widest instructions that the processor has. Products are summed up in the
-/// order of the inputs, each rounded before, so that all give the same.
+/// Computes `outputs = weights inputs + biases` with the widest instructions of the processor. Products are rounded
+/// and then summed in the order of the inputs, so that all instruction sets give the same result.
 #[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx2"))]
 fn forward(weights: &[Block], biases: &[Block], inputs: &[f32], outputs: &mut [Block]) {
     let blocks = weights.chunks_exact(inputs.len()).zip(biases);

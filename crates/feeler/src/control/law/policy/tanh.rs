@@ -1,7 +1,7 @@
-//! The hyperbolic tangent in single precision: the same bits on every machine, which no C library promises, and many
-//! values at a time.
+//! Vectorisable hyperbolic tangent in single precision, bit-identical on every machine, which no C library
+//! guarantees.
 
-/// Where the approximation reaches 1.
+/// Argument at which the approximation reaches 1.
 const SATURATED: f32 = 7.905_311;
 
 /// Coefficients of x, x³, …, x¹³ in the numerator.
@@ -18,8 +18,8 @@ const NUMERATOR: [f32; 7] = [
 /// Coefficients of 1, x², x⁴, x⁶ in the denominator.
 const DENOMINATOR: [f32; 4] = [4.893_525e-3, 2.268_434_6e-3, 1.185_347_1e-4, 1.198_258_4e-6];
 
-/// tanh(x) to 4e-7 of itself; never beyond -1 to 1. The minimax fraction of Eigen and XLA, by which networks that are trained
-/// with JAX or TensorFlow were evaluated, too.
+/// tanh(x) with a relative error of at most 4e-7, always within -1..1. It is the rational minimax approximation of
+/// Eigen and XLA, which JAX and TensorFlow also use.
 #[inline]
 pub(super) fn tanh(x: f32) -> f32 {
     let x = x.clamp(-SATURATED, SATURATED);
@@ -38,9 +38,9 @@ fn polynomial(coefficients: &[f32], x: f32) -> f32 {
 mod tests {
     use super::tanh;
 
-    /// Against the C library's in double precision, over all that is not saturated and beyond.
+    /// Compares with the C library's function in double precision, over the unsaturated range and beyond.
     #[test]
-    fn it_is_the_hyperbolic_tangent_to_a_few_units_of_the_last_place() {
+    fn relative_error_is_a_few_units_in_the_last_place() {
         let (mut worst, steps) = (0.0_f64, 200_000);
         for step in -steps..=steps {
             let x = 12.0 * step as f32 / steps as f32;
@@ -55,7 +55,7 @@ mod tests {
     }
 
     #[test]
-    fn it_ends_at_one() {
+    fn saturates_at_one() {
         assert_eq!(tanh(f32::MAX), 1.0);
         assert_eq!(tanh(f32::NEG_INFINITY), -1.0);
         assert_eq!(tanh(0.0), 0.0);

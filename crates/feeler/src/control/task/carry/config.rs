@@ -1,67 +1,68 @@
-//! What the carry task is tuned by.
+//! Configuration of the carry task.
 
 use crate::check::Checker;
 use crate::control::feeler_shape::FeelerShape;
 use serde::{Deserialize, Serialize};
 
-/// Most waypoints of a path.
+/// Maximum number of waypoints of a path.
 const MAX_WAYPOINTS: usize = 1000;
 
-/// What is carried where, and how.
+/// Path of the carried object and parameters of the grip.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CarryConfig {
-    /// Speed of the approach, m/s.
+    /// Speed of the approach (m/s).
     #[serde(default = "default::search_speed")]
     pub search_speed: f64,
-    /// A finger that has come this far from home and feels nothing stops the task, m.
+    /// Maximum travel from home without touch (m). A finger that exceeds it stops the task.
     #[serde(default = "default::search_limit")]
     pub search_limit: f64,
-    /// Least pressing force of a finger, N: with it the fingers take hold.
+    /// Minimum pressing force of a finger (N), with which the fingers take hold of the object.
     pub grip_force: f64,
-    /// Greatest pressing force of a finger, N: more would crush the object.
+    /// Maximum pressing force of a finger (N). More would crush the object.
     pub crush_force: f64,
-    /// Pressing force over what would just hold.
+    /// Pressing force relative to the minimum that holds the object.
     #[serde(default = "default::margin")]
     pub margin: f64,
-    /// Coefficient of friction that is believed until a slip shows less.
+    /// Initial estimate of the friction coefficient, until a slip shows a lower one.
     #[serde(default = "default::friction")]
     pub friction: f64,
-    /// Elements with a larger force than this count, N.
+    /// Force above which an element counts as touching (N).
     #[serde(default = "default::touch_force")]
     pub touch_force: f64,
-    /// An element whose shear force changes faster than this does not go with the object, N/s.
+    /// Shear rate above which an element counts as moving relative to the object (N/s).
     #[serde(default = "default::slip_threshold")]
     pub slip_threshold: f64,
-    /// Speed at which a finger presses harder for each newton that is missing, m/(s N).
+    /// Pressing speed per missing force, m/(s·N).
     #[serde(default = "default::force_gain")]
     pub force_gain: f64,
-    /// Greatest speed of that, m/s.
+    /// Maximum pressing speed (m/s).
     #[serde(default = "default::press_speed")]
     pub press_speed: f64,
-    /// Speed along the path, m/s.
+    /// Speed along the path (m/s).
     #[serde(default = "default::carry_speed")]
     pub carry_speed: f64,
-    /// Speed at which an error of the object's place is made good, per metre of it, 1/s.
+    /// Speed of correction per position error of the object (1/s).
     #[serde(default = "default::place_gain")]
     pub place_gain: f64,
-    /// The object is given up where a finger has felt nothing for so long, s…
+    /// Duration without touch of a finger after which the object counts as lost (s).
     #[serde(default = "default::lost_time")]
     pub lost_time: f64,
-    /// …and where the fingers have come so much further than where they took it, m, as into nothing.
+    /// Distance by which the fingers may close further than at the first grasp (m). Beyond it, the object counts as
+    /// lost.
     #[serde(default = "default::give")]
     pub give: f64,
-    /// Speed of release and return, m/s.
+    /// Speed of release and return (m/s).
     #[serde(default = "default::return_speed")]
     pub return_speed: f64,
-    /// A finger is home within this distance, m.
+    /// Maximum distance from home at which a finger counts as home (m).
     #[serde(default = "default::home_tolerance")]
     pub home_tolerance: f64,
-    /// The path, from where the object was taken.
+    /// Waypoints of the path, relative to the position at which the object was grasped.
     pub waypoint: Vec<Waypoint>,
-    /// Each finger's way to the object.
+    /// Start position and approach of each finger.
     pub finger: Vec<CarryFinger>,
-    /// The feelers of the fingertips.
+    /// Properties of the fingertips' feelers.
     #[serde(default)]
     pub feeler: FeelerShape,
 }
@@ -83,24 +84,24 @@ defaults! {
     home_tolerance: f64 = 0.0002,
 }
 
-/// A place on the way.
+/// A waypoint of the path.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Waypoint {
-    /// How far from where it was taken, m, in W.
+    /// Displacement from the position at which the object was grasped (m, in W).
     pub to: [f64; 3],
-    /// How long the object is held there, s.
+    /// Time for which the object is held there (s).
     #[serde(default)]
     pub hold: f64,
 }
 
-/// One finger's way to the object.
+/// Start position and approach of one finger.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CarryFinger {
-    /// Where the dome's centre starts from, m, in W.
+    /// Start position of the dome's centre (m, in W).
     pub home: [f64; 3],
-    /// Direction in which it presses, in W; its length does not matter.
+    /// Pressing direction (in W); its length does not matter.
     pub approach: [f64; 3],
 }
 

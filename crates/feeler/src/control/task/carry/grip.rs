@@ -1,28 +1,29 @@
-//! How hard to grip: as hard as what is held pulls, by the friction that the last slip showed.
+//! Grip force from the load of the object and the friction that the last slip showed.
 
-/// What part of the load is forgotten with each control step: while what is held slips, shear is what friction leaves of
-/// the load, not the load.
+/// Share of the load that is forgotten in each control step. While the object slips, the shear is limited by friction
+/// and does not show the load.
 const FORGETTING: f64 = 0.01;
-/// Least friction that is believed.
+/// Lower bound of the friction estimate.
 const LEAST_FRICTION: f64 = 0.05;
 
-/// How hard each finger is to press.
+/// Grip controller: computes the pressing force of each finger.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Grip {
-    /// Coefficient of friction that is believed.
+    /// Estimated friction coefficient.
     friction: f64,
-    /// Pressing force over what would just hold.
+    /// Pressing force relative to the minimum that holds the object.
     margin: f64,
-    /// Least and greatest pressing force of a finger, N.
+    /// Minimum and maximum pressing force of a finger (N).
     least: f64,
     most: f64,
-    /// What each finger carries, N, and the shear that it felt last, N.
+    /// Load on each finger, and its latest shear (N).
     load: f64,
     shear: f64,
 }
 
 impl Grip {
-    /// A grip of at least `least` and at most `most` newtons a finger, `margin` times what would just hold at `friction`.
+    /// Creates a grip of `least` to `most` newtons per finger, `margin` times the minimum that holds the object at
+    /// `friction`.
     pub fn new(friction: f64, margin: f64, least: f64, most: f64) -> Self {
         Self {
             friction,
@@ -34,15 +35,16 @@ impl Grip {
         }
     }
 
-    /// Coefficient of friction that is believed.
+    /// Estimated friction coefficient.
     pub fn friction(&self) -> f64 {
         self.friction
     }
 
-    /// Takes in what a finger feels on average: the force across it and the force that it presses with, N, and whether the
-    /// shear of an element changes as where it slips.
+    /// Updates load and friction with the mean shear and pressing force of a finger (N). `changes` is `true` if the
+    /// shear rate of an element indicates a slip.
     ///
-    /// A slip is where it changes so while the whole shear falls: what loads a grip raises it. What is left then is the friction.
+    /// A slip is detected if `changes` is set while the total shear falls, because loading raises the shear. The
+    /// remaining shear shows the friction.
     pub fn feel(&mut self, shear: f64, pressing: f64, changes: bool) {
         if changes && shear < self.shear && pressing > 0.0 {
             self.friction = self.friction.min(shear / pressing).max(LEAST_FRICTION);
@@ -51,7 +53,7 @@ impl Grip {
         self.load = shear.max((1.0 - FORGETTING) * self.load);
     }
 
-    /// How hard a finger is to press, N.
+    /// Requested pressing force of a finger (N).
     pub fn pressing(&self) -> f64 {
         (self.margin * self.load / self.friction).clamp(self.least, self.most)
     }
@@ -77,15 +79,15 @@ mod tests {
     #[test]
     fn a_slip_shows_the_friction_and_load_alone_does_not() {
         let mut grip = grip();
-        // Loaded quickly: it changes, and rises.
+        // A quick load changes the shear, but raises it.
         for shear in [0.1, 0.3, 0.5] {
             grip.feel(shear, 1.5, true);
         }
         assert_eq!((grip.friction(), grip.pressing()), (0.5, 1.5));
-        // It becomes slippery: at 1.5 N, 0.3 N are left of 0.5 N.
+        // The object becomes slippery: at 1.5 N, 0.3 N of 0.5 N remain.
         grip.feel(0.3, 1.5, true);
         assert!((grip.friction() - 0.2).abs() < 1e-12);
-        // The load is known from before, but for one step's forgetting.
+        // The load is known from before, except for one step of forgetting.
         let needed = 1.5 * 0.5 / 0.2;
         assert!((grip.pressing() / needed - 1.0).abs() < 0.011);
     }

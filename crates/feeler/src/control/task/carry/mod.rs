@@ -1,8 +1,8 @@
-//! The carry task: one finger or several take hold of an object, bring it along a path by touch, and let go.
+//! The carry task: one or more fingers grasp an object, move it along a path by touch, and release it.
 //!
-//! One finger presses from above and slides it over a table; several grasp it and may lift it. The grip
-//! follows what the object pulls, and slip ([`grip`]). Where the object is, is told by the tips that stick
-//! to it (`odometry`), and that is what is brought along the path.
+//! A single finger presses on the object from above and slides it over a table; several fingers grasp it and may lift
+//! it. The grip follows the load and slip ([`grip`]). The object's position is estimated from the tips that stick to
+//! it (`odometry`) and controlled along the path.
 
 mod config;
 pub mod grip;
@@ -25,23 +25,23 @@ use grip::Grip;
 use odometry::Odometry;
 use way::Way;
 
-/// What one finger does.
+/// State of one finger.
 #[derive(Debug, Clone, Copy, Default)]
 struct Holder {
     home: DVec3,
     approach: DVec3,
-    /// Where it took hold, and where it let go, m, in W.
+    /// Positions at which it grasped and released the object (m, in W).
     took: DVec3,
     let_go: DVec3,
-    /// What acts on it, of that across it, and how hard it presses, N.
+    /// Magnitude of the force on the finger, its component across the approach, and the pressing force (N).
     force: f64,
     shear: f64,
     pressing: f64,
-    /// When it touched last, s.
+    /// Time of the last touch (s).
     touched: f64,
 }
 
-/// The state machine of the task.
+/// State machine of the task.
 #[derive(Debug, Clone)]
 pub struct Carry {
     config: CarryConfig,
@@ -56,7 +56,7 @@ pub struct Carry {
 }
 
 impl Carry {
-    /// The task at its beginning.
+    /// Creates the task in its initial state.
     pub fn new(config: &CarryConfig) -> Self {
         let holder = |finger: &CarryFinger| Holder {
             home: finger.home.into(),
@@ -92,7 +92,7 @@ impl Carry {
         }
     }
 
-    /// Feels how hard each finger presses and what the object pulls, and fits the grip to it.
+    /// Updates the forces of each finger and the grip.
     fn feel(&mut self, hand: &HandSense<'_>) {
         for (holder, finger) in self.holders.iter_mut().zip(hand.fingers()) {
             let forces = touching(&finger, self.config.touch_force);
@@ -120,7 +120,7 @@ impl Carry {
         self.holders.len().max(1) as f64
     }
 
-    /// Goes on along the path where the grip is firm enough to pull; whether that is at its end.
+    /// Advances along the path if the grip is firm enough. Returns `true` at the end of the path.
     fn go_on(&mut self, stamp: f64) -> bool {
         let firm = FIRM * self.grip.pressing();
         let firm = self.holders.iter().all(|h| h.pressing >= firm);
@@ -147,7 +147,7 @@ impl Carry {
         let Odometry { moved, turned, .. } = self.odometry;
         let pressing = self.mean(|h| h.pressing);
         let friction = self.grip.friction();
-        // The few tips of one finger are too close together to tell a turn.
+        // The tips of a single finger are too close together to measure a rotation.
         let turned = if self.holders.len() > 1 {
             turned
         } else {
@@ -159,8 +159,8 @@ impl Carry {
         }
     }
 
-    /// How much further the fingers press than where they took the object, mean over them, m: what the rubber
-    /// yields, or more where the object is gone.
+    /// Mean distance by which the fingers are closer than when they grasped the object (m): the yield of the rubber,
+    /// or more if the object is gone.
     fn sunk(&self, hand: &HandSense<'_>) -> f64 {
         let moved = self.odometry.moved;
         let holders = self.holders.iter().zip(hand.poses);
@@ -181,18 +181,18 @@ impl Carry {
         fingers.all(|(holder, finger)| done(holder, &finger))
     }
 
-    /// Velocity of a finger that holds the object, m/s, in W.
+    /// Velocity of a finger that holds the object (m/s, in W).
     fn holding(&self, holder: &Holder, position: DVec3, hand: &HandSense<'_>) -> DVec3 {
         let config = &self.config;
         let error = self.way.wanted - self.odometry.moved;
         let mut place = self.way.pace + config.place_gain * error;
         if self.holders.len() == 1 {
-            // The table carries what it presses on: along the approach only the force counts.
+            // The table supports the object: along the approach only the force is controlled.
             place = place.reject_from_normalized(holder.approach);
         }
-        // What pushes the object makes one finger press harder than the other: the mean counts.
+        // External forces on the object load the fingers unequally, so the mean is controlled.
         let missing = self.grip.pressing() - self.mean(|h| h.pressing);
-        // An element that is over its limit is pressed no further, whatever is missing.
+        // While an element is over its limit, the finger does not press further.
         let over = hand.fingers().any(|finger| finger.flags().over);
         let most = if over { 0.0 } else { config.press_speed };
         let press = (config.force_gain * missing).clamp(-config.press_speed, most);
@@ -287,15 +287,15 @@ impl Task for Carry {
     }
 }
 
-/// What part of the crushing force the grip goes up to: the elements' compressions add up to somewhat more than they press together,
-/// and a force that is kept is never kept exactly.
+/// Share of the crushing force that the grip may reach. The sum of the elements' compressions exceeds their
+/// resultant, and force control is never exact.
 const RESERVE: f64 = 0.85;
 
-/// The object is moved on while each finger has this share of the grip wanted.
+/// Share of the requested grip that each finger must have before the object is moved.
 const FIRM: f64 = 0.8;
 
-/// With so many times the crushing force a finger pushes against something else: the object stands on something, or is caught.
+/// Multiple of the crushing force at which the object counts as blocked: it rests on another object or is caught.
 const BLOCKED: f64 = 1.5;
 
-/// How far a finger moves off the object before it returns, m.
+/// Distance by which a finger leaves the object before it returns (m).
 const CLEARANCE: f64 = 0.004;

@@ -1,4 +1,4 @@
-//! How far what is held has moved, from touch: feelers that stick go with it.
+//! Odometry of a held object from touch: feelers that stick move with it.
 
 use crate::control::feeler_shape::FeelerShape;
 use crate::control::sense::HandSense;
@@ -6,34 +6,34 @@ use crate::hand::MAX_FINGERS;
 use crate::sensor::layout::MAX_ELEMENTS;
 use glam::DVec3;
 
-/// Tips closer together than the root of this, m², tell no turn: they are one.
+/// Minimum mean squared distance of the tips from their centre (m²) for measuring a rotation.
 const ALONE: f64 = 1e-12;
 
-/// Adds up the motion of the tips that stick.
+/// Accumulates the motion of the tips that stick.
 #[derive(Debug, Clone)]
 pub struct Odometry {
-    /// Where each tip was a step ago, m, in W, if it touched.
+    /// Position of each tip in the previous step (m, in W), or `None` if it did not touch.
     tips: Box<[[Option<DVec3>; MAX_ELEMENTS]; MAX_FINGERS]>,
-    /// How far the object has moved, m, in W.
+    /// Displacement of the object (m, in W).
     pub moved: DVec3,
-    /// How far it has turned about W's z, rad.
+    /// Rotation of the object about W's z (rad).
     pub turned: f64,
 }
 
-/// Sums over the tips that have stuck since the last step, each weighted by the force on it.
+/// Sums over the tips that have stuck since the last step, weighted by their forces.
 #[derive(Debug, Clone, Copy, Default)]
 struct Sums {
     weight: f64,
-    /// Of where each tip is, m, and of how far it has moved, m.
+    /// Weighted sums of the tips' positions and displacements (m).
     tips: DVec3,
     moved: DVec3,
-    /// About W's z: of lever times motion, m², and of the lever's square, m².
+    /// Weighted sums about W's z: lever times motion, and squared lever (m²).
     turning: f64,
     inertia: f64,
 }
 
 impl Odometry {
-    /// Nothing has moved yet.
+    /// Creates the odometry of an object that has not moved.
     pub fn new() -> Self {
         Self {
             tips: Box::new([[None; MAX_ELEMENTS]; MAX_FINGERS]),
@@ -42,13 +42,13 @@ impl Odometry {
         }
     }
 
-    /// Begins anew from here.
+    /// Sets the object's motion to zero.
     pub fn reset(&mut self) {
         (self.moved, self.turned) = (DVec3::ZERO, 0.0);
     }
 
-    /// Takes in what `hand` feels. Elements on which a larger force than `touch_force` (N) is touch; of those, the ones
-    /// whose shear force changes no faster than `slip_threshold` (N/s) stick.
+    /// Updates the motion with the readings of `hand`. Elements with a force above `touch_force` (N) touch; those
+    /// whose shear rate is at most `slip_threshold` (N/s) stick.
     pub fn follow(
         &mut self,
         hand: &HandSense<'_>,
@@ -88,13 +88,13 @@ impl Sums {
         self.inertia += weight * lever.length_squared();
     }
 
-    /// How far the tips have moved together, m, and turned about their middle, rad.
+    /// Mean displacement of the tips (m), and rotation about their centre (rad).
     fn motion(&self) -> (DVec3, f64) {
         if self.weight <= 0.0 {
             return (DVec3::ZERO, 0.0);
         }
         let (middle, moved) = (self.tips / self.weight, self.moved / self.weight);
-        // Steiner: from W's origin to the middle.
+        // Parallel axis theorem: from W's origin to the centre.
         let turning = self.turning - self.weight * middle.truncate().perp_dot(moved.truncate());
         let inertia = self.inertia - self.weight * middle.truncate().length_squared();
         let turned = if inertia > ALONE * self.weight {
@@ -111,7 +111,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn tips_that_turn_about_any_axis_tell_how_far() {
+    fn rotation_is_measured_about_any_axis() {
         let turn = 0.002;
         let axis = DVec3::new(0.01, -0.02, 0.1);
         let mut sums = Sums::default();
@@ -120,12 +120,12 @@ mod tests {
             let before = axis + glam::DMat3::from_rotation_z(-turn) * (tip - axis);
             sums.add(weight, tip, tip - before);
         }
-        // First order in the turn of a step.
+        // First order in the rotation of a step.
         assert!((sums.motion().1 / turn - 1.0).abs() < turn);
     }
 
     #[test]
-    fn a_single_tip_moves_and_does_not_turn() {
+    fn a_single_tip_measures_no_rotation() {
         let mut sums = Sums::default();
         sums.add(0.7, DVec3::new(0.03, 0.01, 0.1), DVec3::X);
         let (moved, turned) = sums.motion();

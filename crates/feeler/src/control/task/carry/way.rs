@@ -1,25 +1,25 @@
-//! The path of what is carried: from waypoint to waypoint at an even speed, with a stay at each.
+//! Path of a carried object: from waypoint to waypoint at constant speed, with a stop at each.
 
 use super::Waypoint;
 use glam::DVec3;
 
-/// Where on its path an object should be.
+/// Target position of an object along its path.
 #[derive(Debug, Clone)]
 pub struct Way {
     waypoints: Vec<Waypoint>,
-    /// Speed along the path, m/s.
+    /// Speed along the path (m/s).
     speed: f64,
-    /// The waypoint that it is on its way to, and since when it has been there, s.
+    /// Index of the next waypoint, and the time of arrival there (s).
     next: usize,
     arrived: Option<f64>,
-    /// Where it should be, m from where it was taken, in W.
+    /// Target position relative to the grasp position (m, in W).
     pub wanted: DVec3,
-    /// How fast that moves, m/s.
+    /// Target velocity (m/s).
     pub pace: DVec3,
 }
 
 impl Way {
-    /// The path at its beginning.
+    /// Creates the path in its initial state.
     pub fn new(waypoints: &[Waypoint], speed: f64) -> Self {
         Self {
             waypoints: waypoints.to_vec(),
@@ -31,7 +31,8 @@ impl Way {
         }
     }
 
-    /// Goes on for `elapsed` seconds until `stamp`, or waits there unless `ready`; whether it is at the path's end.
+    /// Advances by `elapsed` seconds to the time `stamp`, or waits unless `ready`. Returns `true` at the end of the
+    /// path.
     pub fn go_on(&mut self, stamp: f64, elapsed: f64, ready: bool) -> bool {
         let Some(waypoint) = self.waypoints.get(self.next) else {
             return true;

@@ -1,60 +1,60 @@
-//! What the contour task is tuned by.
+//! Configuration of the contour task.
 
 use crate::check::Checker;
 use crate::control::feeler_shape::FeelerShape;
 use serde::{Deserialize, Serialize};
 
-/// How the finger goes round.
+/// Parameters of the finger's motion around the object.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ContourConfig {
-    /// Where the dome's centre starts from, m, in W. It keeps this height.
+    /// Start position of the dome's centre (m, in W). The finger keeps this height.
     pub home: [f64; 3],
-    /// Horizontal direction in which the finger searches for the object, in W; its length does not matter.
+    /// Horizontal search direction (in W); its length does not matter.
     pub approach: [f64; 3],
-    /// Speed of the approach, m/s.
+    /// Speed of the approach (m/s).
     #[serde(default = "default::search_speed")]
     pub search_speed: f64,
-    /// A finger that has come this far from home and feels nothing stops the task, m.
+    /// Maximum travel from home without touch (m). A finger that exceeds it stops the task.
     #[serde(default = "default::search_limit")]
     pub search_limit: f64,
-    /// Speed along the surface, m/s.
+    /// Speed along the surface (m/s).
     #[serde(default = "default::follow_speed")]
     pub follow_speed: f64,
-    /// Horizontal force that is kept, N.
+    /// Horizontal contact force (N).
     #[serde(default = "default::contact_force")]
     pub contact_force: f64,
-    /// Elements pressed harder than this count, N.
+    /// Force above which an element counts as touching (N).
     #[serde(default = "default::touch_force")]
     pub touch_force: f64,
-    /// Speed at which the finger presses harder for each newton that is missing, m/(s N).
+    /// Pressing speed per missing force, m/(s·N).
     #[serde(default = "default::force_gain")]
     pub force_gain: f64,
-    /// Greatest speed at which it presses or gives way, m/s.
+    /// Maximum speed of pressing or yielding (m/s).
     #[serde(default = "default::press_speed")]
     pub press_speed: f64,
-    /// How fast the angle of friction is learnt from a force that is off, rad/(s N).
+    /// Learning rate of the friction angle per force error, rad/(s·N).
     #[serde(default = "default::friction_gain")]
     pub friction_gain: f64,
-    /// The outline is closed where it comes back to its first point within this distance, m.
+    /// Maximum distance from the first point at which the outline counts as closed (m).
     #[serde(default = "default::closing_distance")]
     pub closing_distance: f64,
-    /// A finger that has felt nothing for so long gives up, s.
+    /// Duration without touch after which the finger gives up (s).
     #[serde(default = "default::lost_time")]
     pub lost_time: f64,
-    /// A finger that has gone on for so long gives up, s.
+    /// Maximum duration of following the surface, after which the finger gives up (s).
     #[serde(default = "default::follow_limit")]
     pub follow_limit: f64,
-    /// How far the finger moves off the object before it returns, m.
+    /// Distance by which the finger leaves the object before it returns (m).
     #[serde(default = "default::clearance")]
     pub clearance: f64,
-    /// Speed of release and return, m/s.
+    /// Speed of release and return (m/s).
     #[serde(default = "default::return_speed")]
     pub return_speed: f64,
-    /// The finger is home within this distance, m.
+    /// Maximum distance from home at which the finger counts as home (m).
     #[serde(default = "default::home_tolerance")]
     pub home_tolerance: f64,
-    /// The feelers of the fingertip.
+    /// Properties of the fingertip's feelers.
     #[serde(default)]
     pub feeler: FeelerShape,
 }

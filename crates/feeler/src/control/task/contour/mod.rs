@@ -1,9 +1,8 @@
-//! The contour task: one finger goes once round an upright object that it does not know, and draws its
-//! outline from touch alone.
+//! The contour task: one finger moves once around an unknown upright object and traces its outline by touch alone.
 //!
-//! The finger keeps its height and its force on the object, and moves along the surface, which
-//! it has on its left. Where that runs is told by the force: normal and friction together lean back from the
-//! surface's normal by the angle of friction, which is learnt on the way.
+//! The finger keeps its height and contact force and moves along the surface, which is on its left. The force shows
+//! the direction of the surface: the sum of normal force and friction is tilted back from the surface normal by the
+//! friction angle, which is learnt along the way.
 
 mod config;
 mod outline;
@@ -22,31 +21,31 @@ use glam::{DVec2, DVec3};
 use outline::Outline;
 use std::f64::consts::TAU;
 
-/// Greatest angle of friction that is believed, rad: a coefficient of 3.
+/// Maximum friction angle (rad), for a coefficient of 3.
 const MAX_LEAN: f64 = 1.25;
 
-/// A finger that comes back to where it began has gone round if the normal has turned by so much, rad: not by a whole turn where it
-/// began at a corner, or before it knew the friction.
+/// Minimum rotation of the normal for a closed outline (rad). It is less than a full turn because the finger may
+/// start at a corner, or before it knows the friction.
 const MOST_OF_A_TURN: f64 = 0.75 * TAU;
 
-/// The state machine of the task.
+/// State machine of the task.
 #[derive(Debug, Clone)]
 pub struct Contour {
     config: ContourConfig,
     home: DVec3,
     approach: DVec3,
     phase: Phase,
-    /// The surface's outward normal, a horizontal unit vector in W.
+    /// Outward normal of the surface, a horizontal unit vector in W.
     normal: DVec2,
-    /// By how much the force leans back from the normal, rad: the angle of friction.
+    /// Angle between the force and the normal (rad): the friction angle.
     lean: f64,
-    /// Force along the normal, N; 0 while nothing is felt.
+    /// Force along the normal (N); 0 without touch.
     force: f64,
-    /// When the finger began to follow, when it last touched, and when it decided last, s.
+    /// Times at which the finger began to follow, last touched and last decided (s).
     began: f64,
     touched: f64,
     previous: f64,
-    /// Where it let go, m, in W.
+    /// Position at which it released the object (m, in W).
     release_start: DVec3,
     outline: Outline,
     findings: [Finding; 6],
@@ -54,7 +53,7 @@ pub struct Contour {
 }
 
 impl Contour {
-    /// The task at its beginning.
+    /// Creates the task in its initial state.
     pub fn new(config: &ContourConfig) -> Self {
         let home = DVec3::from_array(config.home);
         let approach = DVec3::from_array(config.approach).with_z(0.0);
@@ -88,7 +87,7 @@ impl Contour {
         }
     }
 
-    /// Feels where the surface runs, and learns the angle of friction.
+    /// Updates the normal and the friction angle from the forces.
     fn feel(&mut self, finger: &FingerSense<'_>, stamp: f64) {
         let elapsed = stamp - self.previous;
         let elapsed = if elapsed.is_finite() { elapsed } else { 0.0 };
@@ -109,9 +108,9 @@ impl Contour {
         }
     }
 
-    /// Velocity along the surface, with what brings the force to what it should be, m/s, in W.
+    /// Velocity along the surface plus force control (m/s, in W).
     ///
-    /// Where the force is low, as at a corner, the finger presses first and goes on afterwards.
+    /// If the force is low, as at a corner, the finger first presses and then moves on.
     fn along_surface(&self) -> DVec3 {
         let config = &self.config;
         let excess = self.force - config.contact_force;
@@ -125,7 +124,7 @@ impl Contour {
         (along * self.normal.perp() + off * self.normal).extend(0.0)
     }
 
-    /// Draws where the element touches on which the largest force is.
+    /// Adds the contact point of the most loaded element to the outline.
     fn draw(&mut self, finger: &FingerSense<'_>) {
         let level = |(_, force): &(usize, DVec3)| force.truncate().length();
         let hardest =
@@ -243,7 +242,7 @@ impl Task for Contour {
     }
 }
 
-/// Velocity that keeps a finger at the height of its home, m/s.
+/// Velocity that keeps a finger at the height of its home (m/s).
 fn keep_height(home: DVec3, position: DVec3, config: &ContourConfig) -> DVec3 {
     let level = home.with_x(position.x).with_y(position.y);
     homeward(level - position, config.follow_speed)

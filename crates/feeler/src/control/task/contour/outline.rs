@@ -1,21 +1,21 @@
-//! An outline that grows point by point: how far it goes, and whether it is closed.
+//! Extent and closure of an outline that grows point by point.
 
 use glam::DVec2;
 
-/// What is known of an outline; the points themselves are not kept.
+/// Summary of an outline; the points themselves are not stored.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Outline {
     first: Option<DVec2>,
     last: DVec2,
     lowest: DVec2,
     highest: DVec2,
-    /// How far the surface's normal has turned, rad, counterclockwise.
+    /// Accumulated rotation of the surface normal, counterclockwise (rad).
     turned: f64,
     normal: DVec2,
 }
 
 impl Outline {
-    /// No points yet.
+    /// Creates an empty outline.
     pub fn new() -> Self {
         Self {
             first: None,
@@ -27,7 +27,7 @@ impl Outline {
         }
     }
 
-    /// Takes in the next point, m, and the outward unit normal there.
+    /// Adds a point (m) with its outward unit normal.
     pub fn add(&mut self, point: DVec2, normal: DVec2) {
         if self.first.is_none() {
             self.first = Some(point);
@@ -38,17 +38,17 @@ impl Outline {
         (self.last, self.normal) = (point, normal);
     }
 
-    /// Lengths along W's x and y, m.
+    /// Extent along W's x and y (m).
     pub fn size(&self) -> DVec2 {
         self.highest - self.lowest
     }
 
-    /// How far the normal has turned, rad.
+    /// Accumulated rotation of the normal (rad).
     pub fn turned(&self) -> f64 {
         self.turned
     }
 
-    /// How far the newest point is from the first, m.
+    /// Distance between the first and the latest point (m).
     pub fn gap(&self) -> f64 {
         self.first
             .map_or(f64::INFINITY, |first| first.distance(self.last))

@@ -1,16 +1,16 @@
-//! Mean and variance of angles, one after the other.
+//! Running mean and variance of angles.
 
-/// Counts, sums and squares.
+/// Running statistics of angles.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct AngleSum {
     count: u64,
     mean: f64,
-    /// Sum of squared distances from the mean, rad².
+    /// Sum of squared deviations from the mean (rad²).
     squares: f64,
 }
 
 impl AngleSum {
-    /// Takes in one more (Welford's recurrence, which loses no digits to large sums).
+    /// Adds an angle, using Welford's recurrence, which is numerically stable.
     pub fn add(&mut self, angle: f64) {
         self.count += 1;
         let from_mean = angle - self.mean;
@@ -18,17 +18,17 @@ impl AngleSum {
         self.squares += from_mean * (angle - self.mean);
     }
 
-    /// How many there were.
+    /// Number of angles.
     pub fn count(&self) -> u64 {
         self.count
     }
 
-    /// Their mean, rad; none of none.
+    /// Mean (rad), or `None` without angles.
     pub fn mean(&self) -> Option<f64> {
         (self.count > 0).then_some(self.mean)
     }
 
-    /// Their variance, rad²; none of fewer than two.
+    /// Variance (rad²), or `None` with fewer than two angles.
     pub fn variance(&self) -> Option<f64> {
         (self.count > 1).then(|| self.squares / (self.count - 1) as f64)
     }

@@ -1,13 +1,13 @@
-//! What a friction scan is tuned by.
+//! Configuration of the friction scan.
 
 use crate::check::Checker;
 use crate::control::flags::FlagThresholds;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-/// Sliding and pressing are this far apart at least, degrees.
+/// Minimum angle between sliding and pressing direction (degrees).
 const MIN_SLIDE: f64 = 5.0;
-/// Control periods that a friction scan settles for at least: half of them tell the noise.
+/// Minimum settling time in control periods; the noise is measured in half of them.
 const MIN_PERIODS_AT_REST: f64 = 20.0;
 
 defaults! {
@@ -24,54 +24,54 @@ defaults! {
     home_tolerance: f64 = 0.0002,
 }
 
-/// Where the finger presses and how it slides.
+/// Parameters of pressing and sliding.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FrictionScanConfig {
-    /// Where the dome's centre starts from, m, in W.
+    /// Start position of the dome's centre (m, in W).
     pub home: [f64; 3],
-    /// Direction in which the finger presses, in W; its length does not matter. The specimen need not face it exactly.
+    /// Pressing direction (in W); its length does not matter. The specimen need not face it exactly.
     pub approach: [f64; 3],
-    /// Direction in which it slides first, in W; only what is across the approach counts, and not its length.
+    /// First sliding direction (in W). Only its component across the approach counts, and its length does not matter.
     pub slide: [f64; 3],
-    /// Speed of the approach, m/s.
+    /// Speed of the approach (m/s).
     #[serde(default = "default::search_speed")]
     pub search_speed: f64,
-    /// A finger that has come this far from home and feels no specimen stops the task, m.
+    /// Maximum travel from home without touch (m). A finger that exceeds it stops the task.
     #[serde(default = "default::search_limit")]
     pub search_limit: f64,
-    /// Force with which it presses, N.
+    /// Pressing force (N).
     #[serde(default = "default::load")]
     pub load: f64,
-    /// Speed at which it presses harder for each newton that is missing, m/(s N).
+    /// Pressing speed per missing force, m/(s·N).
     #[serde(default = "default::load_gain")]
     pub load_gain: f64,
-    /// How long it presses before it slides, s; the noise of its forces is measured in the second half.
+    /// Duration of pressing before sliding (s). The noise of the forces is measured in its second half.
     #[serde(default = "default::settle_time")]
     pub settle_time: f64,
-    /// Speed of sliding, m/s.
+    /// Speed of sliding (m/s).
     #[serde(default = "default::slide_speed")]
     pub slide_speed: f64,
-    /// How far it slides in a stroke after the first slip, m.
+    /// Sliding distance of a stroke after the first slip (m).
     #[serde(default = "default::travel")]
     pub travel: f64,
-    /// A stroke that has come this far without a slip ends the task, m.
+    /// Maximum length of a stroke without a slip (m). A stroke that exceeds it ends the task.
     #[serde(default = "default::slide_limit")]
     pub slide_limit: f64,
-    /// Strokes, back and forth in turn, at least 3: the first one does not count.
+    /// Number of strokes, alternating back and forth, at least 3; the first one does not count.
     #[serde(default = "default::strokes")]
     pub strokes: u32,
-    /// Speed of release and return, m/s.
+    /// Speed of release and return (m/s).
     #[serde(default = "default::return_speed")]
     pub return_speed: f64,
-    /// The finger is home within this distance, m.
+    /// Maximum distance from home at which the finger counts as home (m).
     #[serde(default = "default::home_tolerance")]
     pub home_tolerance: f64,
 }
 
 impl FrictionScanConfig {
-    /// Requires every value of the table `key` to be in its range, with a control period of `period` seconds; elements touch
-    /// and are pressed enough as the `thresholds` say.
+    /// Requires every value of the table `key` to be in its range, for a control period of `period` seconds.
+    /// `thresholds` defines F1 and F2.
     pub fn check(
         &self,
         key: &str,

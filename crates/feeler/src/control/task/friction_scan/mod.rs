@@ -1,8 +1,9 @@
-//! The friction scan: one finger presses on a flat specimen, slides back and forth, and tells both
-//! coefficients of friction from tri-axial forces alone (first task of the paper's earlier study).
+//! The friction scan: one finger presses on a flat specimen, slides back and forth, and measures both friction
+//! coefficients from tri-axial forces alone (first task of the paper's earlier study).
 //!
-//! The specimen may be tilted. In the plane of pressing and sliding its tilt cancels out between both ways (see
-//! [`stick_slip`]); across it, by an angle `b`, it makes the coefficients too large by `1 / cos b`, 0.4 % at 5 degrees.
+//! The specimen may be tilted. In the plane of pressing and sliding, the tilt cancels out between both directions
+//! (see [`stick_slip`]). A tilt `b` across that plane makes the coefficients too large by `1 / cos b`, 0.4 % at 5
+//! degrees.
 
 mod angle_sum;
 mod config;
@@ -21,45 +22,46 @@ use angle_sum::AngleSum;
 use glam::DVec3;
 use stick_slip::{FrictionEstimate, Slips, StickSlip};
 
-/// An element that is pressed with less than this does not count in the load, N: the errors of many that touch
-/// nothing would add up.
+/// Compression below which an element does not count towards the load (N), because the errors of many untouched
+/// elements would add up.
 const TOUCHING: f64 = 0.05;
-/// No rubber holds on harder than this: an element that still sticks is held by something else, and is spared.
+/// Maximum friction coefficient of rubber. If an element still sticks beyond it, something else holds the element,
+/// and the scan ends to protect it.
 const GREATEST_FRICTION: f64 = 3.0;
-/// Frames at rest that tell their noise to about a fifth.
+/// Number of frames at rest that determines the noise to about a fifth.
 const FRAMES_AT_REST: u64 = 10;
 
-/// The state machine of the task.
+/// State machine of the task.
 #[derive(Debug, Clone)]
 pub struct FrictionScan {
     config: FrictionScanConfig,
     home: DVec3,
-    /// Unit vectors in W, across each other.
+    /// Orthogonal unit vectors in W.
     approach: DVec3,
     slide: DVec3,
     phase: Phase,
     stroke: u32,
-    /// Since when the finger has been settling, s; none before and after.
+    /// Time at which the finger began to settle (s), or `None` before and after.
     settling_since: Option<f64>,
-    /// The element that is looked at in this stroke: that of largest F_z when it began.
+    /// The element that is evaluated in this stroke: the one with the largest F_z at its start.
     element: usize,
-    /// Sequence number of the newest frame that was looked at.
+    /// Sequence number of the latest evaluated frame.
     sequence: Option<u64>,
-    /// The angle at rest.
+    /// Statistics of the angle at rest.
     rest: AngleSum,
     stick_slip: StickSlip,
-    /// Where the stroke began, m, in W.
+    /// Position at which the stroke began (m, in W).
     stroke_start: DVec3,
-    /// How far the finger had come in this stroke at its first slip, m.
+    /// Distance covered in this stroke before its first slip (m).
     first_slip: Option<f64>,
-    /// What the angle did on the ways back and forth.
+    /// Statistics of the angle for strokes back and forth.
     slips: [Slips; 2],
     findings: [Finding; 4],
     outcome: Option<&'static str>,
 }
 
 impl FrictionScan {
-    /// The task at its beginning.
+    /// Creates the task in its initial state.
     pub fn new(config: &FrictionScanConfig) -> Self {
         let approach = DVec3::from_array(config.approach).normalize_or_zero();
         let slide = DVec3::from_array(config.slide).reject_from_normalized(approach);
@@ -92,7 +94,7 @@ impl FrictionScan {
         }
     }
 
-    /// The way of this stroke, a unit vector in W.
+    /// Direction of this stroke, a unit vector in W.
     fn way(&self) -> DVec3 {
         match self.stroke % 2 {
             1 => self.slide,
@@ -100,7 +102,7 @@ impl FrictionScan {
         }
     }
 
-    /// The force with which the finger presses, N.
+    /// Pressing force of the finger (N).
     fn load(&self, finger: &FingerSense<'_>) -> f64 {
         let forces = finger.touch.frame.forces.iter().enumerate();
         let touching = forces.filter(|(_, force)| force.z > TOUCHING);
@@ -108,7 +110,7 @@ impl FrictionScan {
         -on_finger.dot(self.approach)
     }
 
-    /// The angle of the looked-at element's force, rad, if there is a new frame in which it touches.
+    /// Force angle of the evaluated element (rad), or `None` if there is no new frame or the element does not touch.
     fn new_angle(&mut self, finger: &FingerSense<'_>) -> Option<f64> {
         let frame = &finger.touch.frame;
         if self.sequence.replace(frame.sequence) == Some(frame.sequence) {
@@ -124,7 +126,7 @@ impl FrictionScan {
         self.rest.variance().unwrap_or_default()
     }
 
-    /// Holds still and measures the noise, from when the drives have come to rest.
+    /// Holds still and measures the noise once the drives have come to rest.
     fn settle(&mut self, finger: &FingerSense<'_>, settling_for: f64) {
         let angle = self.new_angle(finger);
         if let Some(angle) = angle.filter(|_| settling_for >= 0.5 * self.config.settle_time) {
@@ -148,7 +150,7 @@ impl FrictionScan {
             if angle > GREATEST_FRICTION.atan() {
                 return self.end("no slip");
             }
-            // Pressing leaves shear in every direction, which the first stroke wipes away.
+            // Pressing leaves shear in every direction, which the first stroke removes.
             let mut ignored = Slips::default();
             let slips = match self.stroke {
                 1 => &mut ignored,
@@ -194,7 +196,7 @@ impl FrictionScan {
         self.phase = Phase::Release;
     }
 
-    /// Slides along, and presses harder or less hard as the load wants it.
+    /// Velocity of sliding plus force control.
     fn sliding_velocity(&self, finger: &FingerSense<'_>) -> DVec3 {
         let config = &self.config;
         let fastest = match finger.flags().over {
@@ -250,7 +252,7 @@ impl Task for FrictionScan {
         Plan {
             velocity,
             towards_object: self.approach,
-            // It is to slip.
+            // The finger must slip.
             reflex: false,
             keep_grasp: false,
         }

@@ -1,38 +1,38 @@
-//! Friction from the angle of one element's force while it sticks and slips.
+//! Friction coefficients from the force angle of one element that sticks and slips.
 //!
-//! The angle is that of the force on the feeler against the pressing direction, in the plane of pressing and
-//! sliding, positive where friction acts. While the feeler sticks it rises; when it slips it falls. On a surface that is
-//! tilted by `t` in that plane it is `atan(mu) + t` one way and `atan(mu) - t` the other way, so that
-//! half their sum is the angle of friction, whatever the tilt.
+//! The angle is measured between the force on the feeler and the pressing direction, in the plane of pressing and
+//! sliding, positive in the direction of friction. It rises while the feeler sticks and falls when it slips. On a
+//! surface tilted by `t` in that plane it is `atan(mu) + t` one way and `atan(mu) - t` the other way, so half their
+//! sum is the friction angle, independent of the tilt.
 
 use super::angle_sum::AngleSum;
 
-/// A fall is taken for a slip if noise alone would make it once in some millions of frames: 5 standard
-/// deviations of a difference of two frames.
+/// Threshold of a fall in standard deviations of the noise: 5 standard deviations of the difference of two frames,
+/// which noise alone exceeds once in some millions of frames.
 const FALL: f64 = 5.0 * std::f64::consts::SQRT_2;
-/// Slips are looked at one by one if they stand out twice as far as what counts as a fall: hardly one is
-/// then missed, and noise does not choose which.
+/// Threshold above which slips are evaluated individually, twice that of a fall: few are missed then, and noise does
+/// not bias the selection.
 const CLEAR: f64 = 2.0 * FALL;
-/// A feeler slides if its angle has not been higher for so many frames.
+/// Number of frames without a new maximum angle after which a feeler counts as sliding.
 const NO_HIGHER: u32 = 20;
 
-/// What the angle did while a finger slid one way, in one stroke or several.
+/// Statistics of the angle while a finger slides one way, in one or more strokes.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Slips {
-    /// The angle at the last frame before each fall, rad.
+    /// Angle at the last frame before each fall (rad).
     before: AngleSum,
-    /// The angle at the first frame after it, rad.
+    /// Angle at the first frame after each fall (rad).
     after: AngleSum,
-    /// What the angle rose by from frame to frame between falls, rad.
+    /// Rise of the angle per frame between falls (rad).
     rise: AngleSum,
-    /// The angle at all frames since the feeler began to slide, rad.
+    /// Angle at all frames since the feeler began to slide (rad).
     sliding: AngleSum,
 }
 
-/// Follows the angle through one stroke.
+/// Tracks the angle through one stroke.
 #[derive(Debug, Clone, Copy)]
 pub struct StickSlip {
-    /// Variance of the angle at rest, rad².
+    /// Variance of the angle at rest (rad²).
     noise: f64,
     previous: Option<f64>,
     highest: f64,
@@ -41,7 +41,7 @@ pub struct StickSlip {
 }
 
 impl StickSlip {
-    /// For a stroke of an element whose angle has this variance at rest, rad².
+    /// Creates a tracker for a stroke of an element whose angle has the variance `noise` at rest (rad²).
     pub fn new(noise: f64) -> Self {
         Self {
             noise,
@@ -52,12 +52,12 @@ impl StickSlip {
         }
     }
 
-    /// Whether the feeler has slipped at least once.
+    /// Returns whether the feeler has slipped at least once.
     pub fn slides(&self) -> bool {
         self.slides
     }
 
-    /// Takes in the angle at the next frame, rad, and adds what it shows to `slips`.
+    /// Processes the angle at the next frame (rad) and updates `slips`.
     pub fn see(&mut self, angle: f64, slips: &mut Slips) {
         let before = self.previous.replace(angle);
         if angle > self.highest {
@@ -80,7 +80,7 @@ impl StickSlip {
     }
 }
 
-/// The highest angle at which the feeler sticks and the one that it slips back to, rad.
+/// Angle at which the feeler starts to slip, and the angle after the slip (rad).
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Limits {
     highest: f64,
@@ -88,15 +88,15 @@ struct Limits {
 }
 
 impl Slips {
-    /// Falls of the angle that stood out of its noise.
+    /// Number of falls of the angle that exceed its noise.
     pub fn falls(&self) -> u64 {
         self.before.count()
     }
 
-    /// Both limits from the falls, if they stand out clearly of noise of this variance, rad².
+    /// Both limits from the falls, if they clearly exceed noise of variance `noise` (rad²).
     ///
-    /// A fall is anywhere between two frames, so the angle rises by half a frame's share before it on average, and by
-    /// the other half after it.
+    /// A fall happens at a random time between two frames, so on average the angle rises by half a frame's share
+    /// before it and by the other half after it.
     fn limits_by_falls(&self, noise: f64) -> Option<Limits> {
         let half = 0.5 * self.rise.mean()?;
         let limits = Limits {
@@ -106,8 +106,8 @@ impl Slips {
         (limits.highest - limits.lowest > CLEAR * noise.sqrt()).then_some(limits)
     }
 
-    /// Both limits from the spread of the angle: between them it rises evenly, whenever frames are taken.
-    /// Where it only slides, without sticking, both are its mean.
+    /// Both limits from the spread of the angle, which rises uniformly between them. If the element slides without
+    /// sticking, both are the mean.
     fn limits_by_spread(&self, noise: f64) -> Option<Limits> {
         let mean = self.sliding.mean()?;
         let half = (3.0 * (self.sliding.variance()? - noise).max(0.0)).sqrt();
@@ -118,21 +118,21 @@ impl Slips {
     }
 }
 
-/// What sliding both ways over a surface tells of it.
+/// Friction and tilt of a surface, from sliding over it both ways.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrictionEstimate {
-    /// Coefficient while it sticks.
+    /// Static friction coefficient.
     pub static_friction: f64,
-    /// Coefficient while it slips.
+    /// Kinetic friction coefficient.
     pub kinetic_friction: f64,
-    /// How much the surface is tilted in the plane of pressing and sliding, rad; positive where it rises against a
-    /// finger that slides forward.
+    /// Tilt of the surface in the plane of pressing and sliding (rad), positive if it rises against a finger that
+    /// slides forward.
     pub tilt: f64,
 }
 
 impl FrictionEstimate {
-    /// From what the angle did forward and backward, with noise of this variance, rad²; none unless the
-    /// feeler slid both ways.
+    /// Estimates friction and tilt from the statistics of both directions, with noise of variance `noise` (rad²).
+    /// Returns `None` unless the feeler slid both ways.
     pub fn estimate(forward: &Slips, backward: &Slips, noise: f64) -> Option<Self> {
         let falls = forward
             .limits_by_falls(noise)
@@ -159,29 +159,29 @@ mod tests {
     use rand_distr::StandardNormal;
     use rand_pcg::Pcg64;
 
-    /// A surface, and how a feeler is drawn over it.
+    /// A surface, and the motion of a feeler over it.
     #[derive(Clone, Copy)]
     struct Drawn {
         static_friction: f64,
         kinetic_friction: f64,
         tilt: f64,
-        /// What shear by compression grows by from frame to frame.
+        /// Growth of the ratio of shear to compression per frame.
         rise: f64,
-        /// Standard deviation of the angle, rad.
+        /// Standard deviation of the angle (rad).
         noise: f64,
     }
 
     const FRAMES: usize = 1000;
 
-    /// What is seen of one way: shear by compression in closed form, a line that falls from one limit to
-    /// the other wherever it meets it.
+    /// Simulates one direction: the ratio of shear to compression rises linearly and falls from the static to the
+    /// kinetic limit whenever it reaches it.
     fn slips(drawn: &Drawn, tilt: f64, random: &mut Pcg64) -> Slips {
         let (mut slips, mut stick_slip) = (Slips::default(), StickSlip::new(drawn.noise.powi(2)));
         let (highest, drop) = (
             drawn.static_friction,
             drawn.static_friction - drawn.kinetic_friction,
         );
-        // The way before left it at the other limit.
+        // The previous stroke left it at the opposite limit.
         let mut built_up = -highest + drawn.rise * random.random::<f64>();
         for _ in 0..FRAMES + (2.0 * highest / drawn.rise) as usize {
             built_up += drawn.rise;
@@ -221,8 +221,8 @@ mod tests {
                     noise: 0.001,
                 };
                 let (found, falls) = estimate(&drawn, &mut random);
-                // A fall is at any time between two frames: its place has this standard deviation in friction, and
-                // the noise adds to it; four of the mean's.
+                // A fall happens at a random time between two frames. The tolerance is four standard deviations of
+                // the mean, including the noise.
                 let each =
                     drawn.rise / 12_f64.sqrt() + (1.0 + static_friction.powi(2)) * drawn.noise;
                 let tolerance = 4.0 * each / (falls as f64).sqrt();
@@ -252,8 +252,9 @@ mod tests {
             noise: 0.005,
         };
         let (found, _) = estimate(&drawn, &mut Pcg64::seed_from_u64(2));
-        // The spread of 0.02 has variance 0.02² / 12 = 3.3e-5 beside the noise's 2.5e-5; of 2000 frames, theirs is known
-        // to 5.8e-5 sqrt(2 / 2000) = 1.8e-6, so half the spread, 0.01, to 3 %, and the mean to 2e-4.
+        // The spread of 0.02 has the variance 0.02² / 12 = 3.3e-5, in addition to the noise's 2.5e-5. With 2000
+        // frames, the total is known to 5.8e-5 sqrt(2 / 2000) = 1.8e-6, so half the spread, 0.01, to 3 %, and the
+        // mean to 2e-4.
         assert!(
             (found.static_friction - 0.21).abs() < 4.0 * 5e-4,
             "{found:?}"
@@ -275,14 +276,14 @@ mod tests {
         };
         let (found, falls) = estimate(&drawn, &mut Pcg64::seed_from_u64(3));
         assert_eq!(falls, 0);
-        // The frames until it is known to slide belong to the slide; rounding is all that is left.
+        // The frames until sliding is detected belong to the slide; only rounding errors remain.
         assert!((found.static_friction - 0.6).abs() < 1e-9, "{found:?}");
         assert!((found.kinetic_friction - 0.6).abs() < 1e-9, "{found:?}");
         assert!((found.tilt + 0.03).abs() < 1e-9, "{found:?}");
     }
 
     #[test]
-    fn what_only_rises_does_not_slide_and_one_way_is_not_enough() {
+    fn a_rising_angle_is_not_sliding_and_one_direction_is_not_enough() {
         let (mut slips, mut stick_slip) = (Slips::default(), StickSlip::new(1e-6));
         for frame in 0..500 {
             stick_slip.see(-0.5 + 0.002 * f64::from(frame), &mut slips);

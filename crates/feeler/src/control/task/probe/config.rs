@@ -1,50 +1,52 @@
-//! Parameters of the probing routine.
+//! Configuration of the probing routine.
 
 use crate::check::Checker;
 use crate::control::flags::FlagThresholds;
 use crate::control::task::screw::FingerPathConfig;
 use serde::{Deserialize, Serialize};
 
-/// Greatest share of F2 to which elements are pressed: drives that lag press on a little.
+/// Maximum press force as a share of F2, because drives that lag overshoot slightly.
 const GREATEST_PRESS: f64 = 0.9;
-/// Least share of an approach to a home off the lines between the fingers.
+/// Minimum sine of the angle between approach and stroke.
 const LEAST_CROSS: f64 = 0.1;
 
-/// Where the fingers probe, and how hard.
+/// Places and forces of the probing routine.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ProbeConfig {
-    /// Speed of the approach, m/s.
+    /// Speed of the approach (m/s).
     #[serde(default = "default::search_speed")]
     pub search_speed: f64,
-    /// Distance from home at which a finger that has touched nothing stops the task, m; also the greatest depth of a press.
+    /// Maximum travel from home without touch (m), after which the finger stops the task. Also limits the depth of a
+    /// press.
     #[serde(default = "default::search_limit")]
     pub search_limit: f64,
-    /// Speed of the first press and release at each place, m/s; the second is twice as fast.
+    /// Speed of the first press and release at each place (m/s). The second press and release are twice as fast.
     #[serde(default = "default::press_speed")]
     pub press_speed: f64,
-    /// Force `F_z` to which the most loaded element is pressed, N; at most 0.9 of F2.
+    /// Force `F_z` to which the most loaded element is pressed (N), at most 0.9 of F2.
     #[serde(default = "default::press_force")]
     pub press_force: f64,
-    /// Greatest force `F_z` on the most loaded element while a finger slides, N.
+    /// Maximum force `F_z` on the most loaded element while a finger slides (N).
     #[serde(default = "default::slide_force")]
     pub slide_force: f64,
-    /// Greatest depth of an element while a finger slides, m: soft elements slide with less than `slide_force`.
+    /// Maximum depth of an element while a finger slides (m). Soft elements slide with less than `slide_force`.
     #[serde(default = "default::slide_depth")]
     pub slide_depth: f64,
-    /// Distance that a finger slides along the object's axis, m.
+    /// Sliding distance along the object's axis (m).
     #[serde(default = "default::slide_travel")]
     pub slide_travel: f64,
-    /// Distance between neighbouring places, along the stroke, m.
+    /// Distance between neighbouring places along the stroke (m).
     #[serde(default = "default::spacing")]
     pub spacing: f64,
-    /// Distance from the object at which a finger moves to its next place, m.
+    /// Distance from the object at which a finger moves to its next place (m).
     #[serde(default = "default::clearance")]
     pub clearance: f64,
-    /// Speed between places and home, m/s.
+    /// Speed between places and home (m/s).
     #[serde(default = "default::return_speed")]
     pub return_speed: f64,
-    /// Smallest and largest plausible radius of a feeler's rounded tip, m. Touch alone cannot separate it from the object's radius.
+    /// Minimum and maximum plausible radius of a feeler's rounded tip (m). Touch alone cannot separate it from the
+    /// object's radius.
     #[serde(default = "default::tip_radius")]
     pub tip_radius: [f64; 2],
     /// Home, approach and stroke of each finger, as in `[task.screw]`.
@@ -66,7 +68,7 @@ defaults! {
 }
 
 impl ProbeConfig {
-    /// A gentle probe along the rectangles of `finger`, with elements that may be loaded with `over_force` (F2, N).
+    /// Returns a gentle probe along the rectangles of `finger`, for elements rated at `over_force` (F2, N).
     pub fn gentle(finger: Vec<FingerPathConfig>, over_force: f64) -> Self {
         let press_force = 0.7 * over_force;
         Self {
@@ -85,7 +87,7 @@ impl ProbeConfig {
         }
     }
 
-    /// Requires every value of the table `key` to be in its range; elements touch and are overloaded as the `thresholds` say.
+    /// Requires every value of the table `key` to be in its range. `thresholds` defines F1 and F2.
     pub fn check(&self, key: &str, thresholds: &FlagThresholds, checker: &mut Checker) {
         let positive = [
             ("search_speed", self.search_speed),

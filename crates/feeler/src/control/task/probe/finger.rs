@@ -11,49 +11,50 @@ use glam::DVec3;
 
 /// Number of places that are probed.
 pub(super) const PLACES: u32 = 3;
-/// Displacement while the elements stick, relative to their depth: the shear force stays below 0.35 of the normal force even where
-/// shear is nearly as stiff as compression.
+/// Displacement while the elements stick, relative to their depth. The shear force stays below 0.35 of the normal
+/// force even if the shear stiffness is close to the normal stiffness.
 const SHEAR: f64 = 0.35;
 /// Rate of sliding and shearing, in depths per second.
 const SLIDE_RATE: f64 = 5.0;
-/// Longest time of sliding at one place, s.
+/// Maximum duration of sliding at one place (s).
 const LONGEST_SLIDE: f64 = 2.5;
-/// Rate at which the force is regulated while a finger slides, 1/s.
+/// Gain of force control while a finger slides (1/s).
 const FORCE_RATE: f64 = 2.0;
-/// Distance within which a finger is at its place, m.
+/// Maximum distance from a place at which a finger counts as there (m).
 const TOLERANCE: f64 = 0.0002;
-/// Control steps in a row without enough force after which a finger has lost the object.
+/// Number of consecutive control steps without enough force after which a finger has lost the object.
 const LOST: u32 = 20;
 
-/// A finger's rectangle, what it measured of the contact and where its step began.
+/// State of one finger: its rectangle, measurements of the contact, and the start of its step.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Finger {
     home: DVec3,
-    /// Unit vectors, in W: towards the object, along the stroke, along the object's axis.
+    /// Unit vectors (in W): towards the object, along the stroke, and along the object's axis.
     approach: DVec3,
     stroke: DVec3,
     axis: DVec3,
-    /// Distance along the stroke from home to the middle place, m.
+    /// Distance along the stroke from home to the middle place (m).
     middle: f64,
-    /// Sign of the places along the stroke: neighbouring fingers probe on the same side, so that their torques cancel.
+    /// Sign of the places along the stroke. Neighbouring fingers probe on the same side, so that their torques
+    /// cancel.
     side: f64,
-    /// Greatest `F_z`, N, now and at the touch.
+    /// Largest `F_z` (N), now and at first touch.
     force: f64,
     touch_force: f64,
-    /// Distance towards the object from home, m, at the touch of this place.
+    /// Distance from home towards the object at the first touch of this place (m).
     touched_at: Option<f64>,
-    /// Contact stiffness along the approach by the first press, N/m.
+    /// Contact stiffness along the approach from the first press (N/m).
     stiffness: f64,
-    /// Position when the step began, m, in W.
+    /// Position at the start of the step (m, in W).
     from: DVec3,
-    /// Whether the finger is through with the step.
+    /// `true` if the finger has completed the step.
     through: bool,
-    /// Number of control steps in a row in which it hardly touched.
+    /// Number of consecutive control steps with too little force.
     weak: u32,
 }
 
 impl Finger {
-    /// The finger `index` at home; `centre` is the mean of all homes, m, in W.
+    /// Creates the finger `index` at home; `centre` is the mean of all homes (m, in W).
     pub fn new(index: usize, path: &FingerPathConfig, centre: DVec3) -> Self {
         let home = DVec3::from_array(path.home);
         let approach = DVec3::from_array(path.approach).normalize_or_zero();
@@ -77,10 +78,10 @@ impl Finger {
         }
     }
 
-    /// Takes in what the finger senses `elapsed` seconds after `step` began at `place`.
+    /// Updates the finger with its readings, `elapsed` seconds after `step` began at `place`.
     ///
     /// # Errors
-    /// If the finger `index` finds nothing to press, or loses what it presses.
+    /// If the finger `index` finds no object to press, or loses it.
     pub fn advance(
         &mut self,
         index: usize,
@@ -104,22 +105,22 @@ impl Finger {
         Ok(())
     }
 
-    /// Whether the finger is through with the step.
+    /// Returns whether the finger has completed the step.
     pub fn is_through(&self) -> bool {
         self.through
     }
 
-    /// Distance towards the object from home, m.
+    /// Distance from home towards the object (m).
     fn approached(&self, position: DVec3) -> f64 {
         (position - self.home).dot(self.approach)
     }
 
-    /// Force at which the finger slides, N.
+    /// Force at which the finger slides (N).
     fn slide_force(&self, config: &ProbeConfig) -> f64 {
         config.slide_force.min(self.stiffness * config.slide_depth)
     }
 
-    /// Begins a step at `position`, m, in W.
+    /// Begins a step at `position` (m, in W).
     pub fn begin(&mut self, step: Step, position: DVec3) {
         self.from = position;
         self.through = false;
@@ -132,7 +133,7 @@ impl Finger {
         }
     }
 
-    /// Where the finger waits off the object before it touches at `place`, m, in W.
+    /// Position off the object at which the finger waits before it touches at `place` (m, in W).
     fn waiting_place(&self, place: u32, config: &ProbeConfig) -> DVec3 {
         let offset = self.side * (f64::from(place) - 0.5 * f64::from(PLACES - 1)) * config.spacing;
         let near = self
@@ -141,17 +142,17 @@ impl Finger {
         self.home + (self.middle + offset) * self.stroke + near * self.approach
     }
 
-    /// Displacement of a shear that sticks, m.
+    /// Displacement of a shear that sticks (m).
     fn shear(&self, config: &ProbeConfig) -> f64 {
         SHEAR * config.press_force / self.stiffness.max(1.0)
     }
 
-    /// Depth of an element that slides, m.
+    /// Depth of an element that slides (m).
     fn slide_depth(&self, config: &ProbeConfig) -> f64 {
         self.slide_force(config) / self.stiffness.max(1.0)
     }
 
-    /// Whether the finger has come to the end of `step`, after `elapsed` seconds.
+    /// Returns whether the finger has reached the end of `step`, after `elapsed` seconds.
     fn has_reached(
         &self,
         (step, place, elapsed): (Step, u32, f64),
@@ -178,7 +179,7 @@ impl Finger {
         }
     }
 
-    /// Velocity in `step` at `place`, m/s, in W; zero once the finger is through.
+    /// Velocity in `step` at `place` (m/s, in W); zero once the finger has completed the step.
     pub fn velocity(
         &self,
         (step, place): (Step, u32),
@@ -191,7 +192,7 @@ impl Finger {
         let direction = if place.is_multiple_of(2) { 1.0 } else { -1.0 };
         let waiting = self.waiting_place(place, config);
         let back = homeward(self.from - position, config.press_speed);
-        // Along the approach the finger moves as the step says; across it, it keeps its line.
+        // The step determines the motion along the approach; across it, the finger keeps its line.
         let across = back.reject_from_normalized(self.approach);
         let along = |speed: f64| speed * self.approach + across;
         let shear =

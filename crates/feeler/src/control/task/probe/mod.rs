@@ -1,11 +1,12 @@
-//! The probing routine: touches, presses and releases, shears while sticking and slides, at three places.
+//! The probing routine: touches, presses and releases, shears while sticking, and slides, at three places.
 //!
-//! It estimates nothing itself. The forces, joint angles and commands of the routine are enough to identify contact
-//! stiffness, friction, drives and the object, whatever drives the hand. The finding `step` is the number of the
-//! current [`Step`]; a stroke is one place.
+//! The routine estimates nothing itself. Its forces, joint angles and commands are sufficient to identify contact
+//! stiffness, friction, drives and the object, for any hand. The finding `step` is the number of the current
+//! [`Step`]; a stroke is one place.
 //!
 //! The fingers move alike: neighbouring fingers probe on the same side of the object, and all of them shear and slide
-//! along its axis. So opposing fingers exert no torque about that axis, and an object that turns easily stands still.
+//! along its axis. So opposing fingers exert no torque about that axis, and an object that turns easily stays at
+//! rest.
 
 mod config;
 mod finger;
@@ -22,20 +23,21 @@ use crate::control::stop_reason::StopReason;
 use finger::{Finger, PLACES};
 use glam::DVec3;
 
-/// Duration of the rests before the first step and between steps, s: drives settle, and noise is measured at the first.
+/// Durations of the rest before the first step and of the pauses between steps (s). Drives settle in them; noise is
+/// measured in the first.
 const REST: f64 = 0.5;
 const PAUSE: f64 = 0.1;
 
-/// The state machine of the task.
+/// State machine of the task.
 #[derive(Debug, Clone)]
 pub struct Probe {
     config: ProbeConfig,
     fingers: Vec<Finger>,
     step: Step,
     place: u32,
-    /// Time at which the step began, s; `None` before the first control step.
+    /// Time at which the step began (s); `None` before the first control step.
     since: Option<f64>,
-    /// Time at which all fingers were through with the step, s; `None` before.
+    /// Time at which all fingers completed the step (s); `None` before.
     through: Option<f64>,
     findings: [Finding; 1],
 }
@@ -44,7 +46,7 @@ impl Probe {
     /// Number of places that are probed.
     pub const PLACES: u32 = PLACES;
 
-    /// The task at its beginning.
+    /// Creates the task in its initial state.
     pub fn new(config: &ProbeConfig) -> Self {
         let homes = config
             .finger

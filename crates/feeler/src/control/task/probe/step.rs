@@ -2,12 +2,12 @@
 
 use crate::control::phase::Phase;
 
-/// A step of the probing routine, which all fingers make together.
+/// A step of the probing routine, which all fingers perform together.
 ///
-/// The numbers are those of the finding `step` in recordings.
+/// Recordings contain these numbers as the finding `step`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Step {
-    /// Rests at home: noise of the forces.
+    /// Rests at home, to measure the noise of the forces.
     #[default]
     Rest = 0,
     /// Moves to a place, off the object.
@@ -24,7 +24,7 @@ pub enum Step {
     Shear = 6,
     /// Shears back.
     ShearBack = 7,
-    /// Releases twice as fast, to the force of sliding.
+    /// Releases twice as fast, to the sliding force.
     Ease = 8,
     /// Slides along the object's axis.
     Slide = 9,
@@ -37,7 +37,7 @@ pub enum Step {
 }
 
 impl Step {
-    /// Every step, in the order of their numbers.
+    /// All steps, in the order of their numbers.
     pub const ALL: [Self; 13] = [
         Self::Rest,
         Self::Travel,
@@ -54,7 +54,7 @@ impl Step {
         Self::Done,
     ];
 
-    /// The step that follows; [`Done`](Self::Done) follows itself.
+    /// Next step; [`Done`](Self::Done) is the last one and returns itself.
     pub(super) fn next(self) -> Self {
         let next = Self::ALL.get(self as usize + 1);
         next.copied().unwrap_or(Self::Done)

@@ -1,4 +1,4 @@
-//! A finger that closes on the object.
+//! Closing motion of a finger.
 
 use super::super::circle::Circle;
 use super::super::stroke::Lesson;
@@ -7,27 +7,27 @@ use super::{Finger, Motion, Onset};
 use crate::control::plan::Plan;
 use glam::{DVec2, DVec3};
 
-/// The first closing ends when an element is pressed with this, relative to F2.
+/// Largest element force at which the first closing motion ends, relative to F2.
 const FIRST_CLOSING: f64 = 0.8;
-/// The same for a grip as needed, whose load is unknown yet.
+/// Like [`FIRST_CLOSING`], but for [`Grip::AsNeeded`], whose load is still unknown.
 const LIGHT_CLOSING: f64 = 0.3;
 /// Fraction of a shift of the object's surface that is added to the radius: between 1, for an object that turned with
-/// the finger, and 0, for one that stood still.
+/// the finger, and 0, for an object that stayed at rest.
 const SURFACE_PART: f64 = 0.5;
-/// A finger has closed when it is this close to its radius, m.
+/// Distance to the target radius at which a finger has closed (m).
 const CLOSED_WITHIN: f64 = 2e-5;
-/// Slowest approach, relative to the planned speed.
+/// Minimum approach speed, relative to the planned speed.
 const SLOWEST: f64 = 0.1;
-/// Lateral distance from the start of its stroke above which a finger waits at [`WAIT_AT`], m.
+/// Lateral distance from the start of its stroke above which a finger waits at [`WAIT_AT`] (m).
 const ASIDE: f64 = 2e-4;
-/// Distance from its radius at which it waits, m.
+/// Distance from the target radius at which a finger waits (m).
 const WAIT_AT: f64 = 0.004;
-/// Fastest motion to the side while closing, m/s.
+/// Maximum lateral speed while closing (m/s).
 const SIDEWAYS_SPEED: f64 = 0.005;
 
 impl Finger {
-    /// Returns whether a closing finger has reached its radius or its force limit; `None` if the finger is not closing, or
-    /// if the task's grasp force decides.
+    /// Returns whether a closing finger has reached its radius or its force limit; `None` if the finger is not
+    /// closing, or if the task's grasp force decides.
     pub fn has_closed(
         &self,
         config: &PivotConfig,
@@ -52,7 +52,8 @@ impl Finger {
         }
     }
 
-    /// Radius of the present stroke, m: as `lesson` has it, moved along with the object's surface where contact began.
+    /// Radius of the current stroke (m): the radius of `lesson`, shifted with the object's surface at the first
+    /// contact.
     pub(super) fn radius(&self, lesson: &Lesson, circle: &Circle) -> f64 {
         let (Some(now), Some(before), Some(k)) = (self.onset, self.onset_before, self.stiffness)
         else {
@@ -63,8 +64,8 @@ impl Finger {
         lesson.radius + SURFACE_PART * (surface(now) - surface(before))
     }
 
-    /// Velocity of a closing finger, m/s, in W: towards its radius, and sideways until its stroke begins relative to
-    /// the pivot as planned relative to the hand's centre; `offset` (m) is the pivot's from that centre.
+    /// Velocity of a closing finger (m/s, in W): towards its radius, and sideways until its stroke starts at the
+    /// planned position, shifted by `offset` (m), the pivot's offset from the hand's centre.
     pub fn close(&self, plan: &Plan, config: &PivotConfig, circle: Circle, offset: DVec2) -> DVec3 {
         let Some(lesson) = self.lesson else {
             return plan.velocity;

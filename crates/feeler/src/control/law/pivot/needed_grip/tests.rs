@@ -8,13 +8,13 @@ const STIFFNESS: Stiffness = Stiffness {
     normal: 200.0,
     shear: 100.0,
 };
-/// Depth of the most pressed feeler, m.
+/// Depth of the most pressed feeler (m).
 const DEPTH: f64 = 1e-3;
 
-/// Frames in which the finger moves.
+/// Number of frames in which the finger moves.
 const MOVING: u64 = 26;
 
-/// A finger whose apex touches an object about W's z axis, and moves against y of W by 0.1 mm in 10 ms, until it stands still.
+/// A finger whose apex touches an object on W's z axis. It moves along -y of W by 0.1 mm every 10 ms, until it stops.
 struct Rig {
     layout: ElementLayout,
     grip: NeededGrip,
@@ -41,7 +41,8 @@ impl Rig {
         }
     }
 
-    /// The next frame, with `normal` force and `shear` along y of W on the apex, N. Returns the speed inward, m/s.
+    /// Processes the next frame, with `normal` force and `shear` along y of W on the apex (N). Returns the inward
+    /// speed (m/s).
     fn frame(&mut self, normal: f64, shear: f64, turns: bool) -> f64 {
         self.frames += 1;
         let mut touch = FingerTouch::none(self.layout.elements.len());
@@ -68,8 +69,8 @@ impl Rig {
         -self.grip.speed(DEPTH)
     }
 
-    /// Sticks while the shear rises to 0.25 N, by 10 mN a frame; then slips until 0.15 N are left. Returns the speed
-    /// inward in the frame of the slip, m/s.
+    /// Sticks while the shear rises to 0.25 N, by 10 mN a frame; then slips until 0.15 N are left. Returns the inward
+    /// speed in the frame of the slip (m/s).
     fn slip(&mut self, turns: bool) -> f64 {
         for step in 1..=25 {
             let speed = self.frame(0.3, 0.01 * f64::from(step), turns);
@@ -81,7 +82,7 @@ impl Rig {
 
 #[test]
 fn a_slip_presses_the_finger_deeper_in_the_same_frame() {
-    // One frame's pulse, less the 5 % by which the gain lets go, as the load is lower now.
+    // One frame's pulse, less the 5 % by which the gain loosens the grip, as the load is lower now.
     let depth = 0.01 * Rig::new().slip(true);
     let expected = (PULSE - 0.01 * GAIN * LARGEST_ERROR) * DEPTH;
     assert!((depth / expected - 1.0).abs() < 0.05, "{depth} {expected}");
