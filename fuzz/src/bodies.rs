@@ -38,7 +38,7 @@ use feeler_link::peers::{Expected, MOST_PEERS};
 use feeler_link::rig_inbox::RigInbox;
 use feeler_link::run_clock::{RigSpeed, RunClock};
 use feeler_link::sense_inbox::SenseInbox;
-use feeler_link::stop_wire;
+use feeler_link::stop_wire::parse as parse_datagram;
 use feeler_link::topic::{Place, Topic};
 use feeler_record::wire::{Message, Vector3, cdr};
 use feeler_record::{RecordedCamera, RecordedHand, RecordedSensor, Recording};
@@ -440,10 +440,10 @@ fn check_hand(hand: &mut HandInbox, now: f64) {
 
 /// Whatever arrives at the stop door reads back as what it is, or is none.
 pub fn stop_wire(bytes: &[u8]) -> bool {
-    let Some(datagram) = stop_wire::parse(bytes) else {
+    let Some(datagram) = parse_datagram(bytes) else {
         return false;
     };
-    assert_eq!(stop_wire::parse(&datagram.bytes()), Some(datagram));
+    assert_eq!(parse_datagram(&datagram.bytes()), Some(datagram));
     true
 }
 

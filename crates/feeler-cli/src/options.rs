@@ -2,7 +2,7 @@
 
 use feeler_record::FLUSH_INTERVAL;
 
-/// Whether to replace existing files.
+/// Option to replace existing files.
 #[derive(Debug, Clone, Copy, clap::Args)]
 pub struct Overwrite {
     /// Overwrite existing output files. Input files are never overwritten.
@@ -18,7 +18,7 @@ pub struct Json {
     pub json: bool,
 }
 
-/// How often a recording is written to disk.
+/// Interval at which a recording is written to disk.
 #[derive(Debug, Clone, clap::Args)]
 pub struct FlushArguments {
     /// Write the recording to disk at least every S seconds of the run's time: the most that is lost if the program is
